@@ -1,0 +1,29 @@
+//! Colour: linear Rec. 709 RGB, its luminance, and the sRGB transfer function (IEC 61966-2-1).
+
+use glam::Vec3;
+
+/// Linear Rec. 709 RGB: a radiance, a reflectance or a weight, by context.
+pub type Rgb = Vec3;
+
+/// Relative luminance (CIE Y) of a linear colour.
+pub fn luminance(rgb: Rgb) -> f32 {
+    rgb.dot(Vec3::new(0.212_671, 0.715_160, 0.072_169))
+}
+
+/// One linear component in [0, 1] to its sRGB encoding in [0, 1].
+pub fn srgb_from_linear(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    }
+}
+
+/// One sRGB-encoded component in [0, 1] to linear.
+pub fn linear_from_srgb(encoded: f32) -> f32 {
+    if encoded <= 0.040_45 {
+        encoded / 12.92
+    } else {
+        ((encoded + 0.055) / 1.055).powf(2.4)
+    }
+}

@@ -1,0 +1,8 @@
+//! Sunroom: a small level editor whose viewport is a path tracer.
+//!
+//! The kernel (`math` to `render`) knows nothing of Bevy; `document` is the XML format; `scene` holds the authoring state as entities
+//! and assets; `engine` is the only place that knows both sides; `app` drives it with or without a window.
+
+pub mod color;
+pub mod geometry;
+pub mod math;

@@ -1,0 +1,63 @@
+//! A ray, and the one place where a new ray's origin is moved off the surface it leaves.
+
+use glam::Vec3;
+
+/// The half-line `origin + t dir` for `0 < t < t_max`.
+///
+/// `dir` need not be of unit length: a ray taken into an instance's local space keeps its `t`, so that hits compare across instances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    pub origin: Vec3,
+    pub dir: Vec3,
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// An unbounded ray.
+    pub fn new(origin: Vec3, dir: Vec3) -> Self {
+        Self {
+            origin,
+            dir,
+            t_max: f32::INFINITY,
+        }
+    }
+
+    /// The open segment from `a` to `b`, as a shadow ray needs it: `t` runs in (0, 1).
+    pub fn segment(a: Vec3, b: Vec3) -> Self {
+        Self {
+            origin: a,
+            dir: b - a,
+            t_max: 1.0,
+        }
+    }
+
+    /// The point at parameter `t`.
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + t * self.dir
+    }
+}
+
+/// Moves `position` off its surface to the side that `dir` points to.
+///
+/// `normal` is the unit geometric normal, `error` a bound on the absolute error of each coordinate of `position` (world units). The
+/// offset follows the error's extent along the normal and is rounded away from the surface (Pharr, Jakob, Humphreys, PBR 4th ed.,
+/// section 6.8.6), so that it scales with the scene instead of being a fixed epsilon.
+pub fn offset_origin(position: Vec3, error: f32, normal: Vec3, dir: Vec3) -> Vec3 {
+    let distance = error * (normal.x.abs() + normal.y.abs() + normal.z.abs());
+    let side = if dir.dot(normal) < 0.0 { -1.0 } else { 1.0 };
+    let moved = position + normal * (side * distance);
+    let round = |moved: f32, from: f32| {
+        if moved > from {
+            moved.next_up()
+        } else if moved < from {
+            moved.next_down()
+        } else {
+            moved
+        }
+    };
+    Vec3::new(
+        round(moved.x, position.x),
+        round(moved.y, position.y),
+        round(moved.z, position.z),
+    )
+}
