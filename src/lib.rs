@@ -4,5 +4,6 @@
 //! and assets; `engine` is the only place that knows both sides; `app` drives it with or without a window.
 
 pub mod color;
+pub mod document;
 pub mod geometry;
 pub mod math;
