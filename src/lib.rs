@@ -7,3 +7,4 @@ pub mod color;
 pub mod document;
 pub mod geometry;
 pub mod math;
+pub mod scene;

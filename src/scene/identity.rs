@@ -1,0 +1,20 @@
+//! What every entity of a scene carries: its place in the file, its id there, its place in the world.
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+
+/// Position in the scene file. Everything that becomes a table is ordered by it, never by how the ECS happens to store entities.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[reflect(Component, PartialEq)]
+pub struct DocumentOrder(pub u32);
+
+/// The `id` attribute of the file; entities without one were declared in place.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Component, PartialEq)]
+pub struct SceneId(pub String);
+
+/// World from local, an invertible affine map (`to_world` of the file). For a sensor: +z is where it looks, +x to its left, +y up; for a
+/// point light the origin is its position, for a directional light +z is where the light goes.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, PartialEq)]
+pub struct ToWorld(pub Affine3A);

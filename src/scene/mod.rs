@@ -1,0 +1,19 @@
+//! The scene as the editor sees it: entities with plain components, and the assets they name. No scheduling of rendering here.
+//!
+//! Every shape, material, emitter and sensor is one entity. What they refer to are relationships, settings are resources.
+
+pub mod emitter;
+pub mod identity;
+pub mod material;
+pub mod sensor;
+pub mod settings;
+pub mod shape;
+
+pub use emitter::{AreaLight, Emitter};
+pub use identity::{DocumentOrder, SceneId, ToWorld};
+pub use material::{
+    ConductorIor, FirstNested, FirstNestedIn, Ior, Material, MaterialUsers, SecondNested, SecondNestedIn, UsesMaterial,
+};
+pub use sensor::{Film, FovAxis, Lens, ReconstructionFilter, Sensor};
+pub use settings::{AccelMethod, IntegratorSettings, SamplerSettings, Sequence, Strategy};
+pub use shape::{MeshFile, MeshFormat, Shape, ShapeKind};

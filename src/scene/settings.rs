@@ -1,0 +1,70 @@
+//! How the scene is to be rendered: what the file's `integrator` and `sampler` say, and the switches for comparing methods.
+
+use bevy::prelude::*;
+
+/// The path integrator.
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Resource, PartialEq)]
+pub struct IntegratorSettings {
+    /// Longest path in segments: 1 shows emitters only, 2 adds direct light; None is unbounded.
+    pub max_depth: Option<u32>,
+    /// From this depth on paths are ended by Russian roulette.
+    pub rr_depth: u32,
+    /// Emitters are not seen by the camera directly.
+    pub hide_emitters: bool,
+    pub strategy: Strategy,
+    /// Schlick's approximation for dielectrics instead of the exact Fresnel equations.
+    pub schlick: bool,
+}
+
+impl Default for IntegratorSettings {
+    fn default() -> Self {
+        Self {
+            max_depth: None,
+            rr_depth: 5,
+            hide_emitters: false,
+            strategy: Strategy::Mis,
+            schlick: false,
+        }
+    }
+}
+
+/// How light is looked for at each bounce. All three converge to the same picture, save that light-only sampling cannot see an
+/// emitter through a mirror or glass other than by following the path there.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Strategy {
+    Bsdf,
+    Light,
+    #[default]
+    Mis,
+}
+
+/// Where random numbers come from.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, PartialEq)]
+pub struct SamplerSettings {
+    pub sequence: Sequence,
+    pub seed: u32,
+}
+
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sequence {
+    /// Owen-scrambled Sobol points: less noise for the same number of samples.
+    #[default]
+    Sobol,
+    /// Independent random numbers, as the format's `independent` sampler.
+    Independent,
+}
+
+/// How the acceleration structures are built.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, PartialEq)]
+pub enum AccelMethod {
+    /// No hierarchy: every ray meets every primitive.
+    Linear,
+    /// Split at the object median.
+    Median,
+    /// Binned surface area heuristic.
+    #[default]
+    Sah,
+}

@@ -1,0 +1,51 @@
+//! Shapes as the user knows them.
+
+use std::path::PathBuf;
+
+use bevy::prelude::*;
+
+use super::{DocumentOrder, ToWorld};
+
+/// A surface. Its material is [`super::UsesMaterial`], its emission [`super::AreaLight`].
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Component, PartialEq)]
+#[require(ToWorld, DocumentOrder)]
+pub struct Shape {
+    pub kind: ShapeKind,
+    /// Turns the normals over: the side that emits and, for one-sided materials, the side that is seen.
+    pub flip_normals: bool,
+}
+
+#[derive(Reflect, Clone, Debug, Default, PartialEq)]
+pub enum ShapeKind {
+    /// `center` and `radius` in local space.
+    Sphere {
+        center: Vec3,
+        radius: f32,
+    },
+    /// The square [-1, 1]^2 in the local plane z = 0, its normal +z.
+    #[default]
+    Rectangle,
+    /// The cube [-1, 1]^3.
+    Cube,
+    /// The unit disk in the local plane z = 0, its normal +z.
+    Disk,
+    Mesh(MeshFile),
+}
+
+/// A mesh by its file.
+#[derive(Reflect, Clone, Debug, Default, PartialEq)]
+pub struct MeshFile {
+    /// Absolute path.
+    pub path: PathBuf,
+    pub format: MeshFormat,
+    /// Shade with the triangles' own normals, not the vertices'.
+    pub face_normals: bool,
+}
+
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MeshFormat {
+    #[default]
+    Obj,
+    Ply,
+}
