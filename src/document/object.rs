@@ -24,6 +24,47 @@ pub enum Category {
     Volume,
 }
 
+impl Category {
+    pub const ALL: [Self; 13] = [
+        Self::Scene,
+        Self::Integrator,
+        Self::Sensor,
+        Self::Film,
+        Self::ReconstructionFilter,
+        Self::Sampler,
+        Self::Shape,
+        Self::Bsdf,
+        Self::Emitter,
+        Self::Texture,
+        Self::Medium,
+        Self::Phase,
+        Self::Volume,
+    ];
+
+    /// The tag that declares a plugin of this kind.
+    pub fn tag(self) -> &'static str {
+        match self {
+            Self::Scene => "scene",
+            Self::Integrator => "integrator",
+            Self::Sensor => "sensor",
+            Self::Film => "film",
+            Self::ReconstructionFilter => "rfilter",
+            Self::Sampler => "sampler",
+            Self::Shape => "shape",
+            Self::Bsdf => "bsdf",
+            Self::Emitter => "emitter",
+            Self::Texture => "texture",
+            Self::Medium => "medium",
+            Self::Phase => "phase",
+            Self::Volume => "volume",
+        }
+    }
+
+    pub fn from_tag(tag: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|category| category.tag() == tag)
+    }
+}
+
 /// A property's value. Numbers are single precision, as everything downstream.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
@@ -38,6 +79,23 @@ pub enum Value {
     Point(Vec3),
     Vector(Vec3),
     Transform(Vec<TransformOp>),
+}
+
+impl Value {
+    /// The type in words, with its article: for "found a string".
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Float(_) => "a float",
+            Self::Integer(_) => "an integer",
+            Self::Boolean(_) => "a boolean",
+            Self::String(_) => "a string",
+            Self::Rgb(_) => "a colour",
+            Self::Spectrum(_) => "a spectrum",
+            Self::Point(_) => "a point",
+            Self::Vector(_) => "a vector",
+            Self::Transform(_) => "a transform",
+        }
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -61,6 +119,23 @@ pub enum Child {
     },
 }
 
+impl Child {
+    /// The parameter of the parent it is meant for, where the file names one.
+    pub fn name(&self) -> Option<&str> {
+        match self {
+            Self::Object(object) => object.name.as_deref(),
+            Self::Reference { name, .. } => name.as_deref(),
+        }
+    }
+
+    pub fn span(&self) -> Span {
+        match self {
+            Self::Object(object) => object.span,
+            Self::Reference { span, .. } => *span,
+        }
+    }
+}
+
 /// One plugin: `<bsdf type="diffuse" id="red" name="..."> ... </bsdf>`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
@@ -72,7 +147,26 @@ pub struct Object {
     pub name: Option<String>,
     pub properties: Vec<Property>,
     pub children: Vec<Child>,
+    /// The start tag.
     pub span: Span,
+}
+
+impl Object {
+    /// The plugins given in place, without those referred to.
+    pub fn objects(&self) -> impl Iterator<Item = &Object> {
+        self.children.iter().filter_map(|child| match child {
+            Child::Object(object) => Some(object),
+            Child::Reference { .. } => None,
+        })
+    }
+
+    /// What a message calls it: "bsdf `diffuse`", "the scene".
+    pub fn title(&self) -> String {
+        match self.category {
+            Category::Scene => "the scene".to_owned(),
+            category => format!("{} `{}`", category.tag(), self.plugin),
+        }
+    }
 }
 
 /// A parsed scene file with its includes and defaults resolved.

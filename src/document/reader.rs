@@ -1,0 +1,306 @@
+//! Reading one plugin's parameters, and noticing what nobody read.
+//!
+//! `Reader` knows value types; the caller knows the parameters. The names the caller asks for are the dictionary against which the
+//! file's names are held in [`Reader::finish`].
+//!
+//! ```ignore
+//! let mut diagnostics = document.diagnostics.clone();
+//! let index = document.index();
+//! let mut r = Reader::new(&index, object, &mut diagnostics);
+//! let alpha = r.float_in("alpha", 0.0..=1.0).unwrap_or(0.1);
+//! let eta = r.rgb("eta");
+//! r.ignore(&["distribution"]);
+//! let nested: Vec<_> = r.children(Category::Bsdf);
+//! r.finish();
+//! ```
+
+use std::fmt::Display;
+use std::ops::{Bound, RangeBounds};
+
+use glam::Vec3;
+
+use super::suggest::did_you_mean;
+use super::{Category, Child, Diagnostics, Index, Object, Severity, Span, TransformOp, Value};
+use crate::color::Rgb;
+
+/// Reads the parameters of one object. Every getter returns None when the parameter is absent or unusable; the latter has been reported.
+pub struct Reader<'a, 'd> {
+    index: &'d Index<'a>,
+    object: &'a Object,
+    diagnostics: &'d mut Diagnostics,
+    asked: Vec<String>,
+    property_read: Vec<bool>,
+    child_read: Vec<bool>,
+}
+
+impl<'a, 'd> Reader<'a, 'd> {
+    pub fn new(index: &'d Index<'a>, object: &'a Object, diagnostics: &'d mut Diagnostics) -> Self {
+        Self {
+            index,
+            object,
+            diagnostics,
+            asked: Vec::new(),
+            property_read: vec![false; object.properties.len()],
+            child_read: vec![false; object.children.len()],
+        }
+    }
+
+    pub fn object(&self) -> &'a Object {
+        self.object
+    }
+
+    /// For messages of the caller's own.
+    pub fn diagnostics(&mut self) -> &mut Diagnostics {
+        self.diagnostics
+    }
+
+    /// Where a property stands; the object's own place if the file does not give it.
+    pub fn span_of(&self, name: &str) -> Span {
+        let property = self.object.properties.iter().find(|property| property.name == name);
+        property.map_or(self.object.span, |property| property.span)
+    }
+
+    /// Whether the file gives this property; does not count as reading it.
+    pub fn has(&mut self, name: &str) -> bool {
+        self.ask(name);
+        self.object.properties.iter().any(|property| property.name == name)
+    }
+
+    /// An error at a property: `message` says what is wrong with it.
+    pub fn error_at(&mut self, name: &str, message: impl Into<String>) {
+        let span = self.span_of(name);
+        self.diagnostics.error(span, message);
+    }
+
+    /// A warning at a property.
+    pub fn warn_at(&mut self, name: &str, message: impl Into<String>) {
+        let span = self.span_of(name);
+        self.diagnostics.warn(span, message);
+    }
+
+    /// The property as the file has it, whatever its type.
+    pub fn value(&mut self, name: &str) -> Option<&'a Value> {
+        self.ask(name);
+        let place = self
+            .object
+            .properties
+            .iter()
+            .position(|property| property.name == name)?;
+        self.property_read[place] = true;
+        Some(&self.object.properties[place].value)
+    }
+
+    /// A number; an integer will do.
+    pub fn float(&mut self, name: &str) -> Option<f32> {
+        self.get(name, "a float", as_float)
+    }
+
+    pub fn float_or(&mut self, name: &str, default: f32) -> f32 {
+        self.float(name).unwrap_or(default)
+    }
+
+    /// A number in `range`; one outside is an error.
+    pub fn float_in(&mut self, name: &str, range: impl RangeBounds<f32>) -> Option<f32> {
+        let value = self.float(name)?;
+        self.check(name, value, &range)
+    }
+
+    pub fn integer(&mut self, name: &str) -> Option<i64> {
+        self.get(name, "an integer", |value| match value {
+            Value::Integer(number) => Some(*number),
+            _ => None,
+        })
+    }
+
+    pub fn integer_or(&mut self, name: &str, default: i64) -> i64 {
+        self.integer(name).unwrap_or(default)
+    }
+
+    /// An integer in `range`; one outside is an error.
+    pub fn integer_in(&mut self, name: &str, range: impl RangeBounds<i64>) -> Option<i64> {
+        let value = self.integer(name)?;
+        self.check(name, value, &range)
+    }
+
+    pub fn boolean(&mut self, name: &str) -> Option<bool> {
+        self.get(name, "a boolean", |value| match value {
+            Value::Boolean(truth) => Some(*truth),
+            _ => None,
+        })
+    }
+
+    pub fn boolean_or(&mut self, name: &str, default: bool) -> bool {
+        self.boolean(name).unwrap_or(default)
+    }
+
+    pub fn string(&mut self, name: &str) -> Option<&'a str> {
+        self.get(name, "a string", |value| match value {
+            Value::String(text) => Some(text.as_str()),
+            _ => None,
+        })
+    }
+
+    pub fn string_or(&mut self, name: &str, default: &'a str) -> &'a str {
+        self.string(name).unwrap_or(default)
+    }
+
+    /// A place; `<vector>` will do.
+    pub fn point(&mut self, name: &str) -> Option<Vec3> {
+        self.get(name, "a point", as_vec3)
+    }
+
+    /// A direction or an extent; `<point>` will do.
+    pub fn vector(&mut self, name: &str) -> Option<Vec3> {
+        self.get(name, "a vector", as_vec3)
+    }
+
+    /// A colour: `<rgb>`, or a number (`<spectrum>`, `<float>`) for all three components.
+    pub fn rgb(&mut self, name: &str) -> Option<Rgb> {
+        self.get(name, "a colour", |value| match value {
+            Value::Rgb(colour) => Some(*colour),
+            Value::Spectrum(number) => Some(Rgb::splat(*number)),
+            other => as_float(other).map(Rgb::splat),
+        })
+    }
+
+    pub fn rgb_or(&mut self, name: &str, default: Rgb) -> Rgb {
+        self.rgb(name).unwrap_or(default)
+    }
+
+    /// A colour whose components all lie in `range`.
+    pub fn rgb_in(&mut self, name: &str, range: impl RangeBounds<f32>) -> Option<Rgb> {
+        let colour = self.rgb(name)?;
+        for component in colour.to_array() {
+            self.check(name, component, &range)?;
+        }
+        Some(colour)
+    }
+
+    pub fn transform(&mut self, name: &str) -> Option<Vec<TransformOp>> {
+        self.get(name, "a transform", |value| match value {
+            Value::Transform(ops) => Some(ops.clone()),
+            _ => None,
+        })
+    }
+
+    /// Parameters that exist but have no effect here: no warning about them, whether property or child.
+    pub fn ignore(&mut self, names: &[&str]) {
+        for name in names {
+            self.value(name);
+            self.child(name);
+        }
+    }
+
+    /// The plugin given for this parameter: `<texture name="reflectance">` or `<ref name="reflectance">`.
+    pub fn child(&mut self, name: &str) -> Option<&'a Object> {
+        self.ask(name);
+        let children: &'a [Child] = &self.object.children;
+        let place = children.iter().position(|child| child.name() == Some(name))?;
+        self.child_read[place] = true;
+        self.index.resolve(&children[place])
+    }
+
+    /// All plugins of a kind, in file order, with the names they carry; references are resolved.
+    pub fn children(&mut self, category: Category) -> Vec<(Option<&'a str>, &'a Object)> {
+        let mut found = Vec::new();
+        let children: &'a [Child] = &self.object.children;
+        for (child, read) in children.iter().zip(&mut self.child_read) {
+            if let Some(object) = self.index.resolve(child)
+                && object.category == category
+            {
+                *read = true;
+                found.push((child.name(), object));
+            }
+        }
+        found
+    }
+
+    /// Warns for each property and plugin nobody asked for.
+    pub fn finish(self) {
+        let owner = self.object.title();
+        let dictionary = || self.asked.iter().map(String::as_str);
+        for (property, read) in self.object.properties.iter().zip(&self.property_read) {
+            if !read {
+                let message = format!("`{}` is not a parameter of {owner}", property.name);
+                let help = did_you_mean(&property.name, dictionary());
+                self.diagnostics
+                    .push(Severity::Warning, Some(property.span), message, help);
+            }
+        }
+        for (child, read) in self.object.children.iter().zip(&self.child_read) {
+            if *read {
+                continue;
+            }
+            // A reference that leads nowhere has been reported where it was read.
+            let Some(object) = self.index.resolve(child) else {
+                continue;
+            };
+            let (message, help) = match child.name() {
+                Some(name) => (
+                    format!("{} is given for `{name}`, which {owner} does not read", object.title()),
+                    did_you_mean(name, dictionary()),
+                ),
+                None => (format!("{} has no effect in {owner}", object.title()), None),
+            };
+            self.diagnostics
+                .push(Severity::Warning, Some(child.span()), message, help);
+        }
+    }
+
+    fn ask(&mut self, name: &str) {
+        if !self.asked.iter().any(|asked| asked == name) {
+            self.asked.push(name.to_owned());
+        }
+    }
+
+    fn get<T>(&mut self, name: &str, expected: &str, convert: impl Fn(&'a Value) -> Option<T>) -> Option<T> {
+        let value = self.value(name)?;
+        let converted = convert(value);
+        if converted.is_none() {
+            let message = format!("`{name}` should be {expected}, found {}", value.kind());
+            self.error_at(name, message);
+        }
+        converted
+    }
+
+    fn check<T: Copy + PartialOrd + Display>(
+        &mut self,
+        name: &str,
+        value: T,
+        range: &impl RangeBounds<T>,
+    ) -> Option<T> {
+        if range.contains(&value) {
+            return Some(value);
+        }
+        let low = match range.start_bound() {
+            Bound::Included(low) => Some(format!("at least {low}")),
+            Bound::Excluded(low) => Some(format!("above {low}")),
+            Bound::Unbounded => None,
+        };
+        let high = match range.end_bound() {
+            Bound::Included(high) => Some(format!("at most {high}")),
+            Bound::Excluded(high) => Some(format!("below {high}")),
+            Bound::Unbounded => None,
+        };
+        let limits: Vec<String> = low.into_iter().chain(high).collect();
+        let message = format!("`{name}` is {value}, but should be {}", limits.join(" and "));
+        self.error_at(name, message);
+        None
+    }
+}
+
+/// A number where a float is wanted. A `<spectrum>` of one number is one too.
+fn as_float(value: &Value) -> Option<f32> {
+    match value {
+        Value::Float(number) | Value::Spectrum(number) => Some(*number),
+        Value::Integer(number) => Some(*number as f32),
+        _ => None,
+    }
+}
+
+fn as_vec3(value: &Value) -> Option<Vec3> {
+    match value {
+        Value::Point(xyz) | Value::Vector(xyz) => Some(*xyz),
+        _ => None,
+    }
+}
