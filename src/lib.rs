@@ -8,3 +8,4 @@ pub mod document;
 pub mod geometry;
 pub mod math;
 pub mod scene;
+pub mod sampling;

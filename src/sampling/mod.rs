@@ -1,0 +1,23 @@
+//! Random and low-discrepancy numbers, and the maps from them to directions, points and choices.
+//!
+//! Everything here is a pure function of its arguments: no global state, so that a picture does not depend on who drew which sample.
+
+mod distribution;
+pub mod hash;
+mod mis;
+mod sampler;
+mod spherical_rectangle;
+pub mod warp;
+
+pub use distribution::{ContinuousSample, DiscreteDistribution, DiscreteSample, PiecewiseConstant1d};
+pub use mis::power_heuristic;
+pub use sampler::{Sampler, SequenceKind};
+pub use spherical_rectangle::SphericalRectangle;
+
+/// The largest `f32` below one; uniform numbers never exceed it.
+pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;
+
+/// The upper 24 bits of `bits` as a number in [0, 1): every value is exact and the largest is [`ONE_MINUS_EPSILON`].
+pub fn unit_float(bits: u32) -> f32 {
+    (bits >> 8) as f32 * (1.0 / (1 << 24) as f32)
+}
