@@ -3,6 +3,7 @@
 //! The kernel (`math` to `render`) knows nothing of Bevy; `document` is the XML format; `scene` holds the authoring state as entities
 //! and assets; `engine` is the only place that knows both sides; `app` drives it with or without a window.
 
+pub mod accel;
 pub mod color;
 pub mod document;
 pub mod geometry;

@@ -5,7 +5,9 @@
 mod aabb;
 mod frame;
 mod ray;
+mod rounding;
 
 pub use aabb::Aabb;
 pub use frame::Frame;
 pub use ray::{Ray, offset_origin};
+pub use rounding::gamma;

@@ -1,0 +1,139 @@
+//! A mesh made ready for rays: its hierarchy, and its triangles once more in the order of the leaves.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::build::{LeafShape, SplitMethod};
+use super::bvh::{Bvh, BvhStats};
+use super::packet::{LANES, TrianglePacket};
+use super::traverse::Steps;
+use crate::geometry::mesh::MeshData;
+use crate::geometry::triangle::is_regular;
+use crate::math::{Aabb, Ray};
+
+/// One mesh's acceleration structure, in the mesh's local space.
+#[derive(Clone, Debug)]
+pub struct Blas {
+    mesh: Arc<MeshData>,
+    bvh: Bvh,
+    packets: Vec<TrianglePacket>,
+}
+
+/// A hit of a mesh; `u`, `v` are the barycentric weights of the triangle's corners 1 and 2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshHit {
+    pub t: f32,
+    /// Index into the mesh's triangles.
+    pub triangle: u32,
+    pub u: f32,
+    pub v: f32,
+}
+
+impl Blas {
+    /// Triangles without area, with corners that are not finite or do not exist, are left out: no ray can hit them.
+    pub fn build(mesh: Arc<MeshData>, method: SplitMethod) -> Self {
+        let bvh = Bvh::build(&triangle_bounds(&mesh), method, LEAF);
+        let packets = bvh
+            .order()
+            .par_chunks(LANES)
+            .map(|chunk| {
+                let mut packet = TrianglePacket::EMPTY;
+                for (lane, &triangle) in chunk.iter().enumerate().filter(|&(_, &triangle)| triangle != u32::MAX) {
+                    packet.set(lane, mesh.corners(triangle as usize), triangle);
+                }
+                packet
+            })
+            .collect();
+        Self { mesh, bvh, packets }
+    }
+
+    pub fn mesh(&self) -> &Arc<MeshData> {
+        &self.mesh
+    }
+
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
+    /// Local bounds of what can be hit.
+    pub fn bounds(&self) -> Aabb {
+        self.bvh.bounds()
+    }
+
+    /// The hierarchy's figures; `bytes` includes the triangles in leaf order, but not the mesh.
+    pub fn stats(&self) -> BvhStats {
+        let mut stats = self.bvh.stats();
+        stats.bytes += size_of_val(self.packets.as_slice());
+        stats
+    }
+
+    /// [`Bvh::validate`] against the mesh.
+    pub fn validate(&self) -> Result<(), String> {
+        self.bvh.validate(&triangle_bounds(&self.mesh))
+    }
+
+    /// The nearest hit with 0 < t < t_max; `ray` is in local space.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<MeshHit> {
+        let mut hit = None;
+        self.bvh
+            .closest(ray, |range, t_max| self.closest_in(range, ray, t_max, &mut hit));
+        hit
+    }
+
+    /// [`Blas::intersect`], adding its work to `steps`.
+    pub fn intersect_counting(&self, ray: &Ray, steps: &mut Steps) -> Option<MeshHit> {
+        let mut hit = None;
+        self.bvh.closest_counting(ray, steps, |range, t_max| {
+            self.closest_in(range, ray, t_max, &mut hit);
+        });
+        hit
+    }
+
+    /// Whether anything is hit with 0 < t < t_max.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.bvh.any(ray, |range| {
+            self.packets_of(range).iter().any(|packet| packet.any(ray, ray.t_max))
+        })
+    }
+
+    #[inline(always)]
+    fn closest_in(&self, range: Range<usize>, ray: &Ray, t_max: &mut f32, hit: &mut Option<MeshHit>) {
+        for packet in self.packets_of(range) {
+            if let Some(found) = packet.closest(ray, *t_max) {
+                *t_max = found.t;
+                *hit = Some(MeshHit {
+                    t: found.t,
+                    triangle: found.triangle,
+                    u: found.u,
+                    v: found.v,
+                });
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn packets_of(&self, range: Range<usize>) -> &[TrianglePacket] {
+        &self.packets[range.start / LANES..range.end.div_ceil(LANES)]
+    }
+}
+
+const LEAF: LeafShape = LeafShape {
+    max_primitives: LANES,
+    align: LANES,
+};
+
+/// The box of every triangle, empty for those that are left out.
+fn triangle_bounds(mesh: &MeshData) -> Vec<Aabb> {
+    let bounds = |triangle: &[u32; 3]| {
+        let corner = |k: usize| mesh.positions.get(triangle[k] as usize).copied();
+        match (corner(0), corner(1), corner(2)) {
+            (Some(a), Some(b), Some(c)) if is_regular([a, b, c]) => Aabb::from_points([a, b, c]),
+            _ => Aabb::EMPTY,
+        }
+    };
+    mesh.triangles.par_iter().map(bounds).collect()
+}

@@ -1,0 +1,184 @@
+//! The hierarchy itself: what it stores, its figures, its check. Building is in `build`, walking in `traverse`.
+
+use super::build::{LeafShape, MAX_DEPTH, NO_PRIMITIVE, SplitMethod, Tree, build};
+use super::node::{Node, WIDTH};
+use crate::math::Aabb;
+
+/// A wide (8 children a node) bounding volume hierarchy over boxes.
+///
+/// Node 0 is the root and has no box of its own; an empty hierarchy is a root without children.
+#[derive(Clone, Debug)]
+pub struct Bvh {
+    pub(super) nodes: Vec<Node>,
+    /// Primitive indices in leaf order. Each leaf starts at a multiple of the leaf shape's `align`; gaps hold [`NO_PRIMITIVE`].
+    order: Vec<u32>,
+}
+
+/// Figures of a built hierarchy.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BvhStats {
+    pub nodes: usize,
+    pub leaves: usize,
+    /// Of nodes, the root being at depth 1.
+    pub max_depth: usize,
+    /// Expected work of a random ray that meets the root's box: the sum over all children of (box area / root area), times the number of
+    /// primitives for leaves.
+    pub sah_cost: f32,
+    /// Memory held.
+    pub bytes: usize,
+}
+
+/// One box of the hierarchy, for display.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BvhBox {
+    pub bounds: Aabb,
+    /// 0 for the box around everything, 1 for the root's children, and so on.
+    pub depth: usize,
+    pub is_leaf: bool,
+}
+
+impl Bvh {
+    /// Builds over `bounds`. Boxes that are empty or have a NaN hold nothing that a ray could hit and are left out.
+    pub fn build(bounds: &[Aabb], method: SplitMethod, leaf: LeafShape) -> Self {
+        let Tree { nodes, order } = build(bounds, method, leaf);
+        Self { nodes, order }
+    }
+
+    /// Primitive indices in leaf order; `u32::MAX` fills a leaf up to its alignment.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// The box around everything.
+    pub fn bounds(&self) -> Aabb {
+        let root = &self.nodes[0];
+        (0..root.slots_used()).fold(Aabb::EMPTY, |bounds, slot| bounds.union(root.bounds(slot)))
+    }
+
+    /// Calls `visit` for the box around everything and then for every child box, parents before children.
+    pub fn visit_boxes(&self, mut visit: impl FnMut(BvhBox)) {
+        let bounds = self.bounds();
+        if bounds.is_empty() {
+            return;
+        }
+        visit(BvhBox {
+            bounds,
+            depth: 0,
+            is_leaf: false,
+        });
+        let mut pending = vec![(0usize, 1usize)];
+        while let Some((index, depth)) = pending.pop() {
+            let node = &self.nodes[index];
+            for slot in 0..node.slots_used() {
+                let is_leaf = node.count[slot] > 0;
+                visit(BvhBox {
+                    bounds: node.bounds(slot),
+                    depth,
+                    is_leaf,
+                });
+                if !is_leaf {
+                    pending.push((node.child[slot] as usize, depth + 1));
+                }
+            }
+        }
+    }
+
+    pub fn stats(&self) -> BvhStats {
+        let root_area = f64::from(self.bounds().half_area());
+        let mut stats = BvhStats {
+            nodes: self.nodes.len(),
+            bytes: size_of_val(self.nodes.as_slice()) + size_of_val(self.order.as_slice()),
+            ..BvhStats::default()
+        };
+        let mut cost = 0.0;
+        let mut pending = vec![(0usize, 1usize)];
+        while let Some((index, depth)) = pending.pop() {
+            let node = &self.nodes[index];
+            stats.max_depth = stats.max_depth.max(depth);
+            for slot in 0..node.slots_used() {
+                let share = f64::from(node.bounds(slot).half_area()) / root_area;
+                if node.count[slot] > 0 {
+                    stats.leaves += 1;
+                    cost += share * f64::from(node.count[slot]);
+                } else {
+                    cost += share;
+                    pending.push((node.child[slot] as usize, depth + 1));
+                }
+            }
+        }
+        stats.sah_cost = if cost.is_finite() { cost as f32 } else { 0.0 };
+        stats
+    }
+
+    /// Checks the structure against the boxes it was built from: every box that can be hit in exactly one leaf, each child within its
+    /// parent's box, no cycle, depth within what the traversal's stack holds.
+    pub fn validate(&self, bounds: &[Aabb]) -> Result<(), String> {
+        let everything = Aabb {
+            min: glam::Vec3::NEG_INFINITY,
+            max: glam::Vec3::INFINITY,
+        };
+        let mut seen = vec![false; bounds.len()];
+        let mut reached = vec![false; self.nodes.len()];
+        let mut pending = vec![(0usize, 1usize, everything)];
+        while let Some((index, depth, parent)) = pending.pop() {
+            let node = self.nodes.get(index).ok_or_else(|| format!("no node {index}"))?;
+            if std::mem::replace(&mut reached[index], true) {
+                return Err(format!("node {index} has two parents"));
+            }
+            if depth > MAX_DEPTH {
+                return Err(format!("node {index} is at depth {depth}"));
+            }
+            let used = node.slots_used();
+            for slot in used..WIDTH {
+                if !node.bounds(slot).is_empty() || node.count[slot] != 0 {
+                    return Err(format!("node {index}: empty slot {slot} is not empty"));
+                }
+            }
+            for slot in 0..used {
+                let bounds_here = node.bounds(slot);
+                if !parent.contains(&bounds_here) {
+                    return Err(format!("node {index}: child {slot} is not within its parent's box"));
+                }
+                if node.count[slot] == 0 {
+                    pending.push((node.child[slot] as usize, depth + 1, bounds_here));
+                    continue;
+                }
+                let first = node.child[slot] as usize;
+                let leaf = self.order.get(first..first + node.count[slot] as usize);
+                for &primitive in leaf.ok_or_else(|| format!("node {index}: leaf {slot} is out of range"))? {
+                    let found = seen
+                        .get_mut(primitive as usize)
+                        .ok_or_else(|| format!("no primitive {primitive}"))?;
+                    if std::mem::replace(found, true) {
+                        return Err(format!("primitive {primitive} is in two leaves"));
+                    }
+                    if !bounds_here.contains(&bounds[primitive as usize]) {
+                        return Err(format!("primitive {primitive} is not within its leaf's box"));
+                    }
+                }
+            }
+        }
+        if let Some(index) = reached.iter().position(|&reached| !reached) {
+            return Err(format!("node {index} is not reached"));
+        }
+        for (primitive, bounds) in bounds.iter().enumerate() {
+            if seen[primitive] != can_be_hit(bounds) {
+                return Err(format!("primitive {primitive} is missing or should not be there"));
+            }
+        }
+        let listed = self
+            .order
+            .iter()
+            .filter(|&&primitive| primitive != NO_PRIMITIVE)
+            .count();
+        if listed != seen.iter().filter(|&&seen| seen).count() {
+            return Err("the order lists primitives that no leaf holds".into());
+        }
+        Ok(())
+    }
+}
+
+/// Neither empty nor NaN.
+pub(super) fn can_be_hit(bounds: &Aabb) -> bool {
+    bounds.min.cmple(bounds.max).all()
+}

@@ -1,0 +1,141 @@
+//! A shape placed in the world.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, DAffine3, Mat3A, Vec3, Vec3A};
+
+use super::blas::{Blas, MeshHit};
+use super::traverse::Steps;
+use crate::geometry::local::LocalHit;
+use crate::geometry::{disk, rectangle, sphere};
+use crate::math::{Aabb, Ray, gamma};
+
+/// A shape in its own local space; see the files in [`crate::geometry`] for where each lies there.
+#[derive(Clone, Debug)]
+pub enum Primitive {
+    Mesh(Arc<Blas>),
+    Sphere,
+    Rectangle,
+    Disk,
+}
+
+/// A shape, where it is, and how its normals are taken.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    pub primitive: Primitive,
+    pub world_from_local: Affine3A,
+    pub local_from_world: Affine3A,
+    /// Shade with the geometric normal even if the mesh has vertex normals.
+    pub face_normals: bool,
+    /// Turn both normals around.
+    pub flip_normals: bool,
+    /// Whether the transform turns a right hand into a left one.
+    pub(super) mirrored: bool,
+}
+
+impl Instance {
+    /// `None` if the transform is singular, not finite, or has an inverse beyond f32.
+    pub fn new(primitive: Primitive, world_from_local: Affine3A) -> Option<Self> {
+        // In f64, so that small scales do not make the determinant vanish.
+        let wide = DAffine3::from_cols(
+            world_from_local.matrix3.x_axis.as_dvec3(),
+            world_from_local.matrix3.y_axis.as_dvec3(),
+            world_from_local.matrix3.z_axis.as_dvec3(),
+            world_from_local.translation.as_dvec3(),
+        );
+        let determinant = wide.matrix3.determinant();
+        if !wide.is_finite() || !determinant.is_finite() || determinant == 0.0 {
+            return None;
+        }
+        let inverse = wide.inverse();
+        let local_from_world = Affine3A {
+            matrix3: Mat3A::from_cols(
+                inverse.matrix3.x_axis.as_vec3a(),
+                inverse.matrix3.y_axis.as_vec3a(),
+                inverse.matrix3.z_axis.as_vec3a(),
+            ),
+            translation: inverse.translation.as_vec3a(),
+        };
+        local_from_world.is_finite().then_some(Self {
+            primitive,
+            world_from_local,
+            local_from_world,
+            face_normals: false,
+            flip_normals: false,
+            mirrored: determinant < 0.0,
+        })
+    }
+
+    /// `ray` in local space, with the same `t`.
+    ///
+    /// The translation is taken off first: for an origin near the instance that is exact, however far both are from the world's origin.
+    #[inline(always)]
+    pub fn local_ray(&self, ray: &Ray) -> Ray {
+        let linear = &self.local_from_world.matrix3;
+        Ray {
+            origin: (*linear * (Vec3A::from(ray.origin) - self.world_from_local.translation)).into(),
+            dir: (*linear * Vec3A::from(ray.dir)).into(),
+            t_max: ray.t_max,
+        }
+    }
+
+    /// World bounds, a little wider than exact, so that they hold every hit whatever the rounding of the transforms.
+    pub fn world_bounds(&self) -> Aabb {
+        let linear = &self.world_from_local.matrix3;
+        let center = Vec3::from(self.world_from_local.translation);
+        let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
+        // Half the extents of the image of the local box's, sphere's, disk's points around the translation.
+        let around = |half: Vec3A| Aabb {
+            min: center - Vec3::from(half),
+            max: center + Vec3::from(half),
+        };
+        let length = |squares: Vec3A| Vec3A::from_array(squares.to_array().map(f32::sqrt));
+        let tight = match &self.primitive {
+            Primitive::Mesh(blas) => blas.bounds().transformed(&self.world_from_local),
+            Primitive::Sphere => around(length(x * x + y * y + z * z)),
+            Primitive::Rectangle => around(x.abs() + y.abs()),
+            Primitive::Disk => around(length(x * x + y * y)),
+        };
+        if tight.is_empty() {
+            return Aabb::EMPTY;
+        }
+        let rounding = gamma(16) * (tight.min.abs().max(tight.max.abs()) + 2.0 * center.abs());
+        Aabb {
+            min: tight.min - rounding,
+            max: tight.max + rounding,
+        }
+    }
+
+    /// The nearest hit of the local ray, with the triangle it lies on (zero for shapes without).
+    #[inline(always)]
+    pub(super) fn intersect_local(&self, ray: &Ray) -> Option<(LocalHit, u32)> {
+        match &self.primitive {
+            Primitive::Mesh(blas) => {
+                let MeshHit { t, triangle, u, v } = blas.intersect(ray)?;
+                Some((LocalHit { t, u, v }, triangle))
+            }
+            Primitive::Sphere => sphere::intersect(ray).map(|hit| (hit, 0)),
+            Primitive::Rectangle => rectangle::intersect(ray).map(|hit| (hit, 0)),
+            Primitive::Disk => disk::intersect(ray).map(|hit| (hit, 0)),
+        }
+    }
+
+    /// [`Instance::intersect_local`], adding its work within a mesh to `steps`.
+    pub(super) fn intersect_local_counting(&self, ray: &Ray, steps: &mut Steps) -> Option<(LocalHit, u32)> {
+        let Primitive::Mesh(blas) = &self.primitive else {
+            return self.intersect_local(ray);
+        };
+        let MeshHit { t, triangle, u, v } = blas.intersect_counting(ray, steps)?;
+        Some((LocalHit { t, u, v }, triangle))
+    }
+
+    #[inline(always)]
+    pub(super) fn occluded_local(&self, ray: &Ray) -> bool {
+        match &self.primitive {
+            Primitive::Mesh(blas) => blas.occluded(ray),
+            Primitive::Sphere => sphere::intersect(ray).is_some(),
+            Primitive::Rectangle => rectangle::intersect(ray).is_some(),
+            Primitive::Disk => disk::intersect(ray).is_some(),
+        }
+    }
+}

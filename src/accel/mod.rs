@@ -1,0 +1,22 @@
+//! Finding what a ray meets: a wide bounding volume hierarchy, one over each mesh's triangles ([`Blas`]) and one over the instances
+//! placed in the world ([`Tlas`]).
+//!
+//! A ray taken into an instance's local space is not renormalised, so its `t` is the world's `t` everywhere.
+
+mod blas;
+mod build;
+mod bvh;
+mod instance;
+mod node;
+mod packet;
+mod surface;
+mod tlas;
+mod traverse;
+
+pub use blas::{Blas, MeshHit};
+pub use build::{LeafShape, SplitMethod};
+pub use bvh::{Bvh, BvhBox, BvhStats};
+pub use instance::{Instance, Primitive};
+pub use surface::SurfacePoint;
+pub use tlas::{Hit, Tlas};
+pub use traverse::Steps;

@@ -1,0 +1,118 @@
+//! The world-space surface at a hit.
+//!
+//! Conventions are Mitsuba 3's: a mesh's geometric normal is that of the transformed triangle (a mirroring transform turns it around),
+//! its vertex normals go by the inverse transpose and are not made to agree with it; the normals of other shapes go by the inverse transpose.
+
+use glam::{Mat3A, Vec2, Vec3, Vec3A};
+
+use super::blas::Blas;
+use super::instance::{Instance, Primitive};
+use super::tlas::{Hit, Tlas};
+use crate::geometry::local::LocalSurface;
+use crate::geometry::{disk, rectangle, sphere, triangle};
+use crate::math::{Ray, gamma};
+
+/// Where a ray met a surface, in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    pub position: Vec3,
+    /// Bound, per coordinate, on how far `position` may lie off the surface as rays see it; what `math::offset_origin` wants.
+    pub error: f32,
+    /// Unit length.
+    pub geometric_normal: Vec3,
+    /// Unit length; may lie on the other side than the geometric one.
+    pub shading_normal: Vec3,
+    pub uv: Vec2,
+}
+
+impl Tlas {
+    /// The surface at `hit`, which must be what `ray` met here.
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.instances()[hit.instance as usize].surface(ray, hit)
+    }
+}
+
+impl Instance {
+    /// The surface at `hit`, which must be what the world ray `ray` met on this instance.
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let local = match &self.primitive {
+            Primitive::Mesh(blas) => mesh_surface(blas, hit),
+            Primitive::Sphere => sphere::surface(&self.local_ray(ray), hit.t),
+            Primitive::Rectangle => rectangle::surface(hit.u, hit.v),
+            Primitive::Disk => disk::surface(hit.u, hit.v),
+        };
+        let geometric = self.geometric_normal(&local);
+        let shading = match &self.primitive {
+            Primitive::Mesh(blas) if !self.face_normals => self.vertex_normal(blas, hit).unwrap_or(geometric),
+            _ => geometric,
+        };
+        let side = if self.flip_normals { -1.0 } else { 1.0 };
+        SurfacePoint {
+            position: self.world_from_local.transform_point3(local.position),
+            error: self.world_error(&local),
+            geometric_normal: side * geometric,
+            shading_normal: side * shading,
+            uv: local.uv,
+        }
+    }
+
+    /// Unit world normal.
+    fn geometric_normal(&self, local: &LocalSurface) -> Vec3 {
+        let normal = unit_or_none(self.world_normal(local.normal)).unwrap_or(Vec3::Z);
+        match self.primitive {
+            Primitive::Mesh(_) if self.mirrored => -normal,
+            _ => normal,
+        }
+    }
+
+    /// By the inverse transpose, not of unit length; the result's scale does not overflow or vanish for sensible transforms.
+    fn world_normal(&self, local: Vec3) -> Vec3 {
+        let scaled = local / local.abs().max_element();
+        (self.local_from_world.matrix3.transpose() * Vec3A::from(scaled)).into()
+    }
+
+    /// The interpolated vertex normal: each taken to the world and made unit first, as if the mesh had been stored transformed.
+    fn vertex_normal(&self, blas: &Blas, hit: &Hit) -> Option<Vec3> {
+        let mesh = blas.mesh();
+        let corners = mesh.triangles.get(hit.primitive as usize)?;
+        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        let mut sum = Vec3::ZERO;
+        for (&corner, weight) in corners.iter().zip(weights) {
+            let normal = *mesh.normals.get(corner as usize)?;
+            sum += weight * unit_or_none(self.world_normal(normal)).unwrap_or(Vec3::ZERO);
+        }
+        unit_or_none(sum)
+    }
+
+    /// The local error taken to the world, with the rounding of the way out and of a next ray's way back in.
+    fn world_error(&self, local: &LocalSurface) -> f32 {
+        let out = absolute(&self.world_from_local.matrix3);
+        let back = absolute(&self.local_from_world.matrix3);
+        let position = Vec3A::from(local.position.abs());
+        let image = out * position;
+        let round_trip = gamma(8) * (back * image);
+        let error = out * (Vec3A::from(local.error) + round_trip);
+        let translation = self.world_from_local.translation.abs();
+        (error + gamma(4) * image + gamma(2) * translation).max_element()
+    }
+}
+
+fn mesh_surface(blas: &Blas, hit: &Hit) -> LocalSurface {
+    let mesh = blas.mesh();
+    let corners = mesh.corners(hit.primitive as usize);
+    let mut surface = triangle::surface(corners, hit.u, hit.v);
+    let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+    let uvs = mesh.triangles[hit.primitive as usize].map(|corner| mesh.uvs.get(corner as usize));
+    if let [Some(a), Some(b), Some(c)] = uvs {
+        surface.uv = weights[0] * *a + weights[1] * *b + weights[2] * *c;
+    }
+    surface
+}
+
+fn absolute(matrix: &Mat3A) -> Mat3A {
+    Mat3A::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs())
+}
+
+fn unit_or_none(v: Vec3) -> Option<Vec3> {
+    v.try_normalize()
+}

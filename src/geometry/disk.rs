@@ -1,0 +1,26 @@
+//! The unit disk around the origin in the plane z = 0, normal +z.
+
+use std::f32::consts::TAU;
+
+use glam::{Vec2, Vec3};
+
+use super::local::{LocalHit, LocalSurface};
+use crate::math::Ray;
+
+/// Plane test, then the radius. The hit's u, v are the local x, y.
+pub fn intersect(ray: &Ray) -> Option<LocalHit> {
+    let t = -ray.origin.z / ray.dir.z;
+    let (u, v) = (ray.origin.x + t * ray.dir.x, ray.origin.y + t * ray.dir.y);
+    (t > 0.0 && t < ray.t_max && u * u + v * v <= 1.0).then_some(LocalHit { t, u, v })
+}
+
+/// The surface at local (x, y); uv = (radius, angle from +x towards +y in turns).
+pub fn surface(x: f32, y: f32) -> LocalSurface {
+    let turn = y.atan2(x) / TAU;
+    LocalSurface {
+        position: Vec3::new(x, y, 0.0),
+        error: Vec3::ZERO,
+        normal: Vec3::Z,
+        uv: Vec2::new(x.hypot(y), if turn < 0.0 { turn + 1.0 } else { turn }),
+    }
+}

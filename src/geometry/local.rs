@@ -1,0 +1,27 @@
+//! What every shape's intersection and surface functions return, in the shape's own local space.
+
+use glam::{Vec2, Vec3};
+
+/// A hit at ray parameter `t` (the world's `t`: local rays are not renormalised).
+///
+/// `u`, `v` mean: triangle: barycentric weights of its corners 1 and 2; rectangle and disk: local x and y; sphere: unused, zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocalHit {
+    pub t: f32,
+    pub u: f32,
+    pub v: f32,
+}
+
+/// The surface at a hit, in local space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocalSurface {
+    /// On the surface but for rounding: never origin + t dir.
+    pub position: Vec3,
+    /// Bound, per coordinate, on how far `position` may lie off the surface as the intersection test sees it. Displacement within the
+    /// surface is not counted: it cannot make a ray that leaves meet the surface again.
+    pub error: Vec3,
+    /// Geometric normal, not of unit length.
+    pub normal: Vec3,
+    /// Mitsuba 3's parametrisation of the shape.
+    pub uv: Vec2,
+}
