@@ -2,16 +2,22 @@
 
 use glam::{Vec2, Vec3};
 
+use super::vertex_normals::angle_weighted_normals;
 use crate::math::Aabb;
 
 /// An indexed triangle mesh in its own local space, as it was loaded.
 ///
-/// `normals` and `uvs` are empty or as long as `positions`. Every index is below `positions.len()`; loaders guarantee it.
+/// `normals` and `uvs` are empty or as long as `positions`, `material_of_triangle` is empty or as long as `triangles`. Positions are finite,
+/// every vertex index is below `positions.len()`, every material index below `materials.len()`; loaders guarantee it. Triangles may be
+/// degenerate.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshData {
     pub positions: Vec<Vec3>,
-    /// Unit shading normals per vertex, or empty.
+    /// Unit shading normals per vertex, or empty. Loaders always fill them: where the file has none, they are computed, as Mitsuba does.
+    /// A shape with `face_normals` ignores them.
     pub normals: Vec<Vec3>,
+    /// As in the file. Mitsuba's `obj` shape flips v (`flip_tex_coords` is true there by default, false for `ply`): see
+    /// [`MeshData::flip_tex_coords`].
     pub uvs: Vec<Vec2>,
     pub triangles: Vec<[u32; 3]>,
     /// Index into `materials` per triangle, or empty when the file names none.
@@ -50,5 +56,38 @@ impl MeshData {
     /// The corners of one triangle.
     pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
         self.triangles[triangle].map(|i| self.positions[i as usize])
+    }
+
+    /// In this mesh's own space; zero for a degenerate triangle.
+    pub fn area_of_triangle(&self, triangle: usize) -> f32 {
+        let [a, b, c] = self.corners(triangle);
+        0.5 * (b - a).cross(c - a).length()
+    }
+
+    /// Memory held by the arrays, in bytes; names of materials are not counted.
+    pub fn heap_bytes(&self) -> usize {
+        fn held<T>(array: &Vec<T>) -> usize {
+            array.capacity() * size_of::<T>()
+        }
+        held(&self.positions)
+            + held(&self.normals)
+            + held(&self.uvs)
+            + held(&self.triangles)
+            + held(&self.material_of_triangle)
+            + held(&self.materials)
+    }
+
+    /// This mesh with smooth normals from its own triangles in place of any it had. Vertices that only share a position stay apart:
+    /// the crease between them remains.
+    pub fn with_vertex_normals(mut self) -> Self {
+        self.normals = angle_weighted_normals(&self.positions, &self.triangles);
+        self
+    }
+
+    /// Turns every texture coordinate upside down: v becomes 1 - v.
+    pub fn flip_tex_coords(&mut self) {
+        for uv in &mut self.uvs {
+            uv.y = 1.0 - uv.y;
+        }
     }
 }

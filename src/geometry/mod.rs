@@ -3,6 +3,15 @@
 pub mod disk;
 pub mod local;
 pub mod mesh;
+pub mod mesh_file;
+mod mtl;
+pub mod obj;
+mod obj_lines;
+pub mod ply;
+mod ply_header;
+mod polygon;
+pub mod primitives;
 pub mod rectangle;
 pub mod sphere;
 pub mod triangle;
+pub mod vertex_normals;

@@ -1,0 +1,144 @@
+//! What every mesh file reader gives back: the mesh with its warnings, or one error that says where and what.
+
+use std::fmt;
+
+use super::mesh::MeshData;
+
+/// A mesh that was read, and what of the file was left out or mended on the way, one sentence each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadedMesh {
+    pub mesh: MeshData,
+    /// Bounded in number whatever the file holds; equal remarks are counted, not repeated.
+    pub warnings: Vec<String>,
+}
+
+/// A place in a mesh file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// 1-based line of a text file, or of a binary file's text header.
+    Line(u64),
+    /// 0-based offset into a binary file.
+    Byte(u64),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Byte(offset) => write!(f, "byte {offset}"),
+        }
+    }
+}
+
+/// Why a mesh file could not be read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MeshError {
+    #[error("{place}: expected {expected}, found {found}")]
+    Syntax {
+        place: Place,
+        expected: String,
+        /// The offending text, quoted and shortened, or a description such as "the end of the line".
+        found: String,
+    },
+    /// An index that names nothing. `index` is as the file writes it (OBJ counts from 1, or backwards from -1).
+    #[error("{place}: {what} index {index} is out of range: the file has {count}")]
+    IndexOutOfRange {
+        place: Place,
+        /// "vertex", "texture coordinate" or "normal".
+        what: &'static str,
+        index: i64,
+        count: u64,
+    },
+    #[error("{place}: a vertex position is not finite")]
+    NotFinite { place: Place },
+    #[error("{place}: the file ends early: {promised}")]
+    Truncated { place: Place, promised: String },
+    #[error("the file holds no triangles")]
+    NoTriangles,
+    #[error("{what} is beyond what this program reads ({limit})")]
+    TooLarge { what: &'static str, limit: u64 },
+}
+
+impl MeshError {
+    pub(super) fn syntax(place: Place, expected: impl Into<String>, found: impl Into<String>) -> Self {
+        Self::Syntax {
+            place,
+            expected: expected.into(),
+            found: found.into(),
+        }
+    }
+}
+
+/// `bytes` as a quoted excerpt for a message: one line, at most 40 characters.
+pub(super) fn excerpt(bytes: &[u8]) -> String {
+    const LONGEST: usize = 40;
+    let text = decode(&bytes[..bytes.len().min(4 * LONGEST)]);
+    let mut short: String = text
+        .trim()
+        .chars()
+        .take(LONGEST)
+        .map(|c| if c.is_control() { '\u{fffd}' } else { c })
+        .collect();
+    if text.trim().chars().count() > LONGEST {
+        short.push('…');
+    }
+    if short.is_empty() {
+        "nothing".into()
+    } else {
+        format!("`{short}`")
+    }
+}
+
+/// Text of unknown encoding: UTF-8 when it is that, otherwise Latin-1, which every byte string is.
+pub(super) fn decode(bytes: &[u8]) -> std::borrow::Cow<'_, str> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.into(),
+        Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect::<String>().into(),
+    }
+}
+
+/// Collects warnings: equal ones are counted under the place of the first, and their kinds are bounded in number.
+#[derive(Default)]
+pub(super) struct Warnings {
+    kinds: Vec<Kind>,
+    left_out: u64,
+}
+
+struct Kind {
+    place: String,
+    message: String,
+    count: u64,
+}
+
+impl Warnings {
+    const MOST_KINDS: usize = 32;
+
+    pub fn add(&mut self, place: impl fmt::Display, message: &str) {
+        if let Some(known) = self.kinds.iter_mut().find(|kind| kind.message == message) {
+            known.count += 1;
+        } else if self.kinds.len() < Self::MOST_KINDS {
+            self.kinds.push(Kind {
+                place: place.to_string(),
+                message: message.to_owned(),
+                count: 1,
+            });
+        } else {
+            self.left_out += 1;
+        }
+    }
+
+    pub fn finish(self) -> Vec<String> {
+        let mut sentences: Vec<String> = self
+            .kinds
+            .into_iter()
+            .map(|Kind { place, message, count }| match count {
+                1 => format!("{place}: {message}"),
+                _ => format!("{place}: {message} (and {} times more)", count - 1),
+            })
+            .collect();
+        if self.left_out > 0 {
+            sentences.push(format!("{} further warnings", self.left_out));
+        }
+        sentences
+    }
+}

@@ -1,0 +1,488 @@
+//! Reads PLY meshes: ASCII and binary of both byte orders.
+//!
+//! Of the vertices it takes `x y z`, `nx ny nz` and one pair of `u v`, `s t`, `texture_u texture_v`; of the faces the list `vertex_indices` (or
+//! `vertex_index`), polygons as fans around their first corner; `tristrips` as the Stanford archive has them, with -1 between strips.
+//! Everything else is skipped. Without normals in the file, smooth ones are computed over shared vertices, as Mitsuba does;
+//! single normals that are zero or not finite are replaced likewise. The texture coordinates stay as they are.
+//!
+//! Counts of the header are checked against the bytes really there before anything is allocated or looped over.
+
+use glam::{Vec2, Vec3};
+
+use super::mesh::MeshData;
+use super::mesh_file::{LoadedMesh, MeshError, Place, Warnings, excerpt};
+use super::ply_header::{Element, Format, Header, Kind, Scalar, parse_header};
+use super::vertex_normals::angle_weighted_normals;
+
+/// Reads a whole PLY file. Errors name the line, or in a binary body the byte.
+pub fn load_ply(bytes: &[u8]) -> Result<LoadedMesh, MeshError> {
+    let header = parse_header(bytes)?;
+    let body = &bytes[header.length..];
+    match header.format {
+        Format::Ascii => read_body(&header, Ascii::new(body, header.lines + 1)),
+        Format::LittleEndian => read_body(&header, Binary::<false>::new(body, header.length)),
+        Format::BigEndian => read_body(&header, Binary::<true>::new(body, header.length)),
+    }
+}
+
+/// Numbers of the body one after the other. An `f64` holds every number type of PLY exactly, but for integers beyond 2⁵³ that no index or
+/// position needs.
+trait Source {
+    fn number(&mut self, scalar: Scalar) -> Result<f64, MeshError>;
+    fn skip(&mut self, count: u64, scalar: Scalar) -> Result<(), MeshError>;
+    /// Of the number read last.
+    fn place(&self) -> Place;
+    fn bytes_left(&self) -> u64;
+    fn only_blanks_left(&self) -> bool;
+}
+
+struct Binary<'a, const BIG_ENDIAN: bool> {
+    rest: &'a [u8],
+    /// Of the end of `rest` in the file.
+    end: u64,
+    last: u64,
+}
+
+impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
+    fn new(body: &'a [u8], offset: usize) -> Self {
+        Self {
+            rest: body,
+            end: (offset + body.len()) as u64,
+            last: offset as u64,
+        }
+    }
+
+    #[inline]
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], MeshError> {
+        self.last = self.end - self.rest.len() as u64;
+        let Some((&taken, rest)) = self.rest.split_first_chunk::<N>() else {
+            return Err(self.ended());
+        };
+        self.rest = rest;
+        Ok(taken)
+    }
+
+    #[cold]
+    fn ended(&self) -> MeshError {
+        MeshError::Truncated {
+            place: Place::Byte(self.end),
+            promised: "the header promises more".into(),
+        }
+    }
+}
+
+impl<const BIG_ENDIAN: bool> Source for Binary<'_, BIG_ENDIAN> {
+    #[inline]
+    fn number(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
+        macro_rules! read {
+            ($number:ty) => {{
+                let bytes = self.take()?;
+                if BIG_ENDIAN {
+                    <$number>::from_be_bytes(bytes) as f64
+                } else {
+                    <$number>::from_le_bytes(bytes) as f64
+                }
+            }};
+        }
+        Ok(match scalar {
+            Scalar::I8 => read!(i8),
+            Scalar::U8 => read!(u8),
+            Scalar::I16 => read!(i16),
+            Scalar::U16 => read!(u16),
+            Scalar::I32 => read!(i32),
+            Scalar::U32 => read!(u32),
+            Scalar::I64 => read!(i64),
+            Scalar::U64 => read!(u64),
+            Scalar::F32 => read!(f32),
+            Scalar::F64 => read!(f64),
+        })
+    }
+
+    fn skip(&mut self, count: u64, scalar: Scalar) -> Result<(), MeshError> {
+        let bytes = count.saturating_mul(scalar.size() as u64);
+        self.rest = usize::try_from(bytes)
+            .ok()
+            .and_then(|bytes| self.rest.get(bytes..))
+            .ok_or_else(|| self.ended())?;
+        Ok(())
+    }
+
+    fn place(&self) -> Place {
+        Place::Byte(self.last)
+    }
+
+    fn bytes_left(&self) -> u64 {
+        self.rest.len() as u64
+    }
+
+    fn only_blanks_left(&self) -> bool {
+        self.rest.trim_ascii().is_empty()
+    }
+}
+
+struct Ascii<'a> {
+    rest: &'a [u8],
+    line: u64,
+}
+
+impl<'a> Ascii<'a> {
+    fn new(body: &'a [u8], line: u64) -> Self {
+        Self { rest: body, line }
+    }
+
+    fn word(&mut self) -> Result<&'a [u8], MeshError> {
+        while let [first, rest @ ..] = self.rest
+            && first.is_ascii_whitespace()
+        {
+            let ends_line = *first == b'\n' || (*first == b'\r' && rest.first() != Some(&b'\n'));
+            self.line += u64::from(ends_line);
+            self.rest = rest;
+        }
+        let length = self
+            .rest
+            .iter()
+            .position(u8::is_ascii_whitespace)
+            .unwrap_or(self.rest.len());
+        let (word, rest) = self.rest.split_at(length);
+        if word.is_empty() {
+            return Err(MeshError::Truncated {
+                place: Place::Line(self.line),
+                promised: "the header promises more".into(),
+            });
+        }
+        self.rest = rest;
+        Ok(word)
+    }
+}
+
+impl Source for Ascii<'_> {
+    fn number(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
+        let word = self.word()?;
+        // Most are short whole numbers, above all in faces.
+        if word.len() <= 9 && word.iter().all(u8::is_ascii_digit) {
+            return Ok(word
+                .iter()
+                .fold(0u32, |number, digit| 10 * number + u32::from(digit - b'0'))
+                .into());
+        }
+        let parsed = std::str::from_utf8(word).ok().and_then(|text| match scalar {
+            // Rounded once, so that the text gives the very float a binary file of it would hold.
+            Scalar::F32 => text.parse::<f32>().ok().map(f64::from),
+            _ => text.parse().ok(),
+        });
+        parsed.ok_or_else(|| MeshError::syntax(self.place(), "a number", excerpt(word)))
+    }
+
+    fn skip(&mut self, count: u64, _: Scalar) -> Result<(), MeshError> {
+        for _ in 0..count {
+            self.word()?;
+        }
+        Ok(())
+    }
+
+    fn place(&self) -> Place {
+        Place::Line(self.line)
+    }
+
+    fn bytes_left(&self) -> u64 {
+        self.rest.len() as u64
+    }
+
+    fn only_blanks_left(&self) -> bool {
+        self.rest.trim_ascii().is_empty()
+    }
+}
+
+fn read_body(header: &Header, mut source: impl Source) -> Result<LoadedMesh, MeshError> {
+    let mut warnings = Warnings::default();
+    let mut mesh = MeshData::default();
+    let vertex_count = check_elements(header)?;
+    for element in &header.elements {
+        let smallest = element.smallest_record(header.format);
+        // The last number of a text needs nothing after it.
+        if smallest.saturating_mul(element.count) > source.bytes_left() + 1 {
+            return Err(MeshError::Truncated {
+                place: Place::Line(element.line),
+                promised: format!(
+                    "{} elements `{}` are promised, and only {} bytes follow",
+                    element.count,
+                    element.name,
+                    source.bytes_left()
+                ),
+            });
+        }
+        match element.name.as_str() {
+            "vertex" => read_vertices(element, &mut source, &mut mesh)?,
+            "face" => read_faces(element, &mut source, vertex_count, &mut mesh, &mut warnings)?,
+            "tristrips" => read_strips(element, &mut source, vertex_count, &mut mesh)?,
+            _ if smallest == 0 => {}
+            _ => {
+                for _ in 0..element.count {
+                    for property in &element.properties {
+                        skip_property(property.kind, &mut source)?;
+                    }
+                }
+            }
+        }
+    }
+    if !source.only_blanks_left() {
+        warnings.add(source.place(), "what follows the promised elements is ignored");
+    }
+    if mesh.triangles.is_empty() {
+        return Err(MeshError::NoTriangles);
+    }
+    complete_normals(&mut mesh, &mut warnings);
+    Ok(LoadedMesh {
+        mesh,
+        warnings: warnings.finish(),
+    })
+}
+
+/// Sees to it that the elements that matter are there once and hold what is needed; the number of vertices.
+fn check_elements(header: &Header) -> Result<u64, MeshError> {
+    let find = |name: &str| {
+        let mut named = header.elements.iter().filter(|element| element.name == name);
+        let first = named.next();
+        match named.next() {
+            Some(second) => Err(MeshError::syntax(
+                Place::Line(second.line),
+                format!("one element `{name}`"),
+                "another",
+            )),
+            None => Ok(first),
+        }
+    };
+    let vertices = find("vertex")?.ok_or(MeshError::NoTriangles)?;
+    for name in ["x", "y", "z"] {
+        let is_scalar = |p: &&super::ply_header::Property| p.name == name && matches!(p.kind, Kind::Scalar(_));
+        if vertices.properties.iter().filter(is_scalar).count() != 1 {
+            let expected = format!("one scalar property `{name}` of the vertices");
+            return Err(MeshError::syntax(
+                Place::Line(vertices.line),
+                expected,
+                "none or several",
+            ));
+        }
+    }
+    if vertices.count > u64::from(u32::MAX) {
+        return Err(MeshError::TooLarge {
+            what: "the number of vertices",
+            limit: u32::MAX.into(),
+        });
+    }
+    for name in ["face", "tristrips"] {
+        if let Some(element) = find(name)?
+            && element.count > 0
+            && element
+                .properties
+                .iter()
+                .filter(|p| is_index_list(&p.name, p.kind))
+                .count()
+                != 1
+        {
+            let expected = format!("one property list `vertex_indices` of `{name}`");
+            return Err(MeshError::syntax(
+                Place::Line(element.line),
+                expected,
+                "none or several",
+            ));
+        }
+    }
+    Ok(vertices.count)
+}
+
+fn is_index_list(name: &str, kind: Kind) -> bool {
+    matches!(kind, Kind::List { .. }) && matches!(name, "vertex_indices" | "vertex_index")
+}
+
+fn skip_property(kind: Kind, source: &mut impl Source) -> Result<(), MeshError> {
+    match kind {
+        Kind::Scalar(scalar) => source.skip(1, scalar),
+        Kind::List { count, item } => {
+            let length = list_length(count, source)?;
+            source.skip(length, item)
+        }
+    }
+}
+
+fn list_length(count: Scalar, source: &mut impl Source) -> Result<u64, MeshError> {
+    let length = source.number(count)?;
+    if length >= 0.0 && length.fract() == 0.0 {
+        Ok(length as u64)
+    } else {
+        Err(MeshError::syntax(
+            source.place(),
+            "the length of a list",
+            format!("`{length}`"),
+        ))
+    }
+}
+
+/// What of a vertex is kept, in this order; anything else goes to the last place.
+const SLOTS: [&[&str]; 8] = [
+    &["x"],
+    &["y"],
+    &["z"],
+    &["nx"],
+    &["ny"],
+    &["nz"],
+    &["u", "s", "texture_u"],
+    &["v", "t", "texture_v"],
+];
+const UNUSED: usize = SLOTS.len();
+
+fn read_vertices(element: &Element, source: &mut impl Source, mesh: &mut MeshData) -> Result<(), MeshError> {
+    let uv_names = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]]
+        .into_iter()
+        .find(|pair| pair.iter().all(|name| element.has(name)));
+    let has_normals = ["nx", "ny", "nz"].iter().all(|name| element.has(name));
+    let slot_of = |name: &str| {
+        let slot = SLOTS.iter().position(|names| names.contains(&name)).unwrap_or(UNUSED);
+        let is_wanted = slot < 6 || uv_names.is_some_and(|pair| pair.contains(&name));
+        if is_wanted { slot } else { UNUSED }
+    };
+    let plan: Vec<(Kind, usize)> = element.properties.iter().map(|p| (p.kind, slot_of(&p.name))).collect();
+
+    let count = element.count as usize;
+    mesh.positions.reserve_exact(count);
+    mesh.normals.reserve_exact(if has_normals { count } else { 0 });
+    mesh.uvs.reserve_exact(if uv_names.is_some() { count } else { 0 });
+    for _ in 0..count {
+        let mut record = [0.0f32; UNUSED + 1];
+        for &(kind, slot) in &plan {
+            match kind {
+                Kind::Scalar(scalar) => {
+                    record[slot] = source.number(scalar)? as f32;
+                    if slot < 3 && !record[slot].is_finite() {
+                        return Err(MeshError::NotFinite { place: source.place() });
+                    }
+                }
+                Kind::List { .. } => skip_property(kind, source)?,
+            }
+        }
+        let [x, y, z, nx, ny, nz, u, v, _] = record;
+        mesh.positions.push(Vec3::new(x, y, z));
+        if has_normals {
+            mesh.normals.push(Vec3::new(nx, ny, nz));
+        }
+        if uv_names.is_some() {
+            let uv = Vec2::new(u, v);
+            mesh.uvs.push(if uv.is_finite() { uv } else { Vec2::ZERO });
+        }
+    }
+    Ok(())
+}
+
+fn vertex_index(item: Scalar, source: &mut impl Source, vertex_count: u64) -> Result<u32, MeshError> {
+    let index = source.number(item)?;
+    checked_index(index, source, vertex_count)
+}
+
+fn checked_index(index: f64, source: &impl Source, vertex_count: u64) -> Result<u32, MeshError> {
+    if index >= 0.0 && index < vertex_count as f64 && index.fract() == 0.0 {
+        Ok(index as u32)
+    } else {
+        Err(MeshError::IndexOutOfRange {
+            place: source.place(),
+            what: "vertex",
+            index: index as i64,
+            count: vertex_count,
+        })
+    }
+}
+
+fn read_faces(
+    element: &Element,
+    source: &mut impl Source,
+    vertex_count: u64,
+    mesh: &mut MeshData,
+    warnings: &mut Warnings,
+) -> Result<(), MeshError> {
+    mesh.triangles.reserve(element.count as usize);
+    for _ in 0..element.count {
+        for property in &element.properties {
+            let Kind::List { count, item } = property.kind else {
+                skip_property(property.kind, source)?;
+                continue;
+            };
+            if !is_index_list(&property.name, property.kind) {
+                skip_property(property.kind, source)?;
+                continue;
+            }
+            let corners = list_length(count, source)?;
+            if corners < 3 {
+                warnings.add(source.place(), "a face with fewer than three corners is skipped");
+                source.skip(corners, item)?;
+                continue;
+            }
+            let first = vertex_index(item, source, vertex_count)?;
+            let mut last = vertex_index(item, source, vertex_count)?;
+            for _ in 2..corners {
+                let next = vertex_index(item, source, vertex_count)?;
+                mesh.triangles.push([first, last, next]);
+                last = next;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn read_strips(
+    element: &Element,
+    source: &mut impl Source,
+    vertex_count: u64,
+    mesh: &mut MeshData,
+) -> Result<(), MeshError> {
+    for _ in 0..element.count {
+        for property in &element.properties {
+            let Kind::List { count, item } = property.kind else {
+                skip_property(property.kind, source)?;
+                continue;
+            };
+            if !is_index_list(&property.name, property.kind) {
+                skip_property(property.kind, source)?;
+                continue;
+            }
+            // The last two corners of the strip, and whether the next triangle turns the other way round.
+            let (mut before, mut last, mut turned) = (None, None, false);
+            for _ in 0..list_length(count, source)? {
+                let index = source.number(item)?;
+                if index == -1.0 {
+                    (before, last, turned) = (None, None, false);
+                    continue;
+                }
+                let next = checked_index(index, source, vertex_count)?;
+                if let (Some(a), Some(b)) = (before, last) {
+                    // Strips repeat a vertex to change direction; those triangles are meant to vanish.
+                    if a != b && b != next && a != next {
+                        mesh.triangles.push(if turned { [b, a, next] } else { [a, b, next] });
+                    }
+                    turned = !turned;
+                }
+                (before, last) = (last, Some(next));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Computes all normals where the file has none, and those it has but that are no directions; the others become unit length.
+fn complete_normals(mesh: &mut MeshData, warnings: &mut Warnings) {
+    if mesh.normals.is_empty() {
+        mesh.normals = angle_weighted_normals(&mesh.positions, &mesh.triangles);
+        return;
+    }
+    let mut computed = Vec::new();
+    for i in 0..mesh.normals.len() {
+        mesh.normals[i] = mesh.normals[i].try_normalize().unwrap_or_else(|| {
+            if computed.is_empty() {
+                computed = angle_weighted_normals(&mesh.positions, &mesh.triangles);
+            }
+            warnings.add(
+                "normals",
+                "a normal that is zero or not finite is computed from the triangles instead",
+            );
+            computed[i]
+        });
+    }
+}
