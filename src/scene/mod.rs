@@ -2,18 +2,28 @@
 //!
 //! Every shape, material, emitter and sensor is one entity. What they refer to are relationships, settings are resources.
 
+pub mod assets;
+pub mod authored;
+pub mod description;
 pub mod emitter;
 pub mod identity;
 pub mod material;
+pub mod plugin;
 pub mod sensor;
 pub mod settings;
 pub mod shape;
+pub mod status;
 
+pub use assets::{MeshHandle, TriangleMesh};
+pub use authored::{Authored, AuthoredScene, DeclaredIn, Declares};
+pub use description::SceneDescription;
 pub use emitter::{AreaLight, Emitter};
 pub use identity::{DocumentOrder, SceneId, ToWorld};
 pub use material::{
     ConductorIor, FirstNested, FirstNestedIn, Ior, Material, MaterialUsers, SecondNested, SecondNestedIn, UsesMaterial,
 };
+pub use plugin::{ScenePlugin, SceneSystems, asset_plugin};
 pub use sensor::{Film, FovAxis, Lens, ReconstructionFilter, Sensor};
 pub use settings::{AccelMethod, IntegratorSettings, SamplerSettings, Sequence, Strategy};
 pub use shape::{MeshFile, MeshFormat, Shape, ShapeKind};
+pub use status::{ActiveSensor, MeshProblem, OpenScene, SceneState, SceneStatus};

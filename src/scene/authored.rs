@@ -1,0 +1,37 @@
+//! What the file said, kept beside what it meant: saving starts from it, so that what was not understood, and what was not touched, stays
+//! as it was written.
+
+use bevy::prelude::*;
+
+use crate::document::{Child, Object, Property};
+
+/// The source of an entity. Absent on entities made in the editor.
+#[derive(Component, Clone, Debug, PartialEq)]
+pub struct Authored {
+    /// As it stands in the file.
+    pub object: Object,
+    /// As [`super::write`] would have written it from the components it became. What differs from this at the time of saving was edited.
+    pub as_read: Object,
+}
+
+/// The owner inside of which a material is written in the file; absent on those at the top level.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Component, PartialEq)]
+#[relationship(relationship_target = Declares)]
+pub struct DeclaredIn(pub Entity);
+
+/// The materials written inside this entity.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
+#[relationship_target(relationship = DeclaredIn)]
+pub struct Declares(Vec<Entity>);
+
+/// Of the scene as a whole: what became no entity.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct AuthoredScene {
+    /// The integrator with its place in the file.
+    pub integrator: Option<(u32, Authored)>,
+    /// Properties of the scene itself.
+    pub properties: Vec<Property>,
+    /// Plugins and references that were left out, with their places in the file.
+    pub rest: Vec<(u32, Child)>,
+}

@@ -1,0 +1,86 @@
+//! A whole scene file as plain data: what [`super::read`] makes of a document and [`super::spawn`] turns into entities.
+//!
+//! No entities and no handles: two descriptions can be compared, and references are indices into `materials`.
+
+use std::path::PathBuf;
+
+use bevy::math::Affine3A;
+
+use super::{AreaLight, Authored, AuthoredScene, Emitter, Film, IntegratorSettings, Material, Sensor, Shape};
+use crate::document::Span;
+
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneDescription {
+    /// The scene file.
+    pub path: PathBuf,
+    /// What the file says of it; `strategy` and `schlick` are not the file's business and have their defaults.
+    pub integrator: IntegratorSettings,
+    /// Empty when the file has none.
+    pub sensors: Vec<SensorDescription>,
+    /// Every bsdf, nested ones too.
+    pub materials: Vec<MaterialDescription>,
+    pub shapes: Vec<ShapeDescription>,
+    pub emitters: Vec<EmitterDescription>,
+    /// What became none of these.
+    pub remains: AuthoredScene,
+    /// Every file the scene was read from: itself and its includes, absolute. Meshes are not among them.
+    pub sources: Vec<PathBuf>,
+}
+
+/// What all things of a scene have in common.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identity {
+    /// The `id` of the file, where it gives one.
+    pub id: Option<String>,
+    /// What people call it: the id, or else the plugin.
+    pub name: String,
+    /// Place in the file among all objects; ascending in every list of the description.
+    pub order: u32,
+    pub span: Span,
+    pub authored: Authored,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct SensorDescription {
+    pub identity: Identity,
+    pub sensor: Sensor,
+    pub film: Film,
+    pub to_world: Affine3A,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaterialDescription {
+    pub identity: Identity,
+    pub material: Material,
+    /// The nested materials, as indices into [`SceneDescription::materials`]. They form no circle.
+    pub first: Option<usize>,
+    pub second: Option<usize>,
+    pub declared_in: DeclarationPlace,
+}
+
+/// Where a material is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DeclarationPlace {
+    TopLevel,
+    /// Inside the shape of this index.
+    Shape(usize),
+    /// Inside the material of this index.
+    Material(usize),
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShapeDescription {
+    pub identity: Identity,
+    pub shape: Shape,
+    pub to_world: Affine3A,
+    /// None: the file names none; the mesh's own materials apply, or else the default.
+    pub material: Option<usize>,
+    pub area_light: Option<AreaLight>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct EmitterDescription {
+    pub identity: Identity,
+    pub emitter: Emitter,
+    pub to_world: Affine3A,
+}

@@ -1,0 +1,59 @@
+//! Everything of the scene an app needs: types, assets, and the systems between files and entities.
+
+use bevy::asset::AssetApp;
+use bevy::prelude::*;
+
+use super::assets::{MeshHandle, TriangleMesh};
+use super::*;
+
+/// Adds scenes to an app that has [`AssetPlugin`] with absolute paths allowed:
+///
+/// ```ignore
+/// app.add_plugins((MinimalPlugins, scene::asset_plugin(), ScenePlugin));
+/// app.world_mut().write_message(OpenScene { path, ..default() });
+/// ```
+pub struct ScenePlugin;
+
+/// Bevy's asset plugin as scenes need it: files from anywhere on the disk, no `.meta` files beside them.
+pub fn asset_plugin() -> AssetPlugin {
+    AssetPlugin {
+        unapproved_path_mode: bevy::asset::UnapprovedPathMode::Allow,
+        meta_check: bevy::asset::AssetMetaCheck::Never,
+        watch_for_changes_override: Some(false),
+        ..default()
+    }
+}
+
+/// In `PreUpdate`, in this order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SceneSystems {
+    /// Files asked for or changed are handed to the asset server.
+    Request,
+    /// What it has read becomes entities.
+    Apply,
+    /// Mesh handles follow the shapes; the status is brought up to date.
+    Follow,
+}
+
+impl Plugin for ScenePlugin {
+    fn build(&self, app: &mut App) {
+        app.init_asset::<TriangleMesh>()
+            .add_message::<OpenScene>()
+            .init_resource::<SceneStatus>()
+            .init_resource::<ActiveSensor>()
+            .init_resource::<AuthoredScene>()
+            .init_resource::<IntegratorSettings>()
+            .init_resource::<SamplerSettings>()
+            .init_resource::<AccelMethod>();
+        app.register_type::<Shape>()
+            .register_type::<Material>()
+            .register_type::<Emitter>()
+            .register_type::<AreaLight>()
+            .register_type::<Sensor>()
+            .register_type::<Film>()
+            .register_type::<ToWorld>()
+            .register_type::<SceneId>()
+            .register_type::<DocumentOrder>()
+            .register_type::<MeshHandle>();
+    }
+}

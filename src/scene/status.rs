@@ -1,0 +1,74 @@
+//! Which scene is open, how its loading went, and the request to open another.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use bevy::prelude::*;
+
+use crate::document::Diagnostics;
+
+/// Asks for a scene file; what was open before is replaced once the new one is read.
+#[derive(Message, Clone, Debug, Default, PartialEq, Eq)]
+pub struct OpenScene {
+    /// Relative paths are meant from the working directory.
+    pub path: PathBuf,
+    /// Values for the file's `$name` parameters; they win over its `<default>`s.
+    pub defines: Vec<(String, String)>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SceneState {
+    /// Nothing has been asked for.
+    #[default]
+    Empty,
+    /// A scene is being read for the first time; entities may still be those of the one before.
+    Loading,
+    /// The entities are those of the file. Meshes may still be on their way: [`SceneStatus::meshes_loading`].
+    Ready,
+    /// The last attempt failed; the entities are those of the last good scene, if there was one.
+    Failed,
+}
+
+/// A mesh file that could not be read, for the shapes that name it. These shapes are not in the picture, or are still what the last good
+/// file made them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MeshProblem {
+    pub path: PathBuf,
+    /// One sentence that begins with the place of the shape in the scene file (`file:line:column: `) where it has one.
+    pub message: String,
+}
+
+/// The open scene and what there is to say about it.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct SceneStatus {
+    /// The file asked for last, absolute.
+    pub path: Option<PathBuf>,
+    pub state: SceneState,
+    /// Of the last attempt, failed or not.
+    pub diagnostics: Arc<Diagnostics>,
+    pub mesh_errors: Vec<MeshProblem>,
+    /// What the mesh readers left out or mended, one sentence each with the mesh's path.
+    pub mesh_warnings: Vec<String>,
+    /// Meshes whose first load is not over.
+    pub meshes_loading: usize,
+    /// Counts successful loads and reloads.
+    pub revision: u64,
+    /// The last successful load was of a scene newly opened, not a reload of the one that was there.
+    pub fresh_load: bool,
+}
+
+impl SceneStatus {
+    /// Every entity is there and every mesh has arrived or failed.
+    pub fn is_complete(&self) -> bool {
+        self.state == SceneState::Ready && self.meshes_loading == 0
+    }
+
+    /// Something keeps the picture from being what the files ask for.
+    pub fn has_errors(&self) -> bool {
+        self.state == SceneState::Failed || self.diagnostics.has_errors() || !self.mesh_errors.is_empty()
+    }
+}
+
+/// The sensor the picture is taken with; None without a scene.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ActiveSensor(pub Option<Entity>);
