@@ -4,9 +4,11 @@
 //! and assets; `engine` is the only place that knows both sides; `app` drives it with or without a window.
 
 pub mod accel;
+pub mod app;
 pub mod color;
 pub mod document;
+pub mod engine;
 pub mod geometry;
 pub mod math;
-pub mod scene;
 pub mod sampling;
+pub mod scene;

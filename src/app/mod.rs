@@ -1,0 +1,3 @@
+//! The application: drives the scene and the engine, with or without a window.
+
+pub mod threads;

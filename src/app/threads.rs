@@ -1,0 +1,51 @@
+//! How many threads trace rays. The one place that decides it: neither Bevy's task pools nor rayon's global pool are used for that.
+
+use std::num::NonZeroUsize;
+
+/// The number of workers.
+///
+/// `requested`: None leaves it to us; a positive number is taken as it is, also beyond the number of cores; zero or a negative number
+/// leaves that many cores free (at least one worker remains).
+///
+/// Without a window all cores work. With one, a core stays with the window, but never fewer than two workers where there are two
+/// cores: the window's thread sleeps most of the time and the scheduler of the operating system lets a thread that wakes up go before
+/// one that has been computing all along, while a second worker halves the time until a moved camera shows its first picture.
+pub fn worker_count(requested: Option<i32>, windowed: bool) -> NonZeroUsize {
+    let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    of_cores(cores, requested, windowed)
+}
+
+fn of_cores(cores: usize, requested: Option<i32>, windowed: bool) -> NonZeroUsize {
+    let workers = match requested {
+        Some(n) if n > 0 => n.unsigned_abs() as usize,
+        Some(n) => cores.saturating_sub(n.unsigned_abs() as usize),
+        None if windowed => (cores - 1).max(2).min(cores),
+        None => cores,
+    };
+    NonZeroUsize::new(workers).unwrap_or(NonZeroUsize::MIN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn policy() {
+        let table = [
+            (1, None, true, 1),
+            (2, None, true, 2),
+            (4, None, true, 3),
+            (8, None, false, 8),
+            (8, Some(3), true, 3),
+            (2, Some(16), false, 16),
+            (8, Some(-2), false, 6),
+            (8, Some(0), true, 8),
+            (2, Some(-5), false, 1),
+            (2, Some(i32::MIN), false, 1),
+        ];
+        for (cores, requested, windowed, expected) in table {
+            let workers = of_cores(cores, requested, windowed).get();
+            assert_eq!(workers, expected, "{cores} cores, {requested:?}, windowed {windowed}");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! What the application asks of the engine. Exposure, tone mapping and what is shown of the film are not here: they need no rendering.
+
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::time::Instant;
+
+use bevy::prelude::*;
+
+/// How, how much and how fast to render. Write a field only when its value differs: a change is looked at once per frame.
+#[derive(Resource, Clone, Debug, PartialEq)]
+pub struct RenderControl {
+    /// No new samples are made; those that are there stay.
+    pub paused: bool,
+    /// Samples per pixel to stop at; None is the sensor film's own `sample_count`. Raising it continues the picture, lowering it keeps
+    /// what is there.
+    pub target_samples: Option<u32>,
+    /// Fraction of the film's size that is rendered, in (0, 1].
+    pub resolution_scale: f32,
+    /// Size in pixels that replaces the film's (before `resolution_scale`), as given on the command line.
+    pub film_size_override: Option<UVec2>,
+    /// Seed that replaces the scene's.
+    pub seed_override: Option<u32>,
+    pub view_mode: ViewMode,
+    /// Worker threads that trace rays; decided by `app::threads`.
+    pub threads: NonZeroUsize,
+    /// True with a window: every job begins with a coarse preview, acceleration structures are built in the background while the last
+    /// picture stays, and meshes appear as they are loaded. False: rendering starts when everything is loaded and built.
+    pub interactive: bool,
+    /// Throw the samples away and begin anew; the engine takes it back.
+    pub restart_requested: bool,
+}
+
+impl Default for RenderControl {
+    fn default() -> Self {
+        Self {
+            paused: false,
+            target_samples: None,
+            resolution_scale: 1.0,
+            film_size_override: None,
+            seed_override: None,
+            view_mode: ViewMode::Path,
+            threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
+            interactive: false,
+            restart_requested: false,
+        }
+    }
+}
+
+/// What a pixel's value is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ViewMode {
+    /// Radiance by path tracing (albedo, normal and depth come with it).
+    #[default]
+    Path,
+    /// How many nodes of the acceleration structure the camera ray visits.
+    BvhSteps,
+}
+
+/// When the user's input of this frame arrived; the latency log counts from here. The engine takes it every frame; without it the time
+/// when the engine notices the change is used.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub struct InputStamp(pub Option<Instant>);
+
+/// Called by worker threads when there is something to collect, so that an event loop that sleeps can run a frame: at the end of a
+/// preview and of a job at once, in between rate limited.
+#[derive(Resource, Clone, Default)]
+pub struct WakeUp(pub Option<Arc<dyn Fn() + Send + Sync>>);

@@ -1,0 +1,156 @@
+//! What the engine tells about its work. Numbers only; how they are worded is the application's matter.
+
+use std::collections::VecDeque;
+use std::time::Instant;
+
+use bevy::prelude::*;
+
+/// The state of rendering, brought up to date once per frame.
+#[derive(Resource, Clone, Debug)]
+pub struct RenderStatus {
+    pub state: RenderState,
+    /// Samples per pixel that the whole picture has.
+    pub samples: u32,
+    /// Samples per pixel asked for.
+    pub target: u32,
+    /// Size of the picture in pixels.
+    pub size: UVec2,
+    /// Time spent on the samples of this picture; pauses do not count.
+    pub seconds: f64,
+    /// Rays traced for this picture, camera and shadow rays included.
+    pub rays: u64,
+    pub mrays_per_s: f64,
+    /// Camera samples per second, in millions.
+    pub msamples_per_s: f64,
+    /// Samples that were not finite and therefore dropped.
+    pub invalid_samples: u64,
+    /// Triangles of all instances.
+    pub triangles: u64,
+    pub bvh: BvhStatus,
+    /// Meshes that are named by shapes and not there yet.
+    pub meshes_loading: u32,
+    /// Acceleration structures that are being built.
+    pub builds_running: u32,
+    /// What is wrong with the scene or the render, in words; the picture is made without the things named here.
+    pub errors: Vec<String>,
+    pub last_restart: Instant,
+    /// From a change to the first tile of the new picture.
+    pub latency: LatencyStats,
+}
+
+impl Default for RenderStatus {
+    fn default() -> Self {
+        Self {
+            state: RenderState::Idle,
+            samples: 0,
+            target: 0,
+            size: UVec2::ZERO,
+            seconds: 0.0,
+            rays: 0,
+            mrays_per_s: 0.0,
+            msamples_per_s: 0.0,
+            invalid_samples: 0,
+            triangles: 0,
+            bvh: BvhStatus::default(),
+            meshes_loading: 0,
+            builds_running: 0,
+            errors: Vec::new(),
+            last_restart: Instant::now(),
+            latency: LatencyStats::default(),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RenderState {
+    /// There is no camera to render from.
+    #[default]
+    Idle,
+    /// Waiting for meshes.
+    Loading,
+    /// Waiting for acceleration structures.
+    Building,
+    Rendering,
+    Paused,
+    /// The picture has the samples asked for.
+    Done,
+    /// The last job broke off; `errors` says why. The next change tries again.
+    Failed,
+}
+
+/// The acceleration structures of the scene together (each mesh counted once).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BvhStatus {
+    pub nodes: u64,
+    pub leaves: u64,
+    /// Depth of the deepest mesh hierarchy below the deepest path of the scene's.
+    pub max_depth: u32,
+    /// Surface area heuristic cost of the largest hierarchy.
+    pub sah_cost: f64,
+    pub bytes: u64,
+    /// Time spent building what is now in use, milliseconds.
+    pub build_ms: f64,
+}
+
+/// The last latencies, in milliseconds.
+#[derive(Clone, Debug, Default)]
+pub struct LatencyStats {
+    recent: VecDeque<f32>,
+}
+
+impl LatencyStats {
+    /// As many latencies as the median and percentile look back on.
+    pub const WINDOW: usize = 128;
+
+    pub fn record(&mut self, milliseconds: f32) {
+        if self.recent.len() == Self::WINDOW {
+            self.recent.pop_front();
+        }
+        self.recent.push_back(milliseconds);
+    }
+
+    pub fn len(&self) -> usize {
+        self.recent.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.recent.is_empty()
+    }
+
+    pub fn last_ms(&self) -> Option<f32> {
+        self.recent.back().copied()
+    }
+
+    pub fn median_ms(&self) -> Option<f32> {
+        self.quantile_ms(0.5)
+    }
+
+    pub fn p95_ms(&self) -> Option<f32> {
+        self.quantile_ms(0.95)
+    }
+
+    /// Nearest-rank quantile, `q` in [0, 1]; None before the first latency.
+    fn quantile_ms(&self, q: f32) -> Option<f32> {
+        let mut sorted: Vec<f32> = self.recent.iter().copied().collect();
+        sorted.sort_by(f32::total_cmp);
+        let rank = (q * sorted.len() as f32).ceil() as usize;
+        sorted.get(rank.saturating_sub(1)).copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_of_the_last_window_only() {
+        let mut stats = LatencyStats::default();
+        assert_eq!(stats.median_ms(), None);
+        (0..50).for_each(|_| stats.record(1000.0));
+        (1..=LatencyStats::WINDOW).for_each(|i| stats.record(i as f32));
+        assert_eq!(stats.len(), LatencyStats::WINDOW);
+        assert_eq!(stats.median_ms(), Some(64.0));
+        assert_eq!(stats.p95_ms(), Some(122.0));
+        assert_eq!(stats.last_ms(), Some(128.0));
+    }
+}
