@@ -12,3 +12,4 @@ pub mod geometry;
 pub mod math;
 pub mod sampling;
 pub mod scene;
+pub mod shading;

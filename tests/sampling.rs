@@ -188,12 +188,13 @@ fn directions_follow_their_densities() {
             }
         }
     };
-    assert!((sphere_integral(|d| warp::cosine_hemisphere_pdf(d.z)) - 1.0).abs() < 1e-5);
+    assert!((sphere_integral(Vec3::Z, |d| warp::cosine_hemisphere_pdf(d.z)) - 1.0).abs() < 1e-5);
     let mut results = vec![
         (
             "cosine".to_owned(),
             sphere_p(
                 count,
+                Vec3::Z,
                 |i| Some(warp::cosine_hemisphere(noise(i, 0))),
                 |d| warp::cosine_hemisphere_pdf(d.z),
             ),
@@ -202,6 +203,7 @@ fn directions_follow_their_densities() {
             "sphere".to_owned(),
             sphere_p(
                 count,
+                Vec3::Z,
                 |i| Some(warp::uniform_sphere(noise(i, 1))),
                 |_| warp::UNIFORM_SPHERE_PDF,
             ),
@@ -210,16 +212,22 @@ fn directions_follow_their_densities() {
             "hemisphere".to_owned(),
             sphere_p(
                 count,
+                Vec3::Z,
                 |i| Some(warp::uniform_hemisphere(noise(i, 2))),
                 |d| if d.z >= 0.0 { warp::UNIFORM_HEMISPHERE_PDF } else { 0.0 },
             ),
         ),
     ];
     for omc in [0.125, 0.5, 1.25, 2.0] {
-        assert!((sphere_integral(cone(omc)) - 1.0).abs() < 1e-3, "cone {omc}");
+        assert!((sphere_integral(Vec3::Z, cone(omc)) - 1.0).abs() < 1e-3, "cone {omc}");
         results.push((
             format!("cone {omc}"),
-            sphere_p(count, |i| Some(warp::uniform_cone(noise(i, 3), omc)), cone(omc)),
+            sphere_p(
+                count,
+                Vec3::Z,
+                |i| Some(warp::uniform_cone(noise(i, 3), omc)),
+                cone(omc),
+            ),
         ));
     }
     assert_all_plausible(&results);

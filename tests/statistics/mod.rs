@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use std::f64::consts::PI;
+use sunroom::math::Frame;
 
 /// Chance of a false alarm of a whole table of tests; a table of n tests gives each 1 - (1 - SIGNIFICANCE)^(1/n) (Sidak).
 pub const SIGNIFICANCE: f64 = 1e-3;
@@ -9,8 +10,8 @@ pub const SIGNIFICANCE: f64 = 1e-3;
 /// Cells expected to hold fewer are pooled: below this the statistic does not follow the chi-squared distribution.
 const FEWEST_EXPECTED: f64 = 5.0;
 
-const Z_CELLS: usize = 16;
-const PHI_CELLS: usize = 24;
+const RINGS: usize = 16;
+const SECTORS: usize = 24;
 
 /// Compares counted with expected frequencies; returns the probability of a deviation at least as large.
 pub fn chi_squared_p(counted: &[f64], expected: &[f64]) -> f64 {
@@ -38,45 +39,51 @@ pub fn chi_squared_p(counted: &[f64], expected: &[f64]) -> f64 {
 }
 
 /// The p value of `count` sampled directions against the solid angle density `pdf`. `sample` gets the number of the draw and returns
-/// `None` for an absorbed one; the density may integrate to less than one by that much.
-pub fn sphere_p(count: u32, mut sample: impl FnMut(u32) -> Option<Vec3>, pdf: impl Fn(Vec3) -> f32) -> f64 {
-    let mut counted = vec![0.0; Z_CELLS * PHI_CELLS + 1];
-    let absorbed = Z_CELLS * PHI_CELLS;
+/// `None` for an absorbed one; the density may integrate to less than one by that much. Cells are fine around `axis`, where the
+/// density has its peak.
+pub fn sphere_p(count: u32, axis: Vec3, mut sample: impl FnMut(u32) -> Option<Vec3>, pdf: impl Fn(Vec3) -> f32) -> f64 {
+    let frame = Frame::from_normal(axis);
+    let absorbed = RINGS * SECTORS;
+    let mut counted = vec![0.0; absorbed + 1];
     for i in 0..count {
-        counted[sample(i).map_or(absorbed, sphere_cell)] += 1.0;
+        counted[sample(i).map_or(absorbed, |dir| sphere_cell(frame.to_local(dir)))] += 1.0;
     }
-    let mut expected = sphere_expectation(&pdf);
+    let mut expected = sphere_expectation(&frame, &pdf);
     let total: f64 = expected.iter().sum();
-    assert!(total < 1.0 + 2e-3, "the density integrates to {total}");
+    assert!(total < 1.0 + 1e-3, "the density integrates to {total}");
     expected.push((1.0 - total).max(0.0));
     expected.iter_mut().for_each(|e| *e *= f64::from(count));
     chi_squared_p(&counted, &expected)
 }
 
-/// The integral of a density over all directions.
-pub fn sphere_integral(pdf: impl Fn(Vec3) -> f32) -> f64 {
-    sphere_expectation(&pdf).iter().sum()
+/// The integral over all directions of a function with a peak around `axis`.
+pub fn sphere_integral(axis: Vec3, f: impl Fn(Vec3) -> f32) -> f64 {
+    sphere_expectation(&Frame::from_normal(axis), &f).iter().sum()
 }
 
+/// Rings are equal steps of t, where 1 - z = 2 t^3: the first is 2 degrees wide.
 fn sphere_cell(dir: Vec3) -> usize {
-    let z = (((f64::from(dir.z) + 1.0) / 2.0 * Z_CELLS as f64) as usize).min(Z_CELLS - 1);
+    let t = ((1.0 - f64::from(dir.z)).max(0.0) / 2.0).cbrt();
     let phi = (f64::from(dir.y).atan2(f64::from(dir.x)) / (2.0 * PI)).rem_euclid(1.0);
-    z * PHI_CELLS + ((phi * PHI_CELLS as f64) as usize).min(PHI_CELLS - 1)
+    let ring = ((t * RINGS as f64) as usize).min(RINGS - 1);
+    ring * SECTORS + ((phi * SECTORS as f64) as usize).min(SECTORS - 1)
 }
 
-fn sphere_expectation(pdf: &impl Fn(Vec3) -> f32) -> Vec<f64> {
-    let density = |z: f64, phi: f64| {
+fn sphere_expectation(frame: &Frame, f: &impl Fn(Vec3) -> f32) -> Vec<f64> {
+    let density = |t: f64, phi: f64| {
+        let z = 1.0 - 2.0 * t * t * t;
         let radius = (1.0 - z * z).max(0.0).sqrt();
-        let dir = Vec3::new((radius * phi.cos()) as f32, (radius * phi.sin()) as f32, z as f32);
-        let value = f64::from(pdf(dir));
+        let local = Vec3::new((radius * phi.cos()) as f32, (radius * phi.sin()) as f32, z as f32);
+        let dir = frame.to_world(local).normalize();
+        let value = f64::from(f(dir));
         assert!(value >= 0.0 && value.is_finite(), "density {value} at {dir}");
-        value
+        value * 6.0 * t * t
     };
-    let (dz, dphi) = (2.0 / Z_CELLS as f64, 2.0 * PI / PHI_CELLS as f64);
-    (0..Z_CELLS * PHI_CELLS)
+    let (dt, dphi) = (1.0 / RINGS as f64, 2.0 * PI / SECTORS as f64);
+    (0..RINGS * SECTORS)
         .map(|cell| {
-            let (z, phi) = ((cell / PHI_CELLS) as f64 * dz - 1.0, (cell % PHI_CELLS) as f64 * dphi);
-            integrate(&density, [z, phi], [dz, dphi])
+            let (t, phi) = ((cell / SECTORS) as f64 * dt, (cell % SECTORS) as f64 * dphi);
+            integrate(&density, [t, phi], [dt, dphi])
         })
         .collect()
 }
