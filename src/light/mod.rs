@@ -1,0 +1,59 @@
+//! Emitters, and the table that chooses among them.
+//!
+//! The contract: [`LightTable::sample`] gives a direction from a reference point towards a light with the radiance that would arrive if
+//! nothing stood between, and its density per solid angle *including the probability of having chosen this light*;
+//! [`LightTable::pdf_of_hit`] and [`LightTable::pdf_of_escape`] give that same density for a direction that was found by other means.
+//! Directions here are in world space.
+
+mod mesh;
+mod rectangle;
+mod sphere;
+mod surface;
+mod table;
+
+use glam::Vec3;
+
+use crate::color::Rgb;
+
+pub use surface::SurfaceHit;
+pub use table::LightTable;
+
+/// Index of a light in its [`LightTable`], the order of the sources it was built from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LightId(pub u32);
+
+/// What a light is made from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightSource {
+    /// The triangles of material slot `slot` of an instance (all of an analytic shape), emitting `radiance` (W/(m^2 sr)) from the
+    /// front, the side of the geometric normal.
+    Surface { instance: u32, slot: u32, radiance: Rgb },
+    /// Radiant intensity in W/sr.
+    Point { position: Vec3, intensity: Rgb },
+    /// `direction` is a unit vector, where the light goes; `irradiance` (W/m^2) on a surface that faces it.
+    Directional { direction: Vec3, irradiance: Rgb },
+    /// The same radiance from all directions.
+    Constant { radiance: Rgb },
+}
+
+/// A direction towards a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightSample {
+    /// Unit vector towards the light.
+    pub wi: Vec3,
+    /// Where the shadow ray ends.
+    pub target: Target,
+    /// Radiance arriving along `-wi` if unoccluded; for delta lights what remains after their delta is integrated.
+    pub radiance: Rgb,
+    /// Density per solid angle times the probability of the light; for delta lights only that probability.
+    pub pdf: f32,
+    /// Whether no other technique can find this light (a point, a single direction).
+    pub is_delta: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Target {
+    /// A point just in front of the emitting surface.
+    Point(Vec3),
+    Infinity,
+}

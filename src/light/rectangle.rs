@@ -1,0 +1,51 @@
+//! Rectangles (and parallelograms, the affine images of rectangles) that emit.
+
+use glam::{Vec2, Vec3};
+
+use super::surface::{SurfaceHit, SurfaceSample, solid_angle_pdf};
+use crate::sampling::SphericalRectangle;
+
+/// `corner + a edge_u + b edge_v`, a and b in [0, 1].
+#[derive(Clone, Debug)]
+pub(super) struct RectangleLight {
+    corner: Vec3,
+    edge_u: Vec3,
+    edge_v: Vec3,
+    normal: Vec3,
+    pdf_area: f32,
+}
+
+impl RectangleLight {
+    pub fn new(corner: Vec3, edge_u: Vec3, edge_v: Vec3, normal: Vec3) -> Self {
+        Self {
+            corner,
+            edge_u,
+            edge_v,
+            normal,
+            pdf_area: 1.0 / edge_u.cross(edge_v).length(),
+        }
+    }
+
+    /// Uniform in solid angle where the rectangle allows it, else uniform in area.
+    pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
+        if (reference - self.corner).dot(self.normal) <= 0.0 {
+            return None;
+        }
+        if let Some(seen) = SphericalRectangle::new(self.corner, self.edge_u, self.edge_v, reference) {
+            return Some(SurfaceSample {
+                position: seen.sample(u),
+                normal: self.normal,
+                pdf_solid_angle: seen.pdf_solid_angle(),
+            });
+        }
+        let position = self.corner + u.x * self.edge_u + u.y * self.edge_v;
+        SurfaceSample::from_area(position, self.normal, self.pdf_area, reference)
+    }
+
+    pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
+        match SphericalRectangle::new(self.corner, self.edge_u, self.edge_v, reference) {
+            Some(seen) => seen.pdf_solid_angle(),
+            None => solid_angle_pdf(self.pdf_area, hit.position, self.normal, reference),
+        }
+    }
+}

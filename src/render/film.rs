@@ -1,0 +1,202 @@
+//! The accumulation buffer: sums over the samples of every pixel, and until there are any a coarse preview.
+
+use glam::Vec3;
+
+use super::tile::{PixelSum, Tile, TilePreview, TileSamples};
+use crate::color::{Rgb, luminance};
+
+/// Row-major from the top left.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Film {
+    width: u32,
+    height: u32,
+    sums: Vec<PixelSum>,
+    counts: Vec<u32>,
+    has_preview: Vec<bool>,
+}
+
+impl Film {
+    pub fn new(width: u32, height: u32) -> Self {
+        let pixels = width as usize * height as usize;
+        Self {
+            width,
+            height,
+            sums: vec![PixelSum::default(); pixels],
+            counts: vec![0; pixels],
+            has_preview: vec![false; pixels],
+        }
+    }
+
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Adds finished samples. For the same bits in every run, those of one tile must come in the order of their sample ranges.
+    pub fn add(&mut self, result: &TileSamples) {
+        let count = result.samples.len() as u32;
+        let indices = self.indices(result.tile);
+        for (index, sum) in indices.zip(&result.pixels) {
+            if self.counts[index] == 0 {
+                self.sums[index] = PixelSum::default();
+            }
+            self.sums[index].add(sum);
+            self.counts[index] += count;
+        }
+    }
+
+    /// Shows a coarse picture in those pixels of the tile that have no sample yet.
+    pub fn add_preview(&mut self, preview: &TilePreview) {
+        let tile = preview.tile;
+        let blocks_per_row = tile.width.div_ceil(preview.step);
+        for (place, index) in self.indices(tile).enumerate() {
+            if self.counts[index] > 0 {
+                continue;
+            }
+            let (x, y) = (place as u32 % tile.width, place as u32 / tile.width);
+            let block = (y / preview.step) * blocks_per_row + x / preview.step;
+            self.sums[index] = preview.blocks[block as usize];
+            self.has_preview[index] = true;
+        }
+    }
+
+    fn indices(&self, tile: Tile) -> impl Iterator<Item = usize> + use<> {
+        let width = self.width as usize;
+        (tile.y..tile.y + tile.height)
+            .flat_map(move |y| (tile.x..tile.x + tile.width).map(move |x| y as usize * width + x as usize))
+    }
+
+    fn index(&self, x: u32, y: u32) -> usize {
+        y as usize * self.width as usize + x as usize
+    }
+
+    /// Samples of one pixel.
+    pub fn samples(&self, x: u32, y: u32) -> u32 {
+        self.counts[self.index(x, y)]
+    }
+
+    /// Samples that every pixel has.
+    pub fn sample_count(&self) -> u32 {
+        self.counts.iter().copied().min().unwrap_or(0)
+    }
+
+    /// The mean over a pixel's samples, or its preview; None when there is nothing to show yet.
+    pub fn pixel(&self, x: u32, y: u32) -> Option<PixelSum> {
+        let index = self.index(x, y);
+        match self.counts[index] {
+            0 if self.has_preview[index] => Some(self.sums[index]),
+            0 => None,
+            count => Some(mean(&self.sums[index], count)),
+        }
+    }
+
+    /// Mean radiance; black where there is none yet.
+    pub fn radiance(&self) -> Vec<Rgb> {
+        self.means(|mean| mean.radiance)
+    }
+
+    /// Mean albedo guide, in [0, 1].
+    pub fn albedo(&self) -> Vec<Rgb> {
+        self.means(|mean| mean.albedo)
+    }
+
+    /// Mean normal guide in world space; shorter than 1 where normals differ within a pixel.
+    pub fn normal(&self) -> Vec<Vec3> {
+        self.means(|mean| mean.normal)
+    }
+
+    /// Mean distance to the first surface.
+    pub fn depth(&self) -> Vec<f32> {
+        self.means(|mean| mean.depth)
+    }
+
+    /// Estimated standard error of a pixel's luminance; None below two samples.
+    pub fn standard_error(&self, x: u32, y: u32) -> Option<f32> {
+        let index = self.index(x, y);
+        let count = self.counts[index] as f32;
+        let mean = mean(&self.sums[index], self.counts[index].max(1));
+        let variance = (mean.luminance_squared - luminance(mean.radiance).powi(2)).max(0.0);
+        (count >= 2.0).then(|| (variance / (count - 1.0)).sqrt())
+    }
+
+    fn means<T: Clone>(&self, of: impl Fn(PixelSum) -> T) -> Vec<T> {
+        self.sums
+            .iter()
+            .zip(&self.counts)
+            .map(|(sum, &count)| of(mean(sum, count.max(1))))
+            .collect()
+    }
+}
+
+fn mean(sum: &PixelSum, count: u32) -> PixelSum {
+    let scale = 1.0 / count as f32;
+    PixelSum {
+        radiance: sum.radiance * scale,
+        albedo: sum.albedo * scale,
+        normal: sum.normal * scale,
+        depth: sum.depth * scale,
+        luminance_squared: sum.luminance_squared * scale,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::tile::tiles;
+
+    fn samples(tile: Tile, range: std::ops::Range<u32>, value: f32) -> TileSamples {
+        let sum = PixelSum {
+            radiance: Rgb::splat(value * range.len() as f32),
+            ..PixelSum::default()
+        };
+        TileSamples {
+            tile,
+            samples: range,
+            pixels: vec![sum; (tile.width * tile.height) as usize],
+            rays: 0,
+            invalid: 0,
+        }
+    }
+
+    #[test]
+    fn tiles_cover_every_pixel_once() {
+        let mut seen = vec![0; 70 * 33];
+        for tile in tiles(70, 33) {
+            for y in tile.y..tile.y + tile.height {
+                for x in tile.x..tile.x + tile.width {
+                    seen[(y * 70 + x) as usize] += 1;
+                }
+            }
+        }
+        assert!(seen.iter().all(|&count| count == 1));
+    }
+
+    #[test]
+    fn samples_replace_the_preview_and_average() {
+        let mut film = Film::new(40, 8);
+        let [left, right] = tiles(40, 8)[..] else {
+            panic!("two tiles")
+        };
+        assert_eq!(film.pixel(0, 0), None);
+        let block = PixelSum {
+            radiance: Rgb::splat(9.0),
+            ..PixelSum::default()
+        };
+        film.add_preview(&TilePreview {
+            tile: left,
+            step: 4,
+            blocks: vec![block; 16],
+            rays: 0,
+        });
+        assert_eq!(film.pixel(31, 7).map(|p| p.radiance), Some(Rgb::splat(9.0)));
+        film.add(&samples(left, 0..1, 1.0));
+        film.add(&samples(left, 1..4, 3.0));
+        assert_eq!(film.pixel(0, 0).map(|p| p.radiance), Some(Rgb::splat(2.5)));
+        assert_eq!((film.samples(0, 0), film.sample_count()), (4, 0));
+        film.add(&samples(right, 0..4, 1.0));
+        assert_eq!(film.sample_count(), 4);
+    }
+}

@@ -1,0 +1,50 @@
+//! The scene as the kernel sees it: immutable tables with dense ids, shared by reference count so that an edit replaces one of them.
+
+use std::sync::Arc;
+
+use crate::accel::{Hit, Primitive, Tlas};
+use crate::light::{LightId, LightTable};
+use crate::shading::{BsdfId, BsdfTable};
+
+/// Everything light transport needs to know of a scene; cloning clones four pointers.
+#[derive(Clone, Debug)]
+pub struct RenderScene {
+    pub geometry: Arc<Tlas>,
+    pub surfaces: Arc<SurfaceTable>,
+    pub bsdfs: Arc<BsdfTable>,
+    pub lights: Arc<LightTable>,
+}
+
+/// What a piece of surface is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SurfaceSlot {
+    pub bsdf: BsdfId,
+    pub light: Option<LightId>,
+}
+
+/// The slots of every instance. An instance has one slot, or one per material of its mesh file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SurfaceTable {
+    /// Per instance, the index of its first slot.
+    pub first_slot: Vec<u32>,
+    pub slots: Vec<SurfaceSlot>,
+}
+
+impl RenderScene {
+    /// The slot a ray has hit.
+    pub fn slot(&self, hit: &Hit) -> SurfaceSlot {
+        let first = self.surfaces.first_slot[hit.instance as usize];
+        let last = self.surfaces.first_slot.get(hit.instance as usize + 1);
+        let count = last.map_or(self.surfaces.slots.len() as u32, |&next| next) - first;
+        let offset = match &self.geometry.instances()[hit.instance as usize].primitive {
+            // A shape with a bsdf of its own has one slot, whatever its file says.
+            Primitive::Mesh(blas) if count > 1 => blas
+                .mesh()
+                .material_of_triangle
+                .get(hit.primitive as usize)
+                .map_or(0, |&material| u32::from(material)),
+            _ => 0,
+        };
+        self.surfaces.slots[(first + offset) as usize]
+    }
+}

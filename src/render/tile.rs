@@ -1,0 +1,181 @@
+//! The unit of work: a rectangle of pixels times a range of samples, rendered by a pure function.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::{UVec2, Vec3};
+
+use super::path::{PathSample, trace_path};
+use super::scene::RenderScene;
+use super::view::{Integrator, View};
+use crate::color::{Rgb, luminance};
+
+/// Edge length of a tile in pixels.
+pub const TILE: u32 = 32;
+
+/// A rectangle of pixels, (x, y) its top left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Tile {
+    pub x: u32,
+    pub y: u32,
+    pub width: u32,
+    pub height: u32,
+}
+
+/// The tiles of a picture, row by row; those at the right and lower edge may be smaller.
+pub fn tiles(width: u32, height: u32) -> Vec<Tile> {
+    let starts = |size: u32| (0..size).step_by(TILE as usize);
+    starts(height)
+        .flat_map(|y| {
+            starts(width).map(move |x| Tile {
+                x,
+                y,
+                width: TILE.min(width - x),
+                height: TILE.min(height - y),
+            })
+        })
+        .collect()
+}
+
+/// Sums over the samples of one pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PixelSum {
+    pub radiance: Rgb,
+    pub albedo: Rgb,
+    pub normal: Vec3,
+    pub depth: f32,
+    /// Sum of squared luminances, for the noise estimate.
+    pub luminance_squared: f32,
+}
+
+impl PixelSum {
+    pub fn add(&mut self, other: &Self) {
+        self.radiance += other.radiance;
+        self.albedo += other.albedo;
+        self.normal += other.normal;
+        self.depth += other.depth;
+        self.luminance_squared += other.luminance_squared;
+    }
+}
+
+impl From<PathSample> for PixelSum {
+    fn from(sample: PathSample) -> Self {
+        Self {
+            radiance: sample.radiance,
+            albedo: sample.albedo,
+            normal: sample.normal,
+            depth: sample.depth,
+            luminance_squared: luminance(sample.radiance).powi(2),
+        }
+    }
+}
+
+/// A rendered piece of work.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TileSamples {
+    pub tile: Tile,
+    pub samples: Range<u32>,
+    /// Row by row.
+    pub pixels: Vec<PixelSum>,
+    pub rays: u64,
+    /// Samples that were not finite; they count as black.
+    pub invalid: u32,
+}
+
+/// A coarse picture of a tile: one sample per block of `step` x `step` pixels. Shown, never accumulated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TilePreview {
+    pub tile: Tile,
+    pub step: u32,
+    /// Row by row, ceil(width / step) x ceil(height / step).
+    pub blocks: Vec<PixelSum>,
+    pub rays: u64,
+}
+
+/// Renders samples `samples` of every pixel of `tile`; None if `cancel` was set meanwhile (it is read once per row).
+pub fn render_tile(
+    scene: &RenderScene,
+    view: &View,
+    tile: Tile,
+    samples: Range<u32>,
+    cancel: &AtomicBool,
+) -> Option<TileSamples> {
+    let mut result = TileSamples {
+        tile,
+        samples: samples.clone(),
+        pixels: Vec::with_capacity((tile.width * tile.height) as usize),
+        rays: 0,
+        invalid: 0,
+    };
+    for y in tile.y..tile.y + tile.height {
+        if cancel.load(Ordering::Relaxed) {
+            return None;
+        }
+        for x in tile.x..tile.x + tile.width {
+            let mut sum = PixelSum::default();
+            for index in samples.clone() {
+                let sample = render_sample(scene, view, UVec2::new(x, y), index);
+                result.rays += u64::from(sample.rays);
+                if is_finite(&sample) {
+                    sum.add(&sample.into());
+                } else {
+                    result.invalid += 1;
+                }
+            }
+            result.pixels.push(sum);
+        }
+    }
+    Some(result)
+}
+
+/// Renders one sample in the middle of each block of `step` x `step` pixels; None if cancelled.
+pub fn render_preview(
+    scene: &RenderScene,
+    view: &View,
+    tile: Tile,
+    step: u32,
+    cancel: &AtomicBool,
+) -> Option<TilePreview> {
+    let middle = |start: u32, end: u32| start + step.min(end - start) / 2;
+    let mut result = TilePreview {
+        tile,
+        step,
+        blocks: Vec::new(),
+        rays: 0,
+    };
+    let (right, bottom) = (tile.x + tile.width, tile.y + tile.height);
+    for y in (tile.y..bottom).step_by(step as usize) {
+        if cancel.load(Ordering::Relaxed) {
+            return None;
+        }
+        for x in (tile.x..right).step_by(step as usize) {
+            let sample = render_sample(scene, view, UVec2::new(middle(x, right), middle(y, bottom)), 0);
+            result.rays += u64::from(sample.rays);
+            result.blocks.push(if is_finite(&sample) {
+                sample.into()
+            } else {
+                PixelSum::default()
+            });
+        }
+    }
+    Some(result)
+}
+
+fn render_sample(scene: &RenderScene, view: &View, pixel: UVec2, index: u32) -> PathSample {
+    let (ray, mut sampler) = view.camera_ray(pixel, index);
+    match &view.integrator {
+        Integrator::Path(settings) => trace_path(scene, settings, ray, &mut sampler),
+        Integrator::BvhSteps => {
+            let (_, steps) = scene.geometry.intersect_counting(&ray);
+            PathSample {
+                radiance: Rgb::splat(steps as f32),
+                rays: 1,
+                ..PathSample::default()
+            }
+        }
+    }
+}
+
+fn is_finite(sample: &PathSample) -> bool {
+    sample.radiance.is_finite() && sample.albedo.is_finite() && sample.normal.is_finite() && sample.depth.is_finite()
+}

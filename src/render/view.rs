@@ -1,0 +1,59 @@
+//! How a scene is looked at: camera, film and method. A different view means a new picture.
+
+use glam::{UVec2, Vec2};
+
+use super::camera::Camera;
+use super::filter::PixelFilter;
+use crate::math::Ray;
+use crate::sampling::{Sampler, SequenceKind};
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    pub camera: Camera,
+    /// Pixels.
+    pub width: u32,
+    pub height: u32,
+    pub filter: PixelFilter,
+    pub integrator: Integrator,
+    pub sequence: SequenceKind,
+    pub seed: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Integrator {
+    Path(PathSettings),
+    /// Work of the first ray in the acceleration structure: boxes and primitives tested, as a grey value.
+    BvhSteps,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PathSettings {
+    /// Longest path in segments; `u32::MAX` is unbounded.
+    pub max_depth: u32,
+    /// From this depth on Russian roulette may end a path.
+    pub rr_depth: u32,
+    /// Emitters do not show themselves to the camera.
+    pub hide_emitters: bool,
+    pub strategy: Strategy,
+}
+
+/// How light is looked for at a bounce.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Strategy {
+    /// Follow the bsdf and hope to meet an emitter (lights that cannot be met are still sampled).
+    Bsdf,
+    /// Sample the lights; met emitters count only where lights cannot be sampled, after a specular bounce.
+    Light,
+    /// Both, weighted by the power heuristic.
+    Mis,
+}
+
+impl View {
+    /// The camera ray of one sample, and the sampler with the dimensions that are left to the path.
+    pub fn camera_ray(&self, pixel: UVec2, sample_index: u32) -> (Ray, Sampler) {
+        let mut sampler = Sampler::new(self.sequence, pixel, sample_index, self.seed);
+        let offset = self.filter.sample(sampler.next_2d());
+        let film = (pixel.as_vec2() + 0.5 + offset) / Vec2::new(self.width as f32, self.height as f32);
+        (self.camera.ray(film, sampler.next_2d()), sampler)
+    }
+}

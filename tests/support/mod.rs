@@ -1,0 +1,147 @@
+//! Small scenes and statistics for tests of the kernel.
+#![allow(dead_code, reason = "every test binary uses its own part")]
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use glam::{Affine3A, Vec3};
+use sunroom::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
+use sunroom::color::{Rgb, luminance};
+use sunroom::geometry::mesh::MeshData;
+use sunroom::light::{LightId, LightSource, LightTable};
+use sunroom::render::camera::Camera;
+use sunroom::render::film::Film;
+use sunroom::render::filter::PixelFilter;
+use sunroom::render::scene::{RenderScene, SurfaceSlot, SurfaceTable};
+use sunroom::render::tile::{render_tile, tiles};
+use sunroom::render::view::{Integrator, PathSettings, Strategy, View};
+use sunroom::sampling::SequenceKind;
+use sunroom::shading::{Bsdf, BsdfId, BsdfTable};
+
+/// A scene under construction: every shape brings its own bsdf and, if it shines, its radiance.
+#[derive(Default)]
+pub struct SceneBuilder {
+    instances: Vec<Instance>,
+    bsdfs: Vec<Bsdf>,
+    slots: Vec<SurfaceSlot>,
+    lights: Vec<LightSource>,
+}
+
+impl SceneBuilder {
+    pub fn add(
+        &mut self,
+        primitive: Primitive,
+        to_world: Affine3A,
+        bsdf: Bsdf,
+        radiance: Option<Rgb>,
+    ) -> &mut Instance {
+        let instance = self.instances.len() as u32;
+        self.instances
+            .push(Instance::new(primitive, to_world).expect("an invertible transform"));
+        let light = radiance.map(|radiance| {
+            self.lights.push(LightSource::Surface {
+                instance,
+                slot: 0,
+                radiance,
+            });
+            LightId(self.lights.len() as u32 - 1)
+        });
+        self.slots.push(SurfaceSlot {
+            bsdf: BsdfId(self.bsdfs.len() as u32),
+            light,
+        });
+        self.bsdfs.push(bsdf);
+        self.instances.last_mut().expect("just pushed")
+    }
+
+    pub fn light(&mut self, source: LightSource) -> &mut Self {
+        self.lights.push(source);
+        self
+    }
+
+    pub fn build(self) -> RenderScene {
+        let geometry = Arc::new(Tlas::build(self.instances, SplitMethod::Sah));
+        RenderScene {
+            lights: Arc::new(LightTable::build(&self.lights, &geometry)),
+            surfaces: Arc::new(SurfaceTable {
+                first_slot: (0..self.slots.len() as u32).collect(),
+                slots: self.slots,
+            }),
+            bsdfs: Arc::new(BsdfTable::new(self.bsdfs).expect("one-sided bsdfs")),
+            geometry,
+        }
+    }
+}
+
+/// The square [-1, 1]^2 as two triangles.
+pub fn square_mesh() -> Primitive {
+    let corner = |x, y| Vec3::new(x, y, 0.0);
+    let mesh = MeshData {
+        positions: vec![
+            corner(-1.0, -1.0),
+            corner(1.0, -1.0),
+            corner(1.0, 1.0),
+            corner(-1.0, 1.0),
+        ],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..MeshData::default()
+    };
+    Primitive::Mesh(Arc::new(Blas::build(Arc::new(mesh), SplitMethod::Sah)))
+}
+
+/// A camera at `eye` looking at `target`, +y up.
+pub fn camera(eye: Vec3, target: Vec3, fov: f32) -> Camera {
+    let forward = (target - eye).normalize();
+    let up = if forward.y.abs() > 0.99 { Vec3::Z } else { Vec3::Y };
+    let left = up.cross(forward).normalize();
+    let axes = glam::Mat3::from_cols(left, forward.cross(left), forward);
+    Camera::new(Affine3A::from_mat3_translation(axes, eye), fov, 1.0, 1e-3, 1e6, None)
+}
+
+pub fn view(camera: Camera, size: u32, max_depth: u32, strategy: Strategy) -> View {
+    View {
+        camera,
+        width: size,
+        height: size,
+        filter: PixelFilter::Box,
+        integrator: Integrator::Path(PathSettings {
+            max_depth,
+            rr_depth: 5,
+            hide_emitters: false,
+            strategy,
+        }),
+        sequence: SequenceKind::Independent,
+        seed: 1,
+    }
+}
+
+pub fn render(scene: &RenderScene, view: &View, samples: u32) -> Film {
+    let mut film = Film::new(view.width, view.height);
+    for tile in tiles(view.width, view.height) {
+        let result = render_tile(scene, view, tile, 0..samples, &AtomicBool::new(false)).expect("not cancelled");
+        assert_eq!(result.invalid, 0, "no sample is infinite or not a number");
+        film.add(&result);
+    }
+    film
+}
+
+/// Mean luminance of the picture and its standard error from the spread within pixels.
+pub fn mean_luminance(film: &Film) -> (f32, f32) {
+    let pixels = (film.width() * film.height()) as f32;
+    let mean = film.radiance().iter().map(|&rgb| luminance(rgb)).sum::<f32>() / pixels;
+    let variance: f32 = (0..film.height())
+        .flat_map(|y| (0..film.width()).map(move |x| (x, y)))
+        .filter_map(|(x, y)| film.standard_error(x, y))
+        .map(|error| error * error)
+        .sum();
+    (mean, variance.sqrt() / pixels)
+}
+
+/// Fails unless `mean` lies within four standard errors (and the rounding of sums in single precision) of `expected`.
+pub fn assert_close(what: &str, (mean, error): (f32, f32), expected: f32) {
+    let tolerance = 4.0 * error + 2e-4 * expected.abs();
+    assert!(
+        (mean - expected).abs() <= tolerance,
+        "{what}: {mean} +- {error}, expected {expected}"
+    );
+}
