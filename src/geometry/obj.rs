@@ -1,14 +1,14 @@
 //! Reads Wavefront OBJ meshes (Wavefront, "Advanced Visualizer" manual, appendix B1): the polygons, with their MTL materials.
 //!
-//! All objects and groups of a file become one mesh. Vertices are shared where position index, normal and texture coordinate agree;
-//! polygons are cut as in [`super::polygon`]. Smoothing groups, points, lines, curves and vertex colours are ignored.
+//! All objects and groups of a file become one mesh. Corners share a vertex where their indices of position, texture coordinate and
+//! normal agree; polygons are cut as in [`super::polygon`]. Smoothing groups, points, lines, curves and vertex colours are ignored.
 //!
-//! Normals follow Mitsuba: where the file has none, they are computed over all triangles that share a position *index*, across texture
-//! seams and whatever `s` says. Corners without a normal in a file that has some, and normals that are zero or not finite, get
+//! Normals follow Mitsuba 3.9.1: where the file has none, they are computed over all triangles that share a vertex, whatever `s` says, so
+//! a seam of the texture is a crease. Corners without a normal in a file that has some, and normals that are zero or not finite, get
 //! the computed one. Texture coordinates stay as they are (Mitsuba flips v by default: [`MeshData::flip_tex_coords`]).
 //!
 //! This is a reader of its own rather than the `tobj` crate, which reads the MTL: that one knows no line numbers, cannot tell which corners
-//! lack a normal, gives no original position indices, and starts a new mesh at each object and material.
+//! lack a normal, and starts a new mesh, with vertices of its own, at each object and material.
 
 use std::collections::HashMap;
 use std::io;
@@ -20,7 +20,7 @@ use super::mesh_file::{LoadedMesh, MeshError, Place, Warnings, decode, excerpt};
 use super::mtl::{default_material, read_mtl};
 use super::obj_lines::{Lines, words};
 use super::polygon::triangulate;
-use super::vertex_normals::angle_weighted_normals;
+use super::vertex_normals::unit;
 
 /// Reads a whole OBJ file. `library` fetches the MTL files it names, relative to it, with `/` between folders; one that cannot be
 /// had is a warning. Errors name the line.
@@ -52,7 +52,7 @@ const NONE: u32 = u32::MAX;
 const MOST_LIBRARIES: usize = 64;
 
 /// Indices from 0 into the file's positions, uvs and normals.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
 struct Corner {
     position: u32,
     uv: u32,
@@ -241,7 +241,6 @@ impl Statements {
     /// Everything but the materials. `material_of_triangle` holds nothing yet.
     fn build(&self, warnings: &mut Warnings) -> MeshData {
         let mut mesh = MeshData::default();
-        let mut position_triangles: Vec<[u32; 3]> = Vec::with_capacity(self.faces.len());
         let mut vertices = SharedVertices::new(self);
         let mut outline = Vec::new();
         let mut ids = Vec::new();
@@ -252,37 +251,38 @@ impl Statements {
             outline.extend(corners.iter().map(|corner| self.positions[corner.position as usize]));
             ids.clear();
             ids.extend(corners.iter().map(|&corner| vertices.id_of(corner)));
-            triangulate(&outline, |triangle| {
-                position_triangles.push(triangle.map(|i| corners[i].position));
-                mesh.triangles.push(triangle.map(|i| ids[i]));
-            });
+            triangulate(&outline, |triangle| mesh.triangles.push(triangle.map(|i| ids[i])));
         }
 
-        let has_uvs = vertices.sources.iter().any(|source| source.uv != NONE);
+        let sources = vertices.sources;
+        mesh.positions = sources
+            .iter()
+            .map(|source| self.positions[source.position as usize])
+            .collect();
+        if sources.iter().any(|source| source.uv != NONE) && !self.uvs.is_empty() {
+            let uv_of = |source: &Corner| self.uvs.get(source.uv as usize).copied().unwrap_or_default();
+            mesh.uvs = sources.iter().map(uv_of).collect();
+        }
         let given = |source: &Corner| {
             self.normals
                 .get(source.normal as usize)
-                .and_then(|normal| normal.try_normalize())
+                .and_then(|&normal| unit(normal))
         };
-        let lacking = vertices.sources.iter().filter(|source| given(source).is_none()).count();
-        let computed = if lacking > 0 {
-            angle_weighted_normals(&self.positions, &position_triangles)
+        let lacking = sources.iter().filter(|source| given(source).is_none()).count();
+        if lacking > 0 {
+            mesh = mesh.with_vertex_normals();
         } else {
-            Vec::new()
-        };
-        if lacking > 0 && lacking < vertices.sources.len() {
-            warnings.add(
-                format_args!("{lacking} of {} vertices", vertices.sources.len()),
-                "without a usable normal of their own get one computed from the triangles",
-            );
+            mesh.normals = vec![Vec3::ZERO; sources.len()];
         }
-        for source in &vertices.sources {
-            mesh.positions.push(self.positions[source.position as usize]);
-            mesh.normals
-                .push(given(source).unwrap_or_else(|| computed[source.position as usize]));
-            if has_uvs {
-                mesh.uvs
-                    .push(self.uvs.get(source.uv as usize).copied().unwrap_or(Vec2::ZERO));
+        if lacking < sources.len() {
+            for (normal, source) in mesh.normals.iter_mut().zip(&sources) {
+                *normal = given(source).unwrap_or(*normal);
+            }
+            if lacking > 0 {
+                warnings.add(
+                    format_args!("{lacking} of {} vertices", sources.len()),
+                    "without a usable normal of their own get one computed from the triangles",
+                );
             }
         }
         mesh
@@ -290,6 +290,9 @@ impl Statements {
 
     fn assign_materials(mut self, mesh: &mut MeshData, warnings: &mut Warnings) -> Result<(), MeshError> {
         if self.materials.is_empty() {
+            if !self.used_names.is_empty() {
+                warnings.add("usemtl", "materials are named, but there is no library that has any");
+            }
             return Ok(());
         }
         // Of several materials of one name the first counts.
@@ -339,10 +342,7 @@ struct SharedVertices {
     sources: Vec<Corner>,
     /// Per position the vertex that has neither uv nor normal: most files need no more than this.
     plain: Vec<u32>,
-    others: HashMap<(u32, u32, u32), u32>,
-    /// The first of equal values, per uv and normal: exporters often repeat them.
-    first_uv: Vec<u32>,
-    first_normal: Vec<u32>,
+    others: HashMap<Corner, u32>,
 }
 
 impl SharedVertices {
@@ -351,38 +351,25 @@ impl SharedVertices {
             sources: Vec::with_capacity(file.positions.len().min(file.corners.len())),
             plain: vec![NONE; file.positions.len()],
             others: HashMap::new(),
-            first_uv: first_of_equal(file.uvs.iter().map(|uv| uv.to_array().map(f32::to_bits))),
-            first_normal: first_of_equal(file.normals.iter().map(|normal| normal.to_array().map(f32::to_bits))),
         }
     }
 
     fn id_of(&mut self, corner: Corner) -> u32 {
-        let uv = self.first_uv.get(corner.uv as usize).copied().unwrap_or(NONE);
-        let normal = self.first_normal.get(corner.normal as usize).copied().unwrap_or(NONE);
-        let position = corner.position;
         let next = self.sources.len() as u32;
-        let id = if uv == NONE && normal == NONE {
-            let known = &mut self.plain[position as usize];
+        let id = if corner.uv == NONE && corner.normal == NONE {
+            let known = &mut self.plain[corner.position as usize];
             if *known == NONE {
                 *known = next;
             }
             *known
         } else {
-            *self.others.entry((position, uv, normal)).or_insert(next)
+            *self.others.entry(corner).or_insert(next)
         };
         if id == next {
-            self.sources.push(Corner { position, uv, normal });
+            self.sources.push(corner);
         }
         id
     }
-}
-
-fn first_of_equal<const N: usize>(values: impl Iterator<Item = [u32; N]>) -> Vec<u32> {
-    let mut seen = HashMap::new();
-    (0..)
-        .zip(values)
-        .map(|(index, value)| *seen.entry(value).or_insert(index))
-        .collect()
 }
 
 /// The text after the keyword, which may hold spaces.

@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3};
 use super::mesh::MeshData;
 use super::mesh_file::{LoadedMesh, MeshError, Place, Warnings, excerpt};
 use super::ply_header::{Element, Format, Header, Kind, Scalar, parse_header};
-use super::vertex_normals::angle_weighted_normals;
+use super::vertex_normals::{angle_weighted_normals, unit};
 
 /// Reads a whole PLY file. Errors name the line, or in a binary body the byte.
 pub fn load_ply(bytes: &[u8]) -> Result<LoadedMesh, MeshError> {
@@ -474,7 +474,7 @@ fn complete_normals(mesh: &mut MeshData, warnings: &mut Warnings) {
     }
     let mut computed = Vec::new();
     for i in 0..mesh.normals.len() {
-        mesh.normals[i] = mesh.normals[i].try_normalize().unwrap_or_else(|| {
+        mesh.normals[i] = unit(mesh.normals[i]).unwrap_or_else(|| {
             if computed.is_empty() {
                 computed = angle_weighted_normals(&mesh.positions, &mesh.triangles);
             }

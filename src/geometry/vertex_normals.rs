@@ -1,7 +1,7 @@
 //! Smooth vertex normals from the triangles around each vertex, for files that carry none.
 //!
 //! Each triangle adds its unit normal, weighted by its interior angle at the vertex (Thürmer and Wüthrich, "Computing vertex normals from
-//! polygonal facets", Journal of Graphics Tools 3(1), 1998). Mitsuba 3 does the same when a mesh file has no normals and
+//! polygonal facets", Journal of Graphics Tools 3(1), 1998). Mitsuba 3.9 does the same when a mesh file has no normals and
 //! `face_normals` is off, so pictures agree.
 
 use std::f32::consts::PI;
@@ -18,21 +18,25 @@ pub fn angle_weighted_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec
     let mut sums = vec![Vec3::ZERO; positions.len()];
     for &triangle in triangles {
         let corners = triangle.map(|i| positions[i as usize]);
-        let edges = [0, 1, 2].map(|k| (corners[(k + 1) % 3] - corners[k]).try_normalize());
+        let edges = [0, 1, 2].map(|k| unit(corners[(k + 1) % 3] - corners[k]));
         let [Some(a), Some(b), Some(c)] = edges else { continue };
         // Of unit edges, so that a tiny triangle's cross product does not underflow.
-        let Some(normal) = a.cross(-c).try_normalize() else {
-            continue;
-        };
+        let Some(normal) = unit(a.cross(-c)) else { continue };
         let angles = [angle_between(a, -c), angle_between(b, -a), angle_between(c, -b)];
         for (vertex, angle) in triangle.into_iter().zip(angles) {
             sums[vertex as usize] += normal * angle;
         }
     }
     for sum in &mut sums {
-        *sum = sum.try_normalize().unwrap_or(NORMAL_OF_LONE_VERTEX);
+        *sum = unit(*sum).unwrap_or(NORMAL_OF_LONE_VERTEX);
     }
     sums
+}
+
+/// The direction of `vector`, whatever its length, even where the square of that is beyond an `f32`; `None` for zero and what is not finite.
+pub fn unit(vector: Vec3) -> Option<Vec3> {
+    let size = vector.abs().max_element();
+    (vector.is_finite() && size > 0.0).then(|| (vector / size).normalize())
 }
 
 /// The angle between unit vectors in [0, π], from half the chord: accurate near 0 and π, where the arc cosine is not.
@@ -68,13 +72,29 @@ mod tests {
 
     #[test]
     fn tiny_and_huge_triangles_have_normals() {
-        for scale in [1e-18, 1e18] {
+        for scale in [1e-38, 1e-18, 1e18, 1e38] {
             let positions = [Vec3::ZERO, Vec3::X * scale, Vec3::Y * scale];
             assert_eq!(
                 angle_weighted_normals(&positions, &[[0, 1, 2]]),
                 [Vec3::Z; 3],
                 "{scale}"
             );
+        }
+    }
+
+    #[test]
+    fn every_direction_has_unit_length() {
+        for vector in [
+            Vec3::MAX,
+            Vec3::splat(f32::from_bits(1)),
+            Vec3::new(1e-30, -2e-30, 1e-45),
+            Vec3::new(3e38, 1.0, -1e-20),
+        ] {
+            let length = unit(vector).unwrap().length();
+            assert!((length - 1.0).abs() < 1e-6, "{vector}: {length}");
+        }
+        for vector in [Vec3::ZERO, Vec3::NAN, Vec3::new(1.0, f32::INFINITY, 0.0)] {
+            assert_eq!(unit(vector), None, "{vector}");
         }
     }
 
