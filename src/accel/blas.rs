@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::build::{LeafShape, SplitMethod};
 use super::bvh::{Bvh, BvhStats};
-use super::packet::{LANES, TrianglePacket};
+use super::packet::{LANES, PacketRay, TrianglePacket};
 use super::traverse::Steps;
 use crate::geometry::mesh::MeshData;
 use crate::geometry::triangle::is_regular;
@@ -78,16 +78,18 @@ impl Blas {
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<MeshHit> {
         let mut hit = None;
+        let lanes = PacketRay::new(ray);
         self.bvh
-            .closest(ray, |range, t_max| self.closest_in(range, ray, t_max, &mut hit));
+            .closest(ray, |range, t_max| self.closest_in(range, &lanes, t_max, &mut hit));
         hit
     }
 
     /// [`Blas::intersect`], adding its work to `steps`.
     pub fn intersect_counting(&self, ray: &Ray, steps: &mut Steps) -> Option<MeshHit> {
         let mut hit = None;
+        let lanes = PacketRay::new(ray);
         self.bvh.closest_counting(ray, steps, |range, t_max| {
-            self.closest_in(range, ray, t_max, &mut hit);
+            self.closest_in(range, &lanes, t_max, &mut hit);
         });
         hit
     }
@@ -95,13 +97,16 @@ impl Blas {
     /// Whether anything is hit with 0 < t < t_max.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
+        let lanes = PacketRay::new(ray);
         self.bvh.any(ray, |range| {
-            self.packets_of(range).iter().any(|packet| packet.any(ray, ray.t_max))
+            self.packets_of(range)
+                .iter()
+                .any(|packet| packet.any(&lanes, ray.t_max))
         })
     }
 
     #[inline(always)]
-    fn closest_in(&self, range: Range<usize>, ray: &Ray, t_max: &mut f32, hit: &mut Option<MeshHit>) {
+    fn closest_in(&self, range: Range<usize>, ray: &PacketRay, t_max: &mut f32, hit: &mut Option<MeshHit>) {
         for packet in self.packets_of(range) {
             if let Some(found) = packet.closest(ray, *t_max) {
                 *t_max = found.t;

@@ -1,14 +1,14 @@
 //! Building a hierarchy from the top down, straight into wide nodes.
 //!
 //! A node starts with one set of primitives and splits, again and again, the set with the largest surface (with the most members, for
-//! the median) until it has eight or none can be split. The surface area heuristic is binned over all three axes (Wald, On fast
-//! construction of SAH-based bounding volume hierarchies, 2007). Subtrees are built in parallel; what is built depends on the input only.
+//! the median) until it has eight or none can be split. The surface area heuristic is binned over all three axes (see `binning`). Subtrees are built in parallel; what is built depends on the input only.
 
-use glam::Vec3A;
 use rayon::prelude::*;
 
+use super::binning::{Bins, Grid};
 use super::bvh::can_be_hit;
 use super::node::{Node, WIDTH};
+use super::sets::{Reference, Set};
 use crate::math::Aabb;
 
 /// How sets of primitives are divided.
@@ -35,6 +35,31 @@ pub struct LeafShape {
 pub(super) struct Tree {
     pub nodes: Vec<Node>,
     pub order: Vec<u32>,
+    /// Levels of nodes.
+    pub depth: usize,
+}
+
+impl Tree {
+    fn with_capacity(nodes: usize, order: usize) -> Self {
+        Self {
+            nodes: Vec::with_capacity(nodes),
+            order: Vec::with_capacity(order),
+            depth: 0,
+        }
+    }
+
+    /// Appends a subtree, whose indices count from its own start.
+    fn append(&mut self, mut subtree: Self) {
+        let (nodes, order) = (self.nodes.len() as u32, self.order.len() as u32);
+        for node in &mut subtree.nodes {
+            for slot in 0..node.slots_used() {
+                node.child[slot] += if node.count[slot] == 0 { nodes } else { order };
+            }
+        }
+        self.nodes.append(&mut subtree.nodes);
+        self.order.append(&mut subtree.order);
+        self.depth = self.depth.max(subtree.depth);
+    }
 }
 
 /// Fills a leaf up to its alignment.
@@ -47,91 +72,6 @@ pub(super) const MAX_DEPTH: usize = MEDIAN_DEPTH + 13;
 /// Sets at least this large are worth another thread.
 const PARALLEL: usize = 4096;
 const PARALLEL_BINNING: usize = 1 << 16;
-
-const MAX_BINS: usize = 16;
-
-/// Coordinates are clamped to this when centres are taken, so that sums of two and differences of sums stay finite.
-const LIMIT: f32 = f32::MAX / 8.0;
-
-#[derive(Clone, Copy)]
-struct Reference {
-    min: Vec3A,
-    max: Vec3A,
-    index: u32,
-}
-
-impl Reference {
-    /// Twice the centre.
-    #[inline(always)]
-    fn center(&self) -> Vec3A {
-        self.min.max(Vec3A::splat(-LIMIT)) + self.max.min(Vec3A::splat(LIMIT))
-    }
-}
-
-#[derive(Clone, Copy)]
-struct Bounds {
-    min: Vec3A,
-    max: Vec3A,
-}
-
-impl Bounds {
-    const EMPTY: Self = Self {
-        min: Vec3A::INFINITY,
-        max: Vec3A::NEG_INFINITY,
-    };
-
-    #[inline(always)]
-    fn grow(&mut self, min: Vec3A, max: Vec3A) {
-        self.min = self.min.min(min);
-        self.max = self.max.max(max);
-    }
-
-    fn half_area(&self, scale: f32) -> f32 {
-        let e = (self.max - self.min) * scale;
-        e.x * e.y + e.y * e.z + e.z * e.x
-    }
-
-    fn to_aabb(self) -> Aabb {
-        Aabb {
-            min: self.min.into(),
-            max: self.max.into(),
-        }
-    }
-}
-
-/// A run of references with the box around them and the box around their (doubled) centres.
-#[derive(Clone, Copy)]
-struct Set {
-    start: usize,
-    len: usize,
-    bounds: Bounds,
-    centers: Bounds,
-}
-
-impl Set {
-    fn empty(start: usize) -> Self {
-        Self {
-            start,
-            len: 0,
-            bounds: Bounds::EMPTY,
-            centers: Bounds::EMPTY,
-        }
-    }
-
-    #[inline(always)]
-    fn add(&mut self, reference: &Reference) {
-        self.len += 1;
-        self.bounds.grow(reference.min, reference.max);
-        let center = reference.center();
-        self.centers.grow(center, center);
-    }
-
-    fn of(start: usize, references: &[Reference]) -> Self {
-        let mut set = Self::empty(start);
-        references.iter().for_each(|reference| set.add(reference));
-        set
-    }
-}
 
 struct Builder {
     method: SplitMethod,
@@ -166,12 +106,11 @@ pub(super) fn build(bounds: &[Aabb], method: SplitMethod, leaf: LeafShape) -> Tr
             1.0
         },
     };
-    let mut tree = Tree {
-        nodes: Vec::with_capacity(references.len() / leaf.max_primitives / 2 + 1),
-        order: Vec::with_capacity(references.len() + references.len() / 2),
-    };
+    let expected_leaves = references.len() / leaf.max_primitives;
+    let mut tree = Tree::with_capacity(expected_leaves / 2, expected_leaves * leaf.align * 2);
     if references.is_empty() {
         tree.nodes.push(Node::EMPTY);
+        tree.depth = 1;
     } else {
         builder.build_node(&mut references, all, 0, &mut tree);
     }
@@ -187,6 +126,7 @@ impl Builder {
     fn build_node(&self, references: &mut [Reference], set: Set, depth: usize, tree: &mut Tree) -> u32 {
         let index = tree.nodes.len();
         tree.nodes.push(Node::EMPTY);
+        tree.depth = tree.depth.max(depth + 1);
         let children = self.divide(references, Set { start: 0, ..set }, depth);
 
         let mut rest = references;
@@ -205,10 +145,7 @@ impl Builder {
             let subtrees: Vec<_> = parts
                 .into_par_iter()
                 .map(|(slot, child, part)| {
-                    let mut subtree = Tree {
-                        nodes: Vec::new(),
-                        order: Vec::new(),
-                    };
+                    let mut subtree = Tree::with_capacity(0, 0);
                     let (target, count) = self.build_child(part, child, depth, &mut subtree);
                     (slot, child, target, count, subtree)
                 })
@@ -307,114 +244,4 @@ fn split_in_half(references: &mut [Reference], set: &Set) -> (Set, Set) {
     });
     let (left, right) = references.split_at(middle);
     (Set::of(set.start, left), Set::of(set.start + middle, right))
-}
-
-/// Where bins lie: equal slices of the centres' box on each axis.
-struct Grid {
-    origin: Vec3A,
-    scale: Vec3A,
-    bins: usize,
-}
-
-impl Grid {
-    fn new(set: &Set) -> Self {
-        let bins = (4 + set.len / 8).min(MAX_BINS);
-        let spread = set.centers.max - set.centers.min;
-        let scale = Vec3A::splat(bins as f32 * (1.0 - 1e-6)) / spread;
-        Self {
-            origin: set.centers.min,
-            // An axis without spread has one bin.
-            scale: Vec3A::select(scale.is_finite_mask(), scale, Vec3A::ZERO),
-            bins,
-        }
-    }
-
-    #[inline(always)]
-    fn bin(&self, center: Vec3A) -> [usize; 3] {
-        let position = (center - self.origin) * self.scale;
-        let last = MAX_BINS as i32 - 1;
-        position.to_array().map(|x| (x as i32).clamp(0, last) as usize)
-    }
-}
-
-struct Bins {
-    bounds: [[Bounds; MAX_BINS]; 3],
-    counts: [[u32; MAX_BINS]; 3],
-}
-
-impl Bins {
-    fn fill(grid: &Grid, references: &[Reference]) -> Self {
-        let mut bins = Self {
-            bounds: [[Bounds::EMPTY; MAX_BINS]; 3],
-            counts: [[0; MAX_BINS]; 3],
-        };
-        for reference in references {
-            let at = grid.bin(reference.center());
-            for axis in 0..3 {
-                bins.bounds[axis][at[axis]].grow(reference.min, reference.max);
-                bins.counts[axis][at[axis]] += 1;
-            }
-        }
-        bins
-    }
-
-    fn merge(mut self, other: Self) -> Self {
-        for axis in 0..3 {
-            for bin in 0..MAX_BINS {
-                let Bounds { min, max } = other.bounds[axis][bin];
-                self.bounds[axis][bin].grow(min, max);
-                self.counts[axis][bin] += other.counts[axis][bin];
-            }
-        }
-        self
-    }
-
-    /// Axis and first bin of the right side.
-    fn cheapest(&self, grid: &Grid, align: usize, scale: f32) -> Option<(usize, usize)> {
-        let cost = |bounds: &Bounds, count: u32| bounds.half_area(scale) * (count as usize).div_ceil(align) as f32;
-        let mut best = None;
-        let mut best_cost = f32::INFINITY;
-        for axis in 0..3 {
-            if grid.scale[axis] == 0.0 {
-                continue;
-            }
-            let mut right_costs = [0.0; MAX_BINS];
-            let (mut bounds, mut count) = (Bounds::EMPTY, 0);
-            for bin in (1..grid.bins).rev() {
-                let Bounds { min, max } = self.bounds[axis][bin];
-                bounds.grow(min, max);
-                count += self.counts[axis][bin];
-                right_costs[bin] = if count > 0 { cost(&bounds, count) } else { f32::INFINITY };
-            }
-            (bounds, count) = (Bounds::EMPTY, 0);
-            for bin in 1..grid.bins {
-                let Bounds { min, max } = self.bounds[axis][bin - 1];
-                bounds.grow(min, max);
-                count += self.counts[axis][bin - 1];
-                if count == 0 {
-                    continue;
-                }
-                let total = cost(&bounds, count) + right_costs[bin];
-                if total < best_cost {
-                    best_cost = total;
-                    best = Some((axis, bin));
-                }
-            }
-        }
-        best
-    }
-}
-
-impl Tree {
-    /// Appends a subtree, whose indices count from its own start.
-    fn append(&mut self, mut subtree: Self) {
-        let (nodes, order) = (self.nodes.len() as u32, self.order.len() as u32);
-        for node in &mut subtree.nodes {
-            for slot in 0..node.slots_used() {
-                node.child[slot] += if node.count[slot] == 0 { nodes } else { order };
-            }
-        }
-        self.nodes.append(&mut subtree.nodes);
-        self.order.append(&mut subtree.order);
-    }
 }

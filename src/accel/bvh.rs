@@ -12,6 +12,8 @@ pub struct Bvh {
     pub(super) nodes: Vec<Node>,
     /// Primitive indices in leaf order. Each leaf starts at a multiple of the leaf shape's `align`; gaps hold [`NO_PRIMITIVE`].
     order: Vec<u32>,
+    /// Levels of nodes, at most [`MAX_DEPTH`].
+    pub(super) depth: usize,
 }
 
 /// Figures of a built hierarchy.
@@ -40,8 +42,8 @@ pub struct BvhBox {
 impl Bvh {
     /// Builds over `bounds`. Boxes that are empty or have a NaN hold nothing that a ray could hit and are left out.
     pub fn build(bounds: &[Aabb], method: SplitMethod, leaf: LeafShape) -> Self {
-        let Tree { nodes, order } = build(bounds, method, leaf);
-        Self { nodes, order }
+        let Tree { nodes, order, depth } = build(bounds, method, leaf);
+        Self { nodes, order, depth }
     }
 
     /// Primitive indices in leaf order; `u32::MAX` fills a leaf up to its alignment.
@@ -125,8 +127,8 @@ impl Bvh {
             if std::mem::replace(&mut reached[index], true) {
                 return Err(format!("node {index} has two parents"));
             }
-            if depth > MAX_DEPTH {
-                return Err(format!("node {index} is at depth {depth}"));
+            if depth > self.depth || depth > MAX_DEPTH {
+                return Err(format!("node {index} is too deep, at {depth}"));
             }
             let used = node.slots_used();
             for slot in used..WIDTH {

@@ -3,12 +3,14 @@
 //!
 //! A ray taken into an instance's local space is not renormalised, so its `t` is the world's `t` everywhere.
 
+mod binning;
 mod blas;
 mod build;
 mod bvh;
 mod instance;
 mod node;
 mod packet;
+mod sets;
 mod surface;
 mod tlas;
 mod traverse;

@@ -1,18 +1,20 @@
 //! Triangles tested together: the arithmetic of [`crate::geometry::triangle`] over the lanes of a packet.
 
 use glam::Vec3;
+use wide::f32x8;
 
 use crate::geometry::triangle::volumes;
 use crate::math::Ray;
 
-pub(super) const LANES: usize = 4;
+pub(super) const LANES: usize = 8;
+type Lanes = f32x8;
 
 /// Corners in structure-of-arrays form. Unused lanes repeat one point, which no ray hits.
 #[derive(Clone, Debug)]
 #[repr(C, align(32))]
 pub(super) struct TrianglePacket {
-    /// `corners[corner][axis][lane]`
-    corners: [[[f32; LANES]; 3]; 3],
+    /// `corners[corner][axis]`, a triangle per lane.
+    corners: [[Lanes; 3]; 3],
     /// The mesh's triangle in each lane.
     pub triangle: [u32; LANES],
 }
@@ -25,16 +27,32 @@ pub(super) struct PacketHit {
     pub v: f32,
 }
 
+/// A ray, repeated in every lane.
+pub(super) struct PacketRay {
+    origin: [Lanes; 3],
+    dir: [Lanes; 3],
+}
+
+impl PacketRay {
+    #[inline(always)]
+    pub fn new(ray: &Ray) -> Self {
+        Self {
+            origin: ray.origin.to_array().map(Lanes::splat),
+            dir: ray.dir.to_array().map(Lanes::splat),
+        }
+    }
+}
+
 impl TrianglePacket {
     pub const EMPTY: Self = Self {
-        corners: [[[0.0; LANES]; 3]; 3],
+        corners: [[Lanes::ZERO; 3]; 3],
         triangle: [u32::MAX; LANES],
     };
 
     pub fn set(&mut self, lane: usize, corners: [Vec3; 3], triangle: u32) {
         for (corner, point) in corners.into_iter().enumerate() {
             for axis in 0..3 {
-                self.corners[corner][axis][lane] = point[axis];
+                self.corners[corner][axis].as_mut_array()[lane] = point[axis];
             }
         }
         self.triangle[lane] = triangle;
@@ -42,33 +60,27 @@ impl TrianglePacket {
 
     /// Ray parameters, weights, and a bit for each lane whose triangle is met within 0 < t < t_max.
     #[inline(always)]
-    fn test(&self, ray: &Ray, t_max: f32) -> ([f32; LANES], [[f32; LANES]; 3], u32) {
-        let (origin, dir) = (ray.origin.to_array(), ray.dir.to_array());
-        let mut distance = [0.0; LANES];
-        let mut weights = [[0.0; LANES]; 3];
-        let mut hits = 0;
-        for lane in 0..LANES {
-            let corners = self
-                .corners
-                .each_ref()
-                .map(|axes| axes.each_ref().map(|axis| axis[lane]));
-            let volumes = volumes(origin, dir, corners);
-            let t = volumes.t();
-            distance[lane] = t;
-            for (weights, weight) in weights.iter_mut().zip(volumes.weights) {
-                weights[lane] = weight;
-            }
-            hits |= u32::from(volumes.inside() & (t > 0.0) & (t < t_max)) << lane;
-        }
-        (distance, weights, hits)
+    fn test(&self, ray: &PacketRay, t_max: f32) -> (Lanes, [Lanes; 3], u32) {
+        let volumes = volumes(ray.origin, ray.dir, self.corners);
+        let [u, v, w] = volumes.weights;
+        let zero = Lanes::ZERO;
+        let lowest = u.fast_min(v).fast_min(w);
+        let highest = u.fast_max(v).fast_max(w);
+        let t = volumes.t_numerator / volumes.determinant;
+        let inside = lowest.simd_ge(zero) | highest.simd_le(zero);
+        // A degenerate triangle gives t = 0 / 0, which no comparison lets through.
+        let hits = inside & t.simd_gt(zero) & t.simd_lt(Lanes::splat(t_max));
+        (t, volumes.weights, hits.to_bitmask())
     }
 
     #[inline(always)]
-    pub fn closest(&self, ray: &Ray, t_max: f32) -> Option<PacketHit> {
+    pub fn closest(&self, ray: &PacketRay, t_max: f32) -> Option<PacketHit> {
         let (distance, weights, mut hits) = self.test(ray, t_max);
         if hits == 0 {
             return None;
         }
+        let distance = distance.to_array();
+        let weights = weights.map(Lanes::to_array);
         let mut nearest = hits.trailing_zeros() as usize % LANES;
         hits &= hits - 1;
         while hits != 0 {
@@ -88,7 +100,7 @@ impl TrianglePacket {
     }
 
     #[inline(always)]
-    pub fn any(&self, ray: &Ray, t_max: f32) -> bool {
+    pub fn any(&self, ray: &PacketRay, t_max: f32) -> bool {
         self.test(ray, t_max).2 != 0
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::build::MAX_DEPTH;
 use super::bvh::Bvh;
-use super::node::{NO_CHILD, RaySlabs, WIDTH};
+use super::node::{RaySlabs, WIDTH};
 use crate::math::Ray;
 
 /// The work of a traversal.
@@ -20,8 +20,13 @@ impl Steps {
     }
 }
 
-/// Every node on the way down leaves at most all but one of its children behind.
-const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1;
+/// Stack entries for a hierarchy of some depth: every node on the way down leaves at most all but one of its children behind.
+const fn stack_for(depth: usize) -> usize {
+    depth * (WIDTH - 1) + 1
+}
+
+/// Clearing the stack for the deepest hierarchy would cost a tenth of a ray; most are shallower than this.
+const SHALLOW: usize = 9;
 
 /// A child waiting on the stack: its entry distance above its place (node index and slot), so that keys sort by distance.
 fn key(entry: f32, node: usize, slot: usize) -> u64 {
@@ -67,6 +72,20 @@ impl Bvh {
         &self,
         ray: &Ray,
         steps: &mut Steps,
+        leaf: impl FnMut(Range<usize>, &mut f32) -> bool,
+    ) -> bool {
+        if self.depth <= SHALLOW {
+            self.walk_with_stack::<ANY, COUNT, { stack_for(SHALLOW) }>(ray, steps, leaf)
+        } else {
+            self.walk_with_stack::<ANY, COUNT, { stack_for(MAX_DEPTH) }>(ray, steps, leaf)
+        }
+    }
+
+    #[inline(always)]
+    fn walk_with_stack<const ANY: bool, const COUNT: bool, const STACK: usize>(
+        &self,
+        ray: &Ray,
+        steps: &mut Steps,
         mut leaf: impl FnMut(Range<usize>, &mut f32) -> bool,
     ) -> bool {
         let Some(slabs) = RaySlabs::new(ray) else {
@@ -87,6 +106,7 @@ impl Bvh {
                 let slot = hits.trailing_zeros() as usize % WIDTH;
                 hits &= hits - 1;
                 let new = key(entries[slot], current, slot);
+                // The nearest goes on top.
                 let mut at = height;
                 while !ANY && at > base && stack[at - 1] < new {
                     stack[at] = stack[at - 1];
@@ -105,10 +125,9 @@ impl Bvh {
                     continue;
                 }
                 let (parent, slot) = place_of(top);
-                let node = &self.nodes[parent];
-                let (child, count) = (node.child[slot] as usize, node.count[slot] as usize);
+                let parent = &self.nodes[parent];
+                let (child, count) = (parent.child[slot] as usize, parent.count[slot] as usize);
                 if count == 0 {
-                    debug_assert_ne!(node.child[slot], NO_CHILD);
                     break child;
                 }
                 if COUNT {

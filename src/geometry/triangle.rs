@@ -5,6 +5,8 @@
 //! exactly opposite numbers and no ray slips between them (the form Embree's robust mode uses; Davidovic et al., Efficient and
 //! robust edge functions, 2012). The weights are divided by their own sum, not by the determinant, which keeps them in [0, 1] at grazing angles.
 
+use std::ops::{Add, Mul, Sub};
+
 use glam::{Vec2, Vec3};
 
 use super::local::{LocalHit, LocalSurface};
@@ -17,19 +19,24 @@ pub enum Faces {
     FrontOnly,
 }
 
-/// Six times the signed volumes of a ray with a triangle's parts; `weights` belong to corners 0, 1, 2 and are twice that.
+/// What the test's arithmetic needs of a number: f32, or a vector of them for several triangles at once.
+pub(crate) trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {}
+
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T {}
+
+/// Signed volumes of a ray with a triangle's parts, up to common factors.
 #[derive(Clone, Copy)]
-pub(crate) struct Volumes {
-    pub weights: [f32; 3],
-    /// Ray parameter of the plane, as a fraction.
-    pub t_numerator: f32,
+pub(crate) struct Volumes<T> {
+    /// Barycentric weights of corners 0, 1, 2, times their sum. The ray's line meets the triangle if none is negative, or none positive.
+    pub weights: [T; 3],
+    /// The plane is met at `t_numerator / determinant`.
+    pub t_numerator: T,
     /// Negative when the ray meets the front.
-    pub determinant: f32,
+    pub determinant: T,
 }
 
-/// Plain arithmetic on scalars, without branches, so that a loop over lanes becomes vector code.
 #[inline(always)]
-pub(crate) fn volumes(origin: [f32; 3], dir: [f32; 3], corners: [[f32; 3]; 3]) -> Volumes {
+pub(crate) fn volumes<T: Number>(origin: [T; 3], dir: [T; 3], corners: [[T; 3]; 3]) -> Volumes<T> {
     let [a, b, c] = corners.map(|p| sub(p, origin));
     let normal = cross(sub(b, a), sub(c, a));
     Volumes {
@@ -39,35 +46,13 @@ pub(crate) fn volumes(origin: [f32; 3], dir: [f32; 3], corners: [[f32; 3]; 3]) -
     }
 }
 
-impl Volumes {
-    /// Whether the line of the ray passes through the triangle, edges included.
-    #[inline(always)]
-    pub fn inside(&self) -> bool {
-        let [u, v, w] = self.weights;
-        (u >= 0.0) & (v >= 0.0) & (w >= 0.0) | (u <= 0.0) & (v <= 0.0) & (w <= 0.0)
-    }
-
-    #[inline(always)]
-    pub fn t(&self) -> f32 {
-        self.t_numerator / self.determinant
-    }
-
-    /// Barycentric weights of corners 1 and 2.
-    #[inline(always)]
-    pub fn uv(&self) -> (f32, f32) {
-        let [w0, w1, w2] = self.weights;
-        let sum = w0 + w1 + w2;
-        (w1 / sum, w2 / sum)
-    }
-}
-
 #[inline(always)]
-fn sub(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+fn sub<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline(always)]
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+fn cross<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -76,13 +61,13 @@ fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
 }
 
 #[inline(always)]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+fn dot<T: Number>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// 2 dir . (p x q), exactly negated when p and q change places.
 #[inline(always)]
-fn edge(p: [f32; 3], q: [f32; 3], dir: [f32; 3]) -> f32 {
+fn edge<T: Number>(p: [T; 3], q: [T; 3], dir: [T; 3]) -> T {
     let sum = [p[0] + q[0], p[1] + q[1], p[2] + q[2]];
     dot(cross(sub(p, q), sum), dir)
 }
@@ -90,12 +75,17 @@ fn edge(p: [f32; 3], q: [f32; 3], dir: [f32; 3]) -> f32 {
 /// The hit of `ray` with the triangle, `None` for a miss, a ray within the plane, a triangle without area.
 pub fn intersect(ray: &Ray, corners: [Vec3; 3], faces: Faces) -> Option<LocalHit> {
     let volumes = volumes(ray.origin.to_array(), ray.dir.to_array(), corners.map(|p| p.to_array()));
-    let t = volumes.t();
-    if !volumes.inside() || !(t > 0.0 && t < ray.t_max) || (faces == Faces::FrontOnly && volumes.determinant >= 0.0) {
-        return None;
-    }
-    let (u, v) = volumes.uv();
-    (u.is_finite() && v.is_finite()).then_some(LocalHit { t, u, v })
+    let [w0, w1, w2] = volumes.weights;
+    let inside = w0.min(w1).min(w2) >= 0.0 || w0.max(w1).max(w2) <= 0.0;
+    let t = volumes.t_numerator / volumes.determinant;
+    let turned_away = faces == Faces::FrontOnly && volumes.determinant >= 0.0;
+    let met = inside && t > 0.0 && t < ray.t_max && !turned_away;
+    let sum = w0 + w1 + w2;
+    (met && sum != 0.0).then(|| LocalHit {
+        t,
+        u: w1 / sum,
+        v: w2 / sum,
+    })
 }
 
 /// Whether a triangle has finite corners and an area that the test can see; others can never be hit and need not be stored.
@@ -131,3 +121,55 @@ pub fn surface(corners: [Vec3; 3], u: f32, v: f32) -> LocalSurface {
 
 /// Slivers so thin that their computed plane is mere rounding must not push rays visibly far away; in units of the longest edge.
 const MAX_PLANE_ERROR: f32 = 1e-3;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CORNERS: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
+
+    #[test]
+    fn back_faces_are_culled_on_request_only() {
+        let front = Ray::new(Vec3::new(0.25, 0.5, 1.0), Vec3::NEG_Z * 0.5);
+        let back = Ray::new(Vec3::new(0.25, 0.5, -1.0), Vec3::Z * 0.5);
+        let expected = Some(LocalHit {
+            t: 2.0,
+            u: 0.25,
+            v: 0.5,
+        });
+        assert_eq!(intersect(&front, CORNERS, Faces::Both), expected);
+        assert_eq!(intersect(&back, CORNERS, Faces::Both), expected);
+        assert_eq!(intersect(&front, CORNERS, Faces::FrontOnly), expected);
+        assert_eq!(intersect(&back, CORNERS, Faces::FrontOnly), None);
+    }
+
+    #[test]
+    fn grazing_rays_hit_within_the_triangle() {
+        for exponent in 1..12 {
+            let slope = 10f32.powi(-exponent);
+            // Aimed at (1/4, 1/4, 0) from far along x.
+            let ray = Ray::new(Vec3::new(0.25 - 8.0, 0.25, 8.0 * slope), Vec3::new(1.0, 0.0, -slope));
+            let hit = intersect(&ray, CORNERS, Faces::Both).unwrap();
+            let position = surface(CORNERS, hit.u, hit.v).position;
+            assert!(
+                (position - Vec3::new(0.25, 0.25, 0.0)).length() < 1e-5,
+                "{slope} {position}"
+            );
+        }
+        let within = Ray::new(Vec3::new(-1.0, 0.25, 0.0), Vec3::X);
+        assert_eq!(intersect(&within, CORNERS, Faces::Both), None);
+    }
+
+    #[test]
+    fn a_shared_edge_gives_opposite_numbers() {
+        let [p, q, dir] = [[0.1, 0.7, -3.3], [1.7, 0.3, 2.1], [0.2, -0.9, 0.4]];
+        assert_eq!(edge(p, q, dir), -edge(q, p, dir));
+    }
+
+    #[test]
+    fn triangles_without_area_are_not_regular() {
+        assert!(is_regular(CORNERS));
+        assert!(!is_regular([Vec3::ZERO, Vec3::ONE, Vec3::ONE]));
+        assert!(!is_regular([Vec3::ZERO, Vec3::X, Vec3::splat(f32::NAN)]));
+    }
+}
