@@ -1,14 +1,18 @@
-//! What is wrong with a scene file, and where.
+//! What is wrong with a scene file, and where. How it is shown is `report`'s business.
 
-use std::path::PathBuf;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Messages beyond so many are only counted: a broken generator must not fill the memory with complaints.
+pub const MAX_STORED: usize = 1000;
 
 /// Which file of a document (the main one and its includes); an index into [`Diagnostics::sources`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct SourceId(pub u32);
 
 /// A byte range of one source file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Span {
     pub source: SourceId,
     pub start: u32,
@@ -22,14 +26,14 @@ pub struct SourceFile {
     pub text: Arc<str>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Severity {
     Warning,
     Error,
 }
 
 /// One message about the scene; `span` is None when it is about a file as a whole.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Diagnostic {
     pub severity: Severity,
     pub message: String,
@@ -43,6 +47,11 @@ pub struct Diagnostic {
 pub struct Diagnostics {
     pub sources: Vec<SourceFile>,
     pub list: Vec<Diagnostic>,
+    /// The same message at the same place is said once: a file may be included many times.
+    said: HashSet<Diagnostic>,
+    /// What came after the list was full.
+    dropped_errors: usize,
+    dropped_warnings: usize,
 }
 
 impl Diagnostics {
@@ -55,15 +64,63 @@ impl Diagnostics {
     }
 
     pub fn push(&mut self, severity: Severity, span: Option<Span>, message: String, help: Option<String>) {
-        self.list.push(Diagnostic {
+        let diagnostic = Diagnostic {
             severity,
             message,
             help,
             span,
-        });
+        };
+        if self.said.contains(&diagnostic) {
+            return;
+        }
+        if self.is_full() {
+            match severity {
+                Severity::Warning => self.dropped_warnings += 1,
+                Severity::Error => self.dropped_errors += 1,
+            }
+            return;
+        }
+        self.said.insert(diagnostic.clone());
+        self.list.push(diagnostic);
+    }
+
+    /// Further messages will only be counted: no need to think of suggestions any more.
+    pub fn is_full(&self) -> bool {
+        self.list.len() >= MAX_STORED
     }
 
     pub fn has_errors(&self) -> bool {
-        self.list.iter().any(|d| d.severity == Severity::Error)
+        self.error_count() > 0
+    }
+
+    pub fn error_count(&self) -> usize {
+        let listed = self.list.iter().filter(|d| d.severity == Severity::Error).count();
+        listed + self.dropped_errors
+    }
+
+    pub fn warning_count(&self) -> usize {
+        let listed = self.list.iter().filter(|d| d.severity == Severity::Warning).count();
+        listed + self.dropped_warnings
+    }
+
+    pub fn source(&self, id: SourceId) -> Option<&SourceFile> {
+        self.sources.get(id.0 as usize)
+    }
+
+    /// File, line and column of a span's start; both count from 1, columns in characters.
+    pub fn locate(&self, span: Span) -> Option<(&Path, usize, usize)> {
+        let source = self.source(span.source)?;
+        let (line, column) = source.line_column(span.start as usize);
+        Some((&source.path, line, column))
+    }
+}
+
+impl SourceFile {
+    /// Line and column of a byte offset, from 1, columns in characters. Offsets past the end mean the end.
+    pub fn line_column(&self, offset: usize) -> (usize, usize) {
+        let before = &self.text[..self.text.floor_char_boundary(offset)];
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let line = before.bytes().filter(|byte| *byte == b'\n').count() + 1;
+        (line, before[line_start..].chars().count() + 1)
     }
 }

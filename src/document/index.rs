@@ -4,7 +4,8 @@ use std::collections::HashMap;
 
 use super::{Child, Document, Object};
 
-/// Every object that has an id. A parsed document has each id once, every reference leads somewhere, and none leads in a circle.
+/// Every object that has an id. A parsed document has each id once, and no reference in it leads in a circle; one that leads nowhere
+/// has been reported.
 #[derive(Debug, Default)]
 pub struct Index<'a> {
     by_id: HashMap<&'a str, &'a Object>,

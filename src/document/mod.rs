@@ -3,15 +3,30 @@
 //! This layer knows syntax and value types (`<float>`, `<transform>`, `<default>`, `$name`, `<include>`, `<ref>`) and where each thing
 //! stands in its file; which plugins and parameters exist is `scene`'s knowledge, read through [`Reader`].
 
+mod cie;
+mod define;
 pub mod diagnostic;
 pub mod index;
+mod links;
+mod naming;
 pub mod object;
+pub mod parse;
+mod property;
 pub mod reader;
+pub mod report;
+pub mod source;
+pub mod spectrum;
 mod suggest;
+mod tag;
 pub mod transform;
+mod value;
+pub mod write;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile, SourceId, Span};
 pub use index::Index;
 pub use object::{Category, Child, Document, Object, Property, Value};
+pub use parse::{load, parse_str};
 pub use reader::Reader;
+pub use source::SourceError;
 pub use transform::TransformOp;
+pub use write::{WriteError, to_xml, write_atomically};

@@ -1,9 +1,10 @@
 //! The tree of plugins a scene file describes.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
+use super::parse::file_candidates;
 use super::{Diagnostics, Span, TransformOp};
 
 /// The kind of plugin a tag declares; the tag's name is the kind's name in the file.
@@ -152,6 +153,19 @@ pub struct Object {
 }
 
 impl Object {
+    /// An empty one; `plugin` is its `type`.
+    pub fn new(category: Category, plugin: impl Into<String>) -> Self {
+        Self {
+            category,
+            plugin: plugin.into(),
+            id: None,
+            name: None,
+            properties: Vec::new(),
+            children: Vec::new(),
+            span: Span::default(),
+        }
+    }
+
     /// The plugins given in place, without those referred to.
     pub fn objects(&self) -> impl Iterator<Item = &Object> {
         self.children.iter().filter_map(|child| match child {
@@ -175,5 +189,33 @@ pub struct Document {
     pub path: PathBuf,
     /// The `<scene>`.
     pub root: Object,
+    /// Where files are looked for besides the folders of the scene's own files: the `<path>`s, absolute, in file order.
+    pub search_folders: Vec<PathBuf>,
     pub diagnostics: Diagnostics,
+}
+
+impl Document {
+    /// One that was not read from a file; `path` is where it will be written.
+    pub fn new(path: impl Into<PathBuf>, root: Object) -> Self {
+        Self {
+            path: path.into(),
+            root,
+            search_folders: Vec::new(),
+            diagnostics: Diagnostics::default(),
+        }
+    }
+
+    /// Where a file named at `span` may be, most likely place first: beside the file that names it, beside the main file, then in the
+    /// search folders, the last one first. An absolute name is its own only candidate.
+    pub fn file_candidates(&self, name: &str, span: Span) -> Vec<PathBuf> {
+        let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
+        let beside = self.diagnostics.source(span.source).map(|source| folder(&source.path));
+        let folders: Vec<PathBuf> = beside.into_iter().chain([folder(&self.path)]).collect();
+        file_candidates(name, &folders, &self.search_folders)
+    }
+
+    /// The first of [`Self::file_candidates`] that is a file.
+    pub fn find_file(&self, name: &str, span: Span) -> Option<PathBuf> {
+        self.file_candidates(name, span).into_iter().find(|path| path.is_file())
+    }
 }

@@ -19,6 +19,7 @@ use std::ops::{Bound, RangeBounds};
 
 use glam::Vec3;
 
+use super::spectrum::equal_energy_white;
 use super::suggest::did_you_mean;
 use super::{Category, Child, Diagnostics, Index, Object, Severity, Span, TransformOp, Value};
 use crate::color::Rgb;
@@ -174,6 +175,15 @@ impl<'a, 'd> Reader<'a, 'd> {
             self.check(name, component, &range)?;
         }
         Some(colour)
+    }
+
+    /// The colour of a light: as [`Self::rgb`], but a `<spectrum>` of one number means that power at every wavelength, which is
+    /// slightly purple beside the white of Rec. 709 (so in Mitsuba's RGB mode); a `<float>` means white.
+    pub fn emission(&mut self, name: &str) -> Option<Rgb> {
+        match self.value(name) {
+            Some(Value::Spectrum(number)) => Some(*number * equal_energy_white()),
+            _ => self.rgb(name),
+        }
     }
 
     pub fn transform(&mut self, name: &str) -> Option<Vec<TransformOp>> {

@@ -1,0 +1,166 @@
+//! References between objects: that they lead somewhere, and never in a circle.
+
+use std::collections::{HashMap, HashSet};
+
+use super::parse::MAX_DEPTH;
+use super::suggest::did_you_mean;
+use super::value::quote;
+use super::{Child, Diagnostics, Index, Object, Severity, Span};
+
+/// A scene with every reference replaced by a copy has at most so many objects. References to references to references, each
+/// twice, grow exponentially; readers that follow them need a bound.
+const MAX_EXPANDED: u64 = 50_000_000;
+
+/// `<alias id="..." as="...">`: another name for an object.
+#[derive(Debug)]
+pub struct Alias {
+    pub name: String,
+    pub id: String,
+    pub span: Span,
+}
+
+/// Makes aliased references name the object's own id, reports references to nothing (they stay), and reports and removes those that
+/// close a circle or nest too deep.
+pub fn link(root: &mut Object, ids: &HashMap<String, Span>, aliases: &[Alias], diagnostics: &mut Diagnostics) {
+    let names = resolve_aliases(ids, aliases, diagnostics);
+    check_references(root, ids, &names, diagnostics);
+    let index = Index::new(root);
+    let mut walk = Walk {
+        index: &index,
+        diagnostics,
+        measured: HashMap::new(),
+        open: HashSet::new(),
+        cut: HashSet::new(),
+    };
+    walk.measure(root, 0);
+    let cut = walk.cut;
+    if !cut.is_empty() {
+        remove(root, &cut);
+    }
+}
+
+/// From each alias to the id it stands for.
+fn resolve_aliases<'a>(
+    ids: &HashMap<String, Span>,
+    aliases: &'a [Alias],
+    diagnostics: &mut Diagnostics,
+) -> HashMap<&'a str, &'a str> {
+    let mut names: HashMap<&str, &str> = HashMap::new();
+    for alias in aliases {
+        let target = names.get(alias.id.as_str()).copied().unwrap_or(&alias.id);
+        if ids.contains_key(&alias.name) || names.contains_key(alias.name.as_str()) {
+            diagnostics.error(alias.span, format!("the id {} is given twice", quote(&alias.name)));
+        } else if ids.contains_key(target) {
+            names.insert(&alias.name, target);
+        } else {
+            report_unknown(&alias.id, alias.span, ids, diagnostics);
+        }
+    }
+    names
+}
+
+fn report_unknown(id: &str, span: Span, ids: &HashMap<String, Span>, diagnostics: &mut Diagnostics) {
+    let help = match diagnostics.is_full() {
+        true => None,
+        false => did_you_mean(id, ids.keys().map(String::as_str)),
+    };
+    let message = format!("there is no object with the id {}", quote(id));
+    diagnostics.push(Severity::Error, Some(span), message, help);
+}
+
+fn check_references(
+    object: &mut Object,
+    ids: &HashMap<String, Span>,
+    names: &HashMap<&str, &str>,
+    diagnostics: &mut Diagnostics,
+) {
+    for child in &mut object.children {
+        match child {
+            Child::Object(object) => check_references(object, ids, names, diagnostics),
+            Child::Reference { id, .. } if ids.contains_key(id.as_str()) => {}
+            Child::Reference { id, span, .. } => match names.get(id.as_str()) {
+                Some(own_id) => *id = (*own_id).to_owned(),
+                None => report_unknown(id, *span, ids, diagnostics),
+            },
+        }
+    }
+}
+
+/// What hangs below an object, references followed.
+#[derive(Clone, Copy)]
+struct Extent {
+    height: usize,
+    objects: u64,
+}
+
+struct Walk<'a, 'd> {
+    index: &'a Index<'a>,
+    diagnostics: &'d mut Diagnostics,
+    /// Of the objects with ids.
+    measured: HashMap<&'a str, Extent>,
+    /// The objects with ids from the root to here.
+    open: HashSet<&'a str>,
+    /// References to remove.
+    cut: HashSet<Span>,
+}
+
+impl<'a> Walk<'a, '_> {
+    /// Recursion is bounded: `depth` never passes [`MAX_DEPTH`].
+    fn measure(&mut self, object: &'a Object, depth: usize) -> Extent {
+        if let Some(id) = &object.id {
+            self.open.insert(id);
+        }
+        let mut extent = Extent { height: 0, objects: 1 };
+        for child in &object.children {
+            let below = match child {
+                Child::Object(object) => Some(self.measure(object, depth + 1)),
+                Child::Reference { id, span, .. } => self.follow(id, *span, depth + 1),
+            };
+            let Some(below) = below else { continue };
+            let objects = extent.objects.saturating_add(below.objects);
+            if objects > MAX_EXPANDED {
+                let message = format!("references of references: more than {MAX_EXPANDED} objects in all");
+                self.cut(child.span(), message);
+                continue;
+            }
+            extent.objects = objects;
+            extent.height = extent.height.max(below.height + 1);
+        }
+        if let Some(id) = &object.id {
+            self.open.remove(id.as_str());
+            self.measured.insert(id, extent);
+        }
+        extent
+    }
+
+    fn follow(&mut self, id: &'a str, span: Span, depth: usize) -> Option<Extent> {
+        let target = self.index.get(id)?;
+        if self.open.contains(id) {
+            self.cut(span, format!("a circle of references leads back to {}", quote(id)));
+            return None;
+        }
+        let known = self.measured.get(id).copied();
+        let height = known.map_or(0, |extent| extent.height);
+        // One step short of the bound, because the target's own children, tags in tags, are at most as deep again.
+        if depth + height > MAX_DEPTH {
+            self.cut(span, format!("references lead more than {MAX_DEPTH} objects deep"));
+            return None;
+        }
+        known.or_else(|| Some(self.measure(target, depth)))
+    }
+
+    fn cut(&mut self, span: Span, message: String) {
+        self.diagnostics.error(span, message);
+        self.cut.insert(span);
+    }
+}
+
+fn remove(object: &mut Object, cut: &HashSet<Span>) {
+    object.children.retain_mut(|child| match child {
+        Child::Reference { span, .. } => !cut.contains(span),
+        Child::Object(object) => {
+            remove(object, cut);
+            true
+        }
+    });
+}

@@ -1,0 +1,102 @@
+//! The names of old files (0.5, 0.6) in today's spelling.
+
+use glam::Vec3;
+
+use super::{Category, Child, Object, Property, TransformOp, Value};
+
+/// `toWorld` -> `to_world`, `intIOR` -> `int_ior`; names in snake_case stay.
+pub fn snake_case(name: &str) -> String {
+    let mut result = String::with_capacity(name.len() + 4);
+    let mut after_lower = false;
+    for c in name.chars() {
+        if c.is_ascii_uppercase() {
+            if after_lower {
+                result.push('_');
+            }
+            result.push(c.to_ascii_lowercase());
+            after_lower = false;
+        } else {
+            result.push(c);
+            after_lower = c.is_ascii_lowercase();
+        }
+    }
+    result
+}
+
+/// Parameters of version 0.x that have another name, or another form, today.
+pub fn modernize(object: &mut Object) {
+    if object.category == Category::Bsdf && object.plugin == "diffuse" {
+        for property in &mut object.properties {
+            rename(&mut property.name);
+        }
+        for child in &mut object.children {
+            match child {
+                Child::Object(Object { name: Some(name), .. }) | Child::Reference { name: Some(name), .. } => {
+                    rename(name)
+                }
+                _ => {}
+            }
+        }
+    }
+    if object.category == Category::Texture {
+        texture_offset_and_scale(object);
+    }
+}
+
+fn rename(name: &mut String) {
+    if name == "diffuse_reflectance" {
+        *name = "reflectance".to_owned();
+    }
+}
+
+/// `uoffset`, `voffset`, `uscale`, `vscale` as the transform `to_uv`.
+fn texture_offset_and_scale(object: &mut Object) {
+    let mut offset = Vec3::ZERO;
+    let mut scale = Vec3::ONE;
+    let mut span = None;
+    object.properties.retain(|property| {
+        let target = match property.name.as_str() {
+            "uoffset" => &mut offset.x,
+            "voffset" => &mut offset.y,
+            "uscale" => &mut scale.x,
+            "vscale" => &mut scale.y,
+            _ => return true,
+        };
+        match property.value {
+            Value::Float(number) => *target = number,
+            Value::Integer(number) => *target = number as f32,
+            _ => return true,
+        }
+        span.get_or_insert(property.span);
+        false
+    });
+    if let Some(span) = span {
+        object.properties.push(Property {
+            name: "to_uv".to_owned(),
+            value: Value::Transform(vec![TransformOp::Translate(offset), TransformOp::Scale(scale)]),
+            span,
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn camel_case_becomes_snake_case() {
+        for (old, new) in [
+            ("toWorld", "to_world"),
+            ("intIOR", "int_ior"),
+            ("maxDepth", "max_depth"),
+            ("to_world", "to_world"),
+            ("sigmaT", "sigma_t"),
+            ("fovAxis", "fov_axis"),
+            ("k", "k"),
+            ("Ünder", "Ünder"),
+            ("bsdf_2A", "bsdf_2a"),
+        ] {
+            assert_eq!(snake_case(old), new);
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! Value tags: `<float name= value=>` to `<rgb>`, and the steps of a `<transform>`.
+
+use glam::{Mat4, Vec3};
+
+use super::spectrum::{Role, SampledSpectrum};
+use super::tag::Tag;
+use super::value::{self, quote};
+use super::{Category, Diagnostics, Span, TransformOp, Value};
+
+/// The tags of single values; a transform has children and is not one.
+pub const VALUE_TAGS: [&str; 9] = [
+    "float", "integer", "boolean", "string", "point", "vector", "rgb", "srgb", "spectrum",
+];
+
+pub const TRANSFORM_TAGS: [&str; 5] = ["translate", "rotate", "scale", "matrix", "lookat"];
+
+/// The value of a value tag other than `<spectrum>`; None has been reported.
+pub fn read_value(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<Value> {
+    if matches!(tag.name.as_str(), "point" | "vector") && !tag.has("value") {
+        let mut axis = |name| Some(number(tag.need(name, diagnostics)?, diagnostics));
+        let (x, y, z) = (axis("x"), axis("y"), axis("z"));
+        let xyz = Vec3::new(x??, y??, z??);
+        return Some(point_or_vector(tag, xyz));
+    }
+    if tag.name == "string" {
+        let given = tag.has("value");
+        let text = tag.take("value");
+        if !given {
+            diagnostics.error(tag.span, "<string> needs the attribute `value`");
+        }
+        return text.map(|(text, _)| Value::String(text));
+    }
+    let (text, span) = tag.need("value", diagnostics)?;
+    let parsed = match tag.name.as_str() {
+        "float" => value::parse_float(&text).map(Value::Float),
+        "integer" => value::parse_integer(&text).map(Value::Integer),
+        "boolean" => value::parse_boolean(&text).map(Value::Boolean),
+        "rgb" => value::parse_rgb(&text).map(Value::Rgb),
+        "srgb" => value::parse_srgb(&text).map(Value::Rgb),
+        _ => value::parse_vec3_or_splat(&text).map(|xyz| point_or_vector(tag, xyz)),
+    };
+    report(parsed, span, diagnostics)
+}
+
+fn point_or_vector(tag: &Tag, xyz: Vec3) -> Value {
+    match tag.name.as_str() {
+        "point" => Value::Point(xyz),
+        _ => Value::Vector(xyz),
+    }
+}
+
+/// A spectrum given in `value`: a number, a colour like `#ff8000`, or a list of wavelengths.
+pub fn read_spectrum(text: &str, span: Span, role: Role, diagnostics: &mut Diagnostics) -> Option<Value> {
+    if text.trim().starts_with('#') {
+        return report(value::parse_rgb(text).map(Value::Rgb), span, diagnostics);
+    }
+    if text.contains(':') {
+        let sampled = report(SampledSpectrum::parse_list(text), span, diagnostics)?;
+        return Some(sampled_color(&sampled, span, role, diagnostics));
+    }
+    let number = value::parse_float(text)
+        .map_err(|_| format!("expected a number or `wavelength:value` pairs, found {}", quote(text)));
+    report(number.map(Value::Spectrum), span, diagnostics)
+}
+
+pub fn sampled_color(sampled: &SampledSpectrum, span: Span, role: Role, diagnostics: &mut Diagnostics) -> Value {
+    let (rgb, clamped) = sampled.to_rgb(role);
+    if clamped {
+        diagnostics.warn(
+            span,
+            "no mixture of red, green and blue gives this spectrum; the nearest colour is taken",
+        );
+    }
+    Value::Rgb(rgb)
+}
+
+/// What the spectrum `name` of a plugin of this kind stands for.
+pub fn spectrum_role(category: Category, name: &str) -> Role {
+    match category {
+        Category::Emitter => Role::Emission,
+        _ if name.contains("reflectance") || name.contains("transmittance") => Role::Reflectance,
+        _ => Role::Unbounded,
+    }
+}
+
+/// One step of a transform; None has been reported.
+pub fn read_transform_op(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<TransformOp> {
+    match tag.name.as_str() {
+        "translate" => Some(TransformOp::Translate(xyz(tag, 0.0, diagnostics)?)),
+        "scale" => Some(TransformOp::Scale(xyz(tag, 1.0, diagnostics)?)),
+        "rotate" => {
+            let axis = xyz(tag, 0.0, diagnostics);
+            let degrees = number(tag.need("angle", diagnostics)?, diagnostics)?;
+            let axis = axis?;
+            if axis == Vec3::ZERO {
+                diagnostics.error(tag.span, "the axis of a rotation cannot be zero");
+                return None;
+            }
+            Some(TransformOp::Rotate { axis, degrees })
+        }
+        "matrix" => matrix(tag, diagnostics),
+        _ => look_at(tag, diagnostics),
+    }
+}
+
+/// `value="x, y, z"`, `value="all"`, or any of `x`, `y`, `z`.
+fn xyz(tag: &mut Tag, absent: f32, diagnostics: &mut Diagnostics) -> Option<Vec3> {
+    if tag.has("value") {
+        if ["x", "y", "z"].iter().any(|axis| tag.has(axis)) {
+            diagnostics.error(tag.span, "give either `value` or `x`, `y`, `z`, not both");
+        }
+        let (text, span) = tag.need("value", diagnostics)?;
+        return report(value::parse_vec3_or_splat(&text), span, diagnostics);
+    }
+    let mut axis = |name| {
+        let given = tag.has(name);
+        match tag.take(name) {
+            Some(attribute) => number(attribute, diagnostics),
+            None => (!given).then_some(absent),
+        }
+    };
+    let (x, y, z) = (axis("x"), axis("y"), axis("z"));
+    Some(Vec3::new(x?, y?, z?))
+}
+
+fn matrix(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<TransformOp> {
+    let (text, span) = tag.need("value", diagnostics)?;
+    let numbers = report(value::parse_floats(&text), span, diagnostics)?;
+    let matrix = match numbers.len() {
+        9 => {
+            let rows: Vec<[f32; 4]> = numbers
+                .chunks_exact(3)
+                .map(|row| [row[0], row[1], row[2], 0.0])
+                .collect();
+            Mat4::from_cols_array_2d(&[rows[0], rows[1], rows[2], [0.0, 0.0, 0.0, 1.0]]).transpose()
+        }
+        16 => Mat4::from_cols_slice(&numbers).transpose(),
+        count => {
+            let found = if count > 16 {
+                "more".to_owned()
+            } else {
+                count.to_string()
+            };
+            diagnostics.error(span, format!("a matrix has 16 numbers, or 9, found {found}"));
+            return None;
+        }
+    };
+    // Exporters leave rounding errors in the last row; a projection is another matter.
+    if !matrix.row(3).abs_diff_eq(glam::Vec4::W, 1e-4) {
+        diagnostics.error(span, "the last row of the matrix should be 0 0 0 1");
+        return None;
+    }
+    let mut affine = matrix.transpose();
+    affine.w_axis = glam::Vec4::W;
+    Some(TransformOp::Matrix(affine.transpose()))
+}
+
+fn look_at(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<TransformOp> {
+    let up_given = tag.has("up");
+    let up = tag.take("up");
+    let origin = tag.need("origin", diagnostics);
+    let target = tag.need("target", diagnostics);
+    let mut corner = |attribute: Option<(String, Span)>| {
+        let (text, span) = attribute?;
+        report(value::parse_vec3(&text), span, diagnostics)
+    };
+    let (origin, target, up) = (corner(origin), corner(target), corner(up));
+    let (origin, target) = (origin?, target?);
+    let Some(forward) = (target - origin).try_normalize() else {
+        diagnostics.error(
+            tag.span,
+            "`target` is where `origin` is: there is no direction to look in",
+        );
+        return None;
+    };
+    let up = match up {
+        None if up_given => return None,
+        None | Some(Vec3::ZERO) => any_up(forward),
+        Some(up) => up,
+    };
+    if up.cross(forward).try_normalize().is_none() {
+        diagnostics.error(tag.span, "`up` points along the direction from `origin` to `target`");
+        return None;
+    }
+    Some(TransformOp::LookAt { origin, target, up })
+}
+
+/// The up direction where the file gives none: the first tangent of Duff et al., "Building an Orthonormal Basis, Revisited" (2017).
+fn any_up(n: Vec3) -> Vec3 {
+    let sign = 1.0_f32.copysign(n.z);
+    let a = -1.0 / (sign + n.z);
+    Vec3::new(1.0 + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x)
+}
+
+fn number((text, span): (String, Span), diagnostics: &mut Diagnostics) -> Option<f32> {
+    report(value::parse_float(&text), span, diagnostics)
+}
+
+fn report<T>(parsed: Result<T, String>, span: Span, diagnostics: &mut Diagnostics) -> Option<T> {
+    parsed.map_err(|message| diagnostics.error(span, message)).ok()
+}

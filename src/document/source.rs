@@ -1,0 +1,103 @@
+//! Scene files from disk: bounded in size, and text.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+/// Larger files are no scene descriptions; spans are 32 bits wide.
+pub const MAX_FILE_BYTES: u64 = 256 << 20;
+
+/// Why a file gives no text at all.
+#[derive(Debug, thiserror::Error)]
+pub enum SourceError {
+    #[error("{}: {source}", path.display())]
+    Unreadable { path: PathBuf, source: io::Error },
+    #[error("{}: is a folder, not a scene file", path.display())]
+    Folder { path: PathBuf },
+    #[error("{}: larger than {} MiB, which no scene file should be", path.display(), MAX_FILE_BYTES >> 20)]
+    TooLarge { path: PathBuf },
+    #[error("{}: is UTF-16 text; save it as UTF-8", path.display())]
+    Utf16 { path: PathBuf },
+    #[error("{}:{line}:{column}: is not UTF-8 text from here on; save the file as UTF-8", path.display())]
+    NotUtf8 { path: PathBuf, line: usize, column: usize },
+}
+
+/// The text of a file, without its byte order mark.
+pub fn read_text(path: &Path) -> Result<String, SourceError> {
+    let unreadable = |source| SourceError::Unreadable {
+        path: path.to_owned(),
+        source,
+    };
+    let mut file = File::open(path).map_err(unreadable)?;
+    if file.metadata().map_err(unreadable)?.is_dir() {
+        return Err(SourceError::Folder { path: path.to_owned() });
+    }
+    let mut bytes = Vec::new();
+    let mut bounded = (&mut file).take(MAX_FILE_BYTES + 1);
+    bounded.read_to_end(&mut bytes).map_err(unreadable)?;
+    decode(bytes, path)
+}
+
+/// The text in a file's bytes, without its byte order mark; `path` is for the message.
+pub fn decode(mut bytes: Vec<u8>, path: &Path) -> Result<String, SourceError> {
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(SourceError::TooLarge { path: path.to_owned() });
+    }
+    if matches!(
+        bytes[..],
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [b'<', 0, ..] | [0, b'<', ..]
+    ) {
+        return Err(SourceError::Utf16 { path: path.to_owned() });
+    }
+    if bytes.starts_with(b"\xef\xbb\xbf") {
+        bytes.drain(..3);
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line_start = good
+            .iter()
+            .rposition(|byte| *byte == b'\n')
+            .map_or(0, |newline| newline + 1);
+        let in_line = String::from_utf8_lossy(&good[line_start..]);
+        SourceError::NotUtf8 {
+            path: path.to_owned(),
+            line: good.iter().filter(|byte| **byte == b'\n').count() + 1,
+            column: in_line.chars().count() + 1,
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(bytes: &[u8]) -> String {
+        decode(bytes.to_vec(), Path::new("a.xml")).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn only_utf8_is_text() {
+        assert_eq!(
+            decode(b"\xef\xbb\xbf<a/>".to_vec(), Path::new("a.xml")).unwrap(),
+            "<a/>"
+        );
+        assert!(message(b"\xff\xfe<\0").contains("UTF-16"));
+        assert!(message(b"<\0s\0").contains("UTF-16"));
+        assert!(message(b"<a>\n\xc3\xa9\xe9</a>").starts_with("a.xml:2:2: is not UTF-8"));
+    }
+
+    #[test]
+    fn missing_files_and_folders_are_named() {
+        assert!(
+            read_text(Path::new("/no/such/file.xml"))
+                .unwrap_err()
+                .to_string()
+                .starts_with("/no/such/file.xml: ")
+        );
+        let folder = std::env::temp_dir();
+        assert!(matches!(
+            read_text(&folder),
+            Err(SourceError::Folder { .. } | SourceError::Unreadable { .. })
+        ));
+    }
+}

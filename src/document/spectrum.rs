@@ -1,0 +1,179 @@
+//! `<spectrum>` given as wavelengths and values: its linear Rec. 709 colour.
+//!
+//! A renderer of three colours has to integrate a spectrum when it reads it. As in Mitsuba's RGB mode a reflectance is seen under D65
+//! (so that white stays 1, 1, 1), and a light's spectrum is taken as it is (so that equal energy is slightly purple).
+
+use glam::{DMat3, DVec3, Vec3};
+
+use super::cie::{D65, FIRST_NM, OBSERVER, SAMPLES, STEP_NM};
+use super::value::{fields, parse_float};
+
+/// Linear Rec. 709 from CIE XYZ (ITU-R BT.709 primaries, D65 white).
+const REC709_FROM_XYZ: DMat3 = DMat3::from_cols_array(&[
+    3.240_479, -0.969_256, 0.055_648, -1.537_150, 1.875_991, -0.204_043, -0.498_535, 0.041_556, 1.057_311,
+]);
+
+/// The integral is a sum over so many places, fine enough for lists with 1 nm steps.
+const STEPS: usize = 1000;
+
+/// What a spectrum is the spectrum of; decides under which light it is seen and which colours are possible.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Radiance and the like: no light but its own, no upper bound.
+    Emission,
+    /// Reflectance, transmittance: between 0 and 1.
+    Reflectance,
+    /// Indices of refraction, extinction: seen under D65, no upper bound.
+    Unbounded,
+}
+
+/// A sampled spectrum; the wavelengths (nm) increase.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SampledSpectrum {
+    points: Vec<(f64, f64)>,
+}
+
+/// The colour of a light that has the power 1 at every wavelength.
+pub fn equal_energy_white() -> Vec3 {
+    (REC709_FROM_XYZ * DVec3::ONE).as_vec3()
+}
+
+impl SampledSpectrum {
+    /// "400:0.1, 500:0.2, 700:0.9".
+    pub fn parse_list(text: &str) -> Result<Self, String> {
+        let pairs = fields(text).map(|pair| {
+            let (wavelength, value) = pair
+                .split_once(':')
+                .ok_or_else(|| format!("expected `wavelength:value`, found `{pair}`"))?;
+            Ok((parse_float(wavelength)?, parse_float(value)?))
+        });
+        Self::new(pairs.collect::<Result<_, String>>()?)
+    }
+
+    /// A file with one `wavelength value` on each line; `#` starts a comment.
+    pub fn parse_file(text: &str) -> Result<Self, String> {
+        let mut pairs = Vec::new();
+        for (number, line) in text.lines().enumerate() {
+            let content = line.split('#').next().unwrap_or_default();
+            let numbers: Vec<f32> = fields(content)
+                .map(parse_float)
+                .collect::<Result<_, _>>()
+                .map_err(|what| format!("line {}: {what}", number + 1))?;
+            match numbers[..] {
+                [] => {}
+                [wavelength, value] => pairs.push((wavelength, value)),
+                _ => return Err(format!("line {}: expected a wavelength and a value", number + 1)),
+            }
+        }
+        Self::new(pairs)
+    }
+
+    fn new(pairs: Vec<(f32, f32)>) -> Result<Self, String> {
+        if pairs.len() < 2 {
+            return Err("a spectrum needs at least two wavelengths".to_owned());
+        }
+        if let Some(two) = pairs.windows(2).find(|two| two[0].0 >= two[1].0) {
+            return Err(format!(
+                "wavelengths must increase, but {} follows {}",
+                two[1].0, two[0].0
+            ));
+        }
+        let points = pairs.into_iter().map(|(nm, value)| (nm.into(), value.into())).collect();
+        Ok(Self { points })
+    }
+
+    /// The colour, and whether it had to be clamped because no mixture of the three primaries makes it.
+    pub fn to_rgb(&self, role: Role) -> (Vec3, bool) {
+        let range = STEP_NM * (SAMPLES - 1) as f64;
+        let mut xyz = DVec3::ZERO;
+        let mut whole = 0.0;
+        let mut segment = 0;
+        for step in 0..STEPS {
+            let offset = step as f64 / (STEPS - 1) as f64 * range;
+            let observer = table(offset, |i| DVec3::from_array(OBSERVER[i]));
+            let light = match role {
+                Role::Emission => 1.0,
+                Role::Reflectance | Role::Unbounded => table(offset, |i| D65[i]),
+            };
+            whole += observer.y * light;
+            let wavelength = FIRST_NM + offset;
+            while segment + 2 < self.points.len() && wavelength > self.points[segment + 1].0 {
+                segment += 1;
+            }
+            let ((nm0, value0), (nm1, value1)) = (self.points[segment], self.points[segment + 1]);
+            if (nm0..=nm1).contains(&wavelength) {
+                let value = value0 + (value1 - value0) * (wavelength - nm0) / (nm1 - nm0);
+                xyz += observer * light * value;
+            }
+        }
+        let rgb = (REC709_FROM_XYZ * (xyz / whole)).as_vec3();
+        let highest = if role == Role::Reflectance { 1.0 } else { f32::MAX };
+        let possible = rgb.clamp(Vec3::ZERO, Vec3::splat(highest));
+        // Rounding may leave white a hair above one; that is no reason for a warning.
+        (possible, !possible.abs_diff_eq(rgb, 1e-3))
+    }
+}
+
+/// Linear interpolation in a table of the CIE, `offset` nm after its first entry.
+fn table<T>(offset: f64, entry: impl Fn(usize) -> T) -> T
+where
+    T: std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,
+{
+    let place = offset / STEP_NM;
+    let index = (place as usize).min(SAMPLES - 2);
+    let weight = place - index as f64;
+    entry(index) * (1.0 - weight) + entry(index + 1) * weight
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn white_is_white_under_daylight_and_purple_by_itself() {
+        let flat = SampledSpectrum::parse_list("300:0.5, 900:0.5").unwrap();
+        let (rgb, clamped) = flat.to_rgb(Role::Reflectance);
+        // The published tables and the rounded matrix agree on white to three digits.
+        assert!(rgb.abs_diff_eq(Vec3::splat(0.5), 5e-4), "{rgb}");
+        assert!(!clamped);
+        let (light, _) = flat.to_rgb(Role::Emission);
+        assert!(light.abs_diff_eq(0.5 * equal_energy_white(), 5e-4), "{light}");
+        assert!(light.x > light.y && light.y > light.z);
+    }
+
+    #[test]
+    fn red_is_red_and_pure_colours_are_clamped() {
+        let red = SampledSpectrum::parse_list("400:0.05 580:0.1, 620:0.6, 700:0.64").unwrap();
+        let (rgb, _) = red.to_rgb(Role::Reflectance);
+        assert!(rgb.x > 0.5 && rgb.y < 0.2 && rgb.z < 0.1, "{rgb}");
+        let laser = SampledSpectrum::parse_list("515:0, 520:1, 525:0").unwrap();
+        let (rgb, clamped) = laser.to_rgb(Role::Reflectance);
+        assert!(clamped && rgb.min_element() == 0.0);
+    }
+
+    #[test]
+    fn bad_lists_say_what_is_wrong() {
+        assert!(
+            SampledSpectrum::parse_list("400:0.1, 0.2")
+                .unwrap_err()
+                .contains("`0.2`")
+        );
+        assert!(SampledSpectrum::parse_list("400:x, 500:1").unwrap_err().contains("`x`"));
+        assert!(
+            SampledSpectrum::parse_list("500:1, 400:1")
+                .unwrap_err()
+                .contains("increase")
+        );
+        assert!(SampledSpectrum::parse_list("").is_err());
+        let file = "# nm value\n400 0.25\n\n700 0.75 # end\n";
+        assert_eq!(
+            SampledSpectrum::parse_file(file),
+            SampledSpectrum::parse_list("400:0.25 700:0.75")
+        );
+        assert!(
+            SampledSpectrum::parse_file("400 1\n500\n")
+                .unwrap_err()
+                .contains("line 2")
+        );
+    }
+}

@@ -1,0 +1,135 @@
+//! One start tag: its name and its attributes, unescaped and with `$names` replaced, each with its place.
+
+use quick_xml::XmlVersion;
+use quick_xml::events::BytesStart;
+
+use super::define::Defines;
+use super::suggest::did_you_mean;
+use super::{Diagnostics, Severity, Span};
+
+/// No tag of the format has more than six.
+const MAX_ATTRIBUTES: usize = 64;
+
+#[derive(Debug)]
+pub struct Attribute {
+    name: String,
+    /// None if it could not be made; that has been reported.
+    value: Option<String>,
+    span: Span,
+}
+
+#[derive(Debug)]
+pub struct Tag {
+    pub name: String,
+    pub span: Span,
+    attributes: Vec<Attribute>,
+    /// The names asked for, for suggestions.
+    asked: Vec<&'static str>,
+}
+
+impl Tag {
+    /// `text` is the whole source, `span` the tag's place in it.
+    pub fn new(
+        start: &BytesStart,
+        text: &str,
+        span: Span,
+        defines: &mut Defines,
+        diagnostics: &mut Diagnostics,
+    ) -> Self {
+        let mut attributes: Vec<Attribute> = Vec::new();
+        for (count, attribute) in start.attributes().with_checks(false).enumerate() {
+            let attribute = match attribute {
+                Ok(_) if count >= MAX_ATTRIBUTES => {
+                    diagnostics.error(span, format!("a tag with more than {MAX_ATTRIBUTES} attributes"));
+                    break;
+                }
+                Ok(attribute) => attribute,
+                Err(error) => {
+                    diagnostics.error(span, format!("attributes of this tag cannot be read: {error}"));
+                    break;
+                }
+            };
+            let name = attribute.key.as_ref().to_owned();
+            let place = value_span(&attribute.value, text, span);
+            if attributes.iter().any(|earlier| earlier.name == name) {
+                diagnostics.error(place, format!("attribute `{name}` is given twice"));
+                continue;
+            }
+            let value = match attribute.normalized_value(XmlVersion::Implicit1_0) {
+                Ok(raw) => match defines.substitute(&raw) {
+                    Ok(value) => Some(value.into_owned()),
+                    Err(error) => {
+                        diagnostics.push(Severity::Error, Some(place), error.message, error.help);
+                        None
+                    }
+                },
+                Err(error) => {
+                    let message = format!("attribute `{name}` cannot be read: {error}");
+                    let help = "write `&amp;` for `&`; entities other than amp, lt, gt, quot, apos are not supported";
+                    diagnostics.push(Severity::Error, Some(place), message, Some(help.to_owned()));
+                    None
+                }
+            };
+            attributes.push(Attribute {
+                name,
+                value,
+                span: place,
+            });
+        }
+        Self {
+            name: start.name().as_ref().to_owned(),
+            span,
+            attributes,
+            asked: Vec::new(),
+        }
+    }
+
+    /// The attribute's value and place, if it is there and could be read.
+    pub fn take(&mut self, name: &'static str) -> Option<(String, Span)> {
+        self.asked.push(name);
+        let index = self.attributes.iter().position(|attribute| attribute.name == name)?;
+        let attribute = self.attributes.remove(index);
+        attribute.value.map(|value| (value, attribute.span))
+    }
+
+    /// An attribute that has to be there and not be empty; what is wrong is reported.
+    pub fn need(&mut self, name: &'static str, diagnostics: &mut Diagnostics) -> Option<(String, Span)> {
+        let present = self.has(name);
+        let taken = self.take(name);
+        match &taken {
+            None if !present => {
+                diagnostics.error(self.span, format!("<{}> needs the attribute `{name}`", self.name));
+            }
+            Some((value, span)) if value.is_empty() => {
+                diagnostics.error(*span, format!("attribute `{name}` is empty"));
+                return None;
+            }
+            _ => {}
+        }
+        taken
+    }
+
+    pub fn has(&self, name: &str) -> bool {
+        self.attributes.iter().any(|attribute| attribute.name == name)
+    }
+
+    /// Warns of attributes nobody took.
+    pub fn finish(self, diagnostics: &mut Diagnostics) {
+        for attribute in self.attributes {
+            let known = self.asked.iter().copied();
+            let help = did_you_mean(&attribute.name, known);
+            let message = format!("<{}> has no attribute `{}`; it is ignored", self.name, attribute.name);
+            diagnostics.push(Severity::Warning, Some(attribute.span), message, help);
+        }
+    }
+}
+
+/// Where an attribute's raw value stands; it is a part of `text` (if it is a copy, the whole tag will do).
+fn value_span(value: &str, text: &str, tag: Span) -> Span {
+    let place = (value.as_ptr() as usize).checked_sub(text.as_ptr() as usize);
+    let range = place.and_then(|start| Some((u32::try_from(start).ok()?, u32::try_from(start + value.len()).ok()?)));
+    match range {
+        Some((start, end)) if tag.start <= start && end <= tag.end => Span { start, end, ..tag },
+        _ => tag,
+    }
+}

@@ -1,0 +1,191 @@
+//! The text of an attribute as a value. Every error says what was expected and quotes what was found.
+
+use glam::Vec3;
+
+use crate::color::linear_from_srgb;
+
+/// Quotes at most so much of a text in a message.
+const LONGEST_QUOTE: usize = 40;
+
+pub fn quote(text: &str) -> String {
+    match text.char_indices().nth(LONGEST_QUOTE) {
+        Some((end, _)) => format!("`{}...`", &text[..end]),
+        None => format!("`{text}`"),
+    }
+}
+
+/// The parts of a list: separated by blanks, commas or both.
+pub fn fields(text: &str) -> impl Iterator<Item = &str> {
+    text.split([' ', ',', '\t', '\n', '\r'])
+        .filter(|field| !field.is_empty())
+}
+
+/// A finite number.
+pub fn parse_float(text: &str) -> Result<f32, String> {
+    let text = text.trim();
+    let digits = text.contains(|c: char| c.is_ascii_digit());
+    match text.parse::<f32>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        Ok(_) if digits => Err(format!("{} is too large for a number", quote(text))),
+        Ok(_) => Err(format!("expected a finite number, found {}", quote(text))),
+        Err(_) => Err(format!("expected a number, found {}", quote(text))),
+    }
+}
+
+pub fn parse_integer(text: &str) -> Result<i64, String> {
+    use std::num::IntErrorKind::{NegOverflow, PosOverflow};
+    let text = text.trim();
+    text.parse::<i64>().map_err(|error| match error.kind() {
+        PosOverflow | NegOverflow => format!("{} is too large for an integer", quote(text)),
+        _ => format!("expected an integer, found {}", quote(text)),
+    })
+}
+
+/// "true" or "false"; old files also write "True".
+pub fn parse_boolean(text: &str) -> Result<bool, String> {
+    let text = text.trim();
+    if text.eq_ignore_ascii_case("true") {
+        Ok(true)
+    } else if text.eq_ignore_ascii_case("false") {
+        Ok(false)
+    } else {
+        Err(format!("expected `true` or `false`, found {}", quote(text)))
+    }
+}
+
+/// `x, y, z`.
+pub fn parse_vec3(text: &str) -> Result<Vec3, String> {
+    match parse_floats(text)?[..] {
+        [x, y, z] => Ok(Vec3::new(x, y, z)),
+        _ => Err(format!("expected three numbers, found {}", quote(text))),
+    }
+}
+
+/// `x, y, z`, or one number for all three.
+pub fn parse_vec3_or_splat(text: &str) -> Result<Vec3, String> {
+    match parse_floats(text)?[..] {
+        [all] => Ok(Vec3::splat(all)),
+        [x, y, z] => Ok(Vec3::new(x, y, z)),
+        _ => Err(format!("expected one number or three, found {}", quote(text))),
+    }
+}
+
+/// As many numbers as there are; more than any value here needs are not looked at.
+pub fn parse_floats(text: &str) -> Result<Vec<f32>, String> {
+    fields(text).take(17).map(parse_float).collect()
+}
+
+/// `r, g, b` or one number, linear; or `#rrggbb`, `#rgb`, which are sRGB.
+pub fn parse_rgb(text: &str) -> Result<Vec3, String> {
+    let text = text.trim();
+    if let Some(digits) = text.strip_prefix('#') {
+        return parse_hex(digits).ok_or_else(|| format!("expected a colour like `#ff8000`, found {}", quote(text)));
+    }
+    match parse_floats(text)?[..] {
+        [all] => Ok(Vec3::splat(all)),
+        [r, g, b] => Ok(Vec3::new(r, g, b)),
+        _ => Err(format!(
+            "expected a colour: three numbers, one, or `#rrggbb`, found {}",
+            quote(text)
+        )),
+    }
+}
+
+/// As [`parse_rgb`], but numbers are sRGB as well: the `<srgb>` of old files.
+pub fn parse_srgb(text: &str) -> Result<Vec3, String> {
+    let color = parse_rgb(text)?;
+    let linear = |encoded: Vec3| encoded.map(linear_from_srgb);
+    Ok(if text.trim().starts_with('#') {
+        color
+    } else {
+        linear(color)
+    })
+}
+
+fn parse_hex(digits: &str) -> Option<Vec3> {
+    let values: Vec<u32> = digits.chars().map(|c| c.to_digit(16)).collect::<Option<_>>()?;
+    let bytes = match values[..] {
+        [r, g, b] => [r * 17, g * 17, b * 17],
+        [r1, r0, g1, g0, b1, b0] => [r1 * 16 + r0, g1 * 16 + g0, b1 * 16 + b0],
+        _ => return None,
+    };
+    Some(Vec3::from_array(
+        bytes.map(|byte| linear_from_srgb(byte as f32 / 255.0)),
+    ))
+}
+
+/// The shortest text that reads back to the same number; `number` is finite.
+pub fn format_float(number: f32) -> String {
+    let size = number.abs();
+    if size != 0.0 && !(1e-4..1e7).contains(&size) {
+        format!("{number:e}")
+    } else {
+        format!("{number}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_what_is_none() {
+        assert_eq!(parse_float(" +1.5e1 "), Ok(15.0));
+        assert_eq!(parse_float("-.5"), Ok(-0.5));
+        assert_eq!(parse_float("3."), Ok(3.0));
+        for (text, expected) in [
+            ("", "expected a number, found ``"),
+            ("0.5f", "expected a number, found `0.5f`"),
+            ("nan", "expected a finite number, found `nan`"),
+            ("-inf", "expected a finite number, found `-inf`"),
+            ("1e39", "`1e39` is too large for a number"),
+            ("1,5", "expected a number, found `1,5`"),
+        ] {
+            assert_eq!(parse_float(text).unwrap_err(), expected);
+        }
+        assert_eq!(parse_integer("-12"), Ok(-12));
+        assert_eq!(parse_integer("1.0").unwrap_err(), "expected an integer, found `1.0`");
+        let huge = "9".repeat(30);
+        assert!(
+            parse_integer(&huge)
+                .unwrap_err()
+                .ends_with("is too large for an integer")
+        );
+        assert_eq!(parse_boolean("True"), Ok(true));
+        assert!(parse_boolean("1").is_err());
+        assert!(parse_float(&"x".repeat(10_000)).unwrap_err().len() < 100);
+    }
+
+    #[test]
+    fn colours() {
+        assert_eq!(parse_rgb("0.1 , 0.2,0.3"), Ok(Vec3::new(0.1, 0.2, 0.3)));
+        assert_eq!(parse_rgb("0.5"), Ok(Vec3::splat(0.5)));
+        assert_eq!(parse_rgb("#fff"), Ok(Vec3::ONE));
+        assert_eq!(parse_rgb("#808080"), Ok(Vec3::splat(linear_from_srgb(128.0 / 255.0))));
+        assert_eq!(parse_srgb("#808080"), parse_rgb("#808080"));
+        assert_eq!(parse_srgb("0.5"), Ok(Vec3::splat(linear_from_srgb(0.5))));
+        for bad in ["#ff", "#gggggg", "#ffééé", "1, 2", "1 2 3 4", "red"] {
+            assert!(parse_rgb(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn floats_read_back() {
+        for number in [
+            0.0,
+            -0.0,
+            1.0,
+            0.1,
+            1e-30,
+            3.402_823_5e38,
+            1e-45,
+            16_777_216.0,
+            123_456.79,
+            -1e-4,
+        ] {
+            let text = format_float(number);
+            assert_eq!(parse_float(&text).map(f32::to_bits), Ok(number.to_bits()), "{text}");
+            assert!(text.len() <= 14, "{text}");
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! [`Document`] to XML text that reads back to the same tree, and that text to disk.
+//!
+//! Includes and defaults are gone by then: one file is written, with every value spelled out. File names are written as they are; one
+//! that was relative to an include or to another folder has to be made so by the caller before.
+
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
+use std::path::Path;
+
+use glam::Vec3;
+
+use super::value::format_float;
+use super::{Category, Child, Document, Object, TransformOp, Value};
+
+const VERSION: &str = "3.0.0";
+
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum WriteError {
+    #[error("`{name}` of {owner} is not a finite number and cannot be saved")]
+    NotFinite { name: String, owner: String },
+    #[error("{text:?} has characters that XML cannot carry")]
+    NotXml { text: String },
+}
+
+/// The document as a scene file. The same document always gives the same text.
+pub fn to_xml(document: &Document) -> Result<String, WriteError> {
+    let mut writer = Writer::default();
+    let search_folders = document
+        .search_folders
+        .iter()
+        .map(|folder| folder.display().to_string());
+    writer.object(&document.root, &search_folders.collect::<Vec<_>>())?;
+    Ok(writer.text)
+}
+
+/// Replaces a file's content in one step: readers see the old text or the new, never half of it.
+pub fn write_atomically(path: &Path, text: &str) -> io::Result<()> {
+    // Through a symbolic link to the file itself, so that the link stays.
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let folder = match target.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".sunroom-").suffix(".tmp");
+    // As an ordinary new file would be: temporary ones are for their owner only.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(folder)?;
+    if let Ok(old) = std::fs::metadata(&target) {
+        file.as_file().set_permissions(old.permissions())?;
+    }
+    file.write_all(text.as_bytes())?;
+    file.as_file().sync_all()?;
+    file.persist(&target).map_err(|error| error.error)?;
+    Ok(())
+}
+
+#[derive(Default)]
+struct Writer {
+    text: String,
+    depth: usize,
+}
+
+impl Writer {
+    fn object(&mut self, object: &Object, search_folders: &[String]) -> Result<(), WriteError> {
+        let tag = object.category.tag();
+        let mut attributes: Vec<(&str, &str)> = Vec::new();
+        if self.depth == 0 {
+            attributes.push(("version", VERSION));
+        }
+        if object.category != Category::Scene || !object.plugin.is_empty() {
+            attributes.push(("type", &object.plugin));
+        }
+        attributes.extend(object.id.as_deref().map(|id| ("id", id)));
+        attributes.extend(object.name.as_deref().map(|name| ("name", name)));
+        if object.properties.is_empty() && object.children.is_empty() && search_folders.is_empty() {
+            return self.tag(tag, &attributes, true);
+        }
+        self.tag(tag, &attributes, false)?;
+        self.depth += 1;
+        for folder in search_folders {
+            self.tag("path", &[("value", folder)], true)?;
+        }
+        for property in &object.properties {
+            self.property(&property.name, &property.value, object)?;
+        }
+        for child in &object.children {
+            match child {
+                Child::Object(object) => self.object(object, &[])?,
+                Child::Reference { name, id, .. } => {
+                    let mut attributes = vec![("id", id.as_str())];
+                    attributes.extend(name.as_deref().map(|name| ("name", name)));
+                    self.tag("ref", &attributes, true)?;
+                }
+            }
+        }
+        self.close(tag);
+        Ok(())
+    }
+
+    fn property(&mut self, name: &str, value: &Value, owner: &Object) -> Result<(), WriteError> {
+        let numbers = |numbers: &[f32]| list(numbers, name, owner);
+        let (tag, text) = match value {
+            Value::Float(number) => ("float", numbers(&[*number])?),
+            Value::Spectrum(number) => ("spectrum", numbers(&[*number])?),
+            Value::Rgb(color) => ("rgb", numbers(&color.to_array())?),
+            Value::Point(xyz) => ("point", numbers(&xyz.to_array())?),
+            Value::Vector(xyz) => ("vector", numbers(&xyz.to_array())?),
+            Value::Integer(number) => ("integer", number.to_string()),
+            Value::Boolean(truth) => ("boolean", truth.to_string()),
+            Value::String(text) => ("string", text.clone()),
+            Value::Transform(ops) => {
+                self.tag("transform", &[("name", name)], ops.is_empty())?;
+                if !ops.is_empty() {
+                    self.depth += 1;
+                    for op in ops {
+                        self.transform_op(op, name, owner)?;
+                    }
+                    self.close("transform");
+                }
+                return Ok(());
+            }
+        };
+        self.tag(tag, &[("name", name), ("value", &text)], true)
+    }
+
+    fn transform_op(&mut self, op: &TransformOp, name: &str, owner: &Object) -> Result<(), WriteError> {
+        let triple = |v: Vec3| list(&v.to_array(), name, owner);
+        match *op {
+            TransformOp::Translate(by) => self.tag("translate", &[("value", &triple(by)?)], true),
+            TransformOp::Scale(by) => self.tag("scale", &[("value", &triple(by)?)], true),
+            TransformOp::Rotate { axis, degrees } => {
+                let angle = list(&[degrees], name, owner)?;
+                self.tag("rotate", &[("value", &triple(axis)?), ("angle", &angle)], true)
+            }
+            TransformOp::Matrix(matrix) => {
+                let rows = matrix.transpose().to_cols_array();
+                self.tag("matrix", &[("value", &list(&rows, name, owner)?)], true)
+            }
+            TransformOp::LookAt { origin, target, up } => {
+                let (origin, target, up) = (triple(origin)?, triple(target)?, triple(up)?);
+                self.tag("lookat", &[("origin", &origin), ("target", &target), ("up", &up)], true)
+            }
+        }
+    }
+
+    fn tag(&mut self, name: &str, attributes: &[(&str, &str)], closed: bool) -> Result<(), WriteError> {
+        self.indent();
+        let _ = write!(self.text, "<{name}");
+        for (name, value) in attributes {
+            let _ = write!(self.text, " {name}=\"");
+            escape(value, &mut self.text)?;
+            self.text.push('"');
+        }
+        self.text += if closed { "/>\n" } else { ">\n" };
+        Ok(())
+    }
+
+    fn close(&mut self, name: &str) {
+        self.depth -= 1;
+        self.indent();
+        let _ = writeln!(self.text, "</{name}>");
+    }
+
+    fn indent(&mut self) {
+        for _ in 0..self.depth {
+            self.text += "    ";
+        }
+    }
+}
+
+fn list(numbers: &[f32], name: &str, owner: &Object) -> Result<String, WriteError> {
+    if numbers.iter().any(|number| !number.is_finite()) {
+        return Err(WriteError::NotFinite {
+            name: name.to_owned(),
+            owner: owner.title(),
+        });
+    }
+    let texts: Vec<String> = numbers.iter().copied().map(format_float).collect();
+    Ok(texts.join(", "))
+}
+
+/// So that XML and the `$name` replacement both give the text back.
+fn escape(value: &str, text: &mut String) -> Result<(), WriteError> {
+    for c in value.chars() {
+        match c {
+            '&' => *text += "&amp;",
+            '<' => *text += "&lt;",
+            '>' => *text += "&gt;",
+            '"' => *text += "&quot;",
+            '$' => *text += "\\$",
+            '\t' => *text += "&#9;",
+            '\n' => *text += "&#10;",
+            '\r' => *text += "&#13;",
+            c if c.is_ascii_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => {
+                return Err(WriteError::NotXml { text: value.to_owned() });
+            }
+            c => text.push(c),
+        }
+    }
+    Ok(())
+}
