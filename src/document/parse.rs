@@ -30,8 +30,10 @@ use super::{
 pub const MAX_DEPTH: usize = 256;
 /// Includes inside includes.
 const MAX_INCLUDE_DEPTH: usize = 15;
+/// Includes of a document, each counted as often as it is read.
+const MAX_INCLUDES: usize = 10_000;
 /// All tags of a document, each include counted each time.
-const MAX_ELEMENTS: usize = 8_000_000;
+const MAX_ELEMENTS: usize = 4_000_000;
 /// All text of a document, likewise.
 const MAX_TOTAL_BYTES: u64 = 4 * MAX_FILE_BYTES;
 
@@ -52,6 +54,7 @@ pub fn parse_str(text: &str, path: &Path, defines: &[(String, String)]) -> Docum
         open_files: Vec::new(),
         ids: HashMap::new(),
         aliases: Vec::new(),
+        includes: 0,
         elements: 0,
         bytes: 0,
         exhausted: false,
@@ -124,6 +127,7 @@ struct Parser {
     open_files: Vec<PathBuf>,
     ids: HashMap<String, Span>,
     aliases: Vec<Alias>,
+    includes: usize,
     elements: usize,
     bytes: u64,
     /// A bound of the whole document was hit; nothing more is read.
@@ -624,6 +628,11 @@ impl Parser {
         if self.open_files.len() > MAX_INCLUDE_DEPTH {
             let message = format!("includes are nested more than {MAX_INCLUDE_DEPTH} deep");
             self.diagnostics.error(span, message);
+            return;
+        }
+        self.includes += 1;
+        if self.includes > MAX_INCLUDES {
+            self.exhaust(Some(span), &format!("more than {MAX_INCLUDES} includes"));
             return;
         }
         let source = match self.files.get(&key) {
