@@ -388,7 +388,7 @@ const BROKEN: &[(&str, &[&str])] = &[
         &[
             "2:1: warning: <bssdf> is not known; it is ignored with all it contains (did you mean `bsdf`?)",
             "2:87: warning: <float> has no attribute `unit`; it is ignored",
-            "2:91: warning: text between tags is ignored",
+            "2:92: warning: text between tags is ignored",
         ],
     ),
     (
