@@ -18,8 +18,6 @@ const LONGEST_NAME: usize = 256;
 struct Define {
     value: String,
     from_command_line: bool,
-    /// There is a `<default>` for it.
-    declared: bool,
     used: bool,
 }
 
@@ -49,9 +47,8 @@ impl Defines {
 
     /// A `<default>`: has no effect if the name is known already.
     pub fn add_default(&mut self, name: &str, value: &str) {
-        match self.by_name.get_mut(name) {
-            Some(define) => define.declared = true,
-            None => self.insert(name, value, false),
+        if !self.by_name.contains_key(name) {
+            self.insert(name, value, false);
         }
     }
 
@@ -63,7 +60,6 @@ impl Defines {
         let define = Define {
             value: value.to_owned(),
             from_command_line,
-            declared: !from_command_line,
             used: false,
         };
         self.by_name.insert(name.to_owned(), define);
@@ -142,18 +138,16 @@ impl Defines {
 
     /// Names from the command line that nothing used, in order, each with the nearest name of a `<default>`.
     pub fn unused(&self) -> Vec<(&str, Option<String>)> {
-        let given = self.by_name.iter().filter(|(_, define)| define.from_command_line);
-        let mut unused: Vec<&str> = given
+        let of = |wanted: bool| {
+            let chosen = self.by_name.iter().filter(move |(_, d)| d.from_command_line == wanted);
+            chosen.map(|(name, define)| (name.as_str(), define))
+        };
+        let mut unused: Vec<_> = of(true)
             .filter(|(_, define)| !define.used)
-            .map(|(name, _)| name.as_str())
+            .map(|(name, _)| name)
             .collect();
         unused.sort_unstable();
-        let declared = || self.by_name.iter().filter(|(_, define)| define.declared);
-        let names = || declared().map(|(name, _)| name.as_str()).take(1000);
-        let help = |name: &str| match self.by_name.get(name) {
-            Some(define) if define.declared => None,
-            _ => did_you_mean(name, names()),
-        };
+        let help = |name| did_you_mean(name, of(false).take(1000).map(|(known, _)| known));
         unused.into_iter().map(|name| (name, help(name))).collect()
     }
 }

@@ -1,9 +1,11 @@
 //! What the file said, kept beside what it meant: saving starts from it, so that what was not understood, and what was not touched, stays
 //! as it was written.
 
+use std::path::PathBuf;
+
 use bevy::prelude::*;
 
-use crate::document::{Child, Object, Property};
+use crate::document::{Category, Child, Object, Property};
 
 /// The source of an entity. Absent on entities made in the editor.
 #[derive(Component, Clone, Debug, PartialEq)]
@@ -12,6 +14,8 @@ pub struct Authored {
     pub object: Object,
     /// As [`super::write`] would have written it from the components it became. What differs from this at the time of saving was edited.
     pub as_read: Object,
+    /// What each child of `object` is, references followed; None for those that lead nowhere.
+    pub child_categories: Vec<Option<Category>>,
 }
 
 /// The owner inside of which a material is written in the file; absent on those at the top level.
@@ -30,6 +34,8 @@ pub struct Declares(Vec<Entity>);
 pub struct AuthoredScene {
     /// The integrator with its place in the file.
     pub integrator: Option<(u32, Authored)>,
+    /// Where files are looked for besides the scene's folder (`<path>`), absolute.
+    pub search_folders: Vec<PathBuf>,
     /// Properties of the scene itself.
     pub properties: Vec<Property>,
     /// Plugins and references that were left out, with their places in the file.

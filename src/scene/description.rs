@@ -25,10 +25,12 @@ pub struct SceneDescription {
     pub remains: AuthoredScene,
     /// Every file the scene was read from: itself and its includes, absolute. Meshes are not among them.
     pub sources: Vec<PathBuf>,
+    /// Places where a mesh was looked for in vain; the scene can be read again when one appears.
+    pub missing: Vec<PathBuf>,
 }
 
 /// What all things of a scene have in common.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Identity {
     /// The `id` of the file, where it gives one.
     pub id: Option<String>,
@@ -37,7 +39,8 @@ pub struct Identity {
     /// Place in the file among all objects; ascending in every list of the description.
     pub order: u32,
     pub span: Span,
-    pub authored: Authored,
+    /// None for what was made in the editor.
+    pub authored: Option<Authored>,
 }
 
 #[derive(Clone, Debug, PartialEq)]

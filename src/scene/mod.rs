@@ -9,10 +9,12 @@ pub mod emitter;
 pub mod identity;
 pub mod material;
 pub mod plugin;
+pub mod read;
 pub mod sensor;
 pub mod settings;
 pub mod shape;
 pub mod status;
+pub mod write;
 
 pub use assets::{MeshHandle, TriangleMesh};
 pub use authored::{Authored, AuthoredScene, DeclaredIn, Declares};

@@ -1,0 +1,71 @@
+//! Names of media and metals that a scene file may use; a name outside these lists is an error with its place in the file.
+//!
+//! The numbers behind them are the renderer's, which this layer does not know; a test holds both lists equal.
+
+/// For `int_ior` and `ext_ior`.
+pub const DIELECTRICS: [&str; 23] = [
+    "vacuum",
+    "helium",
+    "hydrogen",
+    "air",
+    "carbon dioxide",
+    "water",
+    "acetone",
+    "ethanol",
+    "carbon tetrachloride",
+    "glycerol",
+    "benzene",
+    "silicone oil",
+    "bromine",
+    "water ice",
+    "fused quartz",
+    "pyrex",
+    "acrylic glass",
+    "polypropylene",
+    "bk7",
+    "sodium chloride",
+    "amber",
+    "pet",
+    "diamond",
+];
+
+/// For `material`; each may also be written with `_palik` after it.
+pub const CONDUCTORS: [&str; 42] = [
+    "none", "a-C", "Ag", "Al", "AlAs", "AlSb", "Au", "Be", "Cr", "CsI", "Cu", "Cu2O", "Cu_palik", "CuO", "d-C", "Hg",
+    "HgTe", "Ir", "K", "Li", "MgO", "Mo", "Na_palik", "Nb", "Ni_palik", "Rh", "Se", "Se-e", "SiC", "SnTe", "Ta", "Te",
+    "Te-e", "ThF4", "TiC", "TiN", "TiO2", "TiO2-e", "V_palik", "VC", "VN", "W",
+];
+
+/// Case does not matter.
+pub fn is_dielectric(name: &str) -> bool {
+    DIELECTRICS.iter().any(|known| known.eq_ignore_ascii_case(name))
+}
+
+/// Case does not matter.
+pub fn is_conductor(name: &str) -> bool {
+    let known = |name: &str| CONDUCTORS.iter().any(|known| known.eq_ignore_ascii_case(name));
+    known(name) || name.strip_suffix("_palik").is_some_and(known)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_renderer_knows_every_name_and_no_other() {
+        assert!(crate::shading::ior::DIELECTRICS.iter().map(|row| row.0).eq(DIELECTRICS));
+        assert!(crate::shading::ior::CONDUCTORS.iter().map(|row| row.0).eq(CONDUCTORS));
+        for name in ["Au", "au", "Au_palik", "none", "Xy", "water", "_palik"] {
+            assert_eq!(
+                is_conductor(name),
+                crate::shading::ior::conductor_ior(name).is_some(),
+                "{name}"
+            );
+            assert_eq!(
+                is_dielectric(name),
+                crate::shading::ior::dielectric_ior(name).is_some(),
+                "{name}"
+            );
+        }
+    }
+}

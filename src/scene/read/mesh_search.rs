@@ -1,0 +1,142 @@
+//! Where a mesh named by a scene file is found.
+//!
+//! A relative name is tried, in this order, in the folder of the file that holds it, the folder of the scene, the scene's `<path>` folders
+//! (the last first), the folders of `$SUNROOM_ASSETS` and `assets/` beside the scene's folder. In the last two a leading `../assets/` of the name is left away, so that
+//! the scenes of the project find meshes that are kept elsewhere.
+
+use std::path::{Component, Path, PathBuf};
+
+use super::settle;
+
+/// Several folders, separated as in `$PATH`.
+pub const ASSETS_VARIABLE: &str = "SUNROOM_ASSETS";
+
+/// The folders of one scene.
+#[derive(Clone, Debug)]
+pub struct MeshSearch {
+    scene_folder: PathBuf,
+    search_folders: Vec<PathBuf>,
+    asset_folders: Vec<PathBuf>,
+}
+
+/// What a search came to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Found {
+    /// The file, absolute. `through_assets`: not relative to the scene, so its name in the scene stays as it is wherever that is saved.
+    At { path: PathBuf, through_assets: bool },
+    /// The places looked at, never empty.
+    Nowhere(Vec<PathBuf>),
+}
+
+impl MeshSearch {
+    pub fn new(scene_folder: &Path, search_folders: &[PathBuf]) -> Self {
+        let variable = std::env::var_os(ASSETS_VARIABLE).unwrap_or_default();
+        let mut asset_folders: Vec<PathBuf> = std::env::split_paths(&variable)
+            .filter(|folder| !folder.as_os_str().is_empty())
+            .collect();
+        if let Some(parent) = scene_folder.parent() {
+            asset_folders.push(parent.join("assets"));
+        }
+        Self {
+            scene_folder: scene_folder.to_owned(),
+            search_folders: search_folders.iter().rev().cloned().collect(),
+            asset_folders,
+        }
+    }
+
+    /// `folder`: of the file that holds the name.
+    pub fn find(&self, name: &str, folder: &Path) -> Found {
+        let name = Path::new(name);
+        let mut places: Vec<(PathBuf, bool)> = Vec::new();
+        let mut add = |path: PathBuf, through_assets| {
+            let path = settle(&path);
+            if !places.iter().any(|(known, _)| *known == path) {
+                places.push((path, through_assets));
+            }
+        };
+        add(folder.join(name), false);
+        if name.is_relative() {
+            add(self.scene_folder.join(name), false);
+            for folder in &self.search_folders {
+                add(folder.join(name), true);
+            }
+            let inside = inside_assets(name);
+            for assets in &self.asset_folders {
+                add(assets.join(&inside), true);
+                if let Some(file) = name.file_name() {
+                    add(assets.join(file), true);
+                }
+            }
+        }
+        match places.iter().find(|(path, _)| path.is_file()) {
+            Some((path, through_assets)) => Found::At {
+                path: path.clone(),
+                through_assets: *through_assets,
+            },
+            None => Found::Nowhere(places.into_iter().map(|(path, _)| path).collect()),
+        }
+    }
+}
+
+/// `../assets/models/a.ply` -> `models/a.ply`; names without such a beginning only lose their leading `..`.
+fn inside_assets(name: &Path) -> PathBuf {
+    let mut parts = name
+        .components()
+        .skip_while(|part| matches!(part, Component::ParentDir | Component::CurDir))
+        .peekable();
+    parts.next_if(|part| part.as_os_str() == "assets");
+    parts.collect()
+}
+
+/// Where to get a mesh that people will miss, if `name` is one.
+pub fn advice(name: &str) -> Option<String> {
+    let stem = Path::new(name).file_stem()?.to_str()?;
+    if !["bunny", "dragon"].contains(&stem) {
+        return None;
+    }
+    let file = Path::new(name).file_name()?.to_str()?;
+    Some(format!(
+        "the Stanford {stem} may not be passed on with this program: get it from https://graphics.stanford.edu/data/3Dscanrep/ and put it \
+         at assets/models/{file} beside scenes/, or into a folder named by ${ASSETS_VARIABLE}"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lose_their_way_out_of_the_scene_folder() {
+        assert_eq!(
+            inside_assets(Path::new("../assets/models/a.ply")),
+            Path::new("models/a.ply")
+        );
+        assert_eq!(inside_assets(Path::new("../../b.obj")), Path::new("b.obj"));
+        assert_eq!(inside_assets(Path::new("models/c.obj")), Path::new("models/c.obj"));
+    }
+
+    #[test]
+    fn the_scene_folder_wins_and_assets_beside_it_are_found() {
+        let root = tempfile::tempdir().unwrap();
+        let scenes = root.path().join("scenes");
+        let models = root.path().join("assets/models");
+        std::fs::create_dir_all(&scenes).unwrap();
+        std::fs::create_dir_all(&models).unwrap();
+        let search = MeshSearch::new(&scenes, &[]);
+        let Found::Nowhere(places) = search.find("models/a.ply", &scenes) else {
+            panic!("found a file that is not there");
+        };
+        assert!(places.len() >= 3, "{places:?}");
+
+        std::fs::write(models.join("a.ply"), "").unwrap();
+        let found = |name: &str| match search.find(name, &scenes) {
+            Found::At { path, through_assets } => (path, through_assets),
+            Found::Nowhere(places) => panic!("{places:?}"),
+        };
+        assert_eq!(found("models/a.ply"), (settle(&models.join("a.ply")), true));
+        assert_eq!(found("../assets/models/a.ply"), (settle(&models.join("a.ply")), false));
+        std::fs::create_dir(scenes.join("models")).unwrap();
+        std::fs::write(scenes.join("models/a.ply"), "").unwrap();
+        assert_eq!(found("models/a.ply"), (settle(&scenes.join("models/a.ply")), false));
+    }
+}

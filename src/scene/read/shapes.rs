@@ -1,0 +1,151 @@
+//! Shapes: `sphere`, `rectangle`, `cube`, `disk`, `obj`, `ply`, with their bsdf and their light.
+
+use std::path::PathBuf;
+
+use super::SceneReader;
+use super::mesh_search::{Found, advice};
+use super::parameters::Parameters;
+use crate::document::{Category, Object, Severity, Value};
+use crate::scene::description::{DeclarationPlace, ShapeDescription};
+use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind, write};
+
+impl<'a> SceneReader<'a> {
+    /// Whether the shape became part of the description.
+    pub(super) fn read_shape(&mut self, object: &'a Object) -> bool {
+        let mut reader = self.reader(object);
+        let mut file_name = None;
+        let kind = match object.plugin.as_str() {
+            "sphere" => ShapeKind::Sphere {
+                center: reader.point("center").unwrap_or_default(),
+                radius: reader.float_in("radius", f32::MIN_POSITIVE..).unwrap_or(1.0),
+            },
+            "rectangle" => ShapeKind::Rectangle,
+            "cube" => ShapeKind::Cube,
+            "disk" => ShapeKind::Disk,
+            plugin @ ("obj" | "ply") => {
+                file_name = reader.string("filename");
+                if file_name.is_none() && !reader.has("filename") {
+                    let message = format!("{} needs a `filename`", object.title());
+                    reader.diagnostics().error(object.span, message);
+                }
+                let face_normals = reader.boolean_or("face_normals", false);
+                reader.ignore(&["flip_tex_coords"]);
+                ShapeKind::Mesh(MeshFile {
+                    path: PathBuf::new(),
+                    format: if plugin == "obj" {
+                        MeshFormat::Obj
+                    } else {
+                        MeshFormat::Ply
+                    },
+                    face_normals,
+                })
+            }
+            other => {
+                let message = format!("shape `{other}` is not supported: it is left out");
+                reader.diagnostics().warn(object.span, message);
+                return false;
+            }
+        };
+        let flip_normals = reader.boolean_or("flip_normals", false);
+        reader.ignore(&["silhouette_sampling_weight"]);
+        let to_world = reader.to_world();
+        let bsdfs = reader.children(Category::Bsdf);
+        let emitters = reader.children(Category::Emitter);
+        reader.finish();
+
+        let mut shape = Shape { kind, flip_normals };
+        let mut object_as_kept = None;
+        if let (ShapeKind::Mesh(mesh), Some(name)) = (&mut shape.kind, file_name) {
+            let (path, kept_name) = self.find_mesh(object, name);
+            mesh.path = path;
+            if kept_name != name {
+                let mut kept = object.clone();
+                set_file_name(&mut kept, kept_name);
+                object_as_kept = Some(kept);
+            }
+        }
+
+        let place = DeclarationPlace::Shape(self.description.shapes.len());
+        let material = bsdfs.first().map(|(_, bsdf)| self.read_bsdf(bsdf, place, 0));
+        if let Some((_, second)) = bsdfs.get(1) {
+            let message = format!("{} has a bsdf already", object.title());
+            self.diagnostics.error(second.span, message);
+        }
+        let mut area_light = None;
+        for (_, emitter) in emitters {
+            if area_light.is_some() {
+                let message = format!("{} has an emitter already", object.title());
+                self.diagnostics.error(emitter.span, message);
+            } else {
+                area_light = self.read_area_light(emitter);
+            }
+        }
+
+        let Some(to_world) = to_world else {
+            // What is written in place here is not to be looked for at a shape that is not there.
+            self.forget_place(place);
+            return false;
+        };
+        let as_read = write::objects::shape(&shape, &to_world, area_light.as_ref(), &self.folder);
+        let mut identity = self.identity(object, as_read);
+        if let (Some(kept), Some(authored)) = (object_as_kept, &mut identity.authored) {
+            authored.object = kept;
+        }
+        if identity.id.is_none()
+            && let ShapeKind::Mesh(mesh) = &shape.kind
+            && let Some(stem) = mesh.path.file_stem()
+        {
+            identity.name = stem.to_string_lossy().into_owned();
+        }
+        self.description.shapes.push(ShapeDescription {
+            identity,
+            shape,
+            to_world,
+            material,
+            area_light,
+        });
+        true
+    }
+
+    /// The file, and its name as seen from the scene's own folder.
+    fn find_mesh(&mut self, object: &Object, name: &str) -> (PathBuf, String) {
+        let property = object.properties.iter().find(|property| property.name == "filename");
+        let span = property.map_or(object.span, |property| property.span);
+        let folder = self.folder_of(span);
+        match self.meshes.find(name, &folder) {
+            Found::At { path, through_assets } => {
+                let kept = if through_assets || folder == self.folder {
+                    name.to_owned()
+                } else {
+                    write::objects::file_name(&path, &self.folder)
+                };
+                (path, kept)
+            }
+            Found::Nowhere(places) => {
+                let list: Vec<String> = places.iter().map(|place| place.display().to_string()).collect();
+                let message = format!("mesh not found: `{name}`; looked for {}", list.join(", "));
+                self.diagnostics
+                    .push(Severity::Error, Some(span), message, advice(name));
+                let first = places.first().cloned().unwrap_or_default();
+                self.description.missing.extend(places);
+                (first, name.to_owned())
+            }
+        }
+    }
+
+    fn forget_place(&mut self, place: DeclarationPlace) {
+        for material in &mut self.description.materials {
+            if material.declared_in == place {
+                material.declared_in = DeclarationPlace::TopLevel;
+            }
+        }
+    }
+}
+
+fn set_file_name(object: &mut Object, name: String) {
+    for property in &mut object.properties {
+        if property.name == "filename" {
+            property.value = Value::String(name.clone());
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! The description of the entities as they are now.
+
+use std::collections::HashMap;
+
+use bevy::prelude::*;
+
+use crate::scene::description::{
+    DeclarationPlace, EmitterDescription, Identity, MaterialDescription, SceneDescription, SensorDescription,
+    ShapeDescription,
+};
+use crate::scene::{
+    AreaLight, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, IntegratorSettings,
+    Material, SceneId, SceneStatus, SecondNested, Sensor, Shape, ToWorld, UsesMaterial,
+};
+
+/// What every kind of entity has in common.
+type Common = (
+    Entity,
+    &'static DocumentOrder,
+    Option<&'static SceneId>,
+    Option<&'static Name>,
+    Option<&'static Authored>,
+);
+
+/// All shapes, materials, emitters and sensors, each kind in the order of the file.
+pub fn describe(world: &mut World) -> SceneDescription {
+    let mut scene = SceneDescription::default();
+    if let Some(status) = world.get_resource::<SceneStatus>() {
+        scene.path = status.path.clone().unwrap_or_default();
+    }
+    if let Some(settings) = world.get_resource::<IntegratorSettings>() {
+        scene.integrator = *settings;
+    }
+    if let Some(remains) = world.get_resource::<AuthoredScene>() {
+        scene.remains = remains.clone();
+    }
+
+    let sensors = in_order(
+        world.query::<(Common, &Sensor, &Film, &ToWorld)>().iter(world),
+        |item| item.0,
+    );
+    scene.sensors = sensors
+        .into_iter()
+        .map(|(common, sensor, film, to_world)| SensorDescription {
+            identity: identity(common),
+            sensor: *sensor,
+            film: *film,
+            to_world: to_world.0,
+        })
+        .collect();
+
+    let emitters = in_order(world.query::<(Common, &Emitter, &ToWorld)>().iter(world), |item| item.0);
+    scene.emitters = emitters
+        .into_iter()
+        .map(|(common, emitter, to_world)| EmitterDescription {
+            identity: identity(common),
+            emitter: *emitter,
+            to_world: to_world.0,
+        })
+        .collect();
+
+    let mut shapes_query = world.query::<(Common, &Shape, &ToWorld, Option<&UsesMaterial>, Option<&AreaLight>)>();
+    let mut materials_query = world.query::<(
+        Common,
+        &Material,
+        Option<&FirstNested>,
+        Option<&SecondNested>,
+        Option<&DeclaredIn>,
+    )>();
+    let shapes = in_order(shapes_query.iter(world), |item| item.0);
+    let materials = in_order(materials_query.iter(world), |item| item.0);
+    let material_of: HashMap<Entity, usize> = materials.iter().enumerate().map(|(i, item)| (item.0.0, i)).collect();
+    let shape_of: HashMap<Entity, usize> = shapes.iter().enumerate().map(|(i, item)| (item.0.0, i)).collect();
+    let place_of = |declared: Option<&DeclaredIn>| {
+        let owner = declared.map(|declared| declared.0);
+        let in_shape = owner.and_then(|owner| shape_of.get(&owner).copied());
+        let in_material = owner.and_then(|owner| material_of.get(&owner).copied());
+        match (in_shape, in_material) {
+            (Some(shape), _) => DeclarationPlace::Shape(shape),
+            (None, Some(material)) => DeclarationPlace::Material(material),
+            (None, None) => DeclarationPlace::TopLevel,
+        }
+    };
+    scene.shapes = shapes
+        .into_iter()
+        .map(|(common, shape, to_world, material, area_light)| ShapeDescription {
+            identity: identity(common),
+            shape: shape.clone(),
+            to_world: to_world.0,
+            material: material.and_then(|uses| material_of.get(&uses.0).copied()),
+            area_light: area_light.copied(),
+        })
+        .collect();
+    scene.materials = materials
+        .into_iter()
+        .map(|(common, material, first, second, declared)| MaterialDescription {
+            identity: identity(common),
+            material: material.clone(),
+            first: first.and_then(|nested| material_of.get(&nested.0).copied()),
+            second: second.and_then(|nested| material_of.get(&nested.0).copied()),
+            declared_in: place_of(declared),
+        })
+        .collect();
+    scene
+}
+
+type CommonItem<'w> = (
+    Entity,
+    &'w DocumentOrder,
+    Option<&'w SceneId>,
+    Option<&'w Name>,
+    Option<&'w Authored>,
+);
+
+fn in_order<'w, T>(items: impl Iterator<Item = T>, common: impl Fn(&T) -> CommonItem<'w>) -> Vec<T> {
+    let mut items: Vec<T> = items.collect();
+    items.sort_by_key(|item| {
+        let (entity, order, ..) = common(item);
+        (*order, entity)
+    });
+    items
+}
+
+fn identity((_, order, id, name, authored): CommonItem) -> Identity {
+    Identity {
+        id: id.map(|id| id.0.clone()),
+        name: name.map(|name| name.as_str().to_owned()).unwrap_or_default(),
+        order: order.0,
+        span: authored.map(|authored| authored.object.span).unwrap_or_default(),
+        authored: authored.cloned(),
+    }
+}

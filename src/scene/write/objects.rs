@@ -1,0 +1,320 @@
+//! Components as plugins of the file, every parameter spelled out. References to materials are not these functions' business.
+
+use std::path::{Component, Path, PathBuf};
+
+use bevy::math::Affine3A;
+use glam::{Mat3, Mat4, Quat, Vec3};
+
+use crate::color::Rgb;
+use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
+use crate::scene::read::frame_along;
+use crate::scene::{
+    AreaLight, ConductorIor, Emitter, Film, FovAxis, IntegratorSettings, Ior, Lens, Material, MeshFormat,
+    ReconstructionFilter, Sensor, Shape, ShapeKind,
+};
+
+pub fn material(material: &Material) -> Object {
+    let bsdf = |plugin: &str| Object::new(Category::Bsdf, plugin);
+    match material {
+        Material::Diffuse { reflectance } => with_color(bsdf("diffuse"), "reflectance", *reflectance),
+        Material::Conductor {
+            ior,
+            specular_reflectance,
+        } => {
+            let object = with_conductor_ior(bsdf("conductor"), ior);
+            with_color(object, "specular_reflectance", *specular_reflectance)
+        }
+        Material::RoughConductor {
+            ior,
+            specular_reflectance,
+            alpha,
+        } => {
+            let object = with_string(bsdf("roughconductor"), "distribution", "ggx");
+            let object = with_conductor_ior(object, ior);
+            let object = with_float(object, "alpha", *alpha);
+            with_color(object, "specular_reflectance", *specular_reflectance)
+        }
+        Material::Dielectric {
+            interior,
+            exterior,
+            specular_reflectance,
+            specular_transmittance,
+        } => {
+            let object = with(bsdf("dielectric"), "int_ior", ior(interior));
+            let object = with(object, "ext_ior", ior(exterior));
+            let object = with_color(object, "specular_reflectance", *specular_reflectance);
+            with_color(object, "specular_transmittance", *specular_transmittance)
+        }
+        Material::Metal { reflectance, fuzz } => {
+            with_float(with_color(bsdf("metal"), "reflectance", *reflectance), "fuzz", *fuzz)
+        }
+        Material::TwoSided => bsdf("twosided"),
+    }
+}
+
+pub fn emitter(emitter: &Emitter, to_world: &Affine3A) -> Object {
+    let object = |plugin: &str| Object::new(Category::Emitter, plugin);
+    match *emitter {
+        Emitter::Point { intensity } => {
+            let object = with_color(object("point"), "intensity", intensity);
+            let position = Vec3::from(to_world.translation);
+            if *to_world == Affine3A::from_translation(position) {
+                with(object, "position", Value::Point(position))
+            } else {
+                with_to_world(object, to_world)
+            }
+        }
+        Emitter::Directional { irradiance } => {
+            let object = with_color(object("directional"), "irradiance", irradiance);
+            let direction = Vec3::from(to_world.matrix3.z_axis);
+            if direction.is_normalized() && to_world.abs_diff_eq(frame_along(direction), 1e-6) {
+                with(object, "direction", Value::Vector(direction))
+            } else {
+                with_to_world(object, to_world)
+            }
+        }
+        Emitter::Constant { radiance } => with_to_world(with_color(object("constant"), "radiance", radiance), to_world),
+    }
+}
+
+pub fn area_light(light: &AreaLight) -> Object {
+    with_color(Object::new(Category::Emitter, "area"), "radiance", light.radiance)
+}
+
+/// `folder`: of the file that is written; the mesh's name is relative to it.
+pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folder: &Path) -> Object {
+    let object = |plugin: &str| Object::new(Category::Shape, plugin);
+    let object = match &shape.kind {
+        ShapeKind::Sphere { center, radius } => {
+            let object = with(object("sphere"), "center", Value::Point(*center));
+            with_float(object, "radius", *radius)
+        }
+        ShapeKind::Rectangle => object("rectangle"),
+        ShapeKind::Cube => object("cube"),
+        ShapeKind::Disk => object("disk"),
+        ShapeKind::Mesh(file) => {
+            let plugin = match file.format {
+                MeshFormat::Obj => "obj",
+                MeshFormat::Ply => "ply",
+            };
+            let object = with_string(object(plugin), "filename", &file_name(&file.path, folder));
+            with_flag(object, "face_normals", file.face_normals)
+        }
+    };
+    let object = with_to_world(with_flag(object, "flip_normals", shape.flip_normals), to_world);
+    match area {
+        Some(light) => with_child(object, area_light(light)),
+        None => object,
+    }
+}
+
+pub fn sensor(sensor: &Sensor, film: &Film, to_world: &Affine3A) -> Object {
+    let object = |plugin: &str| Object::new(Category::Sensor, plugin);
+    let object = match sensor.lens {
+        Lens::Pinhole => object("perspective"),
+        Lens::Thin {
+            aperture_radius,
+            focus_distance,
+        } => {
+            let object = with_float(object("thinlens"), "aperture_radius", aperture_radius);
+            with_float(object, "focus_distance", focus_distance)
+        }
+    };
+    let axis = match sensor.fov_axis {
+        FovAxis::X => "x",
+        FovAxis::Y => "y",
+        FovAxis::Diagonal => "diagonal",
+        FovAxis::Smaller => "smaller",
+        FovAxis::Larger => "larger",
+    };
+    let object = with_string(with_float(object, "fov", sensor.fov), "fov_axis", axis);
+    let object = with_float(object, "near_clip", sensor.near_clip);
+    let object = with_float(object, "far_clip", sensor.far_clip);
+    let object = match as_look_at(to_world) {
+        Some(step) if *to_world != Affine3A::IDENTITY => with(object, "to_world", Value::Transform(vec![step])),
+        _ => with_to_world(object, to_world),
+    };
+    let filter = |plugin: &str| Object::new(Category::ReconstructionFilter, plugin);
+    let filter = match film.filter {
+        ReconstructionFilter::Box => filter("box"),
+        ReconstructionFilter::Gaussian { stddev } => with_float(filter("gaussian"), "stddev", stddev),
+    };
+    let size = with_integer(Object::new(Category::Film, "hdrfilm"), "width", film.width);
+    let film_object = with_child(with_integer(size, "height", film.height), filter);
+    let sampler = Object::new(Category::Sampler, "independent");
+    let sampler = with_integer(sampler, "sample_count", film.sample_count);
+    with_child(with_child(object, film_object), sampler)
+}
+
+pub fn integrator(settings: &IntegratorSettings) -> Object {
+    let depth = settings.max_depth.map_or(-1, i64::from);
+    let object = with(
+        Object::new(Category::Integrator, "path"),
+        "max_depth",
+        Value::Integer(depth),
+    );
+    let object = with_integer(object, "rr_depth", settings.rr_depth);
+    with_flag(object, "hide_emitters", settings.hide_emitters)
+}
+
+/// `path` as seen from `folder`, with `/` between folders; absolute when they have only the root in common. Both are absolute.
+pub fn file_name(path: &Path, folder: &Path) -> String {
+    let common = path
+        .components()
+        .zip(folder.components())
+        .take_while(|(a, b)| a == b)
+        .filter(|(part, _)| matches!(part, Component::Normal(_)))
+        .count();
+    if common == 0 {
+        return path.to_string_lossy().into_owned();
+    }
+    let names = |path: &Path| -> Vec<PathBuf> {
+        let normal = path.components().filter(|part| matches!(part, Component::Normal(_)));
+        normal.map(|part| PathBuf::from(part.as_os_str())).collect()
+    };
+    let (path, folder) = (names(path), names(folder));
+    let up = std::iter::repeat_n("..".into(), folder.len() - common);
+    let down = path[common..].iter().map(|part| part.to_string_lossy().into_owned());
+    up.chain(down).collect::<Vec<String>>().join("/")
+}
+
+fn ior(ior: &Ior) -> Value {
+    match ior {
+        Ior::Named(name) => Value::String(name.clone()),
+        Ior::Number(number) => Value::Float(*number),
+    }
+}
+
+fn with_conductor_ior(object: Object, ior: &ConductorIor) -> Object {
+    match ior {
+        ConductorIor::Named(name) => with_string(object, "material", name),
+        ConductorIor::Given { eta, k } => with_color(with_color(object, "eta", *eta), "k", *k),
+    }
+}
+
+fn with(mut object: Object, name: &str, value: Value) -> Object {
+    object.properties.push(Property {
+        name: name.to_owned(),
+        value,
+        span: Span::default(),
+    });
+    object
+}
+
+fn with_float(object: Object, name: &str, number: f32) -> Object {
+    with(object, name, Value::Float(number))
+}
+
+fn with_integer(object: Object, name: &str, number: u32) -> Object {
+    with(object, name, Value::Integer(number.into()))
+}
+
+fn with_flag(object: Object, name: &str, truth: bool) -> Object {
+    with(object, name, Value::Boolean(truth))
+}
+
+fn with_string(object: Object, name: &str, text: &str) -> Object {
+    with(object, name, Value::String(text.to_owned()))
+}
+
+fn with_color(object: Object, name: &str, color: Rgb) -> Object {
+    with(object, name, Value::Rgb(color))
+}
+
+fn with_child(mut object: Object, child: Object) -> Object {
+    object.children.push(Child::Object(child));
+    object
+}
+
+fn with_to_world(object: Object, to_world: &Affine3A) -> Object {
+    match as_steps(to_world) {
+        steps if steps.is_empty() => object,
+        steps => with(object, "to_world", Value::Transform(steps)),
+    }
+}
+
+/// How far a map taken apart and put together again may be from itself, relative to its largest element.
+const RECOMPOSED: f32 = 1e-5;
+
+/// The map as scale, rotation and translation, each only where it does something; as a matrix when it has shear.
+pub fn as_steps(map: &Affine3A) -> Vec<TransformOp> {
+    let (scale, rotation, translation) = map.to_scale_rotation_translation();
+    let mut steps = Vec::new();
+    if !scale.abs_diff_eq(Vec3::ONE, 1e-6) {
+        steps.push(TransformOp::Scale(scale));
+    }
+    if rotation.is_normalized() && !rotation.abs_diff_eq(Quat::IDENTITY, 1e-7) {
+        let (axis, angle) = rotation.to_axis_angle();
+        steps.push(TransformOp::Rotate {
+            axis,
+            degrees: angle.to_degrees(),
+        });
+    }
+    if translation != Vec3::ZERO {
+        steps.push(TransformOp::Translate(translation));
+    }
+    let recomposed = TransformOp::compose(&steps);
+    let largest = map
+        .to_cols_array()
+        .iter()
+        .fold(0.0f32, |most, element| most.max(element.abs()));
+    if recomposed.abs_diff_eq(*map, RECOMPOSED * largest) {
+        steps
+    } else {
+        vec![TransformOp::Matrix(Mat4::from(*map))]
+    }
+}
+
+/// A camera's pose as people write it; None if there is scale, shear or a mirror in it.
+fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
+    let rotation = Mat3::from(map.matrix3);
+    let is_rigid = (rotation.transpose() * rotation).abs_diff_eq(Mat3::IDENTITY, 1e-4) && rotation.determinant() > 0.0;
+    let origin = Vec3::from(map.translation);
+    // Far enough that the direction does not drown in the rounding of the place.
+    let distance = origin.length().max(1.0);
+    is_rigid.then(|| TransformOp::LookAt {
+        origin,
+        target: origin + distance * rotation.z_axis,
+        up: rotation.y_axis,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_relative_where_that_helps() {
+        let name = |path: &str, folder: &str| file_name(Path::new(path), Path::new(folder));
+        assert_eq!(name("/a/b/c.obj", "/a/b"), "c.obj");
+        assert_eq!(name("/a/models/c.obj", "/a/scenes"), "../models/c.obj");
+        assert_eq!(name("/x/c.obj", "/a/scenes"), "/x/c.obj");
+    }
+
+    #[test]
+    fn maps_without_shear_become_steps() {
+        let turn = Quat::from_axis_angle(Vec3::new(1.0, 2.0, -0.5).normalize(), 2.0);
+        for scale in [Vec3::new(2.0, 0.5, 3.0), Vec3::new(-1.0, 1.0, 1.0), Vec3::splat(1e-3)] {
+            let map = Affine3A::from_scale_rotation_translation(scale, turn, Vec3::new(5.0, -7.0, 100.0));
+            let steps = as_steps(&map);
+            assert_eq!(steps.len(), 3, "{steps:?}");
+            assert!(TransformOp::compose(&steps).abs_diff_eq(map, 1e-3));
+        }
+        assert!(as_steps(&Affine3A::IDENTITY).is_empty());
+        let shear = Affine3A::from_mat3(Mat3::from_cols(Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Z));
+        assert_eq!(as_steps(&shear), [TransformOp::Matrix(Mat4::from(shear))]);
+    }
+
+    #[test]
+    fn a_camera_far_away_keeps_its_direction() {
+        let step = TransformOp::LookAt {
+            origin: Vec3::new(1000.0, 2000.0, -500.0),
+            target: Vec3::new(1000.5, 2000.2, -500.4),
+            up: Vec3::Y,
+        };
+        let map = step.affine();
+        let again = as_look_at(&map).map(|step| step.affine());
+        assert!(again.is_some_and(|again| again.abs_diff_eq(map, 1e-6 * 2000.0)));
+        assert_eq!(as_look_at(&Affine3A::from_scale(Vec3::splat(2.0))), None);
+    }
+}

@@ -1,0 +1,183 @@
+//! An edited plugin written over what the file said: only what was edited changes.
+
+use crate::document::{Category, Child, Object, Property, Value};
+use crate::scene::Authored;
+
+/// Parameters that say the same thing in another way: writing the first takes the others away.
+const SUPERSEDES: [(&str, &[&str]); 8] = [
+    ("fov", &["focal_length"]),
+    ("alpha", &["alpha_u", "alpha_v"]),
+    ("material", &["eta", "k"]),
+    ("eta", &["material"]),
+    ("k", &["material"]),
+    ("position", &["to_world"]),
+    ("direction", &["to_world"]),
+    ("to_world", &["position", "direction"]),
+];
+
+/// A plugin on its way into the file. What each child is, references followed, is known.
+pub struct Draft {
+    pub object: Object,
+    categories: Vec<Option<Category>>,
+}
+
+impl Draft {
+    /// `current` is what the components say now, without nested bsdfs.
+    pub fn new(authored: Option<&Authored>, current: Object) -> Self {
+        let Some(authored) = authored else {
+            let categories = current.objects().map(|child| Some(child.category)).collect();
+            return Self {
+                object: current,
+                categories,
+            };
+        };
+        let unchanged = Self {
+            object: authored.object.clone(),
+            categories: authored.child_categories.clone(),
+        };
+        if current == authored.as_read {
+            return unchanged;
+        }
+        // A stand-in that was edited: what it stood for is gone.
+        if authored.object.plugin != authored.as_read.plugin {
+            return Self::new(
+                None,
+                Object {
+                    name: authored.object.name.clone(),
+                    ..current
+                },
+            );
+        }
+        let mut draft = unchanged;
+        draft.patch(&authored.as_read, &current);
+        draft
+    }
+
+    fn patch(&mut self, before: &Object, now: &Object) {
+        self.object.plugin.clone_from(&now.plugin);
+        for property in &now.properties {
+            if value_of(before, &property.name) != Some(&property.value) {
+                self.set(property);
+            }
+        }
+        for gone in &before.properties {
+            if value_of(now, &gone.name).is_none() {
+                self.remove(&gone.name);
+                self.remove_superseded(&gone.name);
+            }
+        }
+        for category in [
+            Category::Film,
+            Category::Sampler,
+            Category::ReconstructionFilter,
+            Category::Emitter,
+        ] {
+            let of = |object: &Object| object.objects().find(|child| child.category == category).cloned();
+            let (before, now) = (of(before), of(now));
+            if before != now {
+                self.set_plugin(category, before, now);
+            }
+        }
+    }
+
+    fn set(&mut self, property: &Property) {
+        self.remove_children_named(&property.name);
+        match self
+            .object
+            .properties
+            .iter_mut()
+            .find(|known| known.name == property.name)
+        {
+            Some(known) => known.value.clone_from(&property.value),
+            None => self.object.properties.push(property.clone()),
+        }
+        self.remove_superseded(&property.name);
+    }
+
+    fn remove(&mut self, name: &str) {
+        self.object.properties.retain(|property| property.name != name);
+        self.remove_children_named(name);
+    }
+
+    fn remove_superseded(&mut self, name: &str) {
+        for (_, others) in SUPERSEDES.iter().filter(|(winner, _)| *winner == name) {
+            for other in *others {
+                self.remove(other);
+            }
+        }
+    }
+
+    /// A texture that was given for a parameter.
+    fn remove_children_named(&mut self, name: &str) {
+        while let Some(place) = self.object.children.iter().position(|child| child.name() == Some(name)) {
+            self.remove_child(place);
+        }
+    }
+
+    fn remove_child(&mut self, place: usize) {
+        self.object.children.remove(place);
+        self.categories.remove(place);
+    }
+
+    /// The one nested plugin of a kind.
+    fn set_plugin(&mut self, category: Category, before: Option<Object>, now: Option<Object>) {
+        let place = self.categories.iter().position(|known| *known == Some(category));
+        match (place, now) {
+            (None, None) => {}
+            (Some(place), None) => self.remove_child(place),
+            (None, Some(now)) => {
+                self.object.children.push(Child::Object(now));
+                self.categories.push(Some(category));
+            }
+            (Some(place), Some(now)) => {
+                let child = &mut self.object.children[place];
+                match (&*child, before) {
+                    (Child::Object(authored), Some(before)) => {
+                        let categories = authored.children.iter().map(|child| match child {
+                            Child::Object(object) => Some(object.category),
+                            Child::Reference { .. } => None,
+                        });
+                        let authored = Authored {
+                            child_categories: categories.collect(),
+                            object: authored.clone(),
+                            as_read: before,
+                        };
+                        *child = Child::Object(Self::new(Some(&authored), now).object);
+                    }
+                    _ => *child = Child::Object(now),
+                }
+            }
+        }
+    }
+
+    /// The nested bsdfs, in order, where the old ones stood.
+    pub fn set_bsdfs(mut self, bsdfs: Vec<Child>) -> Object {
+        let mut rest = bsdfs.into_iter();
+        let mut place = 0;
+        while place < self.object.children.len() {
+            if self.categories[place] == Some(Category::Bsdf) {
+                let Some(next) = rest.next() else {
+                    self.remove_child(place);
+                    continue;
+                };
+                let name = self.object.children[place].name().map(str::to_owned);
+                self.object.children[place] = with_name(next, name);
+            }
+            place += 1;
+        }
+        self.object.children.extend(rest);
+        self.object
+    }
+}
+
+fn with_name(mut child: Child, given: Option<String>) -> Child {
+    match &mut child {
+        Child::Object(Object { name, .. }) | Child::Reference { name, .. } => *name = given,
+    }
+    child
+}
+
+fn value_of<'o>(object: &'o Object, name: &str) -> Option<&'o Value> {
+    let property = object.properties.iter().find(|property| property.name == name);
+    property.map(|property| &property.value)
+}
