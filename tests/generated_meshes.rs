@@ -51,7 +51,7 @@ fn knot() -> Mesh {
             .normalize();
         let (sin, cos) = (TAU * v).sin_cos();
         let radius = 0.16 + 0.012 * (TAU * (48.0 * u + 2.0 * v)).sin();
-        curve(u) + radius * (cos * outward + sin * tangent.cross(outward))
+        curve(u) + radius * (cos * outward + sin * outward.cross(tangent))
     });
     let lowest = mesh.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
     for p in &mut mesh.positions {

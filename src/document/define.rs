@@ -18,6 +18,8 @@ const LONGEST_NAME: usize = 256;
 struct Define {
     value: String,
     from_command_line: bool,
+    /// There is a `<default>` for it.
+    declared: bool,
     used: bool,
 }
 
@@ -47,8 +49,9 @@ impl Defines {
 
     /// A `<default>`: has no effect if the name is known already.
     pub fn add_default(&mut self, name: &str, value: &str) {
-        if !self.by_name.contains_key(name) {
-            self.insert(name, value, false);
+        match self.by_name.get_mut(name) {
+            Some(define) => define.declared = true,
+            None => self.insert(name, value, false),
         }
     }
 
@@ -60,6 +63,7 @@ impl Defines {
         let define = Define {
             value: value.to_owned(),
             from_command_line,
+            declared: !from_command_line,
             used: false,
         };
         self.by_name.insert(name.to_owned(), define);
@@ -138,16 +142,18 @@ impl Defines {
 
     /// Names from the command line that nothing used, in order, each with the nearest name of a `<default>`.
     pub fn unused(&self) -> Vec<(&str, Option<String>)> {
-        let of = |wanted: bool| {
-            let chosen = self.by_name.iter().filter(move |(_, d)| d.from_command_line == wanted);
-            chosen.map(|(name, define)| (name.as_str(), define))
-        };
-        let mut unused: Vec<_> = of(true)
+        let given = self.by_name.iter().filter(|(_, define)| define.from_command_line);
+        let mut unused: Vec<&str> = given
             .filter(|(_, define)| !define.used)
-            .map(|(name, _)| name)
+            .map(|(name, _)| name.as_str())
             .collect();
         unused.sort_unstable();
-        let help = |name| did_you_mean(name, of(false).take(1000).map(|(known, _)| known));
+        let declared = || self.by_name.iter().filter(|(_, define)| define.declared);
+        let names = || declared().map(|(name, _)| name.as_str()).take(1000);
+        let help = |name: &str| match self.by_name.get(name) {
+            Some(define) if define.declared => None,
+            _ => did_you_mean(name, names()),
+        };
         unused.into_iter().map(|name| (name, help(name))).collect()
     }
 }

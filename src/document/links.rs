@@ -105,7 +105,7 @@ struct Walk<'a, 'd> {
 }
 
 impl<'a> Walk<'a, '_> {
-    /// Recursion is bounded: `depth` never passes [`MAX_DEPTH`].
+    /// Recursion is bounded: references are followed to a `depth` of [`MAX_DEPTH`], and tags in tags add at most as much again.
     fn measure(&mut self, object: &'a Object, depth: usize) -> Extent {
         if let Some(id) = &object.id {
             self.open.insert(id);
@@ -141,7 +141,6 @@ impl<'a> Walk<'a, '_> {
         }
         let known = self.measured.get(id).copied();
         let height = known.map_or(0, |extent| extent.height);
-        // One step short of the bound, because the target's own children, tags in tags, are at most as deep again.
         if depth + height > MAX_DEPTH {
             self.cut(span, format!("references lead more than {MAX_DEPTH} objects deep"));
             return None;

@@ -49,7 +49,7 @@ pub fn surface(ray: &Ray, t: f32) -> LocalSurface {
 /// The spherical coordinates of a unit vector.
 pub fn uv(p: Vec3) -> Vec2 {
     let phi = p.y.atan2(p.x);
-    let theta = p.x.hypot(p.y).atan2(p.z);
+    let theta = (p.x * p.x + p.y * p.y).sqrt().atan2(p.z);
     let turn = if phi < 0.0 { phi / TAU + 1.0 } else { phi / TAU };
     Vec2::new(if turn < 1.0 { turn } else { 0.0 }, theta / PI)
 }

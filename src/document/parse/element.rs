@@ -1,0 +1,258 @@
+//! What each tag means: plugins, values, references, defaults.
+
+use std::collections::HashSet;
+
+use super::{Frame, Parser};
+use crate::document::links::Alias;
+use crate::document::naming::snake_case;
+use crate::document::property::{
+    TRANSFORM_TAGS, VALUE_TAGS, read_spectrum, read_transform_op, read_value, sampled_color, spectrum_role,
+};
+use crate::document::source::read_text;
+use crate::document::spectrum::SampledSpectrum;
+use crate::document::suggest::did_you_mean;
+use crate::document::tag::Tag;
+use crate::document::value::quote;
+use crate::document::{Category, Child, Object, Property, Severity, Span, TransformOp, Value};
+
+impl Parser {
+    pub(super) fn enter_root(&mut self, tag: &mut Tag, second: bool) -> Option<Frame> {
+        if second {
+            let message = format!("<{}> stands after the end of the scene", tag.name);
+            self.diagnostics.error(tag.span, message);
+            return None;
+        }
+        let Some(category) = Category::from_tag(&tag.name) else {
+            let message = format!("a scene file starts with <scene>, not <{}>", tag.name);
+            self.diagnostics.error(tag.span, message);
+            return None;
+        };
+        match tag.take("version") {
+            Some((version, span)) => self.check_version(&version, span),
+            None => self
+                .diagnostics
+                .warn(tag.span, "no `version` is given; it is read as version 3.0.0"),
+        }
+        Some(self.object_frame(tag, category))
+    }
+
+    fn check_version(&mut self, version: &str, span: Span) {
+        let parts: Result<Vec<u32>, _> = version.trim().split('.').map(str::parse).collect();
+        match parts {
+            Ok(parts) if parts.len() <= 3 => {
+                if parts[0] > 3 {
+                    let message = format!("version {version} is newer than this reader, which knows 3");
+                    self.diagnostics.warn(span, message);
+                }
+            }
+            _ => self.diagnostics.error(
+                span,
+                format!("expected a version like `3.0.0`, found {}", quote(version)),
+            ),
+        }
+    }
+
+    fn object_frame(&mut self, tag: &mut Tag, category: Category) -> Frame {
+        let plugin = match category {
+            Category::Scene => tag.take("type"),
+            _ => tag.need("type", &mut self.diagnostics),
+        };
+        let mut object = Object::new(category, plugin.map_or_else(String::new, |(plugin, _)| plugin));
+        object.span = tag.span;
+        object.name = self.name_of(tag);
+        object.id = tag.take("id").and_then(|(id, span)| self.register_id(id, span));
+        Frame::Object {
+            object,
+            names: HashSet::new(),
+        }
+    }
+
+    fn name_of(&mut self, tag: &mut Tag) -> Option<String> {
+        let (name, _) = tag.take("name")?;
+        Some(snake_case(&name)).filter(|name| !name.is_empty())
+    }
+
+    /// None if the id is no good.
+    fn register_id(&mut self, id: String, span: Span) -> Option<String> {
+        if id.is_empty() {
+            self.diagnostics.warn(span, "an empty id is ignored");
+            return None;
+        }
+        if let Some(first) = self.ids.get(&id) {
+            let help = self
+                .diagnostics
+                .locate(*first)
+                .map(|(path, line, column)| format!("the first one is at {}:{line}:{column}", path.display()));
+            let message = format!("the id {} is given twice", quote(&id));
+            self.diagnostics.push(Severity::Error, Some(span), message, help);
+            return None;
+        }
+        self.ids.insert(id.clone(), span);
+        Some(id)
+    }
+
+    pub(super) fn enter_transform_op(&mut self, tag: &mut Tag, ops: &mut Vec<TransformOp>) -> Option<Frame> {
+        if tag.name == "lookAt" {
+            tag.name = "lookat".to_owned();
+        }
+        if !TRANSFORM_TAGS.contains(&tag.name.as_str()) {
+            let message = format!("<{}> is not a step of a transform", tag.name);
+            let help = did_you_mean(&tag.name, TRANSFORM_TAGS);
+            self.diagnostics.push(Severity::Error, Some(tag.span), message, help);
+            return None;
+        }
+        ops.extend(read_transform_op(tag, &mut self.diagnostics));
+        Some(leaf(tag))
+    }
+
+    pub(super) fn enter_in_object(
+        &mut self,
+        tag: &mut Tag,
+        object: &mut Object,
+        names: &mut HashSet<String>,
+        depth: usize,
+    ) -> Option<Frame> {
+        match tag.name.as_str() {
+            "scene" => {
+                self.diagnostics
+                    .error(tag.span, "<scene> cannot stand inside another tag");
+                None
+            }
+            "spectrum" if tag.has("type") => Some(self.object_frame(tag, Category::Texture)),
+            name if VALUE_TAGS.contains(&name) => {
+                self.read_property(tag, object, names);
+                Some(leaf(tag))
+            }
+            "transform" => Some(Frame::Transform {
+                name: self.property_name(tag),
+                ops: Vec::new(),
+                span: tag.span,
+            }),
+            "ref" => {
+                let id = tag.need("id", &mut self.diagnostics);
+                let name = self.name_of(tag);
+                if let Some((id, _)) = id {
+                    object.children.push(Child::Reference {
+                        name,
+                        id,
+                        span: tag.span,
+                    });
+                }
+                Some(leaf(tag))
+            }
+            "default" => {
+                let name = tag.need("name", &mut self.diagnostics);
+                let given = tag.has("value");
+                match (name, tag.take("value")) {
+                    (Some((name, _)), Some((value, _))) => self.defines.add_default(&name, &value),
+                    (_, None) if !given => self
+                        .diagnostics
+                        .error(tag.span, "<default> needs the attribute `value`"),
+                    _ => {}
+                }
+                Some(leaf(tag))
+            }
+            "alias" => {
+                let id = tag.need("id", &mut self.diagnostics);
+                let other = tag.need("as", &mut self.diagnostics);
+                if let (Some((id, _)), Some((other, _))) = (id, other) {
+                    self.aliases.push(Alias {
+                        name: other,
+                        id,
+                        span: tag.span,
+                    });
+                }
+                Some(leaf(tag))
+            }
+            "path" => {
+                if let Some((folder, span)) = tag.need("value", &mut self.diagnostics) {
+                    self.add_search_folder(&folder, span);
+                }
+                Some(leaf(tag))
+            }
+            "include" => {
+                let name = self.name_of(tag);
+                if let Some((file, span)) = tag.need("filename", &mut self.diagnostics) {
+                    self.include(&file, span, name, object, names, depth);
+                }
+                Some(leaf(tag))
+            }
+            name if TRANSFORM_TAGS.contains(&name) || name == "lookAt" => {
+                let message = format!("<{name}> can only stand inside <transform>");
+                self.diagnostics.error(tag.span, message);
+                None
+            }
+            name => match Category::from_tag(name) {
+                Some(category) => Some(self.object_frame(tag, category)),
+                None => {
+                    let structure = ["transform", "ref", "default", "include", "path", "alias"];
+                    let categories = Category::ALL.map(Category::tag);
+                    let known = VALUE_TAGS.into_iter().chain(structure).chain(categories);
+                    let help = did_you_mean(name, known);
+                    let message = format!("<{name}> is not known; it is ignored with all it contains");
+                    self.diagnostics.push(Severity::Warning, Some(tag.span), message, help);
+                    None
+                }
+            },
+        }
+    }
+
+    fn property_name(&mut self, tag: &mut Tag) -> Option<String> {
+        let (name, _) = tag.need("name", &mut self.diagnostics)?;
+        Some(snake_case(&name))
+    }
+
+    fn read_property(&mut self, tag: &mut Tag, object: &mut Object, names: &mut HashSet<String>) {
+        let name = self.property_name(tag);
+        let value = if tag.name == "spectrum" {
+            self.read_spectrum_tag(tag, object.category, name.as_deref().unwrap_or_default())
+        } else {
+            read_value(tag, &mut self.diagnostics)
+        };
+        if let (Some(name), Some(value)) = (name, value) {
+            self.add_property(object, names, name, value, tag.span);
+        }
+    }
+
+    fn read_spectrum_tag(&mut self, tag: &mut Tag, category: Category, name: &str) -> Option<Value> {
+        let role = spectrum_role(category, name);
+        if let Some((file, span)) = tag.take("filename") {
+            let path = self.find_file(&file, span)?;
+            let sampled = read_text(&path)
+                .map_err(|error| error.to_string())
+                .and_then(|text| SampledSpectrum::parse_file(&text).map_err(|what| format!("{file}: {what}")));
+            return match sampled {
+                Ok(sampled) => Some(sampled_color(&sampled, span, role, &mut self.diagnostics)),
+                Err(message) => {
+                    self.diagnostics.error(span, message);
+                    None
+                }
+            };
+        }
+        let (text, span) = tag.need("value", &mut self.diagnostics)?;
+        read_spectrum(&text, span, role, &mut self.diagnostics)
+    }
+
+    pub(super) fn add_property(
+        &mut self,
+        object: &mut Object,
+        names: &mut HashSet<String>,
+        name: String,
+        value: Value,
+        span: Span,
+    ) {
+        if names.insert(name.clone()) {
+            object.properties.push(Property { name, value, span });
+        } else {
+            let message = format!("{} is given twice in {}", quote(&name), object.title());
+            self.diagnostics.error(span, message);
+        }
+    }
+}
+
+fn leaf(tag: &Tag) -> Frame {
+    Frame::Leaf {
+        tag: tag.name.clone(),
+        span: tag.span,
+    }
+}

@@ -1,0 +1,136 @@
+//! Other files a scene names: includes, search folders, and where a file is looked for.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use super::{MAX_INCLUDE_DEPTH, MAX_INCLUDES, Parser};
+use crate::document::source::read_text;
+use crate::document::value::quote;
+use crate::document::{Category, Child, Object, Property, Severity, SourceId, Span};
+
+impl Parser {
+    fn folder_of(&self, source: SourceId) -> PathBuf {
+        let path = self.diagnostics.source(source).map(|source| source.path.as_path());
+        path.and_then(Path::parent).unwrap_or(Path::new("")).to_owned()
+    }
+
+    pub(super) fn add_search_folder(&mut self, folder: &str, span: Span) {
+        let joined = self.folder_of(span.source).join(folder);
+        if !joined.is_dir() {
+            let message = format!("the folder {} does not exist", quote(folder));
+            let help = format!("looked for {}", joined.display());
+            self.diagnostics
+                .push(Severity::Warning, Some(span), message, Some(help));
+        }
+        // Absolute, so that it means the same wherever the document is written to.
+        let folder = std::path::absolute(&joined).unwrap_or(joined);
+        if !self.search_folders.contains(&folder) {
+            self.search_folders.push(folder);
+        }
+    }
+
+    /// A file named at `span`; one that is not there has been reported.
+    pub(super) fn find_file(&mut self, name: &str, span: Span) -> Option<PathBuf> {
+        let candidates = file_candidates(
+            name,
+            &[self.folder_of(span.source), self.folder_of(SourceId(0))],
+            &self.search_folders,
+        );
+        let found = candidates.iter().find(|path| path.is_file()).cloned();
+        if found.is_none() {
+            let looked: Vec<_> = candidates
+                .iter()
+                .take(4)
+                .map(|path| path.display().to_string())
+                .collect();
+            let message = format!("the file {} does not exist", quote(name));
+            let help = format!("looked for {}", looked.join(", "));
+            self.diagnostics.push(Severity::Error, Some(span), message, Some(help));
+        }
+        found
+    }
+
+    /// Puts the content of another scene file into `object`.
+    pub(super) fn include(
+        &mut self,
+        file: &str,
+        span: Span,
+        name: Option<String>,
+        object: &mut Object,
+        names: &mut HashSet<String>,
+        depth: usize,
+    ) {
+        let Some(path) = self.find_file(file, span) else {
+            return;
+        };
+        let key = canonical(&path);
+        if self.open_files.contains(&key) {
+            let message = format!("{} includes itself", quote(file));
+            self.diagnostics.error(span, message);
+            return;
+        }
+        if self.open_files.len() > MAX_INCLUDE_DEPTH {
+            let message = format!("includes are nested more than {MAX_INCLUDE_DEPTH} deep");
+            self.diagnostics.error(span, message);
+            return;
+        }
+        self.includes += 1;
+        if self.includes > MAX_INCLUDES {
+            self.exhaust(Some(span), &format!("more than {MAX_INCLUDES} includes"));
+            return;
+        }
+        let source = match self.files.get(&key) {
+            Some(source) => *source,
+            None => match read_text(&path) {
+                Ok(text) => {
+                    let source = self.add_source(path, &text);
+                    self.files.insert(key.clone(), source);
+                    source
+                }
+                Err(error) => {
+                    self.diagnostics.error(span, error.to_string());
+                    return;
+                }
+            },
+        };
+        self.open_files.push(key);
+        let root = self.parse_source(source, depth);
+        self.open_files.pop();
+        match root {
+            Some(root) if root.category == Category::Scene => {
+                for Property { name, value, span } in root.properties {
+                    self.add_property(object, names, name, value, span);
+                }
+                object.children.extend(root.children);
+            }
+            Some(mut root) => {
+                root.name = name.or(root.name);
+                object.children.push(Child::Object(root));
+            }
+            None => {}
+        }
+    }
+}
+
+pub(super) fn canonical(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_owned())
+}
+
+/// Where a file of this name may be: in the given folders, then in the search folders, the last named first.
+pub(in crate::document) fn file_candidates(
+    name: &str,
+    folders: &[PathBuf],
+    search_folders: &[PathBuf],
+) -> Vec<PathBuf> {
+    if Path::new(name).is_absolute() {
+        return vec![PathBuf::from(name)];
+    }
+    let mut candidates: Vec<PathBuf> = Vec::new();
+    for folder in folders.iter().chain(search_folders.iter().rev()) {
+        let candidate = folder.join(name);
+        if !candidates.contains(&candidate) {
+            candidates.push(candidate);
+        }
+    }
+    candidates
+}

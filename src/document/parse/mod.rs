@@ -1,0 +1,350 @@
+//! XML text to [`Document`]: files, includes, defaults, and the nesting of tags.
+//!
+//! One loop over the events of `quick-xml` with a stack of its own, so that deep files cannot exhaust the program's. After a bad value
+//! it goes on, so that one run tells of all of them; after broken XML the rest of that file is not looked at. Whatever was understood
+//! by then is in the document, next to the errors.
+
+mod element;
+mod include;
+
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use quick_xml::Reader as XmlReader;
+use quick_xml::events::{BytesStart, Event};
+
+use self::include::canonical;
+pub(in crate::document) use self::include::file_candidates;
+use super::define::Defines;
+use super::links::{Alias, link};
+use super::naming::modernize;
+use super::source::{MAX_FILE_BYTES, SourceError, read_text};
+use super::tag::Tag;
+use super::{Category, Child, Diagnostics, Document, Object, Severity, SourceFile, SourceId, Span, TransformOp, Value};
+
+/// Tags inside tags, references and includes counted in. Real scenes stay below ten.
+pub const MAX_DEPTH: usize = 256;
+/// Includes inside includes.
+const MAX_INCLUDE_DEPTH: usize = 15;
+/// Includes of a document, each counted as often as it is read.
+const MAX_INCLUDES: usize = 10_000;
+/// All tags of a document, each include counted each time.
+const MAX_ELEMENTS: usize = 4_000_000;
+/// All text of a document, likewise.
+const MAX_TOTAL_BYTES: u64 = 4 * MAX_FILE_BYTES;
+
+/// Reads a scene file; `defines` are the command line's `name=value` pairs. An error only if there is no text to be had: what is wrong
+/// with the text is in the document's diagnostics.
+pub fn load(path: &Path, defines: &[(String, String)]) -> Result<Document, SourceError> {
+    let text = read_text(path)?;
+    Ok(parse_str(&text, path, defines))
+}
+
+/// As [`load`], for text that is in memory; relative paths in it start from `path`'s folder.
+pub fn parse_str(text: &str, path: &Path, defines: &[(String, String)]) -> Document {
+    let mut parser = Parser {
+        diagnostics: Diagnostics::default(),
+        defines: Defines::new(defines),
+        search_folders: Vec::new(),
+        files: HashMap::new(),
+        open_files: Vec::new(),
+        ids: HashMap::new(),
+        aliases: Vec::new(),
+        includes: 0,
+        elements: 0,
+        bytes: 0,
+        exhausted: false,
+    };
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let source = parser.add_source(path.to_owned(), text);
+    let root = if text.len() as u64 > MAX_FILE_BYTES {
+        let message = format!("longer than {} MiB, which no scene should be", MAX_FILE_BYTES >> 20);
+        parser.diagnostics.push(Severity::Error, None, message, None);
+        None
+    } else {
+        parser.open_files.push(canonical(path));
+        parser.parse_source(source, 0)
+    };
+    parser.finish(path, root)
+}
+
+/// An open tag.
+enum Frame {
+    Object {
+        object: Object,
+        /// Names of its properties so far.
+        names: HashSet<String>,
+    },
+    Transform {
+        name: Option<String>,
+        ops: Vec<TransformOp>,
+        span: Span,
+    },
+    /// A value or a step: nothing may stand inside.
+    Leaf { tag: String, span: Span },
+}
+
+impl Frame {
+    fn span(&self) -> Span {
+        match self {
+            Self::Object { object, .. } => object.span,
+            Self::Transform { span, .. } | Self::Leaf { span, .. } => *span,
+        }
+    }
+
+    fn tag(&self) -> &str {
+        match self {
+            Self::Object { object, .. } => object.category.tag(),
+            Self::Transform { .. } => "transform",
+            Self::Leaf { tag, .. } => tag,
+        }
+    }
+}
+
+/// One source's open tags.
+struct Level {
+    source: SourceId,
+    text: Arc<str>,
+    stack: Vec<Frame>,
+    /// How deep the including tag is in its own file.
+    base_depth: usize,
+    /// How many tags deep inside something that is skipped.
+    skipping: usize,
+    root: Option<Object>,
+}
+
+struct Parser {
+    diagnostics: Diagnostics,
+    defines: Defines,
+    search_folders: Vec<PathBuf>,
+    /// Files read so far.
+    files: HashMap<PathBuf, SourceId>,
+    /// The chain of includes that is being read, the main file first.
+    open_files: Vec<PathBuf>,
+    ids: HashMap<String, Span>,
+    aliases: Vec<Alias>,
+    includes: usize,
+    elements: usize,
+    bytes: u64,
+    /// A bound of the whole document was hit; nothing more is read.
+    exhausted: bool,
+}
+
+impl Parser {
+    fn finish(mut self, path: &Path, root: Option<Object>) -> Document {
+        let mut root = root.unwrap_or_else(|| Object::new(Category::Scene, ""));
+        if root.category != Category::Scene {
+            self.diagnostics.error(
+                root.span,
+                format!("a scene file starts with <scene>, not <{}>", root.category.tag()),
+            );
+            let mut scene = Object::new(Category::Scene, "");
+            scene.children.push(Child::Object(root));
+            root = scene;
+        }
+        link(&mut root, &self.ids, &self.aliases, &mut self.diagnostics);
+        for (name, help) in self.defines.unused() {
+            let message = format!("`-D {name}=...` has no effect: the scene does not use `${name}`");
+            self.diagnostics.push(Severity::Warning, None, message, help);
+        }
+        Document {
+            path: path.to_owned(),
+            root,
+            search_folders: self.search_folders,
+            diagnostics: self.diagnostics,
+        }
+    }
+
+    fn add_source(&mut self, path: PathBuf, text: &str) -> SourceId {
+        let id = SourceId(u32::try_from(self.diagnostics.sources.len()).unwrap_or(u32::MAX));
+        self.diagnostics.sources.push(SourceFile {
+            path,
+            text: text.into(),
+        });
+        id
+    }
+
+    /// The root object of one file.
+    fn parse_source(&mut self, source: SourceId, base_depth: usize) -> Option<Object> {
+        let text = self.diagnostics.source(source)?.text.clone();
+        self.bytes += text.len() as u64;
+        if self.bytes > MAX_TOTAL_BYTES {
+            self.exhaust(None, "the includes of this scene add up to too much text");
+            return None;
+        }
+        let mut reader = XmlReader::from_str(&text);
+        let mut level = Level {
+            source,
+            text: text.clone(),
+            stack: Vec::new(),
+            base_depth,
+            skipping: 0,
+            root: None,
+        };
+        while !self.exhausted {
+            let start = reader.buffer_position();
+            let event = reader.read_event();
+            let span = Span {
+                source,
+                start: u32::try_from(start).unwrap_or(u32::MAX),
+                end: u32::try_from(reader.buffer_position()).unwrap_or(u32::MAX),
+            };
+            match event {
+                Ok(Event::Start(tag)) => self.open(&tag, span, true, &mut level),
+                Ok(Event::Empty(tag)) => self.open(&tag, span, false, &mut level),
+                Ok(Event::End(_)) => self.close(&mut level),
+                Ok(Event::Text(content)) if !content.trim().is_empty() => self.stray_text(span, &level),
+                Ok(Event::CData(_) | Event::GeneralRef(_)) => self.stray_text(span, &level),
+                Ok(Event::DocType(content)) => {
+                    if content.contains("<!ENTITY") {
+                        let message = "entities are not supported";
+                        let help = "use <default name=... value=...> and `$name` instead".to_owned();
+                        self.diagnostics
+                            .push(Severity::Error, Some(span), message.to_owned(), Some(help));
+                    } else {
+                        self.diagnostics.warn(span, "the document type is ignored");
+                    }
+                }
+                Ok(Event::Eof) => {
+                    self.end_of_file(&level);
+                    break;
+                }
+                Ok(Event::Text(_) | Event::Comment(_) | Event::Decl(_) | Event::PI(_)) => {}
+                Err(error) => {
+                    let at = u32::try_from(reader.error_position()).unwrap_or(u32::MAX);
+                    let place = Span {
+                        start: at,
+                        end: span.end.max(at),
+                        ..span
+                    };
+                    let open = level.stack.last().filter(|_| level.skipping == 0);
+                    let help = open.map(|frame| {
+                        let line = self.diagnostics.locate(frame.span()).map_or(0, |(_, line, _)| line);
+                        format!("<{}> of line {line} is still open here", frame.tag())
+                    });
+                    let message = format!("broken XML: {error}");
+                    self.diagnostics.push(Severity::Error, Some(place), message, help);
+                    break;
+                }
+            }
+        }
+        level.skipping = 0;
+        while !level.stack.is_empty() {
+            self.close(&mut level);
+        }
+        level.root
+    }
+
+    fn stray_text(&mut self, span: Span, level: &Level) {
+        if level.skipping == 0 {
+            let text = level
+                .text
+                .get(span.start as usize..span.end as usize)
+                .unwrap_or_default();
+            let blanks = text.len() - text.trim_start().len();
+            let start = span.start + u32::try_from(blanks).unwrap_or(0);
+            let span = Span { start, ..span };
+            self.diagnostics.warn(span, "text between tags is ignored");
+        }
+    }
+
+    fn end_of_file(&mut self, level: &Level) {
+        if let Some(frame) = level.stack.last() {
+            let message = format!("<{}> is never closed", frame.tag());
+            self.diagnostics.error(frame.span(), message);
+        } else if level.skipping > 0 {
+            let message = "the file ends inside a tag".to_owned();
+            self.diagnostics.push(Severity::Error, Some(level.end()), message, None);
+        } else if level.root.is_none() && !self.diagnostics.has_errors() {
+            let message = "there is no <scene> in this file".to_owned();
+            self.diagnostics.push(Severity::Error, Some(level.end()), message, None);
+        }
+    }
+
+    fn exhaust(&mut self, span: Option<Span>, message: &str) {
+        self.exhausted = true;
+        self.diagnostics.push(Severity::Error, span, message.to_owned(), None);
+    }
+
+    /// A start tag, or (`stays_open` false) one that closes itself.
+    fn open(&mut self, start: &BytesStart, span: Span, stays_open: bool, level: &mut Level) {
+        self.elements += 1;
+        if self.elements > MAX_ELEMENTS {
+            self.exhaust(Some(span), &format!("more than {MAX_ELEMENTS} tags"));
+            return;
+        }
+        let opened = level.skipping == 0 && self.enter(start, span, level);
+        if opened && !stays_open {
+            self.close(level);
+        } else if !opened && stays_open {
+            level.skipping += 1;
+        }
+    }
+
+    /// Pushes the tag's frame; false if the tag and all it contains are to be skipped.
+    fn enter(&mut self, start: &BytesStart, span: Span, level: &mut Level) -> bool {
+        let depth = level.base_depth + level.stack.len();
+        if depth >= MAX_DEPTH {
+            self.diagnostics
+                .error(span, format!("tags are nested more than {MAX_DEPTH} deep"));
+            return false;
+        }
+        let mut tag = Tag::new(start, &level.text, span, &mut self.defines, &mut self.diagnostics);
+        let frame = match level.stack.last_mut() {
+            None => self.enter_root(&mut tag, level.root.is_some()),
+            Some(Frame::Leaf { tag: outer, .. }) => {
+                let message = format!("<{}> cannot stand inside <{outer}>", tag.name);
+                self.diagnostics.error(span, message);
+                None
+            }
+            Some(Frame::Transform { ops, .. }) => self.enter_transform_op(&mut tag, ops),
+            Some(Frame::Object { object, names }) => self.enter_in_object(&mut tag, object, names, depth),
+        };
+        let Some(frame) = frame else {
+            return false;
+        };
+        tag.finish(&mut self.diagnostics);
+        level.stack.push(frame);
+        true
+    }
+
+    /// An end tag, or the end of a broken file.
+    fn close(&mut self, level: &mut Level) {
+        if level.skipping > 0 {
+            level.skipping -= 1;
+            return;
+        }
+        match level.stack.pop() {
+            Some(Frame::Object { mut object, .. }) => {
+                modernize(&mut object);
+                match level.stack.last_mut() {
+                    Some(Frame::Object { object: parent, .. }) => parent.children.push(Child::Object(object)),
+                    _ => level.root = Some(object),
+                }
+            }
+            Some(Frame::Transform {
+                name: Some(name),
+                ops,
+                span,
+            }) => {
+                if let Some(Frame::Object { object, names }) = level.stack.last_mut() {
+                    self.add_property(object, names, name, Value::Transform(ops), span);
+                }
+            }
+            Some(Frame::Transform { name: None, .. } | Frame::Leaf { .. }) | None => {}
+        }
+    }
+}
+
+impl Level {
+    /// The place after the last character.
+    fn end(&self) -> Span {
+        let end = u32::try_from(self.text.trim_end().len()).unwrap_or(u32::MAX);
+        Span {
+            source: self.source,
+            start: end,
+            end,
+        }
+    }
+}

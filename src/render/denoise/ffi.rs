@@ -1,0 +1,229 @@
+//! The foreign calls into Open Image Denoise, behind types that cannot be used wrongly from safe code.
+//!
+//! The crate's own wrapper is passed by on purpose: it copies the images, cannot prefilter, cancel or limit its threads,
+//! and its `clean_aux` sets a parameter that the library does not know.
+#![allow(unsafe_code)]
+
+use std::cell::Cell;
+use std::ffi::{CStr, c_void};
+use std::marker::PhantomData;
+use std::ptr;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::Vec3;
+use oidn::sys;
+
+use super::{DenoiseError, DenoiseQuality};
+
+/// What all filters of one picture have in common.
+pub struct Job<'a> {
+    pub width: usize,
+    pub height: usize,
+    pub quality: DenoiseQuality,
+    pub cancel: &'a AtomicBool,
+}
+
+#[derive(Clone, Copy)]
+pub enum Auxiliary {
+    Albedo,
+    Normal,
+}
+
+impl Auxiliary {
+    fn slot(self) -> &'static CStr {
+        match self {
+            Self::Albedo => c"albedo",
+            Self::Normal => c"normal",
+        }
+    }
+}
+
+/// A committed device on the CPU. Never null.
+pub struct Device(sys::OIDNDevice);
+
+impl Device {
+    /// With at most so many threads, one per core if `None`. They are not pinned to cores: others render meanwhile.
+    pub fn new(threads: Option<usize>) -> Result<Self, DenoiseError> {
+        // SAFETY: takes no pointer; null is handled below.
+        let handle = unsafe { sys::oidnNewDevice(sys::OIDNDeviceType_OIDN_DEVICE_TYPE_CPU) };
+        if handle.is_null() {
+            let (_, message) = last_error(handle);
+            return Err(DenoiseError::NoDevice(message));
+        }
+        let device = Self(handle);
+        // 0 is the library's word for all.
+        let threads = threads.map_or(0, |count| i32::try_from(count.max(1)).unwrap_or(i32::MAX));
+        // SAFETY: the handle is alive until `device` is dropped; the names end in a zero byte.
+        unsafe {
+            sys::oidnSetDeviceBool(handle, c"setAffinity".as_ptr(), false);
+            sys::oidnSetDeviceInt(handle, c"numThreads".as_ptr(), threads);
+            sys::oidnCommitDevice(handle);
+        }
+        match last_error(handle) {
+            (sys::OIDNError_OIDN_ERROR_NONE, _) => Ok(device),
+            (_, message) => Err(DenoiseError::NoDevice(message)),
+        }
+    }
+
+    /// The noise-free version of an image that is to guide the filter of the colour.
+    pub fn filter_auxiliary(&self, job: &Job, slot: Auxiliary, image: &[Vec3]) -> Result<Vec<Vec3>, DenoiseError> {
+        let filter = Filter::new(self)?;
+        filter.set_input(job, slot.slot(), image)?;
+        filter.execute(job)
+    }
+
+    /// `clean`: the guides hold no noise.
+    pub fn filter_color(
+        &self,
+        job: &Job,
+        color: &[Vec3],
+        albedo: Option<&[Vec3]>,
+        normal: Option<&[Vec3]>,
+        clean: bool,
+    ) -> Result<Vec<Vec3>, DenoiseError> {
+        let filter = Filter::new(self)?;
+        filter.set_input(job, c"color", color)?;
+        if let Some(albedo) = albedo {
+            filter.set_input(job, c"albedo", albedo)?;
+        }
+        if let Some(normal) = normal {
+            filter.set_input(job, c"normal", normal)?;
+        }
+        filter.set_bool(c"hdr", true);
+        filter.set_bool(c"cleanAux", clean && albedo.is_some());
+        filter.execute(job)
+    }
+
+    /// The error of the calls so far in this thread, if any.
+    fn check(&self) -> Result<(), DenoiseError> {
+        match last_error(self.0) {
+            (sys::OIDNError_OIDN_ERROR_NONE, _) => Ok(()),
+            (sys::OIDNError_OIDN_ERROR_CANCELLED, _) => Err(DenoiseError::Cancelled),
+            (_, message) => Err(DenoiseError::Failed(message)),
+        }
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        // SAFETY: made by `oidnNewDevice`, released once; filters hold a reference of their own to what they need.
+        unsafe { sys::oidnReleaseDevice(self.0) }
+    }
+}
+
+/// Fetches and clears; the null device knows why no device could be made.
+fn last_error(device: sys::OIDNDevice) -> (sys::OIDNError, String) {
+    let mut message = ptr::null();
+    // SAFETY: `device` is null, which is allowed here, or alive; `message` is written before it is read.
+    let code = unsafe { sys::oidnGetDeviceError(device, &raw mut message) };
+    if message.is_null() {
+        return (code, String::from("no reason was given"));
+    }
+    // SAFETY: a string of the library that ends in a zero byte and lives until the next error; copied at once.
+    let text = unsafe { CStr::from_ptr(message) }.to_string_lossy().into_owned();
+    (code, text)
+}
+
+/// The pixels are handed over in place: three floats, nothing between them.
+const _: () = assert!(size_of::<Vec3>() == 12);
+
+/// A ray tracing filter. The device and the images that it reads stay borrowed for as long as it lives.
+struct Filter<'a> {
+    handle: sys::OIDNFilter,
+    device: &'a Device,
+    /// Makes `'a` invariant: else a filter could pass for one of a shorter lifetime, take an image that lives no
+    /// longer, and run after it is gone.
+    images: PhantomData<Cell<&'a [Vec3]>>,
+}
+
+impl<'a> Filter<'a> {
+    fn new(device: &'a Device) -> Result<Self, DenoiseError> {
+        // SAFETY: the device is alive; the name ends in a zero byte.
+        let handle = unsafe { sys::oidnNewFilter(device.0, c"RT".as_ptr()) };
+        device.check()?;
+        Ok(Self {
+            handle,
+            device,
+            images: PhantomData,
+        })
+    }
+
+    fn set_bool(&self, name: &CStr, value: bool) {
+        // SAFETY: the filter is alive; the name ends in a zero byte.
+        unsafe { sys::oidnSetFilterBool(self.handle, name.as_ptr(), value) }
+    }
+
+    fn set_input(&self, job: &Job, slot: &CStr, pixels: &'a [Vec3]) -> Result<(), DenoiseError> {
+        // SAFETY: the filter only reads this slot, although the type says `*mut`; the borrow outlives the filter.
+        unsafe { self.set_image(job, slot, pixels.as_ptr().cast_mut(), pixels.len()) }
+    }
+
+    /// # Safety
+    /// `pixels` points to `len` pixels that live until the filter is dropped or the slot is set anew; for the slot
+    /// `output` they may be written, and nobody else uses them while the filter runs.
+    unsafe fn set_image(&self, job: &Job, slot: &CStr, pixels: *mut Vec3, len: usize) -> Result<(), DenoiseError> {
+        // The library believes the size that it is told.
+        if Some(len) != job.width.checked_mul(job.height) {
+            return Err(DenoiseError::Failed(format!(
+                "{slot:?} does not have the size of the picture"
+            )));
+        }
+        // SAFETY: `len` pixels, as just checked, each of three packed floats; strides of 0 mean packed.
+        unsafe {
+            sys::oidnSetSharedFilterImage(
+                self.handle,
+                slot.as_ptr(),
+                pixels.cast::<c_void>(),
+                sys::OIDNFormat_OIDN_FORMAT_FLOAT3,
+                job.width,
+                job.height,
+                0,
+                0,
+                0,
+            );
+        }
+        Ok(())
+    }
+
+    /// Runs to the end or until cancelled.
+    fn execute(self, job: &Job) -> Result<Vec<Vec3>, DenoiseError> {
+        let mut output = vec![Vec3::ZERO; job.width * job.height];
+        let quality = match job.quality {
+            DenoiseQuality::Fast => sys::OIDNQuality_OIDN_QUALITY_FAST,
+            DenoiseQuality::Balanced => sys::OIDNQuality_OIDN_QUALITY_BALANCED,
+            DenoiseQuality::High => sys::OIDNQuality_OIDN_QUALITY_HIGH,
+        };
+        let flag = ptr::from_ref(job.cancel).cast_mut().cast::<c_void>();
+        // SAFETY: `output` outlives the filter, which this function consumes, and is not touched until the call that
+        // fills it has come back (it waits for the end). The flag outlives that call too; it is only ever read through
+        // a shared reference to an atomic, so any thread of the library may ask.
+        unsafe {
+            self.set_image(job, c"output", output.as_mut_ptr(), output.len())?;
+            sys::oidnSetFilterInt(self.handle, c"quality".as_ptr(), quality);
+            sys::oidnSetFilterProgressMonitorFunction(self.handle, Some(may_go_on), flag);
+            sys::oidnCommitFilter(self.handle);
+        }
+        self.device.check()?;
+        // SAFETY: as above; the filter is committed without error.
+        unsafe { sys::oidnExecuteFilter(self.handle) };
+        self.device.check()?;
+        Ok(output)
+    }
+}
+
+impl Drop for Filter<'_> {
+    fn drop(&mut self) {
+        // SAFETY: made by `oidnNewFilter`, released once.
+        unsafe { sys::oidnReleaseFilter(self.handle) }
+    }
+}
+
+/// Asked by the library now and then while a filter runs.
+///
+/// # Safety
+/// `flag` points to an `AtomicBool` that is alive.
+unsafe extern "C" fn may_go_on(flag: *mut c_void, _done: f64) -> bool {
+    // SAFETY: the caller's promise.
+    let cancel = unsafe { &*flag.cast::<AtomicBool>() };
+    !cancel.load(Ordering::Relaxed)
+}

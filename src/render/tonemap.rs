@@ -1,0 +1,279 @@
+//! From linear radiance to the bytes of a display: exposure, tone curve, sRGB encoding.
+//!
+//! Not part of what is accumulated or saved as EXR: it can be changed at any time without rendering anew.
+//!
+//! Sources of the curves: E. Reinhard et al., "Photographic Tone Reproduction for Digital Images", 2002, eq. 3; S. Hill's
+//! fit of the ACES reference rendering transform and sRGB output transform; T. Sobotka's AgX in B. Wrensch's polynomial
+//! form, "Minimal AgX Implementation", 2023.
+
+use std::sync::LazyLock;
+
+use glam::{Mat3, Vec3};
+
+use crate::color::{Rgb, linear_from_srgb, luminance};
+
+/// How radiance beyond the range of the display is brought into it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ToneMap {
+    /// Each component is cut off at 1: exact below, and what other renderers write by default.
+    #[default]
+    Clip,
+    /// L / (1 + L) on luminance: keeps hue, never reaches white.
+    Reinhard,
+    /// The film look of ACES: contrast, and bright colours that bleach towards white.
+    Aces,
+    /// Low contrast, 16.5 stops, bright colours bleach without shifting their hue.
+    AgX,
+}
+
+impl ToneMap {
+    pub const ALL: [Self; 4] = [Self::Clip, Self::Reinhard, Self::Aces, Self::AgX];
+
+    /// For panels and the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clip => "clip",
+            Self::Reinhard => "reinhard",
+            Self::Aces => "aces",
+            Self::AgX => "agx",
+        }
+    }
+}
+
+/// How a picture is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Display {
+    /// In stops: the radiance is multiplied by two to this power first.
+    pub exposure_ev: f32,
+    pub tone_map: ToneMap,
+}
+
+impl Display {
+    /// One pixel, sRGB-encoded. NaN and negative components are black, infinite ones white.
+    pub fn encode(&self, radiance: Rgb) -> [u8; 3] {
+        self.encoder().encode(radiance)
+    }
+
+    /// A whole picture as R, G, B, 255 per pixel, for a texture. The shorter of the two slices ends it.
+    pub fn encode_rgba(&self, radiance: &[Rgb], rgba: &mut [u8]) {
+        let encoder = self.encoder();
+        for (pixel, bytes) in radiance.iter().zip(rgba.chunks_exact_mut(4)) {
+            let [red, green, blue] = encoder.encode(*pixel);
+            bytes.copy_from_slice(&[red, green, blue, 255]);
+        }
+    }
+
+    /// A whole picture as R, G, B per pixel, for a file.
+    pub fn encode_rgb(&self, radiance: &[Rgb]) -> Vec<u8> {
+        let encoder = self.encoder();
+        radiance.iter().flat_map(|pixel| encoder.encode(*pixel)).collect()
+    }
+
+    fn encoder(&self) -> Encoder {
+        Encoder {
+            scale: self.exposure_ev.clamp(-MOST_STOPS, MOST_STOPS).exp2(),
+            tone_map: self.tone_map,
+            srgb: &SRGB,
+        }
+    }
+}
+
+/// Radiance after exposure is held below this: every curve is long flat there, and none of them overflows.
+const BRIGHTEST: f32 = 65_504.0;
+
+/// So that the factor is neither 0 nor infinite: zero radiance stays black and infinite radiance white.
+const MOST_STOPS: f32 = 100.0;
+
+struct Encoder {
+    scale: f32,
+    tone_map: ToneMap,
+    srgb: &'static SrgbTable,
+}
+
+impl Encoder {
+    #[inline]
+    fn encode(&self, radiance: Rgb) -> [u8; 3] {
+        // Not `clamp`: it would pass NaN on.
+        let exposed = (radiance * self.scale)
+            .to_array()
+            .map(|x| if x > 0.0 { x.min(BRIGHTEST) } else { 0.0 });
+        let exposed = Vec3::from_array(exposed);
+        let linear = match self.tone_map {
+            ToneMap::Clip => exposed,
+            ToneMap::Reinhard => exposed / (1.0 + luminance(exposed)),
+            ToneMap::Aces => aces(exposed),
+            // AgX ends in display values: its own curve is the encoding.
+            ToneMap::AgX => return agx(exposed).to_array().map(|x| (x * 255.0 + 0.5) as u8),
+        };
+        linear.to_array().map(|x| self.srgb.encode(x))
+    }
+}
+
+/// Linear in, linear out, from 0 to about 1.
+fn aces(linear: Vec3) -> Vec3 {
+    let rendering_from_srgb = Mat3::from_cols_array_2d(&[
+        [0.59719, 0.07600, 0.02840],
+        [0.35458, 0.90834, 0.13383],
+        [0.04823, 0.01566, 0.83777],
+    ]);
+    let srgb_from_output = Mat3::from_cols_array_2d(&[
+        [1.60475, -0.10208, -0.00327],
+        [-0.53108, 1.10813, -0.07276],
+        [-0.07367, -0.00605, 1.07602],
+    ]);
+    let seen = rendering_from_srgb * linear;
+    let numerator = seen * (seen + 0.024_578_6) - 0.000_090_537;
+    let denominator = seen * (0.983_729 * seen + 0.432_951) + 0.238_081;
+    srgb_from_output * (numerator / denominator)
+}
+
+/// Linear in, display-encoded out.
+fn agx(linear: Vec3) -> Vec3 {
+    const LOWEST_STOP: f32 = -12.473_93;
+    const HIGHEST_STOP: f32 = 4.026_069;
+    let inset = Mat3::from_cols_array_2d(&[
+        [0.842_479_1, 0.042_328_24, 0.042_375_65],
+        [0.078_433_6, 0.878_468_6, 0.078_433_6],
+        [0.079_223_745, 0.079_166_13, 0.879_143],
+    ]);
+    let outset = Mat3::from_cols_array_2d(&[
+        [1.196_879, -0.052_896_85, -0.052_971_635],
+        [-0.098_020_88, 1.151_903_1, -0.098_043_45],
+        [-0.099_029_74, -0.098_961_18, 1.151_073_7],
+    ]);
+    let stops = (inset * linear).max(Vec3::splat(1e-10)).map(f32::log2);
+    let x =
+        (stops.clamp(Vec3::splat(LOWEST_STOP), Vec3::splat(HIGHEST_STOP)) - LOWEST_STOP) / (HIGHEST_STOP - LOWEST_STOP);
+    let curve = ((((((15.5 * x - 40.14) * x + 31.96) * x) - 6.868) * x + 0.4298) * x + 0.1191) * x - 0.002_32;
+    (outset * curve).clamp(Vec3::ZERO, Vec3::ONE)
+}
+
+/// The sRGB curve to eight bits without powers, and without error: the same byte as rounding the exact curve.
+///
+/// The range is cut into cells so narrow that none holds two places where the byte changes (near black the curve rises by
+/// 12.92 * 255 / 4096 = 0.8 bytes per cell). Each cell knows its first byte; one comparison decides on the next.
+struct SrgbTable {
+    first_byte: [u8; CELLS + 1],
+    /// The smallest linear value with at least this byte; the last is out of reach.
+    starts: [f32; 257],
+}
+
+const CELLS: usize = 4096;
+
+static SRGB: LazyLock<SrgbTable> = LazyLock::new(|| {
+    let mut starts = [f32::INFINITY; 257];
+    for (byte, start) in starts.iter_mut().enumerate().take(256) {
+        *start = linear_from_srgb((byte as f32 - 0.5) / 255.0);
+    }
+    let mut first_byte = [0; CELLS + 1];
+    for (cell, byte) in first_byte.iter_mut().enumerate() {
+        let linear = cell as f32 / CELLS as f32;
+        *byte = starts[1..].partition_point(|start| *start <= linear) as u8;
+    }
+    SrgbTable { first_byte, starts }
+});
+
+impl SrgbTable {
+    #[inline]
+    fn encode(&self, linear: f32) -> u8 {
+        let linear = linear.clamp(0.0, 1.0);
+        let byte = self.first_byte[(linear * CELLS as f32) as usize];
+        byte + u8::from(linear >= self.starts[usize::from(byte) + 1])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::srgb_from_linear;
+
+    #[test]
+    fn table_is_the_rounded_curve() {
+        for step in 0..=1_000_000 {
+            let linear = step as f32 / 1_000_000.0;
+            let exact = 255.0 * f64::from(srgb_from_linear(linear)) + 0.5;
+            let byte = f64::from(SRGB.encode(linear));
+            // Within 1e-4 of a rounding border f32 itself cannot tell the two bytes apart.
+            assert!(
+                byte <= exact + 1e-4 && exact - 1e-4 < byte + 1.0,
+                "{linear}: {byte}, {exact}"
+            );
+        }
+    }
+
+    #[test]
+    fn every_byte_survives_the_way_there_and_back() {
+        for byte in 0..=255_u8 {
+            let linear = linear_from_srgb(f32::from(byte) / 255.0);
+            assert_eq!(Display::default().encode(Vec3::splat(linear)), [byte; 3]);
+        }
+    }
+
+    #[test]
+    fn broken_numbers_are_black_or_white() {
+        for tone_map in ToneMap::ALL {
+            for exposure_ev in [-200.0, -3.0, 0.0, 3.0, 200.0] {
+                let display = Display { exposure_ev, tone_map };
+                let black = display.encode(Vec3::ZERO);
+                assert!(black.iter().all(|byte| *byte == 0), "{tone_map:?}");
+                assert_eq!(display.encode(Vec3::NAN), black);
+                assert_eq!(display.encode(Vec3::splat(-1.0)), black);
+                assert_eq!(display.encode(Vec3::NEG_INFINITY), black);
+                let white = display.encode(Vec3::INFINITY);
+                assert!(white.iter().all(|byte| *byte >= 254), "{tone_map:?} {white:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn curves_rise_and_keep_grey() {
+        for tone_map in ToneMap::ALL {
+            let display = Display {
+                exposure_ev: 0.0,
+                tone_map,
+            };
+            let mut last = 0;
+            for step in 0..400 {
+                let grey = (step as f32 * 0.05 - 12.0).exp2();
+                let [red, green, blue] = display.encode(Vec3::splat(grey));
+                assert!(green >= last, "{tone_map:?} falls at {grey}");
+                // The matrices' rows sum to 1 only to four digits: one byte.
+                assert!(red.abs_diff(green) <= 1 && blue.abs_diff(green) <= 1, "{tone_map:?}");
+                last = green;
+            }
+            assert!(last > 230, "{tone_map:?} ends at {last}");
+        }
+    }
+
+    /// Worked by hand from the formulas. Middle grey, 0.18: clip 0.18 -> sRGB 117.65; Reinhard 0.18 / 1.18 = 0.152_54
+    /// -> 108.87; ACES (0.18 * 0.204_579 - 0.000_091) / (0.18 * 0.610_022 + 0.238_081) = 0.105_59 -> 91.4. AgX's
+    /// curve pivots at middle grey, which it takes to one half of the display's range, 127.5.
+    #[test]
+    fn middle_grey() {
+        let byte = |tone_map| {
+            Display {
+                exposure_ev: 0.0,
+                tone_map,
+            }
+            .encode(Vec3::splat(0.18))[1]
+        };
+        assert_eq!(byte(ToneMap::Clip), 118);
+        assert_eq!(byte(ToneMap::Reinhard), 109);
+        assert_eq!(byte(ToneMap::Aces), 91);
+        assert!(byte(ToneMap::AgX).abs_diff(127) <= 1, "{}", byte(ToneMap::AgX));
+    }
+
+    #[test]
+    fn a_stop_doubles() {
+        let darker = Display::default().encode(Vec3::new(0.5, 0.25, 0.125));
+        let display = Display {
+            exposure_ev: 1.0,
+            ..Display::default()
+        };
+        assert_eq!(display.encode(Vec3::new(0.25, 0.125, 0.0625)), darker);
+        let mut rgba = [7; 8];
+        display.encode_rgba(&[Vec3::ZERO, Vec3::ONE], &mut rgba);
+        assert_eq!(rgba, [0, 0, 0, 255, 255, 255, 255, 255]);
+        assert_eq!(display.encode_rgb(&[Vec3::ZERO, Vec3::ONE]), [0, 0, 0, 255, 255, 255]);
+    }
+}
