@@ -1,0 +1,214 @@
+//! Every light's sampling against its density, and the density of a found direction against that of a sampled one.
+
+mod statistics;
+mod support;
+
+use glam::{Affine3A, Quat, Vec2, Vec3};
+use sunroom::accel::Primitive;
+use sunroom::color::Rgb;
+use sunroom::light::{LightId, LightSource, SurfaceHit};
+use sunroom::math::Ray;
+use sunroom::render::scene::RenderScene;
+use sunroom::sampling::{Sampler, SequenceKind};
+use sunroom::shading::{Bsdf, Diffuse};
+use support::{SceneBuilder, square_mesh};
+
+fn black() -> Bsdf {
+    Bsdf::Diffuse(Diffuse { reflectance: Rgb::ZERO })
+}
+
+/// One emitting shape, seen from the origin.
+fn emitter(primitive: Primitive, to_world: Affine3A, flipped: bool) -> RenderScene {
+    let mut scene = SceneBuilder::default();
+    scene.add(primitive, to_world, black(), Some(Rgb::ONE)).flip_normals = flipped;
+    scene.build()
+}
+
+fn transform(scale: Vec3, axis: Vec3, angle: f32, translation: Vec3) -> Affine3A {
+    Affine3A::from_scale_rotation_translation(scale, Quat::from_axis_angle(axis.normalize(), angle), translation)
+}
+
+/// Density of the light's sampling in direction `wi` from the origin: that of the point it meets, where that point shines.
+fn pdf(scene: &RenderScene, wi: Vec3) -> f32 {
+    let ray = Ray::new(Vec3::ZERO, wi);
+    let Some(hit) = scene.geometry.intersect(&ray) else {
+        return scene
+            .lights
+            .infinite()
+            .iter()
+            .map(|&id| scene.lights.pdf_of_escape(id, wi))
+            .sum();
+    };
+    let point = scene.geometry.surface(&ray, &hit);
+    let on_light = SurfaceHit {
+        position: point.position,
+        normal: point.geometric_normal,
+    };
+    match scene.lights.emitted(LightId(0), &on_light, -wi) {
+        Rgb::ZERO => 0.0,
+        _ => scene.lights.pdf_of_hit(LightId(0), Vec3::ZERO, &on_light),
+    }
+}
+
+fn scenes() -> Vec<(&'static str, RenderScene)> {
+    let down = |size, y| {
+        transform(
+            Vec3::splat(size),
+            Vec3::X,
+            std::f32::consts::FRAC_PI_2,
+            Vec3::new(0.2, y, -0.1),
+        )
+    };
+    let skew = |scale| transform(scale, Vec3::new(1.0, 2.0, 0.5), 2.3, Vec3::new(0.4, 1.1, -0.7));
+    let shear = Affine3A::from_mat3_translation(
+        glam::Mat3::from_cols(Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.6, 0.0, 0.9), Vec3::NEG_Y),
+        Vec3::new(-0.2, 1.3, 0.3),
+    );
+    let aslant = transform(Vec3::new(0.9, 0.4, 1.0), Vec3::X, 1.9, Vec3::new(0.4, 1.1, -0.7));
+    let mut sky = SceneBuilder::default();
+    sky.light(LightSource::Constant { radiance: Rgb::ONE });
+    vec![
+        ("rectangle, near", emitter(Primitive::Rectangle, down(1.0, 0.3), false)),
+        ("rectangle, far", emitter(Primitive::Rectangle, down(1.0, 5.0), false)),
+        ("rectangle, aslant", emitter(Primitive::Rectangle, aslant, false)),
+        (
+            "rectangle, turned over",
+            emitter(Primitive::Rectangle, skew(Vec3::new(0.9, 0.4, 1.0)), true),
+        ),
+        ("parallelogram", emitter(Primitive::Rectangle, shear, false)),
+        ("disk", emitter(Primitive::Disk, down(0.8, 1.0), false)),
+        (
+            "disk, stretched",
+            emitter(
+                Primitive::Disk,
+                down(0.8, 1.0) * Affine3A::from_scale(Vec3::new(1.0, 0.4, 1.0)),
+                false,
+            ),
+        ),
+        ("sphere", emitter(Primitive::Sphere, skew(Vec3::splat(0.5)), false)),
+        (
+            "sphere, close",
+            emitter(Primitive::Sphere, skew(Vec3::splat(1.25)), false),
+        ),
+        (
+            "sphere from inside",
+            emitter(Primitive::Sphere, skew(Vec3::splat(2.0)), true),
+        ),
+        (
+            "ellipsoid",
+            emitter(Primitive::Sphere, skew(Vec3::new(0.9, 0.3, 0.5)), false),
+        ),
+        (
+            "ellipsoid, mirrored",
+            emitter(Primitive::Sphere, skew(Vec3::new(-0.9, 0.3, 0.5)), false),
+        ),
+        ("mesh", emitter(square_mesh(), down(1.0, 0.8), false)),
+        (
+            "mesh, mirrored",
+            emitter(
+                square_mesh(),
+                down(1.0, 0.8) * Affine3A::from_scale(Vec3::new(1.0, -1.0, 1.0)),
+                true,
+            ),
+        ),
+        ("sky", sky.build()),
+    ]
+}
+
+#[test]
+fn sampled_directions_carry_the_density_of_found_ones() {
+    for (name, scene) in scenes() {
+        let (mut sampled, mut differing) = (0, 0);
+        for index in 0..4000 {
+            let mut sampler = Sampler::new(SequenceKind::Sobol, glam::UVec2::ZERO, index, 3);
+            let Some(sample) = scene.lights.sample(Vec3::ZERO, sampler.next_1d(), sampler.next_2d()) else {
+                continue;
+            };
+            sampled += 1;
+            let found = pdf(&scene, sample.wi);
+            // At silhouettes the direction may pass the shape, and the cosine, with it the density, is mostly rounding.
+            if (found / sample.pdf - 1.0).abs() > 2e-3 {
+                differing += 1;
+            }
+        }
+        assert!(sampled > 500, "{name}: {sampled} samples");
+        assert!(differing <= sampled / 100, "{name}: {differing} of {sampled} differ");
+    }
+}
+
+#[test]
+fn light_samples_follow_their_density() {
+    let results: Vec<(String, f64)> = scenes()
+        .iter()
+        .map(|(name, scene)| {
+            let axis = scene.geometry.bounds().center().try_normalize().unwrap_or(Vec3::Y);
+            let sample = |index| {
+                let mut sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::ZERO, index, 5);
+                let sample = scene.lights.sample(Vec3::ZERO, sampler.next_1d(), sampler.next_2d());
+                sample.map(|sample| sample.wi)
+            };
+            (
+                name.to_string(),
+                statistics::sphere_p(60_000, axis, sample, |wi| pdf(scene, wi)),
+            )
+        })
+        .collect();
+    statistics::assert_all_plausible(&results);
+}
+
+#[test]
+fn the_choice_between_lights_is_part_of_the_density() {
+    let mut scene = SceneBuilder::default();
+    scene.add(
+        Primitive::Sphere,
+        transform(Vec3::splat(0.2), Vec3::X, 0.0, Vec3::X * 2.0),
+        black(),
+        Some(Rgb::ONE),
+    );
+    scene.light(LightSource::Point {
+        position: Vec3::Y,
+        intensity: Rgb::splat(0.7),
+    });
+    scene.light(LightSource::Constant {
+        radiance: Rgb::splat(0.1),
+    });
+    let scene = scene.build();
+    let mut counts = [0usize; 3];
+    let n = 20_000;
+    let (mut point_pmf, mut total) = (0.0, 0.0f64);
+    for index in 0..n {
+        let mut sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::ONE, index, 9);
+        let Some(sample) = scene.lights.sample(Vec3::ZERO, sampler.next_1d(), sampler.next_2d()) else {
+            continue;
+        };
+        let kind = match (sample.is_delta, sample.target) {
+            (true, _) => 0,
+            (false, sunroom::light::Target::Point(_)) => 1,
+            (false, sunroom::light::Target::Infinity) => 2,
+        };
+        counts[kind] += 1;
+        if kind == 0 {
+            point_pmf = sample.pdf;
+        }
+        total += f64::from(sunroom::color::luminance(sample.radiance) / sample.pdf);
+    }
+    assert!(counts.iter().all(|&count| count > 300), "{counts:?}");
+    let share = counts[0] as f32 / n as f32;
+    assert!(
+        (share - point_pmf).abs() < 4.0 * (point_pmf / n as f32).sqrt(),
+        "{share} against {point_pmf}"
+    );
+    // All that arrives: the cone of the sphere, the point light, the sky.
+    let cone = 2.0 * std::f64::consts::PI * (1.0 - (1.0f64 - 0.01).sqrt());
+    let expected = cone + 0.7 + 0.1 * 4.0 * std::f64::consts::PI;
+    let mean = total / f64::from(n);
+    assert!((mean / expected - 1.0).abs() < 0.02, "{mean} against {expected}");
+}
+
+#[test]
+fn a_table_without_light_gives_none() {
+    let mut scene = SceneBuilder::default();
+    scene.add(Primitive::Sphere, Affine3A::IDENTITY, black(), Some(Rgb::ZERO));
+    let scene = scene.build();
+    assert_eq!(scene.lights.sample(Vec3::Y * 3.0, 0.5, Vec2::splat(0.5)), None);
+}
