@@ -1,12 +1,29 @@
 //! The engine: the only code that knows both the authored scene and the renderer. It notices what changed in the ECS, packs just
 //! that into the renderer's tables, hands tiles to worker threads and gathers their results. It draws nothing and reads no input.
 
+mod blas_cache;
+pub mod blocking;
+mod collect;
 pub mod control;
+pub mod current;
+mod detect;
+mod dispatch;
+mod extract;
+pub mod film;
+mod job;
+mod pack;
+mod run;
+mod schedule;
 pub mod status;
+mod wake;
 
+use bevy::asset::AssetEventSystems;
 use bevy::prelude::*;
 
+pub use blocking::{Limits, Outcome, RenderError, load_to_completion, render_to_completion};
 pub use control::{InputStamp, RenderControl, ViewMode, WakeUp};
+pub use current::CurrentScene;
+pub use film::RenderFilm;
 pub use status::{BvhStatus, LatencyStats, RenderState, RenderStatus};
 
 /// The steps of a frame, in this order, in `PostUpdate`.
@@ -22,15 +39,21 @@ pub enum EngineSystems {
     Collect,
 }
 
-/// Adds the engine's resources and systems.
+/// Adds the engine's resources and systems to an app that has [`crate::scene::ScenePlugin`].
 pub struct EnginePlugin;
 
 impl Plugin for EnginePlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<RenderControl>()
             .init_resource::<RenderStatus>()
+            .init_resource::<RenderFilm>()
+            .init_resource::<CurrentScene>()
             .init_resource::<InputStamp>()
             .init_resource::<WakeUp>()
+            .init_resource::<detect::Dirty>()
+            .init_resource::<extract::Extracted>()
+            .init_resource::<blas_cache::BlasCache>()
+            .init_resource::<dispatch::Renderer>()
             .configure_sets(
                 PostUpdate,
                 (
@@ -39,7 +62,18 @@ impl Plugin for EnginePlugin {
                     EngineSystems::Dispatch,
                     EngineSystems::Collect,
                 )
-                    .chain(),
+                    .chain()
+                    // A mesh that arrived in this frame is noticed in this frame.
+                    .after(AssetEventSystems),
+            )
+            .add_systems(
+                PostUpdate,
+                (
+                    detect::detect_changes.in_set(EngineSystems::Detect),
+                    extract::extract_scene.in_set(EngineSystems::Extract),
+                    dispatch::dispatch_job.in_set(EngineSystems::Dispatch),
+                    collect::collect_results.in_set(EngineSystems::Collect),
+                ),
             );
     }
 }

@@ -27,6 +27,12 @@ impl Film {
         }
     }
 
+    /// Makes it as new without giving its memory back; cheaper than a new one by an order of magnitude.
+    pub fn clear(&mut self) {
+        self.counts.fill(0);
+        self.has_preview.fill(false);
+    }
+
     pub fn width(&self) -> u32 {
         self.width
     }
@@ -123,11 +129,14 @@ impl Film {
     }
 
     fn means<T: Clone>(&self, of: impl Fn(PixelSum) -> T) -> Vec<T> {
-        self.sums
-            .iter()
-            .zip(&self.counts)
-            .map(|(sum, &count)| of(mean(sum, count.max(1))))
-            .collect()
+        let empty = PixelSum::default();
+        let sums = self.sums.iter().zip(&self.counts).zip(&self.has_preview);
+        sums.map(|((sum, &count), &has_preview)| match count {
+            // What lies there is of a picture before `clear`.
+            0 if !has_preview => of(empty),
+            count => of(mean(sum, count.max(1))),
+        })
+        .collect()
     }
 }
 
@@ -198,5 +207,8 @@ mod tests {
         assert_eq!((film.samples(0, 0), film.sample_count()), (4, 0));
         film.add(&samples(right, 0..4, 1.0));
         assert_eq!(film.sample_count(), 4);
+        film.clear();
+        assert_eq!((film.pixel(0, 0), film.sample_count()), (None, 0));
+        assert!(film.radiance().iter().all(|&radiance| radiance == Rgb::ZERO));
     }
 }

@@ -1,0 +1,243 @@
+//! The acceleration structures of meshes, one per mesh asset however many shapes show it, built in the background or on the spot.
+
+use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::time::Instant;
+
+use bevy::prelude::*;
+use crossbeam_channel::{Receiver, Sender, unbounded};
+use rayon::ThreadPool;
+
+use super::control::WakeUp;
+use super::run::text_of_panic;
+use crate::accel::{Blas, BvhStats, SplitMethod};
+use crate::geometry::mesh::MeshData;
+use crate::geometry::primitives::unit_cube;
+use crate::scene::TriangleMesh;
+
+/// Meshes up to this size are built where they are asked for: that takes about a millisecond, less than a frame.
+const SMALL: usize = 4096;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum MeshKey {
+    Asset(AssetId<TriangleMesh>),
+    Cube,
+}
+
+/// A mesh that can be rendered.
+#[derive(Clone, Debug)]
+pub(super) struct BuiltMesh {
+    pub blas: Arc<Blas>,
+    pub stats: BvhStats,
+    /// Materials its triangles refer to, at least 1.
+    pub slots: u32,
+    pub build_ms: f64,
+}
+
+struct Entry {
+    /// What was asked for last.
+    data: Arc<MeshData>,
+    method: SplitMethod,
+    /// What is there; of older data while a build is running.
+    built: Option<BuiltMesh>,
+    /// The build that is running.
+    ticket: Option<u64>,
+    failure: Option<String>,
+    used: bool,
+}
+
+struct Finished {
+    key: MeshKey,
+    ticket: u64,
+    result: Result<BuiltMesh, String>,
+}
+
+#[derive(Resource)]
+pub(super) struct BlasCache {
+    entries: HashMap<MeshKey, Entry>,
+    cube: Arc<MeshData>,
+    next_ticket: u64,
+    sender: Sender<Finished>,
+    finished: Receiver<Finished>,
+    /// Apart from the render threads, which are busy until their picture is done. None until it is needed.
+    pool: Option<ThreadPool>,
+}
+
+impl Default for BlasCache {
+    fn default() -> Self {
+        let (sender, finished) = unbounded();
+        Self {
+            entries: HashMap::new(),
+            cube: Arc::new(unit_cube()),
+            next_ticket: 0,
+            sender,
+            finished,
+            pool: None,
+        }
+    }
+}
+
+/// How a mesh that is not there yet shall be built.
+#[derive(Clone)]
+pub(super) struct BuildPolicy {
+    pub method: SplitMethod,
+    pub threads: usize,
+    /// On the spot, however long it takes.
+    pub wait: bool,
+    pub wake_up: WakeUp,
+}
+
+impl BlasCache {
+    pub fn cube(&self) -> Arc<MeshData> {
+        self.cube.clone()
+    }
+
+    /// Takes the builds that are done; true if there were any.
+    pub fn poll(&mut self) -> bool {
+        let mut any = false;
+        while let Ok(Finished { key, ticket, result }) = self.finished.try_recv() {
+            let Some(entry) = self.entries.get_mut(&key).filter(|entry| entry.ticket == Some(ticket)) else {
+                // Superseded, or nobody needs it any more.
+                continue;
+            };
+            entry.finish(result);
+            any = true;
+        }
+        any
+    }
+
+    pub fn builds_running(&self) -> usize {
+        self.entries.values().filter(|entry| entry.ticket.is_some()).count()
+    }
+
+    pub fn failures(&self) -> impl Iterator<Item = &str> {
+        self.entries.values().filter_map(|entry| entry.failure.as_deref())
+    }
+
+    /// The meshes in use, each once.
+    pub fn in_use(&self) -> impl Iterator<Item = &BuiltMesh> {
+        self.entries.values().filter_map(|entry| entry.built.as_ref())
+    }
+
+    /// Between this and [`Self::end_use`] everything in use is asked for.
+    pub fn begin_use(&mut self) {
+        self.entries.values_mut().for_each(|entry| entry.used = false);
+    }
+
+    /// Forgets what was not asked for.
+    pub fn end_use(&mut self) {
+        self.entries.retain(|_, entry| entry.used);
+    }
+
+    /// Keeps what is there for a mesh whose data is not available just now.
+    pub fn keep(&mut self, key: MeshKey) -> Option<&BuiltMesh> {
+        let entry = self.entries.get_mut(&key)?;
+        entry.used = true;
+        entry.built.as_ref()
+    }
+
+    /// The mesh ready for rays; what was there before while it is being built, None if there was nothing.
+    pub fn get(&mut self, key: MeshKey, data: &Arc<MeshData>, policy: &BuildPolicy) -> Option<&BuiltMesh> {
+        let current = self
+            .entries
+            .get(&key)
+            .is_some_and(|entry| Arc::ptr_eq(&entry.data, data) && entry.method == policy.method);
+        if !current {
+            self.start(key, data, policy);
+        }
+        let pending = self.entries.get(&key).is_some_and(|entry| entry.ticket.is_some());
+        if pending && policy.wait {
+            self.wait_for(key);
+        }
+        self.keep(key)
+    }
+
+    fn start(&mut self, key: MeshKey, data: &Arc<MeshData>, policy: &BuildPolicy) {
+        let ticket = self.next_ticket;
+        self.next_ticket += 1;
+        let built = self.entries.remove(&key).and_then(|old| old.built);
+        let mut entry = Entry {
+            data: data.clone(),
+            method: policy.method,
+            built,
+            ticket: Some(ticket),
+            failure: None,
+            used: true,
+        };
+        let (data, method) = (data.clone(), policy.method);
+        if data.triangles.len() <= SMALL {
+            entry.finish(build(data, method));
+        } else {
+            let (sender, wake_up) = (self.sender.clone(), policy.wake_up.clone());
+            let task = move || {
+                let result = build(data, method);
+                // Nobody is left to hear of it when the application ends.
+                let _ = sender.send(Finished { key, ticket, result });
+                if let Some(wake) = wake_up.0 {
+                    wake();
+                }
+            };
+            match self.pool(policy.threads) {
+                Ok(pool) => pool.spawn(task),
+                Err(error) => entry.finish(Err(error)),
+            }
+        }
+        self.entries.insert(key, entry);
+    }
+
+    fn wait_for(&mut self, key: MeshKey) {
+        while self.entries.get(&key).is_some_and(|entry| entry.ticket.is_some()) {
+            let Ok(Finished { key, ticket, result }) = self.finished.recv() else {
+                return;
+            };
+            if let Some(entry) = self.entries.get_mut(&key).filter(|entry| entry.ticket == Some(ticket)) {
+                entry.finish(result);
+            }
+        }
+    }
+
+    fn pool(&mut self, threads: usize) -> Result<&ThreadPool, String> {
+        let pool = match self.pool.take() {
+            Some(pool) if pool.current_num_threads() == threads => pool,
+            _ => rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .thread_name(|index| format!("build {index}"))
+                .build()
+                .map_err(|error| format!("no threads for building: {error}"))?,
+        };
+        Ok(self.pool.insert(pool))
+    }
+}
+
+impl Entry {
+    fn finish(&mut self, result: Result<BuiltMesh, String>) {
+        self.ticket = None;
+        match result {
+            Ok(built) => self.built = Some(built),
+            Err(text) => self.failure = Some(text),
+        }
+    }
+}
+
+fn build(data: Arc<MeshData>, method: SplitMethod) -> Result<BuiltMesh, String> {
+    let begin = Instant::now();
+    let slots = data
+        .material_of_triangle
+        .iter()
+        .max()
+        .map_or(1, |&highest| u32::from(highest) + 1);
+    let slots = slots.max(data.materials.len() as u32);
+    let blas = catch_unwind(AssertUnwindSafe(|| Blas::build(data, method))).map_err(|payload| {
+        format!(
+            "building an acceleration structure failed: {}",
+            text_of_panic(payload.as_ref())
+        )
+    })?;
+    Ok(BuiltMesh {
+        stats: blas.stats(),
+        blas: Arc::new(blas),
+        slots,
+        build_ms: begin.elapsed().as_secs_f64() * 1e3,
+    })
+}

@@ -1,0 +1,167 @@
+//! Driving an app from outside until something is done: loading, or a picture. For programs without a window.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use bevy::app::PluginsState;
+use bevy::prelude::*;
+
+use super::control::RenderControl;
+use super::dispatch::Renderer;
+use super::status::{RenderState, RenderStatus};
+use crate::scene::{SceneState, SceneStatus};
+
+/// When to stop.
+#[derive(Clone, Debug)]
+pub struct Limits {
+    /// Samples per pixel; None is what [`RenderControl`] or the scene says.
+    pub samples: Option<u32>,
+    /// Rendering time (loading and building do not count). The pass that is under way is finished unless that takes long.
+    pub time: Option<Duration>,
+    /// For loading the scene and its meshes.
+    pub loading: Duration,
+    /// Set from outside (Ctrl-C) to stop as soon as possible.
+    pub cancel: Arc<AtomicBool>,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            samples: None,
+            time: None,
+            loading: Duration::from_secs(600),
+            cancel: Arc::default(),
+        }
+    }
+}
+
+/// Why rendering ended; the film is usable in each case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// All samples are there.
+    Complete,
+    /// Time was up; pixels may differ in their number of samples if the last pass took too long to finish.
+    TimeUp,
+    Cancelled,
+}
+
+/// Why there is no picture, or not all of it.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RenderError {
+    /// The diagnostics are in [`SceneStatus`].
+    #[error("the scene could not be loaded")]
+    SceneFailed,
+    #[error("the scene has not loaded within {} s", .0.as_secs())]
+    LoadingTooLong(Duration),
+    #[error("the scene has no sensor to render from")]
+    NoSensor,
+    #[error("rendering broke off: {0}")]
+    Failed(String),
+}
+
+/// A wait between two looks at what sends no signal.
+const NAP: Duration = Duration::from_millis(2);
+/// Longest wait for results, so that cancelling, time limits and progress are looked at now and then.
+const LONGEST_WAIT: Duration = Duration::from_millis(50);
+/// What finishing a pass may take beyond the time limit: this, or this share of the limit.
+const LEAST_GRACE: Duration = Duration::from_secs(1);
+const GRACE_SHARE: f64 = 0.1;
+
+/// Updates the app until the scene and its meshes have been read, whether well or not: [`SceneStatus`] tells of meshes that failed.
+/// Rendering waits meanwhile. A scene that nobody has asked for counts as loaded. False if it was cancelled.
+pub fn load_to_completion(app: &mut App, limits: &Limits) -> Result<bool, RenderError> {
+    let begin = Instant::now();
+    finish_plugins(app);
+    let paused = std::mem::replace(&mut app.world_mut().resource_mut::<RenderControl>().paused, true);
+    let result = loop {
+        app.update();
+        if limits.cancel.load(Ordering::Relaxed) {
+            break Ok(false);
+        }
+        let (scene, status) = (
+            app.world().resource::<SceneStatus>(),
+            app.world().resource::<RenderStatus>(),
+        );
+        match scene.state {
+            SceneState::Failed => break Err(RenderError::SceneFailed),
+            SceneState::Empty | SceneState::Ready if scene.meshes_loading == 0 && status.meshes_loading == 0 => {
+                break Ok(true);
+            }
+            _ if begin.elapsed() > limits.loading => break Err(RenderError::LoadingTooLong(limits.loading)),
+            _ => std::thread::sleep(NAP),
+        }
+    };
+    app.world_mut().resource_mut::<RenderControl>().paused = paused;
+    result
+}
+
+/// Loads, renders and returns when a limit is reached; `progress` is called after every update of the app.
+pub fn render_to_completion(
+    app: &mut App,
+    limits: &Limits,
+    mut progress: impl FnMut(&RenderStatus),
+) -> Result<Outcome, RenderError> {
+    if !load_to_completion(app, limits)? {
+        return Ok(Outcome::Cancelled);
+    }
+    if limits.samples.is_some() {
+        app.world_mut().resource_mut::<RenderControl>().target_samples = limits.samples;
+    }
+    // Once time is up: when to break off the pass as well.
+    let mut last_pass: Option<(u32, Duration)> = None;
+    loop {
+        app.update();
+        let status = app.world().resource::<RenderStatus>();
+        progress(status);
+        let spent = Duration::from_secs_f64(status.seconds);
+        match status.state {
+            RenderState::Failed => {
+                return Err(RenderError::Failed(status.errors.first().cloned().unwrap_or_default()));
+            }
+            RenderState::Idle => return Err(RenderError::NoSensor),
+            RenderState::Done => return Ok(Outcome::Complete),
+            RenderState::Paused | RenderState::Loading | RenderState::Building | RenderState::Rendering => {}
+        }
+        if limits.cancel.load(Ordering::Relaxed) {
+            return Ok(stop(app, Outcome::Cancelled));
+        }
+        match (limits.time, last_pass) {
+            (Some(time), None) if spent >= time => {
+                let end = app
+                    .world()
+                    .resource::<Renderer>()
+                    .job()
+                    .and_then(super::job::Job::finish_pass);
+                let grace = LEAST_GRACE.max(time.mul_f64(GRACE_SHARE));
+                last_pass = Some((end.unwrap_or(0), time + grace));
+            }
+            (_, Some((end, latest))) if status.samples >= end || spent >= latest => {
+                return Ok(stop(app, Outcome::TimeUp));
+            }
+            _ => {}
+        }
+        if !app.world().resource::<Renderer>().wait(LONGEST_WAIT) {
+            std::thread::sleep(NAP);
+        }
+    }
+}
+
+/// Stops the workers; the film keeps what it has.
+fn stop(app: &mut App, outcome: Outcome) -> Outcome {
+    app.world_mut().resource_mut::<RenderControl>().paused = true;
+    app.update();
+    outcome
+}
+
+/// What a runner does before the first update.
+fn finish_plugins(app: &mut App) {
+    while app.plugins_state() == PluginsState::Adding {
+        bevy::tasks::tick_global_task_pools_on_main_thread();
+        std::thread::sleep(NAP);
+    }
+    if app.plugins_state() == PluginsState::Ready {
+        app.finish();
+        app.cleanup();
+    }
+}

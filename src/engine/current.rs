@@ -1,0 +1,16 @@
+//! The scene as it was last packed, for those who want to ask it something: what is under the mouse, which boxes to draw.
+
+use bevy::prelude::*;
+
+use crate::render::scene::RenderScene;
+use crate::render::view::View;
+
+/// May be ahead of the picture by a frame or two.
+#[derive(Resource, Default)]
+pub struct CurrentScene {
+    pub scene: Option<RenderScene>,
+    /// The shape behind each instance of `scene.geometry`.
+    pub entity_of_instance: Vec<Entity>,
+    /// None until there has been a camera.
+    pub view: Option<View>,
+}

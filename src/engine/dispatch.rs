@@ -1,0 +1,127 @@
+//! Begins, pauses and continues the job that makes the picture of what was extracted.
+
+use bevy::prelude::*;
+use crossbeam_channel::{Receiver, Select};
+use rayon::ThreadPool;
+use std::time::Duration;
+
+use super::blas_cache::BlasCache;
+use super::control::{RenderControl, WakeUp};
+use super::extract::Extracted;
+use super::film::RenderFilm;
+use super::job::Job;
+use super::run::TileResult;
+use super::status::RenderStatus;
+use super::wake::Waker;
+use crate::scene::{SceneState, SceneStatus};
+
+/// The worker threads and what they work on.
+#[derive(Resource, Default)]
+pub(super) struct Renderer {
+    pool: Option<ThreadPool>,
+    job: Option<Job>,
+    /// Why there are no threads.
+    pub failure: Option<String>,
+    /// Waiting for meshes or their acceleration structures before rendering may begin.
+    pub waiting: bool,
+}
+
+impl Renderer {
+    pub fn job(&self) -> Option<&Job> {
+        self.job.as_ref()
+    }
+
+    pub fn job_mut(&mut self) -> Option<&mut Job> {
+        self.job.as_mut()
+    }
+
+    /// Waits until there is something to collect, at most for `timeout`; false if there is nothing to wait for.
+    pub fn wait(&self, timeout: Duration) -> bool {
+        let Some(results): Option<Receiver<TileResult>> = self.job.as_ref().and_then(Job::results) else {
+            return false;
+        };
+        let mut select = Select::new();
+        select.recv(&results);
+        // Either way the caller looks for itself.
+        let _ = select.ready_timeout(timeout);
+        true
+    }
+
+    /// A pool of so many threads, in place of one with another number.
+    fn prepare_pool(&mut self, threads: usize) {
+        if self
+            .pool
+            .as_ref()
+            .is_some_and(|pool| pool.current_num_threads() == threads)
+        {
+            return;
+        }
+        if let Some(job) = &mut self.job {
+            job.pause();
+        }
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .thread_name(|index| format!("render {index}"))
+            .build();
+        match pool {
+            Ok(pool) => (self.pool, self.failure) = (Some(pool), None),
+            Err(error) => self.failure = Some(format!("{threads} render threads cannot be started: {error}")),
+        }
+    }
+}
+
+#[derive(bevy::ecs::system::SystemParam)]
+pub(super) struct Demand<'w> {
+    extracted: ResMut<'w, Extracted>,
+    cache: Res<'w, BlasCache>,
+    scene_status: Res<'w, SceneStatus>,
+    wake_up: Res<'w, WakeUp>,
+}
+
+pub(super) fn dispatch_job(
+    mut renderer: ResMut<Renderer>,
+    mut control: ResMut<RenderControl>,
+    mut film: ResMut<RenderFilm>,
+    mut status: ResMut<RenderStatus>,
+    mut demand: Demand,
+) {
+    let Some(view) = demand.extracted.view else {
+        return;
+    };
+    renderer.prepare_pool(control.threads.get());
+    let incomplete = demand.extracted.meshes_loading > 0
+        || demand.cache.builds_running() > 0
+        || demand.scene_status.state == SceneState::Loading;
+    renderer.waiting = incomplete && !control.interactive;
+    if control.paused || renderer.waiting {
+        if let Some(job) = renderer.job_mut() {
+            job.pause();
+        }
+        return;
+    }
+    let Renderer {
+        pool: Some(pool), job, ..
+    } = &mut *renderer
+    else {
+        return;
+    };
+    let current = job
+        .as_ref()
+        .is_some_and(|job| job.is_of(&demand.extracted.scene, &view));
+    if !current || control.restart_requested {
+        if control.restart_requested {
+            control.restart_requested = false;
+        }
+        let since = demand.extracted.since.take();
+        // The old job goes first, so that its workers stop while the new one is being set up.
+        *job = None;
+        film.begin(view.width, view.height);
+        let new = Job::new(demand.extracted.scene.clone(), view, control.interactive, since);
+        status.last_restart = new.begun;
+        *job = Some(new);
+    }
+    let target = control.target_samples.unwrap_or(demand.extracted.sample_count).max(1);
+    if let Some(job) = job {
+        job.run(pool, target, Waker::new(&demand.wake_up));
+    }
+}

@@ -1,0 +1,423 @@
+//! The exact half of noticing change: packs the tables that may be out of date, compares them with what is there, and replaces only
+//! those that differ. Entities, handles and names end here.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use bevy::asset::AssetServer;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+use super::blas_cache::{BlasCache, BuildPolicy, MeshKey};
+use super::control::{RenderControl, WakeUp};
+use super::current::CurrentScene;
+use super::detect::Dirty;
+use super::dispatch::Renderer;
+use super::pack::Checker;
+use super::pack::instance::{InstanceRecord, pack_instance};
+use super::pack::light::pack_emitter;
+use super::pack::material::{MaterialSource, PackedMaterials, pack_materials};
+use super::pack::surface::{SurfaceSource, pack_surfaces};
+use super::pack::view::pack_view;
+use super::status::BvhStatus;
+use crate::accel::{SplitMethod, Tlas};
+use crate::light::{LightSource, LightTable};
+use crate::math::Aabb;
+use crate::render::scene::{RenderScene, SurfaceTable};
+use crate::render::view::View;
+use crate::scene::{
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, IntegratorSettings, Material,
+    MeshHandle, SamplerSettings, SceneId, SecondNested, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial,
+};
+use crate::shading::{BsdfTable, DielectricModel};
+
+/// While things change without pause, this is how long a change waits for the preview of the one before to be seen.
+const PREVIEW_PATIENCE: Duration = Duration::from_millis(100);
+
+/// What was packed last.
+#[derive(Resource)]
+pub(super) struct Extracted {
+    pub scene: RenderScene,
+    /// None until there has been a camera.
+    pub view: Option<View>,
+    /// Samples that the sensor's film asks for.
+    pub sample_count: u32,
+    /// When what changed the scene or the view came about; the next job takes it.
+    pub since: Option<std::time::Instant>,
+    pub meshes_loading: u32,
+    pub triangles: u64,
+    pub bvh: BvhStatus,
+    instances: Vec<InstanceRecord>,
+    surface_sources: Vec<SurfaceSource>,
+    method: SplitMethod,
+    light_sources: Vec<LightSource>,
+    errors: Errors,
+}
+
+/// What is wrong, by the step that found it, so that a step that is not repeated keeps its findings.
+#[derive(Default)]
+struct Errors {
+    instances: Vec<String>,
+    surfaces: Vec<String>,
+    emitters: Vec<String>,
+    view: Vec<String>,
+}
+
+impl Default for Extracted {
+    fn default() -> Self {
+        let geometry = Tlas::build(Vec::new(), SplitMethod::default());
+        Self {
+            scene: RenderScene {
+                lights: Arc::new(LightTable::build(&[], &geometry)),
+                geometry: Arc::new(geometry),
+                surfaces: Arc::new(SurfaceTable::default()),
+                bsdfs: Arc::new(BsdfTable::default()),
+            },
+            view: None,
+            sample_count: Film::default().sample_count,
+            since: None,
+            meshes_loading: 0,
+            triangles: 0,
+            bvh: BvhStatus::default(),
+            instances: Vec::new(),
+            surface_sources: Vec::new(),
+            method: SplitMethod::default(),
+            light_sources: Vec::new(),
+            errors: Errors::default(),
+        }
+    }
+}
+
+impl Extracted {
+    pub fn errors(&self) -> impl Iterator<Item = &String> {
+        let Errors {
+            instances,
+            surfaces,
+            emitters,
+            view,
+        } = &self.errors;
+        [view, instances, surfaces, emitters].into_iter().flatten()
+    }
+}
+
+#[derive(SystemParam)]
+pub(super) struct Authored<'w, 's> {
+    shapes: Query<
+        'w,
+        's,
+        (
+            Entity,
+            &'static DocumentOrder,
+            Option<&'static SceneId>,
+            &'static Shape,
+            &'static ToWorld,
+            Option<&'static MeshHandle>,
+        ),
+    >,
+    clothes: Query<
+        'w,
+        's,
+        (
+            &'static DocumentOrder,
+            Option<&'static SceneId>,
+            Option<&'static UsesMaterial>,
+            Option<&'static AreaLight>,
+        ),
+        With<Shape>,
+    >,
+    materials: Query<
+        'w,
+        's,
+        (
+            Entity,
+            &'static DocumentOrder,
+            Option<&'static SceneId>,
+            &'static Material,
+            Option<&'static FirstNested>,
+            Option<&'static SecondNested>,
+        ),
+    >,
+    emitters: Query<
+        'w,
+        's,
+        (
+            Entity,
+            &'static DocumentOrder,
+            Option<&'static SceneId>,
+            &'static Emitter,
+            &'static ToWorld,
+        ),
+    >,
+    sensors: Query<
+        'w,
+        's,
+        (
+            &'static DocumentOrder,
+            Option<&'static SceneId>,
+            &'static Sensor,
+            &'static Film,
+            &'static ToWorld,
+        ),
+    >,
+    active: Res<'w, ActiveSensor>,
+    integrator: Res<'w, IntegratorSettings>,
+    sampler: Res<'w, SamplerSettings>,
+    method: Res<'w, AccelMethod>,
+    meshes: Res<'w, Assets<TriangleMesh>>,
+    asset_server: Option<Res<'w, AssetServer>>,
+}
+
+pub(super) fn extract_scene(
+    mut dirty: ResMut<Dirty>,
+    mut extracted: ResMut<Extracted>,
+    mut current: ResMut<CurrentScene>,
+    mut cache: ResMut<BlasCache>,
+    renderer: Res<Renderer>,
+    control: Res<RenderControl>,
+    wake_up: Res<WakeUp>,
+    authored: Authored,
+) {
+    if cache.poll() {
+        dirty.instances = true;
+    }
+    let preview_owed = renderer
+        .job()
+        .is_some_and(|job| job.preview_pending() && job.begun.elapsed() < PREVIEW_PATIENCE);
+    if !dirty.any() || (preview_owed && control.interactive && !control.paused) {
+        return;
+    }
+    let old = extracted.scene.clone();
+    let old_view = extracted.view;
+    let mut moved = Moved::default();
+    if dirty.instances {
+        let policy = BuildPolicy {
+            method: split_method(*authored.method),
+            threads: control.threads.get(),
+            wait: !control.interactive,
+            wake_up: wake_up.clone(),
+        };
+        moved = extracted.update_instances(&authored, &mut cache, &policy);
+    }
+    if dirty.instances || dirty.surfaces || dirty.bsdfs || dirty.lights {
+        extracted.update_surfaces_and_lights(&authored, &moved);
+    }
+    if dirty.view {
+        extracted.update_view(&authored, &control);
+    }
+    let same = Arc::ptr_eq(&old.geometry, &extracted.scene.geometry)
+        && Arc::ptr_eq(&old.surfaces, &extracted.scene.surfaces)
+        && Arc::ptr_eq(&old.bsdfs, &extracted.scene.bsdfs)
+        && Arc::ptr_eq(&old.lights, &extracted.scene.lights)
+        && old_view == extracted.view;
+    if !same {
+        extracted.since = extracted.since.or(dirty.since);
+    }
+    *current = CurrentScene {
+        scene: Some(extracted.scene.clone()),
+        entity_of_instance: extracted.instances.iter().map(|record| record.entity).collect(),
+        view: extracted.view,
+    };
+    *dirty = Dirty::NOTHING;
+}
+
+/// What new instances mean to tables that were made from the old ones.
+#[derive(Default)]
+struct Moved {
+    /// Instances that are not where and what they were.
+    instances: Vec<bool>,
+    bounds: bool,
+}
+
+impl Extracted {
+    fn update_instances(&mut self, authored: &Authored, cache: &mut BlasCache, policy: &BuildPolicy) -> Moved {
+        let mut shapes: Vec<_> = authored.shapes.iter().collect();
+        shapes.sort_by_key(|&(entity, &order, ..)| (order, entity));
+        self.errors.instances.clear();
+        self.meshes_loading = 0;
+        cache.begin_use();
+        let mut records = Vec::with_capacity(shapes.len());
+        for (entity, order, id, shape, to_world, handle) in shapes {
+            let built = match (&shape.kind, handle) {
+                (ShapeKind::Cube, _) => {
+                    let cube = cache.cube();
+                    cache.get(MeshKey::Cube, &cube, policy)
+                }
+                (ShapeKind::Mesh(_), Some(MeshHandle(handle))) => match authored.meshes.get(handle) {
+                    Some(mesh) => cache.get(MeshKey::Asset(handle.id()), &mesh.data, policy),
+                    None => {
+                        let failed = |server: &AssetServer| server.load_state(handle).is_failed();
+                        let failed = authored.asset_server.as_deref().is_some_and(failed);
+                        self.meshes_loading += u32::from(!failed);
+                        None
+                    }
+                },
+                (ShapeKind::Mesh(_), None) => {
+                    self.meshes_loading += 1;
+                    None
+                }
+                _ => None,
+            };
+            let name = name_of("shape", *order, id);
+            let mut check = Checker {
+                name: &name,
+                errors: &mut self.errors.instances,
+            };
+            records.extend(pack_instance(entity, shape, to_world.0, built, &mut check));
+        }
+        cache.end_use();
+        self.errors.instances.extend(cache.failures().map(str::to_owned));
+
+        let old = std::mem::replace(&mut self.instances, records);
+        let same = |(i, record): (usize, &InstanceRecord)| old.get(i).is_some_and(|old| record.same_geometry(old));
+        let mut moved = Moved {
+            instances: self.instances.iter().enumerate().map(|pair| !same(pair)).collect(),
+            bounds: false,
+        };
+        if moved.instances.contains(&true) || old.len() != self.instances.len() || self.method != policy.method {
+            let before = self.scene.geometry.bounds();
+            let instances = self.instances.iter().map(|record| record.instance.clone()).collect();
+            self.scene.geometry = Arc::new(Tlas::build(instances, policy.method));
+            self.method = policy.method;
+            moved.bounds = !same_bounds(&before, &self.scene.geometry.bounds());
+            self.update_figures(cache);
+        }
+        moved
+    }
+
+    fn update_figures(&mut self, cache: &BlasCache) {
+        let of_instance = |record: &InstanceRecord| match &record.instance.primitive {
+            crate::accel::Primitive::Mesh(blas) => blas.mesh().triangles.len() as u64,
+            _ => 0,
+        };
+        self.triangles = self.instances.iter().map(of_instance).sum();
+        let top = self.scene.geometry.stats();
+        let largest = cache.in_use().max_by_key(|mesh| mesh.stats.nodes);
+        let sum = |of: fn(&crate::accel::BvhStats) -> usize| -> u64 {
+            (of(&top) + cache.in_use().map(|mesh| of(&mesh.stats)).sum::<usize>()) as u64
+        };
+        self.bvh = BvhStatus {
+            nodes: sum(|stats| stats.nodes),
+            leaves: sum(|stats| stats.leaves),
+            bytes: sum(|stats| stats.bytes),
+            max_depth: (top.max_depth + cache.in_use().map(|mesh| mesh.stats.max_depth).max().unwrap_or(0)) as u32,
+            sah_cost: f64::from(largest.map_or(top.sah_cost, |mesh| mesh.stats.sah_cost)),
+            // From a positive zero: the empty sum of floats is -0.
+            build_ms: cache.in_use().fold(0.0, |sum, mesh| sum + mesh.build_ms),
+        };
+    }
+
+    fn update_surfaces_and_lights(&mut self, authored: &Authored, moved: &Moved) {
+        self.errors.surfaces.clear();
+        let model = if authored.integrator.schlick {
+            DielectricModel::Schlick
+        } else {
+            DielectricModel::Exact
+        };
+        let materials = authored.pack_materials(model, &mut self.errors.surfaces);
+        self.surface_sources.clear();
+        self.surface_sources.extend(self.instances.iter().map(|record| {
+            // A shape that has just gone has made the instances dirty: it is not among them.
+            let clothes = authored.clothes.get(record.entity).ok();
+            SurfaceSource {
+                name: clothes.map_or_else(String::new, |(order, id, ..)| name_of("shape", *order, id)),
+                material: clothes.and_then(|(_, _, uses, _)| uses.map(|uses| uses.0)),
+                radiance: clothes.and_then(|(_, _, _, light)| light.map(|light| light.radiance)),
+            }
+        }));
+        let packed = pack_surfaces(
+            &self.instances,
+            &self.surface_sources,
+            &materials,
+            model,
+            &mut self.errors.surfaces,
+        );
+        if *self.scene.surfaces != packed.table {
+            self.scene.surfaces = Arc::new(packed.table);
+        }
+        match BsdfTable::new(packed.bsdfs) {
+            Ok(table) if *self.scene.bsdfs != table => self.scene.bsdfs = Arc::new(table),
+            Ok(_) => {}
+            Err(error) => self.errors.surfaces.push(error.to_string()),
+        }
+
+        let mut sources = packed.lights;
+        self.errors.emitters.clear();
+        authored.pack_emitters(&mut sources, &mut self.errors.emitters);
+        let stale = sources.iter().any(|source| match source {
+            LightSource::Surface { instance, .. } => moved.instances.get(*instance as usize) == Some(&true),
+            LightSource::Directional { .. } | LightSource::Constant { .. } => moved.bounds,
+            LightSource::Point { .. } => false,
+        });
+        if stale || self.light_sources != sources {
+            self.scene.lights = Arc::new(LightTable::build(&sources, &self.scene.geometry));
+            self.light_sources = sources;
+        }
+    }
+
+    fn update_view(&mut self, authored: &Authored, control: &RenderControl) {
+        self.errors.view.clear();
+        // Without a sensor the last view stays: whoever replaces one sensor by another does not want a blank picture in between.
+        let Some((order, id, sensor, film, to_world)) =
+            authored.active.0.and_then(|sensor| authored.sensors.get(sensor).ok())
+        else {
+            return;
+        };
+        let name = name_of("sensor", *order, id);
+        let mut check = Checker {
+            name: &name,
+            errors: &mut self.errors.view,
+        };
+        let (integrator, sampler) = (&authored.integrator, &authored.sampler);
+        let view = pack_view(sensor, film, to_world.0, integrator, sampler, control, &mut check);
+        self.view = view.or(self.view);
+        self.sample_count = film.sample_count;
+    }
+}
+
+impl Authored<'_, '_> {
+    fn pack_materials(&self, model: DielectricModel, errors: &mut Vec<String>) -> PackedMaterials {
+        let mut materials: Vec<_> = self.materials.iter().collect();
+        materials.sort_by_key(|&(entity, &order, ..)| (order, entity));
+        let sources: Vec<MaterialSource> = materials
+            .into_iter()
+            .map(|(entity, order, id, material, first, second)| MaterialSource {
+                entity,
+                name: name_of("material", *order, id),
+                material,
+                first: first.map(|first| first.0),
+                second: second.map(|second| second.0),
+            })
+            .collect();
+        pack_materials(&sources, model, errors)
+    }
+
+    fn pack_emitters(&self, lights: &mut Vec<LightSource>, errors: &mut Vec<String>) {
+        let mut emitters: Vec<_> = self.emitters.iter().collect();
+        emitters.sort_by_key(|&(entity, &order, ..)| (order, entity));
+        for (_, order, id, emitter, to_world) in emitters {
+            let name = name_of("emitter", *order, id);
+            let mut check = Checker { name: &name, errors };
+            lights.extend(pack_emitter(emitter, to_world.0, &mut check));
+        }
+    }
+}
+
+/// What a message calls an entity.
+fn name_of(kind: &str, order: DocumentOrder, id: Option<&SceneId>) -> String {
+    match id {
+        Some(SceneId(id)) => format!("{kind} \"{id}\""),
+        None => format!("{kind} {}", order.0),
+    }
+}
+
+fn split_method(method: AccelMethod) -> SplitMethod {
+    match method {
+        AccelMethod::Linear => SplitMethod::Linear,
+        AccelMethod::Median => SplitMethod::Median,
+        AccelMethod::Sah => SplitMethod::Sah,
+    }
+}
+
+fn same_bounds(a: &Aabb, b: &Aabb) -> bool {
+    a == b || (a.is_empty() && b.is_empty())
+}

@@ -1,0 +1,184 @@
+//! One picture on its way: a scene and a view that stay as they are, and the samples made of them so far. Pausing and going on are
+//! done by ending the [`Run`] and starting another; the samples stay.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, TryRecvError};
+use rayon::ThreadPool;
+
+use super::film::RenderFilm;
+use super::run::{Run, TileResult, Work};
+use super::schedule::{WorkItem, WorkQueue, sort_from_center};
+use super::wake::Waker;
+use crate::render::scene::RenderScene;
+use crate::render::tile::{Tile, TileSamples, render_preview, render_tile, tiles};
+use crate::render::view::View;
+
+pub(super) struct Job {
+    pub scene: RenderScene,
+    pub view: View,
+    pub begun: Instant,
+    /// When what led to this job happened; taken when its first tile is there.
+    pub since: Option<Instant>,
+    pub rays: u64,
+    /// Camera samples collected, over all pixels.
+    pub samples: u64,
+    pub invalid: u64,
+    pub failure: Option<String>,
+    tiles: Arc<[Tile]>,
+    /// Samples in the film per tile.
+    done: Vec<u32>,
+    /// Results that arrived before those of lower samples of the same tile, by tile and first sample.
+    early: BTreeMap<(usize, u32), TileSamples>,
+    /// Tiles whose preview has not been collected.
+    preview_left: usize,
+    run: Option<Run>,
+    running_since: Option<Instant>,
+    ran: Duration,
+}
+
+impl Job {
+    pub fn new(scene: RenderScene, view: View, preview: bool, since: Option<Instant>) -> Self {
+        let mut order = tiles(view.width, view.height);
+        sort_from_center(&mut order, view.width, view.height);
+        Self {
+            scene,
+            view,
+            begun: Instant::now(),
+            since,
+            rays: 0,
+            samples: 0,
+            invalid: 0,
+            failure: None,
+            done: vec![0; order.len()],
+            early: BTreeMap::new(),
+            preview_left: if preview { order.len() } else { 0 },
+            tiles: order.into(),
+            run: None,
+            running_since: None,
+            ran: Duration::ZERO,
+        }
+    }
+
+    /// Whether it makes the picture of exactly this.
+    pub fn is_of(&self, scene: &RenderScene, view: &View) -> bool {
+        self.view == *view
+            && Arc::ptr_eq(&self.scene.geometry, &scene.geometry)
+            && Arc::ptr_eq(&self.scene.surfaces, &scene.surfaces)
+            && Arc::ptr_eq(&self.scene.bsdfs, &scene.bsdfs)
+            && Arc::ptr_eq(&self.scene.lights, &scene.lights)
+    }
+
+    pub fn is_running(&self) -> bool {
+        self.run.is_some()
+    }
+
+    pub fn preview_pending(&self) -> bool {
+        self.preview_left > 0
+    }
+
+    /// Samples that every pixel has.
+    pub fn least_samples(&self) -> u32 {
+        self.done.iter().copied().min().unwrap_or(0)
+    }
+
+    /// Time spent rendering.
+    pub fn seconds(&self) -> f64 {
+        let now = self.running_since.map_or(Duration::ZERO, |since| since.elapsed());
+        (self.ran + now).as_secs_f64()
+    }
+
+    /// Starts or goes on, up to `target` samples; nothing happens where they are there.
+    pub fn run(&mut self, pool: &ThreadPool, target: u32, waker: Waker) {
+        if let Some(run) = &self.run {
+            run.queue.set_target(target);
+            return;
+        }
+        if self.failure.is_some() || self.least_samples() >= target {
+            return;
+        }
+        let preview = self.preview_left > 0;
+        if preview {
+            self.preview_left = self.tiles.len();
+        }
+        let queue = WorkQueue::new(self.done.clone(), target, preview);
+        self.running_since = Some(Instant::now());
+        self.run = Some(Run::start(pool, queue, self.preview_left, self.work(), waker));
+    }
+
+    fn work(&self) -> Box<Work> {
+        let (scene, view, tiles) = (self.scene.clone(), self.view, self.tiles.clone());
+        Box::new(move |item, cancel| match item {
+            WorkItem::Preview { index, step } => {
+                render_preview(&scene, &view, tiles[*index], *step, cancel).map(TileResult::Preview)
+            }
+            WorkItem::Samples { index, samples } => {
+                let samples = render_tile(&scene, &view, tiles[*index], samples.clone(), cancel)?;
+                Some(TileResult::Samples { index: *index, samples })
+            }
+        })
+    }
+
+    /// Stops the workers; what they have not delivered is lost and will be made again.
+    pub fn pause(&mut self) {
+        self.run = None;
+        self.early.clear();
+        if let Some(since) = self.running_since.take() {
+            self.ran += since.elapsed();
+        }
+    }
+
+    /// Makes the begun pass the last one.
+    pub fn finish_pass(&self) -> Option<u32> {
+        self.run.as_ref().map(|run| run.queue.finish_pass())
+    }
+
+    /// For waiting until there is something to collect.
+    pub fn results(&self) -> Option<Receiver<TileResult>> {
+        self.run.as_ref().map(|run| run.results.clone())
+    }
+
+    /// Puts what has arrived into the film, until `deadline`. Returns how many tiles that were.
+    pub fn collect(&mut self, film: &mut RenderFilm, deadline: Instant) -> usize {
+        let mut collected = 0;
+        while let Some(run) = &self.run {
+            match run.results.try_recv() {
+                Ok(TileResult::Preview(preview)) => {
+                    self.rays += preview.rays;
+                    self.preview_left -= 1;
+                    film.film.add_preview(&preview);
+                    film.mark(preview.tile);
+                    collected += 1;
+                }
+                Ok(TileResult::Samples { index, samples }) => {
+                    self.early.insert((index, samples.samples.start), samples);
+                    self.add_in_order(index, film);
+                    collected += 1;
+                }
+                Ok(TileResult::Failed(text)) => {
+                    self.failure = Some(text);
+                    self.pause();
+                }
+                Err(TryRecvError::Empty) => break,
+                Err(TryRecvError::Disconnected) => self.pause(),
+            }
+            if Instant::now() >= deadline {
+                break;
+            }
+        }
+        collected
+    }
+
+    fn add_in_order(&mut self, index: usize, film: &mut RenderFilm) {
+        while let Some(samples) = self.early.remove(&(index, self.done[index])) {
+            film.film.add(&samples);
+            film.mark(samples.tile);
+            self.done[index] = samples.samples.end;
+            self.rays += samples.rays;
+            self.invalid += u64::from(samples.invalid);
+            self.samples += samples.samples.len() as u64 * samples.pixels.len() as u64;
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Shapes placed in the world.
+
+use std::sync::Arc;
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+
+use super::super::blas_cache::BuiltMesh;
+use super::Checker;
+use crate::accel::{Instance, Primitive};
+use crate::scene::{Shape, ShapeKind};
+
+/// A shape of the scene whose geometry is there.
+#[derive(Clone, Debug)]
+pub(in crate::engine) struct InstanceRecord {
+    pub entity: Entity,
+    pub instance: Instance,
+    /// Material slots of its mesh; 1 for other shapes.
+    pub slots: u32,
+}
+
+impl InstanceRecord {
+    /// Whether rays meet the same surface (the transform's inverse follows from the transform).
+    pub fn same_geometry(&self, other: &Self) -> bool {
+        let (a, b) = (&self.instance, &other.instance);
+        let same_primitive = match (&a.primitive, &b.primitive) {
+            (Primitive::Mesh(a), Primitive::Mesh(b)) => Arc::ptr_eq(a, b),
+            (Primitive::Sphere, Primitive::Sphere)
+            | (Primitive::Rectangle, Primitive::Rectangle)
+            | (Primitive::Disk, Primitive::Disk) => true,
+            _ => false,
+        };
+        same_primitive
+            && a.world_from_local == b.world_from_local
+            && a.face_normals == b.face_normals
+            && a.flip_normals == b.flip_normals
+            && self.slots == other.slots
+    }
+}
+
+/// None, with a report, if the shape has no extent or no place. `mesh` is what the shape's kind names, if it names one.
+pub(in crate::engine) fn pack_instance(
+    entity: Entity,
+    shape: &Shape,
+    to_world: Affine3A,
+    mesh: Option<&BuiltMesh>,
+    check: &mut Checker,
+) -> Option<InstanceRecord> {
+    let mesh_primitive = || mesh.map(|mesh| Primitive::Mesh(mesh.blas.clone()));
+    let (primitive, world_from_local, face_normals) = match &shape.kind {
+        ShapeKind::Sphere { center, radius } => {
+            if radius.is_nan() || *radius <= 0.0 {
+                check.report(format_args!("a sphere of radius {radius} is left out"));
+                return None;
+            }
+            let scale = Affine3A::from_scale(Vec3::splat(*radius));
+            let world_from_unit = to_world * Affine3A::from_translation(*center) * scale;
+            (Primitive::Sphere, world_from_unit, false)
+        }
+        ShapeKind::Rectangle => (Primitive::Rectangle, to_world, false),
+        ShapeKind::Disk => (Primitive::Disk, to_world, false),
+        ShapeKind::Cube => (mesh_primitive()?, to_world, false),
+        ShapeKind::Mesh(file) => (mesh_primitive()?, to_world, file.face_normals),
+    };
+    let Some(mut instance) = Instance::new(primitive, world_from_local) else {
+        check.report("its transform cannot be inverted, the shape is left out");
+        return None;
+    };
+    instance.face_normals = face_normals;
+    instance.flip_normals = shape.flip_normals;
+    Some(InstanceRecord {
+        entity,
+        instance,
+        slots: mesh.map_or(1, |mesh| mesh.slots),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pack(shape: &Shape, to_world: Affine3A) -> (Option<InstanceRecord>, Vec<String>) {
+        let mut errors = Vec::new();
+        let mut check = Checker {
+            name: "ball",
+            errors: &mut errors,
+        };
+        let record = pack_instance(Entity::PLACEHOLDER, shape, to_world, None, &mut check);
+        (record, errors)
+    }
+
+    fn sphere(center: Vec3, radius: f32) -> Shape {
+        Shape {
+            kind: ShapeKind::Sphere { center, radius },
+            flip_normals: false,
+        }
+    }
+
+    #[test]
+    fn a_spheres_center_and_radius_go_into_its_transform() {
+        let to_world = Affine3A::from_rotation_z(0.5) * Affine3A::from_scale(Vec3::new(1.0, 2.0, 3.0));
+        let center = Vec3::new(4.0, 5.0, 6.0);
+        let (record, errors) = pack(&sphere(center, 7.0), to_world);
+        let world_from_unit = record.expect("a good sphere").instance.world_from_local;
+        let expected = to_world.transform_point3(center + 7.0 * Vec3::Y);
+        // Two products of numbers up to 60 with rounding 2^-24 each.
+        assert!(world_from_unit.transform_point3(Vec3::Y).abs_diff_eq(expected, 1e-4));
+        assert_eq!(errors, [""; 0]);
+    }
+
+    #[test]
+    fn what_has_no_extent_is_left_out_and_reported() {
+        let flat = Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.0));
+        let nowhere = Affine3A::from_translation(Vec3::NAN);
+        let good = sphere(Vec3::ZERO, 1.0);
+        let cases = [
+            (sphere(Vec3::ZERO, 0.0), Affine3A::IDENTITY),
+            (sphere(Vec3::ZERO, f32::NAN), Affine3A::IDENTITY),
+            (sphere(Vec3::NAN, 1.0), Affine3A::IDENTITY),
+            (good.clone(), flat),
+            (good, nowhere),
+        ];
+        for (shape, to_world) in cases {
+            let (record, errors) = pack(&shape, to_world);
+            assert!(
+                record.is_none() && errors.len() == 1,
+                "{shape:?} {to_world:?} {errors:?}"
+            );
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! From components to the renderer's records: plain functions, one file per kind of record. Every check of a range and every change of
+//! unit is made here; what is right of this (`render` and below) trusts its numbers.
+
+pub(super) mod instance;
+pub(super) mod light;
+pub(super) mod material;
+pub(super) mod mtl;
+pub(super) mod surface;
+pub(super) mod view;
+
+use crate::color::Rgb;
+
+/// Checks the numbers of one entity and writes down what was wrong with them.
+pub(super) struct Checker<'a> {
+    /// What the user would call the entity.
+    pub name: &'a str,
+    pub errors: &'a mut Vec<String>,
+}
+
+impl Checker<'_> {
+    pub fn report(&mut self, text: impl std::fmt::Display) {
+        self.errors.push(format!("{}: {text}", self.name));
+    }
+
+    /// `value` if it lies in [low, high], else the nearest end; `otherwise` if it is no number at all.
+    pub fn number(&mut self, what: &str, value: f32, low: f32, high: f32, otherwise: f32) -> f32 {
+        if value.is_nan() {
+            self.report(format_args!("{what} is not a number, {otherwise} is used"));
+            return otherwise;
+        }
+        let clamped = value.clamp(low, high);
+        if clamped != value {
+            self.report(format_args!("{what} is {value}, outside {low} to {high}"));
+        }
+        clamped
+    }
+
+    /// A colour with each component in [0, `high`]; what is no number counts as 0.
+    pub fn color(&mut self, what: &str, value: Rgb, high: f32) -> Rgb {
+        let checked = Rgb::from_array(value.to_array().map(|component| match component {
+            component if component.is_nan() => 0.0,
+            // Adding zero makes -0 the 0 it is equal to.
+            component => component.clamp(0.0, high) + 0.0,
+        }));
+        if checked != value {
+            self.report(format_args!("{what} is {value}, outside 0 to {high}"));
+        }
+        checked
+    }
+
+    pub fn reflectance(&mut self, what: &str, value: Rgb) -> Rgb {
+        self.color(what, value, 1.0)
+    }
+}
+
+/// Largest radiance, intensity or irradiance: products along a path stay finite.
+pub(super) const BRIGHTEST: f32 = 1e12;

@@ -1,0 +1,194 @@
+//! What the materials of an OBJ's own library look like here. MTL describes Phong-like shading, so this is an interpretation:
+//!
+//! | the library says | becomes |
+//! |---|---|
+//! | `illum` 6 or 7; `illum` 4 or `d` < 1 with an `Ni` other than 1 | clear glass of index `Ni` (1.5 if that is 1) |
+//! | `Pm` > 0.5 | rough metal in the colour `Kd`, alpha = max(`Pr`, 0.03)² |
+//! | `illum` 3 or 5 with a `Kd` as good as black | a mirror in the colour `Ks` |
+//! | anything else | diffuse `Kd` |
+//! | `Ke` above 0 | emits that radiance as well |
+//!
+//! All but glass are seen from both sides: such files say nothing of sides, and many have their triangles turned at random.
+
+use super::Checker;
+use super::material::PERFECT_MIRROR;
+use crate::color::Rgb;
+use crate::geometry::mesh::MtlMaterial;
+use crate::shading::{
+    Bsdf, BsdfId, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Ggx, RoughConductor,
+};
+
+/// A colour up to this is written by exporters that avoid zero.
+const AS_GOOD_AS_BLACK: f32 = 0.02;
+
+const ROUGHNESS_FLOOR: f32 = 0.03;
+
+/// Appends the models of one material to `bsdfs` and returns the id of the one to use.
+pub(in crate::engine) fn push_mtl(
+    mtl: &MtlMaterial,
+    model: DielectricModel,
+    bsdfs: &mut Vec<Bsdf>,
+    errors: &mut Vec<String>,
+) -> BsdfId {
+    let mut check = Checker {
+        name: &mtl.name,
+        errors,
+    };
+    let mut push = |bsdf| {
+        bsdfs.push(bsdf);
+        BsdfId(bsdfs.len() as u32 - 1)
+    };
+    let bsdf = one_sided(mtl, model, &mut check);
+    let id = push(bsdf);
+    if matches!(bsdf, Bsdf::Dielectric(_)) {
+        return id;
+    }
+    push(Bsdf::TwoSided { front: id, back: id })
+}
+
+fn one_sided(mtl: &MtlMaterial, model: DielectricModel, check: &mut Checker) -> Bsdf {
+    let refracts = (mtl.ni - 1.0).abs() > 1e-3 && mtl.ni > 0.0;
+    let metal = |color: Rgb| ConductorSpecular {
+        eta: PERFECT_MIRROR.0,
+        k: PERFECT_MIRROR.1,
+        specular_reflectance: color,
+    };
+    if matches!(mtl.illum, Some(6 | 7)) || (refracts && (mtl.illum == Some(4) || mtl.d < 1.0)) {
+        let index = if refracts { mtl.ni } else { 1.5 };
+        return Bsdf::Dielectric(Dielectric {
+            eta: check.number("Ni", index, 0.01, 100.0, 1.5),
+            model,
+            specular_reflectance: Rgb::ONE,
+            specular_transmittance: Rgb::ONE,
+        });
+    }
+    if mtl.pm.is_some_and(|metallic| metallic > 0.5) {
+        let roughness = check
+            .number("Pr", mtl.pr.unwrap_or(0.0), 0.0, 1.0, 0.5)
+            .max(ROUGHNESS_FLOOR);
+        return Bsdf::RoughConductor(RoughConductor {
+            specular: metal(check.reflectance("Kd", mtl.kd)),
+            distribution: Ggx::new(roughness * roughness, roughness * roughness),
+        });
+    }
+    if matches!(mtl.illum, Some(3 | 5)) && mtl.kd.max_element() <= AS_GOOD_AS_BLACK {
+        return Bsdf::Conductor(Conductor {
+            specular: metal(check.reflectance("Ks", mtl.ks)),
+        });
+    }
+    Bsdf::Diffuse(Diffuse {
+        reflectance: check.reflectance("Kd", mtl.kd),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mtl() -> MtlMaterial {
+        MtlMaterial {
+            name: "m".into(),
+            kd: Rgb::splat(0.6),
+            ks: Rgb::splat(0.9),
+            ke: Rgb::ZERO,
+            ns: 10.0,
+            ni: 1.0,
+            d: 1.0,
+            illum: Some(2),
+            pr: None,
+            pm: None,
+        }
+    }
+
+    fn packed(mtl: MtlMaterial) -> (Bsdf, bool) {
+        let (mut bsdfs, mut errors) = (Vec::new(), Vec::new());
+        let id = push_mtl(&mtl, DielectricModel::Exact, &mut bsdfs, &mut errors);
+        assert_eq!(errors, [""; 0]);
+        (bsdfs[0], matches!(bsdfs[id.0 as usize], Bsdf::TwoSided { .. }))
+    }
+
+    #[test]
+    fn table_of_the_interpretation() {
+        let diffuse = |bsdf: &Bsdf| matches!(bsdf, Bsdf::Diffuse(d) if d.reflectance == Rgb::splat(0.6));
+        let glass = |ni: f32| move |bsdf: &Bsdf| matches!(bsdf, Bsdf::Dielectric(d) if d.eta == ni);
+        let mirror =
+            |bsdf: &Bsdf| matches!(bsdf, Bsdf::Conductor(c) if c.specular.specular_reflectance == Rgb::splat(0.9));
+        let rough = |bsdf: &Bsdf| matches!(bsdf, Bsdf::RoughConductor(r) if r.distribution == Ggx::new(0.25, 0.25));
+        type Expected<'a> = &'a dyn Fn(&Bsdf) -> bool;
+        let plain = mtl();
+        let table: [(&str, MtlMaterial, Expected, bool); 8] = [
+            ("plain", plain.clone(), &diffuse, true),
+            (
+                "opaque with an index",
+                MtlMaterial {
+                    ni: 1.5,
+                    ..plain.clone()
+                },
+                &diffuse,
+                true,
+            ),
+            (
+                "clear without an index",
+                MtlMaterial {
+                    d: 0.2,
+                    ..plain.clone()
+                },
+                &diffuse,
+                true,
+            ),
+            (
+                "clear",
+                MtlMaterial {
+                    d: 0.2,
+                    ni: 1.3,
+                    ..plain.clone()
+                },
+                &glass(1.3),
+                false,
+            ),
+            (
+                "illum 7",
+                MtlMaterial {
+                    illum: Some(7),
+                    ..plain.clone()
+                },
+                &glass(1.5),
+                false,
+            ),
+            (
+                "metallic",
+                MtlMaterial {
+                    pm: Some(1.0),
+                    pr: Some(0.5),
+                    ..plain.clone()
+                },
+                &rough,
+                true,
+            ),
+            (
+                "shiny paint",
+                MtlMaterial {
+                    illum: Some(5),
+                    ..plain.clone()
+                },
+                &diffuse,
+                true,
+            ),
+            (
+                "mirror",
+                MtlMaterial {
+                    illum: Some(5),
+                    kd: Rgb::splat(0.01),
+                    ..plain
+                },
+                &mirror,
+                true,
+            ),
+        ];
+        for (what, material, expected, two_sided) in table {
+            let (bsdf, is_two_sided) = packed(material);
+            assert!(expected(&bsdf), "{what}: {bsdf:?}");
+            assert_eq!(is_two_sided, two_sided, "{what}");
+        }
+    }
+}

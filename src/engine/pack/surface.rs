@@ -1,0 +1,101 @@
+//! What each instance is made of: the slots that tie it to scattering models and lights.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use bevy::prelude::*;
+
+use super::Checker;
+use super::instance::InstanceRecord;
+use super::material::{PackedMaterials, STAND_IN_ID};
+use super::mtl::push_mtl;
+use super::{BRIGHTEST, light::emission};
+use crate::accel::Primitive;
+use crate::color::Rgb;
+use crate::geometry::mesh::MeshData;
+use crate::light::{LightId, LightSource};
+use crate::render::scene::{SurfaceSlot, SurfaceTable};
+use crate::shading::{Bsdf, BsdfId, DielectricModel};
+
+/// What a shape says of its surface.
+#[derive(Clone, Debug)]
+pub(in crate::engine) struct SurfaceSource {
+    pub name: String,
+    /// None for a shape without one.
+    pub material: Option<Entity>,
+    /// None for a shape without an area light.
+    pub radiance: Option<Rgb>,
+}
+
+/// The surfaces of all instances, the scattering models they refer to, and the lights they are.
+#[derive(Clone, Debug, Default)]
+pub(in crate::engine) struct PackedSurfaces {
+    pub table: SurfaceTable,
+    /// The scene's materials, then those of mesh files in use.
+    pub bsdfs: Vec<Bsdf>,
+    /// Light sources, their ids as in `table`.
+    pub lights: Vec<LightSource>,
+}
+
+/// `sources` runs parallel to `instances`.
+pub(in crate::engine) fn pack_surfaces(
+    instances: &[InstanceRecord],
+    sources: &[SurfaceSource],
+    materials: &PackedMaterials,
+    model: DielectricModel,
+    errors: &mut Vec<String>,
+) -> PackedSurfaces {
+    let mut packed = PackedSurfaces {
+        bsdfs: materials.bsdfs.clone(),
+        ..PackedSurfaces::default()
+    };
+    let mut of_file: HashMap<*const MeshData, Vec<BsdfId>> = HashMap::new();
+    for (index, (record, source)) in instances.iter().zip(sources).enumerate() {
+        let mesh = match (&record.instance.primitive, source.material) {
+            (Primitive::Mesh(blas), None) => Some(blas.mesh()),
+            _ => None,
+        };
+        let mut check = Checker {
+            name: &source.name,
+            errors,
+        };
+        let own = source.material.map(|material| {
+            materials.ids.get(&material).copied().unwrap_or_else(|| {
+                check.report("its material does not exist");
+                STAND_IN_ID
+            })
+        });
+        let own_radiance = source
+            .radiance
+            .map(|radiance| emission("radiance", radiance, &mut check));
+        let from_file = mesh.map_or(&[][..], |mesh| {
+            of_file.entry(Arc::as_ptr(mesh)).or_insert_with(|| {
+                let materials = mesh.materials.iter();
+                materials
+                    .map(|mtl| push_mtl(mtl, model, &mut packed.bsdfs, errors))
+                    .collect()
+            })
+        });
+        packed.table.first_slot.push(packed.table.slots.len() as u32);
+        for slot in 0..record.slots {
+            let bsdf = own
+                .or_else(|| from_file.get(slot as usize).copied())
+                .unwrap_or(STAND_IN_ID);
+            let in_file = || mesh.and_then(|mesh| mesh.materials.get(slot as usize));
+            let radiance = own_radiance.unwrap_or_else(|| {
+                // A library's odd colours have been reported with its other parameters or do not matter: black is no light.
+                in_file().map_or(Rgb::ZERO, |mtl| mtl.ke.max(Rgb::ZERO).min(Rgb::splat(BRIGHTEST)))
+            });
+            let light = (radiance.is_finite() && radiance != Rgb::ZERO).then(|| {
+                packed.lights.push(LightSource::Surface {
+                    instance: index as u32,
+                    slot,
+                    radiance,
+                });
+                LightId(packed.lights.len() as u32 - 1)
+            });
+            packed.table.slots.push(SurfaceSlot { bsdf, light });
+        }
+    }
+    packed
+}

@@ -1,0 +1,220 @@
+//! The active sensor, its film and the settings as the renderer's view.
+
+use bevy::math::{Affine3A, UVec2, Vec3};
+
+use super::super::control::{RenderControl, ViewMode};
+use super::Checker;
+use crate::render::camera::{Camera, ThinLens};
+use crate::render::filter::PixelFilter;
+use crate::render::view::{Integrator, PathSettings, Strategy, View};
+use crate::sampling::SequenceKind;
+use crate::scene::{
+    self, Film, FovAxis, IntegratorSettings, Lens, ReconstructionFilter, SamplerSettings, Sensor, Sequence,
+};
+
+/// Longest edge of a picture in pixels.
+const LARGEST_EDGE: u32 = 16_384;
+
+/// None, with a report, if the sensor looks nowhere.
+pub(in crate::engine) fn pack_view(
+    sensor: &Sensor,
+    film: &Film,
+    to_world: Affine3A,
+    integrator: &IntegratorSettings,
+    sampler: &SamplerSettings,
+    control: &RenderControl,
+    check: &mut Checker,
+) -> Option<View> {
+    let Some(world_from_camera) = rigid(to_world) else {
+        check.report("the camera's pose is degenerate, the last one is kept");
+        return None;
+    };
+    let full = control
+        .film_size_override
+        .unwrap_or(UVec2::new(film.width, film.height));
+    let size = full.clamp(UVec2::ONE, UVec2::splat(LARGEST_EDGE));
+    if size != full {
+        check.report(format_args!("a film of {} x {} pixels is not possible", full.x, full.y));
+    }
+    // The picture shows the same at every resolution, whatever the rounding of its size.
+    let aspect = size.x as f32 / size.y as f32;
+    let scale = if control.resolution_scale.is_nan() {
+        1.0
+    } else {
+        control.resolution_scale.clamp(0.0, 1.0)
+    };
+    let scaled = (size.as_vec2() * scale).round().as_uvec2().max(UVec2::ONE);
+    let near = check.number("near_clip", sensor.near_clip, 0.0, 1e30, 1e-2);
+    let far = check.number(
+        "far_clip",
+        sensor.far_clip,
+        near.next_up(),
+        f32::MAX,
+        1e4_f32.max(near.next_up()),
+    );
+    let fov = check.number("fov", sensor.fov, 1e-3, 179.9, 39.3077);
+    Some(View {
+        camera: Camera::new(
+            world_from_camera,
+            horizontal_fov(fov, sensor.fov_axis, aspect),
+            aspect,
+            near,
+            far,
+            lens(sensor.lens, check),
+        ),
+        width: scaled.x,
+        height: scaled.y,
+        filter: match film.filter {
+            ReconstructionFilter::Box => PixelFilter::Box,
+            ReconstructionFilter::Gaussian { stddev } => PixelFilter::Gaussian {
+                stddev: check.number("stddev", stddev, 1e-3, 100.0, 0.5),
+            },
+        },
+        integrator: match control.view_mode {
+            ViewMode::BvhSteps => Integrator::BvhSteps,
+            ViewMode::Path => Integrator::Path(PathSettings {
+                max_depth: integrator.max_depth.unwrap_or(u32::MAX),
+                rr_depth: integrator.rr_depth,
+                hide_emitters: integrator.hide_emitters,
+                strategy: match integrator.strategy {
+                    scene::Strategy::Bsdf => Strategy::Bsdf,
+                    scene::Strategy::Light => Strategy::Light,
+                    scene::Strategy::Mis => Strategy::Mis,
+                },
+            }),
+        },
+        sequence: match sampler.sequence {
+            Sequence::Sobol => SequenceKind::Sobol,
+            Sequence::Independent => SequenceKind::Independent,
+        },
+        seed: control.seed_override.unwrap_or(sampler.seed),
+    })
+}
+
+/// The pose without scale and shear: forward stays, up is made perpendicular to it, and a mirrored pose stays mirrored.
+fn rigid(pose: Affine3A) -> Option<Affine3A> {
+    let [left, up, forward] = [pose.matrix3.x_axis, pose.matrix3.y_axis, pose.matrix3.z_axis].map(Vec3::from);
+    let position = Vec3::from(pose.translation);
+    let forward = forward.try_normalize()?;
+    let up = up.try_normalize()?;
+    let up = (up - up.dot(forward) * forward).try_normalize()?;
+    let side = up.cross(forward);
+    let mirror = if side.dot(left) < 0.0 { -1.0 } else { 1.0 };
+    let rigid = Affine3A::from_mat3_translation(bevy::math::Mat3::from_cols(mirror * side, up, forward), position);
+    rigid.is_finite().then_some(rigid)
+}
+
+/// The field of view along x in degrees, from one along `axis`; `aspect` is width over height.
+fn horizontal_fov(fov: f32, axis: FovAxis, aspect: f32) -> f32 {
+    let half = (0.5 * fov).to_radians().tan();
+    let half_width = match axis {
+        FovAxis::X => return fov,
+        FovAxis::Smaller if aspect <= 1.0 => return fov,
+        FovAxis::Larger if aspect >= 1.0 => return fov,
+        FovAxis::Y | FovAxis::Smaller | FovAxis::Larger => half * aspect,
+        FovAxis::Diagonal => half / (1.0 + 1.0 / (aspect * aspect)).sqrt(),
+    };
+    2.0 * half_width.atan().to_degrees()
+}
+
+fn lens(lens: Lens, check: &mut Checker) -> Option<ThinLens> {
+    match lens {
+        Lens::Pinhole => None,
+        Lens::Thin {
+            aperture_radius,
+            focus_distance,
+        } => {
+            let aperture_radius = check.number("aperture_radius", aperture_radius, 0.0, 1e30, 0.0);
+            let focus_distance = check.number("focus_distance", focus_distance, 1e-6, 1e30, 1.0);
+            (aperture_radius > 0.0).then_some(ThinLens {
+                aperture_radius,
+                focus_distance,
+            })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pack(sensor: &Sensor, to_world: Affine3A, control: &RenderControl) -> (Option<View>, Vec<String>) {
+        let mut errors = Vec::new();
+        let mut check = Checker {
+            name: "camera",
+            errors: &mut errors,
+        };
+        let view = pack_view(
+            sensor,
+            &Film::default(),
+            to_world,
+            &IntegratorSettings::default(),
+            &SamplerSettings::default(),
+            control,
+            &mut check,
+        );
+        (view, errors)
+    }
+
+    #[test]
+    fn field_of_view_along_every_axis() {
+        // Half angles whose tangents are 1 along x on a 2:1 film: 1/2 along y, sqrt(5)/2 along the diagonal.
+        let degrees = |half_tangent: f32| 2.0 * half_tangent.atan().to_degrees();
+        let table = [
+            (FovAxis::X, 2.0, degrees(1.0)),
+            (FovAxis::Y, 2.0, degrees(0.5)),
+            (FovAxis::Smaller, 2.0, degrees(0.5)),
+            (FovAxis::Larger, 2.0, degrees(1.0)),
+            (FovAxis::Diagonal, 2.0, degrees(1.25f32.sqrt())),
+            (FovAxis::Smaller, 0.5, degrees(1.0)),
+            (FovAxis::Larger, 0.5, degrees(2.0)),
+        ];
+        for (axis, aspect, fov) in table {
+            let horizontal = horizontal_fov(fov, axis, aspect);
+            assert!((horizontal - 90.0).abs() < 1e-4, "{axis:?} {aspect}: {horizontal}");
+        }
+    }
+
+    #[test]
+    fn scale_and_shear_leave_the_pose() {
+        let rotation = Affine3A::from_rotation_x(0.3) * Affine3A::from_rotation_y(1.1);
+        let plain = rigid(rotation).expect("a rotation");
+        let scaled = rigid(rotation * Affine3A::from_scale(Vec3::new(2.0, 3.0, 0.5))).expect("still a pose");
+        assert!(scaled.abs_diff_eq(plain, 1e-6) && plain.abs_diff_eq(rotation, 1e-6));
+        let mirrored = rigid(rotation * Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0))).expect("mirrored");
+        assert!(mirrored.matrix3.determinant() < 0.0);
+    }
+
+    #[test]
+    fn a_degenerate_pose_is_no_view() {
+        let control = RenderControl::default();
+        for pose in [Affine3A::ZERO, Affine3A::from_translation(Vec3::NAN)] {
+            let (view, errors) = pack(&Sensor::default(), pose, &control);
+            assert!(view.is_none() && errors.len() == 1);
+        }
+    }
+
+    #[test]
+    fn odd_numbers_are_mended_and_reported() {
+        let sensor = Sensor {
+            lens: Lens::Thin {
+                aperture_radius: f32::NAN,
+                focus_distance: 0.0,
+            },
+            fov: f32::NAN,
+            near_clip: -1.0,
+            far_clip: -2.0,
+            ..Sensor::default()
+        };
+        let control = RenderControl {
+            resolution_scale: 0.25,
+            film_size_override: Some(UVec2::new(100, 0)),
+            ..RenderControl::default()
+        };
+        let (view, errors) = pack(&sensor, Affine3A::IDENTITY, &control);
+        let view = view.expect("mended");
+        assert_eq!((view.width, view.height), (25, 1));
+        assert_eq!(view, view, "no NaN inside");
+        assert_eq!(errors.len(), 6, "{errors:?}");
+    }
+}

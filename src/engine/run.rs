@@ -1,0 +1,221 @@
+//! Worker threads at work on one queue, until it is empty or they are told to stop. Knows nothing of scenes or of what the work is.
+//!
+//! Every run has a channel and a flag of its own: dropping the [`Run`] sets the flag and closes the channel, so that its workers stop
+//! soon, none of them hangs at a full channel, and no result of theirs can arrive any more.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use crossbeam_channel::{Receiver, Sender, bounded};
+use rayon::ThreadPool;
+
+use super::schedule::{WorkItem, WorkQueue};
+use super::wake::Waker;
+use crate::render::tile::{TilePreview, TileSamples};
+
+/// Results that may wait to be collected: some 50 kB each.
+const CAPACITY: usize = 256;
+
+/// What a worker sends; `index` is the tile's place in the job's list.
+#[derive(Debug)]
+pub(super) enum TileResult {
+    Preview(TilePreview),
+    Samples {
+        index: usize,
+        samples: TileSamples,
+    },
+    /// A worker panicked; the run is over.
+    Failed(String),
+}
+
+/// Renders one item; None if the flag was set meanwhile.
+pub(super) type Work = dyn Fn(&WorkItem, &AtomicBool) -> Option<TileResult> + Send + Sync;
+
+pub(super) struct Run {
+    cancel: Arc<AtomicBool>,
+    pub queue: Arc<WorkQueue>,
+    pub results: Receiver<TileResult>,
+}
+
+struct Shared {
+    cancel: Arc<AtomicBool>,
+    queue: Arc<WorkQueue>,
+    work: Box<Work>,
+    waker: Waker,
+    /// Items of the preview that are still to come.
+    preview_left: AtomicUsize,
+    workers_left: AtomicUsize,
+}
+
+impl Run {
+    /// Sets all threads of `pool` to work. `preview_items`: how many of the queue's items are previews.
+    pub fn start(pool: &ThreadPool, queue: WorkQueue, preview_items: usize, work: Box<Work>, waker: Waker) -> Self {
+        let (sender, results) = bounded(CAPACITY);
+        let workers = pool.current_num_threads();
+        let shared = Arc::new(Shared {
+            cancel: Arc::new(AtomicBool::new(false)),
+            queue: Arc::new(queue),
+            work,
+            waker,
+            preview_left: AtomicUsize::new(preview_items),
+            workers_left: AtomicUsize::new(workers),
+        });
+        for _ in 0..workers {
+            let (shared, sender) = (shared.clone(), sender.clone());
+            pool.spawn(move || shared.work_until_done(sender));
+        }
+        Self {
+            cancel: shared.cancel.clone(),
+            queue: shared.queue.clone(),
+            results,
+        }
+    }
+}
+
+impl Drop for Run {
+    fn drop(&mut self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Shared {
+    fn work_until_done(&self, results: Sender<TileResult>) {
+        while !self.cancel.load(Ordering::Relaxed) {
+            let Some(item) = self.queue.claim() else {
+                break;
+            };
+            let result = catch_unwind(AssertUnwindSafe(|| (self.work)(&item, &self.cancel)));
+            let result = match result {
+                Ok(Some(result)) => result,
+                Ok(None) => break,
+                Err(payload) => {
+                    self.cancel.store(true, Ordering::Relaxed);
+                    TileResult::Failed(text_of_panic(payload.as_ref()))
+                }
+            };
+            if results.send(result).is_err() {
+                break;
+            }
+            match item {
+                WorkItem::Preview { .. } if self.preview_left.fetch_sub(1, Ordering::AcqRel) == 1 => {
+                    self.waker.wake_now();
+                }
+                _ => self.waker.wake_sometimes(),
+            }
+        }
+        drop(results);
+        if self.workers_left.fetch_sub(1, Ordering::AcqRel) == 1 {
+            self.waker.wake_now();
+        }
+    }
+}
+
+/// The message of a panic, if it has one.
+pub(super) fn text_of_panic(payload: &(dyn Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().copied();
+    text.or_else(|| payload.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("a worker thread panicked")
+        .to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use super::*;
+    use crate::engine::control::WakeUp;
+    use crate::render::tile::Tile;
+
+    fn samples(index: usize, samples: std::ops::Range<u32>) -> TileResult {
+        let tile = Tile {
+            x: 0,
+            y: 0,
+            width: 0,
+            height: 0,
+        };
+        TileResult::Samples {
+            index,
+            samples: TileSamples {
+                tile,
+                samples,
+                pixels: Vec::new(),
+                rays: 0,
+                invalid: 0,
+            },
+        }
+    }
+
+    fn pool() -> ThreadPool {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(3)
+            .build()
+            .expect("three threads")
+    }
+
+    fn start(pool: &ThreadPool, items: usize, work: Box<Work>) -> Run {
+        Run::start(
+            pool,
+            WorkQueue::new(vec![0; items], 1, false),
+            0,
+            work,
+            Waker::new(&WakeUp::default()),
+        )
+    }
+
+    fn sample_work() -> Box<Work> {
+        Box::new(|item, _| match item {
+            WorkItem::Samples { index, samples: range } => Some(samples(*index, range.clone())),
+            WorkItem::Preview { .. } => None,
+        })
+    }
+
+    #[test]
+    fn everything_arrives_once_and_the_channel_closes() {
+        let run = start(&pool(), 1000, sample_work());
+        let mut seen: Vec<usize> = run
+            .results
+            .iter()
+            .map(|result| match result {
+                TileResult::Samples { index, .. } => index,
+                other => panic!("{other:?}"),
+            })
+            .collect();
+        seen.sort();
+        assert!(seen.into_iter().eq(0..1000));
+    }
+
+    #[test]
+    fn a_panic_is_a_result_and_ends_the_run() {
+        let work = |item: &WorkItem, cancel: &AtomicBool| match item {
+            WorkItem::Samples { index: 7, .. } => panic!("number seven"),
+            WorkItem::Samples { index, samples: range } if *index < 7 => Some(samples(*index, range.clone())),
+            _ => {
+                while !cancel.load(Ordering::Relaxed) {
+                    std::thread::yield_now();
+                }
+                None
+            }
+        };
+        let run = start(&pool(), 100, Box::new(work));
+        let results: Vec<TileResult> = run.results.iter().collect();
+        assert_eq!(results.len(), 8, "{results:?}");
+        let failed = |result: &TileResult| matches!(result, TileResult::Failed(text) if text == "number seven");
+        assert!(results.iter().any(failed), "{results:?}");
+    }
+
+    #[test]
+    fn dropping_frees_workers_that_wait_at_a_full_channel() {
+        let pool = pool();
+        let run = start(&pool, 100_000, sample_work());
+        let begin = Instant::now();
+        while !run.results.is_full() {
+            assert!(begin.elapsed() < Duration::from_secs(10));
+            std::thread::yield_now();
+        }
+        drop(run);
+        // All three threads must be free for this to come to an end.
+        assert_eq!(pool.broadcast(|_| 1).iter().sum::<i32>(), 3);
+    }
+}

@@ -1,0 +1,182 @@
+//! The order of work: which tile comes first, and how many samples each visit to a tile makes.
+//!
+//! The samples of a tile are always divided at the same places (see [`pass_end`]), whoever renders and however often the work is
+//! interrupted: floating-point sums depend on their grouping, and equal seeds shall give equal bits.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::ops::Range;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use crate::render::tile::Tile;
+
+/// The longest visit to a tile, in samples per pixel.
+const LONGEST_PASS: u32 = 16;
+
+/// Edge of a preview's blocks in pixels.
+const PREVIEW_STEP: u32 = 4;
+
+/// The end of the pass that begins after `done` samples: passes of 1, 1, 2, 4, 8, 16, 16, ... samples.
+pub(super) fn pass_end(done: u32) -> u32 {
+    if done < LONGEST_PASS {
+        done.saturating_add(1).next_power_of_two()
+    } else {
+        (done / LONGEST_PASS).saturating_add(1).saturating_mul(LONGEST_PASS)
+    }
+}
+
+/// Sorts tiles from the middle of the picture outwards, for that is where people look.
+pub(super) fn sort_from_center(tiles: &mut [Tile], width: u32, height: u32) {
+    tiles.sort_by_key(|tile| {
+        // Twice the distance from the middle, in whole numbers.
+        let dx = i64::from(2 * tile.x + tile.width) - i64::from(width);
+        let dy = i64::from(2 * tile.y + tile.height) - i64::from(height);
+        dx * dx + dy * dy
+    });
+}
+
+/// One visit to a tile; `index` is its place in the job's list of tiles.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum WorkItem {
+    Preview { index: usize, step: u32 },
+    Samples { index: usize, samples: Range<u32> },
+}
+
+/// Deals out a job's work, pass after pass. A worker asks for its next item, so that none waits while there is something to do.
+pub(super) struct WorkQueue {
+    state: Mutex<QueueState>,
+}
+
+struct QueueState {
+    /// Samples per tile that have been dealt out or were there before.
+    claimed: Vec<u32>,
+    /// Next tile of the preview; the number of tiles when it is over or not wanted.
+    next_preview: usize,
+    /// Tiles whose turn in this pass is yet to come, by least samples first, then by their order.
+    waiting: BinaryHeap<Reverse<(u32, usize)>>,
+    target: u32,
+}
+
+impl WorkQueue {
+    /// `done`: the samples that each tile has; `target`: those it shall have.
+    pub fn new(done: Vec<u32>, target: u32, preview: bool) -> Self {
+        let waiting = done.iter().enumerate().map(|(index, &count)| Reverse((count, index)));
+        Self {
+            state: Mutex::new(QueueState {
+                waiting: waiting.collect(),
+                next_preview: if preview { 0 } else { done.len() },
+                claimed: done,
+                target,
+            }),
+        }
+    }
+
+    /// The next piece of work; None when everything up to the target has been dealt out.
+    pub fn claim(&self) -> Option<WorkItem> {
+        let mut state = self.state();
+        if state.next_preview < state.claimed.len() {
+            state.next_preview += 1;
+            return Some(WorkItem::Preview {
+                index: state.next_preview - 1,
+                step: PREVIEW_STEP,
+            });
+        }
+        let &Reverse((done, index)) = state.waiting.peek()?;
+        if done >= state.target {
+            return None;
+        }
+        let end = pass_end(done).min(state.target);
+        state.waiting.pop();
+        state.waiting.push(Reverse((end, index)));
+        state.claimed[index] = end;
+        Some(WorkItem::Samples {
+            index,
+            samples: done..end,
+        })
+    }
+
+    /// Takes effect for what is dealt out from now on.
+    pub fn set_target(&self, target: u32) {
+        self.state().target = target;
+    }
+
+    /// Lowers the target to the end of the pass that has been begun, so that all tiles end with equal samples. Returns that target.
+    pub fn finish_pass(&self) -> u32 {
+        let mut state = self.state();
+        let begun = state.claimed.iter().copied().max().unwrap_or(0);
+        state.target = state.target.min(begun);
+        state.target
+    }
+
+    fn state(&self) -> MutexGuard<'_, QueueState> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(queue: &WorkQueue) -> Vec<(usize, u32, u32)> {
+        std::iter::from_fn(|| queue.claim())
+            .map(|item| match item {
+                WorkItem::Preview { index, .. } => (index, 0, 0),
+                WorkItem::Samples { index, samples } => (index, samples.start, samples.end),
+            })
+            .collect()
+    }
+
+    #[test]
+    fn passes_double_and_then_stay() {
+        let ends = |n| {
+            std::iter::successors(Some(0), |&done| Some(pass_end(done)))
+                .take(n)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(ends(9), [0, 1, 2, 4, 8, 16, 32, 48, 64]);
+        assert_eq!(pass_end(37), 48);
+        assert_eq!(pass_end(u32::MAX), u32::MAX);
+    }
+
+    #[test]
+    fn every_tile_has_its_turn_in_every_pass() {
+        let queue = WorkQueue::new(vec![0; 2], 3, true);
+        let expected = [
+            (0, 0, 0),
+            (1, 0, 0),
+            (0, 0, 1),
+            (1, 0, 1),
+            (0, 1, 2),
+            (1, 1, 2),
+            (0, 2, 3),
+            (1, 2, 3),
+        ];
+        assert_eq!(all(&queue), expected);
+    }
+
+    #[test]
+    fn what_was_interrupted_or_raised_goes_on_at_the_same_places() {
+        let queue = WorkQueue::new(vec![4, 2, 8], 8, false);
+        assert_eq!(all(&queue), [(1, 2, 4), (0, 4, 8), (1, 4, 8)]);
+        queue.set_target(10);
+        assert_eq!(all(&queue), [(0, 8, 10), (1, 8, 10), (2, 8, 10)]);
+        queue.set_target(40);
+        assert_eq!(all(&queue)[..4], [(0, 10, 16), (1, 10, 16), (2, 10, 16), (0, 16, 32)]);
+    }
+
+    #[test]
+    fn a_begun_pass_is_finished() {
+        let queue = WorkQueue::new(vec![0; 3], 1000, false);
+        (0..4).for_each(|_| assert!(queue.claim().is_some()));
+        assert_eq!(queue.finish_pass(), 2);
+        assert_eq!(all(&queue), [(1, 1, 2), (2, 1, 2)]);
+    }
+
+    #[test]
+    fn the_middle_comes_first() {
+        let mut tiles = crate::render::tile::tiles(96, 96);
+        sort_from_center(&mut tiles, 96, 96);
+        assert_eq!((tiles[0].x, tiles[0].y), (32, 32));
+        assert!([0, 64].contains(&tiles[8].x) && [0, 64].contains(&tiles[8].y));
+    }
+}
