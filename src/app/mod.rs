@@ -1,4 +1,7 @@
 //! The application: drives the scene and the engine, with or without a window.
 
-pub mod headless;
+#[cfg(feature = "window")]
+pub mod editor;
 pub mod threads;
+#[cfg(feature = "window")]
+pub mod windowed;

@@ -1,0 +1,142 @@
+//! Denoising the picture on a thread of its own, from a copy of the film, so that neither rendering nor the panels wait.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use bevy::prelude::*;
+use crossbeam_channel::{Receiver, bounded};
+
+use super::model::DenoiserState;
+use crate::color::Rgb;
+use crate::engine::{RenderFilm, WakeUp};
+use crate::render::denoise::{DenoiseError, DenoiseInput, DenoiseQuality, denoise};
+
+/// A denoised picture, as large as the film it was made from.
+pub struct Denoised {
+    pub radiance: Vec<Rgb>,
+    pub seconds: f32,
+    /// Samples per pixel it was made from.
+    pub samples: u32,
+    /// Tells denoised pictures apart.
+    pub number: u64,
+    job: u64,
+}
+
+/// At most one at work; its result is shown until the film is begun anew.
+#[derive(Resource, Default)]
+pub struct Denoiser {
+    work: Option<Work>,
+    shown: Option<Denoised>,
+    started: u64,
+    unavailable: bool,
+}
+
+struct Work {
+    cancel: Arc<AtomicBool>,
+    result: Receiver<Result<Denoised, DenoiseError>>,
+    job: u64,
+}
+
+impl Drop for Work {
+    fn drop(&mut self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Denoiser {
+    pub fn new() -> Self {
+        Self {
+            unavailable: !cfg!(feature = "denoise"),
+            ..Self::default()
+        }
+    }
+
+    pub fn picture(&self) -> Option<&Denoised> {
+        self.shown.as_ref()
+    }
+
+    pub fn state(&self) -> DenoiserState {
+        match (&self.work, &self.shown) {
+            _ if self.unavailable => DenoiserState::Unavailable,
+            (Some(_), _) => DenoiserState::Running,
+            (None, Some(shown)) => DenoiserState::Shown {
+                seconds: shown.seconds,
+                samples: shown.samples,
+            },
+            (None, None) => DenoiserState::Idle,
+        }
+    }
+
+    /// Starts with the film as it is now; what was at work before is cancelled. Does nothing before the first sample.
+    pub fn start(&mut self, film: &RenderFilm, wake_up: WakeUp) {
+        let samples = film.film.sample_count();
+        if self.unavailable || samples == 0 {
+            return;
+        }
+        self.started += 1;
+        let cancel = Arc::new(AtomicBool::new(false));
+        let (sender, result) = bounded(1);
+        let (flag, number, job, source) = (cancel.clone(), self.started, film.job, film.film.clone());
+        let work = move || {
+            let started = Instant::now();
+            let (color, albedo, normal) = (source.radiance(), source.albedo(), source.normal());
+            let input = DenoiseInput {
+                width: source.width(),
+                height: source.height(),
+                color: &color,
+                albedo: Some(&albedo),
+                normal: Some(&normal),
+                prefilter: true,
+                quality: DenoiseQuality::Balanced,
+                threads: None,
+            };
+            let outcome = denoise(&input, &flag).map(|radiance| Denoised {
+                radiance,
+                seconds: started.elapsed().as_secs_f32(),
+                samples,
+                number,
+                job,
+            });
+            // Nobody listens any more if the work was cancelled.
+            let _ = sender.send(outcome);
+            if let Some(wake) = wake_up.0 {
+                wake();
+            }
+        };
+        match std::thread::Builder::new().name("denoise".to_owned()).spawn(work) {
+            Ok(_) => self.work = Some(Work { cancel, result, job }),
+            Err(error) => error!("The denoiser's thread could not be started: {error}"),
+        }
+    }
+
+    /// Back to the picture as sampled.
+    pub fn clear(&mut self) {
+        self.work = None;
+        self.shown = None;
+    }
+}
+
+/// Takes a finished picture; drops what belongs to a film that is no more. A failure is returned as a message.
+pub fn collect_denoised(
+    mut denoiser: ResMut<Denoiser>,
+    film: Res<RenderFilm>,
+    mut state: ResMut<super::state::EditorState>,
+) {
+    let is_stale = |job: u64| job != film.job;
+    if denoiser.work.as_ref().is_some_and(|work| is_stale(work.job)) {
+        denoiser.work = None;
+    }
+    if denoiser.shown.as_ref().is_some_and(|shown| is_stale(shown.job)) {
+        denoiser.shown = None;
+    }
+    let Some(outcome) = denoiser.work.as_ref().and_then(|work| work.result.try_recv().ok()) else {
+        return;
+    };
+    denoiser.work = None;
+    match outcome {
+        Ok(denoised) => denoiser.shown = Some(denoised),
+        Err(DenoiseError::Cancelled) => {}
+        Err(error) => state.say(error.to_string()),
+    }
+}

@@ -1,0 +1,347 @@
+//! From the world to the panels' [`Model`], once per frame. Lists are made anew only when something in them changed.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use bevy::ecs::query::QueryData;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+use super::denoiser::Denoiser;
+use super::latency::FrameTimes;
+use super::model::{Inspected, InspectedMaterial, Item, MaterialPlace, Model, Notice, Outline, StatusModel};
+use super::panels::{emission, material};
+use super::state::EditorState;
+use crate::document::{Diagnostic, Diagnostics, Severity};
+use crate::engine::{RenderControl, RenderState, RenderStatus};
+use crate::scene::{
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, IntegratorSettings, Material,
+    MaterialUsers, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNested, Sensor, Shape, ShapeKind, ToWorld,
+    UsesMaterial,
+};
+
+#[derive(Resource, Default)]
+pub struct EditorModel(pub Model);
+
+/// What names a thing.
+#[derive(QueryData)]
+pub struct Naming {
+    entity: Entity,
+    order: Option<&'static DocumentOrder>,
+    name: Option<&'static Name>,
+    id: Option<&'static SceneId>,
+}
+
+impl NamingItem<'_, '_> {
+    fn name(&self, kind: &str) -> String {
+        match (self.name, self.id) {
+            (Some(name), _) => name.as_str().to_owned(),
+            (None, Some(id)) => id.0.clone(),
+            (None, None) => kind.to_owned(),
+        }
+    }
+
+    fn item(&self, kind: &'static str) -> (u32, Item) {
+        let order = self.order.map_or(u32::MAX, |order| order.0);
+        let item = Item {
+            entity: self.entity,
+            name: self.name(kind),
+            kind,
+        };
+        (order, item)
+    }
+}
+
+type OutlineChanged = Or<(
+    Changed<Name>,
+    Changed<SceneId>,
+    Changed<DocumentOrder>,
+    Changed<Shape>,
+    Changed<Material>,
+    Changed<Emitter>,
+    Added<AreaLight>,
+    Added<Sensor>,
+)>;
+
+#[derive(SystemParam)]
+pub struct OutlineSources<'w, 's> {
+    changed: Query<'w, 's, (), OutlineChanged>,
+    removed_shapes: RemovedComponents<'w, 's, Shape>,
+    removed_materials: RemovedComponents<'w, 's, Material>,
+    removed_emitters: RemovedComponents<'w, 's, Emitter>,
+    removed_lights: RemovedComponents<'w, 's, AreaLight>,
+    removed_sensors: RemovedComponents<'w, 's, Sensor>,
+    shapes: Query<'w, 's, (Naming, &'static Shape, Has<AreaLight>)>,
+    materials: Query<'w, 's, (Naming, &'static Material)>,
+    emitters: Query<'w, 's, (Naming, &'static Emitter)>,
+    sensors: Query<'w, 's, (Naming, &'static Sensor)>,
+}
+
+impl OutlineSources<'_, '_> {
+    fn has_changed(&mut self) -> bool {
+        let removed = self.removed_shapes.read().count()
+            + self.removed_materials.read().count()
+            + self.removed_emitters.read().count()
+            + self.removed_lights.read().count()
+            + self.removed_sensors.read().count();
+        removed > 0 || !self.changed.is_empty()
+    }
+
+    fn outline(&self) -> Outline {
+        let lights = self
+            .shapes
+            .iter()
+            .filter(|(_, _, emits)| *emits)
+            .map(|(naming, ..)| naming.item("area"))
+            .chain(
+                self.emitters
+                    .iter()
+                    .map(|(naming, emitter)| naming.item(emission::kind_name(emitter))),
+            );
+        Outline {
+            lights: sorted(lights),
+            shapes: sorted(
+                self.shapes
+                    .iter()
+                    .map(|(naming, shape, _)| naming.item(shape_kind(shape))),
+            ),
+            materials: sorted(
+                self.materials
+                    .iter()
+                    .map(|(naming, material)| naming.item(material::kind_name(material))),
+            ),
+            sensors: sorted(self.sensors.iter().map(|(naming, _)| naming.item("camera"))),
+        }
+    }
+}
+
+/// In the order of the file; what was made here comes last.
+fn sorted(items: impl Iterator<Item = (u32, Item)>) -> Vec<Item> {
+    let mut items: Vec<(u32, Item)> = items.collect();
+    items.sort_by_key(|(order, item)| (*order, item.entity));
+    items.into_iter().map(|(_, item)| item).collect()
+}
+
+fn shape_kind(shape: &Shape) -> &'static str {
+    match shape.kind {
+        ShapeKind::Sphere { .. } => "sphere",
+        ShapeKind::Rectangle => "rectangle",
+        ShapeKind::Cube => "cube",
+        ShapeKind::Disk => "disk",
+        ShapeKind::Mesh(_) => "mesh",
+    }
+}
+
+pub fn gather_outline(mut model: ResMut<EditorModel>, mut sources: OutlineSources) {
+    if sources.has_changed() {
+        model.0.outline = Arc::new(sources.outline());
+    }
+}
+
+type Parts = (
+    Naming,
+    Option<&'static ToWorld>,
+    Option<&'static Shape>,
+    Option<&'static AreaLight>,
+    Option<&'static Emitter>,
+    Option<&'static Sensor>,
+    Option<&'static Film>,
+    Option<&'static UsesMaterial>,
+);
+
+type MaterialParts = (
+    Naming,
+    &'static Material,
+    Option<&'static MaterialUsers>,
+    Option<&'static FirstNested>,
+    Option<&'static SecondNested>,
+);
+
+/// How deep two-sided materials are followed; the format needs one.
+const DEEPEST_NESTING: usize = 4;
+
+pub fn gather_selection(
+    mut model: ResMut<EditorModel>,
+    mut state: ResMut<EditorState>,
+    parts: Query<Parts>,
+    materials: Query<MaterialParts>,
+) {
+    let selection = state.selection;
+    let inspected = selection.and_then(|entity| inspect(entity, &parts, &materials));
+    if selection.is_some() && inspected.is_none() {
+        // A reload took it away.
+        state.selection = None;
+    }
+    model.0.inspected = inspected;
+}
+
+fn inspect(entity: Entity, parts: &Query<Parts>, materials: &Query<MaterialParts>) -> Option<Inspected> {
+    let (naming, to_world, shape, area_light, emitter, sensor, film, uses) = parts.get(entity).ok()?;
+    let is_material = materials.contains(entity);
+    if shape.is_none() && emitter.is_none() && sensor.is_none() && !is_material {
+        return None;
+    }
+    let kind = match (shape, emitter, sensor) {
+        (Some(shape), ..) => shape_kind(shape),
+        (_, Some(emitter), _) => emission::kind_name(emitter),
+        (_, _, Some(_)) => "camera",
+        _ => "material",
+    };
+    // A constant environment is everywhere, its transform means nothing.
+    let has_place = !matches!(emitter, Some(Emitter::Constant { .. }));
+    let mut inspected = Inspected {
+        to_world: to_world.filter(|_| has_place).map(|to_world| to_world.0),
+        shape: shape.cloned(),
+        area_light: area_light.copied(),
+        emitter: emitter.copied(),
+        sensor: sensor.copied(),
+        film: film.copied(),
+        uses_material: uses.map(|uses| uses.0),
+        ..Inspected::new(entity, naming.name(kind))
+    };
+    let first = if is_material {
+        Some(entity)
+    } else {
+        inspected.uses_material
+    };
+    if let Some(first) = first {
+        collect_materials(
+            first,
+            MaterialPlace::Whole,
+            DEEPEST_NESTING,
+            materials,
+            &mut inspected.materials,
+        );
+    }
+    Some(inspected)
+}
+
+fn collect_materials(
+    entity: Entity,
+    place: MaterialPlace,
+    depth: usize,
+    materials: &Query<MaterialParts>,
+    found: &mut Vec<InspectedMaterial>,
+) {
+    let Ok((naming, material, users, first, second)) = materials.get(entity) else {
+        return;
+    };
+    found.push(InspectedMaterial {
+        entity,
+        name: naming.name(material::kind_name(material)),
+        material: material.clone(),
+        place,
+        users: users.map_or(0, |users| users.iter().count()),
+    });
+    if depth == 0 {
+        return;
+    }
+    if let Some(first) = first {
+        collect_materials(first.0, MaterialPlace::Front, depth - 1, materials, found);
+    }
+    if let Some(second) = second {
+        collect_materials(second.0, MaterialPlace::Back, depth - 1, materials, found);
+    }
+}
+
+#[derive(SystemParam)]
+pub struct Settings<'w, 's> {
+    control: Res<'w, RenderControl>,
+    integrator: Res<'w, IntegratorSettings>,
+    sampler: Res<'w, SamplerSettings>,
+    accel: Res<'w, AccelMethod>,
+    active: Res<'w, ActiveSensor>,
+    films: Query<'w, 's, &'static Film>,
+}
+
+pub fn gather_status(
+    mut model: ResMut<EditorModel>,
+    settings: Settings,
+    status: Res<RenderStatus>,
+    scene: Res<SceneStatus>,
+    denoiser: Res<Denoiser>,
+    frames: Res<FrameTimes>,
+    mut seen_errors: Local<Vec<String>>,
+) {
+    let model = &mut model.0;
+    let film = settings.active.0.and_then(|sensor| settings.films.get(sensor).ok());
+    let file_target = film.map_or(1, |film| film.sample_count);
+    model.render.target_samples = settings.control.target_samples.unwrap_or(file_target);
+    model.render.resolution_scale = settings.control.resolution_scale;
+    model.render.integrator = *settings.integrator;
+    model.render.sampler = *settings.sampler;
+    model.render.accel = *settings.accel;
+    if scene.is_changed() && model.status.scene != scene.path {
+        model.scene_files = Arc::new(scene_files(scene.path.as_deref()));
+    }
+    if scene.is_changed() || status.errors != *seen_errors {
+        seen_errors.clone_from(&status.errors);
+        model.notices = Arc::new(notices(&scene, &status.errors));
+    }
+    model.status = StatusModel {
+        status: status.clone(),
+        scene: scene.path.clone(),
+        load_failed: scene.state == SceneState::Failed,
+        denoiser: denoiser.state(),
+        frame_ms: frames.median_ms(),
+    };
+    if settings.control.paused && status.state == RenderState::Rendering {
+        model.status.status.state = RenderState::Paused;
+    }
+}
+
+/// The scenes in `scenes/` and those beside the open one.
+fn scene_files(open: Option<&Path>) -> Vec<std::path::PathBuf> {
+    let mut folders = vec![Path::new("scenes").to_path_buf()];
+    folders.extend(open.and_then(Path::parent).map(Path::to_path_buf));
+    let mut files: Vec<_> = folders
+        .iter()
+        .filter_map(|folder| std::fs::read_dir(folder).ok())
+        .flatten()
+        .filter_map(|entry| std::path::absolute(entry.ok()?.path()).ok())
+        .filter(|path| {
+            path.extension()
+                .is_some_and(|extension| extension.eq_ignore_ascii_case("xml"))
+        })
+        .collect();
+    files.sort();
+    files.dedup();
+    files
+}
+
+fn notices(scene: &SceneStatus, engine_errors: &[String]) -> Vec<Notice> {
+    let plain = |is_error: bool, text: &str| Notice {
+        is_error,
+        place: None,
+        text: text.to_owned(),
+        help: None,
+    };
+    let mut notices: Vec<Notice> = engine_errors.iter().map(|error| plain(true, error)).collect();
+    notices.extend(scene.mesh_errors.iter().map(|problem| plain(true, &problem.message)));
+    let diagnostics = &scene.diagnostics;
+    notices.extend(
+        diagnostics
+            .list
+            .iter()
+            .map(|diagnostic| notice(diagnostics, diagnostic)),
+    );
+    notices.extend(scene.mesh_warnings.iter().map(|warning| plain(false, warning)));
+    notices.sort_by_key(|notice| !notice.is_error);
+    notices
+}
+
+fn notice(all: &Diagnostics, diagnostic: &Diagnostic) -> Notice {
+    let place = diagnostic
+        .span
+        .and_then(|span| all.locate(span))
+        .map(|(path, line, column)| {
+            let file = path.file_name().unwrap_or_default().to_string_lossy();
+            format!("{file}:{line}:{column}")
+        });
+    Notice {
+        is_error: diagnostic.severity == Severity::Error,
+        place,
+        text: diagnostic.message.clone(),
+        help: diagnostic.help.clone(),
+    }
+}

@@ -1,0 +1,136 @@
+//! The editor: a window with the picture being rendered, and panels that change the scene and see it follow.
+//!
+//! A frame goes one way: the world is gathered into a plain [`model::Model`]; panels show it and say what the user did as
+//! [`command::Command`]s; `commands` writes those to the world; the engine reacts in the same frame; the texture follows the film.
+
+pub mod command;
+mod commands;
+mod denoiser;
+mod dialogs;
+pub mod display;
+mod exit_door;
+mod gather;
+pub mod keys;
+mod latency;
+pub mod model;
+pub mod navigation;
+pub mod options;
+pub mod overlay;
+mod pacing;
+pub mod panels;
+mod picking;
+mod picture;
+mod scene_watch;
+mod state;
+mod style;
+mod ui;
+pub mod viewport;
+
+use bevy::asset::AssetEventSystems;
+use bevy::prelude::*;
+use bevy_egui::{EguiPlugin, EguiPostUpdateSet, EguiPrimaryContextPass};
+
+use crate::engine::EngineSystems;
+use crate::scene::{OpenScene, SceneSystems};
+use options::{SceneDefines, WindowOptions};
+
+/// Adds the editor to an app that has a window, a renderer, the scene and the engine.
+pub struct EditorPlugin(pub WindowOptions);
+
+/// The editor's steps in `PostUpdate`, around those of egui and the engine.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum EditorSystems {
+    /// World to model, before the panels are shown.
+    Gather,
+    /// Commands to world, before the engine looks for changes.
+    Apply,
+    /// Film to texture, after the engine has collected results.
+    Show,
+}
+
+impl Plugin for EditorPlugin {
+    fn build(&self, app: &mut App) {
+        let options = &self.0;
+        app.add_plugins(EguiPlugin::default())
+            .init_resource::<state::EditorState>()
+            .init_resource::<state::CommandQueue>()
+            .init_resource::<gather::EditorModel>()
+            .init_resource::<dialogs::Dialogs>()
+            .init_resource::<latency::FrameTimes>()
+            .insert_resource(denoiser::Denoiser::new())
+            .insert_resource(SceneDefines(options.defines.clone()))
+            .insert_resource(exit_door::ExitDoor::new(
+                options.screenshot.clone(),
+                options.after_spp,
+                options.exit,
+                options.timeout,
+            ))
+            .configure_sets(
+                PostUpdate,
+                (
+                    // Letters that are new to egui's texture are on the GPU in the frame that shows them.
+                    AssetEventSystems.after(EguiPostUpdateSet::PostProcessOutput),
+                    EditorSystems::Gather.before(EguiPostUpdateSet::EndPass),
+                    EditorSystems::Apply
+                        .after(EguiPostUpdateSet::EndPass)
+                        .before(EngineSystems::Detect),
+                    EditorSystems::Show.after(EngineSystems::Collect),
+                ),
+            )
+            .add_systems(
+                Startup,
+                (spawn_camera, picture::create_picture, pacing::connect_wake_up),
+            )
+            .add_systems(PreUpdate, scene_watch::follow_scene.after(SceneSystems::Follow))
+            .add_systems(
+                PostUpdate,
+                (
+                    (
+                        scene_watch::measure_scene,
+                        gather::gather_outline,
+                        gather::gather_selection,
+                        gather::gather_status,
+                    )
+                        .chain()
+                        .in_set(EditorSystems::Gather),
+                    (commands::apply_commands, pacing::pace)
+                        .chain()
+                        .in_set(EditorSystems::Apply),
+                    (denoiser::collect_denoised, picture::update_picture)
+                        .chain()
+                        .in_set(EditorSystems::Show),
+                ),
+            )
+            .add_systems(
+                EguiPrimaryContextPass,
+                (style::set_style.run_if(run_once), ui::show_window).chain(),
+            )
+            .add_systems(First, latency::time_frames)
+            .add_systems(Last, (exit_door::drive_exit_door, exit_door::log_at_exit).chain());
+        if let Some(moves) = options.measure_latency {
+            app.insert_resource(latency::LatencyProbe::new(moves)).add_systems(
+                PostUpdate,
+                (
+                    latency::move_for_probe
+                        .before(EditorSystems::Apply)
+                        .after(EguiPostUpdateSet::EndPass),
+                    latency::watch_probe.after(EditorSystems::Show),
+                ),
+            );
+        }
+        if let Some(path) = &options.scene {
+            let request = OpenScene {
+                path: path.clone(),
+                defines: options.defines.clone(),
+            };
+            app.add_systems(Startup, move |mut requests: MessageWriter<OpenScene>| {
+                requests.write(request.clone());
+            });
+        }
+    }
+}
+
+/// egui is drawn by a camera; it sees nothing else.
+fn spawn_camera(mut commands: Commands) {
+    commands.spawn(Camera2d);
+}

@@ -1,0 +1,151 @@
+//! What the panels show, as plain data: gathered from the world once per frame, so that panels never touch the ECS.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use bevy::math::Affine3A;
+use bevy::prelude::Entity;
+
+use crate::engine::{RenderState, RenderStatus};
+use crate::scene::{
+    AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, Material, SamplerSettings, Sensor, Shape,
+};
+
+/// One line of the outliner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Item {
+    pub entity: Entity,
+    pub name: String,
+    /// What it is, in a word.
+    pub kind: &'static str,
+}
+
+/// Everything in the scene, by kind, in the order of the file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outline {
+    pub shapes: Vec<Item>,
+    pub materials: Vec<Item>,
+    pub lights: Vec<Item>,
+    pub sensors: Vec<Item>,
+}
+
+/// A material of the selection.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InspectedMaterial {
+    pub entity: Entity,
+    pub name: String,
+    pub material: Material,
+    /// What it is within a two-sided one.
+    pub place: MaterialPlace,
+    /// Shapes that use it.
+    pub users: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MaterialPlace {
+    Whole,
+    Front,
+    Back,
+}
+
+/// The selected entity with everything that can be edited on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inspected {
+    pub entity: Entity,
+    pub name: String,
+    pub to_world: Option<Affine3A>,
+    pub shape: Option<Shape>,
+    /// Triangles of its mesh, once that is loaded.
+    pub triangles: Option<usize>,
+    pub area_light: Option<AreaLight>,
+    pub emitter: Option<Emitter>,
+    pub sensor: Option<Sensor>,
+    pub film: Option<Film>,
+    pub uses_material: Option<Entity>,
+    /// The material itself, or the shape's, and those nested in it.
+    pub materials: Vec<InspectedMaterial>,
+}
+
+impl Inspected {
+    /// An entity with nothing to edit yet.
+    pub fn new(entity: Entity, name: impl Into<String>) -> Self {
+        Self {
+            entity,
+            name: name.into(),
+            to_world: None,
+            shape: None,
+            triangles: None,
+            area_light: None,
+            emitter: None,
+            sensor: None,
+            film: None,
+            uses_material: None,
+            materials: Vec::new(),
+        }
+    }
+}
+
+/// The render panel's content.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RenderModel {
+    pub target_samples: u32,
+    pub resolution_scale: f32,
+    pub integrator: IntegratorSettings,
+    pub sampler: SamplerSettings,
+    pub accel: AccelMethod,
+}
+
+/// One message of the diagnostics panel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Notice {
+    pub is_error: bool,
+    /// `file:line:column`, where it is about a place.
+    pub place: Option<String>,
+    pub text: String,
+    pub help: Option<String>,
+}
+
+/// What the status line and the menus tell.
+#[derive(Clone, Debug, Default)]
+pub struct StatusModel {
+    pub status: RenderStatus,
+    /// The open scene.
+    pub scene: Option<PathBuf>,
+    /// The scene file could not be read; the last good one is shown.
+    pub load_failed: bool,
+    pub denoiser: DenoiserState,
+    /// Median time between frames, milliseconds.
+    pub frame_ms: Option<f32>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum DenoiserState {
+    #[default]
+    Idle,
+    Running,
+    /// The denoised picture is shown.
+    Shown {
+        seconds: f32,
+        samples: u32,
+    },
+    /// Built without, or failed.
+    Unavailable,
+}
+
+impl StatusModel {
+    pub fn is_paused(&self) -> bool {
+        self.status.state == RenderState::Paused
+    }
+}
+
+/// All of it.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    pub outline: Arc<Outline>,
+    pub inspected: Option<Inspected>,
+    pub render: RenderModel,
+    pub notices: Arc<Vec<Notice>>,
+    pub status: StatusModel,
+    /// Scene files beside the open one.
+    pub scene_files: Arc<Vec<PathBuf>>,
+}

@@ -1,0 +1,245 @@
+//! Flying and looking around: how keys, drags and the wheel move the camera. Pure arithmetic, so that it is the same at any frame rate.
+//!
+//! The camera looks along +z of its own space with +x to its left and +y up.
+
+use bevy::math::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
+
+use crate::math::Aabb;
+
+/// Radians per point of mouse movement: a quarter turn takes about 500 points.
+const LOOK_RATE: f32 = 0.003;
+/// At speed 1 it takes this many seconds to cross the scene.
+const SECONDS_ACROSS: f32 = 4.0;
+/// A notch of the wheel dollies as far as this many seconds of flying.
+const SECONDS_PER_NOTCH: f32 = 0.2;
+/// A notch of the wheel changes the speed by this factor.
+const SPEED_PER_NOTCH: f32 = 1.2;
+const FAST: f32 = 4.0;
+const SLOW: f32 = 0.25;
+/// Longer frames (the first after a pause) count as this long, in seconds, so that the camera never leaps.
+const LONGEST_FRAME: f32 = 0.1;
+/// How near, in radians, the view may come to straight up or down.
+const POLE_MARGIN: f32 = 0.02;
+
+/// One frame's input.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FlyInput {
+    /// In [-1, 1]: to the left, up, forward.
+    pub direction: Vec3,
+    /// Mouse movement in points while looking, +x right, +y down.
+    pub look: Vec2,
+    /// Notches of the wheel, positive away from the user.
+    pub dolly: f32,
+    pub fast: bool,
+    pub slow: bool,
+    /// Seconds since the last frame.
+    pub seconds: f32,
+}
+
+/// What flying needs to know beside the camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Navigation {
+    /// Multiple of the speed that suits the scene.
+    pub speed: f32,
+    /// World units: the diagonal of the scene's bounds.
+    pub scene_size: f32,
+    /// The world's upward direction.
+    pub up: Vec3,
+}
+
+impl Default for Navigation {
+    fn default() -> Self {
+        Self {
+            speed: 1.0,
+            scene_size: 1.0,
+            up: Vec3::Y,
+        }
+    }
+}
+
+pub const SPEED_RANGE: std::ops::RangeInclusive<f32> = 0.01..=100.0;
+
+impl Navigation {
+    /// World units per second.
+    pub fn units_per_second(&self) -> f32 {
+        self.speed * self.scene_size / SECONDS_ACROSS
+    }
+
+    /// The speed after turning the wheel by `notches`.
+    pub fn speed_after(&self, notches: f32) -> f32 {
+        (self.speed * SPEED_PER_NOTCH.powf(notches)).clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end())
+    }
+
+    /// The pose after one frame, or None if nothing moves it. Scale in the pose is dropped.
+    pub fn fly(&self, world_from_camera: Affine3A, input: &FlyInput) -> Option<Affine3A> {
+        let idle = input.direction == Vec3::ZERO && input.look == Vec2::ZERO && input.dolly == 0.0;
+        if idle {
+            return None;
+        }
+        let mut forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
+        if input.look != Vec2::ZERO {
+            forward = self.turned(forward, input.look);
+        }
+        let rotation = if input.look == Vec2::ZERO {
+            orthonormal(&world_from_camera.matrix3)
+        } else {
+            facing(forward, self.up)
+        };
+        let pace = match (input.fast, input.slow) {
+            (true, false) => FAST,
+            (false, true) => SLOW,
+            _ => 1.0,
+        };
+        let seconds = input.seconds.clamp(0.0, LONGEST_FRAME);
+        let [left, up, ahead] = input.direction.to_array();
+        let move_by = Vec3::from(rotation.x_axis) * left + self.up * up + forward * ahead;
+        let flown = move_by.clamp_length_max(1.0) * seconds + forward * (input.dolly * SECONDS_PER_NOTCH);
+        let translation = world_from_camera.translation + Vec3A::from(flown * (pace * self.units_per_second()));
+        let pose = Affine3A {
+            matrix3: rotation,
+            translation,
+        };
+        pose.is_finite().then_some(pose)
+    }
+
+    fn turned(&self, forward: Vec3, look: Vec2) -> Vec3 {
+        let angles = look * LOOK_RATE;
+        // Elevation and heading are changed apart, so that the horizon stays level.
+        let elevation = forward.dot(self.up).clamp(-1.0, 1.0).asin();
+        let limit = std::f32::consts::FRAC_PI_2 - POLE_MARGIN;
+        let elevation = (elevation - angles.y).clamp(-limit, limit);
+        let level = (forward - self.up * forward.dot(self.up)).normalize_or(self.up.any_orthonormal_vector());
+        let level = bevy::math::Quat::from_axis_angle(self.up, -angles.x) * level;
+        level * elevation.cos() + self.up * elevation.sin()
+    }
+}
+
+/// The world axis that is nearest to a camera's upward direction: what "up" means in a scene that does not say it.
+pub fn up_axis(world_from_camera: &Affine3A) -> Vec3 {
+    let up = Vec3::from(world_from_camera.matrix3.y_axis);
+    let axis = up.abs().max_position();
+    let mut unit = Vec3::ZERO;
+    unit[axis] = if up[axis] < 0.0 { -1.0 } else { 1.0 };
+    unit
+}
+
+/// The pose with the same direction from which all of `bounds` is seen; None if it is empty. `half_fov` in radians, of the picture's
+/// narrower side.
+pub fn framing(world_from_camera: Affine3A, bounds: &Aabb, half_fov: f32) -> Option<Affine3A> {
+    if bounds.is_empty() {
+        return None;
+    }
+    let rotation = orthonormal(&world_from_camera.matrix3);
+    let radius = (0.5 * bounds.extent().length()).max(f32::MIN_POSITIVE);
+    let distance = radius / half_fov.clamp(0.01, 1.5).sin();
+    let translation = Vec3A::from(bounds.center()) - rotation.z_axis * distance;
+    let pose = Affine3A {
+        matrix3: rotation,
+        translation,
+    };
+    pose.is_finite().then_some(pose)
+}
+
+/// A level camera that looks along `forward` (unit length, not parallel to `up`).
+fn facing(forward: Vec3, up: Vec3) -> Mat3A {
+    let left = up.cross(forward).normalize_or(forward.any_orthonormal_vector());
+    Mat3A::from_cols(left.into(), forward.cross(left).into(), forward.into())
+}
+
+/// The axes without scale, shear or mirroring.
+fn orthonormal(matrix: &Mat3A) -> Mat3A {
+    let forward = Vec3::from(matrix.z_axis).normalize_or(Vec3::Z);
+    facing(forward, Vec3::from(matrix.y_axis))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pose() -> Affine3A {
+        Affine3A::IDENTITY
+    }
+
+    fn forward(pose: &Affine3A) -> Vec3 {
+        pose.matrix3.z_axis.into()
+    }
+
+    #[test]
+    fn nothing_pressed_moves_nothing() {
+        let input = FlyInput {
+            seconds: 0.1,
+            fast: true,
+            ..FlyInput::default()
+        };
+        assert_eq!(Navigation::default().fly(pose(), &input), None);
+    }
+
+    #[test]
+    fn dragging_right_looks_right_and_down_looks_down() {
+        let look = |x, y| FlyInput {
+            look: Vec2::new(x, y),
+            ..FlyInput::default()
+        };
+        let navigation = Navigation::default();
+        // +x is to the camera's left.
+        let right = navigation.fly(pose(), &look(100.0, 0.0)).map(|p| forward(&p));
+        assert!(right.is_some_and(|f| f.x < -0.2 && f.y.abs() < 1e-6), "{right:?}");
+        let down = navigation.fly(pose(), &look(0.0, 100.0)).map(|p| forward(&p));
+        assert!(down.is_some_and(|f| f.y < -0.2 && f.x.abs() < 1e-6), "{down:?}");
+    }
+
+    #[test]
+    fn the_view_stays_level_and_stops_at_the_pole() {
+        let navigation = Navigation::default();
+        let input = FlyInput {
+            look: Vec2::new(13.0, -400.0),
+            ..FlyInput::default()
+        };
+        let mut camera = pose();
+        for _ in 0..20 {
+            camera = navigation.fly(camera, &input).unwrap_or(camera);
+            assert!(camera.matrix3.x_axis.y.abs() < 1e-4, "tilted");
+            assert!((camera.matrix3.determinant() - 1.0).abs() < 1e-4);
+        }
+        assert!(forward(&camera).y > 0.99 && camera.matrix3.y_axis.y > 0.0);
+    }
+
+    #[test]
+    fn two_short_frames_go_as_far_as_a_long_one() {
+        let navigation = Navigation {
+            scene_size: 8.0,
+            ..Navigation::default()
+        };
+        let step = |seconds| FlyInput {
+            direction: Vec3::new(0.0, 0.0, 1.0),
+            seconds,
+            ..FlyInput::default()
+        };
+        let once = navigation.fly(pose(), &step(0.08)).unwrap_or_default();
+        let half = navigation.fly(pose(), &step(0.04)).unwrap_or_default();
+        let twice = navigation.fly(half, &step(0.04)).unwrap_or_default();
+        assert!(once.abs_diff_eq(twice, 1e-6));
+        assert!((once.translation.z - 8.0 / SECONDS_ACROSS * 0.08).abs() < 1e-6);
+        let leap = navigation.fly(pose(), &step(5.0)).unwrap_or_default();
+        assert!(leap.translation.z <= 8.0 / SECONDS_ACROSS * LONGEST_FRAME + 1e-6);
+    }
+
+    #[test]
+    fn framing_fits_the_sphere_around_the_box() {
+        let bounds = Aabb {
+            min: Vec3::new(1.0, 1.0, 1.0),
+            max: Vec3::new(3.0, 3.0, 3.0),
+        };
+        let camera = framing(pose(), &bounds, 0.5).unwrap_or_default();
+        let distance = camera.translation.distance(Vec3A::splat(2.0));
+        assert!((distance * 0.5f32.sin() - 3.0f32.sqrt()).abs() < 1e-5);
+        assert_eq!(framing(pose(), &Aabb::EMPTY, 0.5), None);
+    }
+
+    #[test]
+    fn up_is_an_axis() {
+        let tilted = Affine3A::from_rotation_x(1.2);
+        assert_eq!(up_axis(&tilted), Vec3::Z);
+        assert_eq!(up_axis(&Affine3A::from_rotation_x(0.3)), Vec3::Y);
+    }
+}

@@ -1,0 +1,49 @@
+//! What the caller of the window asks for beside a scene.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use bevy::prelude::*;
+
+/// How to open the window, and what to do in it without a user.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WindowOptions {
+    /// None opens an empty window.
+    pub scene: Option<PathBuf>,
+    /// Values for the scene file's `$name` parameters.
+    pub defines: Vec<(String, String)>,
+    /// Size of the window's content in points.
+    pub size: UVec2,
+    /// Worker threads; see [`crate::app::threads::worker_count`].
+    pub threads: Option<i32>,
+    /// Saves the whole window as PNG once the picture has `after_spp` samples.
+    pub screenshot: Option<PathBuf>,
+    /// For `screenshot` and `exit`.
+    pub after_spp: u32,
+    /// Ends the program after the screenshot or the measurement, or else after `after_spp` samples.
+    pub exit: bool,
+    /// Moves the camera this many times and prints how long it took until the picture followed.
+    pub measure_latency: Option<u32>,
+    /// With `exit`: the program fails if it is not done after this time.
+    pub timeout: Duration,
+}
+
+impl Default for WindowOptions {
+    fn default() -> Self {
+        Self {
+            scene: None,
+            defines: Vec::new(),
+            size: UVec2::new(1280, 720),
+            threads: None,
+            screenshot: None,
+            after_spp: 1,
+            exit: false,
+            measure_latency: None,
+            timeout: Duration::from_secs(600),
+        }
+    }
+}
+
+/// Kept for reloads.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct SceneDefines(pub Vec<(String, String)>);

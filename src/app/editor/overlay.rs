@@ -1,0 +1,181 @@
+//! The boxes of the acceleration structures, drawn over the picture.
+
+use bevy::math::{Affine3A, Vec2, Vec3};
+
+use crate::accel::{BvhBox, Primitive, Tlas};
+use crate::math::Aabb;
+use crate::render::camera::Camera;
+
+/// Which boxes are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BvhOverlay {
+    pub shown: bool,
+    /// Depth in each hierarchy: 0 is the box around everything in it.
+    pub depth: u32,
+    /// Leaves of any depth up to `depth` instead of all boxes at it.
+    pub leaves_only: bool,
+}
+
+impl Default for BvhOverlay {
+    fn default() -> Self {
+        Self {
+            shown: false,
+            depth: 1,
+            leaves_only: false,
+        }
+    }
+}
+
+/// More would neither be legible nor drawn in time.
+pub const MAX_BOXES: usize = 4000;
+
+/// The eight corners of a box in the world. Corner k has bit 0 of k for the upper x, bit 1 for y, bit 2 for z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorldBox {
+    pub corners: [Vec3; 8],
+    /// True for a box of the hierarchy over the instances, false for one of a mesh.
+    pub over_instances: bool,
+}
+
+/// What is to be drawn: at most [`MAX_BOXES`] boxes, and how many there would have been.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BoxList {
+    pub boxes: Vec<WorldBox>,
+    pub total: usize,
+}
+
+pub fn boxes(geometry: &Tlas, overlay: &BvhOverlay) -> BoxList {
+    let mut list = BoxList::default();
+    geometry
+        .bvh()
+        .visit_boxes(|found| list.offer(&found, overlay, &Affine3A::IDENTITY, true));
+    for instance in geometry.instances() {
+        if let Primitive::Mesh(blas) = &instance.primitive {
+            blas.bvh()
+                .visit_boxes(|found| list.offer(&found, overlay, &instance.world_from_local, false));
+        }
+    }
+    list
+}
+
+impl WorldBox {
+    /// A box along the world's axes.
+    pub fn of(bounds: &Aabb) -> Self {
+        Self {
+            corners: corners(bounds),
+            over_instances: true,
+        }
+    }
+}
+
+impl BoxList {
+    fn offer(&mut self, found: &BvhBox, overlay: &BvhOverlay, world_from_local: &Affine3A, over_instances: bool) {
+        let depth = overlay.depth as usize;
+        let wanted = if overlay.leaves_only {
+            found.is_leaf && found.depth <= depth
+        } else {
+            found.depth == depth
+        };
+        if !wanted {
+            return;
+        }
+        self.total += 1;
+        if self.boxes.len() < MAX_BOXES {
+            self.boxes.push(WorldBox {
+                corners: corners(&found.bounds).map(|corner| world_from_local.transform_point3(corner)),
+                over_instances,
+            });
+        }
+    }
+}
+
+fn corners(bounds: &Aabb) -> [Vec3; 8] {
+    std::array::from_fn(|k| {
+        let pick = |bit: usize, axis: usize| {
+            if k >> bit & 1 == 0 {
+                bounds.min[axis]
+            } else {
+                bounds.max[axis]
+            }
+        };
+        Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2))
+    })
+}
+
+/// The edges of a box as pairs of film coordinates ((0, 0) top left, (1, 1) bottom right), cut off at the camera's plane.
+pub fn edges(camera: &Camera, world_box: &WorldBox) -> Vec<[Vec2; 2]> {
+    let mut edges = Vec::with_capacity(12);
+    for from in 0..8usize {
+        for bit in 0..3 {
+            let to = from | 1 << bit;
+            if to != from {
+                edges.extend(segment(camera, world_box.corners[from], world_box.corners[to]));
+            }
+        }
+    }
+    edges
+}
+
+/// None if all of it is behind the camera.
+fn segment(camera: &Camera, a: Vec3, b: Vec3) -> Option<[Vec2; 2]> {
+    let ((film_a, depth_a), (film_b, depth_b)) = (camera.project(a), camera.project(b));
+    let nearest = 1e-3 * depth_a.abs().max(depth_b.abs());
+    match (depth_a > nearest, depth_b > nearest) {
+        (true, true) => Some([film_a, film_b]),
+        (false, false) => None,
+        // Depth is linear along the segment: move the hidden end to just before the camera.
+        (a_seen, _) => {
+            let cut = a.lerp(b, (nearest - depth_a) / (depth_b - depth_a));
+            let (film_cut, _) = camera.project(cut);
+            Some(if a_seen { [film_a, film_cut] } else { [film_cut, film_b] })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{Instance, SplitMethod};
+
+    fn scene() -> Tlas {
+        let instances = (0..20)
+            .filter_map(|i| {
+                Instance::new(
+                    Primitive::Sphere,
+                    Affine3A::from_translation(Vec3::new(3.0 * i as f32, 0.0, 9.0)),
+                )
+            })
+            .collect();
+        Tlas::build(instances, SplitMethod::Sah)
+    }
+
+    #[test]
+    fn depth_zero_is_one_box_and_leaves_are_all_instances() {
+        let overlay = |depth, leaves_only| BvhOverlay {
+            shown: true,
+            depth,
+            leaves_only,
+        };
+        assert_eq!(boxes(&scene(), &overlay(0, false)).total, 1);
+        assert_eq!(boxes(&scene(), &overlay(40, true)).total, 20);
+        assert!(boxes(&scene(), &overlay(40, false)).boxes.is_empty());
+    }
+
+    #[test]
+    fn edges_are_twelve_in_front_and_cut_at_the_camera() {
+        let camera = Camera::new(Affine3A::IDENTITY, 90.0, 1.0, 0.01, 100.0, None);
+        let at = |z: f32| WorldBox {
+            corners: corners(&Aabb {
+                min: Vec3::new(-1.0, -1.0, z - 1.0),
+                max: Vec3::new(1.0, 1.0, z + 1.0),
+            }),
+            over_instances: false,
+        };
+        assert_eq!(edges(&camera, &at(5.0)).len(), 12);
+        assert_eq!(edges(&camera, &at(-5.0)).len(), 0);
+        // Around the camera: the four edges behind are gone.
+        let around = edges(&camera, &at(0.5));
+        assert_eq!(around.len(), 8);
+        assert!(around.iter().flatten().all(|p| p.is_finite()));
+    }
+}

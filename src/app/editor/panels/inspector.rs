@@ -1,0 +1,182 @@
+//! Everything about the selected thing that can be edited.
+
+use bevy::math::Affine3A;
+use bevy_egui::egui::{self, Ui};
+
+use super::super::command::Command;
+use super::super::model::{Inspected, InspectedMaterial, Item, MaterialPlace};
+use super::{emission, fields, material, sensor, transform};
+use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind};
+
+/// What the panel remembers between frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InspectorState {
+    angles: transform::ShownAngles,
+}
+
+/// `materials`: all there are to choose from. `scene_size` in world units.
+pub fn inspector(
+    ui: &mut Ui,
+    inspected: Option<&Inspected>,
+    materials: &[Item],
+    scene_size: f32,
+    state: &mut InspectorState,
+    commands: &mut Vec<Command>,
+) {
+    let Some(inspected) = inspected else {
+        ui.add_space(8.0);
+        ui.weak("Nothing is selected. Click in the picture or in the list at the left.");
+        return;
+    };
+    ui.horizontal(|ui| {
+        ui.add(egui::Label::new(egui::RichText::new(&inspected.name).heading()).truncate());
+    });
+    if let Some(to_world) = inspected.to_world {
+        section(ui, "Transform", |ui| {
+            pose(ui, inspected, to_world, scene_size, state, commands);
+        });
+    }
+    if let Some(shape) = &inspected.shape {
+        section(ui, "Shape", |ui| {
+            let mut edited = shape.clone();
+            if shape_rows(ui, &mut edited, inspected.triangles) {
+                commands.push(Command::SetShape(inspected.entity, edited));
+            }
+        });
+    }
+    if inspected.shape.is_some() || !inspected.materials.is_empty() {
+        section(ui, "Material", |ui| material_rows(ui, inspected, materials, commands));
+    }
+    if inspected.shape.is_some() {
+        section(ui, "Emission", |ui| {
+            let mut edited = inspected.area_light;
+            if emission::area_light(ui, &mut edited) {
+                commands.push(Command::SetAreaLight(inspected.entity, edited));
+            }
+        });
+    }
+    if let Some(emitter) = inspected.emitter {
+        section(ui, "Light", |ui| {
+            let mut edited = emitter;
+            if emission::emitter(ui, &mut edited) {
+                commands.push(Command::SetEmitter(inspected.entity, edited));
+            }
+        });
+    }
+    if let Some(given) = inspected.sensor {
+        section(ui, "Camera", |ui| {
+            let mut edited = given;
+            if sensor::sensor(ui, &mut edited, scene_size) {
+                commands.push(Command::SetSensor(inspected.entity, edited));
+            }
+            if ui.button("Look through this camera").clicked() {
+                commands.push(Command::LookThrough(inspected.entity));
+            }
+        });
+    }
+    if let Some(given) = inspected.film {
+        section(ui, "Film", |ui| {
+            let mut edited = given;
+            if sensor::film(ui, &mut edited) {
+                commands.push(Command::SetFilm(inspected.entity, edited));
+            }
+        });
+    }
+}
+
+fn section(ui: &mut Ui, title: &str, content: impl FnOnce(&mut Ui)) {
+    egui::CollapsingHeader::new(egui::RichText::new(title).strong())
+        .default_open(true)
+        .show_unindented(ui, content);
+}
+
+fn pose(
+    ui: &mut Ui,
+    inspected: &Inspected,
+    to_world: Affine3A,
+    scene_size: f32,
+    state: &mut InspectorState,
+    commands: &mut Vec<Command>,
+) {
+    let mut edited = to_world;
+    let is_rigid = inspected.shape.is_none();
+    if transform::transform(ui, &mut edited, is_rigid, scene_size, &mut state.angles) && edited.is_finite() {
+        commands.push(Command::SetToWorld(inspected.entity, edited));
+    }
+}
+
+/// True if edited.
+fn shape_rows(ui: &mut Ui, shape: &mut Shape, triangles: Option<usize>) -> bool {
+    let mut changed = false;
+    match &mut shape.kind {
+        ShapeKind::Sphere { center, radius } => {
+            fields::note(ui, "Type", "sphere");
+            let speed = 0.01 * radius.abs().max(1e-3);
+            changed |= fields::vector(ui, "Centre", center, speed, "");
+            changed |= fields::number(ui, "Radius", radius, speed, 1e-4..=f32::MAX);
+        }
+        ShapeKind::Rectangle => fields::note(ui, "Type", "rectangle"),
+        ShapeKind::Cube => fields::note(ui, "Type", "cube"),
+        ShapeKind::Disk => fields::note(ui, "Type", "disk"),
+        ShapeKind::Mesh(MeshFile {
+            path,
+            format,
+            face_normals,
+        }) => {
+            let format = match format {
+                MeshFormat::Obj => "OBJ mesh",
+                MeshFormat::Ply => "PLY mesh",
+            };
+            fields::note(ui, "Type", format);
+            let file = path.file_name().unwrap_or_default().to_string_lossy();
+            fields::note(ui, "File", file);
+            if let Some(triangles) = triangles {
+                fields::note(ui, "Triangles", triangles.to_string());
+            }
+            changed |= fields::checkbox(ui, "Flat shading", face_normals);
+        }
+    }
+    fields::checkbox(ui, "Flip normals", &mut shape.flip_normals) || changed
+}
+
+fn material_rows(ui: &mut Ui, inspected: &Inspected, all: &[Item], commands: &mut Vec<Command>) {
+    if inspected.shape.is_some() {
+        let mut used = inspected.uses_material;
+        let mut options: Vec<(Option<_>, &str)> = vec![(None, "of the file, or grey")];
+        options.extend(all.iter().map(|item| (Some(item.entity), item.name.as_str())));
+        if fields::choice(ui, "Uses", &mut used, &options) {
+            commands.push(Command::UseMaterial {
+                shape: inspected.entity,
+                material: used,
+            });
+        }
+        if ui.button("New material for this shape").clicked() {
+            commands.push(Command::GiveMaterial {
+                shape: inspected.entity,
+            });
+        }
+    }
+    for InspectedMaterial {
+        entity,
+        name,
+        material: given,
+        place,
+        users,
+    } in &inspected.materials
+    {
+        ui.push_id(entity, |ui| {
+            let title = match place {
+                MaterialPlace::Whole if *users > 1 => format!("{name} ({users} shapes)"),
+                MaterialPlace::Whole => name.clone(),
+                MaterialPlace::Front => format!("Front: {name}"),
+                MaterialPlace::Back => format!("Back: {name}"),
+            };
+            ui.add_space(2.0);
+            ui.add(egui::Label::new(egui::RichText::new(title).italics()).truncate());
+            let mut edited = given.clone();
+            if material::material(ui, &mut edited) {
+                commands.push(Command::SetMaterial(*entity, edited));
+            }
+        });
+    }
+}

@@ -1,0 +1,16 @@
+//! The panels around the picture. Each is a function of an egui `Ui` and plain data that says what the user did as [`Command`]s; none
+//! touches the ECS, so that tests can drive them without a window.
+//!
+//! [`Command`]: super::command::Command
+
+pub mod diagnostics;
+pub mod emission;
+pub mod fields;
+pub mod inspector;
+pub mod material;
+pub mod menu_bar;
+pub mod outliner;
+pub mod render;
+pub mod sensor;
+pub mod status;
+pub mod transform;

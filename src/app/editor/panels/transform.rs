@@ -1,0 +1,96 @@
+//! Translation, rotation and scale of an entity.
+
+use bevy::math::{Affine3A, EulerRot, Mat3A, Quat, Vec3};
+use bevy_egui::egui::Ui;
+
+use super::fields;
+
+/// The angles last shown. A rotation has many sets of angles; keeping those that the user dragged keeps them from jumping.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ShownAngles {
+    rotation: Quat,
+    degrees: Vec3,
+}
+
+const ORDER: EulerRot = EulerRot::ZYX;
+/// Two rotations closer than this are the same one, written by us.
+const SAME_ROTATION: f32 = 1e-5;
+/// How far a matrix may be off translation, rotation, scale and still count as made of them, relative to its size.
+const SHEAR_TOLERANCE: f32 = 1e-4;
+
+/// True if `to_world` was edited. `is_rigid`: cameras have no scale. `size` (world units) sets how fast a drag moves.
+pub fn transform(ui: &mut Ui, to_world: &mut Affine3A, is_rigid: bool, size: f32, shown: &mut ShownAngles) -> bool {
+    let mut translation = Vec3::from(to_world.translation);
+    let moved = fields::vector(ui, "Position", &mut translation, 0.002 * size, "");
+    if moved {
+        to_world.translation = translation.into();
+    }
+    let Some((scale, rotation)) = decompose(&to_world.matrix3) else {
+        fields::note(ui, "Rotation", "sheared: only the position can be edited");
+        return moved;
+    };
+    let mut degrees = degrees(rotation, shown);
+    let turned = fields::vector(ui, "Rotation", &mut degrees, 0.5, "°");
+    let mut edited_scale = scale;
+    let scaled = !is_rigid && fields::vector(ui, "Scale", &mut edited_scale, 0.002 * scale.length().max(1e-3), "");
+    if turned || scaled {
+        let rotation = if turned { from_degrees(degrees) } else { rotation };
+        *shown = ShownAngles { rotation, degrees };
+        let matrix3 = Mat3A::from_quat(rotation) * Mat3A::from_diagonal(nonzero(edited_scale));
+        to_world.matrix3 = matrix3;
+    }
+    moved || turned || scaled
+}
+
+/// Scale and rotation, or None for a sheared matrix.
+fn decompose(matrix: &Mat3A) -> Option<(Vec3, Quat)> {
+    let (scale, rotation, _) = Affine3A {
+        matrix3: *matrix,
+        translation: Default::default(),
+    }
+    .to_scale_rotation_translation();
+    let made = Mat3A::from_quat(rotation) * Mat3A::from_diagonal(scale);
+    let tolerance = SHEAR_TOLERANCE * scale.abs().max_element();
+    let fits = made.is_finite() && made.abs_diff_eq(*matrix, tolerance);
+    fits.then_some((scale, rotation))
+}
+
+/// About x, then y, then z.
+fn degrees(rotation: Quat, shown: &ShownAngles) -> Vec3 {
+    if rotation.dot(shown.rotation).abs() > 1.0 - SAME_ROTATION * SAME_ROTATION {
+        return shown.degrees;
+    }
+    let (z, y, x) = rotation.to_euler(ORDER);
+    // Adding zero turns -0 into 0.
+    Vec3::new(x, y, z).map(f32::to_degrees) + Vec3::ZERO
+}
+
+fn from_degrees(degrees: Vec3) -> Quat {
+    let [x, y, z] = degrees.map(f32::to_radians).to_array();
+    Quat::from_euler(ORDER, z, y, x)
+}
+
+/// A scale of zero would leave nothing to see, and no way back.
+fn nonzero(scale: Vec3) -> Vec3 {
+    scale.map(|s| if s.abs() < 1e-6 { 1e-6 } else { s })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_come_back() {
+        let degrees_in = Vec3::new(20.0, -35.0, 110.0);
+        let out = degrees(from_degrees(degrees_in), &ShownAngles::default());
+        assert!(out.abs_diff_eq(degrees_in, 1e-3), "{out}");
+    }
+
+    #[test]
+    fn shear_is_noticed() {
+        let sheared = Mat3A::from_cols(Vec3::X.into(), Vec3::new(0.5, 1.0, 0.0).into(), Vec3::Z.into());
+        assert!(decompose(&sheared).is_none());
+        let turned = Mat3A::from_rotation_y(0.7) * Mat3A::from_diagonal(Vec3::new(1.0, 200.0, -3.0));
+        assert!(decompose(&turned).is_some());
+    }
+}

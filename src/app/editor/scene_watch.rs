@@ -1,0 +1,57 @@
+//! What the editor does when a scene has been opened or read anew.
+
+use bevy::prelude::*;
+
+use super::navigation::up_axis;
+use super::picking;
+use super::state::EditorState;
+use crate::engine::CurrentScene;
+use crate::scene::{ActiveSensor, SceneState, SceneStatus, ToWorld};
+
+/// Messages about loading; a freshly opened scene also decides what is up.
+pub fn follow_scene(
+    status: Res<SceneStatus>,
+    active: Res<ActiveSensor>,
+    poses: Query<&ToWorld>,
+    mut state: ResMut<EditorState>,
+    mut seen: Local<(u64, SceneState)>,
+) {
+    let now = (status.revision, status.state);
+    if *seen == now {
+        return;
+    }
+    let before = std::mem::replace(&mut *seen, now);
+    let file = status
+        .path
+        .as_ref()
+        .and_then(|path| path.file_name())
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    if status.revision != before.0 {
+        if status.fresh_load {
+            let pose = active.0.and_then(|sensor| poses.get(sensor).ok());
+            state.navigation.up = pose.map_or(Vec3::Y, |pose| up_axis(&pose.0));
+            state.selection = None;
+            state.say(format!("Opened {file}"));
+        } else {
+            state.say(format!("Reloaded {file}"));
+        }
+    } else if status.state == SceneState::Failed {
+        state.say(format!("{file} could not be read; the last good scene is shown"));
+        state.right_tab = super::state::RightTab::Diagnostics;
+    }
+}
+
+/// Keeps the size that flying is scaled by.
+pub fn measure_scene(current: Res<CurrentScene>, mut state: ResMut<EditorState>) {
+    if !current.is_changed() {
+        return;
+    }
+    if let Some(bounds) = picking::scene_bounds(&current) {
+        let size = bounds.extent().length();
+        if size.is_finite() && size > 0.0 && size != state.navigation.scene_size {
+            state.navigation.scene_size = size;
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The arrangement of the window: menus above, lists left and right, the status line below, the picture in between.
+
+use bevy::prelude::*;
+use bevy_egui::{EguiContexts, egui};
+
+use super::command::{Command, FileDialogKind};
+use super::commands::camera_pose;
+use super::dialogs::Dialogs;
+use super::gather::EditorModel;
+use super::keys::KeyContext;
+use super::model::Model;
+use super::overlay::{self, BoxList, BvhOverlay};
+use super::panels::menu_bar::{MenuState, menu_bar};
+use super::panels::{diagnostics, inspector, outliner, render, status};
+use super::picking;
+use super::picture::Picture;
+use super::state::{CommandQueue, EditorState, RightTab};
+use super::viewport::{ViewportModel, viewport};
+use crate::accel::Tlas;
+use crate::engine::CurrentScene;
+use crate::scene::{ActiveSensor, SceneState, SceneStatus, ToWorld};
+
+const LEFT_WIDTH: f32 = 216.0;
+const RIGHT_WIDTH: f32 = 300.0;
+
+/// The boxes as they were last collected.
+#[derive(Default)]
+pub struct CollectedBoxes {
+    from: Option<(std::sync::Arc<Tlas>, BvhOverlay)>,
+    list: BoxList,
+}
+
+#[derive(bevy::ecs::system::SystemParam)]
+pub struct Scene<'w, 's> {
+    current: Res<'w, CurrentScene>,
+    status: Res<'w, SceneStatus>,
+    active: Res<'w, ActiveSensor>,
+    poses: Query<'w, 's, &'static ToWorld>,
+    picture: Res<'w, Picture>,
+}
+
+pub fn show_window(
+    mut contexts: EguiContexts,
+    model: Res<EditorModel>,
+    mut state: ResMut<EditorState>,
+    mut queue: ResMut<CommandQueue>,
+    mut dialogs: ResMut<Dialogs>,
+    scene: Scene,
+    mut boxes: Local<CollectedBoxes>,
+) -> Result {
+    let context = contexts.ctx_mut()?.clone();
+    let builder = egui::UiBuilder::new()
+        .layer_id(egui::LayerId::background())
+        .max_rect(context.viewport_rect());
+    let mut ui = egui::Ui::new(context.clone(), "window".into(), builder);
+    let (state, commands, model) = (&mut *state, &mut queue.0, &model.0);
+    let menus = MenuState {
+        display: state.display,
+        overlay: state.overlay,
+        panels_shown: state.panels_shown,
+    };
+    egui::Panel::top("menus").show(&mut ui, |ui| menu_bar(ui, model, menus, commands));
+    egui::Panel::bottom("status").show(&mut ui, |ui| status::status_line(ui, &model.status, state.message()));
+    if state.panels_shown {
+        left_panel(&mut ui, model, state, commands);
+        right_panel(&mut ui, model, state, commands);
+    }
+    collect_boxes(&scene.current, &state.overlay, &mut boxes);
+    let placeholder = placeholder(&scene.status);
+    let shown = ViewportModel {
+        picture: scene.picture.texture(),
+        placeholder: &placeholder,
+        pose: camera_pose(&scene.active, &scene.poses),
+        camera: scene.current.view.as_ref().map(|view| view.camera),
+        boxes: &boxes.list,
+        selection_box: picking::selection_box(&scene.current, state.selection),
+        navigation: state.navigation,
+        keys: KeyContext {
+            display: state.display,
+            overlay: state.overlay,
+            paused: model.status.is_paused(),
+            panels_shown: state.panels_shown,
+            selection: state.selection,
+            flying: false,
+        },
+        enabled: state.dialog.is_none(),
+    };
+    egui::CentralPanel::no_frame().show(&mut ui, |ui| viewport(ui, &shown, &mut state.viewport, commands));
+    dialogs.show(&context, state, commands);
+    Ok(())
+}
+
+fn left_panel(ui: &mut egui::Ui, model: &Model, state: &mut EditorState, commands: &mut Vec<Command>) {
+    egui::Panel::left("outliner")
+        .default_size(LEFT_WIDTH)
+        .size_range(140.0..=400.0)
+        .show(ui, |ui| {
+            ui.add_space(4.0);
+            outliner::outliner(
+                ui,
+                &model.outline,
+                state.selection,
+                &mut state.outliner_filter,
+                commands,
+            );
+        });
+}
+
+fn right_panel(ui: &mut egui::Ui, model: &Model, state: &mut EditorState, commands: &mut Vec<Command>) {
+    egui::Panel::right("properties")
+        .default_size(RIGHT_WIDTH)
+        .size_range(260.0..=460.0)
+        .show(ui, |ui| {
+            ui.add_space(4.0);
+            ui.horizontal(|ui| {
+                ui.selectable_value(&mut state.right_tab, RightTab::Inspector, "Inspector");
+                ui.selectable_value(&mut state.right_tab, RightTab::Render, "Render");
+                let errors = model.notices.iter().filter(|notice| notice.is_error).count();
+                let title = match (errors, model.notices.len()) {
+                    (0, 0) => egui::RichText::new("Messages"),
+                    (0, warnings) => egui::RichText::new(format!("Messages ({warnings})")),
+                    (_, all) => egui::RichText::new(format!("Messages ({all})")).color(ui.visuals().error_fg_color),
+                };
+                ui.selectable_value(&mut state.right_tab, RightTab::Diagnostics, title);
+            });
+            ui.separator();
+            egui::ScrollArea::vertical()
+                .auto_shrink(false)
+                .show(ui, |ui| match state.right_tab {
+                    RightTab::Inspector => inspector::inspector(
+                        ui,
+                        model.inspected.as_ref(),
+                        &model.outline.materials,
+                        state.navigation.scene_size,
+                        &mut state.inspector,
+                        commands,
+                    ),
+                    RightTab::Render => render::render(ui, &model.render, state.display, state.overlay, commands),
+                    RightTab::Diagnostics => diagnostics::diagnostics(ui, &model.notices),
+                });
+        });
+}
+
+fn collect_boxes(current: &CurrentScene, overlay: &BvhOverlay, boxes: &mut CollectedBoxes) {
+    let Some(scene) = current.scene.as_ref().filter(|_| overlay.shown) else {
+        *boxes = CollectedBoxes::default();
+        return;
+    };
+    let is_same = boxes
+        .from
+        .as_ref()
+        .is_some_and(|(geometry, from)| std::sync::Arc::ptr_eq(geometry, &scene.geometry) && from == overlay);
+    if !is_same {
+        boxes.list = overlay::boxes(&scene.geometry, overlay);
+        boxes.from = Some((scene.geometry.clone(), *overlay));
+    }
+}
+
+fn placeholder(status: &SceneStatus) -> String {
+    let file = status.path.as_ref().map_or(String::new(), |path| {
+        path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    });
+    match status.state {
+        SceneState::Empty => "Open a scene with File, Open (Ctrl+O)".to_owned(),
+        SceneState::Loading => format!("Loading {file}"),
+        SceneState::Ready => format!("Preparing {file}"),
+        SceneState::Failed => format!("{file} could not be read; see Messages at the right"),
+    }
+}
+
+/// What a finished dialog asks for.
+pub fn picked(kind: FileDialogKind, path: std::path::PathBuf) -> Command {
+    match kind {
+        FileDialogKind::OpenScene => Command::OpenScene(path),
+        FileDialogKind::SaveScene => Command::SaveScene(path),
+        FileDialogKind::SaveImage => Command::SaveImage(path),
+    }
+}

@@ -1,0 +1,114 @@
+//! The program with a window: Bevy's window and renderer around the scene, the engine and the editor.
+
+use std::process::ExitCode;
+
+use bevy::log::LogPlugin;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::settings::{Backends, RenderCreation, WgpuSettings};
+use bevy::window::{PresentMode, WindowResolution};
+use thiserror::Error;
+
+use super::editor::EditorPlugin;
+pub use super::editor::options::WindowOptions;
+use super::threads::worker_count;
+use crate::engine::{EnginePlugin, RenderControl};
+use crate::scene::{ScenePlugin, asset_plugin};
+
+#[derive(Debug, Error)]
+pub enum WindowError {
+    #[error(
+        "there is no display to open a window on (neither WAYLAND_DISPLAY nor DISPLAY is set); `sunroom render SCENE -o OUT.png` works without one"
+    )]
+    NoDisplay,
+}
+
+/// Opens the window and returns when it is closed.
+pub fn run(options: WindowOptions) -> Result<ExitCode, WindowError> {
+    if !has_display() {
+        return Err(WindowError::NoDisplay);
+    }
+    explain_startup_panics();
+    Ok(match windowed(options).run() {
+        AppExit::Success => ExitCode::SUCCESS,
+        AppExit::Error(code) => ExitCode::from(code.get()),
+    })
+}
+
+/// The app with a window, not yet running.
+pub fn windowed(options: WindowOptions) -> App {
+    let mut app = App::new();
+    let window = Window {
+        title: "Sunroom".to_owned(),
+        name: Some("sunroom".to_owned()),
+        resolution: WindowResolution::new(options.size.x, options.size.y),
+        present_mode: PresentMode::AutoVsync,
+        desired_maximum_frame_latency: std::num::NonZeroU32::new(1),
+        ..default()
+    };
+    let plugins = DefaultPlugins
+        .set(WindowPlugin {
+            primary_window: Some(window),
+            ..default()
+        })
+        .set(asset_plugin())
+        .set(LogPlugin {
+            // Of the libraries only what is wrong; a software driver and a window manager without sizes are not.
+            filter: "error,sunroom=info".to_owned(),
+            ..default()
+        })
+        .set(RenderPlugin {
+            render_creation: RenderCreation::Automatic(Box::new(WgpuSettings {
+                // Those that can show a window everywhere they exist; OpenGL cannot.
+                backends: Some(Backends::from_env().unwrap_or(Backends::PRIMARY)),
+                ..default()
+            })),
+            ..default()
+        });
+    app.add_plugins(plugins)
+        .add_plugins((ScenePlugin, EnginePlugin))
+        .insert_resource(ClearColor(Color::srgb_u8(18, 18, 18)))
+        .insert_resource(RenderControl {
+            interactive: true,
+            threads: worker_count(options.threads, true),
+            ..default()
+        })
+        .add_plugins(EditorPlugin(options));
+    app
+}
+
+/// On systems where windows need no display server to be named there always is one.
+fn has_display() -> bool {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    !cfg!(all(unix, not(target_os = "macos")))
+        || is_set("DISPLAY")
+        || is_set("WAYLAND_DISPLAY")
+        || is_set("WAYLAND_SOCKET")
+}
+
+/// Bevy panics, on threads of its own, when it finds no graphics driver or no display: says what that means and ends the program.
+fn explain_startup_panics() {
+    let default_hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        let message = panic.payload_as_str().unwrap_or_default();
+        let reason = STARTUP_PANICS.iter().find(|(part, _)| message.contains(part));
+        let Some((_, reason)) = reason else {
+            return default_hook(panic);
+        };
+        eprintln!("error: {reason}; `sunroom render SCENE -o OUT.png` works without a window\n  ({message})");
+        std::process::exit(1);
+    }));
+}
+
+/// A part of the message, and what it means.
+const STARTUP_PANICS: [(&str, &str); 3] = [
+    (
+        "Unable to find a GPU",
+        "no graphics driver was found that can draw a window (Vulkan, Metal or DirectX 12; on Linux the package mesa-vulkan-drivers has one that needs no GPU)",
+    ),
+    (
+        "Failed to create wgpu surface",
+        "the graphics driver cannot draw on this display",
+    ),
+    ("Failed to build event loop", "the display cannot be reached"),
+];

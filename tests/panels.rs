@@ -1,0 +1,730 @@
+//! Drives the editor's panels without a window: what the user does comes out as commands, and showing a panel changes nothing.
+#![cfg(feature = "window")]
+
+use bevy::math::{Affine3A, Mat3A, Vec2, Vec3};
+use bevy::prelude::Entity;
+use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, Ui};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use sunroom::app::editor::command::{Command, FileDialogKind};
+use sunroom::app::editor::display::{DisplayMode, DisplaySettings};
+use sunroom::app::editor::keys::KeyContext;
+use sunroom::app::editor::model::{
+    DenoiserState, Inspected, InspectedMaterial, Item, MaterialPlace, Model, Notice, Outline, RenderModel, StatusModel,
+};
+use sunroom::app::editor::navigation::Navigation;
+use sunroom::app::editor::overlay::{BoxList, BvhOverlay};
+use sunroom::app::editor::panels::inspector::{InspectorState, inspector};
+use sunroom::app::editor::panels::menu_bar::{MenuState, menu_bar};
+use sunroom::app::editor::panels::{diagnostics, outliner, render, status};
+use sunroom::app::editor::viewport::{ViewportModel, ViewportState, viewport};
+use sunroom::color::Rgb;
+use sunroom::engine::{RenderState, RenderStatus};
+use sunroom::scene::{
+    AreaLight, ConductorIor, Emitter, Film, IntegratorSettings, Ior, Lens, Material, Sensor, Shape, ShapeKind, Strategy,
+};
+
+fn entity(index: u32) -> Entity {
+    Entity::from_raw_u32(index).expect("a small index is valid")
+}
+
+/// What a panel is given, and what came of it.
+struct Shown<T> {
+    given: T,
+    commands: Vec<Command>,
+}
+
+type Panel<T> = fn(&mut Ui, &T, &mut Vec<Command>);
+
+fn show<T: 'static>(given: T, panel: Panel<T>) -> Harness<'static, Shown<T>> {
+    let shown = Shown {
+        given,
+        commands: Vec::new(),
+    };
+    let mut harness = Harness::builder().with_size(egui::vec2(340.0, 900.0)).build_ui_state(
+        move |ui, shown: &mut Shown<T>| panel(ui, &shown.given, &mut shown.commands),
+        shown,
+    );
+    harness.run_steps(3);
+    harness
+}
+
+/// Drags the slider of this name to a fraction of its length.
+fn slide<T>(harness: &mut Harness<Shown<T>>, name: &str, fraction: f32) {
+    let rect = harness.get_by_label(name).rect();
+    press_at(
+        harness,
+        Pos2::new(rect.left() + fraction * rect.width(), rect.center().y),
+    );
+}
+
+fn press_at<T>(harness: &mut Harness<T>, position: Pos2) {
+    harness.hover_at(position);
+    harness.run_steps(1);
+    harness.drag_at(position);
+    harness.run_steps(1);
+    harness.drop_at(position);
+    harness.run_steps(2);
+}
+
+fn click<T>(harness: &mut Harness<T>, name: &str) {
+    harness.get_by_label(name).click();
+    harness.run_steps(4);
+}
+
+/// Drags a number by some points to the right.
+fn drag<T>(harness: &mut Harness<T>, name: &str, points: f32) {
+    let start = harness.get_by_label(name).rect().center();
+    harness.hover_at(start);
+    harness.run_steps(1);
+    harness.drag_at(start);
+    harness.run_steps(1);
+    for step in 1..=4 {
+        harness.hover_at(start + egui::vec2(points * step as f32 / 4.0, 0.0));
+        harness.run_steps(1);
+    }
+    harness.drop_at(start + egui::vec2(points, 0.0));
+    harness.run_steps(2);
+}
+
+fn inspect(inspected: Inspected) -> Harness<'static, Shown<(Inspected, Vec<Item>)>> {
+    let choices = vec![item(30, "red wall"), item(31, "glass")];
+    let state = std::sync::Mutex::new(InspectorState::default());
+    let shown = Shown {
+        given: (inspected, choices),
+        commands: Vec::new(),
+    };
+    let mut harness = Harness::builder().with_size(egui::vec2(340.0, 900.0)).build_ui_state(
+        move |ui, shown: &mut Shown<(Inspected, Vec<Item>)>| {
+            let mut state = state.lock().expect("one thread");
+            let (inspected, choices) = &shown.given;
+            inspector(ui, Some(inspected), choices, 10.0, &mut state, &mut shown.commands);
+        },
+        shown,
+    );
+    harness.run_steps(3);
+    harness
+}
+
+fn item(index: u32, name: &str) -> Item {
+    Item {
+        entity: entity(index),
+        name: name.to_owned(),
+        kind: "diffuse",
+    }
+}
+
+fn with_material(material: Material) -> Inspected {
+    Inspected {
+        materials: vec![InspectedMaterial {
+            entity: entity(7),
+            name: "paint".into(),
+            material,
+            place: MaterialPlace::Whole,
+            users: 1,
+        }],
+        ..Inspected::new(entity(7), "paint")
+    }
+}
+
+fn only_material(commands: &[Command]) -> &Material {
+    match commands.last() {
+        Some(Command::SetMaterial(target, material)) if *target == entity(7) => material,
+        other => panic!("no material was set: {other:?}"),
+    }
+}
+
+/// Values that no control can show exactly.
+fn awkward() -> Vec<Inspected> {
+    let nothing = Inspected::new(entity(7), "it");
+    let sheared = Mat3A::from_cols(Vec3::X.into(), Vec3::new(0.3, 2.0, 0.0).into(), Vec3::Z.into());
+    let third = Rgb::new(1.0 / 3.0, 0.123_456_79, 1.7);
+    let materials = [
+        Material::Diffuse { reflectance: third },
+        Material::Metal {
+            reflectance: third,
+            fuzz: 1.234_567,
+        },
+        Material::RoughConductor {
+            ior: ConductorIor::Named("unobtainium".into()),
+            specular_reflectance: third,
+            alpha: 3.3,
+        },
+        Material::Conductor {
+            ior: ConductorIor::Given { eta: third, k: -third },
+            specular_reflectance: third,
+        },
+        Material::Dielectric {
+            interior: Ior::Number(7.654_321),
+            exterior: Ior::Named("mud".into()),
+            specular_reflectance: third,
+            specular_transmittance: third,
+        },
+        Material::TwoSided,
+    ];
+    let mut cases: Vec<Inspected> = materials.into_iter().map(with_material).collect();
+    cases.extend([
+        Inspected {
+            to_world: Some(Affine3A {
+                matrix3: sheared,
+                translation: Vec3::splat(1e7 / 3.0).into(),
+            }),
+            shape: Some(Shape {
+                kind: ShapeKind::Sphere {
+                    center: third,
+                    radius: -2.0,
+                },
+                flip_normals: true,
+            }),
+            area_light: Some(AreaLight {
+                radiance: Rgb::new(1e5 / 3.0, 7.0, 0.0),
+            }),
+            uses_material: Some(entity(99)),
+            ..nothing.clone()
+        },
+        Inspected {
+            to_world: Some(
+                Affine3A::from_rotation_x(0.123_456_7) * Affine3A::from_scale(Vec3::new(-1e-3, 3e3, 1.0 / 3.0)),
+            ),
+            emitter: Some(Emitter::Point { intensity: Rgb::ZERO }),
+            ..nothing.clone()
+        },
+        Inspected {
+            sensor: Some(Sensor {
+                fov: 179.876_54,
+                near_clip: 0.0,
+                lens: Lens::Thin {
+                    aperture_radius: 1e4,
+                    focus_distance: 0.0,
+                },
+                ..Sensor::default()
+            }),
+            film: Some(Film {
+                width: 3,
+                height: 100_000,
+                sample_count: 0,
+                ..Film::default()
+            }),
+            emitter: Some(Emitter::Directional { irradiance: third }),
+            ..nothing
+        },
+    ]);
+    cases
+}
+
+#[test]
+fn showing_the_inspector_changes_nothing() {
+    for inspected in awkward() {
+        let mut harness = inspect(inspected.clone());
+        harness.hover_at(Pos2::new(150.0, 200.0));
+        harness.run_steps(5);
+        assert_eq!(harness.state().commands, [], "{inspected:?}");
+    }
+}
+
+#[test]
+fn a_slider_changes_its_parameter_and_no_other() {
+    let reflectance = Rgb::new(0.8, 0.6, 1.0 / 3.0);
+    let mut harness = inspect(with_material(Material::Metal { reflectance, fuzz: 0.1 }));
+    slide(&mut harness, "Fuzz", 0.5);
+    let Material::Metal {
+        reflectance: kept,
+        fuzz,
+    } = only_material(&harness.state().commands)
+    else {
+        panic!("another kind")
+    };
+    assert_eq!(*kept, reflectance);
+    assert!((0.4..0.6).contains(fuzz), "{fuzz}");
+}
+
+#[test]
+fn a_colour_channel_can_be_dragged() {
+    let mut harness = inspect(with_material(Material::Diffuse {
+        reflectance: Rgb::splat(0.5),
+    }));
+    drag(&mut harness, "Reflectance G", 40.0);
+    let Material::Diffuse { reflectance } = only_material(&harness.state().commands) else {
+        panic!("another kind")
+    };
+    assert_eq!((reflectance.x, reflectance.z), (0.5, 0.5));
+    assert!(reflectance.y > 0.5 && reflectance.y <= 1.0, "{reflectance}");
+}
+
+#[test]
+fn a_material_turns_into_another_kind() {
+    let mut harness = inspect(with_material(Material::Diffuse {
+        reflectance: Rgb::splat(0.5),
+    }));
+    click(&mut harness, "Type");
+    click(&mut harness, "dielectric");
+    assert!(matches!(
+        only_material(&harness.state().commands),
+        Material::Dielectric { .. }
+    ));
+}
+
+#[test]
+fn a_shape_takes_another_material_or_a_new_one() {
+    let shape = Inspected {
+        shape: Some(Shape::default()),
+        uses_material: Some(entity(30)),
+        ..Inspected::new(entity(5), "wall")
+    };
+    let mut harness = inspect(shape.clone());
+    click(&mut harness, "Uses");
+    click(&mut harness, "glass");
+    let used = Command::UseMaterial {
+        shape: entity(5),
+        material: Some(entity(31)),
+    };
+    assert_eq!(harness.state().commands, [used]);
+    let mut harness = inspect(shape);
+    click(&mut harness, "New material for this shape");
+    assert_eq!(harness.state().commands, [Command::GiveMaterial { shape: entity(5) }]);
+}
+
+#[test]
+fn a_shape_can_be_made_to_emit() {
+    let mut harness = inspect(Inspected {
+        shape: Some(Shape::default()),
+        ..Inspected::new(entity(5), "wall")
+    });
+    click(&mut harness, "Emits light");
+    let light = AreaLight { radiance: Rgb::ONE };
+    assert_eq!(
+        harness.state().commands,
+        [Command::SetAreaLight(entity(5), Some(light))]
+    );
+}
+
+#[test]
+fn strength_keeps_the_hue() {
+    let radiance = Rgb::new(18.4, 9.2, 4.6);
+    let mut harness = inspect(Inspected {
+        shape: Some(Shape::default()),
+        area_light: Some(AreaLight { radiance }),
+        ..Inspected::new(entity(5), "lamp")
+    });
+    slide(&mut harness, "Strength", 0.9);
+    let Some(Command::SetAreaLight(_, Some(light))) = harness.state().commands.last() else {
+        panic!("no light was set")
+    };
+    assert!(light.radiance.x > radiance.x);
+    let (hue, before) = (light.radiance / light.radiance.x, radiance / radiance.x);
+    assert!(hue.abs_diff_eq(before, 1e-4), "{hue} {before}");
+}
+
+#[test]
+fn position_is_dragged_and_the_rest_of_the_matrix_stays() {
+    let to_world = Affine3A::from_rotation_y(0.7) * Affine3A::from_scale(Vec3::new(1.0, 2.0, -3.0));
+    let mut harness = inspect(Inspected {
+        to_world: Some(to_world),
+        shape: Some(Shape::default()),
+        ..Inspected::new(entity(5), "box")
+    });
+    drag(&mut harness, "Position Y", 30.0);
+    let Some(Command::SetToWorld(target, moved)) = harness.state().commands.last() else {
+        panic!("not moved")
+    };
+    assert_eq!(*target, entity(5));
+    assert_eq!(moved.matrix3, to_world.matrix3);
+    assert!(moved.translation.y > 0.0 && moved.translation.x == 0.0);
+}
+
+#[test]
+fn a_sheared_shape_has_no_rotation_to_edit() {
+    let mut harness = inspect(
+        awkward()
+            .into_iter()
+            .find(|case| case.shape.is_some())
+            .expect("there is one"),
+    );
+    assert!(harness.query_by_label("Rotation X").is_none());
+    drag(&mut harness, "Position X", 20.0);
+    assert!(matches!(harness.state().commands.last(), Some(Command::SetToWorld(..))));
+}
+
+#[test]
+fn camera_sliders_set_the_sensor() {
+    let mut harness = inspect(Inspected {
+        sensor: Some(Sensor::default()),
+        ..Inspected::new(entity(3), "camera")
+    });
+    slide(&mut harness, "Field of view", 0.9);
+    let Some(Command::SetSensor(_, sensor)) = harness.state().commands.last() else {
+        panic!("not set")
+    };
+    assert!(sensor.fov > 100.0);
+    harness.state_mut().commands.clear();
+    click(&mut harness, "Thin lens");
+    assert!(matches!(
+        harness.state().commands[..],
+        [Command::SetSensor(
+            _,
+            Sensor {
+                lens: Lens::Thin { .. },
+                ..
+            }
+        )]
+    ));
+    harness.state_mut().commands.clear();
+    click(&mut harness, "Look through this camera");
+    assert_eq!(harness.state().commands, [Command::LookThrough(entity(3))]);
+}
+
+fn render_panel(model: RenderModel) -> Harness<'static, Shown<RenderModel>> {
+    show(model, |ui, model, commands| {
+        render::render(ui, model, DisplaySettings::default(), BvhOverlay::default(), commands);
+    })
+}
+
+#[test]
+fn the_render_panel_sets_what_it_shows() {
+    let model = RenderModel {
+        target_samples: 100_000,
+        resolution_scale: 0.333_333_34,
+        integrator: IntegratorSettings {
+            max_depth: Some(1000),
+            ..IntegratorSettings::default()
+        },
+        ..RenderModel::default()
+    };
+    let mut harness = render_panel(model);
+    assert_eq!(harness.state().commands, [], "out of range and yet untouched");
+    slide(&mut harness, "Samples", 0.3);
+    assert!(matches!(
+        harness.state().commands.last(),
+        Some(Command::SetTargetSamples(2..=200))
+    ));
+    slide(&mut harness, "Resolution", 0.5);
+    assert!(matches!(harness.state().commands.last(), Some(Command::SetResolutionScale(s)) if (0.4..0.7).contains(s)));
+    slide(&mut harness, "Exposure", 0.6);
+    assert!(matches!(harness.state().commands.last(), Some(Command::SetDisplay(d)) if d.exposure > 0.0));
+    slide(&mut harness, "Depth limit", 0.1);
+    assert!(matches!(
+        harness.state().commands.last(),
+        Some(Command::SetIntegrator(IntegratorSettings {
+            max_depth: Some(1..20),
+            ..
+        }))
+    ));
+    click(&mut harness, "Sampling");
+    click(&mut harness, "lights only");
+    assert!(matches!(
+        harness.state().commands.last(),
+        Some(Command::SetIntegrator(IntegratorSettings {
+            strategy: Strategy::Light,
+            ..
+        }))
+    ));
+    click(&mut harness, "Show");
+    click(&mut harness, "Normal");
+    assert!(matches!(harness.state().commands.last(), Some(Command::SetDisplay(d)) if d.mode == DisplayMode::Normal));
+    click(&mut harness, "Start again");
+    assert_eq!(harness.state().commands.last(), Some(&Command::Restart));
+}
+
+#[test]
+fn the_outliner_selects_and_finds() {
+    let outline = Outline {
+        shapes: vec![item(1, "floor"), item(2, "bunny")],
+        lights: vec![item(3, "lamp")],
+        ..Outline::default()
+    };
+    let filter = std::sync::Mutex::new(String::new());
+    let shown = Shown {
+        given: outline,
+        commands: Vec::new(),
+    };
+    let mut harness = Harness::builder().with_size(egui::vec2(240.0, 500.0)).build_ui_state(
+        move |ui, shown: &mut Shown<Outline>| {
+            let mut filter = filter.lock().expect("one thread");
+            outliner::outliner(ui, &shown.given, Some(entity(1)), &mut filter, &mut shown.commands);
+        },
+        shown,
+    );
+    harness.run_steps(3);
+    click(&mut harness, "bunny");
+    assert_eq!(harness.state().commands, [Command::Select(Some(entity(2)))]);
+    harness.get_by_role(egui::accesskit::Role::TextInput).focus();
+    harness.run_steps(2);
+    harness.get_by_role(egui::accesskit::Role::TextInput).type_text("LAM");
+    harness.run_steps(3);
+    assert!(harness.query_by_label("bunny").is_none());
+    assert!(harness.query_by_label("lamp").is_some());
+}
+
+fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
+    let model = Model {
+        status: StatusModel {
+            denoiser,
+            ..StatusModel::default()
+        },
+        scene_files: std::sync::Arc::new(vec!["/there/cornell-box.xml".into()]),
+        ..Model::default()
+    };
+    show(model, |ui, model, commands| {
+        let state = MenuState {
+            display: DisplaySettings::default(),
+            overlay: BvhOverlay::default(),
+            panels_shown: true,
+        };
+        menu_bar(ui, model, state, commands);
+    })
+}
+
+#[test]
+fn menus_say_commands() {
+    let mut harness = menus(DenoiserState::Idle);
+    assert_eq!(harness.state().commands, []);
+    click(&mut harness, "File");
+    harness.get_by_label_contains("Reload").click();
+    harness.run_steps(3);
+    click(&mut harness, "View");
+    harness.get_by_label_contains("Show BVH boxes").click();
+    harness.run_steps(3);
+    click(&mut harness, "Pause");
+    click(&mut harness, "Denoise");
+    let boxes = BvhOverlay {
+        shown: true,
+        ..BvhOverlay::default()
+    };
+    let expected = [
+        Command::ReloadScene,
+        Command::SetOverlay(boxes),
+        Command::SetPaused(true),
+        Command::Denoise,
+    ];
+    assert_eq!(harness.state().commands, expected);
+}
+
+#[test]
+fn without_a_denoiser_there_is_nothing_to_press() {
+    let mut harness = menus(DenoiserState::Unavailable);
+    click(&mut harness, "Denoise");
+    assert_eq!(harness.state().commands, []);
+}
+
+#[test]
+fn messages_show_place_and_help() {
+    let notices = vec![Notice {
+        is_error: true,
+        place: Some("box.xml:12:5".into()),
+        text: "unknown plugin `glas`".into(),
+        help: Some("did you mean `dielectric`?".into()),
+    }];
+    let harness = show(notices, |ui, notices, _| diagnostics::diagnostics(ui, notices));
+    for text in ["error", "box.xml:12:5", "unknown plugin `glas`"] {
+        assert!(harness.query_by_label(text).is_some(), "{text}");
+    }
+    assert!(harness.query_by_label_contains("did you mean").is_some());
+}
+
+#[test]
+fn the_status_line_has_the_figures() {
+    let status = RenderStatus {
+        state: RenderState::Rendering,
+        samples: 5,
+        target: 64,
+        mrays_per_s: 2.345,
+        triangles: 871_414,
+        ..RenderStatus::default()
+    };
+    let model = StatusModel {
+        status,
+        ..StatusModel::default()
+    };
+    let harness = show(model, |ui, model, _| {
+        status::status_line(ui, model, Some("Opened box.xml"))
+    });
+    for text in ["Rendering", "2.35 Mrays/s", "871,414 triangles", "Opened box.xml"] {
+        assert!(harness.query_by_label(text).is_some(), "{text}");
+    }
+}
+
+/// The picture in a panel of 340 x 240 points, with a text field above it.
+struct Picture {
+    commands: Vec<Command>,
+    state: ViewportState,
+    text: String,
+    pose: Affine3A,
+}
+
+fn picture() -> Harness<'static, Picture> {
+    let picture = Picture {
+        commands: Vec::new(),
+        state: ViewportState::default(),
+        text: String::new(),
+        pose: Affine3A::IDENTITY,
+    };
+    let boxes = BoxList::default();
+    let mut harness = Harness::builder().with_size(egui::vec2(340.0, 240.0)).build_ui_state(
+        move |ui, picture: &mut Picture| {
+            ui.text_edit_singleline(&mut picture.text);
+            let model = ViewportModel {
+                picture: Some((egui::TextureId::default(), [200, 100])),
+                placeholder: "",
+                pose: Some(picture.pose),
+                camera: None,
+                boxes: &boxes,
+                selection_box: None,
+                navigation: Navigation::default(),
+                keys: KeyContext {
+                    display: DisplaySettings::default(),
+                    overlay: BvhOverlay::default(),
+                    paused: false,
+                    panels_shown: true,
+                    selection: Some(entity(1)),
+                    flying: false,
+                },
+                enabled: true,
+            };
+            viewport(ui, &model, &mut picture.state, &mut picture.commands);
+        },
+        picture,
+    );
+    harness.run_steps(3);
+    harness
+}
+
+fn last_pose(harness: &Harness<Picture>) -> Option<Affine3A> {
+    harness.state().commands.iter().rev().find_map(|command| match command {
+        Command::MoveCamera(pose) => Some(*pose),
+        _ => None,
+    })
+}
+
+const MIDDLE: Pos2 = Pos2::new(170.0, 130.0);
+
+#[test]
+fn a_click_picks_and_a_drag_looks() {
+    let mut harness = picture();
+    assert_eq!(harness.state().commands, []);
+    press_at(&mut harness, MIDDLE);
+    let [Command::Pick(film)] = harness.state().commands[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert!(film.abs_diff_eq(Vec2::splat(0.5), 0.1), "{film}");
+    harness.state_mut().commands.clear();
+    harness.drag_at(MIDDLE);
+    for step in 1..=5 {
+        harness.hover_at(MIDDLE + egui::vec2(15.0 * step as f32, 0.0));
+        harness.run_steps(1);
+    }
+    harness.drop_at(MIDDLE + egui::vec2(75.0, 0.0));
+    harness.run_steps(1);
+    let pose = last_pose(&harness).expect("looked around");
+    assert!(
+        pose.matrix3.z_axis.x < 0.0,
+        "to the right is -x: {}",
+        pose.matrix3.z_axis
+    );
+    assert!(
+        !harness
+            .state()
+            .commands
+            .iter()
+            .any(|command| matches!(command, Command::Pick(_)))
+    );
+}
+
+#[test]
+fn keys_fly_unless_a_text_is_being_typed() {
+    let mut harness = picture();
+    harness.key_down(Key::W);
+    harness.run_steps(2);
+    harness.key_up(Key::W);
+    harness.run_steps(1);
+    assert!(last_pose(&harness).is_some_and(|pose| pose.translation.z > 0.0));
+
+    harness.get_by_role(egui::accesskit::Role::TextInput).focus();
+    harness.run_steps(2);
+    harness.state_mut().commands.clear();
+    harness.key_down(Key::W);
+    harness.key_press(Key::Space);
+    harness.run_steps(2);
+    harness.key_up(Key::W);
+    harness.run_steps(1);
+    assert_eq!(harness.state().commands, []);
+}
+
+#[test]
+fn keys_are_commands() {
+    let display = DisplaySettings::default();
+    let table = [
+        (Key::Space, Modifiers::NONE, Command::SetPaused(true)),
+        (Key::R, Modifiers::SHIFT, Command::Restart),
+        (
+            Key::Tab,
+            Modifiers::NONE,
+            Command::SetDisplay(DisplaySettings {
+                mode: DisplayMode::Albedo,
+                ..display
+            }),
+        ),
+        (
+            Key::CloseBracket,
+            Modifiers::NONE,
+            Command::SetDisplay(DisplaySettings {
+                exposure: 0.25,
+                ..display
+            }),
+        ),
+        (
+            Key::B,
+            Modifiers::NONE,
+            Command::SetOverlay(BvhOverlay {
+                shown: true,
+                ..BvhOverlay::default()
+            }),
+        ),
+        (Key::F, Modifiers::NONE, Command::FrameSelection),
+        (Key::Home, Modifiers::NONE, Command::FrameAll),
+        (Key::N, Modifiers::NONE, Command::Denoise),
+        (Key::Escape, Modifiers::NONE, Command::Select(None)),
+        (
+            Key::O,
+            Modifiers::COMMAND,
+            Command::ShowDialog(FileDialogKind::OpenScene),
+        ),
+        (
+            Key::S,
+            Modifiers::COMMAND,
+            Command::ShowDialog(FileDialogKind::SaveScene),
+        ),
+    ];
+    let mut harness = picture();
+    for (key, modifiers, expected) in table {
+        harness.state_mut().commands.clear();
+        harness.key_press_modifiers(modifiers, key);
+        harness.run_steps(2);
+        assert_eq!(harness.state().commands, [expected], "{key:?}");
+    }
+}
+
+#[test]
+fn the_wheel_dollies_and_with_the_right_button_sets_the_speed() {
+    let wheel = || egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Line,
+        delta: egui::vec2(0.0, 1.0),
+        phase: egui::TouchPhase::Move,
+        modifiers: Modifiers::NONE,
+    };
+    let mut harness = picture();
+    harness.hover_at(MIDDLE);
+    harness.run_steps(1);
+    harness.event(wheel());
+    harness.run_steps(1);
+    assert!(last_pose(&harness).is_some_and(|pose| pose.translation.z > 0.0));
+    harness.state_mut().commands.clear();
+    harness.event(egui::Event::PointerButton {
+        pos: MIDDLE,
+        button: PointerButton::Secondary,
+        pressed: true,
+        modifiers: Modifiers::NONE,
+    });
+    harness.event(wheel());
+    harness.run_steps(1);
+    assert!(matches!(harness.state().commands[..], [Command::SetSpeed(speed)] if speed > 1.0));
+}
