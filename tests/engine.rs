@@ -164,6 +164,10 @@ impl Room {
         self.app.world().resource::<RenderFilm>().job
     }
 
+    fn last_restart(&self) -> Instant {
+        self.app.world().resource::<RenderStatus>().last_restart
+    }
+
     fn picture(&self) -> Vec<Rgb> {
         self.app.world().resource::<RenderFilm>().film.radiance()
     }
@@ -195,7 +199,7 @@ impl Room {
     }
 
     fn rebuilt_by(&mut self, change: impl FnOnce(&mut Self)) -> Rebuilt {
-        let (before, job) = (self.scene(), self.job());
+        let (before, last_restart) = (self.scene(), self.last_restart());
         change(self);
         // Twice: what is noticed late must not be missed.
         self.app.update();
@@ -206,7 +210,7 @@ impl Room {
             surfaces: !Arc::ptr_eq(&before.surfaces, &after.surfaces),
             bsdfs: !Arc::ptr_eq(&before.bsdfs, &after.bsdfs),
             lights: !Arc::ptr_eq(&before.lights, &after.lights),
-            restart: self.job() != job,
+            restart: self.last_restart() != last_restart,
         }
     }
 }

@@ -1,95 +1,40 @@
-//! Takes what the workers have delivered into the film, and brings the status up to date.
+//! Takes what the workers have delivered into the film.
 
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 
-use super::blas_cache::BlasCache;
 use super::control::RenderControl;
 use super::dispatch::Renderer;
-use super::extract::Extracted;
 use super::film::RenderFilm;
-use super::job::Job;
-use super::status::{RenderState, RenderStatus};
+use super::status::RenderStatus;
 
 /// Time per frame for adding tiles to the film; what is left waits for the next frame.
 const BUDGET: Duration = Duration::from_millis(8);
 /// The same where no frame is waited for.
 const BUDGET_WITHOUT_WINDOW: Duration = Duration::from_millis(50);
 
-/// Messages shown at most; a scene of a thousand broken spheres has said it by then.
-const MOST_ERRORS: usize = 50;
-
 pub(super) fn collect_results(
     mut renderer: ResMut<Renderer>,
     mut film: ResMut<RenderFilm>,
     mut status: ResMut<RenderStatus>,
     control: Res<RenderControl>,
-    extracted: Res<Extracted>,
-    cache: Res<BlasCache>,
 ) {
+    let Some(job) = renderer.job_mut().filter(|job| job.is_running()) else {
+        return;
+    };
     let budget = if control.interactive {
         BUDGET
     } else {
         BUDGET_WITHOUT_WINDOW
     };
-    if let Some(job) = renderer.job_mut().filter(|job| job.is_running()) {
-        let collected = job.collect(film.bypass_change_detection(), Instant::now() + budget);
-        if collected > 0 {
-            film.set_changed();
-        }
-        if collected > 0
-            && let Some(since) = job.since.take()
-        {
-            status.latency.record(since.elapsed().as_secs_f32() * 1e3);
-        }
+    // Through change detection only if there is something, for the display looks at that.
+    let collected = job.collect(film.bypass_change_detection(), Instant::now() + budget);
+    if collected == 0 {
+        return;
     }
-
-    let job = renderer.job();
-    let target = control.target_samples.unwrap_or(extracted.sample_count).max(1);
-    let samples = job.map_or(0, Job::least_samples);
-    let seconds = job.map_or(0.0, Job::seconds);
-    let per_second = |count: u64| {
-        if seconds > 0.0 {
-            count as f64 / seconds / 1e6
-        } else {
-            0.0
-        }
-    };
-    let failure = job.and_then(|job| job.failure.as_ref()).or(renderer.failure.as_ref());
-    let builds_running = cache.builds_running() as u32;
-    status.state = if failure.is_some() {
-        RenderState::Failed
-    } else if control.paused {
-        RenderState::Paused
-    } else if job.is_some_and(Job::is_running) {
-        RenderState::Rendering
-    } else if extracted.meshes_loading > 0 {
-        RenderState::Loading
-    } else if builds_running > 0 {
-        RenderState::Building
-    } else if renderer.waiting {
-        RenderState::Loading
-    } else if job.is_none() {
-        RenderState::Idle
-    } else if samples >= target {
-        RenderState::Done
-    } else {
-        RenderState::Rendering
-    };
-    status.samples = samples;
-    status.target = target;
-    status.size = job.map_or(UVec2::ZERO, |job| UVec2::new(job.view.width, job.view.height));
-    status.seconds = seconds;
-    status.rays = job.map_or(0, |job| job.rays);
-    status.mrays_per_s = per_second(status.rays);
-    status.msamples_per_s = per_second(job.map_or(0, |job| job.samples));
-    status.invalid_samples = job.map_or(0, |job| job.invalid);
-    status.triangles = extracted.triangles;
-    status.bvh = extracted.bvh;
-    status.meshes_loading = extracted.meshes_loading;
-    status.builds_running = builds_running;
-    status.errors.clear();
-    status.errors.extend(failure.cloned());
-    status.errors.extend(extracted.errors().take(MOST_ERRORS).cloned());
+    film.set_changed();
+    if let Some(since) = job.since.take() {
+        status.latency.record(since.elapsed().as_secs_f32() * 1e3);
+    }
 }

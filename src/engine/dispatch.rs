@@ -115,8 +115,11 @@ pub(super) fn dispatch_job(
         let since = demand.extracted.since.take();
         // The old job goes first, so that its workers stop while the new one is being set up.
         *job = None;
-        film.begin(view.width, view.height);
         let new = Job::new(demand.extracted.scene.clone(), view, control.interactive, since);
+        if !control.interactive || !film.has_size_of(&view) {
+            // Otherwise the last picture stays in the film until the first tile of the new one is there.
+            film.begin(&view, new.begun);
+        }
         status.last_restart = new.begun;
         *job = Some(new);
     }

@@ -1,19 +1,24 @@
 //! The picture being made, as the application reads it.
 
 use std::collections::HashSet;
+use std::time::Instant;
 
 use bevy::prelude::*;
 
 use crate::render::film::Film;
 use crate::render::tile::Tile;
+use crate::render::view::View;
 
 /// The film, and what of it has changed since somebody last looked.
 #[derive(Resource, Default)]
 pub struct RenderFilm {
     pub film: Film,
-    /// Counts the pictures that were begun; with a new number all that was shown is old, though worth showing until tiles arrive.
+    /// Counts the pictures that were begun; with a new number all that was shown is old, though worth showing until tiles arrive. A
+    /// picture is begun here when its first tile arrives, until then the last one stays.
     pub job: u64,
     dirty: HashSet<Tile>,
+    /// When the job was begun whose picture this is.
+    begun: Option<Instant>,
 }
 
 impl RenderFilm {
@@ -26,12 +31,21 @@ impl RenderFilm {
         !self.dirty.is_empty()
     }
 
-    pub(super) fn begin(&mut self, width: u32, height: u32) {
-        if (self.film.width(), self.film.height()) == (width, height) {
+    pub(super) fn has_size_of(&self, view: &View) -> bool {
+        (self.film.width(), self.film.height()) == (view.width, view.height)
+    }
+
+    /// Makes room for the job that was begun at `job_begun`, unless that was done before.
+    pub(super) fn begin(&mut self, view: &View, job_begun: Instant) {
+        if self.begun == Some(job_begun) {
+            return;
+        }
+        if self.has_size_of(view) {
             self.film.clear();
         } else {
-            self.film = Film::new(width, height);
+            self.film = Film::new(view.width, view.height);
         }
+        self.begun = Some(job_begun);
         self.job += 1;
         self.dirty.clear();
     }

@@ -146,6 +146,7 @@ impl Job {
         while let Some(run) = &self.run {
             match run.results.try_recv() {
                 Ok(TileResult::Preview(preview)) => {
+                    film.begin(&self.view, self.begun);
                     self.rays += preview.rays;
                     self.preview_left -= 1;
                     film.film.add_preview(&preview);
@@ -153,6 +154,7 @@ impl Job {
                     collected += 1;
                 }
                 Ok(TileResult::Samples { index, samples }) => {
+                    film.begin(&self.view, self.begun);
                     self.early.insert((index, samples.samples.start), samples);
                     self.add_in_order(index, film);
                     collected += 1;

@@ -12,6 +12,7 @@ mod extract;
 pub mod film;
 mod job;
 mod pack;
+mod report;
 mod run;
 mod schedule;
 pub mod status;
@@ -27,16 +28,21 @@ pub use film::RenderFilm;
 pub use status::{BvhStatus, LatencyStats, RenderState, RenderStatus};
 
 /// The steps of a frame, in this order, in `PostUpdate`.
+///
+/// What shows the picture runs after `Collect`; what edits the scene runs before `Detect`. Results come first, so that a change that
+/// waited for the preview of the one before is dispatched in the frame in which that preview is complete.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EngineSystems {
+    /// Takes the results that have arrived.
+    Collect,
     /// Which tables may be out of date.
     Detect,
     /// Packs these tables, and keeps the old one where nothing really differs.
     Extract,
     /// Cancels and starts jobs.
     Dispatch,
-    /// Takes the results that have arrived.
-    Collect,
+    /// Brings [`RenderStatus`] up to date.
+    Report,
 }
 
 /// Adds the engine's resources and systems to an app that has [`crate::scene::ScenePlugin`].
@@ -57,10 +63,11 @@ impl Plugin for EnginePlugin {
             .configure_sets(
                 PostUpdate,
                 (
+                    EngineSystems::Collect,
                     EngineSystems::Detect,
                     EngineSystems::Extract,
                     EngineSystems::Dispatch,
-                    EngineSystems::Collect,
+                    EngineSystems::Report,
                 )
                     .chain()
                     // A mesh that arrived in this frame is noticed in this frame.
@@ -69,10 +76,11 @@ impl Plugin for EnginePlugin {
             .add_systems(
                 PostUpdate,
                 (
+                    collect::collect_results.in_set(EngineSystems::Collect),
                     detect::detect_changes.in_set(EngineSystems::Detect),
                     extract::extract_scene.in_set(EngineSystems::Extract),
                     dispatch::dispatch_job.in_set(EngineSystems::Dispatch),
-                    collect::collect_results.in_set(EngineSystems::Collect),
+                    report::report_status.in_set(EngineSystems::Report),
                 ),
             );
     }

@@ -15,8 +15,10 @@ use super::schedule::{WorkItem, WorkQueue};
 use super::wake::Waker;
 use crate::render::tile::{TilePreview, TileSamples};
 
-/// Results that may wait to be collected: some 50 kB each.
+/// Results that may wait to be collected, some 50 kB each. A preview is a fraction of that and has room as a whole, so that workers do
+/// not wait for the next frame in the middle of it.
 const CAPACITY: usize = 256;
+const LARGEST_CAPACITY: usize = 2048;
 
 /// What a worker sends; `index` is the tile's place in the job's list.
 #[derive(Debug)]
@@ -52,7 +54,7 @@ struct Shared {
 impl Run {
     /// Sets all threads of `pool` to work. `preview_items`: how many of the queue's items are previews.
     pub fn start(pool: &ThreadPool, queue: WorkQueue, preview_items: usize, work: Box<Work>, waker: Waker) -> Self {
-        let (sender, results) = bounded(CAPACITY);
+        let (sender, results) = bounded((CAPACITY + preview_items).min(LARGEST_CAPACITY));
         let workers = pool.current_num_threads();
         let shared = Arc::new(Shared {
             cancel: Arc::new(AtomicBool::new(false)),

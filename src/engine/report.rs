@@ -1,0 +1,69 @@
+//! Brings the status up to date, once per frame, after all else.
+
+use bevy::prelude::*;
+
+use super::blas_cache::BlasCache;
+use super::control::RenderControl;
+use super::dispatch::Renderer;
+use super::extract::Extracted;
+use super::job::Job;
+use super::status::{RenderState, RenderStatus};
+
+/// Messages shown at most; a scene of a thousand broken spheres has said it by then.
+const MOST_ERRORS: usize = 50;
+
+pub(super) fn report_status(
+    mut status: ResMut<RenderStatus>,
+    renderer: Res<Renderer>,
+    control: Res<RenderControl>,
+    extracted: Res<Extracted>,
+    cache: Res<BlasCache>,
+) {
+    let job = renderer.job();
+    let target = control.target_samples.unwrap_or(extracted.sample_count).max(1);
+    let samples = job.map_or(0, Job::least_samples);
+    let seconds = job.map_or(0.0, Job::seconds);
+    let per_second = |count: u64| {
+        if seconds > 0.0 {
+            count as f64 / seconds / 1e6
+        } else {
+            0.0
+        }
+    };
+    let failure = job.and_then(|job| job.failure.as_ref()).or(renderer.failure.as_ref());
+    let builds_running = cache.builds_running() as u32;
+    status.state = if failure.is_some() {
+        RenderState::Failed
+    } else if control.paused {
+        RenderState::Paused
+    } else if job.is_some_and(Job::is_running) {
+        RenderState::Rendering
+    } else if extracted.meshes_loading > 0 {
+        RenderState::Loading
+    } else if builds_running > 0 {
+        RenderState::Building
+    } else if renderer.waiting {
+        RenderState::Loading
+    } else if job.is_none() {
+        RenderState::Idle
+    } else if samples >= target {
+        RenderState::Done
+    } else {
+        RenderState::Rendering
+    };
+    status.samples = samples;
+    status.target = target;
+    status.size = job.map_or(UVec2::ZERO, |job| UVec2::new(job.view.width, job.view.height));
+    status.seconds = seconds;
+    status.rays = job.map_or(0, |job| job.rays);
+    status.mrays_per_s = per_second(status.rays);
+    status.msamples_per_s = per_second(job.map_or(0, |job| job.samples));
+    status.invalid_samples = job.map_or(0, |job| job.invalid);
+    status.triangles = extracted.triangles;
+    status.bvh = extracted.bvh;
+    status.meshes_loading = extracted.meshes_loading;
+    status.builds_running = builds_running;
+    status.errors.clear();
+    status.errors.extend(failure.cloned());
+    status.errors.extend(extracted.errors().take(MOST_ERRORS).cloned());
+}
