@@ -1,1 +1,7 @@
-fn main() {}
+//! The `sunroom` program.
+
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::run()
+}

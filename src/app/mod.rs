@@ -2,6 +2,7 @@
 
 #[cfg(feature = "window")]
 pub mod editor;
+pub mod headless;
 pub mod threads;
 #[cfg(feature = "window")]
 pub mod windowed;

@@ -1,0 +1,19 @@
+//! The program without a window: the scene and the engine, updated by whoever renders.
+
+use bevy::prelude::*;
+
+use super::threads::worker_count;
+use crate::engine::{EnginePlugin, RenderControl};
+use crate::scene::{OpenScene, ScenePlugin, asset_plugin};
+
+/// An app that will load `scene` and render it; see [`crate::engine::render_to_completion`]. `threads` as in [`worker_count`].
+pub fn headless(scene: OpenScene, threads: Option<i32>) -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, asset_plugin(), ScenePlugin, EnginePlugin))
+        .insert_resource(RenderControl {
+            threads: worker_count(threads, false),
+            ..default()
+        });
+    app.world_mut().write_message(scene);
+    app
+}

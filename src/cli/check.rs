@@ -1,0 +1,52 @@
+//! `sunroom check`: reads a scene and the files it names, and reports.
+
+use std::process::ExitCode;
+
+use clap::Args;
+use sunroom::app::headless::headless;
+use sunroom::engine::{Limits, load_to_completion};
+use sunroom::scene::{OpenScene, SceneStatus};
+
+use super::{SceneArgs, report};
+
+#[derive(Args)]
+pub struct CheckArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Treat warnings as errors
+    #[arg(long)]
+    strict: bool,
+}
+
+pub fn run(args: CheckArgs) -> ExitCode {
+    let mut app = headless(
+        OpenScene {
+            path: args.scene.scene,
+            defines: args.scene.defines.defines,
+        },
+        Some(1),
+    );
+    let loaded = load_to_completion(&mut app, &Limits::default());
+    let status = app.world().resource::<SceneStatus>();
+    if !report_scene(status, args.strict) {
+        return ExitCode::FAILURE;
+    }
+    match loaded {
+        Ok(_) => ExitCode::SUCCESS,
+        Err(error) => report::error(error),
+    }
+}
+
+/// Prints everything there is to say about a loaded scene; false if it is not good enough to go on.
+pub fn report_scene(status: &SceneStatus, strict: bool) -> bool {
+    report::diagnostics(&status.diagnostics);
+    for warning in &status.mesh_warnings {
+        report::line(format_args!("warning: {warning}"));
+    }
+    for problem in &status.mesh_errors {
+        report::line(format_args!("error: {}", problem.message));
+    }
+    report::acceptable(&status.diagnostics, strict)
+        && !status.has_errors()
+        && !(strict && !status.mesh_warnings.is_empty())
+}

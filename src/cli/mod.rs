@@ -1,0 +1,108 @@
+//! The command line: what it accepts, and which part of the program answers.
+//!
+//! Results for machines go to standard output, everything for people to standard error. Exit codes: 0 done, 1 the scene or a file was
+//! at fault, 2 wrong usage (clap's), 130 interrupted after writing the partial picture.
+
+mod check;
+mod convert;
+mod parse;
+mod progress;
+mod render;
+mod report;
+mod stats;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+/// A small level editor whose viewport is a path tracer.
+#[derive(Parser)]
+#[command(version, about, args_conflicts_with_subcommands = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    edit: EditArgs,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Open a scene in the editor (also without the word `edit`)
+    Edit(EditArgs),
+    /// Render a scene to image files
+    Render(Box<render::RenderArgs>),
+    /// Report what is wrong with a scene file
+    Check(check::CheckArgs),
+    /// Load a scene and write it back as the program understands it
+    Convert(convert::ConvertArgs),
+}
+
+/// Which scene, and the values of its parameters.
+#[derive(Args)]
+struct SceneArgs {
+    /// Scene file (Mitsuba 3 XML)
+    scene: PathBuf,
+    #[command(flatten)]
+    defines: DefineArgs,
+}
+
+#[derive(Args)]
+struct DefineArgs {
+    /// Give the scene's parameter $NAME a value
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = parse::define)]
+    defines: Vec<(String, String)>,
+}
+
+#[derive(Args)]
+struct ThreadArgs {
+    /// Threads that trace rays; a negative number leaves that many cores free
+    #[arg(short, long, allow_negative_numbers = true)]
+    threads: Option<i32>,
+}
+
+#[derive(Args)]
+struct EditArgs {
+    /// Scene file (Mitsuba 3 XML); the Cornell box if there is none
+    scene: Option<PathBuf>,
+    #[command(flatten)]
+    defines: DefineArgs,
+    #[command(flatten)]
+    threads: ThreadArgs,
+    /// Size of the window
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse::size)]
+    window: (u32, u32),
+    /// Save the whole window as PNG once the picture has --after-spp samples
+    #[arg(long, value_name = "OUT.png")]
+    screenshot: Option<PathBuf>,
+    /// Samples per pixel before the screenshot
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    after_spp: u32,
+    /// Quit after the screenshot (or the measurement, or else the samples)
+    #[arg(long)]
+    exit: bool,
+    /// Move the camera N times and print how long the picture took to follow
+    #[arg(long, value_name = "N")]
+    measure_latency: Option<u32>,
+    /// With --exit: fail if it is not done after this time
+    #[arg(long, value_name = "TIME", default_value = "10m", value_parser = parse::duration)]
+    timeout: std::time::Duration,
+}
+
+/// Does what the arguments of the process ask for.
+pub fn run() -> ExitCode {
+    let cli = Cli::parse();
+    match cli.command {
+        None => edit(cli.edit),
+        Some(Command::Edit(args)) => edit(args),
+        Some(Command::Render(args)) => render::run(*args),
+        Some(Command::Check(args)) => check::run(args),
+        Some(Command::Convert(args)) => convert::run(args),
+    }
+}
+
+fn edit(_: EditArgs) -> ExitCode {
+    report::error(
+        "this program was built without a window (cargo feature `window`); `sunroom render` works without one",
+    )
+}

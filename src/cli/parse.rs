@@ -1,0 +1,66 @@
+//! Values of command-line arguments; errors are sentences for the user.
+
+use std::time::Duration;
+
+/// `NAME=VALUE`
+pub fn define(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
+        _ => Err("expected NAME=VALUE".to_owned()),
+    }
+}
+
+/// `1280x720`
+pub fn size(text: &str) -> Result<(u32, u32), String> {
+    let parts = text.split_once(['x', 'X']);
+    parts
+        .and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)))
+        .filter(|&(width, height)| (64..=16384).contains(&width) && (64..=16384).contains(&height))
+        .ok_or_else(|| "expected WIDTHxHEIGHT in pixels, each from 64 to 16384".to_owned())
+}
+
+/// A number with a unit: `500ms`, `60s`, `5m`, `2h`; seconds without one.
+pub fn duration(text: &str) -> Result<Duration, String> {
+    let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(split);
+    let seconds_per_unit = match unit {
+        "ms" => 1e-3,
+        "" | "s" => 1.0,
+        "m" | "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err(format!("unknown unit `{unit}`: expected ms, s, m or h")),
+    };
+    let seconds = number
+        .trim()
+        .parse::<f64>()
+        .map_err(|_| format!("`{number}` is not a number"))?
+        * seconds_per_unit;
+    Duration::try_from_secs_f64(seconds)
+        .ok()
+        .filter(|duration| !duration.is_zero())
+        .ok_or_else(|| "expected a time above zero".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_have_units() {
+        assert_eq!(duration("60s"), Ok(Duration::from_secs(60)));
+        assert_eq!(duration("1.5m"), Ok(Duration::from_secs(90)));
+        assert_eq!(duration("250ms"), Ok(Duration::from_millis(250)));
+        assert_eq!(duration("7"), Ok(Duration::from_secs(7)));
+        for bad in ["", "s", "-1s", "0", "1 day", "1e400s", "NaN"] {
+            assert!(duration(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn sizes_and_defines() {
+        assert_eq!(size("1280x720"), Ok((1280, 720)));
+        assert!(size("1280").is_err() && size("0x10").is_err() && size("1x-1").is_err());
+        assert_eq!(define("spp=4=2"), Ok(("spp".into(), "4=2".into())));
+        assert!(define("spp").is_err() && define("=4").is_err());
+    }
+}

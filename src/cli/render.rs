@@ -1,0 +1,339 @@
+//! `sunroom render`: from a scene file to image files.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+use clap::{Args, ValueEnum};
+use sunroom::app::headless::headless;
+use sunroom::engine::{Limits, Outcome, RenderControl, RenderFilm, RenderStatus};
+use sunroom::engine::{load_to_completion, render_to_completion};
+use sunroom::render::denoise::{DenoiseInput, DenoiseQuality, denoise};
+use sunroom::render::film::Film;
+use sunroom::render::image_io::{FileFormat, ImageRgb, encode, write_image};
+use sunroom::render::tonemap::{Display, ToneMap};
+use sunroom::scene::{
+    AccelMethod, ActiveSensor, IntegratorSettings, OpenScene, SamplerSettings, SceneStatus, Sequence,
+};
+use sunroom::scene::{Film as SensorFilm, Strategy};
+
+use super::check::report_scene;
+use super::progress::Progress;
+use super::stats::{Bvh, Stats, StatsFormat, milliseconds, peak_memory_bytes};
+use super::{SceneArgs, ThreadArgs, parse, report};
+
+#[derive(Args)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Image file, .exr (linear, float), .png (sRGB) or .hdr; `-` is PNG on standard output; may be given several times
+    #[arg(short, long, required = true, value_name = "OUT")]
+    output: Vec<PathBuf>,
+    /// Samples per pixel [default: the scene's]
+    #[arg(short, long, value_parser = clap::value_parser!(u32).range(1..))]
+    spp: Option<u32>,
+    /// Stop after this time, such as 60s or 5m
+    #[arg(long, value_name = "TIME", value_parser = parse::duration)]
+    time: Option<Duration>,
+    /// Width in pixels; the other side follows if it is not given
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    width: Option<u32>,
+    /// Height in pixels
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    height: Option<u32>,
+    #[command(flatten)]
+    threads: ThreadArgs,
+    /// Seed of the random numbers; the same seed gives the same picture on any number of threads
+    #[arg(long)]
+    seed: Option<u32>,
+    /// Longest path in segments, -1 for any [default: the scene's]
+    #[arg(long, allow_negative_numbers = true, value_parser = clap::value_parser!(i32).range(-1..))]
+    max_depth: Option<i32>,
+    /// Remove the noise with Open Image Denoise
+    #[arg(long)]
+    denoise: bool,
+    /// Acceleration structure
+    #[arg(long, value_enum, default_value_t = Accel::Sah)]
+    accel: Accel,
+    /// How light is looked for
+    #[arg(long, value_enum)]
+    strategy: Option<StrategyName>,
+    /// Random numbers; the file's `independent` is taken for what it asks, few samples without a pattern, unless this insists
+    #[arg(long, value_enum)]
+    sampler: Option<SamplerName>,
+    /// Exposure of PNG files in stops
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
+    exposure: f32,
+    /// Tone map of PNG files
+    #[arg(long, value_enum, default_value_t = ToneMapName::Clip)]
+    tonemap: ToneMapName,
+    /// Print the figures of the render on standard output
+    #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, require_equals = true, default_missing_value = "text")]
+    stats: Option<StatsFormat>,
+    /// Treat warnings about the scene as errors
+    #[arg(long)]
+    strict: bool,
+    /// No progress
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Accel {
+    Linear,
+    Median,
+    Sah,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum StrategyName {
+    Bsdf,
+    Light,
+    Mis,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum SamplerName {
+    Sobol,
+    Independent,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ToneMapName {
+    Clip,
+    Reinhard,
+    Aces,
+    Agx,
+}
+
+/// Interrupted by the user, as shells have it: 128 + SIGINT.
+const INTERRUPTED: u8 = 130;
+
+pub fn run(args: RenderArgs) -> ExitCode {
+    match render(&args) {
+        Ok(code) => code,
+        Err(error) => report::error(error),
+    }
+}
+
+type Error = Box<dyn std::error::Error>;
+
+fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
+    check_outputs(&args.output)?;
+    let cancel = cancel_on_interrupt()?;
+    let begin = Instant::now();
+    let mut app = headless(
+        OpenScene {
+            path: args.scene.scene.clone(),
+            defines: args.scene.defines.defines.clone(),
+        },
+        args.threads.threads,
+    );
+    app.insert_resource(match args.accel {
+        Accel::Linear => AccelMethod::Linear,
+        Accel::Median => AccelMethod::Median,
+        Accel::Sah => AccelMethod::Sah,
+    });
+    let limits = Limits {
+        samples: args.spp,
+        time: args.time,
+        cancel: cancel.clone(),
+        ..Limits::default()
+    };
+    let loaded = load_to_completion(&mut app, &limits);
+    if !report_scene(app.world().resource::<SceneStatus>(), args.strict) {
+        return Ok(ExitCode::FAILURE);
+    }
+    if !loaded? {
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    let load_ms = milliseconds(begin.elapsed());
+    apply_overrides(app.world_mut(), args);
+
+    let mut progress = Progress::new(args.quiet);
+    let outcome = render_to_completion(&mut app, &limits, |status| progress.update(status));
+    progress.finish();
+    let outcome = outcome?;
+
+    let film = &app.world().resource::<RenderFilm>().film;
+    let threads = app.world().resource::<RenderControl>().threads.get();
+    let denoising = Instant::now();
+    let pixels = if args.denoise {
+        denoised(film, threads)?
+    } else {
+        film.radiance()
+    };
+    let denoise_ms = if args.denoise {
+        milliseconds(denoising.elapsed())
+    } else {
+        0.0
+    };
+    let image = ImageRgb {
+        width: film.width(),
+        height: film.height(),
+        pixels,
+    };
+    let display = Display {
+        exposure_ev: args.exposure,
+        tone_map: match args.tonemap {
+            ToneMapName::Clip => ToneMap::Clip,
+            ToneMapName::Reinhard => ToneMap::Reinhard,
+            ToneMapName::Aces => ToneMap::Aces,
+            ToneMapName::Agx => ToneMap::AgX,
+        },
+    };
+    for path in &args.output {
+        write_output(path, &image, &display)?;
+    }
+
+    let status = app.world().resource::<RenderStatus>();
+    for error in &status.errors {
+        report::line(format_args!("warning: {error}"));
+    }
+    if status.invalid_samples > 0 {
+        let count = status.invalid_samples;
+        report::line(format_args!(
+            "warning: {count} samples were not finite and counted as black"
+        ));
+    }
+    if let Some(format) = args.stats {
+        let stats = Stats {
+            scene: args.scene.scene.clone(),
+            width: image.width,
+            height: image.height,
+            spp: status.samples,
+            seed: app.world().resource::<SamplerSettings>().seed,
+            threads,
+            denoised: args.denoise,
+            triangles: status.triangles,
+            load_ms,
+            bvh: Bvh::of(status),
+            render_ms: status.seconds * 1e3,
+            denoise_ms,
+            rays: status.rays,
+            mrays_per_s: status.mrays_per_s,
+            msamples_per_s: status.msamples_per_s,
+            invalid_samples: status.invalid_samples,
+            peak_memory_bytes: peak_memory_bytes(),
+            outputs: args.output.clone(),
+        };
+        let text = match format {
+            StatsFormat::Text => stats.text(),
+            StatsFormat::Json => serde_json::to_string_pretty(&stats)?,
+        };
+        print(format!("{text}\n").as_bytes())?;
+    }
+    Ok(match outcome {
+        Outcome::Complete | Outcome::TimeUp => ExitCode::SUCCESS,
+        Outcome::Cancelled => ExitCode::from(INTERRUPTED),
+    })
+}
+
+/// Refuses before the render what would fail after it.
+fn check_outputs(outputs: &[PathBuf]) -> Result<(), Error> {
+    for path in outputs.iter().filter(|path| !is_stdout(path)) {
+        FileFormat::from_path(path)?;
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+            return Err(format!("there is no folder {} to write {} to", folder.display(), path.display()).into());
+        }
+    }
+    Ok(())
+}
+
+fn is_stdout(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// The first interrupt asks for an orderly end, the second one ends the process.
+fn cancel_on_interrupt() -> Result<Arc<AtomicBool>, ctrlc::Error> {
+    let cancel = Arc::new(AtomicBool::new(false));
+    let flag = cancel.clone();
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+    })?;
+    Ok(cancel)
+}
+
+/// What the command line says beats what the file says.
+fn apply_overrides(world: &mut World, args: &RenderArgs) {
+    let mut integrator = world.resource_mut::<IntegratorSettings>();
+    if let Some(depth) = args.max_depth {
+        integrator.max_depth = u32::try_from(depth).ok();
+    }
+    match args.strategy {
+        Some(StrategyName::Bsdf) => integrator.strategy = Strategy::Bsdf,
+        Some(StrategyName::Light) => integrator.strategy = Strategy::Light,
+        Some(StrategyName::Mis) => integrator.strategy = Strategy::Mis,
+        None => {}
+    }
+    let mut sampler = world.resource_mut::<SamplerSettings>();
+    if let Some(seed) = args.seed {
+        sampler.seed = seed;
+    }
+    match args.sampler {
+        Some(SamplerName::Sobol) => sampler.sequence = Sequence::Sobol,
+        Some(SamplerName::Independent) => sampler.sequence = Sequence::Independent,
+        None => {}
+    }
+    let film = world
+        .resource::<ActiveSensor>()
+        .0
+        .and_then(|sensor| world.get::<SensorFilm>(sensor));
+    if let Some(&SensorFilm { width, height, .. }) = film
+        && (args.width.is_some() || args.height.is_some())
+    {
+        let scaled = |side: u32, to: u32, from: u32| (f64::from(side) * f64::from(to) / f64::from(from)).round() as u32;
+        let size = UVec2::new(
+            args.width
+                .or_else(|| Some(scaled(width, args.height?, height)))
+                .unwrap_or(width)
+                .max(1),
+            args.height
+                .or_else(|| Some(scaled(height, args.width?, width)))
+                .unwrap_or(height)
+                .max(1),
+        );
+        world.resource_mut::<RenderControl>().film_size_override = Some(size);
+    }
+}
+
+fn denoised(film: &Film, threads: usize) -> Result<Vec<sunroom::color::Rgb>, Error> {
+    let (color, albedo, normal) = (film.radiance(), film.albedo(), film.normal());
+    Ok(denoise(
+        &DenoiseInput {
+            width: film.width(),
+            height: film.height(),
+            color: &color,
+            albedo: Some(&albedo),
+            normal: Some(&normal),
+            prefilter: true,
+            quality: DenoiseQuality::High,
+            threads: Some(threads),
+        },
+        &AtomicBool::new(false),
+    )?)
+}
+
+fn write_output(path: &Path, image: &ImageRgb, display: &Display) -> Result<(), Error> {
+    if is_stdout(path) {
+        print(&encode(image, FileFormat::Png, display)?)?;
+    } else {
+        write_image(path, image, display)?;
+    }
+    Ok(())
+}
+
+/// To standard output; that nobody reads it any more is no error.
+fn print(bytes: &[u8]) -> std::io::Result<()> {
+    match std::io::stdout().write_all(bytes) {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        result => result,
+    }
+}

@@ -1,0 +1,37 @@
+//! What the program says to people, on standard error.
+
+use std::fmt::Display;
+use std::io::{IsTerminal, Write};
+use std::process::ExitCode;
+
+use sunroom::document::{Diagnostics, Severity};
+
+/// Columns of a report where the terminal does not say.
+const WIDTH: usize = 100;
+
+/// Prints `error: ...` and gives the exit code for a fault of a scene or a file.
+pub fn error(message: impl Display) -> ExitCode {
+    line(format_args!("error: {message}"));
+    ExitCode::FAILURE
+}
+
+/// Prints one line. A closed standard error is nobody's fault.
+pub fn line(message: impl Display) {
+    let _ = writeln!(std::io::stderr(), "{message}");
+}
+
+/// Prints the messages about a scene with the lines they speak of.
+pub fn diagnostics(diagnostics: &Diagnostics) {
+    if !diagnostics.list.is_empty() {
+        let color = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+        line(diagnostics.render(color, WIDTH).trim_end());
+    }
+}
+
+/// Whether the scene is good enough to go on: no errors, and if `strict` no warnings.
+pub fn acceptable(diagnostics: &Diagnostics, strict: bool) -> bool {
+    !diagnostics
+        .list
+        .iter()
+        .any(|diagnostic| strict || diagnostic.severity == Severity::Error)
+}

@@ -1,0 +1,103 @@
+//! The figures of a render, for people and for machines.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use serde::Serialize;
+use sunroom::engine::RenderStatus;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum StatsFormat {
+    Text,
+    Json,
+}
+
+/// Times in milliseconds, memory in bytes.
+#[derive(Serialize)]
+pub struct Stats {
+    pub scene: PathBuf,
+    pub width: u32,
+    pub height: u32,
+    /// Samples per pixel that every pixel has.
+    pub spp: u32,
+    pub seed: u32,
+    pub threads: usize,
+    pub denoised: bool,
+    pub triangles: u64,
+    pub load_ms: f64,
+    pub bvh: Bvh,
+    pub render_ms: f64,
+    pub denoise_ms: f64,
+    pub rays: u64,
+    pub mrays_per_s: f64,
+    pub msamples_per_s: f64,
+    /// Samples that were not finite and counted as black.
+    pub invalid_samples: u64,
+    /// The most memory the process has held; None where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
+    pub outputs: Vec<PathBuf>,
+}
+
+#[derive(Serialize)]
+pub struct Bvh {
+    pub build_ms: f64,
+    pub nodes: u64,
+    pub leaves: u64,
+    pub max_depth: u32,
+    pub sah: f64,
+    pub bytes: u64,
+}
+
+impl Bvh {
+    pub fn of(status: &RenderStatus) -> Self {
+        Self {
+            build_ms: status.bvh.build_ms,
+            nodes: status.bvh.nodes,
+            leaves: status.bvh.leaves,
+            max_depth: status.bvh.max_depth,
+            sah: status.bvh.sah_cost,
+            bytes: status.bvh.bytes,
+        }
+    }
+}
+
+impl Stats {
+    pub fn text(&self) -> String {
+        let memory = match self.peak_memory_bytes {
+            Some(bytes) => format!("{:.0} MB", bytes as f64 / 1e6),
+            None => "unknown".to_owned(),
+        };
+        format!(
+            "{} x {}, {} spp, {} threads, {} triangles\n\
+             load {:.0} ms, hierarchy {:.0} ms ({} nodes, depth {}, SAH cost {:.1}, {:.1} MB)\n\
+             render {:.0} ms: {:.2} Mrays/s, {:.2} Msamples/s; denoise {:.0} ms; peak memory {memory}",
+            self.width,
+            self.height,
+            self.spp,
+            self.threads,
+            self.triangles,
+            self.load_ms,
+            self.bvh.build_ms,
+            self.bvh.nodes,
+            self.bvh.max_depth,
+            self.bvh.sah,
+            self.bvh.bytes as f64 / 1e6,
+            self.render_ms,
+            self.mrays_per_s,
+            self.msamples_per_s,
+            self.denoise_ms,
+        )
+    }
+}
+
+pub fn milliseconds(duration: Duration) -> f64 {
+    duration.as_secs_f64() * 1e3
+}
+
+/// The high-water mark of resident memory, as Linux counts it.
+pub fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024)
+}
