@@ -6,20 +6,26 @@ pub mod assets;
 pub mod authored;
 pub mod description;
 pub mod emitter;
+mod framing;
 pub mod identity;
+mod loading;
 pub mod material;
+mod meshes;
 pub mod plugin;
 pub mod read;
 pub mod sensor;
 pub mod settings;
 pub mod shape;
+pub mod spawn;
 pub mod status;
+pub mod watch;
 pub mod write;
 
 pub use assets::{MeshHandle, TriangleMesh};
 pub use authored::{Authored, AuthoredScene, DeclaredIn, Declares};
 pub use description::SceneDescription;
 pub use emitter::{AreaLight, Emitter};
+pub use framing::{FrameWhenLoaded, world_bounds};
 pub use identity::{DocumentOrder, SceneId, ToWorld};
 pub use material::{
     ConductorIor, FirstNested, FirstNestedIn, Ior, Material, MaterialUsers, SecondNested, SecondNestedIn, UsesMaterial,
@@ -29,3 +35,4 @@ pub use sensor::{Film, FovAxis, Lens, ReconstructionFilter, Sensor};
 pub use settings::{AccelMethod, IntegratorSettings, SamplerSettings, Sequence, Strategy};
 pub use shape::{MeshFile, MeshFormat, Shape, ShapeKind};
 pub use status::{ActiveSensor, MeshProblem, OpenScene, SceneState, SceneStatus};
+pub use watch::SceneWatch;

@@ -1,9 +1,12 @@
 //! Everything of the scene an app needs: types, assets, and the systems between files and entities.
 
-use bevy::asset::AssetApp;
+use bevy::asset::{AssetApp, AssetTrackingSystems};
 use bevy::prelude::*;
 
-use super::assets::{MeshHandle, TriangleMesh};
+use super::assets::{MeshHandle, MeshLoader, SceneAsset, SceneDefines, SceneLoader, TriangleMesh};
+use super::loading::{SceneFile, apply_scenes, open_scenes};
+use super::meshes::{follow_mesh_files, report_meshes};
+use super::watch::{SceneWatch, list_files, reload_changed_files};
 use super::*;
 
 /// Adds scenes to an app that has [`AssetPlugin`] with absolute paths allowed:
@@ -24,7 +27,7 @@ pub fn asset_plugin() -> AssetPlugin {
     }
 }
 
-/// In `PreUpdate`, in this order.
+/// In `PreUpdate`, in this order, after the asset server has put in what it read.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SceneSystems {
     /// Files asked for or changed are handed to the asset server.
@@ -37,8 +40,17 @@ pub enum SceneSystems {
 
 impl Plugin for ScenePlugin {
     fn build(&self, app: &mut App) {
+        let defines = SceneDefines::default();
         app.init_asset::<TriangleMesh>()
+            .init_asset::<SceneAsset>()
+            .register_asset_loader(MeshLoader)
+            .register_asset_loader(SceneLoader {
+                defines: defines.clone(),
+            })
             .add_message::<OpenScene>()
+            .insert_resource(defines)
+            .init_resource::<SceneFile>()
+            .init_resource::<SceneWatch>()
             .init_resource::<SceneStatus>()
             .init_resource::<ActiveSensor>()
             .init_resource::<AuthoredScene>()
@@ -47,6 +59,10 @@ impl Plugin for ScenePlugin {
             .init_resource::<AccelMethod>();
         app.register_type::<Shape>()
             .register_type::<Material>()
+            .register_type::<UsesMaterial>()
+            .register_type::<FirstNested>()
+            .register_type::<SecondNested>()
+            .register_type::<DeclaredIn>()
             .register_type::<Emitter>()
             .register_type::<AreaLight>()
             .register_type::<Sensor>()
@@ -55,5 +71,23 @@ impl Plugin for ScenePlugin {
             .register_type::<SceneId>()
             .register_type::<DocumentOrder>()
             .register_type::<MeshHandle>();
+        app.configure_sets(
+            PreUpdate,
+            (SceneSystems::Request, SceneSystems::Apply, SceneSystems::Follow)
+                .chain()
+                .after(AssetTrackingSystems),
+        );
+        app.add_systems(
+            PreUpdate,
+            (
+                (reload_changed_files, open_scenes)
+                    .chain()
+                    .in_set(SceneSystems::Request),
+                apply_scenes.in_set(SceneSystems::Apply),
+                (follow_mesh_files, report_meshes, list_files, framing::frame_scene)
+                    .chain()
+                    .in_set(SceneSystems::Follow),
+            ),
+        );
     }
 }

@@ -15,6 +15,9 @@ const SUPERSEDES: [(&str, &[&str]); 8] = [
     ("to_world", &["position", "direction"]),
 ];
 
+/// Parameters that mean nothing certain without each other: writing one writes the other, if the file does not have it.
+const COMPANIONS: [(&str, &str); 2] = [("fov", "fov_axis"), ("fov_axis", "fov")];
+
 /// A plugin on its way into the file. What each child is, references followed, is known.
 pub struct Draft {
     pub object: Object,
@@ -58,6 +61,7 @@ impl Draft {
         for property in &now.properties {
             if value_of(before, &property.name) != Some(&property.value) {
                 self.set(property);
+                self.complete(&property.name, now);
             }
         }
         for gone in &before.properties {
@@ -92,6 +96,17 @@ impl Draft {
             None => self.object.properties.push(property.clone()),
         }
         self.remove_superseded(&property.name);
+    }
+
+    fn complete(&mut self, name: &str, now: &Object) {
+        for (_, other) in COMPANIONS.iter().filter(|(one, _)| *one == name) {
+            let companion = now.properties.iter().find(|property| property.name == *other);
+            if let Some(companion) = companion
+                && value_of(&self.object, other).is_none()
+            {
+                self.set(companion);
+            }
+        }
     }
 
     fn remove(&mut self, name: &str) {

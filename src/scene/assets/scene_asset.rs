@@ -1,0 +1,97 @@
+//! A scene file read to the end: its description and what there is to say about it.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, PoisonError, RwLock};
+
+use bevy::asset::io::Reader;
+use bevy::asset::{AssetLoader, LoadContext};
+use bevy::prelude::*;
+
+use crate::document::{self, Diagnostics, Severity, SourceError};
+use crate::scene::SceneDescription;
+use crate::scene::read;
+
+/// Loads also when the file is broken: the diagnostics say how, and nothing else should be believed then.
+#[derive(Asset, TypePath, Clone, Debug)]
+pub struct SceneAsset {
+    pub description: Arc<SceneDescription>,
+    pub diagnostics: Arc<Diagnostics>,
+}
+
+/// Values for the `$name`s of scene files, by path. Shared with the loader: reloads need them as well.
+#[derive(Resource, Clone, Default)]
+pub struct SceneDefines(Arc<RwLock<HashMap<PathBuf, Vec<(String, String)>>>>);
+
+impl SceneDefines {
+    pub fn set(&self, path: PathBuf, defines: Vec<(String, String)>) {
+        self.0
+            .write()
+            .unwrap_or_else(PoisonError::into_inner)
+            .insert(path, defines);
+    }
+
+    pub fn get(&self, path: &Path) -> Vec<(String, String)> {
+        let all = self.0.read().unwrap_or_else(PoisonError::into_inner);
+        all.get(path).cloned().unwrap_or_default()
+    }
+}
+
+/// Reads scene files with their includes.
+#[derive(TypePath)]
+pub struct SceneLoader {
+    pub defines: SceneDefines,
+}
+
+impl AssetLoader for SceneLoader {
+    type Asset = SceneAsset;
+    type Settings = ();
+    type Error = std::io::Error;
+
+    async fn load(
+        &self,
+        reader: &mut dyn Reader,
+        _settings: &(),
+        context: &mut LoadContext<'_>,
+    ) -> Result<SceneAsset, std::io::Error> {
+        let mut bytes = Vec::new();
+        reader.read_to_end(&mut bytes).await?;
+        let path = context.path().path().to_owned();
+        Ok(read_scene(bytes, &path, &self.defines.get(&path)))
+    }
+
+    fn extensions(&self) -> &[&str] {
+        &["xml"]
+    }
+}
+
+/// `path`: of the file the bytes are from.
+pub fn read_scene(bytes: Vec<u8>, path: &Path, defines: &[(String, String)]) -> SceneAsset {
+    let text = match document::source::decode(bytes, path) {
+        Ok(text) => text,
+        Err(error) => return unreadable(path, &error),
+    };
+    let mut document = document::parse_str(&text, path, defines);
+    let description = read::read(&mut document);
+    SceneAsset {
+        description: Arc::new(description),
+        diagnostics: Arc::new(document.diagnostics),
+    }
+}
+
+fn unreadable(path: &Path, error: &SourceError) -> SceneAsset {
+    SceneAsset {
+        description: Arc::new(SceneDescription {
+            path: path.to_owned(),
+            ..Default::default()
+        }),
+        diagnostics: Arc::new(one_error(error.to_string())),
+    }
+}
+
+/// Diagnostics for a file as a whole.
+pub fn one_error(message: String) -> Diagnostics {
+    let mut diagnostics = Diagnostics::default();
+    diagnostics.push(Severity::Error, None, message, None);
+    diagnostics
+}

@@ -1,0 +1,55 @@
+//! The extent of the scene, and a camera for scenes that bring none.
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+use glam::Vec3;
+
+use super::{MeshHandle, SceneStatus, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh};
+use crate::math::Aabb;
+
+/// Asks for this sensor to be placed so that it sees everything, once all meshes are there.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct FrameWhenLoaded;
+
+/// World bounds of one shape; None while its mesh is not there.
+pub fn world_bounds(shape: &Shape, to_world: &Affine3A, mesh: Option<&TriangleMesh>) -> Option<Aabb> {
+    let local = match &shape.kind {
+        ShapeKind::Sphere { center, radius } => Aabb::from_points([*center - *radius, *center + *radius]),
+        ShapeKind::Rectangle | ShapeKind::Disk => {
+            Aabb::from_points([Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, 1.0, 0.0)])
+        }
+        ShapeKind::Cube => Aabb::from_points([Vec3::NEG_ONE, Vec3::ONE]),
+        ShapeKind::Mesh(_) => mesh?.data.bounds(),
+    };
+    Some(local.transformed(to_world))
+}
+
+/// Looks along +z from in front of the scene, as Mitsuba does for scenes without a sensor.
+pub(super) fn frame_scene(
+    mut commands: Commands,
+    status: Res<SceneStatus>,
+    meshes: Res<Assets<TriangleMesh>>,
+    shapes: Query<(&Shape, &ToWorld, Option<&MeshHandle>)>,
+    mut waiting: Query<(Entity, &mut Sensor, &mut ToWorld), (With<FrameWhenLoaded>, Without<Shape>)>,
+) {
+    if waiting.is_empty() || !status.is_complete() {
+        return;
+    }
+    let corners = shapes.iter().filter_map(|(shape, to_world, mesh)| {
+        world_bounds(shape, &to_world.0, mesh.and_then(|handle| meshes.get(&handle.0)))
+    });
+    let bounds = Aabb::from_points(corners.flat_map(|bounds| [bounds.min, bounds.max]));
+    let (center, extent) = if !bounds.is_empty() {
+        (bounds.center(), bounds.extent())
+    } else {
+        (Vec3::ZERO, Vec3::ONE)
+    };
+    for (entity, mut sensor, mut to_world) in &mut waiting {
+        let half = 0.5 * extent.x.max(extent.y).max(1e-3);
+        let distance = half / (0.5 * sensor.fov.to_radians()).tan() + 0.5 * extent.z;
+        to_world.0 = Affine3A::from_translation(center - 1.1 * distance * Vec3::Z);
+        sensor.near_clip = 1e-3 * distance;
+        sensor.far_clip = 1e3 * (distance + extent.length());
+        commands.entity(entity).remove::<FrameWhenLoaded>();
+    }
+}

@@ -1,0 +1,109 @@
+//! Scene files: asked for, read by the asset server, turned into entities.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use bevy::asset::{AssetLoadFailedEvent, AssetPath};
+use bevy::ecs::message::{MessageCursor, Messages};
+use bevy::prelude::*;
+
+use super::assets::scene_asset::one_error;
+use super::assets::{SceneAsset, SceneDefines, cause};
+use super::read::settle;
+use super::{OpenScene, SceneState, SceneStatus, spawn};
+use crate::document::Diagnostics;
+
+/// The scene file asked for last, and the one the entities are from.
+#[derive(Resource, Debug, Default)]
+pub struct SceneFile {
+    /// Kept so that it stays loaded.
+    pub(super) handle: Option<Handle<SceneAsset>>,
+    pub(super) path: PathBuf,
+    /// The next good load replaces everything instead of updating.
+    opens: bool,
+    /// What the spans of the entities' sources point into.
+    pub(super) good_diagnostics: Arc<Diagnostics>,
+}
+
+pub(super) fn open_scenes(
+    mut requests: MessageReader<OpenScene>,
+    mut file: ResMut<SceneFile>,
+    mut status: ResMut<SceneStatus>,
+    defines: Res<SceneDefines>,
+    server: Res<AssetServer>,
+) {
+    // Of several in one frame the last one counts.
+    let Some(request) = requests.read().last() else {
+        return;
+    };
+    let path = settle(&request.path);
+    defines.set(path.clone(), request.defines.clone());
+    let asset_path = AssetPath::from_path_buf(path.clone());
+    if file.handle.is_some() && file.path == path {
+        server.reload(asset_path);
+    } else {
+        file.handle = Some(server.load(asset_path));
+    }
+    file.path.clone_from(&path);
+    file.opens = true;
+    status.path = Some(path);
+    status.state = SceneState::Loading;
+}
+
+/// Runs alone: a scene touches everything.
+pub(super) fn apply_scenes(
+    world: &mut World,
+    mut arrived: Local<MessageCursor<AssetEvent<SceneAsset>>>,
+    mut failed: Local<MessageCursor<AssetLoadFailedEvent<SceneAsset>>>,
+) {
+    let Some(id) = world.resource::<SceneFile>().handle.as_ref().map(Handle::id) else {
+        return;
+    };
+    let has_arrived = arrived
+        .read(world.resource::<Messages<AssetEvent<SceneAsset>>>())
+        .filter(|event| event.is_added(id) || event.is_modified(id))
+        .count()
+        > 0;
+    let failure = failed
+        .read(world.resource::<Messages<AssetLoadFailedEvent<SceneAsset>>>())
+        .filter(|event| event.id == id)
+        .last()
+        .map(|event| cause(&event.error));
+    if let Some(cause) = failure {
+        let message = format!("the scene cannot be read: {cause}");
+        let mut diagnostics = one_error(message);
+        diagnostics.sources.push(crate::document::SourceFile {
+            path: world.resource::<SceneFile>().path.clone(),
+            text: Arc::from(""),
+        });
+        fail(world, Arc::new(diagnostics));
+    }
+    if !has_arrived {
+        return;
+    }
+    let Some(asset) = world.resource::<Assets<SceneAsset>>().get(id).cloned() else {
+        return;
+    };
+    if asset.diagnostics.has_errors() {
+        fail(world, asset.diagnostics);
+        return;
+    }
+    let fresh = std::mem::take(&mut world.resource_mut::<SceneFile>().opens);
+    if fresh {
+        spawn::spawn_fresh(world, &asset.description);
+    } else {
+        spawn::update(world, &asset.description);
+    }
+    world.resource_mut::<SceneFile>().good_diagnostics = asset.diagnostics.clone();
+    let mut status = world.resource_mut::<SceneStatus>();
+    status.state = SceneState::Ready;
+    status.diagnostics = asset.diagnostics;
+    status.revision += 1;
+    status.fresh_load = fresh;
+}
+
+fn fail(world: &mut World, diagnostics: Arc<Diagnostics>) {
+    let mut status = world.resource_mut::<SceneStatus>();
+    status.state = SceneState::Failed;
+    status.diagnostics = diagnostics;
+}

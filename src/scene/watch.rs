@@ -1,0 +1,251 @@
+//! Files of the open scene that change on disk are read again: the scene with its includes, meshes, material libraries.
+//!
+//! Bevy watches only its own asset root, so this watch is ours; it only tells the asset server what to reload. Folders are watched, not
+//! files: editors replace files by renaming others over them. A file that is half written fails to load, which keeps the old content;
+//! the end of the writing makes another event. One file is never read twice at the same time, so that the last reading wins.
+
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use bevy::asset::{AssetLoadFailedEvent, AssetPath};
+use bevy::prelude::*;
+use crossbeam_channel::{Receiver, unbounded};
+use notify_debouncer_full::notify::event::{AccessKind, AccessMode};
+use notify_debouncer_full::notify::{EventKind, RecommendedWatcher, RecursiveMode};
+use notify_debouncer_full::{DebounceEventResult, Debouncer, NoCache, new_debouncer_opt};
+
+use super::assets::SceneAsset;
+use super::loading::SceneFile;
+use super::read::settle;
+use super::{MeshHandle, SceneStatus, Shape, ShapeKind, TriangleMesh};
+
+/// Events are held back so long: one save is one event.
+const DEBOUNCE: Duration = Duration::from_millis(100);
+
+/// A reload that tells nothing for so long is thought lost.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// The watch, and what is watched for.
+#[derive(Resource, Default)]
+pub struct SceneWatch {
+    watcher: Option<Watcher>,
+    /// Set when the system refuses to watch; hot reload is off then.
+    pub error: Option<String>,
+    folders: HashSet<PathBuf>,
+    /// Per file that matters, the assets to reload when it changes.
+    reloads: HashMap<PathBuf, Vec<PathBuf>>,
+    /// Changed, but not yet handed over.
+    waiting: HashSet<PathBuf>,
+    /// Handed over, and when; nothing heard of it since.
+    on_their_way: HashMap<PathBuf, Instant>,
+}
+
+struct Watcher {
+    debouncer: Debouncer<RecommendedWatcher, NoCache>,
+    events: Receiver<DebounceEventResult>,
+}
+
+impl SceneWatch {
+    /// Whether this file is watched; for tests and for showing.
+    pub fn is_watching(&self, file: &Path) -> bool {
+        self.reloads.contains_key(&settle(file))
+    }
+
+    fn start(&mut self) {
+        if self.watcher.is_some() || self.error.is_some() {
+            return;
+        }
+        let (sender, events) = unbounded();
+        let handler = move |result: DebounceEventResult| {
+            // The receiver is gone only when the program ends.
+            let _ = sender.send(result);
+        };
+        match new_debouncer_opt(DEBOUNCE, None, handler, NoCache::new(), Default::default()) {
+            Ok(debouncer) => self.watcher = Some(Watcher { debouncer, events }),
+            Err(error) => {
+                warn!("files are not watched: {error}");
+                self.error = Some(error.to_string());
+            }
+        }
+    }
+
+    /// Watches the folders of all files that matter; of those that do not exist, the nearest folder above that does.
+    fn watch_folders(&mut self) {
+        let Some(watcher) = &mut self.watcher else {
+            return;
+        };
+        let wanted: HashSet<PathBuf> = self
+            .reloads
+            .keys()
+            .filter_map(|file| file.ancestors().skip(1).find(|folder| folder.is_dir()))
+            .map(Path::to_owned)
+            .collect();
+        for folder in self.folders.difference(&wanted) {
+            // Fails for folders that are gone, which need no watch any more.
+            let _ = watcher.debouncer.unwatch(folder);
+        }
+        let mut watched: HashSet<PathBuf> = self.folders.intersection(&wanted).cloned().collect();
+        for folder in wanted.difference(&self.folders) {
+            match watcher.debouncer.watch(folder, RecursiveMode::NonRecursive) {
+                Ok(()) => {
+                    watched.insert(folder.clone());
+                }
+                Err(error) => warn!("{} is not watched: {error}", folder.display()),
+            }
+        }
+        self.folders = watched;
+    }
+}
+
+/// The list of files that matter, kept up to date.
+pub(super) fn list_files(
+    mut watch: ResMut<SceneWatch>,
+    file: Res<SceneFile>,
+    status: Res<SceneStatus>,
+    scenes: Res<Assets<SceneAsset>>,
+    meshes: Res<Assets<TriangleMesh>>,
+    shapes: Query<(&Shape, &MeshHandle)>,
+    mut mesh_events: MessageReader<AssetEvent<TriangleMesh>>,
+    changed: Query<(), Changed<MeshHandle>>,
+) {
+    let news = mesh_events.read().count() + changed.iter().count();
+    if file.path.as_os_str().is_empty() || (news == 0 && !status.is_changed() && !file.is_changed()) {
+        return;
+    }
+    let mut reloads: HashMap<PathBuf, Vec<PathBuf>> = HashMap::new();
+    let mut add = |changed: &Path, asset: &Path| {
+        let assets = reloads.entry(changed.to_owned()).or_default();
+        if !assets.iter().any(|known| known == asset) {
+            assets.push(asset.to_owned());
+        }
+    };
+    add(&file.path, &file.path);
+    if let Some(scene) = file.handle.as_ref().and_then(|handle| scenes.get(handle)) {
+        for source in scene.description.sources.iter().chain(&scene.description.missing) {
+            add(source, &file.path);
+        }
+    }
+    for (shape, handle) in &shapes {
+        let ShapeKind::Mesh(mesh) = &shape.kind else {
+            continue;
+        };
+        add(&mesh.path, &mesh.path);
+        for library in meshes.get(&handle.0).into_iter().flat_map(|mesh| &mesh.dependencies) {
+            add(&settle(library), &mesh.path);
+        }
+    }
+    if watch.reloads != reloads {
+        watch.reloads = reloads;
+        watch.start();
+        watch.watch_folders();
+    }
+}
+
+pub(super) fn reload_changed_files(
+    mut watch: ResMut<SceneWatch>,
+    server: Res<AssetServer>,
+    mut scene_events: MessageReader<AssetEvent<SceneAsset>>,
+    mut mesh_events: MessageReader<AssetEvent<TriangleMesh>>,
+    mut scene_failures: MessageReader<AssetLoadFailedEvent<SceneAsset>>,
+    mut mesh_failures: MessageReader<AssetLoadFailedEvent<TriangleMesh>>,
+) {
+    let arrived = scene_events.read().filter_map(|event| match event {
+        AssetEvent::Added { id } | AssetEvent::Modified { id } => server.get_path(*id),
+        _ => None,
+    });
+    let arrived_meshes = mesh_events.read().filter_map(|event| match event {
+        AssetEvent::Added { id } | AssetEvent::Modified { id } => server.get_path(*id),
+        _ => None,
+    });
+    let failed = scene_failures.read().map(|event| event.path.clone());
+    let failed_meshes = mesh_failures.read().map(|event| event.path.clone());
+    let over: Vec<AssetPath> = arrived
+        .chain(arrived_meshes)
+        .chain(failed)
+        .chain(failed_meshes)
+        .collect();
+    for path in over {
+        watch.on_their_way.remove(path.path());
+    }
+
+    take_events(&mut watch);
+    let ready: Vec<PathBuf> = watch
+        .waiting
+        .iter()
+        .filter(|asset| {
+            watch
+                .on_their_way
+                .get(*asset)
+                .is_none_or(|since| since.elapsed() > PATIENCE)
+        })
+        .cloned()
+        .collect();
+    for asset in ready {
+        watch.waiting.remove(&asset);
+        watch.on_their_way.insert(asset.clone(), Instant::now());
+        info!("reading {} again", asset.display());
+        server.reload(AssetPath::from_path_buf(asset));
+    }
+}
+
+fn take_events(watch: &mut SceneWatch) {
+    let Some(watcher) = &watch.watcher else {
+        return;
+    };
+    let mut folders_changed = false;
+    let mut changed: HashSet<PathBuf> = HashSet::new();
+    for result in watcher.events.try_iter() {
+        let events = match result {
+            Ok(events) => events,
+            Err(errors) => {
+                for error in errors {
+                    warn!("watching files: {error}");
+                }
+                continue;
+            }
+        };
+        for event in events {
+            let is_change = match event.kind {
+                EventKind::Create(_) | EventKind::Modify(_) => true,
+                EventKind::Access(kind) => kind == AccessKind::Close(AccessMode::Write),
+                // A file that is gone: its content stays until another takes its place.
+                _ => false,
+            };
+            // Events were lost: everything may have changed.
+            if event.need_rescan() {
+                changed.extend(watch.reloads.keys().cloned());
+            }
+            folders_changed |= !matches!(event.kind, EventKind::Access(_));
+            if is_change {
+                changed.extend(event.paths.iter().cloned());
+            }
+        }
+    }
+    for file in changed {
+        let assets = watch.reloads.get(&file).filter(|_| file.is_file());
+        watch.waiting.extend(assets.into_iter().flatten().cloned());
+    }
+    if folders_changed {
+        // A folder that came into being may have brought its files along.
+        let before = watch.folders.clone();
+        watch.watch_folders();
+        let brought = |file: &Path| {
+            file.is_file()
+                && file
+                    .parent()
+                    .is_some_and(|folder| is_new(folder, &before, &watch.folders))
+        };
+        let found: Vec<PathBuf> = watch
+            .reloads
+            .iter()
+            .filter(|(file, _)| brought(file))
+            .flat_map(|(_, assets)| assets.clone())
+            .collect();
+        watch.waiting.extend(found);
+    }
+}
+
+fn is_new(folder: &Path, before: &HashSet<PathBuf>, now: &HashSet<PathBuf>) -> bool {
+    now.contains(folder) && !before.contains(folder)
+}

@@ -1,0 +1,463 @@
+//! Files that change on disk while their scene is open: what changes with them, and what must not.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use bevy::asset::AssetId;
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+use sunroom::geometry::mesh::MeshData;
+use sunroom::scene::*;
+
+const SCENE: &str = "<scene version='3.0.0'>
+  <sensor type='perspective' id='eye'><float name='fov' value='40'/>
+    <transform name='to_world'><lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform></sensor>
+  <include filename='light.xml'/>
+  <bsdf type='diffuse' id='red'><rgb name='reflectance' value='0.8,0.1,0.1'/></bsdf>
+  <bsdf type='diffuse' id='blue'><rgb name='reflectance' value='0.1,0.1,0.8'/></bsdf>
+  <shape type='sphere' id='ball'><ref id='red'/></shape>
+  <shape type='cube'><ref id='blue'/></shape>
+  <shape type='disk'/>
+  <shape type='obj' id='first'><string name='filename' value='first.obj'/></shape>
+  <shape type='obj' id='second'><string name='filename' value='second.obj'/></shape>
+</scene>
+";
+const LIGHT: &str =
+    "<scene version='3.0.0'><emitter type='constant' id='sky'><rgb name='radiance' value='1'/></emitter></scene>";
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+
+/// Which entities the last frames changed.
+#[derive(Resource, Default)]
+struct Seen {
+    materials: Vec<Entity>,
+    shapes: Vec<Entity>,
+    poses: Vec<Entity>,
+    links: Vec<Entity>,
+    settings: usize,
+}
+
+fn record(
+    mut seen: ResMut<Seen>,
+    materials: Query<Entity, Changed<Material>>,
+    shapes: Query<Entity, Changed<Shape>>,
+    poses: Query<Entity, Changed<ToWorld>>,
+    links: Query<Entity, Or<(Changed<UsesMaterial>, Changed<MeshHandle>)>>,
+    integrator: Res<IntegratorSettings>,
+) {
+    seen.materials.extend(&materials);
+    seen.shapes.extend(&shapes);
+    seen.poses.extend(&poses);
+    seen.links.extend(&links);
+    seen.settings += usize::from(integrator.is_changed());
+}
+
+struct Open {
+    app: App,
+    folder: tempfile::TempDir,
+}
+
+impl Open {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in [
+            ("scene.xml", SCENE),
+            ("light.xml", LIGHT),
+            ("first.obj", TRIANGLE),
+            ("second.obj", TRIANGLE),
+        ] {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, asset_plugin(), ScenePlugin));
+        app.init_resource::<Seen>().add_systems(PostUpdate, record);
+        app.finish();
+        app.cleanup();
+        let path = folder.path().join("scene.xml");
+        app.world_mut().write_message(OpenScene {
+            path,
+            defines: Vec::new(),
+        });
+        let mut open = Self { app, folder };
+        open.until("the scene is loaded", |world| {
+            world.resource::<SceneStatus>().is_complete()
+        });
+        // The watch needs a frame to hear of the meshes.
+        open.settle();
+        open
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn until(&mut self, what: &str, mut done: impl FnMut(&mut World) -> bool) {
+        let deadline = Instant::now() + Duration::from_secs(20);
+        loop {
+            self.app.update();
+            if done(self.app.world_mut()) {
+                return;
+            }
+            assert!(Instant::now() < deadline, "not in time: {what}: {:?}", self.status());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// Long enough for a change on disk to be noticed, if it is going to be.
+    fn settle(&mut self) {
+        let end = Instant::now() + Duration::from_millis(500);
+        while Instant::now() < end {
+            self.app.update();
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        *self.app.world_mut().resource_mut::<Seen>() = Seen::default();
+    }
+
+    fn status(&self) -> &SceneStatus {
+        self.app.world().resource::<SceneStatus>()
+    }
+
+    fn seen(&self) -> &Seen {
+        self.app.world().resource::<Seen>()
+    }
+
+    fn until_revision(&mut self, revision: u64) {
+        self.until("another revision", |world| {
+            world.resource::<SceneStatus>().revision >= revision
+        });
+    }
+
+    fn by_id(&mut self, id: &str) -> Entity {
+        let world = self.app.world_mut();
+        let found = world
+            .query::<(Entity, &SceneId)>()
+            .iter(world)
+            .find(|(_, found)| found.0 == id);
+        found.unwrap_or_else(|| panic!("no {id}")).0
+    }
+
+    fn get<C: Component + Clone>(&mut self, id: &str) -> C {
+        let entity = self.by_id(id);
+        self.app.world().get::<C>(entity).unwrap().clone()
+    }
+
+    fn mesh(&mut self, id: &str) -> (AssetId<TriangleMesh>, Arc<MeshData>) {
+        let handle = self.get::<MeshHandle>(id).0;
+        let meshes = self.app.world().resource::<Assets<TriangleMesh>>();
+        (handle.id(), meshes.get(&handle).unwrap().data.clone())
+    }
+
+    fn count<C: Component>(&mut self) -> usize {
+        let world = self.app.world_mut();
+        world.query::<&C>().iter(world).count()
+    }
+}
+
+fn by_rename(path: &Path, text: &str) {
+    let aside = path.with_extension("tmp");
+    std::fs::write(&aside, text).unwrap();
+    std::fs::rename(&aside, path).unwrap();
+}
+
+#[test]
+fn only_what_was_edited_changes_however_the_editor_saves() {
+    let mut open = Open::new();
+    let red = open.by_id("red");
+    let edited = SCENE.replace("0.8,0.1,0.1", "0.9,0.2,0.2");
+    std::fs::write(open.path("scene.xml"), &edited).unwrap();
+    open.until_revision(2);
+    assert_eq!(
+        open.get::<Material>("red"),
+        Material::Diffuse {
+            reflectance: Vec3::new(0.9, 0.2, 0.2)
+        }
+    );
+    assert_eq!(open.seen().materials, [red]);
+    assert!(open.seen().shapes.is_empty() && open.seen().poses.is_empty() && open.seen().links.is_empty());
+    assert_eq!(open.seen().settings, 0);
+    assert!(!open.status().fresh_load);
+
+    open.settle();
+    let before = open.status().revision;
+    by_rename(
+        &open.path("scene.xml"),
+        &edited
+            .replace("<sphere", "<sphere")
+            .replace("id='ball'>", "id='ball'><float name='radius' value='2'/>"),
+    );
+    open.until_revision(before + 1);
+    let ball = open.by_id("ball");
+    assert_eq!(
+        open.get::<Shape>("ball").kind,
+        ShapeKind::Sphere {
+            center: Vec3::ZERO,
+            radius: 2.0
+        }
+    );
+    assert_eq!(open.seen().shapes, [ball]);
+    assert!(open.seen().materials.is_empty());
+}
+
+#[test]
+fn a_file_touched_without_a_change_changes_nothing() {
+    let mut open = Open::new();
+    // Comments move every line.
+    std::fs::write(
+        open.path("scene.xml"),
+        SCENE.replacen("version='3.0.0'>", "version='3.0.0'><!-- hello -->\n\n", 1),
+    )
+    .unwrap();
+    open.until_revision(2);
+    let seen = open.seen();
+    let changes = [&seen.materials, &seen.shapes, &seen.poses, &seen.links].map(Vec::len);
+    assert_eq!((changes, seen.settings), ([0; 4], 0));
+}
+
+#[test]
+fn a_broken_edit_keeps_the_scene_and_fixing_it_recovers() {
+    let mut open = Open::new();
+    std::fs::write(
+        open.path("scene.xml"),
+        SCENE.replace("value='0.8,0.1,0.1'", "value='0.8,oops,0.1'"),
+    )
+    .unwrap();
+    open.until("the failure", |world| {
+        world.resource::<SceneStatus>().state == SceneState::Failed
+    });
+    let text = open.status().diagnostics.to_string();
+    assert!(text.contains("scene.xml:5:"), "{text}");
+    assert_eq!(open.status().revision, 1);
+    assert_eq!(
+        open.get::<Material>("red"),
+        Material::Diffuse {
+            reflectance: Vec3::new(0.8, 0.1, 0.1)
+        }
+    );
+    assert_eq!(open.count::<Shape>(), 5);
+
+    // Half a file, as from an editor that truncates first.
+    std::fs::write(open.path("scene.xml"), &SCENE[..SCENE.len() / 2]).unwrap();
+    open.settle();
+    assert_eq!(open.count::<Shape>(), 5);
+    assert_eq!(open.status().state, SceneState::Failed);
+
+    std::fs::write(open.path("scene.xml"), SCENE.replace("0.8,0.1,0.1", "0.7,0.1,0.1")).unwrap();
+    open.until("the recovery", |world| {
+        world.resource::<SceneStatus>().state == SceneState::Ready
+    });
+    assert_eq!(
+        open.get::<Material>("red"),
+        Material::Diffuse {
+            reflectance: Vec3::new(0.7, 0.1, 0.1)
+        }
+    );
+    assert!(!open.status().diagnostics.has_errors());
+}
+
+#[test]
+fn a_removed_shape_is_one_entity_less() {
+    let mut open = Open::new();
+    let ball = open.by_id("ball");
+    std::fs::write(
+        open.path("scene.xml"),
+        SCENE.replace("<shape type='sphere' id='ball'><ref id='red'/></shape>", ""),
+    )
+    .unwrap();
+    open.until_revision(2);
+    assert_eq!(open.count::<Shape>(), 4);
+    assert!(open.app.world().get_entity(ball).is_err());
+    assert!(open.seen().shapes.is_empty(), "the others are what they were");
+
+    std::fs::write(open.path("scene.xml"), SCENE).unwrap();
+    open.until_revision(3);
+    assert_eq!(open.count::<Shape>(), 5);
+    let red = open.by_id("red");
+    assert_eq!(open.get::<UsesMaterial>("ball").0, red);
+}
+
+#[test]
+fn an_edited_mesh_is_read_again_and_no_other() {
+    let mut open = Open::new();
+    let (first, old) = open.mesh("first");
+    let (_, second) = open.mesh("second");
+    let path = open.path("first.obj");
+    by_rename(&path, QUAD);
+    open.until("the new mesh", |world| {
+        world
+            .resource::<Assets<TriangleMesh>>()
+            .get(first)
+            .is_some_and(|mesh| mesh.data.triangles.len() == 2)
+    });
+    assert!(!Arc::ptr_eq(&open.mesh("first").1, &old));
+    open.settle();
+    assert!(
+        Arc::ptr_eq(&open.mesh("second").1, &second),
+        "the other mesh was not read again"
+    );
+    assert_eq!(open.status().revision, 1, "the scene was not read again");
+
+    // A broken mesh keeps the last good one, and says where it is named.
+    std::fs::write(&path, "v 0 0 0\nf 1 2 3\n").unwrap();
+    open.until("the failure", |world| {
+        !world.resource::<SceneStatus>().mesh_errors.is_empty()
+    });
+    assert_eq!(open.mesh("first").1.triangles.len(), 2);
+    let message = &open.status().mesh_errors[0].message;
+    assert!(
+        message.contains("scene.xml:10:") && message.contains("line 2"),
+        "{message}"
+    );
+    std::fs::write(&path, TRIANGLE).unwrap();
+    open.until("the recovery", |world| {
+        world.resource::<SceneStatus>().mesh_errors.is_empty()
+    });
+    assert_eq!(open.mesh("first").1.triangles.len(), 1);
+}
+
+#[test]
+fn material_libraries_and_includes_are_watched() {
+    let mut open = Open::new();
+    let path = open.path("first.obj");
+    let (first, _) = open.mesh("first");
+    let kd = |world: &World| {
+        let mesh = world.resource::<Assets<TriangleMesh>>().get(first)?;
+        mesh.data.materials.first().map(|material| material.kd.x)
+    };
+    std::fs::write(&path, format!("mtllib lib.mtl\nusemtl paint\n{TRIANGLE}")).unwrap();
+    // The library comes later: its place is watched already.
+    open.until("the missing library is noticed", |world| {
+        !world.resource::<SceneStatus>().mesh_warnings.is_empty()
+    });
+    open.settle();
+    std::fs::write(open.path("lib.mtl"), "newmtl paint\nKd 0.25 0 0\n").unwrap();
+    open.until("the library", |world| kd(world) == Some(0.25));
+    by_rename(&open.path("lib.mtl"), "newmtl paint\nKd 0.75 0 0\n");
+    open.until("the edited library", |world| kd(world) == Some(0.75));
+
+    std::fs::write(open.path("light.xml"), LIGHT.replace("value='1'", "value='2'")).unwrap();
+    open.until_revision(2);
+    assert_eq!(
+        open.get::<Emitter>("sky"),
+        Emitter::Constant {
+            radiance: Vec3::splat(2.0)
+        }
+    );
+}
+
+#[test]
+fn the_users_camera_stays_until_the_file_moves_its_own() {
+    let mut open = Open::new();
+    let eye = open.by_id("eye");
+    assert_eq!(open.app.world().resource::<ActiveSensor>().0, Some(eye));
+    let flown = Affine3A::from_translation(Vec3::new(1.0, 2.0, 3.0));
+    open.app.world_mut().get_mut::<ToWorld>(eye).unwrap().0 = flown;
+    std::fs::write(open.path("scene.xml"), SCENE.replace("0.8,0.1,0.1", "0.9,0.2,0.2")).unwrap();
+    open.until_revision(2);
+    assert_eq!(open.get::<ToWorld>("eye").0, flown);
+
+    std::fs::write(
+        open.path("scene.xml"),
+        SCENE.replace("origin='0,0,5'", "origin='0,0,9'"),
+    )
+    .unwrap();
+    open.until_revision(3);
+    assert_eq!(
+        open.get::<ToWorld>("eye").0.translation,
+        Vec3::new(0.0, 0.0, 9.0).into()
+    );
+    assert_eq!(open.app.world().resource::<ActiveSensor>().0, Some(eye));
+}
+
+#[test]
+fn a_missing_mesh_that_appears_completes_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenes = folder.path().join("scenes");
+    std::fs::create_dir(&scenes).unwrap();
+    let path = scenes.join("scene.xml");
+    let text = "<scene version='3.0.0'><sensor type='perspective'/>
+        <shape type='obj' id='late'><string name='filename' value='../assets/models/late.obj'/></shape></scene>";
+    std::fs::write(&path, text).unwrap();
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, asset_plugin(), ScenePlugin));
+    app.init_resource::<Seen>();
+    app.finish();
+    app.cleanup();
+    app.world_mut().write_message(OpenScene {
+        path,
+        defines: Vec::new(),
+    });
+    let mut open = Open { app, folder };
+    open.until("the failure", |world| {
+        world.resource::<SceneStatus>().state == SceneState::Failed
+    });
+    let text = open.status().diagnostics.to_string();
+    assert!(
+        text.contains("mesh not found") && text.contains("scene.xml:2:"),
+        "{text}"
+    );
+    open.settle();
+    // The folders are not there either.
+    let models = open.path("assets/models");
+    std::fs::create_dir_all(&models).unwrap();
+    std::fs::write(models.join("late.obj"), TRIANGLE).unwrap();
+    open.until("the scene", |world| world.resource::<SceneStatus>().is_complete());
+    assert_eq!(open.mesh("late").1.triangles.len(), 1);
+}
+
+#[test]
+fn another_scene_replaces_all_of_this_one() {
+    let mut open = Open::new();
+    let other = open.path("other.xml");
+    let text = "<scene version='3.0.0'><default name='r' value='1'/><sensor type='perspective' id='eye2'/>
+        <shape type='sphere' id='ball'><float name='radius' value='$r'/></shape></scene>";
+    std::fs::write(&other, text).unwrap();
+    // Or else its coming into being counts as an edit.
+    open.settle();
+    let old = open.by_id("ball");
+    let defines = vec![("r".to_owned(), "3".to_owned())];
+    open.app.world_mut().write_message(OpenScene { path: other, defines });
+    open.until_revision(2);
+    assert!(open.status().fresh_load);
+    assert_eq!(
+        (
+            open.count::<Shape>(),
+            open.count::<Sensor>(),
+            open.count::<Material>(),
+            open.count::<Emitter>()
+        ),
+        (1, 1, 0, 0)
+    );
+    assert!(open.app.world().get_entity(old).is_err());
+    assert_eq!(
+        open.get::<Shape>("ball").kind,
+        ShapeKind::Sphere {
+            center: Vec3::ZERO,
+            radius: 3.0
+        }
+    );
+    let eye = open.by_id("eye2");
+    assert_eq!(open.app.world().resource::<ActiveSensor>().0, Some(eye));
+
+    // The scene before is no longer watched, and its meshes are gone.
+    open.settle();
+    std::fs::write(open.path("scene.xml"), SCENE).unwrap();
+    open.settle();
+    assert_eq!(open.status().revision, 2);
+    assert_eq!(open.app.world().resource::<Assets<TriangleMesh>>().len(), 0);
+
+    // Asked for again with other values, it is read again.
+    let path = open.path("other.xml");
+    open.app.world_mut().write_message(OpenScene {
+        path,
+        defines: Vec::new(),
+    });
+    open.until_revision(3);
+    assert_eq!(
+        open.get::<Shape>("ball").kind,
+        ShapeKind::Sphere {
+            center: Vec3::ZERO,
+            radius: 1.0
+        }
+    );
+}

@@ -1,0 +1,673 @@
+//! Scene files as descriptions and as entities: what is read, what is warned of, what is written back.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+use sunroom::document::{self, Diagnostics, Severity, TransformOp};
+use sunroom::scene::description::DeclarationPlace;
+use sunroom::scene::read::read;
+use sunroom::scene::write::{gather, save_description, to_document};
+use sunroom::scene::*;
+
+fn describe_at(text: &str, path: &Path) -> (SceneDescription, Diagnostics) {
+    let mut document = document::parse_str(text, path, &[]);
+    let scene = read(&mut document);
+    (scene, document.diagnostics)
+}
+
+fn describe(body: &str) -> (SceneDescription, Diagnostics) {
+    let text = format!("<scene version=\"3.0.0\">\n{body}\n</scene>");
+    describe_at(&text, &std::env::temp_dir().join("scene.xml"))
+}
+
+/// The description of a scene that has nothing to complain of, once it has a sensor.
+fn clean(body: &str) -> SceneDescription {
+    let (scene, diagnostics) = describe(&format!("{body}<sensor type=\"perspective\"/>"));
+    assert!(diagnostics.list.is_empty(), "{diagnostics}");
+    scene
+}
+
+/// "line: severity: message" of everything about the body, whose first line is 2.
+fn complaints(body: &str) -> Vec<String> {
+    let (_, diagnostics) = describe(&format!("{body}<sensor type=\"perspective\"/>"));
+    let line = |d: &document::Diagnostic| {
+        d.span
+            .and_then(|span| diagnostics.locate(span))
+            .map_or(0, |place| place.1)
+    };
+    let list = diagnostics.list.iter();
+    list.map(|d| format!("{}: {}: {}", line(d), d.severity, d.message))
+        .collect()
+}
+
+fn material(body: &str) -> Material {
+    clean(body).materials[0].material.clone()
+}
+
+/// Without what the file looked like: two files that mean the same are equal.
+fn meaning(scene: &SceneDescription) -> SceneDescription {
+    let mut scene = scene.clone();
+    scene.remains = AuthoredScene::default();
+    scene.sources.clear();
+    scene.path = PathBuf::new();
+    let sensors = scene.sensors.iter_mut().map(|item| &mut item.identity);
+    let materials = scene.materials.iter_mut().map(|item| &mut item.identity);
+    let shapes = scene.shapes.iter_mut().map(|item| &mut item.identity);
+    let emitters = scene.emitters.iter_mut().map(|item| &mut item.identity);
+    let mut all: Vec<_> = sensors.chain(materials).chain(shapes).chain(emitters).collect();
+    all.sort_by_key(|identity| identity.order);
+    for (rank, identity) in (0..).zip(all) {
+        identity.order = rank;
+        identity.span = Default::default();
+        identity.authored = None;
+    }
+    scene
+}
+
+#[test]
+fn defaults_are_those_of_the_format() {
+    let scene = clean("");
+    let sensor = &scene.sensors[0];
+    assert_eq!(sensor.sensor.fov_axis, FovAxis::Diagonal);
+    // 50 mm before a frame of 36 x 24 mm.
+    assert!((sensor.sensor.fov - 46.793).abs() < 1e-3, "{}", sensor.sensor.fov);
+    assert_eq!((sensor.sensor.near_clip, sensor.sensor.far_clip), (1e-2, 1e4));
+    assert_eq!(
+        (sensor.film.width, sensor.film.height, sensor.film.sample_count),
+        (768, 576, 4)
+    );
+    assert_eq!(sensor.film.filter, ReconstructionFilter::Gaussian { stddev: 0.5 });
+    assert_eq!(scene.integrator, IntegratorSettings::default());
+
+    assert_eq!(
+        material("<bsdf type='diffuse'/>"),
+        Material::Diffuse {
+            reflectance: Vec3::splat(0.5)
+        }
+    );
+    assert_eq!(
+        material("<bsdf type='conductor'/>"),
+        Material::Conductor {
+            ior: ConductorIor::Named("none".into()),
+            specular_reflectance: Vec3::ONE
+        }
+    );
+    assert_eq!(
+        material("<bsdf type='dielectric'/>"),
+        Material::Dielectric {
+            interior: Ior::Named("bk7".into()),
+            exterior: Ior::Named("air".into()),
+            specular_reflectance: Vec3::ONE,
+            specular_transmittance: Vec3::ONE,
+        }
+    );
+    assert_eq!(
+        material("<bsdf type='roughconductor'><string name='distribution' value='ggx'/></bsdf>"),
+        Material::RoughConductor {
+            ior: ConductorIor::Named("none".into()),
+            specular_reflectance: Vec3::ONE,
+            alpha: 0.1
+        }
+    );
+    let scene = clean("<shape type='sphere'/><emitter type='point'/>");
+    assert_eq!(
+        scene.shapes[0].shape.kind,
+        ShapeKind::Sphere {
+            center: Vec3::ZERO,
+            radius: 1.0
+        }
+    );
+    assert_eq!(scene.shapes[0].to_world, Affine3A::IDENTITY);
+    assert_eq!(scene.shapes[0].material, None);
+    assert_eq!(scene.emitters[0].emitter, Emitter::Point { intensity: Vec3::ONE });
+}
+
+#[test]
+fn parameters_are_read() {
+    let scene = clean(
+        "<integrator type='path'><integer name='maxDepth' value='7'/><integer name='rr_depth' value='3'/>
+           <boolean name='hide_emitters' value='true'/></integrator>
+         <sensor type='thinlens'><float name='fov' value='20'/><string name='fovAxis' value='smaller'/>
+           <float name='aperture_radius' value='0.2'/><float name='focusDistance' value='6'/>
+           <transform name='toWorld'><lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform>
+           <film type='hdrfilm'><integer name='width' value='320'/><integer name='height' value='200'/><rfilter type='box'/>
+             <string name='pixel_format' value='rgb'/></film>
+           <sampler type='multijitter'><integer name='sample_count' value='64'/></sampler></sensor>
+         <shape type='sphere' id='ball'><point name='center' x='1' y='2' z='3'/><float name='radius' value='4'/>
+           <boolean name='flip_normals' value='true'/>
+           <bsdf type='metal'><rgb name='reflectance' value='0.1,0.2,0.3'/><float name='fuzz' value='0.25'/></bsdf>
+           <emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>
+         <emitter type='directional'><vector name='direction' x='0' y='-2' z='0'/><rgb name='irradiance' value='1,2,3'/></emitter>",
+    );
+    assert_eq!((scene.integrator.max_depth, scene.integrator.rr_depth), (Some(7), 3));
+    assert!(scene.integrator.hide_emitters);
+    let sensor = &scene.sensors[0];
+    assert_eq!(
+        sensor.sensor.lens,
+        Lens::Thin {
+            aperture_radius: 0.2,
+            focus_distance: 6.0
+        }
+    );
+    assert_eq!((sensor.sensor.fov, sensor.sensor.fov_axis), (20.0, FovAxis::Smaller));
+    assert_eq!(
+        sensor.film,
+        Film {
+            width: 320,
+            height: 200,
+            filter: ReconstructionFilter::Box,
+            sample_count: 64
+        }
+    );
+    assert!(
+        sensor
+            .to_world
+            .transform_vector3(Vec3::Z)
+            .abs_diff_eq(Vec3::NEG_Z, 1e-6)
+    );
+    let ball = &scene.shapes[0];
+    assert_eq!(ball.identity.id.as_deref(), Some("ball"));
+    assert_eq!(
+        ball.shape.kind,
+        ShapeKind::Sphere {
+            center: Vec3::new(1.0, 2.0, 3.0),
+            radius: 4.0
+        }
+    );
+    assert!(ball.shape.flip_normals);
+    assert_eq!(
+        ball.area_light,
+        Some(AreaLight {
+            radiance: Vec3::splat(5.0)
+        })
+    );
+    let inside = &scene.materials[ball.material.unwrap()];
+    assert_eq!(
+        inside.material,
+        Material::Metal {
+            reflectance: Vec3::new(0.1, 0.2, 0.3),
+            fuzz: 0.25
+        }
+    );
+    assert_eq!(inside.declared_in, DeclarationPlace::Shape(0));
+    let sun = &scene.emitters[0];
+    assert!(sun.to_world.transform_vector3(Vec3::Z).abs_diff_eq(Vec3::NEG_Y, 1e-6));
+}
+
+#[test]
+fn transforms_apply_in_the_order_of_the_file() {
+    let scene = clean(
+        "<shape type='cube'><transform name='to_world'><scale value='2'/><translate x='1'/><rotate z='1' angle='90'/></transform></shape>",
+    );
+    // (1, 0, 0) -> (2, 0, 0) -> (3, 0, 0) -> (0, 3, 0)
+    let moved = scene.shapes[0].to_world.transform_point3(Vec3::X);
+    assert!(moved.abs_diff_eq(Vec3::new(0.0, 3.0, 0.0), 1e-5), "{moved}");
+}
+
+#[test]
+fn materials_are_shared_by_reference_and_kept_in_the_order_of_the_file() {
+    let scene = clean(
+        "<shape type='sphere'><ref id='late'/></shape>
+         <shape type='cube'><ref id='late'/></shape>
+         <shape type='disk'><bsdf type='twosided'><bsdf type='conductor'/><ref id='late'/></bsdf></shape>
+         <bsdf type='diffuse' id='late'/>",
+    );
+    let late = scene.shapes[0].material.unwrap();
+    assert_eq!(scene.shapes[1].material, Some(late));
+    assert_eq!(scene.materials[late].identity.id.as_deref(), Some("late"));
+    assert_eq!(scene.materials[late].declared_in, DeclarationPlace::TopLevel);
+    let two_sided = &scene.materials[scene.shapes[2].material.unwrap()];
+    assert_eq!(two_sided.material, Material::TwoSided);
+    assert_eq!(two_sided.second, Some(late));
+    assert_eq!(scene.materials.len(), 3);
+    assert!(scene.materials.is_sorted_by_key(|material| material.identity.order));
+}
+
+#[test]
+fn what_is_not_supported_gets_a_stand_in_and_a_warning_with_its_line() {
+    for (body, expected) in [
+        (
+            "<bsdf type='velvet' id='a'/>",
+            "2: warning: bsdf `velvet` is not supported: grey `diffuse` takes its place",
+        ),
+        (
+            "\n<shape type='cylinder'/>",
+            "3: warning: shape `cylinder` is not supported: it is left out",
+        ),
+        (
+            "<emitter type='spot'/>",
+            "2: warning: emitter `spot` is not supported: it is left out",
+        ),
+        (
+            "<integrator type='bdpt'/>",
+            "2: warning: integrator `bdpt` is not supported: `path` takes its place",
+        ),
+        (
+            "<bsdf type='diffuse'>\n<texture type='checkerboard' name='reflectance'/></bsdf>",
+            "3: warning: texture `checkerboard` for `reflectance` is not supported yet: grey (0.5) takes its place",
+        ),
+        (
+            "<bsdf type='diffuse'>\n\n<float name='roughness' value='1'/></bsdf>",
+            "4: warning: `roughness` is not a parameter of bsdf `diffuse`",
+        ),
+        (
+            "<bsdf type='roughconductor'/>",
+            "2: warning: without a `distribution` the format means `beckmann`, which is not supported: `ggx` takes its place",
+        ),
+        (
+            "<bsdf type='diffuse'><rgb name='reflectance' value='1.5'/></bsdf>",
+            "2: warning: `reflectance` is above 1: more light leaves than arrives",
+        ),
+    ] {
+        assert_eq!(complaints(body), [expected], "{body}");
+    }
+    let (scene, diagnostics) = describe("");
+    assert!(scene.sensors.is_empty());
+    assert_eq!(diagnostics.warning_count(), 1, "{diagnostics}");
+}
+
+#[test]
+fn what_cannot_be_is_an_error_with_its_line() {
+    for (body, part) in [
+        (
+            "\n<bsdf type='roughconductor'><string name='distribution' value='ggx'/>\n<float name='alpha' value='0'/></bsdf>",
+            "4: error: `alpha` is 0",
+        ),
+        (
+            "<shape type='sphere'><float name='radius' value='-1'/></shape>",
+            "2: error: `radius` is -1",
+        ),
+        (
+            "<shape type='cube'>\n<transform name='to_world'><scale x='1' y='0' z='1'/></transform></shape>",
+            "3: error: `to_world` cannot be undone",
+        ),
+        (
+            "<bsdf type='conductor'><string name='material' value='Xx'/></bsdf>",
+            "2: error: `Xx` is not a known metal",
+        ),
+        (
+            "<bsdf type='dielectric'><string name='int_ior' value='watr'/></bsdf>",
+            "2: error: `watr` is not a known medium",
+        ),
+        (
+            "<sensor type='perspective'><float name='fov' value='180'/></sensor>",
+            "2: error: `fov` is 180",
+        ),
+        (
+            "<sensor type='thinlens'/>",
+            "2: error: `thinlens` needs an `aperture_radius`",
+        ),
+        (
+            "<bsdf type='twosided'/>",
+            "2: error: `twosided` takes one bsdf or two, found 0",
+        ),
+        (
+            "<bsdf type='diffuse'><rgb name='reflectance' value='-0.5'/></bsdf>",
+            "2: error: `reflectance` is -0.5",
+        ),
+        (
+            "<emitter type='point'><rgb name='intensity' value='-1'/></emitter>",
+            "2: error: `intensity` is negative",
+        ),
+        (
+            "<sensor type='perspective'><film type='hdrfilm'><integer name='width' value='65536'/><integer name='height' value='65536'/></film></sensor>",
+            "2: error: a film of 65536 x 65536 pixels is too large",
+        ),
+        (
+            "<sensor type='perspective'><sampler type='independent'><integer name='sample_count' value='0'/></sampler></sensor>",
+            "2: error: `sample_count` is 0",
+        ),
+        ("<shape type='obj'/>", "2: error: shape `obj` needs a `filename`"),
+        (
+            "<shape type='obj'>\n<string name='filename' value='no/such.obj'/></shape>",
+            "3: error: mesh not found: `no/such.obj`; looked for ",
+        ),
+    ] {
+        let list = complaints(body);
+        assert!(list.len() == 1 && list[0].starts_with(part), "{body}: {list:?}");
+    }
+    // Tiny things are no flat things.
+    clean("<shape type='cube'><transform name='to_world'><scale value='1e-12'/></transform></shape>");
+}
+
+#[test]
+fn a_missing_stanford_mesh_says_where_to_get_it() {
+    let (_, diagnostics) =
+        describe("<shape type='ply'><string name='filename' value='../assets/models/dragon.ply'/></shape>");
+    let error = diagnostics.list.iter().find(|d| d.severity == Severity::Error).unwrap();
+    let help = error.help.as_deref().unwrap();
+    assert!(
+        help.contains("graphics.stanford.edu") && help.contains("SUNROOM_ASSETS"),
+        "{help}"
+    );
+}
+
+/// Written, read again, and compared. Returns the text.
+fn round_trip(scene: &SceneDescription, target: &Path) -> String {
+    let text = document::to_xml(&to_document(scene, target)).unwrap();
+    let (again, diagnostics) = describe_at(&text, target);
+    assert!(!diagnostics.has_errors(), "{text}\n{diagnostics}");
+    assert_eq!(meaning(&again), meaning(scene), "{text}");
+    // Written once more, nothing moves any more.
+    assert_eq!(document::to_xml(&to_document(&again, target)).unwrap(), text);
+    text
+}
+
+const EVERYTHING: &str = "<integrator type='path'><integer name='max_depth' value='7'/></integrator>
+  <sensor type='thinlens' id='eye'><string name='focal_length' value='35mm'/><float name='aperture_radius' value='0.1'/>
+    <film type='hdrfilm'><string name='pixel_format' value='rgba'/><rfilter type='tent'/></film>
+    <transform name='to_world'><lookat origin='1,2,3' target='0,0,0' up='0,1,0'/></transform></sensor>
+  <texture type='bitmap' id='wood'><string name='filename' value='wood.png'/></texture>
+  <bsdf type='diffuse' id='planks'><ref id='wood' name='reflectance'/></bsdf>
+  <bsdf type='bumpmap' id='bumpy'><bsdf type='diffuse'/><float name='scale' value='2'/></bsdf>
+  <bsdf type='roughconductor' id='cu'><string name='material' value='Cu'/><float name='alpha_u' value='0.1'/>
+    <float name='alpha_v' value='0.4'/><string name='distribution' value='ggx'/></bsdf>
+  <emitter type='area' id='glow'><rgb name='radiance' value='3'/></emitter>
+  <shape type='sphere'><ref id='planks'/><float name='mystery' value='4'/></shape>
+  <shape type='cylinder' id='pipe'><ref id='planks'/></shape>
+  <shape type='cube' id='box'><transform name='to_world'><rotate x='1' angle='30'/><scale x='2' y='3' z='4'/></transform>
+    <bsdf type='twosided' id='inner'><bsdf type='diffuse'/><ref id='cu'/></bsdf><ref id='glow'/></shape>
+  <shape type='disk'><ref id='inner'/></shape>
+  <shape type='disk'><ref id='bumpy'/></shape>
+  <emitter type='point'><point name='position' x='1' y='2' z='3'/></emitter>
+  <emitter type='directional'><vector name='direction' x='1' y='2' z='3'/></emitter>
+  <emitter type='constant'><spectrum name='radiance' value='0.5'/></emitter>
+  <emitter type='envmap'><string name='filename' value='sky.exr'/></emitter>";
+
+#[test]
+fn what_was_not_understood_survives_being_saved() {
+    let (scene, diagnostics) = describe(EVERYTHING);
+    assert!(!diagnostics.has_errors(), "{diagnostics}");
+    let text = round_trip(&scene, &std::env::temp_dir().join("scene.xml"));
+    for kept in [
+        "mystery",
+        "cylinder",
+        "bumpmap",
+        "envmap",
+        "sky.exr",
+        "wood.png",
+        "focal_length",
+        "alpha_u",
+        "pixel_format",
+        "tent",
+        "lookat",
+        "<ref id=\"glow\"",
+        "spectrum",
+    ] {
+        assert!(text.contains(kept), "{kept} is lost:\n{text}");
+    }
+    assert!(!text.contains("near_clip"), "defaults were not asked for:\n{text}");
+}
+
+#[test]
+fn an_edit_changes_what_was_edited_and_nothing_else() {
+    let (before, _) = describe(EVERYTHING);
+    let target = std::env::temp_dir().join("scene.xml");
+    let unedited = document::to_xml(&to_document(&before, &target)).unwrap();
+    let mut scene = before.clone();
+    let by_id = |id: &str| {
+        before
+            .materials
+            .iter()
+            .position(|m| m.identity.id.as_deref() == Some(id))
+            .unwrap()
+    };
+    let Material::RoughConductor { alpha, .. } = &mut scene.materials[by_id("cu")].material else {
+        panic!("not rough")
+    };
+    *alpha = 0.5;
+    scene.materials[by_id("planks")].material = Material::Diffuse {
+        reflectance: Vec3::new(0.1, 0.2, 0.3),
+    };
+    scene.sensors[0].sensor.fov = 33.0;
+    scene.sensors[0].film.width = 100;
+    let cube = scene
+        .shapes
+        .iter_mut()
+        .find(|s| s.shape.kind == ShapeKind::Cube)
+        .unwrap();
+    cube.area_light = Some(AreaLight { radiance: Vec3::X });
+    let text = round_trip(&scene, &target);
+    let lines = |text: &str| text.lines().map(str::trim).map(str::to_owned).collect::<Vec<_>>();
+    let (old, new) = (lines(&unedited), lines(&text));
+    let gone: Vec<_> = old.iter().filter(|line| !new.contains(line)).collect();
+    // The lens, two roughnesses, the texture of the planks, and the reference to the light, which is written in place now.
+    assert_eq!(gone.len(), 5, "{gone:#?}\n{text}");
+    assert!(text.contains("pixel_format"), "{text}");
+}
+
+#[test]
+fn what_was_made_in_the_editor_is_written_too() {
+    let (mut scene, _) = describe("<sensor type='perspective'/><shape type='sphere'/><shape type='disk'/>");
+    let made = |order| sunroom::scene::description::Identity {
+        name: "new".into(),
+        order,
+        ..Default::default()
+    };
+    scene.materials.push(sunroom::scene::description::MaterialDescription {
+        identity: made(10),
+        material: Material::Metal {
+            reflectance: Vec3::splat(0.25),
+            fuzz: 0.5,
+        },
+        first: None,
+        second: None,
+        declared_in: DeclarationPlace::TopLevel,
+    });
+    for shape in &mut scene.shapes {
+        shape.material = Some(0);
+        shape.to_world = Affine3A::from_rotation_y(1.0) * Affine3A::from_scale(Vec3::new(1.0, 2.0, 3.0));
+    }
+    let text = document::to_xml(&to_document(&scene, Path::new("/tmp/scene.xml"))).unwrap();
+    let (again, diagnostics) = describe_at(&text, Path::new("/tmp/scene.xml"));
+    assert!(diagnostics.list.is_empty(), "{diagnostics}");
+    assert_eq!(again.materials.len(), 1);
+    assert_eq!(again.materials[0].material, scene.materials[0].material);
+    for (a, b) in again.shapes.iter().zip(&scene.shapes) {
+        assert_eq!(a.material, Some(0));
+        assert!(a.to_world.abs_diff_eq(b.to_world, 1e-5));
+    }
+    assert!(
+        text.contains("<scale") && text.contains("<rotate") && !text.contains("<matrix"),
+        "{text}"
+    );
+}
+
+#[test]
+fn file_names_follow_the_scene_to_another_folder() {
+    let root = tempfile::tempdir().unwrap();
+    let [scenes, models, other] = ["scenes", "models", "elsewhere/deep"].map(|name| root.path().join(name));
+    for folder in [&scenes, &models, &other] {
+        std::fs::create_dir_all(folder).unwrap();
+    }
+    std::fs::write(models.join("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    std::fs::write(scenes.join("wood.png"), "").unwrap();
+    std::fs::write(
+        models.join("part.xml"),
+        "<scene version='3.0.0'><shape type='obj'><string name='filename' value='a.obj'/></shape></scene>",
+    )
+    .unwrap();
+    let path = scenes.join("main.xml");
+    let text = "<scene version='3.0.0'><sensor type='perspective'/><include filename='../models/part.xml'/>
+        <shape type='obj' id='direct'><string name='filename' value='../models/a.obj'/>
+          <bsdf type='diffuse'><texture type='bitmap' name='reflectance'><string name='filename' value='wood.png'/></texture></bsdf>
+        </shape></scene>";
+    let (scene, diagnostics) = describe_at(text, &path);
+    assert!(!diagnostics.has_errors(), "{diagnostics}");
+    assert_eq!(scene.sources.len(), 2);
+    let file = |shape: &Shape| match &shape.kind {
+        ShapeKind::Mesh(file) => file.path.clone(),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(file(&scene.shapes[0].shape), file(&scene.shapes[1].shape));
+    assert!(round_trip(&scene, &path).contains("../models/a.obj"));
+    let moved = round_trip(&scene, &other.join("moved.xml"));
+    assert!(
+        moved.contains("../../models/a.obj") && moved.contains("../../scenes/wood.png"),
+        "{moved}"
+    );
+    save_description(&scene, &other.join("moved.xml")).unwrap();
+    assert!(other.join("moved.xml").is_file());
+}
+
+#[test]
+fn scenes_of_other_people_come_back_unchanged() {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let shared = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .skip(1)
+        .map(|folder| folder.join("shared/data"));
+    let mut folders = vec![own];
+    match shared.into_iter().find(|folder| folder.is_dir()) {
+        Some(data) => folders.extend(["mitsuba-scenes", "peer-scenes", "csi-scenes"].map(|name| data.join(name))),
+        None => println!("skipped: no folder of shared scenes"),
+    }
+    let mut count = 0;
+    for folder in folders {
+        let Ok(entries) = std::fs::read_dir(&folder) else {
+            println!("skipped: {}", folder.display());
+            continue;
+        };
+        for path in entries.flatten().map(|entry| entry.path()) {
+            if path.extension().is_none_or(|extension| extension != "xml") {
+                continue;
+            }
+            let Ok(mut document) = document::load(&path, &[]) else {
+                continue;
+            };
+            let scene = read(&mut document);
+            if document.diagnostics.has_errors() {
+                println!("not compared: {}", document.diagnostics);
+                continue;
+            }
+            round_trip(&scene, &path);
+            count += 1;
+        }
+    }
+    println!("{count} scenes compared");
+    assert!(count >= 4);
+}
+
+fn app_with(path: &Path) -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, asset_plugin(), ScenePlugin));
+    app.finish();
+    app.cleanup();
+    app.world_mut().write_message(OpenScene {
+        path: path.to_owned(),
+        defines: Vec::new(),
+    });
+    let deadline = Instant::now() + Duration::from_secs(20);
+    loop {
+        app.update();
+        let status = app.world().resource::<SceneStatus>();
+        if status.is_complete() || status.state == SceneState::Failed {
+            return app;
+        }
+        assert!(Instant::now() < deadline, "{status:?}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn entities_say_what_the_file_says_and_are_gathered_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.xml");
+    std::fs::write(&path, format!("<scene version='3.0.0'>{EVERYTHING}</scene>")).unwrap();
+    let mut app = app_with(&path);
+    let mut document = document::load(&path, &[]).unwrap();
+    let expected = read(&mut document);
+    let world = app.world_mut();
+    let gathered = gather::describe(world);
+    assert_eq!(meaning(&gathered), meaning(&expected));
+    assert_eq!(gathered.remains, expected.remains);
+
+    let status = world.resource::<SceneStatus>();
+    assert_eq!((status.revision, status.fresh_load), (1, true));
+    let active = world.resource::<ActiveSensor>().0.unwrap();
+    assert_eq!(world.get::<SceneId>(active), Some(&SceneId("eye".into())));
+    let users: Vec<_> = world
+        .query::<(&Material, &MaterialUsers)>()
+        .iter(world)
+        .map(|(_, users)| users.iter().count())
+        .collect();
+    assert_eq!(users.iter().sum::<usize>(), 4);
+}
+
+#[test]
+fn the_world_is_saved_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.xml");
+    std::fs::write(&path, format!("<scene version='3.0.0'>{EVERYTHING}</scene>")).unwrap();
+    let mut app = app_with(&path);
+    let world = app.world_mut();
+    let active = world.resource::<ActiveSensor>().0.unwrap();
+    world.get_mut::<ToWorld>(active).unwrap().0 = TransformOp::LookAt {
+        origin: Vec3::new(3.0, 2.0, 1.0),
+        target: Vec3::ZERO,
+        up: Vec3::Y,
+    }
+    .affine();
+    let moved = world.get::<ToWorld>(active).copied().unwrap();
+    sunroom::scene::write::save(world, &path).unwrap();
+    let mut document = document::load(&path, &[]).unwrap();
+    let again = read(&mut document);
+    assert!(again.sensors[0].to_world.abs_diff_eq(moved.0, 1e-5));
+}
+
+#[test]
+fn a_scene_without_a_sensor_is_framed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.xml");
+    std::fs::write(folder.path().join("a.obj"), "v 9 0 0\nv 11 0 0\nv 10 2 0\nf 1 2 3\n").unwrap();
+    let text = "<scene version='3.0.0'><shape type='obj'><string name='filename' value='a.obj'/></shape></scene>";
+    std::fs::write(&path, text).unwrap();
+    let mut app = app_with(&path);
+    app.update();
+    let world = app.world();
+    let active = world.resource::<ActiveSensor>().0.unwrap();
+    let pose = world.get::<ToWorld>(active).unwrap().0;
+    let sensor = world.get::<Sensor>(active).unwrap();
+    let half = (0.5 * sensor.fov.to_radians()).tan();
+    for corner in [
+        Vec3::new(9.0, 0.0, 0.0),
+        Vec3::new(11.0, 0.0, 0.0),
+        Vec3::new(10.0, 2.0, 0.0),
+    ] {
+        let seen = pose.inverse().transform_point3(corner);
+        assert!(
+            seen.z > 0.0 && seen.x.abs() < half * seen.z && seen.y.abs() < half * seen.z,
+            "{seen}"
+        );
+    }
+    let status = world.resource::<SceneStatus>();
+    assert_eq!(status.diagnostics.warning_count(), 1);
+}
+
+#[test]
+fn failures_say_where() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = app_with(&folder.path().join("none.xml"));
+    let status = missing.world().resource::<SceneStatus>();
+    assert_eq!(status.state, SceneState::Failed);
+    assert!(
+        status.diagnostics.to_string().contains("none.xml"),
+        "{}",
+        status.diagnostics
+    );
+
+    let path = folder.path().join("scene.xml");
+    std::fs::write(folder.path().join("bad.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
+    let text = "<scene version='3.0.0'><sensor type='perspective'/>\n<shape type='obj'>\n<string name='filename' value='bad.obj'/></shape></scene>";
+    std::fs::write(&path, text).unwrap();
+    let app = app_with(&path);
+    let status = app.world().resource::<SceneStatus>();
+    assert!(status.is_complete() && status.has_errors());
+    let message = &status.mesh_errors[0].message;
+    assert!(
+        message.contains("scene.xml:3:1: mesh ") && message.contains("line 4"),
+        "{message}"
+    );
+}
