@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 
-use super::control::RenderControl;
+use super::control::{RenderControl, WakeUp};
 use super::dispatch::Renderer;
 use super::film::RenderFilm;
 use super::status::RenderStatus;
@@ -19,6 +19,7 @@ pub(super) fn collect_results(
     mut film: ResMut<RenderFilm>,
     mut status: ResMut<RenderStatus>,
     control: Res<RenderControl>,
+    wake_up: Res<WakeUp>,
 ) {
     let Some(job) = renderer.job_mut().filter(|job| job.is_running()) else {
         return;
@@ -34,6 +35,12 @@ pub(super) fn collect_results(
         return;
     }
     film.set_changed();
+    if let (Some(results), Some(wake)) = (job.results(), &wake_up.0)
+        && !results.is_empty()
+    {
+        // The workers may have nothing more to send, and with it no reason to wake anybody.
+        wake();
+    }
     if let Some(since) = job.since.take() {
         status.latency.record(since.elapsed().as_secs_f32() * 1e3);
     }
