@@ -182,9 +182,7 @@ fn only_what_was_edited_changes_however_the_editor_saves() {
     let before = open.status().revision;
     by_rename(
         &open.path("scene.xml"),
-        &edited
-            .replace("<sphere", "<sphere")
-            .replace("id='ball'>", "id='ball'><float name='radius' value='2'/>"),
+        &edited.replace("id='ball'>", "id='ball'><float name='radius' value='2'/>"),
     );
     open.until_revision(before + 1);
     let ball = open.by_id("ball");
