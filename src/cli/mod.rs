@@ -5,6 +5,8 @@
 
 mod check;
 mod convert;
+#[cfg(feature = "window")]
+mod edit;
 mod parse;
 mod progress;
 mod render;
@@ -101,6 +103,12 @@ pub fn run() -> ExitCode {
     }
 }
 
+#[cfg(feature = "window")]
+fn edit(args: EditArgs) -> ExitCode {
+    edit::run(args)
+}
+
+#[cfg(not(feature = "window"))]
 fn edit(_: EditArgs) -> ExitCode {
     report::error(
         "this program was built without a window (cargo feature `window`); `sunroom render` works without one",

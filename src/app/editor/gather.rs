@@ -13,7 +13,7 @@ use super::model::{Inspected, InspectedMaterial, Item, MaterialPlace, Model, Not
 use super::panels::{emission, material};
 use super::state::EditorState;
 use crate::document::{Diagnostic, Diagnostics, Severity};
-use crate::engine::{RenderControl, RenderState, RenderStatus};
+use crate::engine::{RenderControl, RenderStatus};
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, IntegratorSettings, Material,
     MaterialUsers, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNested, Sensor, Shape, ShapeKind, ToWorld,
@@ -280,14 +280,12 @@ pub fn gather_status(
     }
     model.status = StatusModel {
         status: status.clone(),
+        paused: settings.control.paused,
         scene: scene.path.clone(),
         load_failed: scene.state == SceneState::Failed,
         denoiser: denoiser.state(),
         frame_ms: frames.median_ms(),
     };
-    if settings.control.paused && status.state == RenderState::Rendering {
-        model.status.status.state = RenderState::Paused;
-    }
 }
 
 /// The scenes in `scenes/` and those beside the open one.

@@ -44,7 +44,7 @@ pub enum EditorSystems {
     Gather,
     /// Commands to world, before the engine looks for changes.
     Apply,
-    /// Film to texture, after the engine has collected results.
+    /// Film to texture, after the engine has collected results and put its workers to new work.
     Show,
 }
 
@@ -74,7 +74,7 @@ impl Plugin for EditorPlugin {
                     EditorSystems::Apply
                         .after(EguiPostUpdateSet::EndPass)
                         .before(EngineSystems::Detect),
-                    EditorSystems::Show.after(EngineSystems::Collect),
+                    EditorSystems::Show.after(EngineSystems::Dispatch),
                 ),
             )
             .add_systems(

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bevy::math::Affine3A;
 use bevy::prelude::Entity;
 
-use crate::engine::{RenderState, RenderStatus};
+use crate::engine::RenderStatus;
 use crate::scene::{
     AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, Material, SamplerSettings, Sensor, Shape,
 };
@@ -109,6 +109,8 @@ pub struct Notice {
 #[derive(Clone, Debug, Default)]
 pub struct StatusModel {
     pub status: RenderStatus,
+    /// The user asked for it.
+    pub paused: bool,
     /// The open scene.
     pub scene: Option<PathBuf>,
     /// The scene file could not be read; the last good one is shown.
@@ -130,12 +132,6 @@ pub enum DenoiserState {
     },
     /// Built without, or failed.
     Unavailable,
-}
-
-impl StatusModel {
-    pub fn is_paused(&self) -> bool {
-        self.status.state == RenderState::Paused
-    }
 }
 
 /// All of it.

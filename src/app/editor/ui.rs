@@ -78,7 +78,7 @@ pub fn show_window(
         keys: KeyContext {
             display: state.display,
             overlay: state.overlay,
-            paused: model.status.is_paused(),
+            paused: model.status.paused,
             panels_shown: state.panels_shown,
             selection: state.selection,
             flying: false,

@@ -21,7 +21,7 @@ pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec
         ui.menu_button("View", |ui| view_menu(ui, state, commands));
         ui.menu_button("Render", |ui| render_menu(ui, model, commands));
         ui.separator();
-        let paused = model.status.is_paused();
+        let paused = model.status.paused;
         if ui.button(if paused { "Resume" } else { "Pause" }).clicked() {
             commands.push(Command::SetPaused(!paused));
         }
@@ -146,7 +146,7 @@ fn view_menu(ui: &mut Ui, state: MenuState, commands: &mut Vec<Command>) {
 
 fn render_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.set_min_width(200.0);
-    let paused = model.status.is_paused();
+    let paused = model.status.paused;
     if item(ui, if paused { "Resume rendering" } else { "Pause rendering" }, "Space") {
         commands.push(Command::SetPaused(!paused));
     }

@@ -1,0 +1,36 @@
+//! `sunroom edit`: opens the window.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use sunroom::app::windowed::{self, WindowOptions};
+
+use super::{EditArgs, report};
+
+/// What opens when nothing is asked for.
+const FIRST_SCENE: &str = "scenes/cornell-box.xml";
+
+pub fn run(args: EditArgs) -> ExitCode {
+    let options = WindowOptions {
+        scene: args.scene.or_else(first_scene),
+        defines: args.defines.defines,
+        size: args.window.into(),
+        threads: args.threads.threads,
+        screenshot: args.screenshot,
+        after_spp: args.after_spp,
+        exit: args.exit,
+        measure_latency: args.measure_latency,
+        timeout: args.timeout,
+    };
+    windowed::run(options).unwrap_or_else(report::error)
+}
+
+/// The Cornell box below the working directory, or else below a folder above the program, as in a build folder or a release.
+fn first_scene() -> Option<PathBuf> {
+    let program = std::env::current_exe().ok();
+    let beside = program.iter().flat_map(|program| program.ancestors().skip(1).take(4));
+    std::iter::once(std::path::Path::new(""))
+        .chain(beside)
+        .map(|folder| folder.join(FIRST_SCENE))
+        .find(|path| path.is_file())
+}

@@ -1,0 +1,153 @@
+//! Starts the real window in a virtual display with a software graphics driver, and looks at the picture it takes of itself.
+//! Skipped, with a word, where Xvfb or Mesa's software Vulkan is not installed.
+#![cfg(all(feature = "window", target_os = "linux"))]
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use image::{Rgb, RgbImage};
+
+/// Ends the process with the test, however that ends.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// The X server and the name of its display; None if it is not installed.
+fn virtual_display() -> Option<(Running, String)> {
+    let mut server = Command::new("Xvfb")
+        .args(["-displayfd", "1", "-screen", "0", "1280x720x24", "-nolisten", "tcp"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .ok()?;
+    let output = server.stdout.take();
+    let server = Running(server);
+    let mut number = String::new();
+    BufReader::new(output?).read_line(&mut number).ok()?;
+    let number: u32 = number.trim().parse().ok()?;
+    Some((server, format!(":{number}")))
+}
+
+fn software_vulkan() -> Option<PathBuf> {
+    let folders = ["/usr/share/vulkan/icd.d", "/usr/local/share/vulkan/icd.d"];
+    let files = folders
+        .iter()
+        .filter_map(|folder| std::fs::read_dir(folder).ok())
+        .flatten();
+    files.filter_map(|entry| Some(entry.ok()?.path())).find(|path| {
+        path.file_name()
+            .is_some_and(|name| name.to_string_lossy().starts_with("lvp_icd"))
+    })
+}
+
+fn editor(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sunroom"));
+    command
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .arg("edit")
+        .args(arguments)
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("WAYLAND_SOCKET")
+        .env_remove("DISPLAY")
+        .stdin(Stdio::null());
+    command
+}
+
+/// Waits for the end, or kills it.
+fn outcome_within(command: &mut Command, limit: Duration) -> Option<i32> {
+    let mut running = Running(command.spawn().expect("the program was built with this test"));
+    let started = Instant::now();
+    while started.elapsed() < limit {
+        if let Some(status) = running.0.try_wait().expect("a child can be waited for") {
+            return status.code();
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    None
+}
+
+#[test]
+fn without_a_display_it_says_so_and_names_the_way_out() {
+    let output = editor(&["scenes/cornell-box.xml"])
+        .output()
+        .expect("the program was built with this test");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(
+        message.contains("display") && message.contains("sunroom render"),
+        "{message}"
+    );
+}
+
+#[test]
+fn the_window_shows_the_scene_between_its_panels() {
+    let (Some(driver), Some((_server, display))) = (software_vulkan(), virtual_display()) else {
+        println!("skipped: needs Xvfb and Mesa's software Vulkan driver");
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let shot = folder.path().join("window.png");
+    let runtime = folder.path().to_string_lossy().into_owned();
+    let mut command = editor(&[
+        "scenes/cornell-box.xml",
+        "--screenshot",
+        &shot.to_string_lossy(),
+        "--after-spp",
+        "4",
+        "--exit",
+    ]);
+    command
+        .env("DISPLAY", display)
+        .env("XDG_RUNTIME_DIR", runtime)
+        .env("WGPU_BACKEND", "vulkan")
+        .env("VK_ICD_FILENAMES", &driver)
+        .env("VK_DRIVER_FILES", &driver);
+    assert_eq!(outcome_within(&mut command, Duration::from_secs(180)), Some(0));
+    check(&shot);
+}
+
+/// Panels are at least this wide, menus and the status line this high, at the default size of the window.
+const LEFT: u32 = 210;
+const RIGHT: u32 = 300;
+const BAR: u32 = 22;
+
+fn check(shot: &Path) {
+    let window = image::open(shot).expect("a PNG").to_rgb8();
+    assert_eq!(window.dimensions(), (1280, 720));
+    let area =
+        |x: u32, y: u32, width: u32, height: u32| image::imageops::crop_imm(&window, x, y, width, height).to_image();
+    let parts = [
+        ("menus", area(0, 0, LEFT, BAR)),
+        ("outliner", area(0, 2 * BAR, LEFT, 600)),
+        ("properties", area(1280 - RIGHT + 20, BAR, RIGHT - 20, 600)),
+        ("status line", area(0, 720 - BAR, 640, BAR)),
+    ];
+    for (name, part) in &parts {
+        let text = share(part, |[r, g, b]| r.min(g).min(b) > 140);
+        let background = share(part, |[r, g, b]| r.max(g).max(b) < 60);
+        assert!(text > 0.002, "{name}: no text, {text}");
+        assert!(background > 0.5, "{name}: no panel, {background}");
+    }
+    let picture = area(LEFT + 60, BAR + 40, 1280 - LEFT - RIGHT - 120, 720 - 2 * BAR - 80);
+    let lit = share(&picture, |[r, g, b]| u32::from(r) + u32::from(g) + u32::from(b) > 150);
+    let red = share(&picture, |[r, g, b]| r > 60 && u32::from(r) > 2 * u32::from(g.max(b)));
+    let green = share(&picture, |[r, g, b]| {
+        g > 40 && 10 * u32::from(g) > 16 * u32::from(r.max(b))
+    });
+    assert!(lit > 0.3, "the picture is dark: {lit}");
+    assert!(red > 0.02, "no red wall: {red}");
+    assert!(green > 0.02, "no green wall: {green}");
+}
+
+/// The share of pixels that are so.
+fn share(image: &RgbImage, is_so: impl Fn([u8; 3]) -> bool) -> f32 {
+    let count = image.pixels().filter(|Rgb(pixel)| is_so(*pixel)).count();
+    count as f32 / image.pixels().len() as f32
+}
