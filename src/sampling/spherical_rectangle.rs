@@ -54,7 +54,7 @@ impl SphericalRectangle {
 
         // The unit normals of the four planes through the origin and an edge have, beside z, only an x or only a y component, so that
         // neighbours' dot products are products of z components.
-        let [n0, n1, n2, n3] = [-y0, x1, y1, -x0].map(|offset| offset / offset.hypot(z0));
+        let [n0, n1, n2, n3] = [-y0, x1, y1, -x0].map(|offset| offset / length(offset, z0));
         // The interior angle between neighbours is acos(-n n') = pi / 2 + asin(n n'): the solid angle, their sum less two pi, is
         // the sum of the arc sines.
         let [g0, g1, g2, g3] = [n0 * n1, n1 * n2, n2 * n3, n3 * n0].map(f64::asin);
@@ -103,10 +103,15 @@ impl SphericalRectangle {
             x
         };
         // On the segment of that x equal steps of the sine of the elevation are equal solid angles.
-        let distance = x.hypot(self.z0);
-        let (h0, h1) = (self.y0 / self.y0.hypot(distance), self.y1 / self.y1.hypot(distance));
+        let distance = length(x, self.z0);
+        let (h0, h1) = (self.y0 / length(self.y0, distance), self.y1 / length(self.y1, distance));
         let h = h0 + v * (h1 - h0);
         let y = (h * distance / (1.0 - h * h).max(f64::MIN_POSITIVE).sqrt()).clamp(self.y0, self.y1);
         (self.origin + x * self.x + y * self.y + self.z0 * self.z).as_vec3()
     }
+}
+
+/// Length of (a, b). Coordinates that were `f32` cannot overflow here, which is all that `hypot` would look after, at ten times the cost.
+fn length(a: f64, b: f64) -> f64 {
+    (a * a + b * b).sqrt()
 }
