@@ -46,7 +46,6 @@ pub fn report_scene(status: &SceneStatus, strict: bool) -> bool {
     for problem in &status.mesh_errors {
         report::line(format_args!("error: {}", problem.message));
     }
-    report::acceptable(&status.diagnostics, strict)
-        && !status.has_errors()
-        && !(strict && !status.mesh_warnings.is_empty())
+    let meshes_are_clean = status.mesh_warnings.is_empty() || !strict;
+    report::acceptable(&status.diagnostics, strict) && meshes_are_clean && !status.has_errors()
 }

@@ -62,7 +62,7 @@ pub struct RenderArgs {
     /// How light is looked for
     #[arg(long, value_enum)]
     strategy: Option<StrategyName>,
-    /// Random numbers; the file's `independent` is taken for what it asks, few samples without a pattern, unless this insists
+    /// Random numbers: well spread points whatever the file's sampler is called, or truly independent ones [default: sobol]
     #[arg(long, value_enum)]
     sampler: Option<SamplerName>,
     /// Exposure of PNG files in stops

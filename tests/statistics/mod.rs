@@ -1,4 +1,5 @@
 //! Statistical tests shared by the test binaries: chi-squared against a density on the sphere or the square.
+#![allow(dead_code, reason = "every test binary uses its own part")]
 
 use glam::Vec3;
 use std::f64::consts::PI;

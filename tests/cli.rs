@@ -1,0 +1,366 @@
+//! The program as a user of the command line meets it: exit codes, files, figures.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+use sunroom::render::image_io::{ImageRgb, read_image};
+use tempfile::TempDir;
+
+/// A floor under a square lamp, 40 x 30 pixels.
+const SCENE: &str = r#"<scene version="3.0.0">
+  <default name="spp" value="4"/>
+  <integrator type="path"><integer name="max_depth" value="4"/></integrator>
+  <sensor type="perspective">
+    <transform name="to_world"><lookat origin="0, 2, 5" target="0, 0.5, 0" up="0, 1, 0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="30"/></film>
+    <sampler type="independent"><integer name="sample_count" value="$spp"/></sampler>
+  </sensor>
+  <shape type="rectangle">
+    <transform name="to_world"><scale value="4"/><rotate x="1" angle="-90"/></transform>
+    <bsdf type="diffuse"><rgb name="reflectance" value="0.8, 0.4, 0.2"/></bsdf>
+  </shape>
+  <shape type="rectangle">
+    <transform name="to_world"><rotate x="1" angle="90"/><translate y="2.5"/></transform>
+    <emitter type="area"><rgb name="radiance" value="5, 5, 5"/></emitter>
+  </shape>
+</scene>
+"#;
+
+struct Workshop {
+    folder: TempDir,
+}
+
+impl Workshop {
+    fn new() -> Self {
+        Self {
+            folder: tempfile::tempdir().expect("a temporary folder"),
+        }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn scene(&self, text: &str) -> PathBuf {
+        let path = self.path("scene.xml");
+        std::fs::write(&path, text).expect("the folder can be written to");
+        path
+    }
+}
+
+fn sunroom() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sunroom"));
+    command
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("WAYLAND_SOCKET");
+    command
+}
+
+fn render(scene: &Path, output: &Path, more: &[&str]) -> Output {
+    let mut command = sunroom();
+    command.arg("render").arg(scene).arg("-o").arg(output).args(more);
+    command.output().expect("the program starts")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[track_caller]
+fn assert_code(output: &Output, code: i32) {
+    assert_eq!(output.status.code(), Some(code), "{}", stderr(output));
+}
+
+fn image(path: &Path) -> ImageRgb {
+    read_image(path).expect("the image can be read")
+}
+
+#[test]
+fn renders_every_format() {
+    let shop = Workshop::new();
+    let scene = shop.scene(SCENE);
+    for name in ["a.exr", "a.hdr", "a.png"] {
+        let output = shop.path(name);
+        assert_code(&render(&scene, &output, &["-q"]), 0);
+        let image = image(&output);
+        assert_eq!((image.width, image.height), (40, 30));
+        let mean = image.pixels.iter().sum::<glam::Vec3>() / 1200.0;
+        assert!(
+            mean.x > 1.5 * mean.y && mean.y > 1.2 * mean.z && mean.z > 0.01,
+            "{name}: {mean}"
+        );
+    }
+}
+
+#[test]
+fn a_picture_on_standard_output_is_a_png() {
+    let shop = Workshop::new();
+    let output = render(&shop.scene(SCENE), Path::new("-"), &[]);
+    assert_code(&output, 0);
+    assert!(output.stdout.starts_with(b"\x89PNG\r\n"));
+}
+
+#[test]
+fn figures_for_machines() {
+    let shop = Workshop::new();
+    let args = ["--stats=json", "--spp", "6", "-t", "2", "--seed", "9", "--denoise"];
+    let output = render(&shop.scene(SCENE), &shop.path("a.exr"), &args);
+    if !cfg!(feature = "denoise") {
+        assert_code(&output, 1);
+        assert!(stderr(&output).contains("denoise"));
+        return;
+    }
+    assert_code(&output, 0);
+    let stats: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON alone on standard output");
+    assert_eq!(stats["width"], 40);
+    assert_eq!(stats["spp"], 6);
+    assert_eq!(stats["threads"], 2);
+    assert_eq!(stats["seed"], 9);
+    assert_eq!(stats["denoised"], true);
+    for figure in [
+        "load_ms",
+        "render_ms",
+        "denoise_ms",
+        "rays",
+        "mrays_per_s",
+        "msamples_per_s",
+    ] {
+        assert!(stats[figure].as_f64() > Some(0.0), "{figure} in {stats}");
+    }
+    for figure in ["build_ms", "nodes", "leaves", "max_depth", "sah", "bytes"] {
+        assert!(stats["bvh"][figure].as_f64() >= Some(0.0), "{figure} in {stats}");
+    }
+    let rays = stats["rays"].as_u64().expect("a count");
+    assert!(rays >= 40 * 30 * 6, "at least the camera's: {rays}");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
+    let shop = Workshop::new();
+    let scene = shop.scene(SCENE);
+    let bytes = |name: &str, args: &[&str]| {
+        let output = shop.path(name);
+        assert_code(&render(&scene, &output, args), 0);
+        std::fs::read(output).expect("written")
+    };
+    let one = bytes("1.exr", &["-t", "1", "--seed", "5", "--spp", "20"]);
+    assert!(one == bytes("2.exr", &["-t", "4", "--seed", "5", "--spp", "20"]));
+    assert!(one != bytes("3.exr", &["-t", "1", "--seed", "6", "--spp", "20"]));
+}
+
+#[test]
+fn the_command_line_beats_the_file() {
+    let shop = Workshop::new();
+    let scene = shop.scene(SCENE);
+    let output = render(
+        &scene,
+        &shop.path("a.exr"),
+        &["-D", "spp=3", "--width", "20", "--stats=json"],
+    );
+    assert_code(&output, 0);
+    let stats: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(
+        (&stats["spp"], &stats["width"], &stats["height"]),
+        (&3.into(), &20.into(), &15.into())
+    );
+
+    // Depth 1 shows emitters only, and the lamp faces away.
+    assert_code(&render(&scene, &shop.path("b.exr"), &["--max-depth", "1"]), 0);
+    assert!(
+        image(&shop.path("b.exr"))
+            .pixels
+            .iter()
+            .all(|&pixel| pixel == glam::Vec3::ZERO)
+    );
+}
+
+#[test]
+fn the_strategies_and_structures_give_one_picture() {
+    let shop = Workshop::new();
+    let scene = shop.scene(SCENE);
+    let mean = |args: &[&str]| {
+        let output = shop.path("a.exr");
+        let args = [&["--spp", "256", "--sampler", "independent"], args].concat();
+        assert_code(&render(&scene, &output, &args), 0);
+        image(&output).pixels.iter().sum::<glam::Vec3>().element_sum()
+    };
+    let reference = mean(&[]);
+    for strategy in ["bsdf", "light", "mis"] {
+        let ratio = mean(&["--strategy", strategy]) / reference;
+        assert!((ratio - 1.0).abs() < 0.02, "{strategy}: {ratio}");
+    }
+    for accel in ["linear", "median"] {
+        let ratio = mean(&["--accel", accel]) / reference;
+        // The same rays meet the same surfaces; only ties between equal distances may go another way.
+        assert!((ratio - 1.0).abs() < 1e-4, "{accel}: {ratio}");
+    }
+}
+
+#[test]
+fn wrong_usage_is_2_and_wrong_files_are_1() {
+    let shop = Workshop::new();
+    let scene = shop.scene(SCENE);
+    let missing_output = sunroom().arg("render").arg(&scene).output().expect("starts");
+    assert_code(&missing_output, 2);
+    assert_code(&render(&scene, &shop.path("a.png"), &["--spp", "0"]), 2);
+    assert_code(&render(&scene, &shop.path("a.png"), &["--time", "yesterday"]), 2);
+
+    let no_format = render(&scene, &shop.path("a.docx"), &[]);
+    assert_code(&no_format, 1);
+    assert!(
+        stderr(&no_format).contains("exr"),
+        "names the formats: {}",
+        stderr(&no_format)
+    );
+    let no_folder = render(&scene, &shop.path("nowhere/a.png"), &[]);
+    assert_code(&no_folder, 1);
+    assert!(stderr(&no_folder).contains("nowhere"));
+    let no_scene = render(&shop.path("absent.xml"), &shop.path("a.png"), &[]);
+    assert_code(&no_scene, 1);
+    assert!(stderr(&no_scene).contains("absent.xml"), "{}", stderr(&no_scene));
+}
+
+#[test]
+fn a_broken_scene_is_reported_where_it_is_broken() {
+    let shop = Workshop::new();
+    let broken = SCENE.replace("value=\"0.8, 0.4, 0.2\"", "value=\"0.8, red, 0.2\"");
+    let scene = shop.scene(&broken);
+    for output in [
+        render(&scene, &shop.path("a.png"), &[]),
+        sunroom().arg("check").arg(&scene).output().expect("starts"),
+    ] {
+        assert_code(&output, 1);
+        let text = stderr(&output);
+        assert!(text.contains("scene.xml:11:") && text.contains("red"), "{text}");
+    }
+    assert!(!shop.path("a.png").exists());
+}
+
+#[test]
+fn warnings_are_errors_when_strict() {
+    let shop = Workshop::new();
+    let scene = shop.scene(&SCENE.replace("<integer name=\"max_depth\"", "<integer name=\"max_dept\""));
+    let check = |more: &[&str]| sunroom().arg("check").arg(&scene).args(more).output().expect("starts");
+    let lenient = check(&[]);
+    assert_code(&lenient, 0);
+    let text = stderr(&lenient);
+    assert!(text.contains("max_dept") && text.contains("max_depth"), "{text}");
+    assert_code(&check(&["--strict"]), 1);
+    assert_code(&render(&scene, &shop.path("a.png"), &["--strict"]), 1);
+    assert_code(&render(&scene, &shop.path("a.png"), &[]), 0);
+}
+
+#[test]
+fn a_missing_mesh_is_named_with_its_place() {
+    let shop = Workshop::new();
+    let mesh = r#"<shape type="ply"><string name="filename" value="ghost.ply"/></shape></scene>"#;
+    let scene = shop.scene(&SCENE.replace("</scene>", mesh));
+    let output = render(&scene, &shop.path("a.png"), &[]);
+    assert_code(&output, 1);
+    let text = stderr(&output);
+    assert!(text.contains("ghost.ply") && text.contains("scene.xml:17:"), "{text}");
+}
+
+#[test]
+fn a_converted_scene_gives_the_same_picture() {
+    let shop = Workshop::new();
+    let scene = shop.scene(SCENE);
+    let converted = shop.path("converted.xml");
+    let output = sunroom()
+        .arg("convert")
+        .arg(&scene)
+        .arg(&converted)
+        .output()
+        .expect("starts");
+    assert_code(&output, 0);
+    assert_code(&render(&scene, &shop.path("a.exr"), &[]), 0);
+    assert_code(&render(&converted, &shop.path("b.exr"), &[]), 0);
+    assert_eq!(image(&shop.path("a.exr")), image(&shop.path("b.exr")));
+}
+
+#[test]
+fn a_time_limit_ends_the_render() {
+    let shop = Workshop::new();
+    let output = shop.path("a.exr");
+    let args = ["--spp", "100000000", "--time", "500ms", "--stats=json"];
+    let result = render(&shop.scene(SCENE), &output, &args);
+    assert_code(&result, 0);
+    let stats: serde_json::Value = serde_json::from_slice(&result.stdout).expect("JSON");
+    let spp = stats["spp"].as_u64().expect("a count");
+    assert!(spp > 0 && spp < 100_000_000, "{spp}");
+    assert!(image(&output).pixels.iter().any(|&pixel| pixel != glam::Vec3::ZERO));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_leaves_the_partial_picture() {
+    let shop = Workshop::new();
+    let output = shop.path("a.exr");
+    let mut child = sunroom()
+        .arg("render")
+        .arg(shop.scene(SCENE))
+        .arg("-o")
+        .arg(&output)
+        .args(["--spp", "100000000", "--width", "400", "-q"])
+        .spawn()
+        .expect("starts");
+    std::thread::sleep(Duration::from_secs(2));
+    let pid = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &pid])
+            .status()
+            .expect("kill")
+            .success()
+    );
+    let begin = Instant::now();
+    let status = loop {
+        match child.try_wait().expect("a child") {
+            Some(status) => break status,
+            None if begin.elapsed() > Duration::from_secs(60) => {
+                child.kill().expect("killed");
+                panic!("still running a minute after the interrupt");
+            }
+            None => std::thread::sleep(Duration::from_millis(20)),
+        }
+    };
+    assert_eq!(status.code(), Some(130));
+    assert!(image(&output).pixels.iter().any(|&pixel| pixel != glam::Vec3::ZERO));
+}
+
+#[test]
+fn a_window_without_a_display_says_what_works_instead() {
+    let shop = Workshop::new();
+    let output = sunroom().arg("edit").arg(shop.scene(SCENE)).output().expect("starts");
+    assert_code(&output, 1);
+    assert!(stderr(&output).contains("sunroom render"), "{}", stderr(&output));
+}
+
+/// Every scene that comes with the program, very small; those whose mesh is not there have to say where to get it.
+#[test]
+fn the_scenes_of_the_project_render() {
+    let shop = Workshop::new();
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let mut seen = 0;
+    for entry in std::fs::read_dir(scenes).expect("the scenes folder") {
+        let scene = entry.expect("an entry").path();
+        let output = shop.path("a.exr");
+        let result = render(&scene, &output, &["--strict", "--width", "64", "--spp", "2", "-q"]);
+        seen += 1;
+        if result.status.code() == Some(1) && stderr(&result).contains("Stanford") {
+            assert!(stderr(&result).contains("SUNROOM_ASSETS"), "{}", stderr(&result));
+            println!("{}: its mesh is not here, only the message was tested", scene.display());
+            continue;
+        }
+        assert_code(&result, 0);
+        let lit = image(&output)
+            .pixels
+            .iter()
+            .filter(|pixel| pixel.max_element() > 0.0)
+            .count();
+        assert!(lit > 64 * 48 / 2, "{}: {lit} pixels are lit", scene.display());
+    }
+    assert!(seen >= 6, "{seen} scenes");
+}
