@@ -64,10 +64,10 @@ fn knot() -> Mesh {
 fn water_height(x: f32, z: f32) -> f32 {
     let wave = |dx: f32, dz: f32, phase: f32| (dx * x + dz * z + phase).sin();
     -0.42
-        + 0.022 * wave(5.1, 2.3, 0.4)
-        + 0.016 * wave(-3.7, 6.4, 1.9)
-        + 0.009 * wave(9.2, -7.1, 0.7)
-        + 0.006 * wave(2.9, 13.3, 2.6)
+        + 0.034 * wave(5.1, 2.3, 0.4)
+        + 0.024 * wave(-3.7, 6.4, 1.9)
+        + 0.012 * wave(9.2, -7.1, 0.7)
+        + 0.008 * wave(2.9, 13.3, 2.6)
 }
 
 /// A block of water with a wavy top; it reaches a little beyond walls at |x| = 1, z = -1 and y = -1, and ends just inside of z = 1.
