@@ -29,6 +29,8 @@ pub(super) fn collect_results(
     } else {
         BUDGET_WITHOUT_WINDOW
     };
+    // Before collecting, which may end the run.
+    let first_result = job.first_result();
     // Through change detection only if there is something, for the display looks at that.
     let collected = job.collect(film.bypass_change_detection(), Instant::now() + budget);
     if collected == 0 {
@@ -42,6 +44,12 @@ pub(super) fn collect_results(
         wake();
     }
     if let Some(since) = job.since.take() {
-        status.latency.record(since.elapsed().as_secs_f32() * 1e3);
+        let milliseconds = |duration: Duration| duration.as_secs_f32() * 1e3;
+        status.latency.record(milliseconds(since.elapsed()));
+        if let Some(at) = first_result {
+            status
+                .response
+                .record(milliseconds(at.saturating_duration_since(since)));
+        }
     }
 }

@@ -10,6 +10,7 @@ use super::control::{RenderControl, WakeUp};
 use super::extract::Extracted;
 use super::film::RenderFilm;
 use super::job::Job;
+use super::priority;
 use super::run::TileResult;
 use super::status::RenderStatus;
 use super::wake::Waker;
@@ -47,8 +48,8 @@ impl Renderer {
         true
     }
 
-    /// A pool of so many threads, in place of one with another number.
-    fn prepare_pool(&mut self, threads: usize) {
+    /// A pool of so many threads, in place of one with another number; `yielding` to the window where there is one.
+    fn prepare_pool(&mut self, threads: usize, yielding: bool) {
         if self
             .pool
             .as_ref()
@@ -62,6 +63,11 @@ impl Renderer {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .thread_name(|index| format!("render {index}"))
+            .start_handler(move |_| {
+                if yielding {
+                    priority::yield_to_window();
+                }
+            })
             .build();
         match pool {
             Ok(pool) => (self.pool, self.failure) = (Some(pool), None),
@@ -88,7 +94,7 @@ pub(super) fn dispatch_job(
     let Some(view) = demand.extracted.view else {
         return;
     };
-    renderer.prepare_pool(control.threads.get());
+    renderer.prepare_pool(control.threads.get(), control.interactive);
     let incomplete = demand.extracted.meshes_loading > 0
         || demand.cache.builds_running() > 0
         || demand.scene_status.state == SceneState::Loading;

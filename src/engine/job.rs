@@ -140,6 +140,11 @@ impl Job {
         self.run.as_ref().map(|run| run.results.clone())
     }
 
+    /// When a worker of the current run had finished its first tile.
+    pub fn first_result(&self) -> Option<Instant> {
+        self.run.as_ref()?.first_result.get().copied()
+    }
+
     /// Puts what has arrived into the film, until `deadline`. Returns how many tiles that were.
     pub fn collect(&mut self, film: &mut RenderFilm, deadline: Instant) -> usize {
         let mut collected = 0;

@@ -12,6 +12,7 @@ mod extract;
 pub mod film;
 mod job;
 mod pack;
+mod priority;
 mod report;
 mod run;
 mod schedule;

@@ -5,8 +5,9 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::time::Instant;
 
 use crossbeam_channel::{Receiver, Sender, bounded};
 use rayon::ThreadPool;
@@ -39,11 +40,14 @@ pub(super) struct Run {
     cancel: Arc<AtomicBool>,
     pub queue: Arc<WorkQueue>,
     pub results: Receiver<TileResult>,
+    /// When the first result was there, collected or not.
+    pub first_result: Arc<OnceLock<Instant>>,
 }
 
 struct Shared {
     cancel: Arc<AtomicBool>,
     queue: Arc<WorkQueue>,
+    first_result: Arc<OnceLock<Instant>>,
     work: Box<Work>,
     waker: Waker,
     /// Items of the preview that are still to come.
@@ -59,6 +63,7 @@ impl Run {
         let shared = Arc::new(Shared {
             cancel: Arc::new(AtomicBool::new(false)),
             queue: Arc::new(queue),
+            first_result: Arc::default(),
             work,
             waker,
             preview_left: AtomicUsize::new(preview_items),
@@ -71,6 +76,7 @@ impl Run {
         Self {
             cancel: shared.cancel.clone(),
             queue: shared.queue.clone(),
+            first_result: shared.first_result.clone(),
             results,
         }
     }
@@ -97,6 +103,7 @@ impl Shared {
                     TileResult::Failed(text_of_panic(payload.as_ref()))
                 }
             };
+            self.first_result.get_or_init(Instant::now);
             if results.send(result).is_err() {
                 break;
             }

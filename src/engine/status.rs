@@ -34,8 +34,10 @@ pub struct RenderStatus {
     /// What is wrong with the scene or the render, in words; the picture is made without the things named here.
     pub errors: Vec<String>,
     pub last_restart: Instant,
-    /// From a change to the first tile of the new picture.
+    /// From a change to the first tile of the new picture in the film.
     pub latency: LatencyStats,
+    /// From a change to a worker having finished that tile; the rest of `latency` waits for the window to begin its next frame.
+    pub response: LatencyStats,
 }
 
 impl Default for RenderStatus {
@@ -57,6 +59,7 @@ impl Default for RenderStatus {
             errors: Vec::new(),
             last_restart: Instant::now(),
             latency: LatencyStats::default(),
+            response: LatencyStats::default(),
         }
     }
 }

@@ -142,13 +142,16 @@ pub fn watch_probe(
         probe.done = true;
         let at = |q| median(probe.results.clone(), q).unwrap_or(f32::NAN);
         let line = format!(
-            "camera command to first changed pixels: median {:.1} ms, 95 % {:.1} ms, worst {:.1} ms, {} moves, {}x{} pixels; frame time: median {:.1} ms",
+            "camera command to first changed pixels: median {:.1} ms, 95 % {:.1} ms, worst {:.1} ms, {} moves, {}x{} pixels\n\
+             of which until the first tile was rendered: median {:.1} ms, 95 % {:.1} ms; the rest waits for the window's frames: median {:.1} ms each",
             at(0.5),
             at(0.95),
             at(1.0),
             probe.results.len(),
             status.size.x,
             status.size.y,
+            status.response.median_ms().unwrap_or(f32::NAN),
+            status.response.p95_ms().unwrap_or(f32::NAN),
             frames.median_ms().unwrap_or(f32::NAN),
         );
         // A closed pipe is no reason to fail.
