@@ -70,6 +70,48 @@ pub enum Command {
     ShowPanels(bool),
 }
 
+impl Command {
+    /// Whether the picture as a rule is begun anew by it.
+    pub fn restarts_picture(&self) -> bool {
+        match self {
+            Self::MoveCamera(_)
+            | Self::FrameSelection
+            | Self::FrameAll
+            | Self::LookThrough(_)
+            | Self::SetToWorld(..)
+            | Self::SetShape(..)
+            | Self::SetMaterial(..)
+            | Self::UseMaterial { .. }
+            | Self::GiveMaterial { .. }
+            | Self::SetAreaLight(..)
+            | Self::SetEmitter(..)
+            | Self::SetSensor(..)
+            | Self::SetFilm(..)
+            | Self::SetIntegrator(_)
+            | Self::SetSampler(_)
+            | Self::SetAccel(_)
+            | Self::SetResolutionScale(_)
+            | Self::Restart => true,
+            Self::OpenScene(_)
+            | Self::ReloadScene
+            | Self::SaveScene(_)
+            | Self::SaveImage(_)
+            | Self::ShowDialog(_)
+            | Self::Quit
+            | Self::Select(_)
+            | Self::Pick(_)
+            | Self::SetSpeed(_)
+            | Self::SetPaused(_)
+            | Self::SetTargetSamples(_)
+            | Self::SetDisplay(_)
+            | Self::SetOverlay(_)
+            | Self::Denoise
+            | Self::DropDenoised
+            | Self::ShowPanels(_) => false,
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileDialogKind {
     OpenScene,

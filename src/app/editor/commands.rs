@@ -13,6 +13,7 @@ use super::display::{DisplayMode, DisplaySettings};
 use super::latency::FrameTimes;
 use super::navigation;
 use super::options::SceneDefines;
+use super::pacing::Pacing;
 use super::picking;
 use super::state::{CommandQueue, EditorState, RightTab};
 use crate::engine::{CurrentScene, InputStamp, RenderControl, RenderFilm, RenderState, RenderStatus, ViewMode, WakeUp};
@@ -32,6 +33,8 @@ pub fn apply_commands(world: &mut World) {
     // Input is taken in at the start of the frame.
     let arrived = world.resource::<FrameTimes>().frame_started();
     world.insert_resource(InputStamp(arrived));
+    let restarts = commands.iter().any(Command::restarts_picture);
+    world.resource_mut::<Pacing>().note_commands(restarts);
     for command in commands {
         if let Err(message) = apply(world, command) {
             world.resource_mut::<EditorState>().say(message);
@@ -257,6 +260,7 @@ mod tests {
         world.init_resource::<RenderControl>();
         world.init_resource::<ActiveSensor>();
         world.init_resource::<FrameTimes>();
+        world.init_resource::<Pacing>();
         world
     }
 

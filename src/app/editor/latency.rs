@@ -8,6 +8,7 @@ use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
 use super::command::Command;
+use super::pacing::Pacing;
 use super::picture::Picture;
 use super::state::CommandQueue;
 use crate::engine::{RenderFilm, RenderState, RenderStatus};
@@ -34,9 +35,10 @@ impl FrameTimes {
     }
 }
 
-pub fn time_frames(mut frames: ResMut<FrameTimes>) {
+/// Only frames count that followed each other as fast as they could.
+pub fn time_frames(mut frames: ResMut<FrameTimes>, pacing: Res<Pacing>) {
     let now = Instant::now();
-    if let Some(last) = frames.last.replace(now) {
+    if let Some(last) = frames.last.replace(now).filter(|_| pacing.is_lively()) {
         if frames.recent.len() == FRAMES_KEPT {
             frames.recent.pop_front();
         }

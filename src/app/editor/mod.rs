@@ -57,6 +57,7 @@ impl Plugin for EditorPlugin {
             .init_resource::<gather::EditorModel>()
             .init_resource::<dialogs::Dialogs>()
             .init_resource::<latency::FrameTimes>()
+            .init_resource::<pacing::Pacing>()
             .insert_resource(denoiser::Denoiser::new())
             .insert_resource(SceneDefines(options.defines.clone()))
             .insert_resource(exit_door::ExitDoor::new(
@@ -96,7 +97,11 @@ impl Plugin for EditorPlugin {
                     (commands::apply_commands, pacing::pace)
                         .chain()
                         .in_set(EditorSystems::Apply),
-                    (denoiser::collect_denoised, picture::update_picture)
+                    (
+                        denoiser::collect_denoised,
+                        picture::update_picture,
+                        pacing::hold_back_frame,
+                    )
                         .chain()
                         .in_set(EditorSystems::Show),
                 ),
@@ -130,7 +135,8 @@ impl Plugin for EditorPlugin {
     }
 }
 
-/// egui is drawn by a camera; it sees nothing else.
+/// egui is drawn by a camera; it sees nothing else. egui smooths its edges itself: multisampling would only cost, on a software driver
+/// most of a frame's time.
 fn spawn_camera(mut commands: Commands) {
-    commands.spawn(Camera2d);
+    commands.spawn((Camera2d, Msaa::Off));
 }

@@ -1,6 +1,10 @@
 //! How often the window is drawn: often while the picture changes, hardly ever when nothing does. Input and results wake it at once.
+//!
+//! A software driver draws with the very cores that trace rays. There the window is drawn less often while the picture only becomes less
+//! noisy, and after an edit not before there is something new to see.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
@@ -9,46 +13,81 @@ use bevy::winit::{EventLoopProxyWrapper, UpdateMode, WinitSettings, WinitUserEve
 
 use super::denoiser::Denoiser;
 use super::model::DenoiserState;
+use super::picture::Picture;
 use super::state::EditorState;
-use crate::engine::{InputStamp, RenderState, RenderStatus, WakeUp};
+use crate::engine::{RenderState, RenderStatus, WakeUp};
 
 const LIVELY: Duration = Duration::from_millis(16);
-/// A software driver draws with the cores that trace rays: once the picture only becomes less noisy it is shown less often.
 const SPARING: Duration = Duration::from_millis(100);
 const IDLE: Duration = Duration::from_millis(500);
 /// How long after a command the window stays lively.
 const AFTER_INPUT: Duration = Duration::from_millis(500);
-/// Samples from which on a picture only becomes less noisy.
-const SETTLED_SAMPLES: u32 = 4;
+/// An edit's first pixels are waited for so long; then the panels are drawn without them.
+const LONGEST_HOLD: Duration = Duration::from_millis(120);
+
+#[derive(Resource, Default)]
+pub struct Pacing {
+    /// When the last command was applied.
+    last_input: Option<Instant>,
+    /// When a command was applied whose picture has not begun to show.
+    waiting_since: Option<Instant>,
+    /// The texture's revision that was drawn last.
+    drawn: u64,
+    /// Results wake the event loop at once, shared with the threads that have them.
+    is_lively: Arc<AtomicBool>,
+    draws_on_cpu: bool,
+}
+
+impl Pacing {
+    /// Frames follow each other without rest.
+    pub fn is_lively(&self) -> bool {
+        self.is_lively.load(Ordering::Relaxed)
+    }
+
+    /// To be told when commands are applied; `restarts`: the picture is begun anew by them.
+    pub fn note_commands(&mut self, restarts: bool) {
+        let now = Instant::now();
+        self.last_input = Some(now);
+        if restarts && self.waiting_since.is_none() {
+            self.waiting_since = Some(now);
+        }
+    }
+}
 
 /// Lets worker threads wake the event loop.
-pub fn connect_wake_up(proxy: Res<EventLoopProxyWrapper>, mut wake_up: ResMut<WakeUp>) {
+pub fn connect_wake_up(
+    proxy: Res<EventLoopProxyWrapper>,
+    adapter: Option<Res<RenderAdapterInfo>>,
+    mut pacing: ResMut<Pacing>,
+    mut wake_up: ResMut<WakeUp>,
+) {
+    pacing.draws_on_cpu = adapter.is_some_and(|adapter| is_software(&adapter));
     let proxy = (**proxy).clone();
-    // The loop may be gone already when the program ends.
+    let is_lively = pacing.is_lively.clone();
     wake_up.0 = Some(Arc::new(move || {
-        let _ = proxy.send_event(WinitUserEvent::WakeUp);
+        if is_lively.load(Ordering::Relaxed) {
+            // The loop may be gone already when the program ends.
+            let _ = proxy.send_event(WinitUserEvent::WakeUp);
+        }
     }));
 }
 
 pub fn pace(
     mut settings: ResMut<WinitSettings>,
-    mut last_input: Local<Option<Instant>>,
-    stamp: Res<InputStamp>,
+    pacing: Res<Pacing>,
     status: Res<RenderStatus>,
     denoiser: Res<Denoiser>,
     state: Res<EditorState>,
-    adapter: Option<Res<RenderAdapterInfo>>,
 ) {
-    if stamp.0.is_some() {
-        *last_input = stamp.0;
-    }
-    let on_cpu = adapter.is_some_and(|adapter| is_software(&adapter));
-    let in_use = last_input.is_some_and(|at| at.elapsed() < AFTER_INPUT);
+    let in_use = pacing.last_input.is_some_and(|at| at.elapsed() < AFTER_INPUT);
     let busy = matches!(
         status.state,
         RenderState::Loading | RenderState::Building | RenderState::Rendering
     );
-    let wait = if in_use || (busy && !(on_cpu && status.samples >= SETTLED_SAMPLES)) {
+    let settled = pacing.draws_on_cpu && status.samples > 0;
+    let is_lively = in_use || !busy || !settled;
+    pacing.is_lively.store(is_lively, Ordering::Relaxed);
+    let wait = if in_use || (busy && !settled) {
         LIVELY
     } else if busy || denoiser.state() == DenoiserState::Running || state.message().is_some() {
         SPARING
@@ -59,6 +98,25 @@ pub fn pace(
     if settings.focused_mode != mode {
         settings.focused_mode = mode;
         settings.unfocused_mode = mode;
+    }
+}
+
+/// On a software driver: leaves the cores to the tracer until an edit has something to show.
+pub fn hold_back_frame(mut pacing: ResMut<Pacing>, picture: Res<Picture>, mut cameras: Query<&mut Camera>) {
+    let is_new = picture.revision != pacing.drawn;
+    if is_new {
+        pacing.waiting_since = None;
+    }
+    let waits = pacing.waiting_since.is_some_and(|since| since.elapsed() < LONGEST_HOLD);
+    let draws = !(pacing.draws_on_cpu && waits);
+    if draws {
+        pacing.drawn = picture.revision;
+        pacing.waiting_since = None;
+    }
+    for mut camera in &mut cameras {
+        if camera.is_active != draws {
+            camera.is_active = draws;
+        }
     }
 }
 
