@@ -5,7 +5,7 @@
 pub(super) fn yield_to_window() {
     #[cfg(target_os = "linux")]
     {
-            /// A third of the share of a thread that does not yield.
+        /// A third of the share of a thread that does not yield.
         const NICENESS: i32 = 5;
         // A system that refuses leaves the thread as it is.
         let _ = rustix::process::setpriority_process(Some(rustix::thread::gettid()), NICENESS);
