@@ -152,7 +152,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
         return Ok(ExitCode::from(INTERRUPTED));
     }
     let load_ms = milliseconds(begin.elapsed());
-    apply_overrides(app.world_mut(), args);
+    apply_overrides(app.world_mut(), args)?;
 
     let mut progress = Progress::new(args.quiet);
     let outcome = render_to_completion(&mut app, &limits, |status| progress.update(status));
@@ -262,7 +262,7 @@ fn cancel_on_interrupt() -> Result<Arc<AtomicBool>, ctrlc::Error> {
 }
 
 /// What the command line says beats what the file says.
-fn apply_overrides(world: &mut World, args: &RenderArgs) {
+fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Error> {
     let mut integrator = world.resource_mut::<IntegratorSettings>();
     if let Some(depth) = args.max_depth {
         integrator.max_depth = u32::try_from(depth).ok();
@@ -300,8 +300,17 @@ fn apply_overrides(world: &mut World, args: &RenderArgs) {
                 .unwrap_or(height)
                 .max(1),
         );
+        if !SensorFilm::is_possible(size.x, size.y) {
+            let most = SensorFilm::MOST_PIXELS;
+            return Err(format!(
+                "a film of {} x {} pixels is too large: at most {most} are possible",
+                size.x, size.y
+            )
+            .into());
+        }
         world.resource_mut::<RenderControl>().film_size_override = Some(size);
     }
+    Ok(())
 }
 
 fn denoised(film: &Film, threads: usize) -> Result<Vec<sunroom::color::Rgb>, Error> {

@@ -61,6 +61,19 @@ pub struct Film {
     pub sample_count: u32,
 }
 
+impl Film {
+    /// Pixels along one side.
+    pub const LARGEST_SIDE: u32 = 65_536;
+    /// Pixels in all: sums and finished pictures of that size take 5 GB.
+    pub const MOST_PIXELS: u64 = 1 << 26;
+
+    /// Whether there can be a film of this size in pixels.
+    pub fn is_possible(width: u32, height: u32) -> bool {
+        let sides = 1..=Self::LARGEST_SIDE;
+        sides.contains(&width) && sides.contains(&height) && u64::from(width) * u64::from(height) <= Self::MOST_PIXELS
+    }
+}
+
 impl Default for Film {
     fn default() -> Self {
         Self {

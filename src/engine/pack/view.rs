@@ -12,8 +12,13 @@ use crate::scene::{
     self, Film, FovAxis, IntegratorSettings, Lens, ReconstructionFilter, SamplerSettings, Sensor, Sequence,
 };
 
-/// Longest edge of a picture in pixels.
-const LARGEST_EDGE: u32 = 16_384;
+/// The nearest size there can be a film of, of about the same shape.
+fn possible_size(size: UVec2) -> UVec2 {
+    let size = size.clamp(UVec2::ONE, UVec2::splat(Film::LARGEST_SIDE));
+    let pixels = f64::from(size.x) * f64::from(size.y);
+    let shrink = (Film::MOST_PIXELS as f64 / pixels).sqrt().min(1.0);
+    (size.as_dvec2() * shrink).as_uvec2().max(UVec2::ONE)
+}
 
 /// None, with a report, if the sensor looks nowhere.
 pub(in crate::engine) fn pack_view(
@@ -32,7 +37,7 @@ pub(in crate::engine) fn pack_view(
     let full = control
         .film_size_override
         .unwrap_or(UVec2::new(film.width, film.height));
-    let size = full.clamp(UVec2::ONE, UVec2::splat(LARGEST_EDGE));
+    let size = possible_size(full);
     if size != full {
         check.report(format_args!("a film of {} x {} pixels is not possible", full.x, full.y));
     }
@@ -183,6 +188,19 @@ mod tests {
         assert!(scaled.abs_diff_eq(plain, 1e-6) && plain.abs_diff_eq(rotation, 1e-6));
         let mirrored = rigid(rotation * Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0))).expect("mirrored");
         assert!(mirrored.matrix3.determinant() < 0.0);
+    }
+
+    #[test]
+    fn films_are_as_large_as_they_can_be() {
+        for (x, y) in [(1, 1), (65_536, 1), (65_536, 1024), (8192, 8192), (640, 480)] {
+            assert!(Film::is_possible(x, y), "{x} x {y}");
+            assert_eq!(possible_size(UVec2::new(x, y)), UVec2::new(x, y));
+        }
+        for (x, y) in [(0, 5), (8193, 8192), (65_537, 1), (1, u32::MAX), (u32::MAX, u32::MAX)] {
+            assert!(!Film::is_possible(x, y), "{x} x {y}");
+            let instead = possible_size(UVec2::new(x, y));
+            assert!(Film::is_possible(instead.x, instead.y), "{x} x {y}: {instead}");
+        }
     }
 
     #[test]

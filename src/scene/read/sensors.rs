@@ -6,12 +6,6 @@ use crate::document::{Category, Object, Reader};
 use crate::scene::description::SensorDescription;
 use crate::scene::{Film, FovAxis, Lens, ReconstructionFilter, Sensor, write};
 
-/// Pixels along one side.
-const LARGEST_SIDE: i64 = 65_536;
-
-/// Pixels of a film: its sums must fit into memory.
-const LARGEST_FILM: i64 = 1 << 28;
-
 const LARGEST_SAMPLE_COUNT: i64 = 1 << 30;
 
 /// Field of view along the diagonal, in degrees, of a lens of `millimetres` before 35 mm film (a frame of 36 x 24 mm).
@@ -105,15 +99,14 @@ impl<'a> SceneReader<'a> {
             reader.diagnostics().warn(object.span, message);
         }
         let side = |number: i64| u32::try_from(number).unwrap_or(1);
-        let width = reader.integer_in("width", 1..=LARGEST_SIDE).unwrap_or(768);
-        let height = reader.integer_in("height", 1..=LARGEST_SIDE).unwrap_or(576);
-        if width * height > LARGEST_FILM {
-            let message =
-                format!("a film of {width} x {height} pixels is too large: at most {LARGEST_FILM} are possible");
+        let sides = 1..=i64::from(Film::LARGEST_SIDE);
+        film.width = side(reader.integer_in("width", sides.clone()).unwrap_or(768));
+        film.height = side(reader.integer_in("height", sides).unwrap_or(576));
+        if !Film::is_possible(film.width, film.height) {
+            let (width, height, most) = (film.width, film.height, Film::MOST_PIXELS);
+            let message = format!("a film of {width} x {height} pixels is too large: at most {most} are possible");
             reader.error_at("width", message);
         }
-        film.width = side(width);
-        film.height = side(height);
         reader.ignore(&[
             "pixel_format",
             "component_format",
