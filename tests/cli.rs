@@ -223,6 +223,28 @@ fn wrong_usage_is_2_and_wrong_files_are_1() {
 }
 
 #[test]
+fn what_cannot_be_is_refused_before_it_takes_all_memory() {
+    let shop = Workshop::new();
+    let (scene, out) = (shop.scene(SCENE), shop.path("out.png"));
+    let output = render(&scene, &out, &["--width", "65536", "--height", "65536"]);
+    assert_code(&output, 1);
+    assert!(
+        stderr(&output).contains("65536 x 65536 pixels is too large"),
+        "{}",
+        stderr(&output)
+    );
+    let output = render(shop.folder.path(), &out, &[]);
+    assert_code(&output, 1);
+    assert!(stderr(&output).contains("is a folder"), "{}", stderr(&output));
+    if cfg!(unix) {
+        let output = render(Path::new("/dev/zero"), &out, &[]);
+        assert_code(&output, 1);
+        assert!(stderr(&output).contains("is a device"), "{}", stderr(&output));
+    }
+    assert!(!out.exists());
+}
+
+#[test]
 fn a_broken_scene_is_reported_where_it_is_broken() {
     let shop = Workshop::new();
     let broken = SCENE.replace("value=\"0.8, 0.4, 0.2\"", "value=\"0.8, red, 0.2\"");

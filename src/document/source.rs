@@ -14,6 +14,8 @@ pub enum SourceError {
     Unreadable { path: PathBuf, source: io::Error },
     #[error("{}: is a folder, not a scene file", path.display())]
     Folder { path: PathBuf },
+    #[error("{}: is a device or a pipe, not a scene file", path.display())]
+    NoFile { path: PathBuf },
     #[error("{}: larger than {} MiB, which no scene file should be", path.display(), MAX_FILE_BYTES >> 20)]
     TooLarge { path: PathBuf },
     #[error("{}: is UTF-16 text; save it as UTF-8", path.display())]
@@ -22,16 +24,27 @@ pub enum SourceError {
     NotUtf8 { path: PathBuf, line: usize, column: usize },
 }
 
+/// Whether reading this file to its end would end, and in time: neither devices nor pipes nor overlong files may be opened. One that
+/// is not there is left to whoever opens it.
+pub fn check_file(path: &Path) -> Result<(), SourceError> {
+    let path_owned = || path.to_owned();
+    match path.metadata() {
+        Err(_) => Ok(()),
+        Ok(about) if about.is_dir() => Err(SourceError::Folder { path: path_owned() }),
+        Ok(about) if !about.is_file() => Err(SourceError::NoFile { path: path_owned() }),
+        Ok(about) if about.len() > MAX_FILE_BYTES => Err(SourceError::TooLarge { path: path_owned() }),
+        Ok(_) => Ok(()),
+    }
+}
+
 /// The text of a file, without its byte order mark.
 pub fn read_text(path: &Path) -> Result<String, SourceError> {
     let unreadable = |source| SourceError::Unreadable {
         path: path.to_owned(),
         source,
     };
+    check_file(path)?;
     let mut file = File::open(path).map_err(unreadable)?;
-    if file.metadata().map_err(unreadable)?.is_dir() {
-        return Err(SourceError::Folder { path: path.to_owned() });
-    }
     let mut bytes = Vec::new();
     let mut bounded = (&mut file).take(MAX_FILE_BYTES + 1);
     bounded.read_to_end(&mut bytes).map_err(unreadable)?;
@@ -95,9 +108,10 @@ mod tests {
                 .starts_with("/no/such/file.xml: ")
         );
         let folder = std::env::temp_dir();
-        assert!(matches!(
-            read_text(&folder),
-            Err(SourceError::Folder { .. } | SourceError::Unreadable { .. })
-        ));
+        assert!(matches!(read_text(&folder), Err(SourceError::Folder { .. })));
+        if cfg!(unix) {
+            let device = Path::new("/dev/zero");
+            assert!(matches!(read_text(device), Err(SourceError::NoFile { .. })));
+        }
     }
 }

@@ -12,7 +12,7 @@ use super::assets::{SceneAsset, SceneDefines, cause};
 use super::read::settle;
 use super::{OpenScene, SceneState, SceneStatus, spawn};
 use crate::document::Diagnostics;
-
+use crate::document::source::check_file;
 /// The scene file asked for last, and the one the entities are from.
 #[derive(Resource, Debug, Default)]
 pub struct SceneFile {
@@ -37,6 +37,12 @@ pub(super) fn open_scenes(
         return;
     };
     let path = settle(&request.path);
+    if let Err(error) = check_file(&path) {
+        status.path = Some(path);
+        status.state = SceneState::Failed;
+        status.diagnostics = Arc::new(one_error(error.to_string()));
+        return;
+    }
     defines.set(path.clone(), request.defines.clone());
     let asset_path = AssetPath::from_path_buf(path.clone());
     if file.handle.is_some() && file.path == path {
