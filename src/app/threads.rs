@@ -2,9 +2,12 @@
 
 use std::num::NonZeroUsize;
 
+/// More threads than the largest machines have cores; each costs memory, and the system refuses to start many more.
+const MOST_WORKERS: usize = 1024;
+
 /// The number of workers.
 ///
-/// `requested`: None leaves it to us; a positive number is taken as it is, also beyond the number of cores; zero or a negative number
+/// `requested`: None leaves it to us; a positive number is taken as it is, also beyond the number of cores, up to 1024; zero or a negative number
 /// leaves that many cores free (at least one worker remains).
 ///
 /// Without a window all cores work. With one, a core stays with the window, but never fewer than two workers where there are two
@@ -17,7 +20,7 @@ pub fn worker_count(requested: Option<i32>, windowed: bool) -> NonZeroUsize {
 
 fn of_cores(cores: usize, requested: Option<i32>, windowed: bool) -> NonZeroUsize {
     let workers = match requested {
-        Some(n) if n > 0 => n.unsigned_abs() as usize,
+        Some(n) if n > 0 => (n.unsigned_abs() as usize).min(MOST_WORKERS),
         Some(n) => cores.saturating_sub(n.unsigned_abs() as usize),
         None if windowed => (cores - 1).max(2).min(cores),
         None => cores,
@@ -38,6 +41,7 @@ mod tests {
             (8, None, false, 8),
             (8, Some(3), true, 3),
             (2, Some(16), false, 16),
+            (2, Some(i32::MAX), false, 1024),
             (8, Some(-2), false, 6),
             (8, Some(0), true, 8),
             (2, Some(-5), false, 1),
