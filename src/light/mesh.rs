@@ -24,7 +24,7 @@ impl MeshLight {
             .map(|triangle| mesh.corners(triangle).map(|p| world_from_local.transform_point3(p)))
             .collect();
         let areas: Vec<f32> = triangles.iter().map(|corners| 0.5 * normal(corners).length()).collect();
-        let choice = DiscreteDistribution::new(&areas)?;
+        let choice = DiscreteDistribution::in_proportion(&areas)?;
         Some(Self {
             area: areas.iter().map(|&area| f64::from(area)).sum::<f64>() as f32,
             triangles,

@@ -1,6 +1,7 @@
 //! All lights of a scene, and the choice of one of them for a sample.
 
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::FRAC_1_PI;
+use std::f64::consts::PI;
 
 use glam::{Vec2, Vec3};
 
@@ -44,8 +45,8 @@ impl LightTable {
     pub fn build(sources: &[LightSource], geometry: &Tlas) -> Self {
         let bounds = geometry.bounds();
         // Radiant flux through the scene's bounding sphere, for lights at infinity.
-        let radius = (0.5 * bounds.extent().length()).max(f32::MIN_POSITIVE);
-        let disk = PI * radius * radius;
+        let radius = 0.5 * bounds.extent().as_dvec3().length();
+        let disk = PI * (radius * radius).max(f64::MIN_POSITIVE);
         let mut infinite = Vec::new();
         let mut powers = Vec::with_capacity(sources.len());
         let lights = sources
@@ -59,21 +60,25 @@ impl LightTable {
                         radiance,
                     } => match SurfaceLight::new(geometry, instance, slot, radiance) {
                         Some(light) => {
-                            let power = PI * light.area * luminance(radiance);
+                            let power = PI * f64::from(light.area) * f64::from(luminance(radiance));
                             (Light::Surface(light), power)
                         }
                         None => (Light::Dark, 0.0),
                     },
-                    LightSource::Point { position, intensity } => {
-                        (Light::Point { position, intensity }, 4.0 * PI * luminance(intensity))
-                    }
+                    LightSource::Point { position, intensity } => (
+                        Light::Point { position, intensity },
+                        4.0 * PI * f64::from(luminance(intensity)),
+                    ),
                     LightSource::Directional { direction, irradiance } => (
                         Light::Directional { direction, irradiance },
-                        disk * luminance(irradiance),
+                        disk * f64::from(luminance(irradiance)),
                     ),
                     LightSource::Constant { radiance } => {
                         infinite.push(LightId(id as u32));
-                        (Light::Constant { radiance }, 4.0 * PI * disk * luminance(radiance))
+                        (
+                            Light::Constant { radiance },
+                            4.0 * PI * disk * f64::from(luminance(radiance)),
+                        )
                     }
                 };
                 powers.push(power);
@@ -184,15 +189,15 @@ impl LightTable {
 const UNIFORM_DIRECTION_PDF: f32 = 0.25 * FRAC_1_PI;
 
 /// None when nothing shines.
-fn choice_by_power(powers: &[f32]) -> Option<DiscreteDistribution> {
-    let usable = |power: f32| if power.is_finite() { power.max(0.0) } else { 0.0 };
-    let total: f64 = powers.iter().map(|&power| f64::from(usable(power))).sum();
+fn choice_by_power(powers: &[f64]) -> Option<DiscreteDistribution> {
+    let usable = |power: f64| if power.is_finite() { power.max(0.0) } else { 0.0 };
+    let total: f64 = powers.iter().map(|&power| usable(power)).sum();
     let shining = powers.iter().filter(|&&power| usable(power) > 0.0).count() as f32;
     let weights: Vec<f32> = powers
         .iter()
         .map(|&power| match usable(power) {
             0.0 => 0.0,
-            power => EVEN_SHARE / shining + (1.0 - EVEN_SHARE) * (f64::from(power) / total) as f32,
+            power => EVEN_SHARE / shining + (1.0 - EVEN_SHARE) * (power / total) as f32,
         })
         .collect();
     DiscreteDistribution::new(&weights)
