@@ -272,8 +272,8 @@ fn what_is_not_supported_gets_a_stand_in_and_a_warning_with_its_line() {
 fn what_cannot_be_is_an_error_with_its_line() {
     for (body, part) in [
         (
-            "\n<bsdf type='roughconductor'><string name='distribution' value='ggx'/>\n<float name='alpha' value='0'/></bsdf>",
-            "4: error: `alpha` is 0",
+            "\n<bsdf type='roughconductor'><string name='distribution' value='ggx'/>\n<float name='alpha' value='-1'/></bsdf>",
+            "4: error: `alpha` is -1",
         ),
         (
             "<shape type='sphere'><float name='radius' value='-1'/></shape>",

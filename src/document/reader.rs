@@ -14,13 +14,13 @@
 //! r.finish();
 //! ```
 
-use std::fmt::Display;
 use std::ops::{Bound, RangeBounds};
 
 use glam::Vec3;
 
 use super::spectrum::equal_energy_white;
 use super::suggest::did_you_mean;
+use super::value::format_float;
 use super::{Category, Child, Diagnostics, Index, Object, Severity, Span, TransformOp, Value};
 use crate::color::Rgb;
 
@@ -103,7 +103,7 @@ impl<'a, 'd> Reader<'a, 'd> {
     /// A number in `range`; one outside is an error.
     pub fn float_in(&mut self, name: &str, range: impl RangeBounds<f32>) -> Option<f32> {
         let value = self.float(name)?;
-        self.check(name, value, &range)
+        self.check(name, value, &range, |number| format_float(*number))
     }
 
     pub fn integer(&mut self, name: &str) -> Option<i64> {
@@ -120,7 +120,7 @@ impl<'a, 'd> Reader<'a, 'd> {
     /// An integer in `range`; one outside is an error.
     pub fn integer_in(&mut self, name: &str, range: impl RangeBounds<i64>) -> Option<i64> {
         let value = self.integer(name)?;
-        self.check(name, value, &range)
+        self.check(name, value, &range, i64::to_string)
     }
 
     pub fn boolean(&mut self, name: &str) -> Option<bool> {
@@ -172,7 +172,7 @@ impl<'a, 'd> Reader<'a, 'd> {
     pub fn rgb_in(&mut self, name: &str, range: impl RangeBounds<f32>) -> Option<Rgb> {
         let colour = self.rgb(name)?;
         for component in colour.to_array() {
-            self.check(name, component, &range)?;
+            self.check(name, component, &range, |number| format_float(*number))?;
         }
         Some(colour)
     }
@@ -273,27 +273,28 @@ impl<'a, 'd> Reader<'a, 'd> {
         converted
     }
 
-    fn check<T: Copy + PartialOrd + Display>(
+    fn check<T: Copy + PartialOrd>(
         &mut self,
         name: &str,
         value: T,
         range: &impl RangeBounds<T>,
+        show: impl Fn(&T) -> String,
     ) -> Option<T> {
         if range.contains(&value) {
             return Some(value);
         }
         let low = match range.start_bound() {
-            Bound::Included(low) => Some(format!("at least {low}")),
-            Bound::Excluded(low) => Some(format!("above {low}")),
+            Bound::Included(low) => Some(format!("at least {}", show(low))),
+            Bound::Excluded(low) => Some(format!("above {}", show(low))),
             Bound::Unbounded => None,
         };
         let high = match range.end_bound() {
-            Bound::Included(high) => Some(format!("at most {high}")),
-            Bound::Excluded(high) => Some(format!("below {high}")),
+            Bound::Included(high) => Some(format!("at most {}", show(high))),
+            Bound::Excluded(high) => Some(format!("below {}", show(high))),
             Bound::Unbounded => None,
         };
         let limits: Vec<String> = low.into_iter().chain(high).collect();
-        let message = format!("`{name}` is {value}, but should be {}", limits.join(" and "));
+        let message = format!("`{name}` is {}, but should be {}", show(&value), limits.join(" and "));
         self.error_at(name, message);
         None
     }

@@ -129,7 +129,8 @@ fn rough_conductor(reader: &mut Reader) -> Material {
     reader.ignore(&["sample_visible"]);
     let mut roughness = |name: &str| {
         let textured = reader.texture_in_place_of(name, "0.1");
-        let number = reader.float_in(name, f32::MIN_POSITIVE..);
+        // 0 is as smooth as the model can be.
+        let number = reader.float_in(name, 0.0..);
         number.or(textured.then_some(0.1))
     };
     let [alpha, along_u, along_v] = ["alpha", "alpha_u", "alpha_v"].map(&mut roughness);
