@@ -543,11 +543,12 @@ fn the_status_line_has_the_figures() {
     }
 }
 
-/// The picture in a panel of 340 x 240 points, with a text field above it.
+/// The picture in a panel of 340 x 240 points, with a text field and a number above it.
 struct Picture {
     commands: Vec<Command>,
     state: ViewportState,
     text: String,
+    number: f32,
     pose: Affine3A,
 }
 
@@ -556,12 +557,17 @@ fn picture() -> Harness<'static, Picture> {
         commands: Vec::new(),
         state: ViewportState::default(),
         text: String::new(),
+        number: 1.0,
         pose: Affine3A::IDENTITY,
     };
     let boxes = BoxList::default();
     let mut harness = Harness::builder().with_size(egui::vec2(340.0, 240.0)).build_ui_state(
         move |ui, picture: &mut Picture| {
-            ui.text_edit_singleline(&mut picture.text);
+            ui.horizontal(|ui| {
+                ui.add(egui::TextEdit::singleline(&mut picture.text).desired_width(60.0));
+                let name = ui.label("number").id;
+                ui.add(egui::DragValue::new(&mut picture.number)).labelled_by(name);
+            });
             let model = ViewportModel {
                 picture: Some((egui::TextureId::default(), [200, 100])),
                 placeholder: "",
@@ -646,6 +652,31 @@ fn keys_fly_unless_a_text_is_being_typed() {
     harness.run_steps(2);
     harness.key_up(Key::W);
     harness.run_steps(1);
+    assert_eq!(harness.state().commands, []);
+}
+
+#[test]
+fn keys_work_again_right_after_a_number_was_dragged() {
+    let mut harness = picture();
+    drag(&mut harness, "number", 30.0);
+    assert!(harness.state().number > 1.0);
+    harness.state_mut().commands.clear();
+    harness.key_press(Key::N);
+    harness.run_steps(2);
+    assert_eq!(harness.state().commands, [Command::Denoise]);
+}
+
+#[test]
+fn a_number_is_typed_without_side_effects() {
+    let mut harness = picture();
+    click(&mut harness, "number");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.event(egui::Event::Text("42".into()));
+    harness.key_press(Key::B);
+    harness.run_steps(2);
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(harness.state().number, 42.0);
     assert_eq!(harness.state().commands, []);
 }
 

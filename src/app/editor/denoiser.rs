@@ -29,6 +29,8 @@ pub struct Denoiser {
     work: Option<Work>,
     shown: Option<Denoised>,
     started: u64,
+    /// Asked for before there was a sample of every pixel.
+    is_wanted: bool,
     unavailable: bool,
 }
 
@@ -60,6 +62,7 @@ impl Denoiser {
         match (&self.work, &self.shown) {
             _ if self.unavailable => DenoiserState::Unavailable,
             (Some(_), _) => DenoiserState::Running,
+            _ if self.is_wanted => DenoiserState::Running,
             (None, Some(shown)) => DenoiserState::Shown {
                 seconds: shown.seconds,
                 samples: shown.samples,
@@ -68,10 +71,11 @@ impl Denoiser {
         }
     }
 
-    /// Starts with the film as it is now; what was at work before is cancelled. Does nothing before the first sample.
+    /// Starts with the film as it is now, or once it has a sample of every pixel; what was at work before is cancelled.
     pub fn start(&mut self, film: &RenderFilm, wake_up: WakeUp) {
         let samples = film.film.sample_count();
-        if self.unavailable || samples == 0 {
+        self.is_wanted = samples == 0 && !self.unavailable;
+        if self.is_wanted || self.unavailable {
             return;
         }
         self.started += 1;
@@ -114,6 +118,7 @@ impl Denoiser {
     pub fn clear(&mut self) {
         self.work = None;
         self.shown = None;
+        self.is_wanted = false;
     }
 }
 
@@ -121,8 +126,12 @@ impl Denoiser {
 pub fn collect_denoised(
     mut denoiser: ResMut<Denoiser>,
     film: Res<RenderFilm>,
+    wake_up: Res<WakeUp>,
     mut state: ResMut<super::state::EditorState>,
 ) {
+    if denoiser.is_wanted && film.film.sample_count() > 0 {
+        denoiser.start(&film, wake_up.clone());
+    }
     let is_stale = |job: u64| job != film.job;
     if denoiser.work.as_ref().is_some_and(|work| is_stale(work.job)) {
         denoiser.work = None;

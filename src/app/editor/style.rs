@@ -12,6 +12,7 @@ pub fn set_style(mut contexts: EguiContexts) -> bevy::prelude::Result {
         style.visuals.panel_fill = Color32::from_gray(36);
         style.visuals.window_fill = Color32::from_gray(40);
         style.visuals.extreme_bg_color = Color32::from_gray(20);
+        style.visuals.error_fg_color = Color32::from_rgb(255, 120, 105);
         style.visuals.override_text_color = Some(Color32::from_gray(215));
         style.visuals.weak_text_color = Some(Color32::from_gray(150));
     });

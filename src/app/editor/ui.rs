@@ -119,7 +119,15 @@ fn right_panel(ui: &mut egui::Ui, model: &Model, state: &mut EditorState, comman
                 let title = match (errors, model.notices.len()) {
                     (0, 0) => egui::RichText::new("Messages"),
                     (0, warnings) => egui::RichText::new(format!("Messages ({warnings})")),
-                    (_, all) => egui::RichText::new(format!("Messages ({all})")).color(ui.visuals().error_fg_color),
+                    (_, all) => {
+                        let title = egui::RichText::new(format!("Messages ({all})"));
+                        let is_shown = state.right_tab == RightTab::Diagnostics;
+                        if is_shown {
+                            title
+                        } else {
+                            title.color(ui.visuals().error_fg_color)
+                        }
+                    }
                 };
                 ui.selectable_value(&mut state.right_tab, RightTab::Diagnostics, title);
             });

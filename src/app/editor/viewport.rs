@@ -88,7 +88,7 @@ fn act(
     state: &mut ViewportState,
     commands: &mut Vec<Command>,
 ) {
-    let has_keyboard = model.enabled && takes_keyboard(ui, response);
+    let has_keyboard = takes_keyboard(ui, response, model.enabled);
     let looking =
         model.enabled && (response.dragged_by(PointerButton::Secondary) || response.dragged_by(PointerButton::Primary));
     if model.enabled
@@ -152,14 +152,15 @@ fn act(
     }
 }
 
-/// The picture has the keyboard whenever no other widget wants it, and then it keeps Tab, arrows and Escape to itself.
-fn takes_keyboard(ui: &Ui, response: &Response) -> bool {
-    if ui.ctx().any_popup_open() {
+/// The picture has the keyboard whenever no other widget wants it, and then it keeps Tab, arrows and Escape to itself. Without `enabled`
+/// it lets go of it.
+fn takes_keyboard(ui: &Ui, response: &Response, enabled: bool) -> bool {
+    if !enabled || ui.ctx().any_popup_open() {
+        response.surrender_focus();
         return false;
     }
-    let pressed_on = response.is_pointer_button_down_on();
     let focused = ui.memory(|memory| memory.focused());
-    if focused.is_none() || (pressed_on && focused != Some(response.id)) {
+    if focused.is_none() || response.is_pointer_button_down_on() {
         response.request_focus();
     }
     let filter = EventFilter {
