@@ -16,6 +16,13 @@ pub fn pick(current: &CurrentScene, film: Vec2) -> Option<Entity> {
     current.entity_of_instance.get(hit.instance as usize).copied()
 }
 
+/// How far the first thing is in the middle of the picture.
+pub fn distance_ahead(current: &CurrentScene) -> Option<f32> {
+    let (scene, view) = (current.scene.as_ref()?, current.view.as_ref()?);
+    let ray = view.camera.ray(Vec2::splat(0.5), Vec2::splat(0.5));
+    scene.geometry.intersect(&ray).map(|hit| hit.t)
+}
+
 /// World bounds of everything; None without geometry.
 pub fn scene_bounds(current: &CurrentScene) -> Option<Aabb> {
     let bounds = current.scene.as_ref()?.geometry.bounds();

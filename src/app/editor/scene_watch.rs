@@ -1,5 +1,7 @@
 //! What the editor does when a scene has been opened or read anew.
 
+use std::path::PathBuf;
+
 use bevy::prelude::*;
 
 use super::navigation::up_axis;
@@ -43,15 +45,32 @@ pub fn follow_scene(
     }
 }
 
-/// Keeps the size that flying is scaled by.
-pub fn measure_scene(current: Res<CurrentScene>, mut state: ResMut<EditorState>) {
+/// Keeps the size that flying is scaled by: that of everything, but no more than the first view of a scene suggests. A floor of a
+/// kilometre must not make a still life on it a matter of one key press.
+pub fn measure_scene(
+    current: Res<CurrentScene>,
+    status: Res<SceneStatus>,
+    mut state: ResMut<EditorState>,
+    mut looked_at: Local<Option<(PathBuf, f32)>>,
+) {
     if !current.is_changed() {
         return;
     }
-    if let Some(bounds) = picking::scene_bounds(&current) {
-        let size = bounds.extent().length();
-        if size.is_finite() && size > 0.0 && size != state.navigation.scene_size {
-            state.navigation.scene_size = size;
-        }
+    let Some(bounds) = picking::scene_bounds(&current) else {
+        return;
+    };
+    if let Some(path) = &status.path
+        && looked_at.as_ref().is_none_or(|(seen, _)| seen != path)
+    {
+        let distance = picking::distance_ahead(&current).unwrap_or(f32::INFINITY);
+        *looked_at = Some((path.clone(), distance));
+    }
+    let ahead = looked_at.as_ref().map_or(f32::INFINITY, |(_, distance)| *distance);
+    let size = bounds.extent().length().min(SIZE_PER_DISTANCE * ahead);
+    if size.is_finite() && size > 0.0 && size != state.navigation.scene_size {
+        state.navigation.scene_size = size;
     }
 }
+
+/// A subject is about as large as it is far, and there is something around it.
+const SIZE_PER_DISTANCE: f32 = 2.0;
