@@ -164,10 +164,6 @@ impl<'a, 'd> Reader<'a, 'd> {
         })
     }
 
-    pub fn rgb_or(&mut self, name: &str, default: Rgb) -> Rgb {
-        self.rgb(name).unwrap_or(default)
-    }
-
     /// A colour whose components all lie in `range`.
     pub fn rgb_in(&mut self, name: &str, range: impl RangeBounds<f32>) -> Option<Rgb> {
         let colour = self.rgb(name)?;

@@ -47,11 +47,6 @@ struct Watcher {
 }
 
 impl SceneWatch {
-    /// Whether this file is watched; for tests and for showing.
-    pub fn is_watching(&self, file: &Path) -> bool {
-        self.reloads.contains_key(&settle(file))
-    }
-
     fn start(&mut self) {
         if self.watcher.is_some() || self.error.is_some() {
             return;

@@ -123,7 +123,7 @@ fn save(image: &Image, path: &std::path::Path) -> Result<(), String> {
     write_atomically(path, &png.into_inner()).map_err(|error| error.to_string())
 }
 
-/// The figures of the session, once, when it ends.
+/// The figures of this run, once, when it ends.
 pub fn log_at_exit(mut exits: MessageReader<AppExit>, status: Res<RenderStatus>, frames: Res<FrameTimes>) {
     if exits.read().next().is_none() {
         return;
