@@ -62,6 +62,9 @@ pub struct RenderArgs {
     /// How light is looked for
     #[arg(long, value_enum)]
     strategy: Option<StrategyName>,
+    /// Reflect on glass by Schlick's approximation instead of the exact Fresnel equations
+    #[arg(long)]
+    schlick: bool,
     /// Random numbers: well spread points whatever the file's sampler is called, or truly independent ones [default: sobol]
     #[arg(long, value_enum)]
     sampler: Option<SamplerName>,
@@ -267,6 +270,7 @@ fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Error> {
     if let Some(depth) = args.max_depth {
         integrator.max_depth = u32::try_from(depth).ok();
     }
+    integrator.schlick |= args.schlick;
     match args.strategy {
         Some(StrategyName::Bsdf) => integrator.strategy = Strategy::Bsdf,
         Some(StrategyName::Light) => integrator.strategy = Strategy::Light,
