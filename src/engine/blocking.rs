@@ -120,6 +120,7 @@ pub fn render_to_completion(
                 return Err(RenderError::Failed(status.errors.first().cloned().unwrap_or_default()));
             }
             RenderState::Idle => return Err(RenderError::NoSensor),
+            RenderState::Done if last_pass.is_some() => return Ok(Outcome::TimeUp),
             RenderState::Done => return Ok(Outcome::Complete),
             RenderState::Paused | RenderState::Loading | RenderState::Building | RenderState::Rendering => {}
         }
@@ -135,6 +136,10 @@ pub fn render_to_completion(
                     .and_then(super::job::Job::finish_pass);
                 let grace = LEAST_GRACE.max(time.mul_f64(GRACE_SHARE));
                 last_pass = Some((end.unwrap_or(0), time + grace));
+                if end.is_some() {
+                    // The dispatcher tells the queue its target in every frame: it must hear of the lower one too.
+                    app.world_mut().resource_mut::<RenderControl>().target_samples = end;
+                }
             }
             (_, Some((end, latest))) if status.samples >= end || spent >= latest => {
                 return Ok(stop(app, Outcome::TimeUp));
