@@ -11,6 +11,9 @@ use super::{EditArgs, report};
 const FIRST_SCENE: &str = "scenes/cornell-box.xml";
 
 pub fn run(args: EditArgs) -> ExitCode {
+    if let Some(scene) = args.scene.as_ref().filter(|scene| !scene.is_file()) {
+        return report::error(format_args!("{}: there is no such file", scene.display()));
+    }
     let options = WindowOptions {
         scene: args.scene.or_else(first_scene),
         defines: args.defines.defines,

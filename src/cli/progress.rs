@@ -1,55 +1,68 @@
 //! How far a render has come: a bar on a terminal, a line per tenth elsewhere, nothing when quiet.
 
 use std::io::IsTerminal;
+use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use sunroom::engine::RenderStatus;
 
 use super::report;
 
-pub enum Progress {
+pub struct Progress {
+    form: Form,
+    /// What ends the render beside its samples.
+    time: Option<Duration>,
+}
+
+enum Form {
     Quiet,
     Bar(ProgressBar),
     /// The tenths that have been reported.
     Lines(u32),
 }
 
+/// Steps of the bar.
+const STEPS: u64 = 1000;
+
 impl Progress {
-    pub fn new(quiet: bool) -> Self {
-        if quiet {
-            Self::Quiet
+    pub fn new(quiet: bool, time: Option<Duration>) -> Self {
+        let form = if quiet {
+            Form::Quiet
         } else if std::io::stderr().is_terminal() {
-            let bar = ProgressBar::new(0);
-            let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} spp  {msg}  {elapsed} (ETA {eta})");
-            if let Ok(style) = style {
+            let bar = ProgressBar::new(STEPS);
+            if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent} %  {msg}  {elapsed} (ETA {eta})") {
                 bar.set_style(style);
             }
-            Self::Bar(bar)
+            Form::Bar(bar)
         } else {
-            Self::Lines(0)
-        }
+            Form::Lines(0)
+        };
+        Self { form, time }
     }
 
     pub fn update(&mut self, status: &RenderStatus) {
-        let speed = format!("{:.2} Msamples/s", status.msamples_per_s);
-        match self {
-            Self::Quiet => {}
-            Self::Bar(bar) => {
-                bar.set_length(u64::from(status.target));
-                bar.set_position(u64::from(status.samples));
-                bar.set_message(speed);
+        let by_samples = f64::from(status.samples) / f64::from(status.target.max(1));
+        let by_time = self.time.map_or(0.0, |time| status.seconds / time.as_secs_f64());
+        let done = by_samples.max(by_time).min(1.0);
+        let samples = match self.time {
+            Some(_) => format!("{} spp", status.samples),
+            None => format!("{}/{} spp", status.samples, status.target),
+        };
+        let message = format!("{samples}  {:.2} Msamples/s", status.msamples_per_s);
+        match &mut self.form {
+            Form::Quiet => {}
+            Form::Bar(bar) => {
+                bar.set_position((done * STEPS as f64) as u64);
+                bar.set_message(message);
             }
-            Self::Lines(reported) => {
-                let tenths = (10 * u64::from(status.samples) / u64::from(status.target.max(1))) as u32;
+            Form::Lines(reported) => {
+                let tenths = (10.0 * done) as u32;
                 if tenths > *reported {
                     *reported = tenths;
-                    let left = status.seconds * f64::from(status.target - status.samples.min(status.target))
-                        / f64::from(status.samples.max(1));
+                    let left = status.seconds * (1.0 / done - 1.0);
+                    let percent = 10 * tenths;
                     report::line(format_args!(
-                        "{:3} %  {}/{} spp  {speed}  {:.1} s, {left:.1} s to go",
-                        10 * tenths,
-                        status.samples,
-                        status.target,
+                        "{percent:3} %  {message}  {:.1} s, {left:.1} s to go",
                         status.seconds
                     ));
                 }
@@ -58,7 +71,7 @@ impl Progress {
     }
 
     pub fn finish(&self) {
-        if let Self::Bar(bar) = self {
+        if let Form::Bar(bar) = &self.form {
             bar.finish_and_clear();
         }
     }

@@ -33,10 +33,10 @@ pub struct RenderArgs {
     /// Image file, .exr (linear, float), .png (sRGB) or .hdr; `-` is PNG on standard output; may be given several times
     #[arg(short, long, required = true, value_name = "OUT")]
     output: Vec<PathBuf>,
-    /// Samples per pixel [default: the scene's]
+    /// Samples per pixel [default: the scene's, or as many as --time allows]
     #[arg(short, long, value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
-    /// Stop after this time, such as 60s or 5m
+    /// Stop after this time, such as 500ms, 60s, 5m; a bare number is seconds
     #[arg(long, value_name = "TIME", value_parser = parse::duration)]
     time: Option<Duration>,
     /// Width in pixels; the other side follows if it is not given
@@ -142,7 +142,8 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
         Accel::Sah => AccelMethod::Sah,
     });
     let limits = Limits {
-        samples: args.spp,
+        // With a time limit alone the samples of the file are no limit.
+        samples: args.spp.or(args.time.map(|_| u32::MAX)),
         time: args.time,
         cancel: cancel.clone(),
         ..Limits::default()
@@ -157,7 +158,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
     let load_ms = milliseconds(begin.elapsed());
     apply_overrides(app.world_mut(), args)?;
 
-    let mut progress = Progress::new(args.quiet);
+    let mut progress = Progress::new(args.quiet, args.time);
     let outcome = render_to_completion(&mut app, &limits, |status| progress.update(status));
     progress.finish();
     let outcome = outcome?;

@@ -18,8 +18,6 @@ pub struct RenderControl {
     pub resolution_scale: f32,
     /// Size in pixels that replaces the film's (before `resolution_scale`), as given on the command line.
     pub film_size_override: Option<UVec2>,
-    /// Seed that replaces the scene's.
-    pub seed_override: Option<u32>,
     pub view_mode: ViewMode,
     /// Worker threads that trace rays; decided by `app::threads`.
     pub threads: NonZeroUsize,
@@ -37,7 +35,6 @@ impl Default for RenderControl {
             target_samples: None,
             resolution_scale: 1.0,
             film_size_override: None,
-            seed_override: None,
             view_mode: ViewMode::Path,
             threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
             interactive: false,

@@ -92,7 +92,7 @@ pub(in crate::engine) fn pack_view(
             Sequence::Sobol => SequenceKind::Sobol,
             Sequence::Independent => SequenceKind::Independent,
         },
-        seed: control.seed_override.unwrap_or(sampler.seed),
+        seed: sampler.seed,
     })
 }
 
