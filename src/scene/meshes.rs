@@ -17,6 +17,8 @@ pub(super) fn follow_mesh_files(
 ) {
     for (entity, shape, current) in &shapes {
         match &shape.kind {
+            // Without a file the mesh is one that the program has made.
+            ShapeKind::Mesh(file) if file.path.as_os_str().is_empty() => {}
             ShapeKind::Mesh(file) => {
                 let handle = MeshHandle(server.load(AssetPath::from_path_buf(file.path.clone())));
                 if current != Some(&handle) {
