@@ -3,7 +3,7 @@
 //! `Reader` knows value types; the caller knows the parameters. The names the caller asks for are the dictionary against which the
 //! file's names are held in [`Reader::finish`].
 //!
-//! ```ignore
+//! ```text
 //! let mut diagnostics = document.diagnostics.clone();
 //! let index = document.index();
 //! let mut r = Reader::new(&index, object, &mut diagnostics);

@@ -11,7 +11,7 @@ use super::*;
 
 /// Adds scenes to an app that has [`AssetPlugin`] with absolute paths allowed:
 ///
-/// ```ignore
+/// ```text
 /// app.add_plugins((MinimalPlugins, scene::asset_plugin(), ScenePlugin));
 /// app.world_mut().write_message(OpenScene { path, ..default() });
 /// ```
