@@ -8,7 +8,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::command::{Command, FileDialogKind};
 use sunroom::app::editor::display::{DisplayMode, DisplaySettings};
-use sunroom::app::editor::keys::KeyContext;
+use sunroom::app::editor::keys::{KeyContext, Press};
 use sunroom::app::editor::model::{
     DenoiserState, Inspected, InspectedMaterial, Item, MaterialPlace, Model, Notice, Outline, RenderModel, StatusModel,
 };
@@ -584,6 +584,7 @@ fn picture() -> Harness<'static, Picture> {
                     selection: Some(entity(1)),
                     flying: false,
                 },
+                presses: &presses(ui),
                 enabled: true,
             };
             viewport(ui, &model, &mut picture.state, &mut picture.commands);
@@ -592,6 +593,20 @@ fn picture() -> Harness<'static, Picture> {
     );
     harness.run_steps(3);
     harness
+}
+
+fn presses(ui: &egui::Ui) -> Vec<Press> {
+    let press = |event: &egui::Event| match *event {
+        egui::Event::Key {
+            key,
+            pressed: true,
+            repeat: false,
+            modifiers,
+            ..
+        } => Some(Press { key, modifiers }),
+        _ => None,
+    };
+    ui.input(|input| input.events.iter().filter_map(press).collect())
 }
 
 fn last_pose(harness: &Harness<Picture>) -> Option<Affine3A> {

@@ -117,8 +117,9 @@ fn apply(world: &mut World, command: Command) -> Result<(), String> {
         Command::SetOverlay(overlay) => world.resource_mut::<EditorState>().overlay = overlay,
         Command::Denoise => {
             let wake_up = world.resource::<WakeUp>().clone();
+            let threads = world.resource::<RenderControl>().threads;
             world.resource_scope(|world, mut denoiser: Mut<Denoiser>| {
-                denoiser.start(world.resource::<RenderFilm>(), wake_up);
+                denoiser.start(world.resource::<RenderFilm>(), threads, wake_up);
             });
         }
         Command::DropDenoised => world.resource_mut::<Denoiser>().clear(),

@@ -1,5 +1,6 @@
 //! Denoising the picture on a thread of its own, from a copy of the film, so that neither rendering nor the panels wait.
 
+use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -9,7 +10,7 @@ use crossbeam_channel::{Receiver, bounded};
 
 use super::model::DenoiserState;
 use crate::color::Rgb;
-use crate::engine::{RenderFilm, WakeUp};
+use crate::engine::{RenderControl, RenderFilm, WakeUp};
 use crate::render::denoise::{DenoiseError, DenoiseInput, DenoiseQuality, denoise};
 
 /// A denoised picture, as large as the film it was made from.
@@ -72,7 +73,8 @@ impl Denoiser {
     }
 
     /// Starts with the film as it is now, or once it has a sample of every pixel; what was at work before is cancelled.
-    pub fn start(&mut self, film: &RenderFilm, wake_up: WakeUp) {
+    /// `threads` is how many it may use.
+    pub fn start(&mut self, film: &RenderFilm, threads: NonZeroUsize, wake_up: WakeUp) {
         let samples = film.film.sample_count();
         self.is_wanted = samples == 0 && !self.unavailable;
         if self.is_wanted || self.unavailable {
@@ -93,7 +95,7 @@ impl Denoiser {
                 normal: Some(&normal),
                 prefilter: true,
                 quality: DenoiseQuality::Balanced,
-                threads: None,
+                threads: Some(threads.get()),
             };
             let outcome = denoise(&input, &flag).map(|radiance| Denoised {
                 radiance,
@@ -126,11 +128,12 @@ impl Denoiser {
 pub fn collect_denoised(
     mut denoiser: ResMut<Denoiser>,
     film: Res<RenderFilm>,
+    control: Res<RenderControl>,
     wake_up: Res<WakeUp>,
     mut state: ResMut<super::state::EditorState>,
 ) {
     if denoiser.is_wanted && film.film.sample_count() > 0 {
-        denoiser.start(&film, wake_up.clone());
+        denoiser.start(&film, control.threads, wake_up.clone());
     }
     let is_stale = |job: u64| job != film.job;
     if denoiser.work.as_ref().is_some_and(|work| is_stale(work.job)) {

@@ -1,6 +1,6 @@
 //! The file dialog: one at a time, drawn inside the window.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bevy::prelude::Resource;
 use bevy_egui::egui;
@@ -13,23 +13,40 @@ use super::ui::picked;
 #[derive(Resource, Default)]
 pub struct Dialogs {
     open: Option<(FileDialogKind, FileDialog)>,
+    /// Where a picture was last saved.
+    image_folder: Option<PathBuf>,
 }
 
 impl Dialogs {
-    /// Opens what `state.dialog` asks for, shows it, and turns a picked file into a command.
-    pub fn show(&mut self, context: &egui::Context, state: &mut EditorState, commands: &mut Vec<Command>) {
+    /// Opens what `state.dialog` asks for, shows it, and turns a picked file into a command. `scene` is the file of the open scene.
+    pub fn show(
+        &mut self,
+        context: &egui::Context,
+        scene: Option<&Path>,
+        state: &mut EditorState,
+        commands: &mut Vec<Command>,
+    ) {
         let Some(wanted) = state.dialog else {
             self.open = None;
             return;
         };
         if self.open.as_ref().is_none_or(|(kind, _)| *kind != wanted) {
-            self.open = Some((wanted, opened(wanted)));
+            self.open = Some((wanted, opened(wanted, scene, self.image_folder.as_deref())));
         }
         let Some((kind, dialog)) = &mut self.open else {
             return;
         };
+        // The dialog itself would let its text field have the first one.
+        if context.input(|input| input.key_pressed(egui::Key::Escape)) {
+            self.open = None;
+            state.dialog = None;
+            return;
+        }
         dialog.update(context);
         if let Some(path) = dialog.take_picked() {
+            if *kind == FileDialogKind::SaveImage {
+                self.image_folder = path.parent().map(Path::to_path_buf);
+            }
             commands.push(picked(*kind, path));
             state.dialog = None;
         } else if *dialog.state() != DialogState::Open {
@@ -38,9 +55,13 @@ impl Dialogs {
     }
 }
 
-fn opened(kind: FileDialogKind) -> FileDialog {
+fn opened(kind: FileDialogKind, scene: Option<&Path>, image_folder: Option<&Path>) -> FileDialog {
     let scenes = Path::new("scenes");
-    let start = if scenes.is_dir() { scenes } else { Path::new(".") };
+    let start = match kind {
+        FileDialogKind::SaveImage => image_folder.unwrap_or(Path::new(".")),
+        FileDialogKind::OpenScene | FileDialogKind::SaveScene if scenes.is_dir() => scenes,
+        FileDialogKind::OpenScene | FileDialogKind::SaveScene => Path::new("."),
+    };
     let start = std::path::absolute(start).unwrap_or_else(|_| start.to_path_buf());
     let dialog = FileDialog::new()
         .default_size([720.0, 460.0])
@@ -60,7 +81,7 @@ fn opened(kind: FileDialogKind) -> FileDialog {
                 .title("Save the scene")
                 .add_save_extension("Scene", "xml")
                 .default_save_extension("Scene")
-                .default_file_name("scene.xml");
+                .default_file_name(&proposed_name(scene, "scene", "xml"));
             dialog.save_file();
             dialog
         }
@@ -71,9 +92,29 @@ fn opened(kind: FileDialogKind) -> FileDialog {
                 .add_save_extension("EXR, linear", "exr")
                 .add_save_extension("HDR, linear", "hdr")
                 .default_save_extension("PNG, as shown")
-                .default_file_name("picture.png");
+                .default_file_name(&proposed_name(scene, "picture", "png"));
             dialog.save_file();
             dialog
         }
+    }
+}
+
+/// The name of the scene's file with this extension; `otherwise` without a scene.
+fn proposed_name(scene: Option<&Path>, otherwise: &str, extension: &str) -> String {
+    let stem = scene
+        .and_then(Path::file_stem)
+        .map_or(otherwise.into(), |stem| stem.to_string_lossy());
+    format!("{stem}.{extension}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_named_after_the_scene() {
+        let scene = Path::new("scenes/cornell-box.xml");
+        assert_eq!(proposed_name(Some(scene), "picture", "png"), "cornell-box.png");
+        assert_eq!(proposed_name(None, "scene", "xml"), "scene.xml");
     }
 }

@@ -1,8 +1,11 @@
 //! The keyboard: which keys fly, and which are commands.
 
+use bevy::ecs::system::SystemParam;
+use bevy::input::keyboard::{Key as LogicalKey, KeyCode, KeyboardFocusLost, KeyboardInput};
 use bevy::math::Vec3;
-use bevy::prelude::Entity;
+use bevy::prelude::{Entity, Local, MessageReader};
 use bevy_egui::egui::{InputState, Key, Modifiers};
+use bevy_egui::helpers::{bevy_to_egui_key, bevy_to_egui_physical_key};
 
 use super::command::{Command, FileDialogKind};
 use super::display::DisplaySettings;
@@ -29,11 +32,109 @@ pub fn fly_direction(input: &InputState) -> Vec3 {
     Vec3::new(axis(Key::A, Key::D), axis(Key::E, Key::Q), axis(Key::W, Key::S))
 }
 
-/// The commands of the keys pressed this frame.
-pub fn shortcuts(input: &InputState, context: &KeyContext) -> Vec<Command> {
-    let plain = |key| input.key_pressed(key) && input.modifiers.is_none();
-    let shift = |key| input.key_pressed(key) && input.modifiers.matches_exact(Modifiers::SHIFT);
-    let control = |key| input.key_pressed(key) && input.modifiers.command_only() && !context.flying;
+/// A key going down, with the modifiers held at that moment; never a repeat of a key held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Press {
+    pub key: Key,
+    pub modifiers: Modifiers,
+}
+
+/// The modifier keys that are down. egui knows them once per frame only: of Control and S pressed and let go within one slow frame it
+/// would keep the S alone.
+#[derive(Debug, Default)]
+pub struct HeldModifiers(Vec<(KeyCode, Modifiers)>);
+
+impl HeldModifiers {
+    /// Follows one event; returns the press it is, if it is one.
+    fn follow(&mut self, event: &KeyboardInput) -> Option<Press> {
+        let is_down = event.state.is_pressed();
+        if !is_down {
+            self.0.retain(|(code, _)| *code != event.key_code);
+            return None;
+        }
+        if event.repeat {
+            return None;
+        }
+        if let Some(modifier) = modifier(&event.logical_key) {
+            self.0.retain(|(code, _)| *code != event.key_code);
+            self.0.push((event.key_code, modifier));
+            return None;
+        }
+        let key = bevy_to_egui_key(&event.logical_key).or_else(|| bevy_to_egui_physical_key(&event.key_code))?;
+        let modifiers = self.0.iter().fold(Modifiers::NONE, |all, (_, held)| all | *held);
+        Some(Press { key, modifiers })
+    }
+}
+
+fn modifier(key: &LogicalKey) -> Option<Modifiers> {
+    let is_mac = cfg!(target_os = "macos");
+    match key {
+        LogicalKey::Control => Some(Modifiers {
+            ctrl: true,
+            command: !is_mac,
+            ..Modifiers::NONE
+        }),
+        LogicalKey::Super if is_mac => Some(Modifiers {
+            mac_cmd: true,
+            command: true,
+            ..Modifiers::NONE
+        }),
+        LogicalKey::Shift => Some(Modifiers::SHIFT),
+        LogicalKey::Alt => Some(Modifiers::ALT),
+        _ => None,
+    }
+}
+
+/// The keyboard's events since the last frame.
+#[derive(SystemParam)]
+pub struct KeyEvents<'w, 's> {
+    events: MessageReader<'w, 's, KeyboardInput>,
+    focus_lost: MessageReader<'w, 's, KeyboardFocusLost>,
+    held: Local<'s, HeldModifiers>,
+}
+
+impl KeyEvents<'_, '_> {
+    /// The presses, in order. To be called each frame, whoever has the keyboard.
+    pub fn presses(&mut self) -> Vec<Press> {
+        let held = &mut *self.held;
+        let presses = self.events.read().filter_map(|event| held.follow(event)).collect();
+        if self.focus_lost.read().count() > 0 {
+            held.0.clear();
+        }
+        presses
+    }
+}
+
+/// The commands of the keys pressed this frame: each is made from what the one before left.
+pub fn shortcuts(presses: &[Press], context: &KeyContext) -> Vec<Command> {
+    let mut context = *context;
+    let mut commands = Vec::new();
+    for press in presses {
+        let Some(command) = shortcut(*press, &context) else {
+            continue;
+        };
+        match command {
+            Command::SetDisplay(display) => context.display = display,
+            Command::SetOverlay(overlay) => context.overlay = overlay,
+            Command::SetPaused(paused) => context.paused = paused,
+            Command::ShowPanels(shown) => context.panels_shown = shown,
+            Command::Select(selection) => context.selection = selection,
+            _ => {}
+        }
+        let opens_dialog = matches!(command, Command::ShowDialog(_));
+        commands.push(command);
+        if opens_dialog {
+            // What follows is meant for the dialog.
+            break;
+        }
+    }
+    commands
+}
+
+fn shortcut(press: Press, context: &KeyContext) -> Option<Command> {
+    let plain = |key| press.key == key && press.modifiers.is_none();
+    let shift = |key| press.key == key && press.modifiers.matches_exact(Modifiers::SHIFT);
+    let control = |key| press.key == key && press.modifiers.command_only() && !context.flying;
     let KeyContext { display, overlay, .. } = *context;
     let exposed = |stops: f32| {
         Command::SetDisplay(DisplaySettings {
@@ -73,6 +174,75 @@ pub fn shortcuts(input: &InputState, context: &KeyContext) -> Vec<Command> {
     ];
     table
         .into_iter()
-        .filter_map(|(pressed, command)| pressed.then_some(command))
-        .collect()
+        .find_map(|(pressed, command)| pressed.then_some(command))
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::input::ButtonState;
+
+    use super::super::display::DisplayMode;
+    use super::*;
+
+    fn event(key_code: KeyCode, logical_key: LogicalKey, state: ButtonState) -> KeyboardInput {
+        KeyboardInput {
+            key_code,
+            logical_key,
+            state,
+            text: None,
+            repeat: false,
+            window: Entity::PLACEHOLDER,
+        }
+    }
+
+    fn commands(events: &[KeyboardInput]) -> Vec<Command> {
+        let mut held = HeldModifiers::default();
+        let presses: Vec<Press> = events.iter().filter_map(|event| held.follow(event)).collect();
+        assert!(held.0.is_empty(), "{held:?}");
+        let context = KeyContext {
+            display: DisplaySettings::default(),
+            overlay: BvhOverlay::default(),
+            paused: false,
+            panels_shown: true,
+            selection: None,
+            flying: false,
+        };
+        shortcuts(&presses, &context)
+    }
+
+    #[test]
+    fn a_shortcut_tapped_within_a_frame_keeps_its_modifier() {
+        let s = || LogicalKey::Character("s".into());
+        let events = [
+            event(KeyCode::ControlLeft, LogicalKey::Control, ButtonState::Pressed),
+            event(KeyCode::KeyS, s(), ButtonState::Pressed),
+            event(KeyCode::KeyS, s(), ButtonState::Released),
+            event(KeyCode::ControlLeft, LogicalKey::Control, ButtonState::Released),
+        ];
+        assert_eq!(commands(&events), [Command::ShowDialog(FileDialogKind::SaveScene)]);
+    }
+
+    #[test]
+    fn each_press_counts_and_repeats_do_not() {
+        let tab = |state| event(KeyCode::Tab, LogicalKey::Tab, state);
+        let repeat = KeyboardInput {
+            repeat: true,
+            ..tab(ButtonState::Pressed)
+        };
+        let events = [
+            tab(ButtonState::Pressed),
+            repeat,
+            tab(ButtonState::Released),
+            tab(ButtonState::Pressed),
+            tab(ButtonState::Released),
+        ];
+        let modes: Vec<DisplayMode> = commands(&events)
+            .into_iter()
+            .filter_map(|command| match command {
+                Command::SetDisplay(display) => Some(display.mode),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(modes, [DisplayMode::Albedo, DisplayMode::Normal]);
+    }
 }

@@ -20,6 +20,8 @@ pub struct Picture {
     /// Pixels; (0, 0) before the first.
     size: UVec2,
     shown: Option<Shown>,
+    /// The film's job when the texture was last written.
+    job: u64,
     /// Counts changes of pixels.
     pub revision: u64,
 }
@@ -58,6 +60,7 @@ pub fn create_picture(
         handle,
         size: UVec2::ZERO,
         shown: None,
+        job: 0,
         revision: 0,
     });
 }
@@ -75,11 +78,15 @@ pub fn update_picture(
     if size.x == 0 || size.y == 0 {
         return;
     }
-    let denoised = (state.display.mode == DisplayMode::Shaded)
+    let mut settings = state.display;
+    if let Some(shown) = picture.shown.filter(|_| picture.job == film.job) {
+        settings.mode = readable_mode(shown.display.mode, settings.mode);
+    }
+    let denoised = (settings.mode == DisplayMode::Shaded)
         .then(|| denoiser.picture())
         .flatten();
     let shown = Shown {
-        display: state.display,
+        display: settings,
         denoised: denoised.map(|picture| picture.number),
         scene_size: state.navigation.scene_size,
     };
@@ -103,8 +110,8 @@ pub fn update_picture(
         image.texture_descriptor.size = extent(size);
     }
     match denoised {
-        Some(picture) => display::paint_radiance(&picture.radiance, &state.display, &mut pixels),
-        None => display::paint(&film.film, &dirty, &state.display, shown.scene_size, &mut pixels),
+        Some(picture) => display::paint_radiance(&picture.radiance, &settings, &mut pixels),
+        None => display::paint(&film.film, &dirty, &settings, shown.scene_size, &mut pixels),
     }
     image.data = Some(pixels);
     changes.write(AssetEvent::Modified {
@@ -112,7 +119,19 @@ pub fn update_picture(
     });
     picture.size = size;
     picture.shown = Some(shown);
+    picture.job = film.job;
     picture.revision += 1;
+}
+
+/// The mode that a film can be shown in that has been shown as `shown`: steps are counted into a film of their own, and until that is
+/// begun the old one must not be taken for it.
+fn readable_mode(shown: DisplayMode, wanted: DisplayMode) -> DisplayMode {
+    let counts_steps = |mode| mode == DisplayMode::BvhSteps;
+    if counts_steps(shown) == counts_steps(wanted) {
+        wanted
+    } else {
+        shown
+    }
 }
 
 fn extent(size: UVec2) -> Extent3d {

@@ -1,6 +1,6 @@
 //! What the editor does when a scene has been opened or read anew.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
@@ -16,12 +16,12 @@ pub fn follow_scene(
     active: Res<ActiveSensor>,
     poses: Query<&ToWorld>,
     mut state: ResMut<EditorState>,
-    mut seen: Local<(u64, SceneState)>,
+    mut seen: Local<(u64, SceneState, Option<PathBuf>)>,
 ) {
-    let now = (status.revision, status.state);
-    if *seen == now {
+    if seen.0 == status.revision && seen.1 == status.state && seen.2 == status.path {
         return;
     }
+    let now = (status.revision, status.state, status.path.clone());
     let before = std::mem::replace(&mut *seen, now);
     let file = status
         .path
@@ -40,8 +40,18 @@ pub fn follow_scene(
             state.say(format!("Reloaded {file}"));
         }
     } else if status.state == SceneState::Failed {
-        state.say(format!("{file} could not be read; the last good scene is shown"));
+        let path = status.path.as_deref().unwrap_or(Path::new(""));
+        state.say(failure(path, status.revision > 0));
         state.right_tab = super::state::RightTab::Diagnostics;
+    }
+}
+
+fn failure(path: &Path, has_good_scene: bool) -> String {
+    let path = path.display();
+    if has_good_scene {
+        format!("{path} could not be read; the last good scene is shown")
+    } else {
+        format!("{path} could not be read")
     }
 }
 

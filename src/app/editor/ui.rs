@@ -7,7 +7,7 @@ use super::command::{Command, FileDialogKind};
 use super::commands::camera_pose;
 use super::dialogs::Dialogs;
 use super::gather::EditorModel;
-use super::keys::KeyContext;
+use super::keys::{KeyContext, KeyEvents};
 use super::model::Model;
 use super::overlay::{self, BoxList, BvhOverlay};
 use super::panels::menu_bar::{MenuState, menu_bar};
@@ -46,8 +46,10 @@ pub fn show_window(
     mut queue: ResMut<CommandQueue>,
     mut dialogs: ResMut<Dialogs>,
     scene: Scene,
+    mut keys: KeyEvents,
     mut boxes: Local<CollectedBoxes>,
 ) -> Result {
+    let presses = keys.presses();
     let context = contexts.ctx_mut()?.clone();
     let builder = egui::UiBuilder::new()
         .layer_id(egui::LayerId::background())
@@ -83,10 +85,11 @@ pub fn show_window(
             selection: state.selection,
             flying: false,
         },
+        presses: &presses,
         enabled: state.dialog.is_none(),
     };
     egui::CentralPanel::no_frame().show(&mut ui, |ui| viewport(ui, &shown, &mut state.viewport, commands));
-    dialogs.show(&context, state, commands);
+    dialogs.show(&context, scene.status.path.as_deref(), state, commands);
     Ok(())
 }
 

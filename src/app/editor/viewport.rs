@@ -10,7 +10,7 @@ use bevy_egui::egui::{
 
 use super::command::Command;
 use super::display::{DisplayMode, HOTTEST_STEPS, heat};
-use super::keys::{self, KeyContext};
+use super::keys::{self, KeyContext, Press};
 use super::navigation::{FlyInput, Navigation};
 use super::overlay::{BoxList, MAX_BOXES, WorldBox, edges};
 use crate::render::camera::Camera;
@@ -30,6 +30,8 @@ pub struct ViewportModel<'a> {
     pub selection_box: Option<WorldBox>,
     pub navigation: Navigation,
     pub keys: KeyContext,
+    /// The keys pressed since the last frame, in order.
+    pub presses: &'a [Press],
     /// False while a dialog is open: then neither keys nor mouse act on the picture.
     pub enabled: bool,
 }
@@ -148,7 +150,7 @@ fn act(
             flying: state.flying || was_flying,
             ..model.keys
         };
-        commands.extend(ui.input(|input| keys::shortcuts(input, &context)));
+        commands.extend(keys::shortcuts(model.presses, &context));
     }
 }
 
