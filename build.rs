@@ -78,7 +78,7 @@ impl Platform {
     }
 
     /// Whether `folder` holds version 2, both for the linker and for the running program.
-    fn is_library_folder(&self, folder: &Path) -> bool {
+    fn is_lib_folder(&self, folder: &Path) -> bool {
         let loaded_from = if self.os == "windows" {
             folder.with_file_name("bin")
         } else {
@@ -88,11 +88,11 @@ impl Platform {
     }
 
     /// The library folder of an install such as Intel's release archive.
-    fn library_folder(&self, install: &Path) -> Option<PathBuf> {
+    fn lib_folder(&self, install: &Path) -> Option<PathBuf> {
         ["lib", "lib64"]
             .map(|name| install.join(name))
             .into_iter()
-            .find(|folder| self.is_library_folder(folder))
+            .find(|folder| self.is_lib_folder(folder))
     }
 }
 
@@ -121,7 +121,7 @@ fn provide(platform: &Platform) -> Result<PathBuf, String> {
 
     let chosen = env::var_os("OIDN_DIR").filter(|value| !value.is_empty());
     if let Some(install) = chosen.map(|value| root.join(value)).filter(|install| *install != own) {
-        return platform.library_folder(&install).ok_or_else(|| {
+        return platform.lib_folder(&install).ok_or_else(|| {
             format!(
                 "OIDN_DIR is {}, but its `lib` does not hold {} and {}",
                 install.display(),
@@ -130,7 +130,7 @@ fn provide(platform: &Platform) -> Result<PathBuf, String> {
             )
         });
     }
-    if let Some(folder) = platform.library_folder(&own) {
+    if let Some(folder) = platform.lib_folder(&own) {
         return Ok(folder);
     }
     if let Some(folder) = system_folder(platform) {
@@ -139,7 +139,7 @@ fn provide(platform: &Platform) -> Result<PathBuf, String> {
     }
     fetch(platform, &own)?;
     platform
-        .library_folder(&own)
+        .lib_folder(&own)
         .ok_or_else(|| format!("{WHEEL} did not hold {}", platform.link_file))
 }
 
@@ -198,7 +198,7 @@ fn system_folder(platform: &Platform) -> Option<PathBuf> {
     };
     if pkg_config("--modversion").is_some_and(|version| version.starts_with("2."))
         && let Some(folder) = pkg_config("--variable=libdir").map(PathBuf::from)
-        && platform.is_library_folder(&folder)
+        && platform.is_lib_folder(&folder)
     {
         return Some(folder);
     }
@@ -215,7 +215,7 @@ fn system_folder(platform: &Platform) -> Option<PathBuf> {
     usual
         .into_iter()
         .map(PathBuf::from)
-        .find(|folder| platform.is_library_folder(folder))
+        .find(|folder| platform.is_lib_folder(folder))
 }
 
 /// An empty, old folder where the crate `oidn` looks: were it missing, cargo would take that crate, and with it this
@@ -244,7 +244,7 @@ fn fetch(platform: &Platform, install: &Path) -> Result<(), String> {
     fs::create_dir_all(around).map_err(|error| failed(around, error))?;
 
     let lock = lock(&around.join("oidn.lock"))?;
-    if platform.library_folder(install).is_some() {
+    if platform.lib_folder(install).is_some() {
         return Ok(()); // Another process was faster.
     }
     if lock.is_some() {
@@ -256,7 +256,7 @@ fn fetch(platform: &Platform, install: &Path) -> Result<(), String> {
         // What is in the way is a stand-in or the rest of something; a complete install was ruled out above.
         let _ = fs::remove_dir_all(install);
         match fs::rename(&unpacked, install) {
-            Err(_) if platform.library_folder(install).is_some() => Ok(()),
+            Err(_) if platform.lib_folder(install).is_some() => Ok(()),
             renamed => renamed.map_err(|error| failed(install, error)),
         }
     });
