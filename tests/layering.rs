@@ -17,6 +17,11 @@ const RULES: &[(&str, &[&str], bool)] = &[
     ("accel", &["math", "color", "sampling", "geometry"], false),
     ("texture", &["math", "color", "sampling", "geometry"], false),
     ("shading", BELOW_SHADING, false),
+    (
+        "material",
+        &["math", "color", "sampling", "geometry", "accel", "texture", "shading"],
+        false,
+    ),
     ("light", BELOW_SHADING, false),
     ("medium", BELOW_SHADING, false),
     ("render", KERNEL, false),
@@ -38,7 +43,7 @@ const BELOW_SHADING: &[&str] = &["math", "color", "sampling", "geometry", "accel
 
 /// `"KERNEL"` in the table stands for these and `render`.
 const KERNEL: &[&str] = &[
-    "math", "color", "sampling", "geometry", "accel", "texture", "shading", "light", "medium",
+    "math", "color", "sampling", "geometry", "accel", "texture", "shading", "material", "light", "medium",
 ];
 
 fn may_use(allowed: &[&str], module: &str) -> bool {

@@ -1,0 +1,85 @@
+//! What varies over a surface: the contract of every texture, and the dispatch to them.
+//!
+//! A texture maps a [`TexturePoint`] to a colour (linear Rec. 709) or a number. Parameters of materials and lights are either constant
+//! or name a texture of the scene's [`TextureTable`]; light transport sees numbers only.
+
+mod checkerboard;
+
+use glam::{Vec2, Vec3};
+
+use crate::color::{Rgb, luminance};
+use crate::geometry::mesh::MeshData;
+
+pub use checkerboard::Checkerboard;
+
+/// An index into a [`TextureTable`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct TextureId(pub u32);
+
+/// A parameter that is the same everywhere, or varies as a texture does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Parameter<T> {
+    Constant(T),
+    Texture(TextureId),
+}
+
+/// Where a texture is looked up.
+#[derive(Clone, Copy, Debug)]
+pub struct TexturePoint<'a> {
+    pub uv: Vec2,
+    /// The place on the mesh, if the surface is one: what mesh attributes are interpolated by.
+    pub mesh: Option<MeshPoint<'a>>,
+}
+
+/// A place on a triangle of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct MeshPoint<'a> {
+    pub mesh: &'a MeshData,
+    pub triangle: u32,
+    /// Weights of the triangle's corners; their sum is 1.
+    pub barycentric: Vec3,
+}
+
+/// A texture with its parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Texture {
+    Checkerboard(Checkerboard),
+}
+
+/// All textures of a scene. A texture may only refer to others before it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TextureTable {
+    textures: Vec<Texture>,
+}
+
+impl TextureTable {
+    /// A table whose [`TextureId`]s are the positions in `textures`.
+    pub fn new(textures: Vec<Texture>) -> Self {
+        Self { textures }
+    }
+
+    pub fn get(&self, id: TextureId) -> Option<&Texture> {
+        self.textures.get(id.0 as usize)
+    }
+
+    pub fn color(&self, parameter: Parameter<Rgb>, at: &TexturePoint) -> Rgb {
+        match parameter {
+            Parameter::Constant(color) => color,
+            Parameter::Texture(id) => self.color_of(id, at),
+        }
+    }
+
+    /// A colour texture gives its luminance.
+    pub fn float(&self, parameter: Parameter<f32>, at: &TexturePoint) -> f32 {
+        match parameter {
+            Parameter::Constant(number) => number,
+            Parameter::Texture(id) => luminance(self.color_of(id, at)),
+        }
+    }
+
+    fn color_of(&self, id: TextureId, at: &TexturePoint) -> Rgb {
+        match &self.textures[id.0 as usize] {
+            Texture::Checkerboard(checkerboard) => self.color(checkerboard.square(at.uv), at),
+        }
+    }
+}
