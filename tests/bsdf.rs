@@ -1,15 +1,18 @@
 //! Every scattering model against the contract of `shading`: samples follow the density, weights are f cos / pdf, no energy is made,
 //! reciprocity where it holds; Fresnel and Snell against known figures; and figures of another renderer.
 
+mod bsdf_support;
 mod statistics;
 
-use glam::{UVec2, Vec2, Vec3};
-use statistics::{assert_all_plausible, sphere_integral, sphere_p};
+use bsdf_support::{
+    Single, assert_mean_weight, assert_reciprocal, assert_weights, density_p_values, direction, mirror,
+};
+use glam::{Vec2, Vec3};
+use statistics::{assert_all_plausible, sphere_integral};
 use sunroom::color::Rgb;
-use sunroom::sampling::{Sampler, SequenceKind};
 use sunroom::shading::{
-    Bsdf, BsdfId, BsdfSample, BsdfTable, BsdfTableError, Conductor, ConductorSpecular, Dielectric, DielectricModel,
-    Diffuse, Ggx, Metal, RoughConductor, fresnel, ior,
+    Bsdf, BsdfId, BsdfTable, BsdfTableError, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Ggx,
+    Metal, RoughConductor, fresnel, ior,
 };
 
 fn specular(material: &str) -> ConductorSpecular {
@@ -46,58 +49,6 @@ fn metal(fuzz: f32) -> Bsdf {
 
 fn diffuse(reflectance: Rgb) -> Bsdf {
     Bsdf::Diffuse(Diffuse { reflectance })
-}
-
-/// One model in a table.
-struct Single {
-    name: String,
-    table: BsdfTable,
-    id: BsdfId,
-}
-
-impl Single {
-    fn new(name: &str, bsdf: Bsdf) -> Self {
-        Self {
-            name: name.to_owned(),
-            table: BsdfTable::new(vec![bsdf]).expect("nothing two-sided"),
-            id: BsdfId(0),
-        }
-    }
-
-    fn two_sided(name: &str, front: Bsdf, back: Bsdf) -> Self {
-        let two_sided = Bsdf::TwoSided {
-            front: BsdfId(0),
-            back: BsdfId(2),
-        };
-        Self {
-            name: name.to_owned(),
-            table: BsdfTable::new(vec![front, two_sided, back]).expect("two one-sided models"),
-            id: BsdfId(1),
-        }
-    }
-
-    fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.table.eval(self.id, wo, wi)
-    }
-
-    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.table.pdf(self.id, wo, wi)
-    }
-
-    /// Sample number `index`; also checks what holds of every sample.
-    fn sample(&self, wo: Vec3, index: u32) -> Option<BsdfSample> {
-        let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::new(3, 5), index, 8);
-        let sample = self.table.sample(self.id, wo, sampler.next_1d(), sampler.next_2d())?;
-        let name = &self.name;
-        assert!((sample.wi.length() - 1.0).abs() < 1e-5, "{name}: {:?}", sample.wi);
-        assert!(
-            sample.weight.is_finite() && sample.weight.min_element() >= 0.0,
-            "{name}: {}",
-            sample.weight
-        );
-        assert!(sample.pdf.is_finite() && sample.pdf > 0.0, "{name}: {}", sample.pdf);
-        Some(sample)
-    }
 }
 
 /// Models with a density, at least five settings each.
@@ -141,11 +92,6 @@ fn smooth_cases() -> Vec<Single> {
     cases
 }
 
-fn direction(theta_degrees: f32, phi: f32) -> Vec3 {
-    let (sin, cos) = theta_degrees.to_radians().sin_cos();
-    Vec3::new(sin * phi.cos(), sin * phi.sin(), cos)
-}
-
 /// Viewers from overhead to grazing, and from below where that side is not black.
 fn viewers(case: &Single) -> Vec<Vec3> {
     let mut viewers = vec![
@@ -160,24 +106,12 @@ fn viewers(case: &Single) -> Vec<Vec3> {
     viewers
 }
 
-fn mirror(wo: Vec3) -> Vec3 {
-    Vec3::new(-wo.x, -wo.y, wo.z)
-}
-
 #[test]
 fn samples_follow_the_density() {
-    let mut results = Vec::new();
-    for case in smooth_cases() {
-        for wo in viewers(&case) {
-            let p = sphere_p(
-                30_000,
-                mirror(wo),
-                |i| case.sample(wo, i).map(|sample| sample.wi),
-                |wi| case.pdf(wo, wi),
-            );
-            results.push((format!("{} from {wo}", case.name), p));
-        }
-    }
+    let results: Vec<_> = smooth_cases()
+        .iter()
+        .flat_map(|case| density_p_values(case, &viewers(case)))
+        .collect();
     assert_all_plausible(&results);
 }
 
@@ -193,48 +127,14 @@ fn relative_rounding(case: &Single) -> f32 {
 #[test]
 fn weights_are_value_over_density() {
     for case in smooth_cases() {
-        for wo in viewers(&case) {
-            for sample in (0..500).filter_map(|i| case.sample(wo, i)) {
-                let (value, pdf) = (case.eval(wo, sample.wi), case.pdf(wo, sample.wi));
-                let tolerance = relative_rounding(&case);
-                assert!(!sample.is_delta && sample.eta == 1.0);
-                // The fuzzy metal's density ends like a square root: at the rim only the absolute error is small.
-                let rim = 1e-3 * case.pdf(wo, mirror(wo)).min(1e3);
-                assert!(
-                    (pdf - sample.pdf).abs() <= tolerance * pdf + rim * 1e-2,
-                    "{} {wo}: {pdf} {sample:?}",
-                    case.name
-                );
-                let difference = (value - sample.weight * pdf).abs().max_element();
-                assert!(
-                    difference <= tolerance * pdf,
-                    "{} {wo}: {value} {pdf} {sample:?}",
-                    case.name
-                );
-            }
-        }
+        assert_weights(&case, &viewers(&case), relative_rounding(&case));
     }
 }
 
 #[test]
 fn mean_weight_is_the_integral_of_the_value() {
     for case in smooth_cases() {
-        for wo in viewers(&case) {
-            let count = 20_000;
-            let weights: Vec<f64> = (0..count)
-                .map(|i| f64::from(case.sample(wo, i).map_or(0.0, |sample| sample.weight.x)))
-                .collect();
-            let mean = weights.iter().sum::<f64>() / f64::from(count);
-            let variance = weights.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / f64::from(count);
-            let integral = sphere_integral(mirror(wo), |wi| case.eval(wo, wi).x);
-            // Five standard errors: 100 comparisons, a false alarm in a million. Plus that of the quadrature.
-            let tolerance = 5.0 * (variance / f64::from(count)).sqrt() + 5e-4;
-            assert!(
-                (mean - integral).abs() < tolerance,
-                "{} {wo}: {mean}, {integral}",
-                case.name
-            );
-        }
+        assert_mean_weight(&case, &viewers(&case));
     }
 }
 
@@ -288,14 +188,7 @@ fn no_energy_is_made() {
 fn value_is_reciprocal() {
     // Not the fuzzy metal: a process, not a physical reflectance.
     for case in smooth_cases().iter().filter(|case| !case.name.contains("metal")) {
-        for i in 0..500 {
-            let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::ZERO, i, 2);
-            let mut draw = || direction(89.0 * sampler.next_1d(), 6.3 * sampler.next_1d());
-            let (a, b) = (draw(), draw());
-            let (forth, back) = (case.eval(a, b) / b.z, case.eval(b, a) / a.z);
-            let error = (forth - back).abs().max_element();
-            assert!(error <= 1e-4 * forth.max_element(), "{}: {forth} {back}", case.name);
-        }
+        assert_reciprocal(case);
     }
 }
 

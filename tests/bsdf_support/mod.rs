@@ -1,0 +1,136 @@
+//! Checks of the contract of `shading` that every model with a density must pass, shared by the tables of models.
+#![allow(dead_code, reason = "every test binary uses its own part")]
+
+use glam::{UVec2, Vec3};
+use sunroom::color::Rgb;
+use sunroom::sampling::{Sampler, SequenceKind};
+use sunroom::shading::{Bsdf, BsdfId, BsdfSample, BsdfTable};
+
+use crate::statistics::{sphere_integral, sphere_p};
+
+/// One model in a table.
+pub struct Single {
+    pub name: String,
+    pub table: BsdfTable,
+    pub id: BsdfId,
+}
+
+impl Single {
+    pub fn new(name: &str, bsdf: Bsdf) -> Self {
+        Self {
+            name: name.to_owned(),
+            table: BsdfTable::new(vec![bsdf]).expect("nothing two-sided"),
+            id: BsdfId(0),
+        }
+    }
+
+    pub fn two_sided(name: &str, front: Bsdf, back: Bsdf) -> Self {
+        let two_sided = Bsdf::TwoSided {
+            front: BsdfId(0),
+            back: BsdfId(2),
+        };
+        Self {
+            name: name.to_owned(),
+            table: BsdfTable::new(vec![front, two_sided, back]).expect("two one-sided models"),
+            id: BsdfId(1),
+        }
+    }
+
+    pub fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        self.table.eval(self.id, wo, wi)
+    }
+
+    pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.table.pdf(self.id, wo, wi)
+    }
+
+    /// Sample number `index`; also checks what holds of every sample.
+    pub fn sample(&self, wo: Vec3, index: u32) -> Option<BsdfSample> {
+        let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::new(3, 5), index, 8);
+        let sample = self.table.sample(self.id, wo, sampler.next_1d(), sampler.next_2d())?;
+        let name = &self.name;
+        assert!((sample.wi.length() - 1.0).abs() < 1e-5, "{name}: {:?}", sample.wi);
+        assert!(
+            sample.weight.is_finite() && sample.weight.min_element() >= 0.0,
+            "{name}: {}",
+            sample.weight
+        );
+        assert!(sample.pdf.is_finite() && sample.pdf > 0.0, "{name}: {}", sample.pdf);
+        Some(sample)
+    }
+}
+
+pub fn direction(theta_degrees: f32, phi: f32) -> Vec3 {
+    let (sin, cos) = theta_degrees.to_radians().sin_cos();
+    Vec3::new(sin * phi.cos(), sin * phi.sin(), cos)
+}
+
+pub fn mirror(wo: Vec3) -> Vec3 {
+    Vec3::new(-wo.x, -wo.y, wo.z)
+}
+
+/// Samples against the density, for each viewer: named p values.
+pub fn density_p_values(case: &Single, viewers: &[Vec3]) -> Vec<(String, f64)> {
+    let p_value = |&wo: &Vec3| {
+        let sampled = |i| case.sample(wo, i).map(|sample| sample.wi);
+        let p = sphere_p(30_000, mirror(wo), sampled, |wi| case.pdf(wo, wi));
+        (format!("{} from {wo}", case.name), p)
+    };
+    viewers.iter().map(p_value).collect()
+}
+
+/// The density of a sample is that of its direction, and its weight is value over density, to a fraction `tolerance` of the density.
+pub fn assert_weights(case: &Single, viewers: &[Vec3], tolerance: f32) {
+    for &wo in viewers {
+        for sample in (0..500).filter_map(|i| case.sample(wo, i)) {
+            let (value, pdf) = (case.eval(wo, sample.wi), case.pdf(wo, sample.wi));
+            let transmitted = sample.wi.z * wo.z < 0.0;
+            assert!(!sample.is_delta && (transmitted || sample.eta == 1.0));
+            // The fuzzy metal's density ends like a square root: at the rim only the absolute error is small.
+            let rim = 1e-3 * case.pdf(wo, mirror(wo)).min(1e3);
+            assert!(
+                (pdf - sample.pdf).abs() <= tolerance * pdf + rim * 1e-2,
+                "{} {wo}: {pdf} {sample:?}",
+                case.name
+            );
+            let difference = (value - sample.weight * pdf).abs().max_element();
+            assert!(
+                difference <= tolerance * pdf,
+                "{} {wo}: {value} {pdf} {sample:?}",
+                case.name
+            );
+        }
+    }
+}
+
+/// The mean of the weights is the integral of the value.
+pub fn assert_mean_weight(case: &Single, viewers: &[Vec3]) {
+    for &wo in viewers {
+        let count = 20_000;
+        let weights: Vec<f64> = (0..count)
+            .map(|i| f64::from(case.sample(wo, i).map_or(0.0, |sample| sample.weight.x)))
+            .collect();
+        let mean = weights.iter().sum::<f64>() / f64::from(count);
+        let variance = weights.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / f64::from(count);
+        let integral = sphere_integral(mirror(wo), |wi| case.eval(wo, wi).x);
+        // Five standard errors: 100 comparisons, a false alarm in a million. Plus that of the quadrature.
+        let tolerance = 5.0 * (variance / f64::from(count)).sqrt() + 5e-4;
+        assert!(
+            (mean - integral).abs() < tolerance,
+            "{} {wo}: {mean}, {integral}",
+            case.name
+        );
+    }
+}
+
+/// Light reflected from one direction above the surface into another loses as much on the way back.
+pub fn assert_reciprocal(case: &Single) {
+    for i in 0..500 {
+        let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::ZERO, i, 2);
+        let mut draw = || direction(89.0 * sampler.next_1d(), 6.3 * sampler.next_1d());
+        let (a, b) = (draw(), draw());
+        let (forth, back) = (case.eval(a, b) / b.z, case.eval(b, a) / a.z);
+        let error = (forth - back).abs().max_element();
+        assert!(error <= 1e-4 * forth.max_element(), "{}: {forth} {back}", case.name);
+    }
+}
