@@ -12,6 +12,7 @@ use glam::{Affine3A, Quat, Vec2, Vec3};
 use random::Random;
 use sunroom::accel::{Blas, Hit, Instance, Primitive, SplitMethod, SurfacePoint, Tlas};
 use sunroom::geometry::mesh::MeshData;
+use sunroom::geometry::primitives::unit_cube;
 use sunroom::math::{Ray, offset_origin};
 use wavy_sphere::wavy_sphere;
 
@@ -348,6 +349,107 @@ fn texture_coordinates() {
         uv(mesh_primitive(triangle_mesh(vec![], corners)), down(0.25, 0.5)),
         Vec2::new(1.5, 3.0),
     );
+}
+
+#[test]
+fn derivatives_say_how_the_surface_moves_with_uv() {
+    // A ray along the normal, moved by a small step times a derivative, meets the surface where uv has grown by that step.
+    const STEP: f32 = 1e-3;
+    let mut random = Random::new(7);
+    let corners = vec![Vec2::new(1.0, 1.0), Vec2::new(3.0, 1.5), Vec2::new(0.5, 5.0)];
+    let place = Affine3A::from_scale_rotation_translation(
+        Vec3::new(2.0, -0.7, 1.3),
+        Quat::from_rotation_x(0.7),
+        Vec3::new(1.0, 2.0, 0.5),
+    );
+    let even = Affine3A::from_scale_rotation_translation(Vec3::splat(1.5), Quat::from_rotation_y(0.4), Vec3::ONE);
+    let cases = [
+        (Primitive::Rectangle, place),
+        (Primitive::Disk, place),
+        (Primitive::Sphere, even),
+        (mesh_primitive(triangle_mesh(vec![], vec![])), place),
+        (mesh_primitive(triangle_mesh(vec![], corners)), place),
+        (mesh_primitive(unit_cube()), place),
+    ];
+    for (primitive, place) in cases {
+        let tlas = tlas(Instance::new(primitive.clone(), place).unwrap());
+        let mut compared = 0;
+        for _ in 0..4000 {
+            let origin = place.transform_point3(3.0 * random.direction());
+            let ray = Ray::new(origin, place.transform_point3(0.7 * random.in_cube()) - origin);
+            let Some(hit) = tlas.intersect(&ray) else { continue };
+            let point = tlas.surface(&ray, &hit);
+            let normal = point.geometric_normal;
+            // Not where the derivatives are large or vanish, nor across the seam where an angle begins anew.
+            let pole = match primitive {
+                Primitive::Sphere => (point.uv.y - 0.5).abs() > 0.4,
+                Primitive::Disk => point.uv.x < 0.2,
+                _ => false,
+            };
+            for (derivative, growth) in [(point.dp_du, Vec2::X), (point.dp_dv, Vec2::Y)] {
+                assert!(derivative.dot(normal).abs() <= 1e-5 * derivative.length());
+                let beside = Ray::new(point.position + STEP * derivative + normal, -normal);
+                let Some(near) = tlas.intersect(&beside) else { continue };
+                let uv = tlas.surface(&beside, &near).uv;
+                let expected = point.uv + STEP * growth;
+                if near.primitive != hit.primitive || pole || (uv - expected).abs().max_element() > 0.5 {
+                    continue;
+                }
+                // Rounding of uv and positions is some 1e-6 of numbers up to 5; the curvature's share is (2 pi step)^2 / 2 over the radius
+                // (at least 0.2 of it where poles are left out), in turns.
+                let curved = matches!(primitive, Primitive::Sphere | Primitive::Disk);
+                let tolerance = 5e-6
+                    + if curved {
+                        0.5 * (2.0 * PI * STEP).powi(2) / (0.2 * 2.0 * PI)
+                    } else {
+                        0.0
+                    };
+                assert!(
+                    (uv - expected).abs().max_element() < tolerance,
+                    "{primitive:?}: {uv} {expected}"
+                );
+                compared += 1;
+            }
+        }
+        assert!(compared > 500, "{compared}");
+    }
+}
+
+#[test]
+fn shading_frames_follow_the_parametrisation() {
+    let tilted = Vec3::new(0.6, 0.0, 0.8);
+    let ray = Ray::new(Vec3::new(0.25, 0.25, 5.0), Vec3::NEG_Z);
+    // u grows along -y.
+    let turned = vec![Vec2::ZERO, Vec2::Y, Vec2::NEG_X];
+    let mut instance = Instance::new(
+        mesh_primitive(triangle_mesh(vec![tilted; 3], turned)),
+        Affine3A::IDENTITY,
+    )
+    .unwrap();
+    for side in [1.0, -1.0] {
+        instance.flip_normals = side < 0.0;
+        let (_, point) = hit_surface(&tlas(instance.clone()), &ray);
+        let frame = point.shading_frame();
+        assert!((frame.n - side * tilted).length() < 1e-6);
+        assert!((frame.s - Vec3::NEG_Y).length() < 1e-6, "{}", frame.s);
+        assert!((frame.t - frame.n.cross(frame.s)).length() < 1e-6);
+    }
+    // Without direction of u, whatever the reason, any frame that is one.
+    let degenerate = vec![Vec2::ZERO, Vec2::X, 2.0 * Vec2::X];
+    let down = Ray::new(Vec3::new(0.0, 0.0, 5.0), Vec3::NEG_Z);
+    for (primitive, ray) in [
+        (mesh_primitive(triangle_mesh(vec![tilted; 3], degenerate)), ray),
+        (Primitive::Sphere, down),
+        (Primitive::Disk, down),
+    ] {
+        let place = Affine3A::from_rotation_z(0.3);
+        let (_, point) = hit_surface(&tlas(Instance::new(primitive, place).unwrap()), &ray);
+        let frame = point.shading_frame();
+        for (a, b) in [(frame.s, frame.t), (frame.s, frame.n), (frame.t, frame.n)] {
+            assert!(a.dot(b).abs() < 1e-6 && (a.length() - 1.0).abs() < 1e-6);
+        }
+        assert!(point.dp_du.is_finite() && point.dp_dv.is_finite());
+    }
 }
 
 #[test]

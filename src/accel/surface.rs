@@ -9,8 +9,9 @@ use super::blas::Blas;
 use super::instance::{Instance, Primitive};
 use super::tlas::{Hit, Tlas};
 use crate::geometry::local::LocalSurface;
+use crate::geometry::mesh::MeshData;
 use crate::geometry::{disk, rectangle, sphere, triangle};
-use crate::math::{Ray, gamma};
+use crate::math::{Frame, Ray, gamma};
 
 /// Where a ray met a surface, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,9 +24,28 @@ pub struct SurfacePoint {
     /// Unit length; may lie on the other side than the geometric one.
     pub shading_normal: Vec3,
     pub uv: Vec2,
+    /// How `position` moves with u and with v (Mitsuba 3's parametrisation; world lengths). Zero at the poles of spheres (`dp_du`) and the
+    /// centres of disks; any two tangents where a mesh's texture coordinates are degenerate. Normals that are flipped do not change them.
+    pub dp_du: Vec3,
+    pub dp_dv: Vec3,
+}
+
+impl SurfacePoint {
+    /// Around the shading normal with s along `dp_du`, the frame that anisotropic scattering and normal maps refer to.
+    pub fn shading_frame(&self) -> Frame {
+        Frame::from_normal_and_tangent(self.shading_normal, self.dp_du)
+    }
 }
 
 impl Tlas {
+    /// The mesh that was hit, if it was one; `hit.primitive` is the triangle, `hit.u`, `hit.v` the weights of its corners 1 and 2.
+    pub fn mesh_at(&self, hit: &Hit) -> Option<&MeshData> {
+        match &self.instances()[hit.instance as usize].primitive {
+            Primitive::Mesh(blas) => Some(blas.mesh()),
+            _ => None,
+        }
+    }
+
     /// The surface at `hit`, which must be what `ray` met here.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         self.instances()[hit.instance as usize].surface(ray, hit)
@@ -47,12 +67,20 @@ impl Instance {
             _ => geometric,
         };
         let side = if self.flip_normals { -1.0 } else { 1.0 };
+        let (mut dp_du, mut dp_dv) = [local.dp_du, local.dp_dv]
+            .map(|v| self.world_from_local.transform_vector3(v))
+            .into();
+        if local.dp_du == Vec3::ZERO && matches!(self.primitive, Primitive::Mesh(_)) {
+            (dp_du, dp_dv) = geometric.any_orthonormal_pair();
+        }
         SurfacePoint {
             position: self.world_from_local.transform_point3(local.position),
             error: self.world_error(&local),
             geometric_normal: side * geometric,
             shading_normal: side * shading,
             uv: local.uv,
+            dp_du,
+            dp_dv,
         }
     }
 
@@ -100,13 +128,12 @@ impl Instance {
 fn mesh_surface(blas: &Blas, hit: &Hit) -> LocalSurface {
     let mesh = blas.mesh();
     let corners = mesh.corners(hit.primitive as usize);
-    let mut surface = triangle::surface(corners, hit.u, hit.v);
-    let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+    let surface = triangle::surface(corners, hit.u, hit.v);
     let uvs = mesh.triangles[hit.primitive as usize].map(|corner| mesh.uvs.get(corner as usize));
-    if let [Some(a), Some(b), Some(c)] = uvs {
-        surface.uv = weights[0] * *a + weights[1] * *b + weights[2] * *c;
+    match uvs {
+        [Some(&a), Some(&b), Some(&c)] => triangle::with_texture_coordinates(surface, [a, b, c]),
+        _ => surface,
     }
-    surface
 }
 
 fn absolute(matrix: &Mat3A) -> Mat3A {

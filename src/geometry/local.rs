@@ -24,4 +24,7 @@ pub struct LocalSurface {
     pub normal: Vec3,
     /// Mitsuba 3's parametrisation of the shape.
     pub uv: Vec2,
+    /// How `position` moves with u and with v; both zero where the parametrisation is degenerate on a whole triangle.
+    pub dp_du: Vec3,
+    pub dp_dv: Vec3,
 }

@@ -19,5 +19,7 @@ pub fn surface(x: f32, y: f32) -> LocalSurface {
         error: Vec3::ZERO,
         normal: Vec3::Z,
         uv: Vec2::new(0.5 * x + 0.5, 0.5 * y + 0.5),
+        dp_du: 2.0 * Vec3::X,
+        dp_dv: 2.0 * Vec3::Y,
     }
 }

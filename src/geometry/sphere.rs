@@ -34,7 +34,8 @@ pub fn intersect(ray: &Ray) -> Option<LocalHit> {
 
 /// The surface where `ray` meets the sphere at parameter `t`; the normal points outwards and has unit length.
 ///
-/// uv = (phi / 2 pi in [0, 1), theta / pi in [0, 1]) with phi from +x towards +y and theta from +z.
+/// uv = (phi / 2 pi in [0, 1), theta / pi in [0, 1]) with phi from +x towards +y and theta from +z. At the poles, where nothing moves with
+/// u, v grows towards +x.
 pub fn surface(ray: &Ray, t: f32) -> LocalSurface {
     let on_ray = ray.origin.as_dvec3() + f64::from(t) * ray.dir.as_dvec3();
     let position = on_ray.try_normalize().unwrap_or(DVec3::Z).as_vec3();
@@ -43,7 +44,19 @@ pub fn surface(ray: &Ray, t: f32) -> LocalSurface {
         error: gamma(3) * position.abs(),
         normal: position,
         uv: uv(position),
+        dp_du: TAU * Vec3::new(-position.y, position.x, 0.0),
+        dp_dv: PI * down(position),
     }
+}
+
+/// The unit vector along which theta grows.
+fn down(p: Vec3) -> Vec3 {
+    let across = p.truncate().length();
+    if across == 0.0 {
+        return Vec3::X;
+    }
+    let outward = p.truncate() / across;
+    (p.z * outward).extend(-across)
 }
 
 /// The spherical coordinates of a unit vector.

@@ -95,7 +95,8 @@ pub fn is_regular(corners: [Vec3; 3]) -> bool {
     corners.iter().all(|p| p.is_finite()) && normal.is_finite() && normal != Vec3::ZERO
 }
 
-/// The surface at the weights `u`, `v` of corners 1 and 2; `uv` is (u, v), as for a mesh without texture coordinates.
+/// The surface at the weights `u`, `v` of corners 1 and 2; `uv` is (u, v), as for a mesh without texture coordinates
+/// ([`with_texture_coordinates`]).
 pub fn surface(corners: [Vec3; 3], u: f32, v: f32) -> LocalSurface {
     let [a, b, c] = corners;
     let w = 1.0 - u - v;
@@ -116,6 +117,23 @@ pub fn surface(corners: [Vec3; 3], u: f32, v: f32) -> LocalSurface {
         error: interpolation + Vec3::splat(plane.min(MAX_PLANE_ERROR * longest)),
         normal,
         uv: Vec2::new(u, v),
+        dp_du: edge_b,
+        dp_dv: edge_c,
+    }
+}
+
+/// `surface`, which [`surface`] gave, with the parametrisation that takes the values `uvs` at the corners. Where those have no area,
+/// the derivatives are zero.
+pub fn with_texture_coordinates(surface: LocalSurface, uvs: [Vec2; 3]) -> LocalSurface {
+    let (u, v) = (surface.uv.x, surface.uv.y);
+    let (to_b, to_c) = (uvs[1] - uvs[0], uvs[2] - uvs[0]);
+    let determinant = to_b.perp_dot(to_c);
+    let inverse = if determinant == 0.0 { 0.0 } else { determinant.recip() };
+    LocalSurface {
+        uv: (1.0 - u - v) * uvs[0] + u * uvs[1] + v * uvs[2],
+        dp_du: (to_c.y * surface.dp_du - to_b.y * surface.dp_dv) * inverse,
+        dp_dv: (to_b.x * surface.dp_dv - to_c.x * surface.dp_du) * inverse,
+        ..surface
     }
 }
 

@@ -2,6 +2,10 @@
 
 use glam::Vec3;
 
+/// Squared sine of the angle to the normal below which a tangent has no direction of its own: its part across the normal would be mere
+/// rounding (a relative 1e-7) to more than 1e-4.
+const PARALLEL: f32 = 1e-6;
+
 /// A right-handed orthonormal frame whose z axis is `n`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
@@ -15,6 +19,16 @@ impl Frame {
     pub fn from_normal(n: Vec3) -> Self {
         let (s, t) = n.any_orthonormal_pair();
         Self { s, t, n }
+    }
+
+    /// A frame around the unit vector `n` with s as near to `tangent` (of any length) as it can be; [`Self::from_normal`] if that is zero
+    /// or parallel to `n`.
+    pub fn from_normal_and_tangent(n: Vec3, tangent: Vec3) -> Self {
+        let across = tangent - n * n.dot(tangent);
+        match across.try_normalize() {
+            Some(s) if across.length_squared() > PARALLEL * tangent.length_squared() => Self { s, t: n.cross(s), n },
+            _ => Self::from_normal(n),
+        }
     }
 
     /// World to local.

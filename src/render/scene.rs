@@ -2,9 +2,12 @@
 
 use std::sync::Arc;
 
-use crate::accel::{Hit, Primitive, Tlas};
+use glam::Vec3;
+
+use crate::accel::{Hit, Primitive, SurfacePoint, Tlas};
 use crate::light::{LightId, LightTable};
 use crate::shading::{BsdfId, BsdfTable};
+use crate::texture::{MeshPoint, TexturePoint};
 
 /// Everything light transport needs to know of a scene; cloning clones four pointers.
 #[derive(Clone, Debug)]
@@ -31,6 +34,18 @@ pub struct SurfaceTable {
 }
 
 impl RenderScene {
+    /// Where textures are looked up at `hit`, of which `point` is the surface.
+    pub fn texture_point(&self, hit: &Hit, point: &SurfacePoint) -> TexturePoint<'_> {
+        TexturePoint {
+            uv: point.uv,
+            mesh: self.geometry.mesh_at(hit).map(|mesh| MeshPoint {
+                mesh,
+                triangle: hit.primitive,
+                barycentric: Vec3::new(1.0 - hit.u - hit.v, hit.u, hit.v),
+            }),
+        }
+    }
+
     /// The slot a ray has hit.
     pub fn slot(&self, hit: &Hit) -> SurfaceSlot {
         let first = self.surfaces.first_slot[hit.instance as usize];
