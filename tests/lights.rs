@@ -11,7 +11,7 @@ use sunroom::math::Ray;
 use sunroom::render::scene::RenderScene;
 use sunroom::sampling::{Sampler, SequenceKind};
 use sunroom::shading::{Bsdf, Diffuse};
-use support::{SceneBuilder, square_mesh};
+use support::{SceneBuilder, all_around, square_mesh};
 
 fn black() -> Bsdf {
     Bsdf::Diffuse(Diffuse { reflectance: Rgb::ZERO })
@@ -36,17 +36,18 @@ fn pdf(scene: &RenderScene, wi: Vec3) -> f32 {
             .lights
             .infinite()
             .iter()
-            .map(|&id| scene.lights.pdf_of_escape(id, wi))
+            .map(|&id| scene.lights.pdf_of_escape(id, &all_around(Vec3::ZERO), wi))
             .sum();
     };
     let point = scene.geometry.surface(&ray, &hit);
     let on_light = SurfaceHit {
         position: point.position,
         normal: point.geometric_normal,
+        primitive: hit.primitive,
     };
     match scene.lights.emitted(LightId(0), &on_light, -wi) {
         Rgb::ZERO => 0.0,
-        _ => scene.lights.pdf_of_hit(LightId(0), Vec3::ZERO, &on_light),
+        _ => scene.lights.pdf_of_hit(LightId(0), &all_around(Vec3::ZERO), &on_light),
     }
 }
 
@@ -121,7 +122,10 @@ fn sampled_directions_carry_the_density_of_found_ones() {
         let (mut sampled, mut differing) = (0, 0);
         for index in 0..4000 {
             let mut sampler = Sampler::new(SequenceKind::Sobol, glam::UVec2::ZERO, index, 3);
-            let Some(sample) = scene.lights.sample(Vec3::ZERO, sampler.next_1d(), sampler.next_2d()) else {
+            let Some(sample) = scene
+                .lights
+                .sample(&all_around(Vec3::ZERO), sampler.next_1d(), sampler.next_2d())
+            else {
                 continue;
             };
             sampled += 1;
@@ -144,7 +148,9 @@ fn light_samples_follow_their_density() {
             let axis = scene.geometry.bounds().center().try_normalize().unwrap_or(Vec3::Y);
             let sample = |index| {
                 let mut sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::ZERO, index, 5);
-                let sample = scene.lights.sample(Vec3::ZERO, sampler.next_1d(), sampler.next_2d());
+                let sample = scene
+                    .lights
+                    .sample(&all_around(Vec3::ZERO), sampler.next_1d(), sampler.next_2d());
                 sample.map(|sample| sample.wi)
             };
             (
@@ -178,7 +184,10 @@ fn the_choice_between_lights_is_part_of_the_density() {
     let (mut point_pmf, mut total) = (0.0, 0.0f64);
     for index in 0..n {
         let mut sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::ONE, index, 9);
-        let Some(sample) = scene.lights.sample(Vec3::ZERO, sampler.next_1d(), sampler.next_2d()) else {
+        let Some(sample) = scene
+            .lights
+            .sample(&all_around(Vec3::ZERO), sampler.next_1d(), sampler.next_2d())
+        else {
             continue;
         };
         let kind = match (sample.is_delta, sample.target) {
@@ -210,5 +219,8 @@ fn a_table_without_light_gives_none() {
     let mut scene = SceneBuilder::default();
     scene.add(Primitive::Sphere, Affine3A::IDENTITY, black(), Some(Rgb::ZERO));
     let scene = scene.build();
-    assert_eq!(scene.lights.sample(Vec3::Y * 3.0, 0.5, Vec2::splat(0.5)), None);
+    assert_eq!(
+        scene.lights.sample(&all_around(Vec3::Y * 3.0), 0.5, Vec2::splat(0.5)),
+        None
+    );
 }

@@ -21,8 +21,7 @@ use super::pack::surface::{SurfaceSource, pack_surfaces};
 use super::pack::view::pack_view;
 use super::status::BvhStatus;
 use crate::accel::{SplitMethod, Tlas};
-use crate::light::{LightSource, LightTable};
-use crate::math::Aabb;
+use crate::light::{LightSource, LightTable, WeightedSource};
 use crate::render::scene::{RenderScene, SurfaceTable};
 use crate::render::view::View;
 use crate::scene::{
@@ -50,7 +49,7 @@ pub(super) struct Extracted {
     instances: Vec<InstanceRecord>,
     surface_sources: Vec<SurfaceSource>,
     method: SplitMethod,
-    light_sources: Vec<LightSource>,
+    light_sources: Vec<WeightedSource>,
     errors: Errors,
 }
 
@@ -188,7 +187,7 @@ pub(super) fn extract_scene(
     }
     let old = extracted.scene.clone();
     let old_view = extracted.view;
-    let mut moved = Moved::default();
+    let mut moved = Vec::new();
     if dirty.instances {
         let policy = BuildPolicy {
             method: split_method(*authored.method),
@@ -220,16 +219,9 @@ pub(super) fn extract_scene(
     *dirty = Dirty::NOTHING;
 }
 
-/// What new instances mean to tables that were made from the old ones.
-#[derive(Default)]
-struct Moved {
-    /// Instances that are not where and what they were.
-    instances: Vec<bool>,
-    bounds: bool,
-}
-
 impl Extracted {
-    fn update_instances(&mut self, authored: &Authored, cache: &mut BlasCache, policy: &BuildPolicy) -> Moved {
+    /// Tells which instances are not where and what they were.
+    fn update_instances(&mut self, authored: &Authored, cache: &mut BlasCache, policy: &BuildPolicy) -> Vec<bool> {
         let mut shapes: Vec<_> = authored.shapes.iter().collect();
         shapes.sort_by_key(|&(entity, &order, ..)| (order, entity));
         self.errors.instances.clear();
@@ -269,16 +261,11 @@ impl Extracted {
 
         let old = std::mem::replace(&mut self.instances, records);
         let same = |(i, record): (usize, &InstanceRecord)| old.get(i).is_some_and(|old| record.same_geometry(old));
-        let mut moved = Moved {
-            instances: self.instances.iter().enumerate().map(|pair| !same(pair)).collect(),
-            bounds: false,
-        };
-        if moved.instances.contains(&true) || old.len() != self.instances.len() || self.method != policy.method {
-            let before = self.scene.geometry.bounds();
+        let moved: Vec<bool> = self.instances.iter().enumerate().map(|pair| !same(pair)).collect();
+        if moved.contains(&true) || old.len() != self.instances.len() || self.method != policy.method {
             let instances = self.instances.iter().map(|record| record.instance.clone()).collect();
             self.scene.geometry = Arc::new(Tlas::build(instances, policy.method));
             self.method = policy.method;
-            moved.bounds = !same_bounds(&before, &self.scene.geometry.bounds());
             self.update_figures(cache);
         }
         moved
@@ -306,7 +293,7 @@ impl Extracted {
         };
     }
 
-    fn update_surfaces_and_lights(&mut self, authored: &Authored, moved: &Moved) {
+    fn update_surfaces_and_lights(&mut self, authored: &Authored, moved: &[bool]) {
         self.errors.surfaces.clear();
         let model = if authored.integrator.schlick {
             DielectricModel::Schlick
@@ -343,10 +330,9 @@ impl Extracted {
         let mut sources = packed.lights;
         self.errors.emitters.clear();
         authored.pack_emitters(&mut sources, &mut self.errors.emitters);
-        let stale = sources.iter().any(|source| match source {
-            LightSource::Surface { instance, .. } => moved.instances.get(*instance as usize) == Some(&true),
-            LightSource::Directional { .. } | LightSource::Constant { .. } => moved.bounds,
-            LightSource::Point { .. } => false,
+        let stale = sources.iter().any(|weighted| match &weighted.source {
+            LightSource::Surface { instance, .. } => moved.get(*instance as usize) == Some(&true),
+            LightSource::Point { .. } | LightSource::Directional { .. } | LightSource::Constant { .. } => false,
         });
         if stale || self.light_sources != sources {
             self.scene.lights = Arc::new(LightTable::build(&sources, &self.scene.geometry));
@@ -391,13 +377,13 @@ impl Authored<'_, '_> {
         pack_materials(&sources, model, errors)
     }
 
-    fn pack_emitters(&self, lights: &mut Vec<LightSource>, errors: &mut Vec<String>) {
+    fn pack_emitters(&self, lights: &mut Vec<WeightedSource>, errors: &mut Vec<String>) {
         let mut emitters: Vec<_> = self.emitters.iter().collect();
         emitters.sort_by_key(|&(entity, &order, ..)| (order, entity));
         for (_, order, id, emitter, to_world) in emitters {
             let name = name_of("emitter", *order, id);
             let mut check = Checker { name: &name, errors };
-            lights.extend(pack_emitter(emitter, to_world.0, &mut check));
+            lights.extend(pack_emitter(emitter, to_world.0, &mut check).map(WeightedSource::from));
         }
     }
 }
@@ -416,8 +402,4 @@ fn split_method(method: AccelMethod) -> SplitMethod {
         AccelMethod::Median => SplitMethod::Median,
         AccelMethod::Sah => SplitMethod::Sah,
     }
-}
-
-fn same_bounds(a: &Aabb, b: &Aabb) -> bool {
-    a == b || (a.is_empty() && b.is_empty())
 }

@@ -4,12 +4,21 @@
 //! nothing stood between, and its density per solid angle *including the probability of having chosen this light*;
 //! [`LightTable::pdf_of_hit`] and [`LightTable::pdf_of_escape`] give that same density for a direction that was found by other means.
 //! Directions here are in world space.
+//!
+//! Emitters (`finite.rs`, `infinite.rs` and one file per kind) know how to be sampled and how much they send; which of them a sample
+//! goes to is `choice.rs`'s.
 
-mod mesh;
+mod choice;
+mod constant;
+mod directional;
+mod finite;
+mod infinite;
+mod point;
 mod rectangle;
 mod sphere;
 mod surface;
 mod table;
+mod triangle;
 
 use glam::Vec3;
 
@@ -34,6 +43,32 @@ pub enum LightSource {
     Directional { direction: Vec3, irradiance: Rgb },
     /// The same radiance from all directions.
     Constant { radiance: Rgb },
+}
+
+/// A source and how many samples it gets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WeightedSource {
+    pub source: LightSource,
+    /// Factor on the probability of being chosen, not negative. A source of weight 0 is only ever found by other means.
+    pub sampling_weight: f32,
+}
+
+impl From<LightSource> for WeightedSource {
+    fn from(source: LightSource) -> Self {
+        Self {
+            source,
+            sampling_weight: 1.0,
+        }
+    }
+}
+
+/// From where light is looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightReference {
+    pub position: Vec3,
+    /// Unit normal of the half space that holds all directions of use; None where light from all around counts, as on a surface that
+    /// transmits. Lights wholly outside of the half space are not chosen.
+    pub normal: Option<Vec3>,
 }
 
 /// A direction towards a light.

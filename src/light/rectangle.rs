@@ -26,6 +26,10 @@ impl RectangleLight {
         }
     }
 
+    pub fn area(&self) -> f32 {
+        1.0 / self.pdf_area
+    }
+
     /// Uniform in solid angle where the rectangle allows it, else uniform in area.
     pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
         if (reference - self.corner).dot(self.normal) <= 0.0 {

@@ -1,12 +1,15 @@
 //! A surface that emits: dispatch over the shapes, each with its own way of choosing a point or a direction.
 
+use std::f32::consts::PI;
+
 use glam::{Affine3A, Vec2, Vec3};
 
-use super::mesh::MeshLight;
 use super::rectangle::RectangleLight;
 use super::sphere::{EllipsoidLight, SphereLight};
+use super::triangle::TriangleLight;
+use super::{LightSample, Target};
 use crate::accel::{Primitive, Tlas};
-use crate::color::Rgb;
+use crate::color::{Rgb, luminance};
 use crate::math::offset_origin;
 use crate::sampling::warp;
 
@@ -16,6 +19,8 @@ pub struct SurfaceHit {
     pub position: Vec3,
     /// Unit geometric normal.
     pub normal: Vec3,
+    /// The mesh's triangle; zero for other shapes.
+    pub primitive: u32,
 }
 
 /// A point chosen on an emitter, world space.
@@ -30,8 +35,7 @@ pub(super) struct SurfaceSample {
 
 #[derive(Clone, Debug)]
 pub(super) struct SurfaceLight {
-    pub radiance: Rgb,
-    pub area: f32,
+    radiance: Rgb,
     shape: EmitterShape,
     /// Bound on the rounding error of its points.
     error: f32,
@@ -43,7 +47,8 @@ enum EmitterShape {
     Disk(DiskLight),
     Sphere(SphereLight),
     Ellipsoid(EllipsoidLight),
-    Mesh(MeshLight),
+    /// In the order of the mesh.
+    Mesh(Vec<TriangleLight>),
 }
 
 #[derive(Clone, Debug)]
@@ -57,7 +62,7 @@ struct DiskLight {
 const POSITION_ROUNDING: f32 = 16.0 * f32::EPSILON;
 
 impl SurfaceLight {
-    /// None when the surface has no area.
+    /// None if there is no such instance.
     pub fn new(geometry: &Tlas, instance: u32, slot: u32, radiance: Rgb) -> Option<Self> {
         let instance = geometry.instances().get(instance as usize)?;
         let to_world = instance.world_from_local;
@@ -68,51 +73,97 @@ impl SurfaceLight {
             side * Vec3::from(normal).normalize_or_zero()
         };
         let [x, y] = [to_world.matrix3.x_axis, to_world.matrix3.y_axis].map(Vec3::from);
-        let parallelogram = x.cross(y).length();
-        let (shape, area) = match &instance.primitive {
+        let shape = match &instance.primitive {
             Primitive::Rectangle => {
-                let light = RectangleLight::new(
-                    Vec3::from(to_world.translation) - x - y,
-                    2.0 * x,
-                    2.0 * y,
-                    plane_normal(),
-                );
-                (EmitterShape::Rectangle(light), 4.0 * parallelogram)
+                let corner = Vec3::from(to_world.translation) - x - y;
+                EmitterShape::Rectangle(RectangleLight::new(corner, 2.0 * x, 2.0 * y, plane_normal()))
             }
-            Primitive::Disk => {
-                let area = std::f32::consts::PI * parallelogram;
-                let light = DiskLight {
-                    world_from_local: to_world,
-                    normal: plane_normal(),
-                    area,
-                };
-                (EmitterShape::Disk(light), area)
-            }
+            Primitive::Disk => EmitterShape::Disk(DiskLight {
+                world_from_local: to_world,
+                normal: plane_normal(),
+                area: PI * x.cross(y).length(),
+            }),
             Primitive::Sphere => match SphereLight::new(&to_world, side) {
-                Some(light) => (EmitterShape::Sphere(light), light.area()),
-                None => {
-                    let light = EllipsoidLight::new(to_world, instance.local_from_world, side);
-                    (EmitterShape::Ellipsoid(light), light.area())
-                }
+                Some(light) => EmitterShape::Sphere(light),
+                None => EmitterShape::Ellipsoid(EllipsoidLight::new(to_world, instance.local_from_world, side)),
             },
-            Primitive::Mesh(blas) => {
-                let light = MeshLight::new(blas.mesh(), slot, &to_world, side)?;
-                let area = light.area();
-                (EmitterShape::Mesh(light), area)
-            }
+            Primitive::Mesh(blas) => EmitterShape::Mesh(TriangleLight::of_mesh(blas.mesh(), slot, &to_world, side)),
         };
         let bounds = instance.world_bounds();
         let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
-        (area > 0.0 && area.is_finite()).then_some(Self {
+        Some(Self {
             radiance,
-            area,
             shape,
             error: POSITION_ROUNDING * reach,
         })
     }
 
-    /// A point as seen from `reference`; None where no light can come from (the back, the horizon).
-    pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
+    /// A mesh has one per triangle.
+    pub fn parts(&self) -> u32 {
+        match &self.shape {
+            EmitterShape::Mesh(triangles) => triangles.len() as u32,
+            _ => 1,
+        }
+    }
+
+    /// The part that `hit`, a point of this surface, lies on.
+    pub fn part_of(&self, hit: &SurfaceHit) -> Option<u32> {
+        match &self.shape {
+            EmitterShape::Mesh(triangles) => {
+                let found = triangles.binary_search_by_key(&hit.primitive, |triangle| triangle.primitive);
+                found.ok().map(|part| part as u32)
+            }
+            _ => Some(0),
+        }
+    }
+
+    fn area(&self, part: u32) -> f32 {
+        match &self.shape {
+            EmitterShape::Rectangle(light) => light.area(),
+            EmitterShape::Disk(light) => light.area,
+            EmitterShape::Sphere(light) => light.area(),
+            EmitterShape::Ellipsoid(light) => light.area(),
+            EmitterShape::Mesh(triangles) => triangles[part as usize].area(),
+        }
+    }
+
+    /// Radiant flux (luminance, W) of a part.
+    pub fn power(&self, part: u32) -> f32 {
+        PI * self.area(part) * luminance(self.radiance)
+    }
+
+    /// Radiance sent to the front from a point of this surface.
+    pub fn radiance(&self, _hit: &SurfaceHit) -> Rgb {
+        self.radiance
+    }
+
+    /// A direction to a part; None where no light can come from (the back, the horizon).
+    pub fn sample(&self, part: u32, reference: Vec3, u: Vec2) -> Option<LightSample> {
+        let point = self.sample_point(part, reference, u)?;
+        let hit = SurfaceHit {
+            position: point.position,
+            normal: point.normal,
+            primitive: self.primitive(part),
+        };
+        // The shadow ray ends in front of the surface, not on it.
+        let end = offset_origin(point.position, self.error, point.normal, reference - point.position);
+        Some(LightSample {
+            wi: (point.position - reference).try_normalize()?,
+            target: Target::Point(end),
+            radiance: self.radiance(&hit),
+            pdf: point.pdf_solid_angle,
+            is_delta: false,
+        })
+    }
+
+    fn primitive(&self, part: u32) -> u32 {
+        match &self.shape {
+            EmitterShape::Mesh(triangles) => triangles[part as usize].primitive,
+            _ => 0,
+        }
+    }
+
+    fn sample_point(&self, part: u32, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
         match &self.shape {
             EmitterShape::Rectangle(light) => light.sample(reference, u),
             EmitterShape::Disk(light) => {
@@ -122,24 +173,19 @@ impl SurfaceLight {
             }
             EmitterShape::Sphere(light) => light.sample(reference, u),
             EmitterShape::Ellipsoid(light) => light.sample(reference, u),
-            EmitterShape::Mesh(light) => light.sample(reference, u),
+            EmitterShape::Mesh(triangles) => triangles[part as usize].sample(reference, u),
         }
     }
 
-    /// Density per solid angle of [`Self::sample`] at a point of this surface.
-    pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
+    /// Density per solid angle of [`Self::sample`] at a point of the part.
+    pub fn pdf(&self, part: u32, reference: Vec3, hit: &SurfaceHit) -> f32 {
         match &self.shape {
             EmitterShape::Rectangle(light) => light.pdf(reference, hit),
             EmitterShape::Disk(light) => solid_angle_pdf(1.0 / light.area, hit.position, hit.normal, reference),
             EmitterShape::Sphere(light) => light.pdf(reference, hit),
             EmitterShape::Ellipsoid(light) => light.pdf(reference, hit),
-            EmitterShape::Mesh(light) => solid_angle_pdf(1.0 / light.area(), hit.position, hit.normal, reference),
+            EmitterShape::Mesh(triangles) => triangles[part as usize].pdf(reference, hit),
         }
-    }
-
-    /// The end of a shadow ray from `reference` to a sampled point: moved off the surface towards it.
-    pub fn shadow_target(&self, sample: &SurfaceSample, reference: Vec3) -> Vec3 {
-        offset_origin(sample.position, self.error, sample.normal, reference - sample.position)
     }
 }
 

@@ -1,204 +1,180 @@
-//! All lights of a scene, and the choice of one of them for a sample.
-
-use std::f32::consts::FRAC_1_PI;
-use std::f64::consts::PI;
+//! All lights of a scene.
 
 use glam::{Vec2, Vec3};
 
+use super::choice::{Chosen, LightChoice};
+use super::constant::ConstantLight;
+use super::directional::DirectionalLight;
+use super::finite::FiniteLight;
+use super::infinite::InfiniteLight;
+use super::point::PointLight;
 use super::surface::SurfaceLight;
-use super::{LightId, LightSample, LightSource, SurfaceHit, Target};
+use super::{LightId, LightReference, LightSample, LightSource, SurfaceHit, WeightedSource};
 use crate::accel::Tlas;
-use crate::color::{Rgb, luminance};
-use crate::sampling::{DiscreteDistribution, warp};
+use crate::color::Rgb;
 
-#[derive(Clone, Debug)]
-enum Light {
-    Surface(SurfaceLight),
-    Point {
-        position: Vec3,
-        intensity: Rgb,
-    },
-    Directional {
-        direction: Vec3,
-        irradiance: Rgb,
-    },
-    Constant {
-        radiance: Rgb,
-    },
-    /// A source without area or power; kept so that ids stay those of the sources.
-    Dark,
+/// Where the light of a source is.
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    /// Index into the finite lights.
+    Finite(u32),
+    /// Index into the infinite lights.
+    Infinite(u32),
+    /// A source without area.
+    Nowhere,
 }
 
-/// The lights in the order of their sources, chosen in proportion to power with a floor.
+/// A finite light and where its parts are in the list of parts.
+#[derive(Clone, Debug)]
+struct Finite {
+    light: FiniteLight,
+    first_part: u32,
+}
+
+/// The lights in the order of their sources.
 #[derive(Clone, Debug, Default)]
 pub struct LightTable {
-    lights: Vec<Light>,
-    choice: Option<DiscreteDistribution>,
+    /// By [`LightId`].
+    places: Vec<Place>,
+    finite: Vec<Finite>,
+    infinite: Vec<InfiniteLight>,
+    /// Per part of any finite light, which light it belongs to.
+    light_of_part: Vec<u32>,
+    choice: LightChoice,
     /// Lights that are seen where a ray meets nothing.
-    infinite: Vec<LightId>,
+    seen_at_infinity: Vec<LightId>,
 }
 
-/// Share of the choice that is spread evenly, so that a weak light next to the reference point is not forgotten.
-const EVEN_SHARE: f32 = 0.2;
-
 impl LightTable {
-    pub fn build(sources: &[LightSource], geometry: &Tlas) -> Self {
-        let bounds = geometry.bounds();
-        // Radiant flux through the scene's bounding sphere, for lights at infinity.
-        let radius = 0.5 * bounds.extent().as_dvec3().length();
-        let disk = PI * (radius * radius).max(f64::MIN_POSITIVE);
-        let mut infinite = Vec::new();
-        let mut powers = Vec::with_capacity(sources.len());
-        let lights = sources
-            .iter()
-            .enumerate()
-            .map(|(id, source)| {
-                let (light, power) = match *source {
-                    LightSource::Surface {
-                        instance,
-                        slot,
-                        radiance,
-                    } => match SurfaceLight::new(geometry, instance, slot, radiance) {
-                        Some(light) => {
-                            let power = PI * f64::from(light.area) * f64::from(luminance(radiance));
-                            (Light::Surface(light), power)
-                        }
-                        None => (Light::Dark, 0.0),
-                    },
-                    LightSource::Point { position, intensity } => (
-                        Light::Point { position, intensity },
-                        4.0 * PI * f64::from(luminance(intensity)),
-                    ),
-                    LightSource::Directional { direction, irradiance } => (
-                        Light::Directional { direction, irradiance },
-                        disk * f64::from(luminance(irradiance)),
-                    ),
-                    LightSource::Constant { radiance } => {
-                        infinite.push(LightId(id as u32));
-                        (
-                            Light::Constant { radiance },
-                            4.0 * PI * disk * f64::from(luminance(radiance)),
-                        )
+    pub fn build(sources: &[WeightedSource], geometry: &Tlas) -> Self {
+        let mut table = Self::default();
+        let (mut part_weights, mut infinite_weights) = (Vec::new(), Vec::new());
+        for (id, weighted) in sources.iter().enumerate() {
+            let place = match Self::light(&weighted.source, geometry) {
+                None => Place::Nowhere,
+                Some(Light::Finite(light)) => {
+                    let first_part = table.light_of_part.len() as u32;
+                    let index = table.finite.len() as u32;
+                    for part in 0..light.parts() {
+                        table.light_of_part.push(index);
+                        part_weights.push(weighted.sampling_weight * light.power(part));
                     }
-                };
-                powers.push(power);
-                light
-            })
-            .collect();
-        Self {
-            lights,
-            choice: choice_by_power(&powers),
-            infinite,
+                    table.finite.push(Finite { light, first_part });
+                    Place::Finite(index)
+                }
+                Some(Light::Infinite(light)) => {
+                    if light.is_seen() {
+                        table.seen_at_infinity.push(LightId(id as u32));
+                    }
+                    infinite_weights.push(weighted.sampling_weight * light.irradiance());
+                    table.infinite.push(light);
+                    Place::Infinite(table.infinite.len() as u32 - 1)
+                }
+            };
+            table.places.push(place);
         }
+        table.choice = LightChoice::new(&part_weights, &infinite_weights);
+        table
+    }
+
+    /// None for a surface without area.
+    fn light(source: &LightSource, geometry: &Tlas) -> Option<Light> {
+        Some(match *source {
+            LightSource::Surface {
+                instance,
+                slot,
+                radiance,
+            } => Light::Finite(FiniteLight::Surface(SurfaceLight::new(
+                geometry, instance, slot, radiance,
+            )?)),
+            LightSource::Point { position, intensity } => {
+                Light::Finite(FiniteLight::Point(PointLight { position, intensity }))
+            }
+            LightSource::Directional { direction, irradiance } => {
+                Light::Infinite(InfiniteLight::Directional(DirectionalLight { direction, irradiance }))
+            }
+            LightSource::Constant { radiance } => Light::Infinite(InfiniteLight::Constant(ConstantLight { radiance })),
+        })
     }
 
     pub fn len(&self) -> usize {
-        self.lights.len()
+        self.places.len()
     }
 
     pub fn is_empty(&self) -> bool {
-        self.lights.is_empty()
+        self.places.is_empty()
     }
 
     /// Chooses a light by `u_choice`, then a direction to it by `u`. None where the chosen light sends nothing to `reference`.
-    pub fn sample(&self, reference: Vec3, u_choice: f32, u: Vec2) -> Option<LightSample> {
-        let chosen = self.choice.as_ref()?.sample(u_choice);
-        let (light, pmf) = (&self.lights[chosen.index as usize], chosen.pmf);
-        match light {
-            Light::Surface(surface) => {
-                let point = surface.sample(reference, u)?;
-                let wi = (point.position - reference).try_normalize()?;
-                Some(LightSample {
-                    wi,
-                    target: Target::Point(surface.shadow_target(&point, reference)),
-                    radiance: surface.radiance,
-                    pdf: pmf * point.pdf_solid_angle,
-                    is_delta: false,
-                })
+    pub fn sample(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<LightSample> {
+        let (chosen, pmf) = self.choice.sample(reference, u_choice)?;
+        let sample = match chosen {
+            Chosen::Part(part) => {
+                let finite = &self.finite[self.light_of_part[part as usize] as usize];
+                finite.light.sample(part - finite.first_part, reference, u)?
             }
-            Light::Point { position, intensity } => {
-                let to_light = position - reference;
-                Some(LightSample {
-                    wi: to_light.try_normalize()?,
-                    target: Target::Point(*position),
-                    radiance: intensity / to_light.length_squared(),
-                    pdf: pmf,
-                    is_delta: true,
-                })
-            }
-            Light::Directional { direction, irradiance } => Some(LightSample {
-                wi: -direction,
-                target: Target::Infinity,
-                radiance: *irradiance,
-                pdf: pmf,
-                is_delta: true,
-            }),
-            Light::Constant { radiance } => Some(LightSample {
-                wi: warp::uniform_sphere(u),
-                target: Target::Infinity,
-                radiance: *radiance,
-                pdf: pmf * UNIFORM_DIRECTION_PDF,
-                is_delta: false,
-            }),
-            Light::Dark => None,
-        }
+            Chosen::Infinite(index) => self.infinite[index as usize].sample(u),
+        };
+        Some(LightSample {
+            pdf: pmf * sample.pdf,
+            ..sample
+        })
     }
 
     /// Radiance that light `id` sends along the unit vector `wo` from a point of its surface.
     pub fn emitted(&self, id: LightId, hit: &SurfaceHit, wo: Vec3) -> Rgb {
-        match &self.lights[id.0 as usize] {
-            Light::Surface(surface) if wo.dot(hit.normal) > 0.0 => surface.radiance,
-            _ => Rgb::ZERO,
-        }
+        self.finite(id)
+            .map_or(Rgb::ZERO, |finite| finite.light.emitted(hit, wo))
     }
 
     /// The density with which [`Self::sample`] gives the direction from `reference` to this point of light `id`.
-    pub fn pdf_of_hit(&self, id: LightId, reference: Vec3, hit: &SurfaceHit) -> f32 {
-        match &self.lights[id.0 as usize] {
-            Light::Surface(surface) => self.pmf(id) * surface.pdf(reference, hit),
-            _ => 0.0,
+    pub fn pdf_of_hit(&self, id: LightId, reference: &LightReference, hit: &SurfaceHit) -> f32 {
+        let Some(finite) = self.finite(id) else {
+            return 0.0;
+        };
+        let Some(part) = finite.light.part_of(hit) else {
+            return 0.0;
+        };
+        match self.choice.pmf(reference, Chosen::Part(finite.first_part + part)) {
+            0.0 => 0.0,
+            pmf => pmf * finite.light.pdf(part, reference, hit),
         }
     }
 
     /// The lights a ray meets that leaves the scene.
     pub fn infinite(&self) -> &[LightId] {
-        &self.infinite
+        &self.seen_at_infinity
     }
 
-    /// Radiance of infinite light `id` arriving against the direction `_wi`.
-    pub fn radiance_from(&self, id: LightId, _wi: Vec3) -> Rgb {
-        match self.lights[id.0 as usize] {
-            Light::Constant { radiance } => radiance,
-            _ => Rgb::ZERO,
+    /// Radiance of infinite light `id` arriving against the direction `wi`.
+    pub fn radiance_from(&self, id: LightId, wi: Vec3) -> Rgb {
+        self.at_infinity(id).map_or(Rgb::ZERO, |(_, light)| light.radiance(wi))
+    }
+
+    /// The density with which [`Self::sample`] gives the direction `wi` to infinite light `id`.
+    pub fn pdf_of_escape(&self, id: LightId, reference: &LightReference, wi: Vec3) -> f32 {
+        self.at_infinity(id).map_or(0.0, |(index, light)| {
+            self.choice.pmf(reference, Chosen::Infinite(index)) * light.pdf(wi)
+        })
+    }
+
+    fn finite(&self, id: LightId) -> Option<&Finite> {
+        match self.places[id.0 as usize] {
+            Place::Finite(index) => Some(&self.finite[index as usize]),
+            Place::Infinite(_) | Place::Nowhere => None,
         }
     }
 
-    /// The density with which [`Self::sample`] gives the direction `_wi` to infinite light `id`.
-    pub fn pdf_of_escape(&self, id: LightId, _wi: Vec3) -> f32 {
-        match self.lights[id.0 as usize] {
-            Light::Constant { .. } => self.pmf(id) * UNIFORM_DIRECTION_PDF,
-            _ => 0.0,
+    fn at_infinity(&self, id: LightId) -> Option<(u32, &InfiniteLight)> {
+        match self.places[id.0 as usize] {
+            Place::Infinite(index) => Some((index, &self.infinite[index as usize])),
+            Place::Finite(_) | Place::Nowhere => None,
         }
-    }
-
-    fn pmf(&self, id: LightId) -> f32 {
-        self.choice.as_ref().map_or(0.0, |choice| choice.pmf(id.0))
     }
 }
 
-const UNIFORM_DIRECTION_PDF: f32 = 0.25 * FRAC_1_PI;
-
-/// None when nothing shines.
-fn choice_by_power(powers: &[f64]) -> Option<DiscreteDistribution> {
-    let usable = |power: f64| if power.is_finite() { power.max(0.0) } else { 0.0 };
-    let total: f64 = powers.iter().map(|&power| usable(power)).sum();
-    let shining = powers.iter().filter(|&&power| usable(power) > 0.0).count() as f32;
-    let weights: Vec<f32> = powers
-        .iter()
-        .map(|&power| match usable(power) {
-            0.0 => 0.0,
-            power => EVEN_SHARE / shining + (1.0 - EVEN_SHARE) * (power / total) as f32,
-        })
-        .collect();
-    DiscreteDistribution::new(&weights)
+/// A light made from its source.
+enum Light {
+    Finite(FiniteLight),
+    Infinite(InfiniteLight),
 }

@@ -6,7 +6,7 @@ use glam::Vec3;
 use super::scene::RenderScene;
 use super::view::{PathSettings, Strategy};
 use crate::color::Rgb;
-use crate::light::{LightId, LightSample, SurfaceHit, Target};
+use crate::light::{LightId, LightReference, LightSample, SurfaceHit, Target};
 use crate::math::{Frame, Ray, offset_origin};
 use crate::sampling::{Sampler, power_heuristic};
 
@@ -36,7 +36,7 @@ enum Arrival {
     /// From the camera or a specular bounce: no other technique could have found the emitter.
     Only,
     /// By a bsdf with this density per solid angle, leaving `from`.
-    Sampled { pdf: f32, from: Vec3 },
+    Sampled { pdf: f32, from: LightReference },
 }
 
 /// One sample of the radiance arriving along `-ray.dir` at the ray's origin.
@@ -72,13 +72,14 @@ pub fn trace_path(scene: &RenderScene, settings: &PathSettings, mut ray: Ray, sa
             let on_light = SurfaceHit {
                 position: point.position,
                 normal: point.geometric_normal,
+                primitive: hit.primitive,
             };
             let emitted = scene.lights.emitted(light, &on_light, -ray.dir);
             if emitted != Rgb::ZERO {
                 let weight = match arrival {
                     Arrival::Only => 1.0,
                     Arrival::Sampled { pdf, from } => bsdf_weight(settings.strategy, pdf, || {
-                        scene.lights.pdf_of_hit(light, from, &on_light)
+                        scene.lights.pdf_of_hit(light, &from, &on_light)
                     }),
                 };
                 result.radiance += throughput * emitted * weight;
@@ -105,10 +106,14 @@ pub fn trace_path(scene: &RenderScene, settings: &PathSettings, mut ray: Ray, sa
         let (u_light, u_light_point) = (sampler.next_1d(), sampler.next_2d());
         let (u_lobe, u_bsdf) = (sampler.next_1d(), sampler.next_2d());
 
+        let reference = LightReference {
+            position: point.position,
+            normal: None,
+        };
         let frame = Frame::from_normal(point.shading_normal);
         let wo = frame.to_local(-ray.dir);
 
-        if smooth && let Some(light) = scene.lights.sample(point.position, u_light, u_light_point) {
+        if smooth && let Some(light) = scene.lights.sample(&reference, u_light, u_light_point) {
             let wi = frame.to_local(light.wi);
             let pdf = scene.bsdfs.pdf(slot.bsdf, wo, wi);
             if let Some(weight) = light_weight(settings.strategy, &light, pdf) {
@@ -141,7 +146,7 @@ pub fn trace_path(scene: &RenderScene, settings: &PathSettings, mut ray: Ray, sa
         } else {
             Arrival::Sampled {
                 pdf: sample.pdf,
-                from: point.position,
+                from: reference,
             }
         };
         let dir = frame.to_world(sample.wi);
@@ -184,8 +189,8 @@ fn escaped_radiance(scene: &RenderScene, settings: &PathSettings, arrival: Arriv
     let weighted = |&light: &LightId| {
         let weight = match arrival {
             Arrival::Only => 1.0,
-            Arrival::Sampled { pdf, .. } => {
-                bsdf_weight(settings.strategy, pdf, || scene.lights.pdf_of_escape(light, wi))
+            Arrival::Sampled { pdf, from } => {
+                bsdf_weight(settings.strategy, pdf, || scene.lights.pdf_of_escape(light, &from, wi))
             }
         };
         scene.lights.radiance_from(light, wi) * weight

@@ -8,7 +8,7 @@ use glam::{Affine3A, Vec3};
 use sunroom::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
 use sunroom::color::{Rgb, luminance};
 use sunroom::geometry::mesh::MeshData;
-use sunroom::light::{LightId, LightSource, LightTable};
+use sunroom::light::{LightId, LightReference, LightSource, LightTable, WeightedSource};
 use sunroom::render::camera::Camera;
 use sunroom::render::film::Film;
 use sunroom::render::filter::PixelFilter;
@@ -24,7 +24,7 @@ pub struct SceneBuilder {
     instances: Vec<Instance>,
     bsdfs: Vec<Bsdf>,
     slots: Vec<SurfaceSlot>,
-    lights: Vec<LightSource>,
+    lights: Vec<WeightedSource>,
 }
 
 impl SceneBuilder {
@@ -39,11 +39,12 @@ impl SceneBuilder {
         self.instances
             .push(Instance::new(primitive, to_world).expect("an invertible transform"));
         let light = radiance.map(|radiance| {
-            self.lights.push(LightSource::Surface {
+            let source = LightSource::Surface {
                 instance,
                 slot: 0,
                 radiance,
-            });
+            };
+            self.lights.push(source.into());
             LightId(self.lights.len() as u32 - 1)
         });
         self.slots.push(SurfaceSlot {
@@ -55,7 +56,7 @@ impl SceneBuilder {
     }
 
     pub fn light(&mut self, source: LightSource) -> &mut Self {
-        self.lights.push(source);
+        self.lights.push(source.into());
         self
     }
 
@@ -71,6 +72,11 @@ impl SceneBuilder {
             geometry,
         }
     }
+}
+
+/// A point that takes light from all around.
+pub fn all_around(position: Vec3) -> LightReference {
+    LightReference { position, normal: None }
 }
 
 /// The square [-1, 1]^2 as two triangles.

@@ -13,7 +13,7 @@ use super::{BRIGHTEST, light::emission};
 use crate::accel::Primitive;
 use crate::color::Rgb;
 use crate::geometry::mesh::MeshData;
-use crate::light::{LightId, LightSource};
+use crate::light::{LightId, LightSource, WeightedSource};
 use crate::render::scene::{SurfaceSlot, SurfaceTable};
 use crate::shading::{Bsdf, BsdfId, DielectricModel};
 
@@ -34,7 +34,7 @@ pub(in crate::engine) struct PackedSurfaces {
     /// The scene's materials, then those of mesh files in use.
     pub bsdfs: Vec<Bsdf>,
     /// Light sources, their ids as in `table`.
-    pub lights: Vec<LightSource>,
+    pub lights: Vec<WeightedSource>,
 }
 
 /// `sources` runs parallel to `instances`.
@@ -87,11 +87,12 @@ pub(in crate::engine) fn pack_surfaces(
                 in_file().map_or(Rgb::ZERO, |mtl| mtl.ke.max(Rgb::ZERO).min(Rgb::splat(BRIGHTEST)))
             });
             let light = (radiance.is_finite() && radiance != Rgb::ZERO).then(|| {
-                packed.lights.push(LightSource::Surface {
+                let source = LightSource::Surface {
                     instance: index as u32,
                     slot,
                     radiance,
-                });
+                };
+                packed.lights.push(source.into());
                 LightId(packed.lights.len() as u32 - 1)
             });
             packed.table.slots.push(SurfaceSlot { bsdf, light });

@@ -1,0 +1,68 @@
+//! Emitters that have a place: dispatch over their kinds.
+//!
+//! An emitter has one part or more (a mesh has one per triangle), each of which is chosen by itself. Densities are given the part; the
+//! probability of the part is the table's.
+
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+
+use super::point::PointLight;
+use super::surface::{SurfaceHit, SurfaceLight};
+use super::{LightReference, LightSample};
+use crate::color::{Rgb, luminance};
+
+#[derive(Clone, Debug)]
+pub(super) enum FiniteLight {
+    Surface(SurfaceLight),
+    Point(PointLight),
+}
+
+impl FiniteLight {
+    pub fn parts(&self) -> u32 {
+        match self {
+            Self::Surface(light) => light.parts(),
+            Self::Point(_) => 1,
+        }
+    }
+
+    /// The part that `hit` lies on; None for emitters that cannot be hit.
+    pub fn part_of(&self, hit: &SurfaceHit) -> Option<u32> {
+        match self {
+            Self::Surface(light) => light.part_of(hit),
+            Self::Point(_) => None,
+        }
+    }
+
+    /// Radiant flux (luminance, W) of a part.
+    pub fn power(&self, part: u32) -> f32 {
+        match self {
+            Self::Surface(light) => light.power(part),
+            Self::Point(light) => 4.0 * PI * luminance(light.intensity),
+        }
+    }
+
+    /// A direction towards a part; None where it sends nothing to `reference`.
+    pub fn sample(&self, part: u32, reference: &LightReference, u: Vec2) -> Option<LightSample> {
+        match self {
+            Self::Surface(light) => light.sample(part, reference.position, u),
+            Self::Point(light) => light.sample(reference.position),
+        }
+    }
+
+    /// Density per solid angle with which [`Self::sample`] finds a point of the part.
+    pub fn pdf(&self, part: u32, reference: &LightReference, hit: &SurfaceHit) -> f32 {
+        match self {
+            Self::Surface(light) => light.pdf(part, reference.position, hit),
+            Self::Point(_) => 0.0,
+        }
+    }
+
+    /// Radiance sent along the unit vector `wo` from a point of its surface.
+    pub fn emitted(&self, hit: &SurfaceHit, wo: Vec3) -> Rgb {
+        match self {
+            Self::Surface(light) if wo.dot(hit.normal) > 0.0 => light.radiance(hit),
+            _ => Rgb::ZERO,
+        }
+    }
+}
