@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
-use sunroom::render::image_io::{ImageRgb, read_image};
+use sunroom::render::image_io::ImageRgb;
+use sunroom::texture::load_image;
 use tempfile::TempDir;
 
 /// A floor under a square lamp, 40 x 30 pixels.
@@ -74,7 +75,12 @@ fn assert_code(output: &Output, code: i32) {
 }
 
 fn image(path: &Path) -> ImageRgb {
-    read_image(path).expect("the image can be read")
+    let bytes = std::fs::read(path).expect("the image is there");
+    let image = load_image(&bytes).expect("the image can be read");
+    let (width, height) = (image.width(), image.height());
+    let row = |y| (0..width).map(move |x| (x, y));
+    let pixels = (0..height).flat_map(row).map(|(x, y)| image.pixel(x, y)).collect();
+    ImageRgb { width, height, pixels }
 }
 
 #[test]

@@ -4,6 +4,10 @@
 //! or name a texture of the scene's [`TextureTable`]; light transport sees numbers only.
 
 mod checkerboard;
+mod exr_file;
+mod image;
+mod image_file;
+mod pfm_file;
 
 use glam::{Vec2, Vec3};
 
@@ -11,6 +15,8 @@ use crate::color::{Rgb, luminance};
 use crate::geometry::mesh::MeshData;
 
 pub use checkerboard::Checkerboard;
+pub use image::{Image, Samples, Transfer};
+pub use image_file::{ImageFileError, load_image};
 
 /// An index into a [`TextureTable`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

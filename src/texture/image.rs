@@ -1,0 +1,178 @@
+//! A picture in memory, as compact as its file has it: 8-bit samples stay 8-bit and are decoded at each look.
+//!
+//! Rows go from the top down. Alpha is not kept: no texture of the format shows it.
+
+use std::sync::{LazyLock, OnceLock};
+
+use exr::prelude::f16;
+use glam::DVec3;
+
+use crate::color::{Rgb, linear_from_srgb};
+
+/// Samples row by row from the top left, the channels of a pixel side by side. Integers stand for [0, 1].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Samples {
+    U8(Vec<u8>),
+    U16(Vec<u16>),
+    F16(Vec<f16>),
+    F32(Vec<f32>),
+}
+
+impl Samples {
+    fn len(&self) -> usize {
+        match self {
+            Self::U8(samples) => samples.len(),
+            Self::U16(samples) => samples.len(),
+            Self::F16(samples) => samples.len(),
+            Self::F32(samples) => samples.len(),
+        }
+    }
+}
+
+/// How the samples stand for light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Transfer {
+    Linear,
+    /// Only integers are ever stored so.
+    Srgb,
+}
+
+/// A picture of one channel (grey) or three (Rec. 709), at least one pixel large.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    width: u32,
+    height: u32,
+    channels: usize,
+    samples: Samples,
+    transfer: Transfer,
+    /// Of the linear and of the raw values, once asked for.
+    means: [OnceLock<Rgb>; 2],
+}
+
+impl Image {
+    /// `None` unless there are 1 or 3 channels and as many samples as the size wants, and some.
+    pub fn new(width: u32, height: u32, channels: usize, samples: Samples, transfer: Transfer) -> Option<Self> {
+        let wanted = (width as usize).checked_mul(height as usize)?.checked_mul(channels)?;
+        let is_whole = matches!(channels, 1 | 3) && wanted > 0 && wanted == samples.len();
+        is_whole.then_some(Self {
+            width,
+            height,
+            channels,
+            samples,
+            transfer,
+            means: Default::default(),
+        })
+    }
+
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// 1 or 3.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Linear colour of the pixel in column `x` from the left and row `y` from the top, both within the picture.
+    pub fn pixel(&self, x: u32, y: u32) -> Rgb {
+        self.texel(x, y, false)
+    }
+
+    /// As [`Self::pixel`]; `raw` leaves out the decoding to linear.
+    pub(super) fn texel(&self, x: u32, y: u32, raw: bool) -> Rgb {
+        let first = (y as usize * self.width as usize + x as usize) * self.channels;
+        let color = |value: &dyn Fn(usize) -> f32| match self.channels {
+            1 => Rgb::splat(value(first)),
+            _ => Rgb::new(value(first), value(first + 1), value(first + 2)),
+        };
+        let decoded = self.transfer == Transfer::Srgb && !raw;
+        match &self.samples {
+            Samples::U8(samples) if decoded => color(&|i| LINEAR_FROM_8_BITS[usize::from(samples[i])]),
+            Samples::U8(samples) => color(&|i| f32::from(samples[i]) / 255.0),
+            Samples::U16(samples) if decoded => color(&|i| LINEAR_FROM_16_BITS[usize::from(samples[i])]),
+            Samples::U16(samples) => color(&|i| f32::from(samples[i]) / 65_535.0),
+            Samples::F16(samples) => color(&|i| samples[i].to_f32()),
+            Samples::F32(samples) => color(&|i| samples[i]),
+        }
+    }
+
+    /// Average colour over all pixels; computed at the first call.
+    pub fn mean(&self, raw: bool) -> Rgb {
+        *self.means[usize::from(raw)].get_or_init(|| {
+            let row = |y| (0..self.width).map(move |x| self.texel(x, y, raw).as_dvec3());
+            let sum: DVec3 = (0..self.height).flat_map(row).sum();
+            (sum / (f64::from(self.width) * f64::from(self.height))).as_vec3()
+        })
+    }
+
+    /// Memory held by the samples, in bytes.
+    pub fn heap_bytes(&self) -> usize {
+        match &self.samples {
+            Samples::U8(samples) => samples.capacity(),
+            Samples::U16(samples) => 2 * samples.capacity(),
+            Samples::F16(samples) => 2 * samples.capacity(),
+            Samples::F32(samples) => 4 * samples.capacity(),
+        }
+    }
+}
+
+/// One linear value per code.
+fn decoding_table(codes: u32) -> Box<[f32]> {
+    let last = (codes - 1) as f32;
+    (0..codes).map(|code| linear_from_srgb(code as f32 / last)).collect()
+}
+
+static LINEAR_FROM_8_BITS: LazyLock<Box<[f32]>> = LazyLock::new(|| decoding_table(1 << 8));
+static LINEAR_FROM_16_BITS: LazyLock<Box<[f32]>> = LazyLock::new(|| decoding_table(1 << 16));
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_must_fit() {
+        let image = |width, height, channels, samples| {
+            Image::new(width, height, channels, Samples::U8(vec![7; samples]), Transfer::Linear)
+        };
+        assert!(image(2, 3, 1, 6).is_some());
+        assert!(image(2, 3, 3, 18).is_some());
+        assert!(image(2, 3, 2, 12).is_none());
+        assert!(image(2, 3, 1, 5).is_none());
+        assert!(image(0, 3, 1, 0).is_none());
+        assert!(image(u32::MAX, u32::MAX, 3, 5).is_none());
+    }
+
+    #[test]
+    fn samples_become_light() {
+        // IEC 61966-2-1: 188/255 is 0.5029 linear; 10/255 lies on the straight piece.
+        let eight = Image::new(2, 1, 1, Samples::U8(vec![188, 10]), Transfer::Srgb).unwrap();
+        assert!((eight.pixel(0, 0) - 0.502_886).abs().max_element() < 1e-5);
+        assert!((eight.pixel(1, 0) - 10.0 / 255.0 / 12.92).abs().max_element() < 1e-7);
+        assert_eq!(eight.texel(0, 0, true), Rgb::splat(188.0 / 255.0));
+
+        let sixteen = Image::new(1, 1, 3, Samples::U16(vec![0, 257 * 188, 65_535]), Transfer::Srgb).unwrap();
+        let expected = Rgb::new(0.0, 0.502_886, 1.0);
+        assert!((sixteen.pixel(0, 0) - expected).abs().max_element() < 1e-5);
+
+        let half = Image::new(1, 1, 1, Samples::F16(vec![f16::from_f32(65_504.0)]), Transfer::Linear);
+        assert_eq!(half.unwrap().pixel(0, 0), Rgb::splat(65_504.0));
+    }
+
+    #[test]
+    fn means_are_of_what_is_seen() {
+        let image = Image::new(2, 1, 3, Samples::U8(vec![0, 255, 10, 255, 255, 10]), Transfer::Srgb).unwrap();
+        let dark = 10.0 / 255.0;
+        assert!(
+            (image.mean(false) - Rgb::new(0.5, 1.0, dark / 12.92))
+                .abs()
+                .max_element()
+                < 1e-6
+        );
+        assert!((image.mean(true) - Rgb::new(0.5, 1.0, dark)).abs().max_element() < 1e-6);
+        assert_eq!(image.heap_bytes(), 6);
+    }
+}

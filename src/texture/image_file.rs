@@ -1,0 +1,136 @@
+//! Bytes of a file -> [`Image`]: PNG, JPEG, BMP, TGA, PPM and PGM (encoded for displays), EXR, Radiance HDR and PFM (linear). The
+//! content decides which it is, never the name.
+//!
+//! What a header promises is weighed against the length of the file before memory is taken for it.
+
+use std::io::Cursor;
+
+use ::image::codecs::hdr::HdrDecoder;
+use ::image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use thiserror::Error;
+
+use super::image::{Image, Samples, Transfer};
+use super::{exr_file, pfm_file};
+
+/// Why bytes are no picture. The file's name is the caller's to add.
+#[derive(Debug, Error)]
+pub enum ImageFileError {
+    #[error("not a picture in a known format: PNG, JPEG, BMP, TGA, PPM, EXR, HDR or PFM")]
+    UnknownFormat,
+    #[error("pictures in the format {0} are not read; save it as PNG, JPEG, HDR or EXR")]
+    UnsupportedFormat(String),
+    #[error("a picture of {width} x {height} pixels is promised, which is more than a file of {bytes} bytes can hold")]
+    TooLarge { width: u64, height: u64, bytes: usize },
+    #[error("the picture has no pixels")]
+    Empty,
+    #[error("the picture is damaged: {0}")]
+    Damaged(String),
+    #[error("the EXR picture has no channels R, G, B, nor Y, and more than one: {0}")]
+    Channels(String),
+    #[error("{0}; save the EXR picture with ZIP compression and full resolution, without depth samples")]
+    UnsupportedExr(String),
+}
+
+/// No picture takes more memory, in bytes: 24,000 x 12,000 pixels of three floats.
+const LARGEST: u64 = 4 << 30;
+
+/// No format packs more bytes of a picture into one: DWAB needs two bytes for a constant block of 64 halves, and deflate packs 1032
+/// of those into one.
+const MOST_PER_BYTE: u64 = 64 * 1032;
+
+/// Reads a whole file.
+pub fn load_image(bytes: &[u8]) -> Result<Image, ImageFileError> {
+    if bytes.starts_with(&exr_file::MAGIC) {
+        return exr_file::load_exr(bytes);
+    }
+    if bytes.starts_with(b"PF") || bytes.starts_with(b"Pf") {
+        return pfm_file::load_pfm(bytes);
+    }
+    if bytes.starts_with(b"#?") {
+        // Strict would be to insist on `#?RADIANCE`, where many write `#?RGBE`.
+        return decode(
+            HdrDecoder::new_nonstrict(Cursor::new(bytes)).map_err(damaged)?,
+            bytes.len(),
+        );
+    }
+    let format = match ::image::guess_format(bytes) {
+        Ok(format) => format,
+        Err(_) if may_be_tga(bytes) => ImageFormat::Tga,
+        Err(_) => return Err(ImageFileError::UnknownFormat),
+    };
+    if !format.reading_enabled() {
+        let name = format.extensions_str().first().copied().unwrap_or("?");
+        return Err(ImageFileError::UnsupportedFormat(name.to_uppercase()));
+    }
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(LARGEST);
+    reader.limits(limits);
+    decode(reader.into_decoder().map_err(damaged)?, bytes.len())
+}
+
+fn decode(decoder: impl ImageDecoder, file_bytes: usize) -> Result<Image, ImageFileError> {
+    let (width, height) = decoder.dimensions();
+    check_size(width.into(), height.into(), decoder.total_bytes(), file_bytes)?;
+    without_alpha(DynamicImage::from_decoder(decoder).map_err(damaged)?)
+}
+
+fn damaged(error: ::image::ImageError) -> ImageFileError {
+    ImageFileError::Damaged(error.to_string())
+}
+
+/// Refuses what does not fit into memory, or cannot come from so short a file.
+pub(super) fn check_size(width: u64, height: u64, decoded_bytes: u64, file_bytes: usize) -> Result<(), ImageFileError> {
+    if width == 0 || height == 0 {
+        return Err(ImageFileError::Empty);
+    }
+    if decoded_bytes > LARGEST.min(MOST_PER_BYTE.saturating_mul(file_bytes as u64)) {
+        return Err(ImageFileError::TooLarge {
+            width,
+            height,
+            bytes: file_bytes,
+        });
+    }
+    Ok(())
+}
+
+/// TGA begins with no magic number: whether the first 18 bytes make sense as its header.
+fn may_be_tga(bytes: &[u8]) -> bool {
+    let Some(header) = bytes.first_chunk::<18>() else {
+        return false;
+    };
+    let has_map = header[1];
+    match header[2] {
+        1 | 9 => has_map == 1 && matches!(header[7], 15 | 16 | 24 | 32) && header[16] == 8,
+        2 | 10 => has_map <= 1 && matches!(header[16], 15 | 16 | 24 | 32),
+        3 | 11 => has_map == 0 && matches!(header[16], 8 | 16),
+        _ => false,
+    }
+}
+
+fn without_alpha(picture: DynamicImage) -> Result<Image, ImageFileError> {
+    let (width, height) = (picture.width(), picture.height());
+    let (channels, samples, transfer) = match picture {
+        DynamicImage::ImageLuma8(grey) => (1, Samples::U8(grey.into_raw()), Transfer::Srgb),
+        DynamicImage::ImageLumaA8(grey) => (1, Samples::U8(every(2, 1, grey.into_raw())), Transfer::Srgb),
+        DynamicImage::ImageRgb8(rgb) => (3, Samples::U8(rgb.into_raw()), Transfer::Srgb),
+        DynamicImage::ImageRgba8(rgb) => (3, Samples::U8(every(4, 3, rgb.into_raw())), Transfer::Srgb),
+        DynamicImage::ImageLuma16(grey) => (1, Samples::U16(grey.into_raw()), Transfer::Srgb),
+        DynamicImage::ImageLumaA16(grey) => (1, Samples::U16(every(2, 1, grey.into_raw())), Transfer::Srgb),
+        DynamicImage::ImageRgb16(rgb) => (3, Samples::U16(rgb.into_raw()), Transfer::Srgb),
+        DynamicImage::ImageRgba16(rgb) => (3, Samples::U16(every(4, 3, rgb.into_raw())), Transfer::Srgb),
+        floats => (3, Samples::F32(floats.into_rgb32f().into_raw()), Transfer::Linear),
+    };
+    Image::new(width, height, channels, samples, transfer).ok_or(ImageFileError::Empty)
+}
+
+/// The first `keep` of every `stride` samples.
+fn every<T: Copy>(stride: usize, keep: usize, mut samples: Vec<T>) -> Vec<T> {
+    let pixels = samples.len() / stride;
+    for pixel in 0..pixels {
+        samples.copy_within(stride * pixel..stride * pixel + keep, keep * pixel);
+    }
+    samples.truncate(keep * pixels);
+    samples.shrink_to_fit();
+    samples
+}
