@@ -31,7 +31,7 @@ pub fn run(args: ConvertArgs) -> ExitCode {
     if !report::acceptable(&document.diagnostics, args.strict) {
         return ExitCode::FAILURE;
     }
-    match write::save_description(&scene, &args.output) {
+    match write::write_anew(&scene, &args.output) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => report::error(error),
     }

@@ -23,7 +23,10 @@ pub struct Span {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceFile {
     pub path: PathBuf,
+    /// Without a byte order mark.
     pub text: Arc<str>,
+    /// Whether the file begins with one.
+    pub byte_order_mark: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

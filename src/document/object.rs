@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 
 use super::parse::file_candidates;
-use super::{Diagnostics, Span, TransformOp};
+use super::{Diagnostics, SourceId, Span, TransformOp};
 
 /// The kind of plugin a tag declares; the tag's name is the kind's name in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -183,6 +183,15 @@ impl Object {
     }
 }
 
+/// An `<include>`, once for each time it was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Include {
+    /// Of the file's name in the tag.
+    pub span: Span,
+    /// The included file.
+    pub source: SourceId,
+}
+
 /// A parsed scene file with its includes and defaults resolved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Document {
@@ -191,6 +200,7 @@ pub struct Document {
     pub root: Object,
     /// Where files are looked for besides the folders of the scene's own files: the `<path>`s, absolute, in file order.
     pub search_folders: Vec<PathBuf>,
+    pub includes: Vec<Include>,
     pub diagnostics: Diagnostics,
 }
 
@@ -201,6 +211,7 @@ impl Document {
             path: path.into(),
             root,
             search_folders: Vec::new(),
+            includes: Vec::new(),
             diagnostics: Diagnostics::default(),
         }
     }

@@ -37,7 +37,7 @@ pub fn check_file(path: &Path) -> Result<(), SourceError> {
     }
 }
 
-/// The text of a file, without its byte order mark.
+/// The text of a file, with its byte order mark if it has one.
 pub fn read_text(path: &Path) -> Result<String, SourceError> {
     let unreadable = |source| SourceError::Unreadable {
         path: path.to_owned(),
@@ -51,8 +51,8 @@ pub fn read_text(path: &Path) -> Result<String, SourceError> {
     decode(bytes, path)
 }
 
-/// The text in a file's bytes, without its byte order mark; `path` is for the message.
-pub fn decode(mut bytes: Vec<u8>, path: &Path) -> Result<String, SourceError> {
+/// The text in a file's bytes, with its byte order mark if it has one; `path` is for the message.
+pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<String, SourceError> {
     if bytes.len() as u64 > MAX_FILE_BYTES {
         return Err(SourceError::TooLarge { path: path.to_owned() });
     }
@@ -61,9 +61,6 @@ pub fn decode(mut bytes: Vec<u8>, path: &Path) -> Result<String, SourceError> {
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [b'<', 0, ..] | [0, b'<', ..]
     ) {
         return Err(SourceError::Utf16 { path: path.to_owned() });
-    }
-    if bytes.starts_with(b"\xef\xbb\xbf") {
-        bytes.drain(..3);
     }
     String::from_utf8(bytes).map_err(|error| {
         let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
@@ -92,7 +89,7 @@ mod tests {
     fn only_utf8_is_text() {
         assert_eq!(
             decode(b"\xef\xbb\xbf<a/>".to_vec(), Path::new("a.xml")).unwrap(),
-            "<a/>"
+            "\u{feff}<a/>"
         );
         assert!(message(b"\xff\xfe<\0").contains("UTF-16"));
         assert!(message(b"<\0s\0").contains("UTF-16"));

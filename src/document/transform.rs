@@ -43,6 +43,16 @@ impl TransformOp {
         }
     }
 
+    /// All numbers of the step.
+    pub fn numbers(&self) -> Vec<f32> {
+        match *self {
+            Self::Translate(by) | Self::Scale(by) => by.to_array().to_vec(),
+            Self::Rotate { axis, degrees } => axis.to_array().into_iter().chain([degrees]).collect(),
+            Self::Matrix(matrix) => matrix.to_cols_array().to_vec(),
+            Self::LookAt { origin, target, up } => [origin, target, up].iter().flat_map(Vec3::to_array).collect(),
+        }
+    }
+
     /// All steps of a transform as one map.
     pub fn compose(ops: &[Self]) -> Affine3A {
         ops.iter().fold(Affine3A::IDENTITY, |so_far, op| op.affine() * so_far)

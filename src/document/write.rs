@@ -9,8 +9,9 @@ use std::path::Path;
 
 use glam::Vec3;
 
+use super::revision::Layout;
 use super::value::format_float;
-use super::{Category, Child, Document, Object, TransformOp, Value};
+use super::{Category, Child, Document, Object, Property, TransformOp, Value};
 
 const VERSION: &str = "3.0.0";
 
@@ -24,7 +25,8 @@ pub enum WriteError {
 
 /// The document as a scene file. The same document always gives the same text.
 pub fn to_xml(document: &Document) -> Result<String, WriteError> {
-    let mut writer = Writer::default();
+    let layout = Layout::default();
+    let mut writer = Writer::new("", &layout);
     let search_folders = document
         .search_folders
         .iter()
@@ -56,17 +58,80 @@ pub fn write_atomically(path: &Path, text: &str) -> io::Result<()> {
     Ok(())
 }
 
-#[derive(Default)]
-struct Writer {
-    text: String,
-    depth: usize,
+/// A part of a scene file, for a place in an existing one: lines after the first begin with `margin`, the last one is not ended.
+pub(super) fn to_block(child: &Child, margin: &str, layout: &Layout) -> Result<String, WriteError> {
+    let mut writer = Writer {
+        inside: 1,
+        ..Writer::new(margin, layout)
+    };
+    writer.child(child)?;
+    Ok(writer.into_block())
 }
 
-impl Writer {
+/// As [`to_block`]; `owner` is for the message.
+pub(super) fn property_to_block(
+    property: &Property,
+    owner: &Object,
+    margin: &str,
+    layout: &Layout,
+) -> Result<String, WriteError> {
+    let mut writer = Writer::new(margin, layout);
+    writer.property(&property.name, &property.value, owner)?;
+    Ok(writer.into_block())
+}
+
+/// One step of the transform `name`, in one line.
+pub(super) fn step_to_block(
+    step: &TransformOp,
+    name: &str,
+    owner: &Object,
+    layout: &Layout,
+) -> Result<String, WriteError> {
+    let mut writer = Writer::new("", layout);
+    writer.transform_op(step, name, owner)?;
+    Ok(writer.into_block())
+}
+
+struct Writer<'l> {
+    text: String,
+    depth: usize,
+    margin: &'l str,
+    layout: &'l Layout,
+    /// Tags around what is written.
+    inside: usize,
+}
+
+impl<'l> Writer<'l> {
+    fn new(margin: &'l str, layout: &'l Layout) -> Self {
+        Self {
+            text: String::new(),
+            depth: 0,
+            margin,
+            layout,
+            inside: 0,
+        }
+    }
+
+    fn into_block(self) -> String {
+        let text = self.text.strip_suffix(self.layout.newline).unwrap_or(&self.text);
+        text.strip_prefix(self.margin).unwrap_or(text).to_owned()
+    }
+
+    fn child(&mut self, child: &Child) -> Result<(), WriteError> {
+        match child {
+            Child::Object(object) => self.object(object, &[]),
+            Child::Reference { name, id, .. } => {
+                let mut attributes = vec![("id", id.as_str())];
+                attributes.extend(name.as_deref().map(|name| ("name", name)));
+                self.tag("ref", &attributes, true)
+            }
+        }
+    }
+
     fn object(&mut self, object: &Object, search_folders: &[String]) -> Result<(), WriteError> {
         let tag = object.category.tag();
         let mut attributes: Vec<(&str, &str)> = Vec::new();
-        if self.depth == 0 {
+        if self.depth + self.inside == 0 {
             attributes.push(("version", VERSION));
         }
         if object.category != Category::Scene || !object.plugin.is_empty() {
@@ -86,14 +151,7 @@ impl Writer {
             self.property(&property.name, &property.value, object)?;
         }
         for child in &object.children {
-            match child {
-                Child::Object(object) => self.object(object, &[])?,
-                Child::Reference { name, id, .. } => {
-                    let mut attributes = vec![("id", id.as_str())];
-                    attributes.extend(name.as_deref().map(|name| ("name", name)));
-                    self.tag("ref", &attributes, true)?;
-                }
-            }
+            self.child(child)?;
         }
         self.close(tag);
         Ok(())
@@ -150,24 +208,37 @@ impl Writer {
         let _ = write!(self.text, "<{name}");
         for (name, value) in attributes {
             let _ = write!(self.text, " {name}=\"");
-            escape(value, &mut self.text)?;
+            escape(value, '"', &mut self.text)?;
             self.text.push('"');
         }
-        self.text += if closed { "/>\n" } else { ">\n" };
+        self.text += if closed { "/>" } else { ">" };
+        self.text += self.layout.newline;
         Ok(())
     }
 
     fn close(&mut self, name: &str) {
         self.depth -= 1;
         self.indent();
-        let _ = writeln!(self.text, "</{name}>");
+        let _ = write!(self.text, "</{name}>{}", self.layout.newline);
     }
 
     fn indent(&mut self) {
+        self.text += self.margin;
         for _ in 0..self.depth {
-            self.text += "    ";
+            self.text += &self.layout.unit;
         }
     }
+}
+
+/// Whether all numbers of a value can be written.
+pub(super) fn check_finite(value: &Value, name: &str, owner: &Object) -> Result<(), WriteError> {
+    let numbers = match value {
+        Value::Float(number) | Value::Spectrum(number) => vec![*number],
+        Value::Rgb(triple) | Value::Point(triple) | Value::Vector(triple) => triple.to_array().to_vec(),
+        Value::Transform(steps) => steps.iter().flat_map(TransformOp::numbers).collect(),
+        Value::Integer(_) | Value::Boolean(_) | Value::String(_) => Vec::new(),
+    };
+    list(&numbers, name, owner).map(|_| ())
 }
 
 fn list(numbers: &[f32], name: &str, owner: &Object) -> Result<String, WriteError> {
@@ -181,14 +252,15 @@ fn list(numbers: &[f32], name: &str, owner: &Object) -> Result<String, WriteErro
     Ok(texts.join(", "))
 }
 
-/// So that XML and the `$name` replacement both give the text back.
-fn escape(value: &str, text: &mut String) -> Result<(), WriteError> {
+/// So that XML and the `$name` replacement both give the text back, between quotes of this kind.
+pub(super) fn escape(value: &str, quote: char, text: &mut String) -> Result<(), WriteError> {
     for c in value.chars() {
         match c {
             '&' => *text += "&amp;",
             '<' => *text += "&lt;",
             '>' => *text += "&gt;",
-            '"' => *text += "&quot;",
+            '"' if quote == '"' => *text += "&quot;",
+            '\'' if quote == '\'' => *text += "&apos;",
             '$' => *text += "\\$",
             '\t' => *text += "&#9;",
             '\n' => *text += "&#10;",

@@ -2,10 +2,11 @@
 //! as it was written.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use bevy::prelude::*;
 
-use crate::document::{Category, Child, Object, Property};
+use crate::document::{Category, Child, Document, Object, Property};
 
 /// The source of an entity. Absent on entities made in the editor.
 #[derive(Component, Clone, Debug, PartialEq)]
@@ -32,6 +33,8 @@ pub struct Declares(Vec<Entity>);
 /// Of the scene as a whole: what became no entity.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct AuthoredScene {
+    /// The files as they were read, without messages; None if there was none.
+    pub origin: Option<Arc<Document>>,
     /// The integrator with its place in the file.
     pub integrator: Option<(u32, Authored)>,
     /// Where files are looked for besides the scene's folder (`<path>`), absolute.

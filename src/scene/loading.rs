@@ -81,6 +81,7 @@ pub(super) fn apply_scenes(
         diagnostics.sources.push(crate::document::SourceFile {
             path: world.resource::<SceneFile>().path.clone(),
             text: Arc::from(""),
+            byte_order_mark: false,
         });
         fail(world, Arc::new(diagnostics));
     }

@@ -218,9 +218,10 @@ impl Parser {
         let role = spectrum_role(category, name);
         if let Some((file, span)) = tag.take("filename") {
             let path = self.find_file(&file, span)?;
-            let sampled = read_text(&path)
-                .map_err(|error| error.to_string())
-                .and_then(|text| SampledSpectrum::parse_file(&text).map_err(|what| format!("{file}: {what}")));
+            let sampled = read_text(&path).map_err(|error| error.to_string()).and_then(|text| {
+                SampledSpectrum::parse_file(text.trim_start_matches('\u{feff}'))
+                    .map_err(|what| format!("{file}: {what}"))
+            });
             return match sampled {
                 Ok(sampled) => Some(sampled_color(&sampled, span, role, &mut self.diagnostics)),
                 Err(message) => {

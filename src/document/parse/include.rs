@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::{MAX_INCLUDE_DEPTH, MAX_INCLUDES, Parser};
 use crate::document::source::read_text;
 use crate::document::value::quote;
-use crate::document::{Category, Child, Object, Property, Severity, SourceId, Span};
+use crate::document::{Category, Child, Include, Object, Property, Severity, SourceId, Span};
 
 impl Parser {
     fn folder_of(&self, source: SourceId) -> PathBuf {
@@ -74,8 +74,7 @@ impl Parser {
             self.diagnostics.error(span, message);
             return;
         }
-        self.includes += 1;
-        if self.includes > MAX_INCLUDES {
+        if self.includes.len() >= MAX_INCLUDES {
             self.exhaust(Some(span), &format!("more than {MAX_INCLUDES} includes"));
             return;
         }
@@ -93,6 +92,7 @@ impl Parser {
                 }
             },
         };
+        self.includes.push(Include { span, source });
         self.open_files.push(key);
         let root = self.parse_source(source, depth);
         self.open_files.pop();

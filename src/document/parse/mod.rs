@@ -21,7 +21,9 @@ use super::links::{Alias, link};
 use super::naming::modernize;
 use super::source::{MAX_FILE_BYTES, SourceError, read_text};
 use super::tag::Tag;
-use super::{Category, Child, Diagnostics, Document, Object, Severity, SourceFile, SourceId, Span, TransformOp, Value};
+use super::{
+    Category, Child, Diagnostics, Document, Include, Object, Severity, SourceFile, SourceId, Span, TransformOp, Value,
+};
 
 /// Tags inside tags, references and includes counted in. Real scenes stay below ten.
 pub const MAX_DEPTH: usize = 256;
@@ -51,12 +53,11 @@ pub fn parse_str(text: &str, path: &Path, defines: &[(String, String)]) -> Docum
         open_files: Vec::new(),
         ids: HashMap::new(),
         aliases: Vec::new(),
-        includes: 0,
+        includes: Vec::new(),
         elements: 0,
         bytes: 0,
         exhausted: false,
     };
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let source = parser.add_source(path.to_owned(), text);
     let root = if text.len() as u64 > MAX_FILE_BYTES {
         let message = format!("longer than {} MiB, which no scene should be", MAX_FILE_BYTES >> 20);
@@ -124,7 +125,7 @@ struct Parser {
     open_files: Vec<PathBuf>,
     ids: HashMap<String, Span>,
     aliases: Vec<Alias>,
-    includes: usize,
+    includes: Vec<Include>,
     elements: usize,
     bytes: u64,
     /// A bound of the whole document was hit; nothing more is read.
@@ -152,15 +153,18 @@ impl Parser {
             path: path.to_owned(),
             root,
             search_folders: self.search_folders,
+            includes: self.includes,
             diagnostics: self.diagnostics,
         }
     }
 
     fn add_source(&mut self, path: PathBuf, text: &str) -> SourceId {
         let id = SourceId(u32::try_from(self.diagnostics.sources.len()).unwrap_or(u32::MAX));
+        let without_mark = text.strip_prefix('\u{feff}');
         self.diagnostics.sources.push(SourceFile {
             path,
-            text: text.into(),
+            text: without_mark.unwrap_or(text).into(),
+            byte_order_mark: without_mark.is_some(),
         });
         id
     }

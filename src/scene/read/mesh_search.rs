@@ -22,8 +22,8 @@ pub struct MeshSearch {
 /// What a search came to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Found {
-    /// The file, absolute. `through_assets`: not relative to the scene, so its name in the scene stays as it is wherever that is saved.
-    At { path: PathBuf, through_assets: bool },
+    /// The file, absolute.
+    At(PathBuf),
     /// The places looked at, never empty.
     Nowhere(Vec<PathBuf>),
 }
@@ -47,33 +47,40 @@ impl MeshSearch {
     /// `folder`: of the file that holds the name.
     pub fn find(&self, name: &str, folder: &Path) -> Found {
         let name = Path::new(name);
-        let mut places: Vec<(PathBuf, bool)> = Vec::new();
-        let mut add = |path: PathBuf, through_assets| {
+        let mut places: Vec<PathBuf> = Vec::new();
+        let mut add = |path: PathBuf| {
             let path = settle(&path);
-            if !places.iter().any(|(known, _)| *known == path) {
-                places.push((path, through_assets));
+            if !places.contains(&path) {
+                places.push(path);
             }
         };
-        add(folder.join(name), false);
+        add(folder.join(name));
         if name.is_relative() {
-            add(self.scene_folder.join(name), false);
+            add(self.scene_folder.join(name));
             for folder in &self.search_folders {
-                add(folder.join(name), true);
+                add(folder.join(name));
             }
             let inside = inside_assets(name);
             for assets in &self.asset_folders {
-                add(assets.join(&inside), true);
+                add(assets.join(&inside));
                 if let Some(file) = name.file_name() {
-                    add(assets.join(file), true);
+                    add(assets.join(file));
                 }
             }
         }
-        match places.iter().find(|(path, _)| path.is_file()) {
-            Some((path, through_assets)) => Found::At {
-                path: path.clone(),
-                through_assets: *through_assets,
-            },
-            None => Found::Nowhere(places.into_iter().map(|(path, _)| path).collect()),
+        match places.iter().find(|path| path.is_file()) {
+            Some(path) => Found::At(path.clone()),
+            None => Found::Nowhere(places),
+        }
+    }
+}
+
+impl MeshSearch {
+    /// As [`Self::find`], for those who do not ask where else.
+    pub fn find_file(&self, name: &str, folder: &Path) -> Option<PathBuf> {
+        match self.find(name, folder) {
+            Found::At(path) => Some(path),
+            Found::Nowhere(_) => None,
         }
     }
 }
@@ -130,13 +137,13 @@ mod tests {
 
         std::fs::write(models.join("a.ply"), "").unwrap();
         let found = |name: &str| match search.find(name, &scenes) {
-            Found::At { path, through_assets } => (path, through_assets),
+            Found::At(path) => path,
             Found::Nowhere(places) => panic!("{places:?}"),
         };
-        assert_eq!(found("models/a.ply"), (settle(&models.join("a.ply")), true));
-        assert_eq!(found("../assets/models/a.ply"), (settle(&models.join("a.ply")), false));
+        assert_eq!(found("models/a.ply"), settle(&models.join("a.ply")));
+        assert_eq!(found("../assets/models/a.ply"), settle(&models.join("a.ply")));
         std::fs::create_dir(scenes.join("models")).unwrap();
         std::fs::write(scenes.join("models/a.ply"), "").unwrap();
-        assert_eq!(found("models/a.ply"), (settle(&scenes.join("models/a.ply")), false));
+        assert_eq!(found("models/a.ply"), settle(&scenes.join("models/a.ply")));
     }
 }

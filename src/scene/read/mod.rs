@@ -16,15 +16,19 @@ mod shapes;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use self::mesh_search::MeshSearch;
 use super::description::{DeclarationPlace, Identity, SceneDescription};
 use super::{Authored, AuthoredScene};
+pub use crate::document::paths::settle;
 use crate::document::{Category, Child, Diagnostics, Document, Index, Object, Reader, Severity, Span};
 
 /// Everything the document says; its diagnostics grow by what is wrong with it.
 pub fn read(document: &mut Document) -> SceneDescription {
     let diagnostics = std::mem::take(&mut document.diagnostics);
+    let mut origin = document.clone();
+    origin.diagnostics.sources.clone_from(&diagnostics.sources);
     let mut scene = SceneReader::new(document, diagnostics);
     scene.read_root();
     let SceneReader {
@@ -32,6 +36,7 @@ pub fn read(document: &mut Document) -> SceneDescription {
         diagnostics,
         ..
     } = scene;
+    description.remains.origin = Some(Arc::new(origin));
     sort_materials(&mut description);
     document.diagnostics = diagnostics;
     description
@@ -177,15 +182,6 @@ impl<'a> SceneReader<'a> {
         let source = self.diagnostics.source(span.source);
         let parent = source.and_then(|file| settle(&file.path).parent().map(Path::to_owned));
         parent.unwrap_or_else(|| self.folder.clone())
-    }
-}
-
-/// Absolute, with the folder's links and `..` resolved but not the file's own link: editors replace files, not folders.
-pub fn settle(path: &Path) -> PathBuf {
-    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    match (absolute.parent().map(Path::canonicalize), absolute.file_name()) {
-        (Some(Ok(folder)), Some(name)) => folder.join(name),
-        _ => absolute,
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::SceneReader;
 use super::mesh_search::{Found, advice};
 use super::parameters::Parameters;
-use crate::document::{Category, Object, Severity, Value};
+use crate::document::{Category, Object, Severity};
 use crate::scene::description::{DeclarationPlace, ShapeDescription};
 use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind, write};
 
@@ -54,15 +54,8 @@ impl<'a> SceneReader<'a> {
         reader.finish();
 
         let mut shape = Shape { kind, flip_normals };
-        let mut object_as_kept = None;
         if let (ShapeKind::Mesh(mesh), Some(name)) = (&mut shape.kind, file_name) {
-            let (path, kept_name) = self.find_mesh(object, name);
-            mesh.path = path;
-            if kept_name != name {
-                let mut kept = object.clone();
-                set_file_name(&mut kept, kept_name);
-                object_as_kept = Some(kept);
-            }
+            mesh.path = self.find_mesh(object, name);
         }
 
         let place = DeclarationPlace::Shape(self.description.shapes.len());
@@ -88,9 +81,6 @@ impl<'a> SceneReader<'a> {
         };
         let as_read = write::objects::shape(&shape, &to_world, area_light.as_ref(), &self.folder);
         let mut identity = self.identity(object, as_read);
-        if let (Some(kept), Some(authored)) = (object_as_kept, &mut identity.authored) {
-            authored.object = kept;
-        }
         if identity.id.is_none()
             && let ShapeKind::Mesh(mesh) = &shape.kind
             && let Some(stem) = mesh.path.file_stem()
@@ -107,20 +97,12 @@ impl<'a> SceneReader<'a> {
         true
     }
 
-    /// The file, and its name as seen from the scene's own folder.
-    fn find_mesh(&mut self, object: &Object, name: &str) -> (PathBuf, String) {
+    /// The file; the first place where it was looked for if there is none.
+    fn find_mesh(&mut self, object: &Object, name: &str) -> PathBuf {
         let property = object.properties.iter().find(|property| property.name == "filename");
         let span = property.map_or(object.span, |property| property.span);
-        let folder = self.folder_of(span);
-        match self.meshes.find(name, &folder) {
-            Found::At { path, through_assets } => {
-                let kept = if through_assets || folder == self.folder {
-                    name.to_owned()
-                } else {
-                    write::objects::file_name(&path, &self.folder)
-                };
-                (path, kept)
-            }
+        match self.meshes.find(name, &self.folder_of(span)) {
+            Found::At(path) => path,
             Found::Nowhere(places) => {
                 let list: Vec<String> = places.iter().map(|place| place.display().to_string()).collect();
                 let message = format!("mesh not found: `{name}`; looked for {}", list.join(", "));
@@ -128,7 +110,7 @@ impl<'a> SceneReader<'a> {
                     .push(Severity::Error, Some(span), message, advice(name));
                 let first = places.first().cloned().unwrap_or_default();
                 self.description.missing.extend(places);
-                (first, name.to_owned())
+                first
             }
         }
     }
@@ -138,14 +120,6 @@ impl<'a> SceneReader<'a> {
             if material.declared_in == place {
                 material.declared_in = DeclarationPlace::TopLevel;
             }
-        }
-    }
-}
-
-fn set_file_name(object: &mut Object, name: String) {
-    for property in &mut object.properties {
-        if property.name == "filename" {
-            property.value = Value::String(name.clone());
         }
     }
 }

@@ -1,11 +1,13 @@
 //! From a [`SceneDescription`] back to a document; [`gather`] makes the description from the entities.
 //!
 //! What nobody edited is written as it was read, parameters that were not understood included. Materials stay where they were declared:
-//! in place, or at the top level and referred to.
+//! in place, or at the top level and referred to. The document still knows where each part of it was read, so that it can be written over the
+//! old text ([`save`]); without that it makes a new file ([`write_anew`]).
 
 pub mod gather;
 pub mod objects;
 mod patch;
+mod steps;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -14,9 +16,11 @@ use bevy::prelude::World;
 
 use self::patch::Draft;
 use super::description::{DeclarationPlace, Identity, SceneDescription};
+use super::read::mesh_search::MeshSearch;
 use super::read::settle;
 use super::{Authored, IntegratorSettings};
-use crate::document::{self, Category, Child, Document, Object, Span, Value};
+use crate::document::revision::{Destination, move_files, revise};
+use crate::document::{self, Category, Child, Document, Object, Span};
 
 /// Materials inside materials; deeper ones are written at the top level instead. More than reading allows.
 const DEEPEST: usize = 40;
@@ -29,35 +33,84 @@ pub enum SaveError {
     File { path: PathBuf, source: std::io::Error },
 }
 
-/// Writes the entities as a scene file, replacing it in one step.
+/// Saves the entities: see [`save_description`].
 pub fn save(world: &mut World, path: &Path) -> Result<(), SaveError> {
     save_description(&gather::describe(world), path)
 }
 
-/// Writes a scene file, replacing it in one step.
+/// Writes a scene over the text that it was read from: see [`files`]. Each file is replaced in one step.
 pub fn save_description(scene: &SceneDescription, path: &Path) -> Result<(), SaveError> {
-    let text = document::to_xml(&to_document(scene, path))?;
-    document::write_atomically(path, &text).map_err(|source| SaveError::File {
+    for (path, text) in files(scene, path)? {
+        write_file(&path, &text)?;
+    }
+    Ok(())
+}
+
+/// The files to write when a scene is saved at `path`, that one last. What nobody changed is as it was written; what changed in an included
+/// file is written there if the scene stays where it was.
+pub fn files(scene: &SceneDescription, path: &Path) -> Result<Vec<(PathBuf, String)>, SaveError> {
+    let target = settle(path);
+    let Some(origin) = &scene.remains.origin else {
+        let text = document::to_xml(&to_document(scene, &target))?;
+        return Ok(vec![(target, text)]);
+    };
+    let document = in_place(scene, &target);
+    let files = with_destination(scene, &target, |destination| revise(origin, &document, destination))?;
+    Ok(files)
+}
+
+/// Writes a scene as one new file, without the comments, includes and `$name`s of the old one.
+pub fn write_anew(scene: &SceneDescription, path: &Path) -> Result<(), SaveError> {
+    write_file(path, &document::to_xml(&to_document(scene, path))?)
+}
+
+fn write_file(path: &Path, text: &str) -> Result<(), SaveError> {
+    document::write_atomically(path, text).map_err(|source| SaveError::File {
         path: path.to_owned(),
         source,
     })
 }
 
-/// The document of a scene that will be written to `target`; file names in it are relative to that.
+/// The document of a scene that will be written to `target` as one file; file names in it are relative to that.
 pub fn to_document(scene: &SceneDescription, target: &Path) -> Document {
     let target = settle(target);
-    let folder = target.parent().unwrap_or(Path::new("/")).to_owned();
-    let writer = Writer::new(scene, &folder);
-    let mut root = writer.root();
-    if let Some(old_folder) = scene.path.parent()
-        && old_folder != folder
-    {
-        move_file_names(&mut root, old_folder, &folder);
+    let mut document = in_place(scene, &target);
+    if let Some(origin) = &scene.remains.origin {
+        with_destination(scene, &target, |destination| {
+            move_files(&mut document.root, origin, destination);
+        });
     }
+    document
+}
+
+/// The document of a scene as if it was to stay where it was read: names of files are those of the files they were read from, and where they
+/// were not, relative to the scene's folder. `target`: where it will be written.
+fn in_place(scene: &SceneDescription, target: &Path) -> Document {
+    let root = Writer::new(scene, folder(&home(scene, target))).root();
     Document {
         search_folders: scene.remains.search_folders.clone(),
         ..Document::new(target, root)
     }
+}
+
+/// The file the scene was read from.
+fn home(scene: &SceneDescription, otherwise: &Path) -> PathBuf {
+    let origin = scene.remains.origin.as_ref();
+    origin.map_or_else(|| otherwise.to_owned(), |origin| settle(&origin.path))
+}
+
+fn folder(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new("/"))
+}
+
+fn with_destination<T>(scene: &SceneDescription, target: &Path, act: impl FnOnce(&Destination) -> T) -> T {
+    let search = |path: &Path| MeshSearch::new(folder(path), &scene.remains.search_folders);
+    let (before, after) = (search(&home(scene, target)), search(target));
+    act(&Destination {
+        path: target,
+        find_before: &|name, folder| before.find_file(name, folder),
+        find_after: &|name, folder| after.find_file(name, folder),
+    })
 }
 
 struct Writer<'s> {
@@ -254,24 +307,5 @@ fn collect_ids(child: &Child, ids: &mut HashSet<String>) {
     ids.extend(object.id.clone());
     for inner in &object.children {
         collect_ids(inner, ids);
-    }
-}
-
-/// Relative file names of what was not understood, made relative to another folder.
-fn move_file_names(object: &mut Object, from: &Path, to: &Path) {
-    for property in &mut object.properties {
-        if property.name == "filename"
-            && let Value::String(name) = &mut property.value
-            && Path::new(name).is_relative()
-            && from.join(&*name).is_file()
-            && !to.join(&*name).is_file()
-        {
-            *name = objects::file_name(&settle(&from.join(&*name)), to);
-        }
-    }
-    for child in &mut object.children {
-        if let Child::Object(inner) = child {
-            move_file_names(inner, from, to);
-        }
     }
 }

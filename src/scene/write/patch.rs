@@ -1,7 +1,12 @@
 //! An edited plugin written over what the file said: only what was edited changes.
 
-use crate::document::{Category, Child, Object, Property, Value};
+use bevy::math::Affine3A;
+
+use super::objects::as_steps;
+use super::steps;
+use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
 use crate::scene::Authored;
+use crate::scene::read::frame_along;
 
 /// Parameters that say the same thing in another way: writing the first takes the others away.
 const SUPERSEDES: [(&str, &[&str]); 8] = [
@@ -85,6 +90,9 @@ impl Draft {
     }
 
     fn set(&mut self, property: &Property) {
+        if let Some(property) = self.as_steps(property) {
+            return self.set(&property);
+        }
         self.remove_children_named(&property.name);
         match self
             .object
@@ -92,10 +100,38 @@ impl Draft {
             .iter_mut()
             .find(|known| known.name == property.name)
         {
-            Some(known) => known.value.clone_from(&property.value),
+            Some(known) => {
+                *known = match (&known.value, &property.value) {
+                    (Value::Transform(old), Value::Transform(now)) => Property {
+                        value: Value::Transform(steps::revised(old, now)),
+                        ..property.clone()
+                    },
+                    _ => property.clone(),
+                }
+            }
             None => self.object.properties.push(property.clone()),
         }
         self.remove_superseded(&property.name);
+    }
+
+    /// A place or a direction as the transform by which the file gives it.
+    fn as_steps(&self, property: &Property) -> Option<Property> {
+        let Some(Value::Transform(steps)) = value_of(&self.object, "to_world") else {
+            return None;
+        };
+        let old = TransformOp::compose(steps);
+        let map = match (property.name.as_str(), &property.value) {
+            ("position", Value::Point(place)) => Affine3A::from_mat3_translation(old.matrix3.into(), *place),
+            ("direction", Value::Vector(direction)) => {
+                Affine3A::from_mat3_translation(frame_along(*direction).matrix3.into(), old.translation.into())
+            }
+            _ => return None,
+        };
+        Some(Property {
+            name: "to_world".to_owned(),
+            value: Value::Transform(as_steps(&map)),
+            span: Span::default(),
+        })
     }
 
     fn complete(&mut self, name: &str, now: &Object) {
@@ -175,8 +211,8 @@ impl Draft {
                     self.remove_child(place);
                     continue;
                 };
-                let name = self.object.children[place].name().map(str::to_owned);
-                self.object.children[place] = with_name(next, name);
+                let child = &mut self.object.children[place];
+                *child = in_place_of(child, next);
             }
             place += 1;
         }
@@ -185,9 +221,13 @@ impl Draft {
     }
 }
 
-fn with_name(mut child: Child, given: Option<String>) -> Child {
+/// `child` in the place of `old`: for the parameter `old` was for, and a reference where a reference was.
+fn in_place_of(old: &Child, mut child: Child) -> Child {
+    if let (Child::Reference { span: old, .. }, Child::Reference { span, .. }) = (old, &mut child) {
+        *span = *old;
+    }
     match &mut child {
-        Child::Object(Object { name, .. }) | Child::Reference { name, .. } => *name = given,
+        Child::Object(Object { name, .. }) | Child::Reference { name, .. } => *name = old.name().map(str::to_owned),
     }
     child
 }

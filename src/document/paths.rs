@@ -1,0 +1,34 @@
+//! File names as they stand in scene files.
+
+use std::path::{Component, Path, PathBuf};
+
+/// `path` as seen from `folder`, with `/` between folders; absolute when they have only the root in common. Both are absolute.
+pub fn file_name(path: &Path, folder: &Path) -> String {
+    let common = path
+        .components()
+        .zip(folder.components())
+        .take_while(|(a, b)| a == b)
+        .filter(|(part, _)| matches!(part, Component::Normal(_)))
+        .count();
+    if common == 0 {
+        return path.to_string_lossy().into_owned();
+    }
+    let names = |path: &Path| -> Vec<PathBuf> {
+        let normal = path.components().filter(|part| matches!(part, Component::Normal(_)));
+        normal.map(|part| PathBuf::from(part.as_os_str())).collect()
+    };
+    let (path, folder) = (names(path), names(folder));
+    let up = std::iter::repeat_n("..".into(), folder.len() - common);
+    let down = path[common..].iter().map(|part| part.to_string_lossy().into_owned());
+    let name = up.chain(down).collect::<Vec<String>>().join("/");
+    if name.is_empty() { ".".to_owned() } else { name }
+}
+
+/// Absolute, with the folder's links and `..` resolved but not the file's own link: editors replace files, not folders.
+pub fn settle(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    match (absolute.parent().map(Path::canonicalize), absolute.file_name()) {
+        (Some(Ok(folder)), Some(name)) => folder.join(name),
+        _ => absolute,
+    }
+}

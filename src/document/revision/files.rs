@@ -1,0 +1,147 @@
+//! Names of files in a text that goes to another folder: changed only where they would lead elsewhere.
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+use super::edits::Edit;
+use super::elements::Element;
+use super::values::revise_attribute;
+use super::{Destination, Place, Source};
+use crate::document::parse::file_candidates;
+use crate::document::paths::{file_name, settle};
+use crate::document::{Child, Document, Object, Property, SourceId, Value, WriteError};
+
+/// Makes the names in a tree that `origin` was read as, and that was changed since, relative to the destination.
+pub fn move_files(root: &mut Object, origin: &Document, destination: &Destination) {
+    let names = FileNames::new(origin, destination);
+    names.move_object(root, names.target_folder);
+}
+
+pub struct FileNames<'d> {
+    destination: &'d Destination<'d>,
+    /// Of the main file once it is written.
+    pub target_folder: &'d Path,
+    search_folders: &'d [PathBuf],
+    /// Per file of the document, absolute.
+    paths: Vec<PathBuf>,
+}
+
+impl<'d> FileNames<'d> {
+    pub fn new(origin: &'d Document, destination: &'d Destination<'d>) -> Self {
+        let sources = origin.diagnostics.sources.iter();
+        Self {
+            destination,
+            target_folder: parent(destination.path),
+            search_folders: &origin.search_folders,
+            paths: sources.map(|source| settle(&source.path)).collect(),
+        }
+    }
+
+    pub fn path(&self, source: SourceId) -> &Path {
+        self.paths
+            .get(source.0 as usize)
+            .map_or(Path::new("/"), PathBuf::as_path)
+    }
+
+    pub fn folder(&self, source: SourceId) -> &Path {
+        parent(self.path(source))
+    }
+
+    /// The property as it reads in a file of `folder`.
+    pub fn property_at<'p>(&self, property: &'p Property, folder: &Path) -> Cow<'p, Property> {
+        let moved = match &property.value {
+            Value::String(name) if property.name == "filename" => {
+                self.moved(name, self.folder(property.span.source), folder)
+            }
+            _ => None,
+        };
+        match moved {
+            Some(name) => Cow::Owned(Property {
+                value: Value::String(name),
+                ..property.clone()
+            }),
+            None => Cow::Borrowed(property),
+        }
+    }
+
+    /// The same for all that hangs below an object.
+    pub fn move_object(&self, object: &mut Object, folder: &Path) {
+        for property in &mut object.properties {
+            if let Cow::Owned(moved) = self.property_at(property, folder) {
+                *property = moved;
+            }
+        }
+        for child in &mut object.children {
+            if let Child::Object(inner) = child {
+                self.move_object(inner, folder);
+            }
+        }
+    }
+
+    /// Another name for the same file; None if this one will do, or leads nowhere.
+    fn moved(&self, name: &str, from: &Path, to: &Path) -> Option<String> {
+        if from == to || Path::new(name).is_absolute() {
+            return None;
+        }
+        let path = (self.destination.find_before)(name, from)?;
+        let stays = (self.destination.find_after)(name, to).is_some_and(|found| found == path);
+        (!stays).then(|| file_name(&path, to))
+    }
+
+    /// `filename` of an `<include>`, or of a `<spectrum>` whose values come from a file. `known`: the file, where that is known.
+    pub fn revise_name(
+        &self,
+        source: &Source,
+        element: &Element,
+        place: Place,
+        known: Option<&Path>,
+    ) -> Result<Vec<Edit>, WriteError> {
+        let from = self.folder(place.source);
+        let Some(attribute) = element.attribute(source.text(), "filename") else {
+            return Ok(Vec::new());
+        };
+        let name = &source.text()[attribute.value];
+        if from == place.folder || Path::new(name).is_absolute() {
+            return Ok(Vec::new());
+        }
+        let find = |folders: &[PathBuf]| {
+            let candidates = file_candidates(name, folders, self.search_folders);
+            candidates
+                .into_iter()
+                .find(|path| path.is_file())
+                .map(|path| settle(&path))
+        };
+        let main = self.folder(SourceId(0));
+        let before = known
+            .map(Path::to_owned)
+            .or_else(|| find(&[from.to_owned(), main.to_owned()]));
+        let after = find(&[place.folder.to_owned(), self.target_folder.to_owned()]);
+        match before {
+            Some(path) if after.as_ref() != Some(&path) => {
+                let moved = file_name(&path, place.folder);
+                let edit = revise_attribute(source.text(), element, "filename", Some(&moved))?;
+                Ok(edit.into_iter().collect())
+            }
+            _ => Ok(Vec::new()),
+        }
+    }
+
+    /// A `<path>`, which is relative to the file it stands in.
+    pub fn revise_folder(&self, source: &Source, element: &Element, place: Place) -> Result<Option<Edit>, WriteError> {
+        let from = self.folder(place.source);
+        let Some(attribute) = element.attribute(source.text(), "value") else {
+            return Ok(None);
+        };
+        let name = &source.text()[attribute.value];
+        if from == place.folder || Path::new(name).is_absolute() || name.contains('$') {
+            return Ok(None);
+        }
+        let joined = from.join(name);
+        let folder = joined.canonicalize().unwrap_or_else(|_| settle(&joined));
+        revise_attribute(source.text(), element, "value", Some(&file_name(&folder, place.folder)))
+    }
+}
+
+fn parent(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new("/"))
+}

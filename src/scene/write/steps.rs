@@ -1,0 +1,177 @@
+//! Another transform in the steps of the one that the file has: as few numbers as possible change.
+
+use bevy::math::{Affine3A, Vec3};
+
+use crate::document::TransformOp;
+
+/// How far a map and its steps may be apart, relative to its largest element; numbers that differ by less are the same.
+const SAME: f32 = 1e-5;
+
+/// What `now` does, said as much as possible as `old` says it.
+pub fn revised(old: &[TransformOp], now: &[TransformOp]) -> Vec<TransformOp> {
+    let map = TransformOp::compose(now);
+    let candidates = [moved(old, &map), looking(old, &map), snapped(old, now)];
+    let fits = |steps: &Vec<TransformOp>| {
+        let size = |v: f32| v.abs().max(f32::MIN_POSITIVE);
+        let made = TransformOp::compose(steps);
+        let linear = largest(&map.matrix3.to_cols_array()).max(f32::MIN_POSITIVE);
+        let way = size(largest(&map.translation.to_array()));
+        made.matrix3.abs_diff_eq(map.matrix3, SAME * linear)
+            && made.translation.abs_diff_eq(map.translation, SAME * way)
+    };
+    candidates
+        .into_iter()
+        .flatten()
+        .find(fits)
+        .unwrap_or_else(|| now.to_vec())
+}
+
+/// The old steps with another translation at the end.
+fn moved(old: &[TransformOp], map: &Affine3A) -> Option<Vec<TransformOp>> {
+    let mut steps = old.to_vec();
+    let last = match steps.last().copied() {
+        Some(TransformOp::Translate(by)) => {
+            steps.pop();
+            Some(by)
+        }
+        // Its own numbers change.
+        Some(TransformOp::LookAt { .. }) if steps.len() == 1 => return None,
+        _ => None,
+    };
+    let before = TransformOp::compose(&steps);
+    let by = Vec3::from(map.translation - before.translation);
+    let by = last.map_or(by, |last| snap(last, by, largest(&map.translation.to_array())));
+    steps.push(TransformOp::Translate(by));
+    Some(steps)
+}
+
+/// A camera that keeps its `up` and how far its target is.
+fn looking(old: &[TransformOp], map: &Affine3A) -> Option<Vec<TransformOp>> {
+    let &[TransformOp::LookAt { origin, target, up }] = old else {
+        return None;
+    };
+    let now = Vec3::from(map.translation);
+    let aim = now + Vec3::from(map.matrix3.z_axis) * target.distance(origin);
+    let size = now.abs().max_element().max(aim.abs().max_element());
+    Some(vec![TransformOp::LookAt {
+        origin: snap(origin, now, size),
+        target: snap(target, aim, size),
+        up,
+    }])
+}
+
+/// Steps of the same kinds, with the old numbers where they are as good.
+fn snapped(old: &[TransformOp], now: &[TransformOp]) -> Option<Vec<TransformOp>> {
+    let same_kinds = old.len() == now.len()
+        && old
+            .iter()
+            .zip(now)
+            .all(|(old, now)| std::mem::discriminant(old) == std::mem::discriminant(now));
+    let snap_step = |(old, now): (&TransformOp, &TransformOp)| match (*old, *now) {
+        (TransformOp::Translate(old), TransformOp::Translate(now)) => {
+            TransformOp::Translate(snap(old, now, now.abs().max_element()))
+        }
+        (TransformOp::Scale(old), TransformOp::Scale(now)) => {
+            TransformOp::Scale(snap(old, now, now.abs().max_element()))
+        }
+        (
+            TransformOp::Rotate {
+                axis: old_axis,
+                degrees: old_degrees,
+            },
+            TransformOp::Rotate { axis, degrees },
+        ) => {
+            let along = old_axis.normalize_or_zero().dot(axis.normalize_or_zero());
+            if along.abs() < 1.0 - SAME {
+                return *now;
+            }
+            let degrees = degrees * along.signum();
+            // The same angle, as near to the old number as can be.
+            let degrees = degrees + 360.0 * ((old_degrees - degrees) / 360.0).round();
+            TransformOp::Rotate {
+                axis: old_axis,
+                degrees: snap_number(old_degrees, degrees, 180.0),
+            }
+        }
+        _ => *now,
+    };
+    same_kinds.then(|| old.iter().zip(now).map(snap_step).collect())
+}
+
+fn snap(old: Vec3, now: Vec3, size: f32) -> Vec3 {
+    let pairs = |axis: usize| snap_number(old[axis], now[axis], size);
+    Vec3::new(pairs(0), pairs(1), pairs(2))
+}
+
+fn snap_number(old: f32, now: f32, size: f32) -> f32 {
+    // A tenth, so that several together are still the same map.
+    if (old - now).abs() <= 0.1 * SAME * size {
+        old
+    } else {
+        now
+    }
+}
+
+fn largest(numbers: &[f32]) -> f32 {
+    numbers.iter().fold(0.0, |most: f32, number| most.max(number.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_move_changes_the_translation_alone() {
+        let turn = TransformOp::Rotate {
+            axis: Vec3::new(0.0, 2.0, 0.0),
+            degrees: -45.0,
+        };
+        let old = [turn, TransformOp::Translate(Vec3::new(0.1, 2.0, 3.0))];
+        let mut map = TransformOp::compose(&old);
+        map.translation.x = 0.35;
+        let now = crate::scene::write::objects::as_steps(&map);
+        let expected = TransformOp::Translate(Vec3::new(0.35, 2.0, 3.0));
+        assert_eq!(revised(&old, &now), [turn, expected]);
+        assert_eq!(revised(&[turn], &now), [turn, expected]);
+    }
+
+    #[test]
+    fn a_turned_thing_keeps_its_scale_and_its_place() {
+        let steps = |degrees| {
+            [
+                TransformOp::Scale(Vec3::splat(0.3)),
+                TransformOp::Rotate {
+                    axis: Vec3::NEG_Y,
+                    degrees,
+                },
+                TransformOp::Translate(Vec3::new(0.1, 0.2, 0.3)),
+            ]
+        };
+        let now = crate::scene::write::objects::as_steps(&TransformOp::compose(&steps(300.0)));
+        let revised = revised(&steps(270.0), &now);
+        let [scale, TransformOp::Rotate { axis, degrees }, place] = revised[..] else {
+            panic!("{revised:?}");
+        };
+        assert_eq!([scale, place], [steps(0.0)[0], steps(0.0)[2]]);
+        // Single precision: thirty degrees more, within its rounding.
+        assert!(axis == Vec3::NEG_Y && (degrees - 300.0).abs() < 1e-3, "{degrees}");
+    }
+
+    #[test]
+    fn a_camera_keeps_its_up_and_the_distance_of_its_target() {
+        let old = [TransformOp::LookAt {
+            origin: Vec3::new(0.0, 1.0, 4.0),
+            target: Vec3::new(0.0, 1.0, 0.0),
+            up: Vec3::new(0.0, 2.0, 0.0),
+        }];
+        let mut map = old[0].affine();
+        map.translation.x = 1.5;
+        let now = [TransformOp::Matrix(bevy::math::Mat4::from(map))];
+        let expected = TransformOp::LookAt {
+            origin: Vec3::new(1.5, 1.0, 4.0),
+            target: Vec3::new(1.5, 1.0, 0.0),
+            up: Vec3::new(0.0, 2.0, 0.0),
+        };
+        assert_eq!(revised(&old, &now), [expected]);
+    }
+}

@@ -1,0 +1,507 @@
+//! Scenes written over the text they were read from: what nobody touched stays to the byte.
+
+use std::path::{Path, PathBuf};
+
+use bevy::math::{Affine3A, Vec3};
+use sunroom::document;
+use sunroom::scene::description::{DeclarationPlace, Identity, MaterialDescription, ShapeDescription};
+use sunroom::scene::read::read;
+use sunroom::scene::write::{files, save_description};
+use sunroom::scene::{Emitter, Material, SceneDescription, Shape, ShapeKind};
+use tempfile::TempDir;
+
+/// A folder with scene files in it.
+struct Folder(TempDir);
+
+impl Folder {
+    fn with(files: &[(&str, &str)]) -> Self {
+        let folder = Self(tempfile::tempdir().unwrap());
+        for (name, text) in files {
+            let path = folder.path(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        }
+        folder
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn text(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    fn read(&self, name: &str) -> SceneDescription {
+        describe(&self.path(name))
+    }
+
+    /// The text of `main.xml` after an edit is saved over it.
+    fn edited(&self, edit: impl FnOnce(&mut SceneDescription)) -> String {
+        let mut scene = self.read("main.xml");
+        edit(&mut scene);
+        save_description(&scene, &self.path("main.xml")).unwrap();
+        self.read("main.xml");
+        self.text("main.xml")
+    }
+}
+
+/// Fails if there is an error in it.
+fn describe(path: &Path) -> SceneDescription {
+    let mut document = document::load(path, &[]).unwrap();
+    let scene = read(&mut document);
+    assert!(!document.diagnostics.has_errors(), "{}", document.diagnostics);
+    scene
+}
+
+/// A scene of `body`, edited and saved in place: the lines that are gone and those that came.
+fn changes(body: &str, edit: impl FnOnce(&mut SceneDescription)) -> (Vec<String>, Vec<String>) {
+    let text = format!("<scene version=\"3.0.0\">\n  <sensor type=\"perspective\"/>\n{body}\n</scene>\n");
+    let folder = Folder::with(&[("main.xml", &text)]);
+    difference(&text, &folder.edited(edit))
+}
+
+/// Lines in the one and not in the other, in order, each as often as it is missing there.
+fn difference(old: &str, new: &str) -> (Vec<String>, Vec<String>) {
+    let lacking = |some: &str, others: &str| {
+        let mut others: Vec<&str> = others.split('\n').collect();
+        let lines = some.split('\n').filter(|line| {
+            let known = others.iter().position(|other| other == line);
+            known.map(|place| others.remove(place)).is_none()
+        });
+        lines.map(str::to_owned).collect::<Vec<_>>()
+    };
+    (lacking(old, new), lacking(new, old))
+}
+
+fn lines(lines: &[&str]) -> Vec<String> {
+    lines.iter().map(|&line| line.to_owned()).collect()
+}
+
+fn moved(by: Vec3) -> impl FnOnce(&mut SceneDescription) {
+    move |scene| {
+        let shape = &mut scene.shapes[0];
+        shape.to_world = Affine3A::from_translation(by) * shape.to_world;
+    }
+}
+
+fn set_reflectance(material: &mut Material, color: Vec3) {
+    *material = Material::Diffuse { reflectance: color };
+}
+
+fn coloured(color: Vec3) -> impl FnOnce(&mut SceneDescription) {
+    move |scene| set_reflectance(&mut scene.materials[0].material, color)
+}
+
+/// All scene files at hand: our own, and those beside the repository.
+fn scenes_at_hand() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut folders = vec![root.join("scenes")];
+    let mut data = root.ancestors().skip(1).map(|folder| folder.join("shared/data"));
+    match data.find(|folder| folder.is_dir()) {
+        Some(data) => folders.extend([data.join("mitsuba-scenes"), data.join("peer-scenes")]),
+        None => println!("skipped: no folder of shared scenes"),
+    }
+    let mut files = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "xml") {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    files
+}
+
+/// The description, if the scene can be read here: some name meshes that are not there.
+fn try_describe(path: &Path) -> Option<SceneDescription> {
+    let mut document = document::load(path, &[]).unwrap();
+    let scene = read(&mut document);
+    if document.diagnostics.has_errors() {
+        println!("not saved: {}", document.diagnostics.list[0].message);
+        return None;
+    }
+    Some(scene)
+}
+
+#[test]
+fn every_scene_saved_unchanged_is_the_same_to_the_byte() {
+    let mut count = 0;
+    for path in scenes_at_hand() {
+        let Some(scene) = try_describe(&path) else { continue };
+        let files = files(&scene, &path).unwrap();
+        assert_eq!(files.len(), 1, "{}", path.display());
+        assert!(
+            files[0].1.as_bytes() == std::fs::read(&path).unwrap(),
+            "{}",
+            path.display()
+        );
+        count += 1;
+    }
+    println!("{count} scenes compared");
+    assert!(count >= 4);
+}
+
+#[test]
+fn every_scene_changes_in_few_lines_when_one_thing_is_moved_or_painted() {
+    for path in scenes_at_hand() {
+        let Some(scene) = try_describe(&path) else { continue };
+        let original = std::fs::read_to_string(&path).unwrap();
+        let saved = |scene: &SceneDescription| {
+            let (_, text) = files(scene, &path).unwrap().pop().unwrap();
+            let mut document = document::parse_str(&text, &path, &[]);
+            let again = read(&mut document);
+            assert!(!document.diagnostics.has_errors(), "{}", document.diagnostics);
+            (text, again)
+        };
+        let is_included = |identity: &Identity| identity.span.source != Default::default();
+        if let Some(index) = scene.shapes.iter().position(|shape| !is_included(&shape.identity)) {
+            let mut edited = scene.clone();
+            let place = &mut edited.shapes[index].to_world.translation;
+            place.x += 0.5 + place.x.abs();
+            let wanted = edited.shapes[index].to_world;
+            let (text, again) = saved(&edited);
+            let (gone, come) = difference(&original, &text);
+            // A new transform is three lines; a matrix may be written over several lines, of which up to three hold the place.
+            assert!(
+                gone.len() <= 3 && come.len() <= 4,
+                "{}: {gone:#?} {come:#?}",
+                path.display()
+            );
+            let size = wanted
+                .to_cols_array()
+                .iter()
+                .fold(1.0f32, |most, number| most.max(number.abs()));
+            assert!(
+                again.shapes[index].to_world.abs_diff_eq(wanted, 1e-4 * size),
+                "{}",
+                path.display()
+            );
+            assert_eq!(again.shapes.len(), scene.shapes.len());
+        }
+        let paint = scene.materials.iter().position(|material| {
+            matches!(material.material, Material::Diffuse { .. }) && !is_included(&material.identity)
+        });
+        if let Some(index) = paint {
+            let mut edited = scene.clone();
+            let color = Vec3::new(0.125, 0.25, 0.625);
+            set_reflectance(&mut edited.materials[index].material, color);
+            let (text, again) = saved(&edited);
+            let (gone, come) = difference(&original, &text);
+            // One line for another; a texture that the colour takes the place of may have several, and goes.
+            assert!(come.len() <= 3, "{}: {gone:#?} {come:#?}", path.display());
+            assert_eq!(again.materials[index].material, edited.materials[index].material);
+        }
+    }
+}
+
+#[test]
+fn a_value_keeps_its_spelling() {
+    let diffuse = |value: &str| format!("  <bsdf type='diffuse' id='a'>\n    {value} <!-- why -->\n  </bsdf>");
+    let one_line = |body: &str, edit: &dyn Fn(&mut SceneDescription), gone: &str, come: &str| {
+        let (was, is) = changes(body, |scene| edit(scene));
+        assert_eq!((was, is), (lines(&[gone]), lines(&[come])), "{body}");
+    };
+    let paint = |color: [f32; 3]| {
+        move |scene: &mut SceneDescription| {
+            set_reflectance(&mut scene.materials[0].material, color.into());
+        }
+    };
+    for (was, color, is) in [
+        (
+            "<rgb value = '0.50,0.2  0.10' name='reflectance' />",
+            [0.5, 0.3, 0.1],
+            "<rgb value = '0.50,0.3  0.10' name='reflectance' />",
+        ),
+        (
+            "<rgb name=\"reflectance\" value=\"0.5\"/>",
+            [0.25; 3],
+            "<rgb name=\"reflectance\" value=\"0.25\"/>",
+        ),
+        (
+            "<rgb name=\"reflectance\" value=\"0.5\"/>",
+            [0.5, 0.5, 1.0],
+            "<rgb name=\"reflectance\" value=\"0.5, 0.5, 1\"/>",
+        ),
+        (
+            "<rgb name='diffuseReflectance' value='#ff0000'/>",
+            [1.0, 0.5, 0.0],
+            "<rgb name='diffuseReflectance' value='1, 0.5, 0'/>",
+        ),
+        (
+            "<srgb name='reflectance' value='0.5'/>",
+            [0.5; 3],
+            "<rgb name=\"reflectance\" value=\"0.5, 0.5, 0.5\"/>",
+        ),
+        (
+            "<spectrum name='reflectance' value='0.5'/>",
+            [0.1; 3],
+            "<rgb name=\"reflectance\" value=\"0.1, 0.1, 0.1\"/>",
+        ),
+    ] {
+        let line = |value: &str| format!("    {value} <!-- why -->");
+        one_line(&diffuse(was), &paint(color), &line(was), &line(is));
+    }
+
+    let shift = |scene: &mut SceneDescription| scene.shapes[0].to_world.translation.x += 1.0;
+    for (was, is) in [
+        ("<translate x='1' z='2'/>", "<translate x='2' z='2'/>"),
+        ("<translate z='2'/>", "<translate z='2' x=\"1\"/>"),
+        ("<translate value='1  2  3'/>", "<translate value='2  2  3'/>"),
+        (
+            "<matrix value='1 0 0 5  0 1 0 0\t0 0 1.0 0 0 0 0 1'/>",
+            "<matrix value='1 0 0 6  0 1 0 0\t0 0 1.0 0 0 0 0 1'/>",
+        ),
+    ] {
+        // With a matrix only its own numbers can say it in one line.
+        let body = |step: &str| format!("  <shape type='cube'><transform name='toWorld'>{step}</transform></shape>");
+        if was.starts_with("<matrix") {
+            let (gone, come) = changes(&body(was), shift);
+            assert_eq!((gone.len(), come.len()), (1, 1));
+            assert!(
+                come[0].contains("<translate value=\"1, 0, 0\"/>") && come[0].contains(was),
+                "{come:?}"
+            );
+            continue;
+        }
+        one_line(&body(was), &shift, &body(was), &body(is));
+    }
+    let body = "  <shape type='cube'>\n    <transform name='to_world'>\n      <rotate y='1' angle='30'/>\n    </transform>\n  </shape>";
+    assert_eq!(
+        changes(body, shift),
+        (lines(&[]), lines(&["      <translate value=\"1, 0, 0\"/>"]))
+    );
+    let body = "  <emitter type='point'><point name='position' x='1' y='2.50' z='3'/></emitter>";
+    let (_, come) = changes(body, |scene| scene.emitters[0].to_world.translation.z = 9.0);
+    assert_eq!(come, lines(&[&body.replace("'3'", "'9'")]));
+}
+
+#[test]
+fn a_camera_changes_in_its_own_words() {
+    let text = "<scene version='3.0.0'><sensor type='perspective'>
+  <float name='fov' value='40'/>
+  <transform name='to_world'>
+    <lookat origin='0, 1, 4' target='0, 1, 0' up='0, 1, 0'/>
+  </transform>
+  <film type='hdrfilm'><integer name='width' value='$res'/><integer name='height' value='20'/></film>
+</sensor></scene>";
+    let text = text.replace("<sensor", "<default name='res' value='64'/>\n<sensor");
+    let folder = Folder::with(&[("main.xml", &text)]);
+    let new = folder.edited(|scene| {
+        scene.sensors[0].to_world.translation.x = 0.5;
+        scene.sensors[0].film.width = 100;
+    });
+    let (gone, come) = difference(&text, &new);
+    assert_eq!(gone.len(), 2);
+    assert!(
+        come[0].contains("origin='0.5, 1, 4' target='0.5, 1, 0' up='0, 1, 0'"),
+        "{come:?}"
+    );
+    assert!(come[1].contains("name='width' value='100'/>") && new.contains("<default name='res' value='64'/>"));
+}
+
+#[test]
+fn what_is_new_looks_like_its_neighbours() {
+    let sphere = |id: &str| ShapeDescription {
+        identity: Identity {
+            id: Some(id.to_owned()),
+            order: 100,
+            ..Default::default()
+        },
+        shape: Shape {
+            kind: ShapeKind::Sphere {
+                center: Vec3::ZERO,
+                radius: 2.0,
+            },
+            flip_normals: false,
+        },
+        to_world: Affine3A::IDENTITY,
+        material: None,
+        area_light: None,
+    };
+    let text = "\u{feff}<?xml version='1.0'?>\r\n<scene version='3.0.0'>\r\n\t<sensor type='perspective'/>\r\n\t<shape type='disk'/> <!-- d -->\r\n\r\n\t<!-- end -->\r\n</scene>\r\n";
+    let folder = Folder::with(&[("main.xml", text)]);
+    let new = folder.edited(|scene| {
+        scene.shapes.push(sphere("ball"));
+        scene.shapes[0].to_world.translation.y = 3.0;
+    });
+    let expected = "\u{feff}<?xml version='1.0'?>\r\n<scene version='3.0.0'>\r\n\t<sensor type='perspective'/>\r\n\t<shape type='disk'>\r\n\t\t<transform name=\"to_world\">\r\n\t\t\t<translate value=\"0, 3, 0\"/>\r\n\t\t</transform>\r\n\t</shape> <!-- d -->\r\n\t<shape type=\"sphere\" id=\"ball\">\r\n\t\t<point name=\"center\" value=\"0, 0, 0\"/>\r\n\t\t<float name=\"radius\" value=\"2\"/>\r\n\t\t<boolean name=\"flip_normals\" value=\"false\"/>\r\n\t</shape>\r\n\r\n\t<!-- end -->\r\n</scene>\r\n";
+    assert_eq!(new, expected);
+    let scene = folder.read("main.xml");
+    assert_eq!(scene.shapes[1].identity.id.as_deref(), Some("ball"));
+
+    // And goes again as it came.
+    let again = folder.edited(|scene| {
+        scene.shapes.pop();
+        scene.shapes[0].to_world = Affine3A::IDENTITY;
+    });
+    let expected = text.replace("<shape type='disk'/>", "<shape type='disk'>\r\n\t</shape>");
+    assert_eq!(again, expected);
+}
+
+#[test]
+fn a_new_material_is_written_once_and_referred_to() {
+    let body =
+        "  <shape type='sphere'/>\n  <shape type='disk'>\n    <!-- grey -->\n    <bsdf type='diffuse'/>\n  </shape>";
+    let (gone, come) = changes(body, |scene| {
+        scene.materials.push(MaterialDescription {
+            identity: Identity {
+                order: 50,
+                ..Default::default()
+            },
+            material: Material::Diffuse {
+                reflectance: Vec3::splat(0.25),
+            },
+            first: None,
+            second: None,
+            declared_in: DeclarationPlace::TopLevel,
+        });
+        let new = scene.materials.len() - 1;
+        scene.shapes[0].material = Some(new);
+        scene.shapes[1].material = Some(new);
+    });
+    assert_eq!(gone, lines(&["  <shape type='sphere'/>", "    <bsdf type='diffuse'/>"]));
+    let expected = [
+        "  <shape type='sphere'>",
+        "    <ref id=\"material-1\"/>",
+        "    <ref id=\"material-1\"/>",
+        "  </shape>",
+        "  <bsdf type=\"diffuse\" id=\"material-1\">",
+        "    <rgb name=\"reflectance\" value=\"0.25, 0.25, 0.25\"/>",
+        "  </bsdf>",
+    ];
+    assert_eq!(come, lines(&expected));
+}
+
+#[test]
+fn a_material_outlives_the_shape_it_was_written_in() {
+    let body = "  <shape type='sphere'>\n    <bsdf type='diffuse' id='paint'>\n      <!-- mixed by hand -->\n      <rgb name='reflectance' value='.1 .2 .3'/>\n    </bsdf>\n  </shape>\n  <shape type='disk'>\n    <ref id='paint'/>\n  </shape>";
+    let (_, come) = changes(body, |scene| {
+        scene.shapes.remove(0);
+        scene.materials[0].declared_in = DeclarationPlace::TopLevel;
+    });
+    let expected = [
+        "  <bsdf type='diffuse' id='paint'>",
+        "    <!-- mixed by hand -->",
+        "    <rgb name='reflectance' value='.1 .2 .3'/>",
+        "  </bsdf>",
+    ];
+    assert_eq!(come, lines(&expected));
+}
+
+#[test]
+fn another_type_keeps_what_fits() {
+    let body = "  <bsdf type='roughconductor' id='a'>\n    <string name='distribution' value='ggx'/>\n    <float name='alpha' value='0.2'/>\n    <unknown/> <!-- kept -->\n  </bsdf>";
+    let (gone, come) = changes(body, coloured(Vec3::splat(0.5)));
+    assert_eq!(gone[0], "  <bsdf type='roughconductor' id='a'>");
+    assert_eq!(come[0], "  <bsdf type='diffuse' id='a'>");
+    assert_eq!(gone.len(), 3, "{gone:?}");
+    assert_eq!(come.len(), 2, "{come:?}");
+}
+
+const PART: &str = "<scene version='3.0.0'>\n    <!-- shared -->\n    <bsdf type='diffuse' id='paint'>\n        <rgb name='reflectance' value='$tint'/>\n    </bsdf>\n    <shape type='obj'><string name='filename' value='a.obj'/></shape>\n</scene>\n";
+const MAIN: &str = "<scene version='3.0.0'>\n  <default name='tint' value='0.5'/>\n  <sensor type='perspective'/>\n  <path value='parts'/>\n  <include filename='part.xml'/> <!-- all of it -->\n  <shape type='disk'><ref id='paint'/></shape>\n</scene>\n";
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+fn with_parts() -> Folder {
+    Folder::with(&[
+        ("main.xml", MAIN),
+        ("parts/part.xml", PART),
+        ("parts/a.obj", TRIANGLE),
+        ("else/where/readme", ""),
+    ])
+}
+
+#[test]
+fn an_edit_in_an_included_file_is_saved_there() {
+    let folder = with_parts();
+    let main = folder.edited(coloured(Vec3::new(1.0, 0.5, 0.25)));
+    assert_eq!(main, MAIN);
+    assert_eq!(folder.text("parts/part.xml"), PART.replace("$tint", "1, 0.5, 0.25"));
+}
+
+#[test]
+fn an_edit_in_an_included_file_is_written_into_the_scene_when_that_goes_elsewhere() {
+    let folder = with_parts();
+    let mut scene = folder.read("main.xml");
+    let target = folder.path("else/where/new.xml");
+    save_description(&scene, &target).unwrap();
+    let unchanged = MAIN.replace("'parts'", "'../../parts'");
+    assert_eq!(folder.text("else/where/new.xml"), unchanged);
+
+    coloured(Vec3::splat(0.75))(&mut scene);
+    save_description(&scene, &target).unwrap();
+    assert_eq!(folder.text("parts/part.xml"), PART);
+    let part = "<!-- shared -->\n  <bsdf type='diffuse' id='paint'>\n      <rgb name='reflectance' value='0.75'/>\n  </bsdf>\n  <shape type='obj'><string name='filename' value='a.obj'/></shape>";
+    let expected = unchanged.replace("<include filename='part.xml'/>", part);
+    assert_eq!(folder.text("else/where/new.xml"), expected);
+    let again = folder.read("else/where/new.xml");
+    assert_eq!(again.shapes.len(), 2);
+    assert_eq!(again.materials[0].material, scene.materials[0].material);
+}
+
+#[test]
+fn one_of_two_uses_of_an_included_file_can_change() {
+    let material = "<bsdf version='3.0.0' type='diffuse'>\n\t<rgb name='reflectance' value='0.5'/>\n</bsdf>\n";
+    let main = "<scene version='3.0.0'>\n  <sensor type='perspective'/>\n  <shape type='disk'>\n    <include filename='paint.xml'/>\n  </shape>\n  <shape type='cube'>\n    <include filename='paint.xml'/>\n  </shape>\n</scene>\n";
+    let folder = Folder::with(&[("main.xml", main), ("paint.xml", material)]);
+    let new = folder.edited(|scene| set_reflectance(&mut scene.materials[1].material, Vec3::splat(0.125)));
+    assert_eq!(folder.text("paint.xml"), material);
+    let (gone, come) = difference(main, &new);
+    assert_eq!(gone, lines(&["    <include filename='paint.xml'/>"]));
+    let expected = [
+        "    <bsdf version='3.0.0' type='diffuse'>",
+        "    \t<rgb name='reflectance' value='0.125'/>",
+        "    </bsdf>",
+    ];
+    assert_eq!(come, lines(&expected));
+}
+
+#[test]
+fn names_of_files_change_only_where_they_must() {
+    let main = "<scene version='3.0.0'>\n  <sensor type='perspective'/>\n  <shape type='obj'><string name='filename' value='meshes/a.obj'/></shape>\n  <shape type='obj'><string name='filename' value='both.obj'/></shape>\n  <bsdf type='diffuse' id='b'><texture type='bitmap' name='reflectance'><string name='filename' value='no-such.png'/></texture></bsdf>\n</scene>\n";
+    let folder = Folder::with(&[
+        ("main.xml", main),
+        ("meshes/a.obj", TRIANGLE),
+        ("both.obj", TRIANGLE),
+        ("else/both.obj", TRIANGLE),
+    ]);
+    let scene = folder.read("main.xml");
+    save_description(&scene, &folder.path("other.xml")).unwrap();
+    assert_eq!(folder.text("other.xml"), main);
+    save_description(&scene, &folder.path("else/new.xml")).unwrap();
+    // The other `both.obj` is another file.
+    let expected = main
+        .replace("meshes/a.obj", "../meshes/a.obj")
+        .replace("'both.obj'", "'../both.obj'");
+    assert_eq!(folder.text("else/new.xml"), expected);
+}
+
+#[test]
+fn what_is_not_understood_stays_where_it_is() {
+    let body = "  <!-- before --><medium type='homogeneous' id='fog'><float name='scale' value='1e0'/></medium>
+  <?editor fold?>
+  <wonder><of a='1'>text</of></wonder>
+  <emitter type='envmap'><string name='filename' value='sky.exr'/></emitter>
+  <shape type='cube'   id='box'
+         extra='yes'>
+     <float name='mystery' value='007'/>
+     <bsdf type='measured' name='skin'><string name='filename' value='m.bsdf'/></bsdf>
+  </shape>
+  <emitter type='directional'><vector name='direction' x='1' y='2' z='3'/><rgb name='irradiance' value='1'/></emitter>";
+    let (gone, come) = changes(body, |scene| {
+        scene.emitters[0].emitter = Emitter::Directional {
+            irradiance: Vec3::splat(2.0),
+        };
+    });
+    assert_eq!((gone.len(), come.len()), (1, 1));
+    assert!(
+        come[0].ends_with("<rgb name='irradiance' value='2'/></emitter>"),
+        "{come:?}"
+    );
+    let (gone, come) = changes(body, moved(Vec3::X));
+    assert!(gone.is_empty() && come.len() == 3, "{gone:?} {come:?}");
+}
