@@ -1,5 +1,7 @@
 //! Colour: linear Rec. 709 RGB, its luminance, and the sRGB transfer function (IEC 61966-2-1).
 
+use std::sync::LazyLock;
+
 use glam::Vec3;
 
 /// Linear Rec. 709 RGB: a radiance, a reflectance or a weight, by context.
@@ -26,4 +28,11 @@ pub fn linear_from_srgb(encoded: f32) -> f32 {
     } else {
         ((encoded + 0.055) / 1.055).powf(2.4)
     }
+}
+
+/// An sRGB-encoded component of 8 bits to linear, by table.
+pub fn linear_from_srgb8(encoded: u8) -> f32 {
+    static LINEAR: LazyLock<[f32; 256]> =
+        LazyLock::new(|| std::array::from_fn(|code| linear_from_srgb(code as f32 / 255.0)));
+    LINEAR[usize::from(encoded)]
 }

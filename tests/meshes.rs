@@ -880,3 +880,41 @@ fn a_material_library_of_another_program() {
     assert_eq!((used.kd, used.ks), (Vec3::splat(0.64), Vec3::splat(0.05)));
     assert_eq!((used.ns, used.ni, used.d, used.illum), (30.0, 1.0, 1.0, Some(2)));
 }
+
+#[test]
+fn colours_of_a_ply_file_become_attributes() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+        property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\nproperty float heat_x\n\
+        element face 2\nproperty float paint_r\nproperty list uchar int vertex_indices\nproperty ushort paint_g\nproperty ushort paint_b\n\
+        end_header\n0 0 0 255 0 188 9 0.5\n1 0 0 0 255 188 9 1.5\n1 1 0 0 0 188 9 -2\n0 1 0 0 0 188 9 0\n\
+        0.25 4 0 1 2 3 65535 0\n0.5 3 0 1 2 0 65535\n";
+    let mesh = load_ply(text.as_bytes()).unwrap().mesh;
+    let names: Vec<&str> = mesh.attributes.iter().map(|attribute| &*attribute.name).collect();
+    // The list parts the first paint from the others, which cannot begin a group.
+    assert_eq!(names, ["vertex_color", "vertex_heat", "face_paint_color"]);
+
+    let value = |name: &str, triangle, at| mesh.attribute(name).unwrap().value(&mesh, triangle, at);
+    let color = value("vertex_color", 0, Vec3::new(0.5, 0.25, 0.25));
+    // Whole numbers are encoded as sRGB: 188 is 0.5029 linear.
+    assert!(
+        (color - Vec3::new(0.5, 0.25, 0.502_886)).abs().max_element() < 1e-5,
+        "{color}"
+    );
+    assert_eq!(value("vertex_heat", 1, Vec3::Y), Vec3::splat(-2.0));
+    // A quad is two triangles with one value.
+    assert_eq!(
+        [0, 1, 2].map(|triangle| value("face_paint_color", triangle, Vec3::X).x),
+        [0.25, 0.25, 0.5]
+    );
+    // Three bytes and one float per vertex, one float per triangle.
+    let bare = load_ply(
+        text.replace("red", "other")
+            .replace("heat_x", "heat")
+            .replace("paint_r", "paint")
+            .as_bytes(),
+    );
+    assert_eq!(
+        mesh.heap_bytes() - bare.unwrap().mesh.heap_bytes(),
+        4 * 3 + 4 * 4 + 3 * 4
+    );
+}

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::attribute::MeshAttribute;
 use super::vertex_normals::angle_weighted_normals;
 use crate::math::Aabb;
 
@@ -20,6 +21,8 @@ pub struct MeshData {
     /// [`MeshData::flip_tex_coords`].
     pub uvs: Vec<Vec2>,
     pub triangles: Vec<[u32; 3]>,
+    /// What else the file has to say of vertices or faces, each name once.
+    pub attributes: Vec<MeshAttribute>,
     /// Index into `materials` per triangle, or empty when the file names none.
     pub material_of_triangle: Vec<u16>,
     /// The materials of the file itself (OBJ's MTL), used by shapes that name no bsdf.
@@ -64,6 +67,10 @@ impl MeshData {
         0.5 * (b - a).cross(c - a).length()
     }
 
+    pub fn attribute(&self, name: &str) -> Option<&MeshAttribute> {
+        self.attributes.iter().find(|attribute| attribute.name == name)
+    }
+
     /// Memory held by the arrays, in bytes; names of materials are not counted.
     pub fn heap_bytes(&self) -> usize {
         fn held<T>(array: &Vec<T>) -> usize {
@@ -75,6 +82,11 @@ impl MeshData {
             + held(&self.triangles)
             + held(&self.material_of_triangle)
             + held(&self.materials)
+            + self
+                .attributes
+                .iter()
+                .map(|attribute| attribute.values.heap_bytes())
+                .sum::<usize>()
     }
 
     /// This mesh with smooth normals from its own triangles in place of any it had. Vertices that only share a position stay apart:

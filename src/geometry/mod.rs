@@ -1,5 +1,6 @@
 //! Shapes: what a ray meets, in the shape's own space, and the files meshes come from.
 
+pub mod attribute;
 pub mod disk;
 pub mod local;
 pub mod mesh;
@@ -8,7 +9,9 @@ mod mtl;
 pub mod obj;
 mod obj_lines;
 pub mod ply;
+mod ply_attributes;
 mod ply_header;
+mod ply_source;
 mod polygon;
 pub mod primitives;
 pub mod rectangle;

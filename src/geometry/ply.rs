@@ -2,16 +2,19 @@
 //!
 //! Of the vertices it takes `x y z`, `nx ny nz` and one pair of `u v`, `s t`, `texture_u texture_v`; of the faces the list `vertex_indices` (or
 //! `vertex_index`), polygons as fans around their first corner; `tristrips` as the Stanford archive has them, with -1 between strips.
-//! Everything else is skipped. Without normals in the file, smooth ones are computed over shared vertices, as Mitsuba does;
+//! Colours and other values in groups become attributes of the mesh, see [`super::ply_attributes`]; everything else is skipped. Without normals in the file, smooth ones are computed over shared vertices, as Mitsuba does;
 //! single normals that are zero or not finite are replaced likewise. The texture coordinates stay as they are.
 //!
 //! Counts of the header are checked against the bytes really there before anything is allocated or looped over.
 
 use glam::{Vec2, Vec3};
 
+use super::attribute::AttributeDomain;
 use super::mesh::MeshData;
-use super::mesh_file::{LoadedMesh, MeshError, Place, Warnings, excerpt};
+use super::mesh_file::{LoadedMesh, MeshError, Place, Warnings};
+use super::ply_attributes::Attributes;
 use super::ply_header::{Element, Format, Header, Kind, Scalar, parse_header};
+use super::ply_source::{Ascii, Binary, Source};
 use super::vertex_normals::{angle_weighted_normals, unit};
 
 /// Reads a whole PLY file. Errors name the line, or in a binary body the byte.
@@ -22,174 +25,6 @@ pub fn load_ply(bytes: &[u8]) -> Result<LoadedMesh, MeshError> {
         Format::Ascii => read_body(&header, Ascii::new(body, header.lines + 1)),
         Format::LittleEndian => read_body(&header, Binary::<false>::new(body, header.length)),
         Format::BigEndian => read_body(&header, Binary::<true>::new(body, header.length)),
-    }
-}
-
-/// Numbers of the body one after the other. An `f64` holds every number type of PLY exactly, but for integers beyond 2⁵³ that no index or
-/// position needs.
-trait Source {
-    fn number(&mut self, scalar: Scalar) -> Result<f64, MeshError>;
-    fn skip(&mut self, count: u64, scalar: Scalar) -> Result<(), MeshError>;
-    /// Of the number read last.
-    fn place(&self) -> Place;
-    fn bytes_left(&self) -> u64;
-    fn only_blanks_left(&self) -> bool;
-}
-
-struct Binary<'a, const BIG_ENDIAN: bool> {
-    rest: &'a [u8],
-    /// Of the end of `rest` in the file.
-    end: u64,
-    last: u64,
-}
-
-impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
-    fn new(body: &'a [u8], offset: usize) -> Self {
-        Self {
-            rest: body,
-            end: (offset + body.len()) as u64,
-            last: offset as u64,
-        }
-    }
-
-    #[inline]
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], MeshError> {
-        self.last = self.end - self.rest.len() as u64;
-        let Some((&taken, rest)) = self.rest.split_first_chunk::<N>() else {
-            return Err(self.ended());
-        };
-        self.rest = rest;
-        Ok(taken)
-    }
-
-    #[cold]
-    fn ended(&self) -> MeshError {
-        MeshError::Truncated {
-            place: Place::Byte(self.end),
-            promised: "the header promises more".into(),
-        }
-    }
-}
-
-impl<const BIG_ENDIAN: bool> Source for Binary<'_, BIG_ENDIAN> {
-    #[inline]
-    fn number(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
-        macro_rules! read {
-            ($number:ty) => {{
-                let bytes = self.take()?;
-                if BIG_ENDIAN {
-                    <$number>::from_be_bytes(bytes) as f64
-                } else {
-                    <$number>::from_le_bytes(bytes) as f64
-                }
-            }};
-        }
-        Ok(match scalar {
-            Scalar::I8 => read!(i8),
-            Scalar::U8 => read!(u8),
-            Scalar::I16 => read!(i16),
-            Scalar::U16 => read!(u16),
-            Scalar::I32 => read!(i32),
-            Scalar::U32 => read!(u32),
-            Scalar::I64 => read!(i64),
-            Scalar::U64 => read!(u64),
-            Scalar::F32 => read!(f32),
-            Scalar::F64 => read!(f64),
-        })
-    }
-
-    fn skip(&mut self, count: u64, scalar: Scalar) -> Result<(), MeshError> {
-        let bytes = count.saturating_mul(scalar.size() as u64);
-        self.rest = usize::try_from(bytes)
-            .ok()
-            .and_then(|bytes| self.rest.get(bytes..))
-            .ok_or_else(|| self.ended())?;
-        Ok(())
-    }
-
-    fn place(&self) -> Place {
-        Place::Byte(self.last)
-    }
-
-    fn bytes_left(&self) -> u64 {
-        self.rest.len() as u64
-    }
-
-    fn only_blanks_left(&self) -> bool {
-        self.rest.trim_ascii().is_empty()
-    }
-}
-
-struct Ascii<'a> {
-    rest: &'a [u8],
-    line: u64,
-}
-
-impl<'a> Ascii<'a> {
-    fn new(body: &'a [u8], line: u64) -> Self {
-        Self { rest: body, line }
-    }
-
-    fn word(&mut self) -> Result<&'a [u8], MeshError> {
-        while let [first, rest @ ..] = self.rest
-            && first.is_ascii_whitespace()
-        {
-            let ends_line = *first == b'\n' || (*first == b'\r' && rest.first() != Some(&b'\n'));
-            self.line += u64::from(ends_line);
-            self.rest = rest;
-        }
-        let length = self
-            .rest
-            .iter()
-            .position(u8::is_ascii_whitespace)
-            .unwrap_or(self.rest.len());
-        let (word, rest) = self.rest.split_at(length);
-        if word.is_empty() {
-            return Err(MeshError::Truncated {
-                place: Place::Line(self.line),
-                promised: "the header promises more".into(),
-            });
-        }
-        self.rest = rest;
-        Ok(word)
-    }
-}
-
-impl Source for Ascii<'_> {
-    fn number(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
-        let word = self.word()?;
-        // Most are short whole numbers, above all in faces.
-        if word.len() <= 9 && word.iter().all(u8::is_ascii_digit) {
-            return Ok(word
-                .iter()
-                .fold(0u32, |number, digit| 10 * number + u32::from(digit - b'0'))
-                .into());
-        }
-        let parsed = std::str::from_utf8(word).ok().and_then(|text| match scalar {
-            // Rounded once, so that the text gives the very float a binary file of it would hold.
-            Scalar::F32 => text.parse::<f32>().ok().map(f64::from),
-            _ => text.parse().ok(),
-        });
-        parsed.ok_or_else(|| MeshError::syntax(self.place(), "a number", excerpt(word)))
-    }
-
-    fn skip(&mut self, count: u64, _: Scalar) -> Result<(), MeshError> {
-        for _ in 0..count {
-            self.word()?;
-        }
-        Ok(())
-    }
-
-    fn place(&self) -> Place {
-        Place::Line(self.line)
-    }
-
-    fn bytes_left(&self) -> u64 {
-        self.rest.len() as u64
-    }
-
-    fn only_blanks_left(&self) -> bool {
-        self.rest.trim_ascii().is_empty()
     }
 }
 
@@ -318,7 +153,7 @@ fn list_length(count: Scalar, source: &mut impl Source) -> Result<u64, MeshError
     }
 }
 
-/// What of a vertex is kept, in this order; anything else goes to the last place.
+/// What of a vertex is geometry, in this order; what nobody wants goes to the next place, and attributes follow.
 const SLOTS: [&[&str]; 8] = [
     &["x"],
     &["y"],
@@ -330,6 +165,7 @@ const SLOTS: [&[&str]; 8] = [
     &["v", "t", "texture_v"],
 ];
 const UNUSED: usize = SLOTS.len();
+const FIRST_ATTRIBUTE: usize = UNUSED + 1;
 
 fn read_vertices(element: &Element, source: &mut impl Source, mesh: &mut MeshData) -> Result<(), MeshError> {
     let uv_names = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]]
@@ -341,9 +177,18 @@ fn read_vertices(element: &Element, source: &mut impl Source, mesh: &mut MeshDat
         let is_wanted = slot < 6 || uv_names.is_some_and(|pair| pair.contains(&name));
         if is_wanted { slot } else { UNUSED }
     };
-    let plan: Vec<(Kind, usize)> = element.properties.iter().map(|p| (p.kind, slot_of(&p.name))).collect();
-
     let count = element.count as usize;
+    let is_geometry = |name: &str| slot_of(name) != UNUSED;
+    let mut attributes = Attributes::new(element, AttributeDomain::Vertex, is_geometry, count);
+    let plan: Vec<(Kind, usize)> = element
+        .properties
+        .iter()
+        .enumerate()
+        .map(|(i, property)| {
+            let slot = attributes.place_of(i).map(|place| FIRST_ATTRIBUTE + place);
+            (property.kind, slot.unwrap_or_else(|| slot_of(&property.name)))
+        })
+        .collect();
     mesh.positions.reserve_exact(count);
     mesh.normals.reserve_exact(if has_normals { count } else { 0 });
     mesh.uvs.reserve_exact(if uv_names.is_some() { count } else { 0 });
@@ -351,6 +196,9 @@ fn read_vertices(element: &Element, source: &mut impl Source, mesh: &mut MeshDat
         let mut record = [0.0f32; UNUSED + 1];
         for &(kind, slot) in &plan {
             match kind {
+                Kind::Scalar(scalar) if slot >= FIRST_ATTRIBUTE => {
+                    attributes.set(slot - FIRST_ATTRIBUTE, source.number(scalar)?);
+                }
                 Kind::Scalar(scalar) => {
                     record[slot] = source.number(scalar)? as f32;
                     if slot < 3 && !record[slot].is_finite() {
@@ -369,7 +217,9 @@ fn read_vertices(element: &Element, source: &mut impl Source, mesh: &mut MeshDat
             let uv = Vec2::new(u, v);
             mesh.uvs.push(if uv.is_finite() { uv } else { Vec2::ZERO });
         }
+        attributes.push(1);
     }
+    mesh.attributes.extend(attributes.finish());
     Ok(())
 }
 
@@ -398,11 +248,17 @@ fn read_faces(
     mesh: &mut MeshData,
     warnings: &mut Warnings,
 ) -> Result<(), MeshError> {
-    mesh.triangles.reserve(element.count as usize);
-    for _ in 0..element.count {
-        for property in &element.properties {
+    let faces = element.count as usize;
+    mesh.triangles.reserve(faces);
+    let mut attributes = Attributes::new(element, AttributeDomain::Triangle, |_| false, faces);
+    for _ in 0..faces {
+        let before = mesh.triangles.len();
+        for (i, property) in element.properties.iter().enumerate() {
             let Kind::List { count, item } = property.kind else {
-                skip_property(property.kind, source)?;
+                match (attributes.place_of(i), property.kind) {
+                    (Some(place), Kind::Scalar(scalar)) => attributes.set(place, source.number(scalar)?),
+                    _ => skip_property(property.kind, source)?,
+                }
                 continue;
             };
             if !is_index_list(&property.name, property.kind) {
@@ -423,7 +279,9 @@ fn read_faces(
                 last = next;
             }
         }
+        attributes.push(mesh.triangles.len() - before);
     }
+    mesh.attributes.extend(attributes.finish());
     Ok(())
 }
 

@@ -52,6 +52,21 @@ impl Scalar {
         }
     }
 
+    /// The largest value of a type of whole numbers.
+    pub fn largest_whole(self) -> Option<f64> {
+        Some(match self {
+            Self::I8 => i8::MAX.into(),
+            Self::U8 => u8::MAX.into(),
+            Self::I16 => i16::MAX.into(),
+            Self::U16 => u16::MAX.into(),
+            Self::I32 => i32::MAX.into(),
+            Self::U32 => u32::MAX.into(),
+            Self::I64 => i64::MAX as f64,
+            Self::U64 => u64::MAX as f64,
+            Self::F32 | Self::F64 => return None,
+        })
+    }
+
     pub fn is_float(self) -> bool {
         matches!(self, Self::F32 | Self::F64)
     }

@@ -5,7 +5,8 @@ use glam::{Affine2, Vec2};
 use super::Parameter;
 use crate::color::Rgb;
 
-/// Two by two squares per unit of transformed uv, `colors[0]` at the origin.
+/// Two by two squares per unit of transformed uv. As a colour, `colors[0]` is at the origin; as a number it is `colors[1]`: that is how
+/// Mitsuba 3.9 has it, and its scenes are made to look right there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checkerboard {
     pub colors: [Parameter<Rgb>; 2],
@@ -13,10 +14,19 @@ pub struct Checkerboard {
 }
 
 impl Checkerboard {
-    /// The colour of the square that `uv` lies in.
-    pub(super) fn square(&self, uv: Vec2) -> Parameter<Rgb> {
+    /// What the square that `uv` lies in looks like.
+    pub(super) fn color(&self, uv: Vec2) -> Parameter<Rgb> {
+        self.colors[usize::from(self.is_odd(uv))]
+    }
+
+    /// What gives the number of the square that `uv` lies in.
+    pub(super) fn number(&self, uv: Vec2) -> Parameter<Rgb> {
+        self.colors[usize::from(!self.is_odd(uv))]
+    }
+
+    fn is_odd(&self, uv: Vec2) -> bool {
         let uv = self.to_uv.transform_point2(uv);
         let second_half = |x: f32| x - x.floor() > 0.5;
-        self.colors[usize::from(second_half(uv.x) != second_half(uv.y))]
+        second_half(uv.x) != second_half(uv.y)
     }
 }

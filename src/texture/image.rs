@@ -7,7 +7,7 @@ use std::sync::{LazyLock, OnceLock};
 use exr::prelude::f16;
 use glam::DVec3;
 
-use crate::color::{Rgb, linear_from_srgb};
+use crate::color::{Rgb, linear_from_srgb, linear_from_srgb8};
 
 /// Samples row by row from the top left, the channels of a pixel side by side. Integers stand for [0, 1].
 #[derive(Clone, Debug, PartialEq)]
@@ -91,7 +91,7 @@ impl Image {
         };
         let decoded = self.transfer == Transfer::Srgb && !raw;
         match &self.samples {
-            Samples::U8(samples) if decoded => color(&|i| LINEAR_FROM_8_BITS[usize::from(samples[i])]),
+            Samples::U8(samples) if decoded => color(&|i| linear_from_srgb8(samples[i])),
             Samples::U8(samples) => color(&|i| f32::from(samples[i]) / 255.0),
             Samples::U16(samples) if decoded => color(&|i| LINEAR_FROM_16_BITS[usize::from(samples[i])]),
             Samples::U16(samples) => color(&|i| f32::from(samples[i]) / 65_535.0),
@@ -120,14 +120,12 @@ impl Image {
     }
 }
 
-/// One linear value per code.
-fn decoding_table(codes: u32) -> Box<[f32]> {
-    let last = (codes - 1) as f32;
-    (0..codes).map(|code| linear_from_srgb(code as f32 / last)).collect()
-}
-
-static LINEAR_FROM_8_BITS: LazyLock<Box<[f32]>> = LazyLock::new(|| decoding_table(1 << 8));
-static LINEAR_FROM_16_BITS: LazyLock<Box<[f32]>> = LazyLock::new(|| decoding_table(1 << 16));
+/// Too many to compute at each look, and 16-bit pictures are not rare.
+static LINEAR_FROM_16_BITS: LazyLock<Box<[f32]>> = LazyLock::new(|| {
+    (0..=u16::MAX)
+        .map(|code| linear_from_srgb(f32::from(code) / 65_535.0))
+        .collect()
+});
 
 #[cfg(test)]
 mod tests {

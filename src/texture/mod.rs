@@ -3,10 +3,12 @@
 //! A texture maps a [`TexturePoint`] to a colour (linear Rec. 709) or a number. Parameters of materials and lights are either constant
 //! or name a texture of the scene's [`TextureTable`]; light transport sees numbers only.
 
+mod bitmap;
 mod checkerboard;
 mod exr_file;
 mod image;
 mod image_file;
+mod mesh_attribute;
 mod pfm_file;
 
 use glam::{Vec2, Vec3};
@@ -14,9 +16,11 @@ use glam::{Vec2, Vec3};
 use crate::color::{Rgb, luminance};
 use crate::geometry::mesh::MeshData;
 
+pub use bitmap::{Bitmap, Filter, Wrap};
 pub use checkerboard::Checkerboard;
 pub use image::{Image, Samples, Transfer};
 pub use image_file::{ImageFileError, load_image};
+pub use mesh_attribute::MeshAttribute;
 
 /// An index into a [`TextureTable`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -49,7 +53,9 @@ pub struct MeshPoint<'a> {
 /// A texture with its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texture {
+    Bitmap(Bitmap),
     Checkerboard(Checkerboard),
+    MeshAttribute(MeshAttribute),
 }
 
 /// All textures of a scene. A texture may only refer to others before it.
@@ -79,13 +85,59 @@ impl TextureTable {
     pub fn float(&self, parameter: Parameter<f32>, at: &TexturePoint) -> f32 {
         match parameter {
             Parameter::Constant(number) => number,
-            Parameter::Texture(id) => luminance(self.color_of(id, at)),
+            Parameter::Texture(id) => self.float_of(id, at),
+        }
+    }
+
+    /// How [`Self::float`] changes with u and v, in units per unit of uv: what bumps are made of. Zero but for bilinear bitmaps, as in Mitsuba.
+    pub fn gradient(&self, parameter: Parameter<f32>, at: &TexturePoint) -> Vec2 {
+        match parameter {
+            Parameter::Constant(_) => Vec2::ZERO,
+            Parameter::Texture(id) => match &self.textures[id.0 as usize] {
+                Texture::Bitmap(bitmap) => bitmap.gradient(at.uv),
+                Texture::Checkerboard(_) | Texture::MeshAttribute(_) => Vec2::ZERO,
+            },
+        }
+    }
+
+    /// Average colour over uv.
+    pub fn mean_color(&self, parameter: Parameter<Rgb>) -> Rgb {
+        match parameter {
+            Parameter::Constant(color) => color,
+            Parameter::Texture(id) => match &self.textures[id.0 as usize] {
+                Texture::Bitmap(bitmap) => bitmap.mean(),
+                Texture::Checkerboard(checkerboard) => {
+                    let [a, b] = checkerboard.colors.map(|color| self.mean_color(color));
+                    0.5 * (a + b)
+                }
+                Texture::MeshAttribute(attribute) => Rgb::splat(attribute.mean()),
+            },
+        }
+    }
+
+    /// Average of [`Self::float`] over uv.
+    pub fn mean_float(&self, parameter: Parameter<f32>) -> f32 {
+        match parameter {
+            Parameter::Constant(number) => number,
+            Parameter::Texture(id) => luminance(self.mean_color(Parameter::Texture(id))),
         }
     }
 
     fn color_of(&self, id: TextureId, at: &TexturePoint) -> Rgb {
         match &self.textures[id.0 as usize] {
-            Texture::Checkerboard(checkerboard) => self.color(checkerboard.square(at.uv), at),
+            Texture::Bitmap(bitmap) => bitmap.color(at.uv),
+            Texture::Checkerboard(checkerboard) => self.color(checkerboard.color(at.uv), at),
+            Texture::MeshAttribute(attribute) => attribute.color(at.mesh),
+        }
+    }
+
+    fn float_of(&self, id: TextureId, at: &TexturePoint) -> f32 {
+        match &self.textures[id.0 as usize] {
+            Texture::Checkerboard(checkerboard) => match checkerboard.number(at.uv) {
+                Parameter::Constant(color) => luminance(color),
+                Parameter::Texture(nested) => self.float_of(nested, at),
+            },
+            Texture::Bitmap(_) | Texture::MeshAttribute(_) => luminance(self.color_of(id, at)),
         }
     }
 }

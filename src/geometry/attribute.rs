@@ -1,0 +1,77 @@
+//! Further values of a mesh: one number or colour per vertex or per triangle.
+
+use glam::Vec3;
+
+use super::mesh::MeshData;
+use crate::color::linear_from_srgb8;
+
+/// A named array of values. Its name begins with `vertex_` or `face_`, as in Mitsuba, whatever it belongs to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshAttribute {
+    pub name: String,
+    pub domain: AttributeDomain,
+    /// Per element: 1, or 3 for a colour.
+    pub channels: usize,
+    /// `channels` for each vertex or triangle, element by element.
+    pub values: AttributeValues,
+}
+
+/// What an attribute has one value for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AttributeDomain {
+    Vertex,
+    /// A polygon's value is repeated for each of its triangles.
+    Triangle,
+}
+
+/// Kept as compact as in the file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AttributeValues {
+    /// 0 to 255 stand for [0, 1], encoded as sRGB: so Mitsuba reads whole numbers.
+    Srgb8(Vec<u8>),
+    F32(Vec<f32>),
+}
+
+impl AttributeValues {
+    fn get(&self, i: usize) -> Option<f32> {
+        match self {
+            Self::Srgb8(values) => values.get(i).map(|&value| linear_from_srgb8(value)),
+            Self::F32(values) => values.get(i).copied(),
+        }
+    }
+
+    /// Memory held, in bytes.
+    pub(super) fn heap_bytes(&self) -> usize {
+        match self {
+            Self::Srgb8(values) => values.capacity(),
+            Self::F32(values) => 4 * values.capacity(),
+        }
+    }
+}
+
+impl MeshAttribute {
+    /// The value on a triangle of `mesh`, interpolated between corners by their weights; a single number is a grey. Zero outside of the mesh.
+    pub fn value(&self, mesh: &MeshData, triangle: u32, barycentric: Vec3) -> Vec3 {
+        match self.domain {
+            AttributeDomain::Triangle => self.element(triangle),
+            AttributeDomain::Vertex => {
+                let Some(&[a, b, c]) = mesh.triangles.get(triangle as usize) else {
+                    return Vec3::ZERO;
+                };
+                barycentric.x * self.element(a) + barycentric.y * self.element(b) + barycentric.z * self.element(c)
+            }
+        }
+    }
+
+    fn element(&self, element: u32) -> Vec3 {
+        let value = |channel| {
+            self.values
+                .get(self.channels * element as usize + channel)
+                .unwrap_or(0.0)
+        };
+        match self.channels {
+            1 => Vec3::splat(value(0)),
+            _ => Vec3::new(value(0), value(1), value(2)),
+        }
+    }
+}

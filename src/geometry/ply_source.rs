@@ -1,0 +1,172 @@
+//! The numbers of a PLY body, be it text or binary in either byte order.
+
+use super::mesh_file::{MeshError, Place, excerpt};
+use super::ply_header::Scalar;
+
+/// Numbers of the body one after the other. An `f64` holds every number type of PLY exactly, but for integers beyond 2⁵³ that no index or
+/// position needs.
+pub(super) trait Source {
+    fn number(&mut self, scalar: Scalar) -> Result<f64, MeshError>;
+    fn skip(&mut self, count: u64, scalar: Scalar) -> Result<(), MeshError>;
+    /// Of the number read last.
+    fn place(&self) -> Place;
+    fn bytes_left(&self) -> u64;
+    fn only_blanks_left(&self) -> bool;
+}
+
+pub(super) struct Binary<'a, const BIG_ENDIAN: bool> {
+    rest: &'a [u8],
+    /// Of the end of `rest` in the file.
+    end: u64,
+    last: u64,
+}
+
+impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
+    pub(super) fn new(body: &'a [u8], offset: usize) -> Self {
+        Self {
+            rest: body,
+            end: (offset + body.len()) as u64,
+            last: offset as u64,
+        }
+    }
+
+    #[inline]
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], MeshError> {
+        self.last = self.end - self.rest.len() as u64;
+        let Some((&taken, rest)) = self.rest.split_first_chunk::<N>() else {
+            return Err(self.ended());
+        };
+        self.rest = rest;
+        Ok(taken)
+    }
+
+    #[cold]
+    fn ended(&self) -> MeshError {
+        MeshError::Truncated {
+            place: Place::Byte(self.end),
+            promised: "the header promises more".into(),
+        }
+    }
+}
+
+impl<const BIG_ENDIAN: bool> Source for Binary<'_, BIG_ENDIAN> {
+    #[inline]
+    fn number(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
+        macro_rules! read {
+            ($number:ty) => {{
+                let bytes = self.take()?;
+                if BIG_ENDIAN {
+                    <$number>::from_be_bytes(bytes) as f64
+                } else {
+                    <$number>::from_le_bytes(bytes) as f64
+                }
+            }};
+        }
+        Ok(match scalar {
+            Scalar::I8 => read!(i8),
+            Scalar::U8 => read!(u8),
+            Scalar::I16 => read!(i16),
+            Scalar::U16 => read!(u16),
+            Scalar::I32 => read!(i32),
+            Scalar::U32 => read!(u32),
+            Scalar::I64 => read!(i64),
+            Scalar::U64 => read!(u64),
+            Scalar::F32 => read!(f32),
+            Scalar::F64 => read!(f64),
+        })
+    }
+
+    fn skip(&mut self, count: u64, scalar: Scalar) -> Result<(), MeshError> {
+        let bytes = count.saturating_mul(scalar.size() as u64);
+        self.rest = usize::try_from(bytes)
+            .ok()
+            .and_then(|bytes| self.rest.get(bytes..))
+            .ok_or_else(|| self.ended())?;
+        Ok(())
+    }
+
+    fn place(&self) -> Place {
+        Place::Byte(self.last)
+    }
+
+    fn bytes_left(&self) -> u64 {
+        self.rest.len() as u64
+    }
+
+    fn only_blanks_left(&self) -> bool {
+        self.rest.trim_ascii().is_empty()
+    }
+}
+
+pub(super) struct Ascii<'a> {
+    rest: &'a [u8],
+    line: u64,
+}
+
+impl<'a> Ascii<'a> {
+    pub(super) fn new(body: &'a [u8], line: u64) -> Self {
+        Self { rest: body, line }
+    }
+
+    fn word(&mut self) -> Result<&'a [u8], MeshError> {
+        while let [first, rest @ ..] = self.rest
+            && first.is_ascii_whitespace()
+        {
+            let ends_line = *first == b'\n' || (*first == b'\r' && rest.first() != Some(&b'\n'));
+            self.line += u64::from(ends_line);
+            self.rest = rest;
+        }
+        let length = self
+            .rest
+            .iter()
+            .position(u8::is_ascii_whitespace)
+            .unwrap_or(self.rest.len());
+        let (word, rest) = self.rest.split_at(length);
+        if word.is_empty() {
+            return Err(MeshError::Truncated {
+                place: Place::Line(self.line),
+                promised: "the header promises more".into(),
+            });
+        }
+        self.rest = rest;
+        Ok(word)
+    }
+}
+
+impl Source for Ascii<'_> {
+    fn number(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
+        let word = self.word()?;
+        // Most are short whole numbers, above all in faces.
+        if word.len() <= 9 && word.iter().all(u8::is_ascii_digit) {
+            return Ok(word
+                .iter()
+                .fold(0u32, |number, digit| 10 * number + u32::from(digit - b'0'))
+                .into());
+        }
+        let parsed = std::str::from_utf8(word).ok().and_then(|text| match scalar {
+            // Rounded once, so that the text gives the very float a binary file of it would hold.
+            Scalar::F32 => text.parse::<f32>().ok().map(f64::from),
+            _ => text.parse().ok(),
+        });
+        parsed.ok_or_else(|| MeshError::syntax(self.place(), "a number", excerpt(word)))
+    }
+
+    fn skip(&mut self, count: u64, _: Scalar) -> Result<(), MeshError> {
+        for _ in 0..count {
+            self.word()?;
+        }
+        Ok(())
+    }
+
+    fn place(&self) -> Place {
+        Place::Line(self.line)
+    }
+
+    fn bytes_left(&self) -> u64 {
+        self.rest.len() as u64
+    }
+
+    fn only_blanks_left(&self) -> bool {
+        self.rest.trim_ascii().is_empty()
+    }
+}
