@@ -1,8 +1,11 @@
 //! The choice of a light for a sample.
 //!
-//! Lights at infinity have a fixed share of the samples, in which each has a part in proportion to the irradiance it can give.
+//! Lights at infinity have a fixed share of the samples, in which each has a part in proportion to the irradiance it can give. The
+//! others are chosen for each reference point by a tree.
 
 use super::LightReference;
+use super::bounds::LightBounds;
+use super::tree::LightTree;
 use crate::sampling::DiscreteDistribution;
 
 /// What was chosen, as an index into the list it came from.
@@ -15,7 +18,7 @@ pub(super) enum Chosen {
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct LightChoice {
-    finite: Option<DiscreteDistribution>,
+    finite: Option<LightTree>,
     infinite: Option<DiscreteDistribution>,
     /// Probability of choosing among the lights at infinity.
     infinite_share: f32,
@@ -25,9 +28,10 @@ pub(super) struct LightChoice {
 const INFINITE_SHARE: f32 = 0.5;
 
 impl LightChoice {
-    /// From the weights of the parts of finite lights and of the infinite lights; what has weight 0 is never chosen.
-    pub fn new(finite: &[f32], infinite: &[f32]) -> Self {
-        let finite = DiscreteDistribution::new(finite);
+    /// From the bounds of the parts of finite lights and the weights of the infinite lights. What has no bounds, or weight 0, is never
+    /// chosen.
+    pub fn new(finite: &[Option<LightBounds>], infinite: &[f32]) -> Self {
+        let finite = LightTree::build(finite);
         let infinite = DiscreteDistribution::new(infinite);
         let infinite_share = match (&finite, &infinite) {
             (Some(_), Some(_)) => INFINITE_SHARE,
@@ -41,23 +45,29 @@ impl LightChoice {
         }
     }
 
-    /// The choice that `u` in [0, 1) stands for, with its probability; None if nothing shines.
-    pub fn sample(&self, _reference: &LightReference, u: f32) -> Option<(Chosen, f32)> {
-        if u < self.infinite_share {
-            let sample = self.infinite.as_ref()?.sample(u / self.infinite_share);
+    /// The choice that `u` in [0, 1) stands for, with its probability; None if nothing shines on `reference`.
+    pub fn sample(&self, reference: &LightReference, u: f64) -> Option<(Chosen, f32)> {
+        let infinite_share = f64::from(self.infinite_share);
+        if u < infinite_share {
+            let sample = self.infinite.as_ref()?.sample((u / infinite_share) as f32);
             return Some((Chosen::Infinite(sample.index), self.infinite_share * sample.pmf));
         }
-        let finite_share = 1.0 - self.infinite_share;
-        let sample = self.finite.as_ref()?.sample((u - self.infinite_share) / finite_share);
-        Some((Chosen::Part(sample.index), finite_share * sample.pmf))
+        let u = (u - infinite_share) / (1.0 - infinite_share);
+        let (part, pmf) = self.finite.as_ref()?.sample(reference, u)?;
+        Some((Chosen::Part(part), (1.0 - self.infinite_share) * pmf))
     }
 
     /// The probability with which [`Self::sample`] makes this choice.
-    pub fn pmf(&self, _reference: &LightReference, chosen: Chosen) -> f32 {
-        let of = |choice: &Option<DiscreteDistribution>, index| choice.as_ref().map_or(0.0, |choice| choice.pmf(index));
+    pub fn pmf(&self, reference: &LightReference, chosen: Chosen) -> f32 {
         match chosen {
-            Chosen::Part(part) => (1.0 - self.infinite_share) * of(&self.finite, part),
-            Chosen::Infinite(index) => self.infinite_share * of(&self.infinite, index),
+            Chosen::Part(part) => {
+                let pmf = self.finite.as_ref().map_or(0.0, |tree| tree.pmf(reference, part));
+                (1.0 - self.infinite_share) * pmf
+            }
+            Chosen::Infinite(index) => {
+                let pmf = self.infinite.as_ref().map_or(0.0, |choice| choice.pmf(index));
+                self.infinite_share * pmf
+            }
         }
     }
 }

@@ -3,14 +3,13 @@
 //! An emitter has one part or more (a mesh has one per triangle), each of which is chosen by itself. Densities are given the part; the
 //! probability of the part is the table's.
 
-use std::f32::consts::PI;
-
 use glam::{Vec2, Vec3};
 
+use super::bounds::LightBounds;
 use super::point::PointLight;
 use super::surface::{SurfaceHit, SurfaceLight};
 use super::{LightReference, LightSample};
-use crate::color::{Rgb, luminance};
+use crate::color::Rgb;
 
 #[derive(Clone, Debug)]
 pub(super) enum FiniteLight {
@@ -34,11 +33,11 @@ impl FiniteLight {
         }
     }
 
-    /// Radiant flux (luminance, W) of a part.
-    pub fn power(&self, part: u32) -> f32 {
+    /// Where a part is and how it shines; the intensity is zero if it does not.
+    pub fn bounds(&self, part: u32) -> LightBounds {
         match self {
-            Self::Surface(light) => light.power(part),
-            Self::Point(light) => 4.0 * PI * luminance(light.intensity),
+            Self::Surface(light) => light.bounds(part),
+            Self::Point(light) => light.bounds(),
         }
     }
 

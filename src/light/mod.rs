@@ -6,8 +6,9 @@
 //! Directions here are in world space.
 //!
 //! Emitters (`finite.rs`, `infinite.rs` and one file per kind) know how to be sampled and how much they send; which of them a sample
-//! goes to is `choice.rs`'s.
+//! goes to is the matter of `choice.rs` and the tree.
 
+mod bounds;
 mod choice;
 mod constant;
 mod directional;
@@ -18,6 +19,7 @@ mod rectangle;
 mod sphere;
 mod surface;
 mod table;
+mod tree;
 mod triangle;
 
 use glam::Vec3;

@@ -2,8 +2,10 @@
 
 use glam::Vec3;
 
+use super::bounds::{LightBounds, NormalCone};
 use super::{LightSample, Target};
-use crate::color::Rgb;
+use crate::color::{Rgb, luminance};
+use crate::math::Aabb;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PointLight {
@@ -13,6 +15,15 @@ pub(super) struct PointLight {
 }
 
 impl PointLight {
+    pub fn bounds(&self) -> LightBounds {
+        LightBounds {
+            bounds: Aabb::from_points([self.position]),
+            cone: NormalCone::ALL,
+            cos_emission: 0.0,
+            intensity: luminance(self.intensity),
+        }
+    }
+
     /// None at the very point.
     pub fn sample(&self, reference: Vec3) -> Option<LightSample> {
         let to_light = self.position - reference;

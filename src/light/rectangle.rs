@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::surface::{SurfaceHit, SurfaceSample, solid_angle_pdf};
+use crate::math::Aabb;
 use crate::sampling::SphericalRectangle;
 
 /// `corner + a edge_u + b edge_v`, a and b in [0, 1].
@@ -28,6 +29,20 @@ impl RectangleLight {
 
     pub fn area(&self) -> f32 {
         1.0 / self.pdf_area
+    }
+
+    pub fn bounds(&self) -> Aabb {
+        let opposite = self.corner + self.edge_u + self.edge_v;
+        Aabb::from_points([
+            self.corner,
+            self.corner + self.edge_u,
+            self.corner + self.edge_v,
+            opposite,
+        ])
+    }
+
+    pub fn normal(&self) -> Vec3 {
+        self.normal
     }
 
     /// Uniform in solid angle where the rectangle allows it, else uniform in area.

@@ -4,13 +4,14 @@ use std::f32::consts::PI;
 
 use glam::{Affine3A, Vec2, Vec3};
 
+use super::bounds::{LightBounds, NormalCone};
 use super::rectangle::RectangleLight;
 use super::sphere::{EllipsoidLight, SphereLight};
 use super::triangle::TriangleLight;
 use super::{LightSample, Target};
 use crate::accel::{Primitive, Tlas};
 use crate::color::{Rgb, luminance};
-use crate::math::offset_origin;
+use crate::math::{Aabb, offset_origin};
 use crate::sampling::warp;
 
 /// A place on a surface as the density of a light needs it, world space.
@@ -37,6 +38,8 @@ pub(super) struct SurfaceSample {
 pub(super) struct SurfaceLight {
     radiance: Rgb,
     shape: EmitterShape,
+    /// Of the whole instance.
+    bounds: Aabb,
     /// Bound on the rounding error of its points.
     error: f32,
 }
@@ -94,6 +97,7 @@ impl SurfaceLight {
         Some(Self {
             radiance,
             shape,
+            bounds,
             error: POSITION_ROUNDING * reach,
         })
     }
@@ -117,19 +121,24 @@ impl SurfaceLight {
         }
     }
 
-    fn area(&self, part: u32) -> f32 {
-        match &self.shape {
-            EmitterShape::Rectangle(light) => light.area(),
-            EmitterShape::Disk(light) => light.area,
-            EmitterShape::Sphere(light) => light.area(),
-            EmitterShape::Ellipsoid(light) => light.area(),
-            EmitterShape::Mesh(triangles) => triangles[part as usize].area(),
+    pub fn bounds(&self, part: u32) -> LightBounds {
+        let (bounds, cone, seen_area) = match &self.shape {
+            EmitterShape::Rectangle(light) => (light.bounds(), NormalCone::single(light.normal()), light.area()),
+            EmitterShape::Disk(light) => (self.bounds, NormalCone::single(light.normal), light.area),
+            // A closed surface shows a quarter of its area, on average over all directions.
+            EmitterShape::Sphere(light) => (self.bounds, NormalCone::ALL, 0.25 * light.area()),
+            EmitterShape::Ellipsoid(light) => (self.bounds, NormalCone::ALL, 0.25 * light.area()),
+            EmitterShape::Mesh(triangles) => {
+                let triangle = &triangles[part as usize];
+                (triangle.bounds(), triangle.normals(), triangle.area())
+            }
+        };
+        LightBounds {
+            bounds,
+            cone,
+            cos_emission: 0.0,
+            intensity: seen_area * luminance(self.radiance),
         }
-    }
-
-    /// Radiant flux (luminance, W) of a part.
-    pub fn power(&self, part: u32) -> f32 {
-        PI * self.area(part) * luminance(self.radiance)
     }
 
     /// Radiance sent to the front from a point of this surface.

@@ -12,6 +12,7 @@ use super::surface::SurfaceLight;
 use super::{LightId, LightReference, LightSample, LightSource, SurfaceHit, WeightedSource};
 use crate::accel::Tlas;
 use crate::color::Rgb;
+use crate::sampling::hash::pcg3d;
 
 /// Where the light of a source is.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +49,7 @@ pub struct LightTable {
 impl LightTable {
     pub fn build(sources: &[WeightedSource], geometry: &Tlas) -> Self {
         let mut table = Self::default();
-        let (mut part_weights, mut infinite_weights) = (Vec::new(), Vec::new());
+        let (mut part_bounds, mut infinite_weights) = (Vec::new(), Vec::new());
         for (id, weighted) in sources.iter().enumerate() {
             let place = match Self::light(&weighted.source, geometry) {
                 None => Place::Nowhere,
@@ -57,7 +58,7 @@ impl LightTable {
                     let index = table.finite.len() as u32;
                     for part in 0..light.parts() {
                         table.light_of_part.push(index);
-                        part_weights.push(weighted.sampling_weight * light.power(part));
+                        part_bounds.push(light.bounds(part).weighted(weighted.sampling_weight));
                     }
                     table.finite.push(Finite { light, first_part });
                     Place::Finite(index)
@@ -73,7 +74,7 @@ impl LightTable {
             };
             table.places.push(place);
         }
-        table.choice = LightChoice::new(&part_weights, &infinite_weights);
+        table.choice = LightChoice::new(&part_bounds, &infinite_weights);
         table
     }
 
@@ -107,7 +108,7 @@ impl LightTable {
 
     /// Chooses a light by `u_choice`, then a direction to it by `u`. None where the chosen light sends nothing to `reference`.
     pub fn sample(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<LightSample> {
-        let (chosen, pmf) = self.choice.sample(reference, u_choice)?;
+        let (chosen, pmf) = self.choice.sample(reference, refined(u_choice, u))?;
         let sample = match chosen {
             Chosen::Part(part) => {
                 let finite = &self.finite[self.light_of_part[part as usize] as usize];
@@ -177,4 +178,10 @@ impl LightTable {
 enum Light {
     Finite(FiniteLight),
     Infinite(InfiniteLight),
+}
+
+/// `u_choice`, which has 24 bits, with 29 more below them that are a hash of all three numbers: enough to tell millions of lights apart.
+fn refined(u_choice: f32, u: Vec2) -> f64 {
+    let [bits, ..] = pcg3d([u_choice, u.x, u.y].map(f32::to_bits));
+    f64::from(u_choice) + f64::from(bits >> 3) * (1.0 / (1u64 << 53) as f64)
 }

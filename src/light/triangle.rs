@@ -2,8 +2,10 @@
 
 use glam::{Affine3A, Vec2, Vec3};
 
+use super::bounds::NormalCone;
 use super::surface::{SurfaceHit, SurfaceSample, solid_angle_pdf};
 use crate::geometry::mesh::MeshData;
+use crate::math::Aabb;
 use crate::sampling::warp;
 
 #[derive(Clone, Copy, Debug)]
@@ -36,16 +38,28 @@ impl TriangleLight {
         self.side * (p1 - p0).cross(p2 - p0)
     }
 
+    /// None for a degenerate triangle.
+    fn normal(&self) -> Option<Vec3> {
+        self.scaled_normal().try_normalize()
+    }
+
     pub fn area(&self) -> f32 {
         0.5 * self.scaled_normal().length()
+    }
+
+    pub fn bounds(&self) -> Aabb {
+        Aabb::from_points(self.corners)
+    }
+
+    pub fn normals(&self) -> NormalCone {
+        self.normal().map_or(NormalCone::ALL, NormalCone::single)
     }
 
     pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
         let b = warp::uniform_triangle(u);
         let [p0, p1, p2] = self.corners;
         let position = p0 + b.x * (p1 - p0) + b.y * (p2 - p0);
-        let normal = self.scaled_normal().try_normalize()?;
-        SurfaceSample::from_area(position, normal, 1.0 / self.area(), reference)
+        SurfaceSample::from_area(position, self.normal()?, 1.0 / self.area(), reference)
     }
 
     pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {

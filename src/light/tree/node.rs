@@ -1,0 +1,229 @@
+//! A node of the light tree in 32 bytes, and the estimate of what it sends to a point.
+
+use glam::{I16Vec2, U16Vec2, Vec2, Vec3};
+
+use super::Content;
+use crate::light::LightReference;
+use crate::light::bounds::{LightBounds, NormalCone};
+
+/// The emitters below as a ball of points with normals in a cone.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    center: Vec3,
+    /// Radius of the ball, squared.
+    radius_squared: f32,
+    intensity: f32,
+    /// Pair or emitter, which of the two in the highest bit.
+    link: u32,
+    /// Axis of the cone of normals, as a point of the octahedron.
+    axis: I16Vec2,
+    /// Cosines of that cone's angle, from -1 to 1, and of the angle of emission, from 0 to 1, both rounded down.
+    cosines: U16Vec2,
+}
+
+const EMITTER: u32 = 1 << 31;
+
+/// Added to the squared sine of the angle under which a node is seen, so that rounding hides no emitter behind a horizon: a thousandth
+/// of a radian, where an axis loses a tenth of that on the octahedron and a narrow cone a quarter in the cosine of its angle.
+const SINE_SQUARED_ROUNDING: f32 = 1e-6;
+
+impl Node {
+    /// A placeholder, to be overwritten.
+    pub const EMPTY: Self = Self {
+        center: Vec3::ZERO,
+        radius_squared: 0.0,
+        intensity: 0.0,
+        link: 0,
+        axis: I16Vec2::ZERO,
+        cosines: U16Vec2::ZERO,
+    };
+
+    pub fn new(light: &LightBounds, content: Content) -> Self {
+        let round_down = |unit: f32| (unit.clamp(0.0, 1.0) * f32::from(u16::MAX)) as u16;
+        Self {
+            center: light.bounds.center(),
+            radius_squared: 0.25 * light.bounds.extent().length_squared(),
+            intensity: light.intensity,
+            link: match content {
+                Content::Emitter(emitter) => emitter | EMITTER,
+                Content::Pair(pair) => pair,
+            },
+            axis: octahedron_from(light.cone.axis),
+            cosines: U16Vec2::new(
+                round_down(0.5 + 0.5 * light.cone.cos_angle),
+                round_down(light.cos_emission),
+            ),
+        }
+    }
+
+    pub fn content(&self) -> Content {
+        if self.link & EMITTER != 0 {
+            Content::Emitter(self.link & !EMITTER)
+        } else {
+            Content::Pair(self.link)
+        }
+    }
+
+    fn cone(&self) -> NormalCone {
+        NormalCone {
+            axis: from_octahedron(self.axis),
+            cos_angle: f32::from(self.cosines.x) * (2.0 / f32::from(u16::MAX)) - 1.0,
+        }
+    }
+
+    /// Irradiance (luminance, W/m^2) that arrives if all of it shone from the nearest of its directions at the distance of its centre,
+    /// about. Zero only if it sends nothing to `reference`. In double precision, for the quotients of what is far and what is dim.
+    #[inline]
+    pub fn importance(&self, reference: &LightReference) -> f64 {
+        let to_center = self.center - reference.position;
+        let distance_squared = to_center.length_squared();
+        if distance_squared <= self.radius_squared {
+            // Within the ball light may come from anywhere; but not from a point to itself.
+            let is_ball = self.radius_squared > 0.0;
+            return if is_ball {
+                self.irradiance(self.radius_squared)
+            } else {
+                0.0
+            };
+        }
+        let direction = to_center / distance_squared.sqrt();
+        let seen = Angle::from_sine_squared(self.radius_squared / distance_squared + SINE_SQUARED_ROUNDING);
+        let mut cosines = 1.0;
+        if let Some(normal) = reference.normal {
+            cosines = Angle::from_cosine(normal.dot(direction)).less(seen).cos;
+        }
+        if self.cosines.x > 0 {
+            let cone = self.cone();
+            let leaving = Angle::from_cosine(-cone.axis.dot(direction));
+            let cos = leaving.less(Angle::from_cosine(cone.cos_angle)).less(seen).cos;
+            if cos <= f32::from(self.cosines.y) * (1.0 / f32::from(u16::MAX)) {
+                return 0.0;
+            }
+            cosines = cosines.max(0.0) * cos;
+        }
+        self.irradiance(distance_squared) * f64::from(cosines.max(0.0))
+    }
+
+    fn irradiance(&self, distance_squared: f32) -> f64 {
+        f64::from(self.intensity) / f64::from(distance_squared.min(f32::MAX))
+    }
+}
+
+/// An angle in [0, pi] by its cosine and sine.
+#[derive(Clone, Copy)]
+struct Angle {
+    cos: f32,
+    sin: f32,
+}
+
+impl Angle {
+    fn from_cosine(cos: f32) -> Self {
+        Self {
+            cos,
+            sin: (1.0 - cos * cos).max(0.0).sqrt(),
+        }
+    }
+
+    /// Below a right angle.
+    fn from_sine_squared(sine_squared: f32) -> Self {
+        let sine_squared = sine_squared.min(1.0);
+        Self {
+            cos: (1.0 - sine_squared).sqrt(),
+            sin: sine_squared.sqrt(),
+        }
+    }
+
+    /// The difference, but not below zero.
+    fn less(self, other: Self) -> Self {
+        if self.cos >= other.cos {
+            return Self { cos: 1.0, sin: 0.0 };
+        }
+        Self {
+            cos: self.cos * other.cos + self.sin * other.sin,
+            sin: self.sin * other.cos - self.cos * other.sin,
+        }
+    }
+}
+
+/// Unit vectors as points of a square: the octahedron, unfolded (Meyer et al., On Floating-Point Normal Vectors, 2010).
+fn octahedron_from(v: Vec3) -> I16Vec2 {
+    let p = v / v.abs().element_sum();
+    let folded = if p.z >= 0.0 { p.truncate() } else { fold(p.truncate()) };
+    (folded * f32::from(i16::MAX)).round().as_i16vec2()
+}
+
+fn from_octahedron(point: I16Vec2) -> Vec3 {
+    let p = point.as_vec2() / f32::from(i16::MAX);
+    let z = 1.0 - p.x.abs() - p.y.abs();
+    let xy = if z >= 0.0 { p } else { fold(p) };
+    xy.extend(z).normalize()
+}
+
+/// Swaps the inner and the outer half of the square.
+fn fold(p: Vec2) -> Vec2 {
+    (Vec2::ONE - Vec2::new(p.y, p.x).abs()) * Vec2::ONE.copysign(p)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Aabb;
+    use crate::sampling::hash::pcg4d;
+    use crate::sampling::{unit_float, warp};
+
+    fn directions() -> impl Iterator<Item = Vec3> {
+        let random = (0..4000).map(|i| {
+            let [a, b, ..] = pcg4d([i, 7, 8, 9]);
+            warp::uniform_sphere(Vec2::new(unit_float(a), unit_float(b)))
+        });
+        random.chain([Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z])
+    }
+
+    #[test]
+    fn a_packed_cone_is_the_one_it_was_made_from() {
+        for axis in directions() {
+            let light = LightBounds {
+                bounds: Aabb::from_points([Vec3::ZERO]),
+                cone: NormalCone::single(axis),
+                cos_emission: 0.0,
+                intensity: 1.0,
+            };
+            let packed = Node::new(&light, Content::Emitter(3)).cone();
+            // By the chord: the cosine of so small an angle is one.
+            assert!(packed.axis.distance(axis) < 1e-4, "{axis}: {packed:?}");
+            assert_eq!(packed.cos_angle, 1.0);
+        }
+        assert_eq!(size_of::<Node>(), 32);
+    }
+
+    #[test]
+    fn a_small_light_facing_the_point_has_the_importance_of_its_irradiance() {
+        let light = LightBounds {
+            bounds: Aabb::from_points([Vec3::new(0.0, 2.0, 0.0)]),
+            cone: NormalCone::single(Vec3::NEG_Y),
+            cos_emission: 0.0,
+            intensity: 5.0,
+        };
+        let node = Node::new(&light, Content::Emitter(0));
+        for x in [0.0, 1.0, -4.0] {
+            let reference = LightReference {
+                position: Vec3::new(x, 0.0, 0.0),
+                normal: Some(Vec3::Y),
+            };
+            let square: f32 = 4.0 + x * x;
+            let expected = f64::from(5.0 / square * (4.0 / square));
+            // Two angles, each less by what rounding may hide.
+            assert!((node.importance(&reference) / expected - 1.0).abs() < 0.01, "{x}");
+        }
+        let behind = LightReference {
+            position: Vec3::new(0.3, 2.5, 0.0),
+            normal: None,
+        };
+        assert_eq!(node.importance(&behind), 0.0);
+        let turned_away = LightReference {
+            position: Vec3::ZERO,
+            normal: Some(Vec3::NEG_Y),
+        };
+        assert_eq!(node.importance(&turned_away), 0.0);
+    }
+}
