@@ -7,7 +7,7 @@
 //! - `pdf(wo, wi)` is the solid angle density with which `sample(wo)` returns `wi`, without delta lobes. It integrates to the
 //!   probability that a sample is returned, at most 1.
 //! - `sample(wo)` returns a direction with weight = f |cos wi| / pdf, or `None` where the light is absorbed. The mean of the weights is
-//!   the albedo for light from everywhere, at most 1 (but for the eta^2 of refracted radiance).
+//!   the albedo for light from everywhere, at most 1 (but for the eta^2 of refracted radiance, and for the layers of [`Principled`]).
 //!
 //! Smooth and rough metals and diffuse surfaces are black from behind; [`Bsdf::TwoSided`] gives them another side. No model knows
 //! textures, emission or geometry.
@@ -19,6 +19,7 @@ pub mod fresnel;
 pub mod ior;
 mod metal;
 mod microfacet;
+mod principled;
 mod rough_conductor;
 
 pub use conductor::{Conductor, ConductorSpecular};
@@ -27,6 +28,7 @@ pub use diffuse::Diffuse;
 pub use fresnel::DielectricModel;
 pub use metal::Metal;
 pub use microfacet::Ggx;
+pub use principled::{Principled, PrincipledThin, SamplingRates, ThinSamplingRates, eta_from_specular};
 pub use rough_conductor::RoughConductor;
 
 use crate::color::Rgb;
@@ -44,6 +46,8 @@ pub enum Bsdf {
     RoughConductor(RoughConductor),
     Dielectric(Dielectric),
     Metal(Metal),
+    Principled(Principled),
+    PrincipledThin(PrincipledThin),
     /// One model seen from the normal's side and another (or the same, mirrored) from behind; neither is two-sided itself.
     TwoSided {
         front: BsdfId,
@@ -130,6 +134,8 @@ impl BsdfTable {
             Bsdf::Diffuse(diffuse) => diffuse.eval(wo, wi),
             Bsdf::RoughConductor(rough) => rough.eval(wo, wi),
             Bsdf::Metal(metal) => metal.eval(wo, wi),
+            Bsdf::Principled(principled) => principled.eval(wo, wi),
+            Bsdf::PrincipledThin(thin) => thin.eval(wo, wi),
             Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::TwoSided { .. } => Rgb::ZERO,
         }
     }
@@ -142,6 +148,8 @@ impl BsdfTable {
             Bsdf::Diffuse(diffuse) => diffuse.pdf(wo, wi),
             Bsdf::RoughConductor(rough) => rough.pdf(wo, wi),
             Bsdf::Metal(metal) => metal.pdf(wo, wi),
+            Bsdf::Principled(principled) => principled.pdf(wo, wi),
+            Bsdf::PrincipledThin(thin) => thin.pdf(wo, wi),
             Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::TwoSided { .. } => 0.0,
         }
     }
@@ -157,6 +165,8 @@ impl BsdfTable {
             Bsdf::RoughConductor(rough) => rough.sample(wo, u),
             Bsdf::Dielectric(dielectric) => dielectric.sample(wo, u_lobe),
             Bsdf::Metal(metal) => metal.sample(wo, u_lobe, u),
+            Bsdf::Principled(principled) => principled.sample(wo, u_lobe, u),
+            Bsdf::PrincipledThin(thin) => thin.sample(wo, u_lobe, u),
             Bsdf::TwoSided { .. } => None,
         };
         sample.map(|sample| BsdfSample {
@@ -168,7 +178,7 @@ impl BsdfTable {
     /// Whether some of its light is scattered with a density, so that light sources are worth sampling from here.
     pub fn has_smooth_lobe(&self, id: BsdfId) -> bool {
         match &self.bsdfs[id.0 as usize] {
-            Bsdf::Diffuse(_) | Bsdf::RoughConductor(_) => true,
+            Bsdf::Diffuse(_) | Bsdf::RoughConductor(_) | Bsdf::Principled(_) | Bsdf::PrincipledThin(_) => true,
             Bsdf::Conductor(_) | Bsdf::Dielectric(_) => false,
             Bsdf::Metal(metal) => !metal.is_delta(),
             Bsdf::TwoSided { front, back } => self.has_smooth_lobe(*front) || self.has_smooth_lobe(*back),
@@ -189,6 +199,8 @@ impl BsdfTable {
             Bsdf::RoughConductor(rough) => rough.specular.reflectance(1.0),
             Bsdf::Dielectric(_) => Rgb::ONE,
             Bsdf::Metal(metal) => metal.color,
+            Bsdf::Principled(principled) => principled.base_color,
+            Bsdf::PrincipledThin(thin) => thin.base_color,
             Bsdf::TwoSided { front, .. } => self.albedo(*front),
         }
     }

@@ -1,0 +1,279 @@
+//! The principled model: a diffuse base, metal and rough glass in any proportion, under sheen and a clear coat.
+//!
+//! Burley, Physically Based Shading at Disney, SIGGRAPH 2012 course notes, and Extending the Disney BRDF to a BSDF with Integrated
+//! Subsurface Scattering, 2015 course notes; in the form in which Mitsuba 3 knows it, because its scenes must look the same here:
+//!
+//! - Light scatters at the surface only: `flatness` imitates what happens below.
+//! - Masking is the separable Smith function of the lobe's own roughness, and dielectrics reflect by Fresnel's equations.
+//! - The clear coat is darker than Burley's: f lacks the division by 4 cos wo cos wi. Its strength is 0.25 `clearcoat`.
+//! - Sheen lies over base and glass (the thin model's over the base alone), and nothing below is darkened for it.
+//! - Where `eta` is 1, metal reflects nothing either.
+//! - From behind only the glass is seen, without metal or tint, and black if there is none.
+//!
+//! The layers do not share energy: over a white base, up to 1.1 times what arrives leaves towards a viewer overhead, and 1.5 times towards
+//! a grazing one. Such values are kept. Reflection is reciprocal; radiance refracted one way is eta^2 times that the other way.
+
+mod base;
+mod clearcoat;
+mod schlick;
+mod sheen;
+mod specular;
+mod thin;
+
+pub use thin::{PrincipledThin, ThinSamplingRates};
+
+use glam::{Vec2, Vec3};
+
+use super::BsdfSample;
+use super::fresnel::{self, DielectricFresnel, DielectricModel};
+use crate::color::Rgb;
+use crate::sampling::warp;
+use clearcoat::Clearcoat;
+use specular::Facet;
+
+/// The clear coat's strength relative to that of other lobes.
+const CLEARCOAT_SHARE: f32 = 0.25;
+
+/// The power of full sheen relative to a white base, at most: how often it is sampled over glass.
+const SHEEN_SHARE: f32 = 0.25;
+
+/// A principled surface. Numbers are in [0, 1] unless stated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Principled {
+    /// Colour of base, metal, and (its root, for each of the two crossings) glass.
+    pub base_color: Rgb,
+    pub roughness: f32,
+    /// How much longer highlights are along the first tangent; 0 is isotropic.
+    pub anisotropic: f32,
+    /// The share of metal.
+    pub metallic: f32,
+    /// The share of glass in what is not metal; the rest is base.
+    pub spec_trans: f32,
+    /// Refractive index inside over outside, above 0; not 1 if there is glass.
+    pub eta: f32,
+    /// How much of the dielectric reflection takes the hue of the base colour.
+    pub spec_tint: f32,
+    pub sheen: f32,
+    /// How much of the sheen takes the hue of the base colour.
+    pub sheen_tint: f32,
+    /// From diffuse reflection to imitated subsurface scattering.
+    pub flatness: f32,
+    pub clearcoat: f32,
+    /// From a satin coat to a glossy one.
+    pub clearcoat_gloss: f32,
+    pub rates: SamplingRates,
+}
+
+/// How often lobes are sampled, relative to what their strengths suggest; not negative. Changes noise, not the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SamplingRates {
+    pub main_specular: f32,
+    pub clearcoat: f32,
+    pub diffuse_reflectance: f32,
+}
+
+impl Default for SamplingRates {
+    fn default() -> Self {
+        Self {
+            main_specular: 1.0,
+            clearcoat: 1.0,
+            diffuse_reflectance: 1.0,
+        }
+    }
+}
+
+/// The relative index whose reflectance at normal incidence is 0.08 `specular`: 1 for 0, 1.5 for 0.5, 1.79 for 1.
+pub fn eta_from_specular(specular: f32) -> f32 {
+    2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0
+}
+
+/// f |cos wi| and solid angle density of one pair of directions.
+#[derive(Clone, Copy, Default)]
+struct Evaluation {
+    value: Rgb,
+    pdf: f32,
+}
+
+impl Evaluation {
+    fn into_sample(self, wi: Vec3, eta: f32) -> Option<BsdfSample> {
+        (self.pdf > 0.0).then(|| BsdfSample {
+            wi,
+            weight: self.value / self.pdf,
+            pdf: self.pdf,
+            is_delta: false,
+            eta,
+        })
+    }
+}
+
+/// What a viewer has before it: the probabilities of sampling each group of lobes, and the interface.
+struct Aspect {
+    base: f32,
+    clearcoat: f32,
+    specular: f32,
+    /// With which probability light that facets do not reflect is sampled as refracted; everything else is as reflected.
+    refracted: f32,
+    outside: bool,
+    /// Index of the far side over that of the viewer's.
+    eta: f32,
+}
+
+impl Aspect {
+    fn fresnel(&self, cos: f32) -> DielectricFresnel {
+        fresnel::dielectric(cos, self.eta, DielectricModel::Exact)
+    }
+}
+
+impl Principled {
+    /// The share of glass in all.
+    fn glass(&self) -> f32 {
+        (1.0 - self.metallic) * self.spec_trans
+    }
+
+    /// `None` if nothing is seen.
+    fn aspect(&self, wo: Vec3) -> Option<Aspect> {
+        let glass = self.glass();
+        if wo.z < 0.0 && glass > 0.0 {
+            return Some(Aspect {
+                base: 0.0,
+                clearcoat: 0.0,
+                specular: 1.0,
+                refracted: 1.0,
+                outside: false,
+                eta: self.eta.recip(),
+            });
+        }
+        let rates = &self.rates;
+        let diffuse = (1.0 - self.metallic) * (1.0 - self.spec_trans).max(SHEEN_SHARE * self.sheen);
+        let base = rates.diffuse_reflectance * diffuse;
+        let clearcoat = rates.clearcoat * CLEARCOAT_SHARE * self.clearcoat;
+        let total = base + clearcoat + rates.main_specular;
+        (wo.z > 0.0 && total > 0.0).then(|| Aspect {
+            base: base / total,
+            clearcoat: clearcoat / total,
+            specular: rates.main_specular / total,
+            refracted: glass,
+            outside: true,
+            eta: self.eta,
+        })
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        self.evaluate(wo, wi).value
+    }
+
+    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.evaluate(wo, wi).pdf
+    }
+
+    fn evaluate(&self, wo: Vec3, wi: Vec3) -> Evaluation {
+        let Some(aspect) = self.aspect(wo) else {
+            return Evaluation::default();
+        };
+        let (wo, wi) = (upright(wo, wo), upright(wi, wo));
+        let distribution = specular::microfacets(self.roughness, self.anisotropic);
+        let evaluation = if wi.z > 0.0 {
+            specular::reflecting(&distribution, wo, wi).map(|facet| self.reflected(&aspect, wo, wi, &facet))
+        } else if wi.z < 0.0 && aspect.refracted > 0.0 {
+            specular::refracting(&distribution, aspect.eta, wo, wi).map(|facet| self.refracted(&aspect, &facet))
+        } else {
+            None
+        };
+        evaluation.unwrap_or_default()
+    }
+
+    fn refracted(&self, aspect: &Aspect, facet: &Facet) -> Evaluation {
+        let transmittance = 1.0 - aspect.fresnel(facet.cos).reflectance;
+        let strength = self.glass() * transmittance / (aspect.eta * aspect.eta);
+        Evaluation {
+            value: self.base_color.map(f32::sqrt) * (strength * facet.unmasked * facet.pdf),
+            pdf: aspect.specular * aspect.refracted * transmittance * facet.pdf,
+        }
+    }
+
+    /// `facet` is the main lobe's; its angle and normal are those of all.
+    fn reflected(&self, aspect: &Aspect, wo: Vec3, wi: Vec3, facet: &Facet) -> Evaluation {
+        let fresnel = aspect.fresnel(facet.cos);
+        let mut evaluation = Evaluation {
+            value: self.reflectance(aspect, facet.cos, &fresnel) * (facet.unmasked * facet.pdf),
+            pdf: aspect.specular * (1.0 - aspect.refracted * (1.0 - fresnel.reflectance)) * facet.pdf,
+        };
+        if !aspect.outside {
+            return evaluation;
+        }
+
+        let base = (1.0 - self.metallic) * (1.0 - self.spec_trans);
+        let sheen = (1.0 - self.metallic) * self.sheen;
+        evaluation.value +=
+            self.base_color * (base * base::value(self.roughness, self.flatness, wo.z, wi.z, facet.cos));
+        evaluation.pdf += aspect.base * warp::cosine_hemisphere_pdf(wi.z);
+        if sheen > 0.0 {
+            evaluation.value += sheen * sheen::value(self.base_color, self.sheen_tint, wi.z, facet.cos);
+        }
+        if self.clearcoat > 0.0 {
+            let coat = Clearcoat::new(self.clearcoat_gloss);
+            let value = coat.value(wo, wi, facet.normal, facet.cos, &fresnel);
+            evaluation.value += CLEARCOAT_SHARE * self.clearcoat * value;
+            evaluation.pdf += aspect.clearcoat * coat.pdf(facet.normal, facet.cos);
+        }
+        evaluation
+    }
+
+    /// Reflectance of the main lobe's facets, met with cosine `cos`.
+    fn reflectance(&self, aspect: &Aspect, cos: f32, fresnel: &DielectricFresnel) -> Rgb {
+        let exact = Rgb::splat(fresnel.reflectance);
+        if !aspect.outside {
+            return self.glass() * exact;
+        }
+        if fresnel.reflectance == 0.0 {
+            return Rgb::ZERO;
+        }
+        let dielectric = exact.lerp(schlick::tinted(self.base_color, self.eta, cos, fresnel), self.spec_tint);
+        dielectric.lerp(schlick::interpolated(self.base_color, cos, fresnel), self.metallic)
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        let aspect = self.aspect(wo)?;
+        let above = upright(wo, wo);
+        let (wi, refracted) = if u_lobe < aspect.base {
+            (warp::cosine_hemisphere(u), false)
+        } else if u_lobe < aspect.base + aspect.clearcoat {
+            (
+                reflect(above, Clearcoat::new(self.clearcoat_gloss).sample_normal(u)),
+                false,
+            )
+        } else {
+            let normal = specular::microfacets(self.roughness, self.anisotropic).sample_visible(above, u);
+            let fresnel = aspect.fresnel(above.dot(normal));
+            let u_refract = (u_lobe - aspect.base - aspect.clearcoat) / aspect.specular;
+            if u_refract < aspect.refracted * (1.0 - fresnel.reflectance) {
+                (refract(above, normal, &fresnel), true)
+            } else {
+                (reflect(above, normal), false)
+            }
+        };
+        // A facet may send light to the wrong side, where another would catch it: lost here.
+        if wi.z == 0.0 || refracted != (wi.z < 0.0) {
+            return None;
+        }
+        let eta = if refracted { aspect.eta } else { 1.0 };
+        let wi = upright(wi, wo);
+        self.evaluate(wo, wi).into_sample(wi, eta)
+    }
+}
+
+/// `v` with the z axis turned to the viewer `wo`.
+fn upright(v: Vec3, wo: Vec3) -> Vec3 {
+    if wo.z < 0.0 { v.with_z(-v.z) } else { v }
+}
+
+fn reflect(wo: Vec3, normal: Vec3) -> Vec3 {
+    2.0 * wo.dot(normal) * normal - wo
+}
+
+/// `fresnel` is that of `wo` meeting `normal` from its own side.
+fn refract(wo: Vec3, normal: Vec3, fresnel: &DielectricFresnel) -> Vec3 {
+    let wi = (fresnel.eta_ti * wo.dot(normal) + fresnel.cos_t) * normal - fresnel.eta_ti * wo;
+    // Large indices magnify rounding.
+    wi.normalize()
+}
