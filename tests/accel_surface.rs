@@ -367,6 +367,10 @@ fn derivatives_say_how_the_surface_moves_with_uv() {
         (Primitive::Rectangle, place),
         (Primitive::Disk, place),
         (Primitive::Sphere, even),
+        (
+            Primitive::Cylinder,
+            even * Affine3A::from_scale(Vec3::new(-1.0, 1.0, 0.5)),
+        ),
         (mesh_primitive(triangle_mesh(vec![], vec![])), place),
         (mesh_primitive(triangle_mesh(vec![], corners)), place),
         (mesh_primitive(unit_cube()), place),
@@ -397,7 +401,7 @@ fn derivatives_say_how_the_surface_moves_with_uv() {
                 }
                 // Rounding of uv and positions is some 1e-6 of numbers up to 5; the curvature's share is (2 pi step)^2 / 2 over the radius
                 // (at least 0.2 of it where poles are left out), in turns.
-                let curved = matches!(primitive, Primitive::Sphere | Primitive::Disk);
+                let curved = matches!(primitive, Primitive::Sphere | Primitive::Disk | Primitive::Cylinder);
                 let tolerance = 5e-6
                     + if curved {
                         0.5 * (2.0 * PI * STEP).powi(2) / (0.2 * 2.0 * PI)
@@ -413,6 +417,57 @@ fn derivatives_say_how_the_surface_moves_with_uv() {
         }
         assert!(compared > 500, "{compared}");
     }
+}
+
+#[test]
+fn cylinders_are_what_a_fine_mesh_of_one_is() {
+    const SIDES: u32 = 1024;
+    let ring = (0..SIDES).flat_map(|i| {
+        let around = Vec2::from_angle(2.0 * PI * i as f32 / SIDES as f32);
+        [around.extend(0.0), around.extend(1.0)]
+    });
+    let triangles = (0..SIDES).flat_map(|i| {
+        let (a, b) = (2 * i, 2 * (i + 1) % (2 * SIDES));
+        [[a, b, b + 1], [a, b + 1, a + 1]]
+    });
+    let mesh = MeshData {
+        positions: ring.collect(),
+        triangles: triangles.collect(),
+        ..MeshData::default()
+    };
+    let place = Affine3A::from_scale_rotation_translation(
+        Vec3::new(1.0, 1.0, 2.0),
+        Quat::from_rotation_x(0.7),
+        Vec3::new(1.0, 2.0, 0.5),
+    );
+    let [mesh, cylinder] = [mesh_primitive(mesh), Primitive::Cylinder].map(|p| tlas(Instance::new(p, place).unwrap()));
+    let mut random = Random::new(8);
+    let (mut hits, mut differing) = (0, 0);
+    const RAYS: usize = 20_000;
+    for _ in 0..RAYS {
+        // From outside and from inside.
+        let origin = place.transform_point3(2.0 * random.in_cube());
+        let ray = Ray::new(
+            origin,
+            place.transform_point3(random.in_cube() + 0.5 * Vec3::Z) - origin,
+        );
+        let (hit, expected) = (cylinder.intersect(&ray), mesh.intersect(&ray));
+        assert_eq!(cylinder.occluded(&ray), hit.is_some());
+        let (Some(hit), Some(expected)) = (hit, expected) else {
+            differing += usize::from(hit.is_some() != expected.is_some());
+            continue;
+        };
+        hits += 1;
+        let (here, there) = (cylinder.surface(&ray, &hit), mesh.surface(&ray, &expected));
+        // The mesh lies up to 1 - cos(pi / sides) = 5e-6 within; a ray that grazes by less than 1e-3 may miss it or go far beyond.
+        if (here.position - there.position).length() > 1e-3 {
+            differing += 1;
+            continue;
+        }
+        assert!(here.geometric_normal.dot(there.geometric_normal) > 0.9999);
+        assert!((ray.at(hit.t) - here.position).length() < 1e-5);
+    }
+    assert!(hits > RAYS / 4 && differing < RAYS / 200, "{hits} {differing}");
 }
 
 #[test]

@@ -103,6 +103,22 @@ fn scenes() -> Vec<(&'static str, RenderScene)> {
             "ellipsoid, mirrored",
             emitter(Primitive::Sphere, skew(Vec3::new(-0.9, 0.3, 0.5)), false),
         ),
+        (
+            "cylinder",
+            emitter(Primitive::Cylinder, skew(Vec3::new(0.4, 0.4, 0.9)), false),
+        ),
+        (
+            "cylinder from inside",
+            emitter(
+                Primitive::Cylinder,
+                transform(Vec3::new(1.0, 1.0, 2.0), Vec3::X, 0.7, Vec3::new(0.1, 0.5, -0.8)),
+                true,
+            ),
+        ),
+        (
+            "cylinder, elliptical and mirrored",
+            emitter(Primitive::Cylinder, skew(Vec3::new(-0.7, 0.2, 0.9)), false),
+        ),
         ("mesh", emitter(square_mesh(), down(1.0, 0.8), false)),
         (
             "mesh, mirrored",

@@ -77,19 +77,30 @@ impl Blas {
     /// The nearest hit with 0 < t < t_max; `ray` is in local space.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<MeshHit> {
-        let mut hit = None;
-        let lanes = PacketRay::new(ray);
-        self.bvh
-            .closest(ray, |range, t_max| self.closest_in(range, &lanes, t_max, &mut hit));
-        hit
+        self.closest::<false>(ray, &mut Steps::default())
     }
 
     /// [`Blas::intersect`], adding its work to `steps`.
     pub fn intersect_counting(&self, ray: &Ray, steps: &mut Steps) -> Option<MeshHit> {
+        self.closest::<true>(ray, steps)
+    }
+
+    #[inline(always)]
+    pub(super) fn closest<const COUNT: bool>(&self, ray: &Ray, steps: &mut Steps) -> Option<MeshHit> {
         let mut hit = None;
         let lanes = PacketRay::new(ray);
-        self.bvh.closest_counting(ray, steps, |range, t_max| {
-            self.closest_in(range, &lanes, t_max, &mut hit);
+        self.bvh.closest::<COUNT>(ray, steps, |range, t_max| {
+            for packet in self.packets_of(range) {
+                if let Some(found) = packet.closest(&lanes, *t_max) {
+                    *t_max = found.t;
+                    hit = Some(MeshHit {
+                        t: found.t,
+                        triangle: found.triangle,
+                        u: found.u,
+                        v: found.v,
+                    });
+                }
+            }
         });
         hit
     }
@@ -103,21 +114,6 @@ impl Blas {
                 .iter()
                 .any(|packet| packet.any(&lanes, ray.t_max))
         })
-    }
-
-    #[inline(always)]
-    fn closest_in(&self, range: Range<usize>, ray: &PacketRay, t_max: &mut f32, hit: &mut Option<MeshHit>) {
-        for packet in self.packets_of(range) {
-            if let Some(found) = packet.closest(ray, *t_max) {
-                *t_max = found.t;
-                *hit = Some(MeshHit {
-                    t: found.t,
-                    triangle: found.triangle,
-                    u: found.u,
-                    v: found.v,
-                });
-            }
-        }
     }
 
     #[inline(always)]

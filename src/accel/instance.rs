@@ -7,7 +7,7 @@ use glam::{Affine3A, DAffine3, Mat3A, Vec3, Vec3A};
 use super::blas::{Blas, MeshHit};
 use super::traverse::Steps;
 use crate::geometry::local::LocalHit;
-use crate::geometry::{disk, rectangle, sphere};
+use crate::geometry::{cylinder, disk, rectangle, sphere};
 use crate::math::{Aabb, Ray, gamma};
 
 /// A shape in its own local space; see the files in [`crate::geometry`] for where each lies there.
@@ -17,6 +17,7 @@ pub enum Primitive {
     Sphere,
     Rectangle,
     Disk,
+    Cylinder,
 }
 
 /// A shape, where it is, and how its normals are taken.
@@ -95,6 +96,13 @@ impl Instance {
             Primitive::Sphere => around(length(x * x + y * y + z * z)),
             Primitive::Rectangle => around(x.abs() + y.abs()),
             Primitive::Disk => around(length(x * x + y * y)),
+            Primitive::Cylinder => {
+                let ring = around(length(x * x + y * y));
+                Aabb {
+                    min: ring.min + Vec3::from(z).min(Vec3::ZERO),
+                    max: ring.max + Vec3::from(z).max(Vec3::ZERO),
+                }
+            }
         };
         if tight.is_empty() {
             return Aabb::EMPTY;
@@ -106,36 +114,32 @@ impl Instance {
         }
     }
 
-    /// The nearest hit of the local ray, with the triangle it lies on (zero for shapes without).
+    /// The nearest hit of the world ray, with the triangle it lies on (zero for shapes without). `COUNT` adds the work within a mesh to
+    /// `steps`.
     #[inline(always)]
-    pub(super) fn intersect_local(&self, ray: &Ray) -> Option<(LocalHit, u32)> {
+    pub(super) fn closest<const COUNT: bool>(&self, ray: &Ray, steps: &mut Steps) -> Option<(LocalHit, u32)> {
+        let ray = &self.local_ray(ray);
         match &self.primitive {
             Primitive::Mesh(blas) => {
-                let MeshHit { t, triangle, u, v } = blas.intersect(ray)?;
+                let MeshHit { t, triangle, u, v } = blas.closest::<COUNT>(ray, steps)?;
                 Some((LocalHit { t, u, v }, triangle))
             }
             Primitive::Sphere => sphere::intersect(ray).map(|hit| (hit, 0)),
             Primitive::Rectangle => rectangle::intersect(ray).map(|hit| (hit, 0)),
             Primitive::Disk => disk::intersect(ray).map(|hit| (hit, 0)),
+            Primitive::Cylinder => cylinder::intersect(ray).map(|hit| (hit, 0)),
         }
     }
 
-    /// [`Instance::intersect_local`], adding its work within a mesh to `steps`.
-    pub(super) fn intersect_local_counting(&self, ray: &Ray, steps: &mut Steps) -> Option<(LocalHit, u32)> {
-        let Primitive::Mesh(blas) = &self.primitive else {
-            return self.intersect_local(ray);
-        };
-        let MeshHit { t, triangle, u, v } = blas.intersect_counting(ray, steps)?;
-        Some((LocalHit { t, u, v }, triangle))
-    }
-
     #[inline(always)]
-    pub(super) fn occluded_local(&self, ray: &Ray) -> bool {
+    pub(super) fn occluded(&self, ray: &Ray) -> bool {
+        let ray = &self.local_ray(ray);
         match &self.primitive {
             Primitive::Mesh(blas) => blas.occluded(ray),
             Primitive::Sphere => sphere::intersect(ray).is_some(),
             Primitive::Rectangle => rectangle::intersect(ray).is_some(),
             Primitive::Disk => disk::intersect(ray).is_some(),
+            Primitive::Cylinder => cylinder::intersect(ray).is_some(),
         }
     }
 }

@@ -1,5 +1,5 @@
 //! Finding what a ray meets: a wide bounding volume hierarchy, one over each mesh's triangles ([`Blas`]) and one over the instances
-//! placed in the world ([`Tlas`]).
+//! placed in the world ([`Tlas`]); between them, where wanted, one over the shapes of a group that is placed many times.
 //!
 //! A ray taken into an instance's local space is not renormalised, so its `t` is the world's `t` everywhere.
 
@@ -10,6 +10,7 @@ mod bvh;
 mod instance;
 mod node;
 mod packet;
+mod placement;
 mod sets;
 mod surface;
 mod tlas;
@@ -19,6 +20,7 @@ pub use blas::{Blas, MeshHit};
 pub use build::{LeafShape, SplitMethod};
 pub use bvh::{Bvh, BvhBox, BvhStats};
 pub use instance::{Instance, Primitive};
+pub use placement::Placement;
 pub use surface::SurfacePoint;
 pub use tlas::{Hit, Tlas};
 pub use traverse::Steps;

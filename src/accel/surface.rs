@@ -10,7 +10,7 @@ use super::instance::{Instance, Primitive};
 use super::tlas::{Hit, Tlas};
 use crate::geometry::local::LocalSurface;
 use crate::geometry::mesh::MeshData;
-use crate::geometry::{disk, rectangle, sphere, triangle};
+use crate::geometry::{cylinder, disk, rectangle, sphere, triangle};
 use crate::math::{Frame, Ray, gamma};
 
 /// Where a ray met a surface, in world space.
@@ -40,7 +40,7 @@ impl SurfacePoint {
 impl Tlas {
     /// The mesh that was hit, if it was one; `hit.primitive` is the triangle, `hit.u`, `hit.v` the weights of its corners 1 and 2.
     pub fn mesh_at(&self, hit: &Hit) -> Option<&MeshData> {
-        match &self.instances()[hit.instance as usize].primitive {
+        match &self.shape_at(hit).primitive {
             Primitive::Mesh(blas) => Some(blas.mesh()),
             _ => None,
         }
@@ -48,18 +48,22 @@ impl Tlas {
 
     /// The surface at `hit`, which must be what `ray` met here.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        self.instances()[hit.instance as usize].surface(ray, hit)
+        match self.placement_at(hit) {
+            None => self.shape_at(hit).surface(ray, hit),
+            Some(placement) => placement.place(&self.shape_at(hit).surface(&placement.group_ray(ray), hit)),
+        }
     }
 }
 
 impl Instance {
-    /// The surface at `hit`, which must be what the world ray `ray` met on this instance.
-    pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+    /// The surface at `hit`, which must be what `ray` met on this instance.
+    fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let local = match &self.primitive {
             Primitive::Mesh(blas) => mesh_surface(blas, hit),
             Primitive::Sphere => sphere::surface(&self.local_ray(ray), hit.t),
             Primitive::Rectangle => rectangle::surface(hit.u, hit.v),
             Primitive::Disk => disk::surface(hit.u, hit.v),
+            Primitive::Cylinder => cylinder::surface(&self.local_ray(ray), hit.t),
         };
         let geometric = self.geometric_normal(&local);
         let shading = match &self.primitive {

@@ -1,15 +1,27 @@
-//! The hierarchy over all instances: what the integrator asks.
+//! The hierarchy over everything in the world: what the integrator asks.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
 
 use super::build::{LeafShape, SplitMethod};
 use super::bvh::{Bvh, BvhStats};
 use super::instance::Instance;
+use super::placement::Placement;
 use super::traverse::Steps;
 use crate::math::{Aabb, Ray};
 
-/// All instances of a scene, in the order given, with a hierarchy over their world bounds.
+/// The shapes of a scene and the groups of shapes that stand in it many times, with a hierarchy over their world bounds.
+///
+/// A group is itself a `Tlas` of shapes alone, in a space of its own, shared by all its placements.
 #[derive(Clone, Debug)]
 pub struct Tlas {
     instances: Vec<Instance>,
+    groups: Vec<Arc<Tlas>>,
+    /// Per group, the number of shapes before its first member.
+    first_shape: Vec<usize>,
+    placements: Vec<Placement>,
+    /// Over the instances and, counted on from them, the placements.
     bvh: Bvh,
 }
 
@@ -18,8 +30,10 @@ pub struct Tlas {
 pub struct Hit {
     /// Parameter of the world ray.
     pub t: f32,
-    /// Index into [`Tlas::instances`].
+    /// Index into [`Tlas::instances`], or beyond them into [`Tlas::placements`].
     pub instance: u32,
+    /// Index into the instances of the group that is placed there; zero if it is none.
+    pub member: u32,
     /// The mesh's triangle; zero for other shapes.
     pub primitive: u32,
     /// As in [`crate::geometry::local::LocalHit`].
@@ -28,14 +42,48 @@ pub struct Hit {
 }
 
 impl Tlas {
+    /// Of shapes alone.
     pub fn build(instances: Vec<Instance>, method: SplitMethod) -> Self {
-        let bounds: Vec<Aabb> = instances.iter().map(Instance::world_bounds).collect();
-        let bvh = Bvh::build(&bounds, method, LEAF);
-        Self { instances, bvh }
+        Self::with_placements(instances, Vec::new(), Vec::new(), method)
+    }
+
+    /// Placements of a group that does not exist, or that has placements itself, hold nothing.
+    pub fn with_placements(
+        instances: Vec<Instance>,
+        groups: Vec<Arc<Tlas>>,
+        placements: Vec<Placement>,
+        method: SplitMethod,
+    ) -> Self {
+        let mut shapes = instances.len();
+        let first_shape = groups
+            .iter()
+            .map(|group| {
+                let first = shapes;
+                shapes += group.instances.len();
+                first
+            })
+            .collect();
+        let mut tlas = Self {
+            instances,
+            groups,
+            first_shape,
+            placements,
+            bvh: Bvh::build(&[], method, LEAF),
+        };
+        tlas.bvh = Bvh::build(&tlas.item_bounds(), method, LEAF);
+        tlas
     }
 
     pub fn instances(&self) -> &[Instance] {
         &self.instances
+    }
+
+    pub fn groups(&self) -> &[Arc<Tlas>] {
+        &self.groups
+    }
+
+    pub fn placements(&self) -> &[Placement] {
+        &self.placements
     }
 
     pub fn bvh(&self) -> &Bvh {
@@ -47,77 +95,139 @@ impl Tlas {
         self.bvh.bounds()
     }
 
-    /// Figures of the hierarchy over instances alone; those of the meshes are theirs ([`super::Blas::stats`]).
-    pub fn stats(&self) -> BvhStats {
-        self.bvh.stats()
+    /// World bounds of what [`Hit::instance`] names.
+    pub fn bounds_of(&self, item: u32) -> Option<Aabb> {
+        let item = item as usize;
+        match item.checked_sub(self.instances.len()) {
+            None => self.instances.get(item).map(Instance::world_bounds),
+            Some(place) => self
+                .placements
+                .get(place)
+                .map(|placement| self.placed_bounds(placement)),
+        }
     }
 
-    /// [`Bvh::validate`] against the instances' bounds.
+    fn placed_bounds(&self, placement: &Placement) -> Aabb {
+        let group = self.groups.get(placement.group as usize);
+        let flat = group.filter(|group| group.placements.is_empty());
+        placement.world_bounds(&flat.map_or(Aabb::EMPTY, |group| group.bounds()))
+    }
+
+    fn item_bounds(&self) -> Vec<Aabb> {
+        let shapes = self.instances.par_iter().map(Instance::world_bounds);
+        let placed = self
+            .placements
+            .par_iter()
+            .map(|placement| self.placed_bounds(placement));
+        shapes.chain(placed).collect()
+    }
+
+    /// The shape that was hit: itself placed in the world, or a member of a group.
+    pub fn shape_at(&self, hit: &Hit) -> &Instance {
+        match self.placement_at(hit) {
+            Some(placement) => &self.group_of(placement).instances[hit.member as usize],
+            None => &self.instances[hit.instance as usize],
+        }
+    }
+
+    /// The shape that was hit, counted through the instances and then the members of each group.
+    pub fn shape_index(&self, hit: &Hit) -> usize {
+        match self.placement_at(hit) {
+            Some(placement) => self.first_shape[placement.group as usize] + hit.member as usize,
+            None => hit.instance as usize,
+        }
+    }
+
+    pub(super) fn placement_at(&self, hit: &Hit) -> Option<&Placement> {
+        let place = (hit.instance as usize).checked_sub(self.instances.len())?;
+        Some(&self.placements[place])
+    }
+
+    #[inline(always)]
+    fn group_of(&self, placement: &Placement) -> &Tlas {
+        &self.groups[placement.group as usize]
+    }
+
+    /// Figures of the hierarchy over instances and placements alone; those of groups and meshes are theirs. `bytes` includes the
+    /// placements.
+    pub fn stats(&self) -> BvhStats {
+        let mut stats = self.bvh.stats();
+        stats.bytes += size_of_val(self.placements.as_slice());
+        stats
+    }
+
+    /// [`Bvh::validate`] against the bounds of instances and placements.
     pub fn validate(&self) -> Result<(), String> {
-        let bounds: Vec<Aabb> = self.instances.iter().map(Instance::world_bounds).collect();
-        self.bvh.validate(&bounds)
+        self.bvh.validate(&self.item_bounds())
     }
 
     /// The nearest hit with 0 < t < t_max.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        self.closest::<false>(ray, &mut Steps::default())
+    }
+
+    /// [`Tlas::intersect`], adding its work at every level to `steps`.
+    pub fn intersect_counting(&self, ray: &Ray, steps: &mut Steps) -> Option<Hit> {
+        self.closest::<true>(ray, steps)
+    }
+
+    fn closest<const COUNT: bool>(&self, ray: &Ray, steps: &mut Steps) -> Option<Hit> {
         let mut nearest = None;
-        self.bvh.closest(ray, |range, t_max| {
-            for &index in &self.bvh.order()[range] {
-                let instance = &self.instances[index as usize];
-                let local = Ray {
-                    t_max: *t_max,
-                    ..instance.local_ray(ray)
-                };
-                if let Some((hit, primitive)) = instance.intersect_local(&local) {
-                    *t_max = hit.t;
-                    nearest = Some(Hit {
+        let mut inner = Steps::default();
+        self.bvh.closest::<COUNT>(ray, steps, |range, t_max| {
+            for &item in &self.bvh.order()[range] {
+                let ray = Ray { t_max: *t_max, ..*ray };
+                let found = match self.instances.get(item as usize) {
+                    Some(instance) => instance.closest::<COUNT>(&ray, &mut inner).map(|(hit, primitive)| Hit {
                         t: hit.t,
-                        instance: index,
+                        instance: item,
+                        member: 0,
                         primitive,
                         u: hit.u,
                         v: hit.v,
-                    });
+                    }),
+                    None => self.closest_placed::<COUNT>(item, &ray, &mut inner),
+                };
+                if let Some(hit) = found {
+                    *t_max = hit.t;
+                    nearest = Some(hit);
                 }
             }
         });
+        *steps += inner;
         nearest
+    }
+
+    /// Kept out of line: most scenes have no groups, and their rays should not carry a second walk's stack.
+    #[inline(never)]
+    fn closest_placed<const COUNT: bool>(&self, item: u32, ray: &Ray, steps: &mut Steps) -> Option<Hit> {
+        let placement = &self.placements[item as usize - self.instances.len()];
+        let hit = self
+            .group_of(placement)
+            .closest::<COUNT>(&placement.group_ray(ray), steps)?;
+        Some(Hit {
+            instance: item,
+            member: hit.instance,
+            ..hit
+        })
     }
 
     /// Whether anything is hit with 0 < t < t_max.
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.bvh.any(ray, |range| {
-            self.bvh.order()[range].iter().any(|&index| {
-                let instance = &self.instances[index as usize];
-                instance.occluded_local(&instance.local_ray(ray))
-            })
+            self.bvh.order()[range]
+                .iter()
+                .any(|&item| match self.instances.get(item as usize) {
+                    Some(instance) => instance.occluded(ray),
+                    None => self.occluded_placed(item, ray),
+                })
         })
     }
 
-    /// [`Tlas::intersect`] with the number of boxes and primitives it tested, for the heat map.
-    pub fn intersect_counting(&self, ray: &Ray) -> (Option<Hit>, u32) {
-        let mut nearest = None;
-        let mut steps = Steps::default();
-        let mut inner = Steps::default();
-        self.bvh.closest_counting(ray, &mut steps, |range, t_max| {
-            for &index in &self.bvh.order()[range] {
-                let instance = &self.instances[index as usize];
-                let local = Ray {
-                    t_max: *t_max,
-                    ..instance.local_ray(ray)
-                };
-                if let Some((hit, primitive)) = instance.intersect_local_counting(&local, &mut inner) {
-                    *t_max = hit.t;
-                    nearest = Some(Hit {
-                        t: hit.t,
-                        instance: index,
-                        primitive,
-                        u: hit.u,
-                        v: hit.v,
-                    });
-                }
-            }
-        });
-        (nearest, steps.total() + inner.total())
+    #[inline(never)]
+    fn occluded_placed(&self, item: u32, ray: &Ray) -> bool {
+        let placement = &self.placements[item as usize - self.instances.len()];
+        self.group_of(placement).occluded(&placement.group_ray(ray))
     }
 }
 

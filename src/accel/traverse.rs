@@ -1,6 +1,6 @@
 //! The walk through a [`Bvh`], nearest child first; what a leaf holds is the caller's business.
 
-use std::ops::Range;
+use std::ops::{AddAssign, Range};
 
 use super::build::MAX_DEPTH;
 use super::bvh::Bvh;
@@ -17,6 +17,13 @@ pub struct Steps {
 impl Steps {
     pub fn total(&self) -> u32 {
         self.boxes + self.primitives
+    }
+}
+
+impl AddAssign for Steps {
+    fn add_assign(&mut self, other: Self) {
+        self.boxes += other.boxes;
+        self.primitives += other.primitives;
     }
 }
 
@@ -44,18 +51,16 @@ fn place_of(key: u64) -> (usize, usize) {
 
 impl Bvh {
     /// Visits every leaf that may hold a hit, roughly from near to far. `leaf` gets a range of [`Bvh::order`] and the distance within
-    /// which a hit counts, and lowers that to its nearest hit.
+    /// which a hit counts, and lowers that to its nearest hit. With `COUNT` its work is added to `steps` (the primitives of a visited
+    /// leaf are counted as tested once each).
     #[inline(always)]
-    pub fn closest(&self, ray: &Ray, mut leaf: impl FnMut(Range<usize>, &mut f32)) {
-        self.walk::<false, false>(ray, &mut Steps::default(), |range, t_max| {
-            leaf(range, t_max);
-            false
-        });
-    }
-
-    /// [`Bvh::closest`], adding its work to `steps` (the primitives of a visited leaf are counted as tested once each).
-    pub fn closest_counting(&self, ray: &Ray, steps: &mut Steps, mut leaf: impl FnMut(Range<usize>, &mut f32)) {
-        self.walk::<false, true>(ray, steps, |range, t_max| {
+    pub fn closest<const COUNT: bool>(
+        &self,
+        ray: &Ray,
+        steps: &mut Steps,
+        mut leaf: impl FnMut(Range<usize>, &mut f32),
+    ) {
+        self.walk::<false, COUNT>(ray, steps, |range, t_max| {
             leaf(range, t_max);
             false
         });

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 /// A hit at ray parameter `t` (the world's `t`: local rays are not renormalised).
 ///
-/// `u`, `v` mean: triangle: barycentric weights of its corners 1 and 2; rectangle and disk: local x and y; sphere: unused, zero.
+/// `u`, `v` mean: triangle: barycentric weights of its corners 1 and 2; rectangle and disk: local x and y; others: unused, zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalHit {
     pub t: f32,

@@ -1,6 +1,7 @@
 //! Shapes: what a ray meets, in the shape's own space, and the files meshes come from.
 
 pub mod attribute;
+pub mod cylinder;
 pub mod disk;
 pub mod local;
 pub mod mesh;

@@ -11,6 +11,7 @@
 mod bounds;
 mod choice;
 mod constant;
+mod cylinder;
 mod directional;
 mod finite;
 mod infinite;

@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use glam::{Affine3A, Vec2, Vec3};
 
 use super::bounds::{LightBounds, NormalCone};
+use super::cylinder::CylinderLight;
 use super::rectangle::RectangleLight;
 use super::sphere::{EllipsoidLight, SphereLight};
 use super::triangle::TriangleLight;
@@ -48,6 +49,7 @@ pub(super) struct SurfaceLight {
 enum EmitterShape {
     Rectangle(RectangleLight),
     Disk(DiskLight),
+    Cylinder(CylinderLight),
     Sphere(SphereLight),
     Ellipsoid(EllipsoidLight),
     /// In the order of the mesh.
@@ -90,6 +92,9 @@ impl SurfaceLight {
                 Some(light) => EmitterShape::Sphere(light),
                 None => EmitterShape::Ellipsoid(EllipsoidLight::new(to_world, instance.local_from_world, side)),
             },
+            Primitive::Cylinder => {
+                EmitterShape::Cylinder(CylinderLight::new(to_world, instance.local_from_world, side))
+            }
             Primitive::Mesh(blas) => EmitterShape::Mesh(TriangleLight::of_mesh(blas.mesh(), slot, &to_world, side)),
         };
         let bounds = instance.world_bounds();
@@ -125,9 +130,10 @@ impl SurfaceLight {
         let (bounds, cone, seen_area) = match &self.shape {
             EmitterShape::Rectangle(light) => (light.bounds(), NormalCone::single(light.normal()), light.area()),
             EmitterShape::Disk(light) => (self.bounds, NormalCone::single(light.normal), light.area),
-            // A closed surface shows a quarter of its area, on average over all directions.
+            // A surface seen from one side shows a quarter of its area, on average over all directions.
             EmitterShape::Sphere(light) => (self.bounds, NormalCone::ALL, 0.25 * light.area()),
             EmitterShape::Ellipsoid(light) => (self.bounds, NormalCone::ALL, 0.25 * light.area()),
+            EmitterShape::Cylinder(light) => (self.bounds, NormalCone::ALL, 0.25 * light.area()),
             EmitterShape::Mesh(triangles) => {
                 let triangle = &triangles[part as usize];
                 (triangle.bounds(), triangle.normals(), triangle.area())
@@ -180,6 +186,7 @@ impl SurfaceLight {
                 let position = light.world_from_local.transform_point3(p.extend(0.0));
                 SurfaceSample::from_area(position, light.normal, 1.0 / light.area, reference)
             }
+            EmitterShape::Cylinder(light) => light.sample(reference, u),
             EmitterShape::Sphere(light) => light.sample(reference, u),
             EmitterShape::Ellipsoid(light) => light.sample(reference, u),
             EmitterShape::Mesh(triangles) => triangles[part as usize].sample(reference, u),
@@ -191,6 +198,7 @@ impl SurfaceLight {
         match &self.shape {
             EmitterShape::Rectangle(light) => light.pdf(reference, hit),
             EmitterShape::Disk(light) => solid_angle_pdf(1.0 / light.area, hit.position, hit.normal, reference),
+            EmitterShape::Cylinder(light) => light.pdf(reference, hit),
             EmitterShape::Sphere(light) => light.pdf(reference, hit),
             EmitterShape::Ellipsoid(light) => light.pdf(reference, hit),
             EmitterShape::Mesh(triangles) => triangles[part as usize].pdf(reference, hit),

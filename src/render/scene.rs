@@ -25,10 +25,10 @@ pub struct SurfaceSlot {
     pub light: Option<LightId>,
 }
 
-/// The slots of every instance. An instance has one slot, or one per material of its mesh file.
+/// The slots of every shape. A shape has one slot, or one per material of its mesh file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SurfaceTable {
-    /// Per instance, the index of its first slot.
+    /// Per shape, as [`Tlas::shape_index`] counts them, the index of its first slot.
     pub first_slot: Vec<u32>,
     pub slots: Vec<SurfaceSlot>,
 }
@@ -48,10 +48,11 @@ impl RenderScene {
 
     /// The slot a ray has hit.
     pub fn slot(&self, hit: &Hit) -> SurfaceSlot {
-        let first = self.surfaces.first_slot[hit.instance as usize];
-        let last = self.surfaces.first_slot.get(hit.instance as usize + 1);
+        let shape = self.geometry.shape_index(hit);
+        let first = self.surfaces.first_slot[shape];
+        let last = self.surfaces.first_slot.get(shape + 1);
         let count = last.map_or(self.surfaces.slots.len() as u32, |&next| next) - first;
-        let offset = match &self.geometry.instances()[hit.instance as usize].primitive {
+        let offset = match &self.geometry.shape_at(hit).primitive {
             // A shape with a bsdf of its own has one slot, whatever its file says.
             Primitive::Mesh(blas) if count > 1 => blas
                 .mesh()

@@ -8,6 +8,7 @@ use glam::{UVec2, Vec3};
 use super::path::{PathSample, trace_path};
 use super::scene::RenderScene;
 use super::view::{Integrator, View};
+use crate::accel::Steps;
 use crate::color::{Rgb, luminance};
 
 /// Edge length of a tile in pixels.
@@ -166,9 +167,10 @@ fn render_sample(scene: &RenderScene, view: &View, pixel: UVec2, index: u32) -> 
     match &view.integrator {
         Integrator::Path(settings) => trace_path(scene, settings, ray, &mut sampler),
         Integrator::BvhSteps => {
-            let (_, steps) = scene.geometry.intersect_counting(&ray);
+            let mut steps = Steps::default();
+            scene.geometry.intersect_counting(&ray, &mut steps);
             PathSample {
-                radiance: Rgb::splat(steps as f32),
+                radiance: Rgb::splat(steps.total() as f32),
                 rays: 1,
                 ..PathSample::default()
             }

@@ -1,0 +1,63 @@
+//! Open cylinders that emit, circular or not: sampled uniformly in angle and height, which for circular ones is uniform in area.
+
+use std::f32::consts::TAU;
+
+use glam::{Affine3A, Vec2, Vec3, Vec3A};
+
+use super::surface::{SurfaceHit, SurfaceSample, solid_angle_pdf};
+
+#[derive(Clone, Debug)]
+pub(super) struct CylinderLight {
+    world_from_local: Affine3A,
+    local_from_world: Affine3A,
+    /// 1 to shine outwards, -1 inwards.
+    side: f32,
+}
+
+impl CylinderLight {
+    pub fn new(world_from_local: Affine3A, local_from_world: Affine3A, side: f32) -> Self {
+        Self {
+            world_from_local,
+            local_from_world,
+            side,
+        }
+    }
+
+    /// Exact for circular ones; else with Ramanujan's circumference of an ellipse, and only the choice between lights depends on it.
+    pub fn area(&self) -> f32 {
+        let axis = self.world_from_local.matrix3.z_axis;
+        let length = axis.length();
+        // What of the other two axes is across the first: the cross-section.
+        let across = |v: Vec3A| v.cross(axis) / length;
+        let (x, y) = (
+            across(self.world_from_local.matrix3.x_axis),
+            across(self.world_from_local.matrix3.y_axis),
+        );
+        let (sum, product) = (x.length_squared() + y.length_squared(), x.cross(y).length());
+        // The half axes from the sum of their squares and their product.
+        let (plus, minus) = ((sum + 2.0 * product).sqrt(), (sum - 2.0 * product).max(0.0).sqrt());
+        let h = (minus / plus).powi(2);
+        0.5 * TAU * plus * length * (1.0 + 3.0 * h / (10.0 + (4.0 - 3.0 * h).sqrt()))
+    }
+
+    /// Density per area where the local angle has this cosine and sine.
+    fn pdf_area(&self, around: Vec2) -> f32 {
+        let matrix = &self.world_from_local.matrix3;
+        let along = matrix.y_axis * around.x - matrix.x_axis * around.y;
+        1.0 / (TAU * along.cross(matrix.z_axis).length())
+    }
+
+    pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
+        let around = Vec2::from_angle(TAU * u.x);
+        let position = self.world_from_local.transform_point3(around.extend(u.y));
+        let normal = Vec3::from(self.local_from_world.matrix3.transpose() * Vec3A::from(around.extend(0.0)));
+        let normal = self.side * normal.normalize_or_zero();
+        SurfaceSample::from_area(position, normal, self.pdf_area(around), reference)
+    }
+
+    pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
+        let local = self.local_from_world.transform_point3(hit.position);
+        let around = local.truncate().normalize_or_zero();
+        solid_angle_pdf(self.pdf_area(around), hit.position, hit.normal, reference)
+    }
+}
