@@ -1,10 +1,13 @@
 //! The mesh readers on files made here, and on other people's: models, and the good, odd and broken files of other loaders' test suites,
 //! which lie outside the repository and are skipped where they are not.
 
+mod mesh_support;
+
 use std::io;
 use std::path::{Path, PathBuf};
 
 use glam::{Vec2, Vec3};
+use mesh_support::{Random, assert_sound};
 use sunroom::geometry::mesh::MeshData;
 use sunroom::geometry::mesh_file::{LoadedMesh, MeshError, Place};
 use sunroom::geometry::obj::load_obj;
@@ -20,48 +23,6 @@ fn obj(text: &str) -> Result<LoadedMesh, MeshError> {
 
 fn obj_mesh(text: &str) -> MeshData {
     obj(text).unwrap_or_else(|error| panic!("{error}\n{text}")).mesh
-}
-
-/// What every reader promises of every mesh it gives.
-fn assert_sound(mesh: &MeshData) {
-    let count = mesh.positions.len();
-    assert!(!mesh.triangles.is_empty());
-    assert!(
-        mesh.triangles.iter().flatten().all(|&i| (i as usize) < count),
-        "an index is out of range"
-    );
-    assert!(mesh.positions.iter().all(|p| p.is_finite()));
-    assert_eq!(mesh.normals.len(), count);
-    assert!(
-        mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-5),
-        "a normal is not of unit length"
-    );
-    assert!(mesh.uvs.is_empty() || mesh.uvs.len() == count);
-    assert!(mesh.uvs.iter().all(|uv| uv.is_finite()));
-    let materials = &mesh.material_of_triangle;
-    assert!(materials.is_empty() || materials.len() == mesh.triangles.len());
-    assert!(materials.iter().all(|&m| (m as usize) < mesh.materials.len()));
-}
-
-/// Numbers that look random and are the same in every run (SplitMix64: Steele, Lea and Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() % end as u64) as usize
-    }
-
-    fn float(&mut self) -> f32 {
-        (self.next() >> 40) as f32 / 1e6 - 8.0
-    }
 }
 
 // ---- PLY ----------------------------------------------------------------------------------------------------------------

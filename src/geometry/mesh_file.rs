@@ -19,6 +19,8 @@ pub enum Place {
     Line(u64),
     /// 0-based offset into a binary file.
     Byte(u64),
+    /// 0-based offset into the unpacked content of a compressed one.
+    Unpacked(u64),
 }
 
 impl fmt::Display for Place {
@@ -26,6 +28,7 @@ impl fmt::Display for Place {
         match self {
             Self::Line(line) => write!(f, "line {line}"),
             Self::Byte(offset) => write!(f, "byte {offset}"),
+            Self::Unpacked(offset) => write!(f, "byte {offset} of the unpacked shape"),
         }
     }
 }
@@ -44,7 +47,7 @@ pub enum MeshError {
     #[error("{place}: {what} index {index} is out of range: the file has {count}")]
     IndexOutOfRange {
         place: Place,
-        /// "vertex", "texture coordinate" or "normal".
+        /// "vertex", "texture coordinate", "normal" or "shape".
         what: &'static str,
         index: i64,
         count: u64,

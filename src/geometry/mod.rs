@@ -16,6 +16,7 @@ mod ply_source;
 mod polygon;
 pub mod primitives;
 pub mod rectangle;
+pub mod serialized;
 pub mod sphere;
 pub mod triangle;
 pub mod vertex_normals;

@@ -15,7 +15,7 @@ use super::mesh_file::{LoadedMesh, MeshError, Place, Warnings};
 use super::ply_attributes::Attributes;
 use super::ply_header::{Element, Format, Header, Kind, Scalar, parse_header};
 use super::ply_source::{Ascii, Binary, Source};
-use super::vertex_normals::{angle_weighted_normals, unit};
+use super::vertex_normals::complete_normals;
 
 /// Reads a whole PLY file. Errors name the line, or in a binary body the byte.
 pub fn load_ply(bytes: &[u8]) -> Result<LoadedMesh, MeshError> {
@@ -60,7 +60,7 @@ fn read_body(header: &Header, mut source: impl Source) -> Result<LoadedMesh, Mes
             }
         }
     }
-    if !source.only_blanks_left() {
+    if !source.rest().trim_ascii().is_empty() {
         warnings.add(source.place(), "what follows the promised elements is ignored");
     }
     if mesh.triangles.is_empty() {
@@ -322,25 +322,4 @@ fn read_strips(
         }
     }
     Ok(())
-}
-
-/// Computes all normals where the file has none, and those it has but that are no directions; the others become unit length.
-fn complete_normals(mesh: &mut MeshData, warnings: &mut Warnings) {
-    if mesh.normals.is_empty() {
-        mesh.normals = angle_weighted_normals(&mesh.positions, &mesh.triangles);
-        return;
-    }
-    let mut computed = Vec::new();
-    for i in 0..mesh.normals.len() {
-        mesh.normals[i] = unit(mesh.normals[i]).unwrap_or_else(|| {
-            if computed.is_empty() {
-                computed = angle_weighted_normals(&mesh.positions, &mesh.triangles);
-            }
-            warnings.add(
-                "normals",
-                "a normal that is zero or not finite is computed from the triangles instead",
-            );
-            computed[i]
-        });
-    }
 }

@@ -10,8 +10,12 @@ pub(super) trait Source {
     fn skip(&mut self, count: u64, scalar: Scalar) -> Result<(), MeshError>;
     /// Of the number read last.
     fn place(&self) -> Place;
-    fn bytes_left(&self) -> u64;
-    fn only_blanks_left(&self) -> bool;
+    /// What was not read yet.
+    fn rest(&self) -> &[u8];
+
+    fn bytes_left(&self) -> u64 {
+        self.rest().len() as u64
+    }
 }
 
 pub(super) struct Binary<'a, const BIG_ENDIAN: bool> {
@@ -89,12 +93,8 @@ impl<const BIG_ENDIAN: bool> Source for Binary<'_, BIG_ENDIAN> {
         Place::Byte(self.last)
     }
 
-    fn bytes_left(&self) -> u64 {
-        self.rest.len() as u64
-    }
-
-    fn only_blanks_left(&self) -> bool {
-        self.rest.trim_ascii().is_empty()
+    fn rest(&self) -> &[u8] {
+        self.rest
     }
 }
 
@@ -162,11 +162,7 @@ impl Source for Ascii<'_> {
         Place::Line(self.line)
     }
 
-    fn bytes_left(&self) -> u64 {
-        self.rest.len() as u64
-    }
-
-    fn only_blanks_left(&self) -> bool {
-        self.rest.trim_ascii().is_empty()
+    fn rest(&self) -> &[u8] {
+        self.rest
     }
 }

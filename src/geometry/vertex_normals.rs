@@ -8,6 +8,9 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
+use super::mesh::MeshData;
+use super::mesh_file::Warnings;
+
 /// The normal of a vertex that no triangle with an area touches; never seen by a ray, but unit length all the same.
 pub const NORMAL_OF_LONE_VERTEX: Vec3 = Vec3::X;
 
@@ -31,6 +34,27 @@ pub fn angle_weighted_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec
         *sum = unit(*sum).unwrap_or(NORMAL_OF_LONE_VERTEX);
     }
     sums
+}
+
+/// Computes all normals where the file has none, and those it has but that are no directions; the others become unit length.
+pub(super) fn complete_normals(mesh: &mut MeshData, warnings: &mut Warnings) {
+    if mesh.normals.is_empty() {
+        mesh.normals = angle_weighted_normals(&mesh.positions, &mesh.triangles);
+        return;
+    }
+    let mut computed = Vec::new();
+    for i in 0..mesh.normals.len() {
+        mesh.normals[i] = unit(mesh.normals[i]).unwrap_or_else(|| {
+            if computed.is_empty() {
+                computed = angle_weighted_normals(&mesh.positions, &mesh.triangles);
+            }
+            warnings.add(
+                "normals",
+                "a normal that is zero or not finite is computed from the triangles instead",
+            );
+            computed[i]
+        });
+    }
 }
 
 /// The direction of `vector`, whatever its length, even where the square of that is beyond an `f32`; `None` for zero and what is not finite.

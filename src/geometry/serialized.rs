@@ -1,0 +1,225 @@
+//! Reads Mitsuba's `serialized` meshes: several shapes in one file, each a zlib stream (RFC 1950), versions 3 and 4.
+//!
+//! A shape holds flags, in version 4 a name, the counts, and then positions, normals, texture coordinates and colours of all vertices in
+//! single or double precision, and the triangles. The colours are passed over, as Mitsuba 3 does. A table at the file's end says where
+//! each shape begins. Normals are computed where there are none.
+
+use std::io::Read;
+
+use flate2::bufread::ZlibDecoder;
+use glam::{Vec2, Vec3};
+
+use super::mesh::MeshData;
+use super::mesh_file::{LoadedMesh, MeshError, Place, Warnings};
+use super::vertex_normals::complete_normals;
+
+const MAGIC: u16 = 0x041c;
+
+/// The file's magic number and version, before every shape.
+const HEADER: usize = 4;
+
+const HAS_NORMALS: u32 = 0x1;
+const HAS_TEXTURE_COORDINATES: u32 = 0x2;
+const HAS_COLORS: u32 = 0x8;
+const DOUBLE_PRECISION: u32 = 0x2000;
+
+/// Where the shapes begin, in the order of the file's table.
+pub struct SerializedFile<'a> {
+    bytes: &'a [u8],
+    version: u16,
+    offsets: Vec<u64>,
+}
+
+impl<'a> SerializedFile<'a> {
+    pub fn open(bytes: &'a [u8]) -> Result<Self, MeshError> {
+        let word = |at: usize| bytes.get(at..at + 2).map(|two| u16::from_le_bytes([two[0], two[1]]));
+        match (word(0), word(2)) {
+            (Some(MAGIC), Some(version @ (3 | 4))) => Ok(Self {
+                bytes,
+                version,
+                offsets: offsets(bytes, version)?,
+            }),
+            (Some(MAGIC), Some(other)) => Err(syntax(
+                2,
+                "a serialized mesh of version 3 or 4",
+                format!("version {other}"),
+            )),
+            _ => Err(syntax(0, "a serialized mesh", "something else")),
+        }
+    }
+
+    /// Number of shapes.
+    pub fn count(&self) -> u32 {
+        self.offsets.len() as u32
+    }
+
+    /// Reads one shape, the first being 0.
+    pub fn load(&self, shape: u32) -> Result<LoadedMesh, MeshError> {
+        let Some(&offset) = self.offsets.get(shape as usize) else {
+            return Err(MeshError::IndexOutOfRange {
+                place: Place::Byte(self.bytes.len() as u64),
+                what: "shape",
+                index: shape.into(),
+                count: self.offsets.len() as u64,
+            });
+        };
+        let packed = usize::try_from(offset)
+            .ok()
+            .and_then(|offset| self.bytes.get(offset.checked_add(HEADER)?..))
+            .ok_or_else(|| syntax(self.bytes.len() as u64, "the place of a shape", format!("{offset}")))?;
+        read_shape(Unpacked::new(packed), self.version)
+    }
+}
+
+fn syntax(byte: u64, expected: &str, found: impl Into<String>) -> MeshError {
+    MeshError::syntax(Place::Byte(byte), expected, found)
+}
+
+/// The table: the places of all shapes (4 bytes each in version 3, 8 in version 4), then their number.
+fn offsets(bytes: &[u8], version: u16) -> Result<Vec<u64>, MeshError> {
+    let end = bytes.len() as u64;
+    let promised = || MeshError::Truncated {
+        place: Place::Byte(end),
+        promised: "a table of shapes belongs here".into(),
+    };
+    let (rest, count) = bytes[HEADER..].split_last_chunk().ok_or_else(promised)?;
+    let count = u32::from_le_bytes(*count) as usize;
+    let width = if version == 3 { 4 } else { 8 };
+    let start = count.checked_mul(width).and_then(|table| rest.len().checked_sub(table));
+    let table = &rest[start.ok_or_else(promised)?..];
+    let offset = |entry: &[u8]| {
+        let mut wide = [0; 8];
+        wide[..width].copy_from_slice(entry);
+        u64::from_le_bytes(wide)
+    };
+    Ok(table.chunks_exact(width).map(offset).collect())
+}
+
+/// The content of one shape, unpacked as it is asked for.
+struct Unpacked<'a> {
+    decoder: ZlibDecoder<&'a [u8]>,
+    read: u64,
+}
+
+impl<'a> Unpacked<'a> {
+    fn new(packed: &'a [u8]) -> Self {
+        Self {
+            decoder: ZlibDecoder::new(packed),
+            read: 0,
+        }
+    }
+
+    /// Memory grows only with what is really there.
+    fn bytes(&mut self, count: u64) -> Result<Vec<u8>, MeshError> {
+        let mut bytes = Vec::new();
+        let result = self.decoder.by_ref().take(count).read_to_end(&mut bytes);
+        self.read += bytes.len() as u64;
+        match result {
+            Err(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => {
+                Err(MeshError::syntax(self.place(), "compressed data", error.to_string()))
+            }
+            Ok(_) if bytes.len() as u64 == count => Ok(bytes),
+            _ => Err(MeshError::Truncated {
+                place: self.place(),
+                promised: "its counts promise more".into(),
+            }),
+        }
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], MeshError> {
+        let mut array = [0; N];
+        array.copy_from_slice(&self.bytes(N as u64)?);
+        Ok(array)
+    }
+
+    /// Of what comes next.
+    fn place(&self) -> Place {
+        Place::Unpacked(self.read)
+    }
+
+    /// `count` points of `N` numbers each.
+    fn points<const N: usize>(&mut self, count: u64, is_double: bool) -> Result<Vec<[f32; N]>, MeshError> {
+        let width = if is_double { 8 } else { 4 };
+        let bytes = self.bytes(count.saturating_mul((N * width) as u64))?;
+        let number = |bytes: &[u8]| match *bytes {
+            [a, b, c, d] => f32::from_le_bytes([a, b, c, d]),
+            [a, b, c, d, e, f, g, h] => f64::from_le_bytes([a, b, c, d, e, f, g, h]) as f32,
+            _ => f32::NAN,
+        };
+        let point = |bytes: &[u8]| std::array::from_fn(|i| number(&bytes[i * width..(i + 1) * width]));
+        Ok(bytes.chunks_exact(N * width).map(point).collect())
+    }
+}
+
+fn read_shape(mut source: Unpacked, version: u16) -> Result<LoadedMesh, MeshError> {
+    let flags = u32::from_le_bytes(source.array()?);
+    while version == 4 && source.array::<1>()? != [0] {}
+    let vertices = u64::from_le_bytes(source.array()?);
+    let triangles = u64::from_le_bytes(source.array()?);
+    for (what, count) in [
+        ("the number of vertices", vertices),
+        ("the number of triangles", triangles),
+    ] {
+        if count > u64::from(u32::MAX) {
+            return Err(MeshError::TooLarge {
+                what,
+                limit: u32::MAX.into(),
+            });
+        }
+    }
+    if triangles == 0 {
+        return Err(MeshError::NoTriangles);
+    }
+
+    let is_double = flags & DOUBLE_PRECISION != 0;
+    let mut mesh = MeshData::default();
+    let place = source.place();
+    mesh.positions = source
+        .points(vertices, is_double)?
+        .into_iter()
+        .map(Vec3::from)
+        .collect();
+    if !mesh.positions.iter().all(|position| position.is_finite()) {
+        return Err(MeshError::NotFinite { place });
+    }
+    if flags & HAS_NORMALS != 0 {
+        mesh.normals = source
+            .points(vertices, is_double)?
+            .into_iter()
+            .map(Vec3::from)
+            .collect();
+    }
+    if flags & HAS_TEXTURE_COORDINATES != 0 {
+        let finite = |uv: Vec2| if uv.is_finite() { uv } else { Vec2::ZERO };
+        let uvs = source.points(vertices, is_double)?.into_iter();
+        mesh.uvs = uvs.map(|uv: [f32; 2]| finite(uv.into())).collect();
+    }
+    if flags & HAS_COLORS != 0 {
+        source.points::<3>(vertices, is_double)?;
+    }
+
+    let first = source.read;
+    let corners = source.bytes(triangles.saturating_mul(12))?;
+    let corners = corners
+        .as_chunks::<4>()
+        .0
+        .iter()
+        .map(|&corner| u32::from_le_bytes(corner));
+    let corners: Vec<u32> = corners.collect();
+    if let Some(wrong) = corners.iter().position(|&corner| u64::from(corner) >= vertices) {
+        return Err(MeshError::IndexOutOfRange {
+            place: Place::Unpacked(first + 4 * wrong as u64),
+            what: "vertex",
+            index: corners[wrong].into(),
+            count: vertices,
+        });
+    }
+    mesh.triangles = corners.as_chunks::<3>().0.to_vec();
+
+    let mut warnings = Warnings::default();
+    complete_normals(&mut mesh, &mut warnings);
+    Ok(LoadedMesh {
+        mesh,
+        warnings: warnings.finish(),
+    })
+}
