@@ -11,8 +11,8 @@ use glam::{Vec2, Vec3};
 use statistics::{assert_all_plausible, sphere_integral};
 use sunroom::color::Rgb;
 use sunroom::shading::{
-    Bsdf, BsdfId, BsdfTable, BsdfTableError, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Ggx,
-    Metal, RoughConductor, fresnel, ior,
+    Bsdf, BsdfId, BsdfTable, BsdfTableError, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal,
+    Microfacet, MicrofacetKind, RoughConductor, fresnel, ior,
 };
 
 fn specular(material: &str) -> ConductorSpecular {
@@ -27,7 +27,8 @@ fn specular(material: &str) -> ConductorSpecular {
 fn rough(material: &str, alpha_x: f32, alpha_y: f32) -> Bsdf {
     Bsdf::RoughConductor(RoughConductor {
         specular: specular(material),
-        distribution: Ggx::new(alpha_x, alpha_y),
+        distribution: Microfacet::new(MicrofacetKind::Ggx, alpha_x, alpha_y),
+        multiple_scattering: None,
     })
 }
 

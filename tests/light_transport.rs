@@ -14,7 +14,8 @@ use sunroom::render::tile::{render_tile, tiles};
 use sunroom::render::view::{Strategy, View};
 use sunroom::sampling::SequenceKind;
 use sunroom::shading::{
-    Bsdf, BsdfId, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Ggx, Metal, RoughConductor,
+    Bsdf, BsdfId, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microfacet,
+    MicrofacetKind, RoughConductor,
 };
 use support::{SceneBuilder, assert_close, camera, mean_luminance, render, square_mesh, view};
 
@@ -294,7 +295,8 @@ fn furnished_room() -> RenderScene {
             k: Rgb::new(3.98, 2.39, 1.6),
             specular_reflectance: Rgb::ONE,
         },
-        distribution: Ggx::new(0.2, 0.2),
+        distribution: Microfacet::new(MicrofacetKind::Ggx, 0.2, 0.2),
+        multiple_scattering: None,
     };
     scene.add(
         Primitive::Sphere,

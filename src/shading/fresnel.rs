@@ -84,3 +84,29 @@ pub fn conductor(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
 fn ratio(numerator: Rgb, denominator: Rgb) -> Rgb {
     Rgb::select(denominator.cmpgt(Rgb::ZERO), numerator / denominator, Rgb::ONE)
 }
+
+/// The reflectance of a dielectric with the index `eta`, inner over outer, for diffuse light from outside: the integral of
+/// 2 F(mu) mu over the cosines. From inside it is that of `1 / eta`.
+///
+/// Duntley, The Optical Properties of Diffusing Materials, JOSA 1942, for eta > 1. Below, by conservation: with the solid angle
+/// stretched by eta^2, as much gets through one way as the other, 1 - F(1 / n) = (1 - F(n)) / n^2.
+pub fn diffuse_reflectance(eta: f32) -> f32 {
+    let n = f64::from(eta.max(eta.recip()));
+    let n2 = n * n;
+    // The terms have a pole of second order at 1 and cancel: below this, the first one of the series has more digits left.
+    let outside = if n < 1.0 + 1e-4 {
+        (n - 1.0) / 3.0
+    } else {
+        let (plus, minus) = (n2 + 1.0, n2 * n2 - 1.0);
+        0.5 + (n - 1.0) * (3.0 * n + 1.0) / (6.0 * (n + 1.0).powi(2))
+            + n2 * (n2 - 1.0).powi(2) / plus.powi(3) * ((n - 1.0) / (n + 1.0)).ln()
+            - 2.0 * n * n2 * (n2 + 2.0 * n - 1.0) / (plus * minus)
+            + 8.0 * n2 * n2 * (n2 * n2 + 1.0) / (plus * minus * minus) * n.ln()
+    };
+    let reflectance = if eta >= 1.0 {
+        outside
+    } else {
+        1.0 - (1.0 - outside) / n2
+    };
+    reflectance as f32
+}

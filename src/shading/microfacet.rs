@@ -1,66 +1,85 @@
-//! The GGX (Trowbridge-Reitz) distribution of microfacet normals, its Smith masking, and sampling of visible normals.
+//! Rough surfaces as statistics of their normals: the distributions under one roof.
 //!
-//! Walter et al., Microfacet Models for Refraction through Rough Surfaces, EGSR 2007; Heitz, Understanding the Masking-Shadowing
-//! Function, JCGT 2014. Masking is separable, G = G1(wo) G1(wi), as in the renderer whose scene format this program reads.
+//! Heitz, Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs, JCGT 2014. Masking is separable, G = G1(wo) G1(wi).
 
+use super::{Beckmann, Ggx};
 use glam::{Vec2, Vec3};
-use std::f32::consts::{FRAC_1_PI, TAU};
 
-/// Below this a lobe is narrower than the rounding of its half vector.
-const SMOOTHEST_ALPHA: f32 = 1e-4;
-
-/// Roughness along the two tangents.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ggx {
-    alpha_x: f32,
-    alpha_y: f32,
+/// A family of distributions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum MicrofacetKind {
+    #[default]
+    Beckmann,
+    Ggx,
 }
 
-impl Ggx {
-    /// Root mean square slope scales, above 0; raised to 1e-4 where smaller.
-    pub fn new(alpha_x: f32, alpha_y: f32) -> Self {
-        Self {
-            alpha_x: alpha_x.max(SMOOTHEST_ALPHA),
-            alpha_y: alpha_y.max(SMOOTHEST_ALPHA),
+/// A distribution of microfacet normals with its masking.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Microfacet {
+    Beckmann(Beckmann),
+    Ggx(Ggx),
+}
+
+impl Microfacet {
+    /// Roughness along the two tangents, above 0; raised to 1e-4 where smaller.
+    pub fn new(kind: MicrofacetKind, alpha_x: f32, alpha_y: f32) -> Self {
+        match kind {
+            MicrofacetKind::Beckmann => Self::Beckmann(Beckmann::new(alpha_x, alpha_y)),
+            MicrofacetKind::Ggx => Self::Ggx(Ggx::new(alpha_x, alpha_y)),
         }
     }
 
     /// Density of microfacet area by normal `m` (unit, z > 0), per steradian and unit of surface.
     pub fn density(&self, m: Vec3) -> f32 {
-        let stretched = Vec3::new(m.x / self.alpha_x, m.y / self.alpha_y, m.z).length_squared();
-        FRAC_1_PI / (self.alpha_x * self.alpha_y * stretched * stretched)
-    }
-
-    /// |cos| of `v` plus the length of `v` in the configuration of unit roughness: what masking divides by.
-    ///
-    /// Smith's G1 = 2 / (1 + sqrt(1 + alpha^2 tan^2)) is 2 |cos| / reach, without a division by a grazing cosine.
-    fn reach(&self, v: Vec3) -> f32 {
-        v.z.abs() + Vec3::new(self.alpha_x * v.x, self.alpha_y * v.y, v.z).length()
+        match self {
+            Self::Beckmann(beckmann) => beckmann.density(m),
+            Self::Ggx(ggx) => ggx.density(m),
+        }
     }
 
     /// Smith masking of `v`: the visible fraction of the microfacets that face it, in [0, 1].
     pub fn g1(&self, v: Vec3) -> f32 {
-        2.0 * v.z.abs() / self.reach(v)
+        match self {
+            Self::Beckmann(beckmann) => beckmann.g1(v),
+            Self::Ggx(ggx) => ggx.g1(v),
+        }
     }
 
     /// G1(v) / (4 |cos v|), finite at grazing angles: the geometry factor of reflection.
     pub fn g1_over_four_cos(&self, v: Vec3) -> f32 {
-        0.5 / self.reach(v)
+        match self {
+            Self::Beckmann(beckmann) => beckmann.g1_over_four_cos(v),
+            Self::Ggx(ggx) => ggx.g1_over_four_cos(v),
+        }
     }
 
-    /// A microfacet normal among those visible from `wo` (z > 0), with density G1(wo) D(m) max(0, wo.m) / cos wo.
-    ///
-    /// By spherical caps: Dupuy and Benyoub, Sampling Visible GGX Normals with Spherical Caps, 2023.
+    /// G1(v) over the one that visible normals are sampled with: 1, but where the masking of the model is an approximation.
+    pub fn masking_ratio(&self, v: Vec3) -> f32 {
+        match self {
+            Self::Beckmann(beckmann) => beckmann.masking_ratio(v),
+            Self::Ggx(_) => 1.0,
+        }
+    }
+
+    /// The density of [`Self::sample_visible`] over 4 wo.m, the Jacobian of reflection.
+    pub fn reflected_density(&self, wo: Vec3, m: Vec3) -> f32 {
+        self.density(m) * self.g1_over_four_cos(wo) / self.masking_ratio(wo)
+    }
+
+    /// A microfacet normal among those visible from `wo` (z > 0), with density G1(wo) D(m) max(0, wo.m) / cos wo for an exact G1.
     pub fn sample_visible(&self, wo: Vec3, u: Vec2) -> Vec3 {
-        let alpha = Vec3::new(self.alpha_x, self.alpha_y, 1.0);
-        let view = (alpha * wo).normalize();
-        // In the configuration of unit roughness, reflections off a hemisphere fill the cap z > -view.z uniformly.
-        let z = 1.0 - u.y * (1.0 + view.z);
-        let radius = (1.0 - z * z).max(0.0).sqrt();
-        let (sin, cos) = (TAU * u.x).sin_cos();
-        // Rounding must not take it below the horizon.
-        let half = Vec3::new(radius * cos + view.x, radius * sin + view.y, (z + view.z).max(0.0));
-        // It vanishes for the lower rim of a grazing view only.
-        (alpha * half).normalize_or(Vec3::Z)
+        match self {
+            Self::Beckmann(beckmann) => beckmann.sample_visible(wo, u),
+            Self::Ggx(ggx) => ggx.sample_visible(wo, u),
+        }
+    }
+
+    /// One roughness for both directions: the root mean square.
+    pub fn mean_alpha(&self) -> f32 {
+        let [x, y] = match self {
+            Self::Beckmann(beckmann) => beckmann.alpha(),
+            Self::Ggx(ggx) => ggx.alpha(),
+        };
+        (0.5 * (x * x + y * y)).sqrt()
     }
 }

@@ -12,24 +12,40 @@
 //! Smooth and rough metals and diffuse surfaces are black from behind; [`Bsdf::TwoSided`] gives them another side. No model knows
 //! textures, emission or geometry.
 
+mod beckmann;
 mod conductor;
 mod dielectric;
 mod diffuse;
 pub mod fresnel;
+mod ggx;
 pub mod ior;
 mod metal;
+mod microalbedo;
 mod microfacet;
+mod plastic;
 mod principled;
+mod rough_coat;
 mod rough_conductor;
+mod rough_dielectric;
+mod rough_plastic;
+mod thin_dielectric;
 
+pub use beckmann::Beckmann;
 pub use conductor::{Conductor, ConductorSpecular};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use fresnel::DielectricModel;
+pub use ggx::Ggx;
 pub use metal::Metal;
-pub use microfacet::Ggx;
+pub use microalbedo::Microalbedo;
+pub use microfacet::{Microfacet, MicrofacetKind};
+pub use plastic::{CoatedBase, Plastic, SmoothCoat};
 pub use principled::{Principled, PrincipledThin, SamplingRates, ThinSamplingRates, eta_from_specular};
+pub use rough_coat::RoughCoat;
 pub use rough_conductor::RoughConductor;
+pub use rough_dielectric::RoughDielectric;
+pub use rough_plastic::RoughPlastic;
+pub use thin_dielectric::ThinDielectric;
 
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
@@ -48,6 +64,10 @@ pub enum Bsdf {
     Metal(Metal),
     Principled(Principled),
     PrincipledThin(PrincipledThin),
+    RoughDielectric(RoughDielectric),
+    ThinDielectric(ThinDielectric),
+    Plastic(Plastic),
+    RoughPlastic(RoughPlastic),
     /// One model seen from the normal's side and another (or the same, mirrored) from behind; neither is two-sided itself.
     TwoSided {
         front: BsdfId,
@@ -136,7 +156,10 @@ impl BsdfTable {
             Bsdf::Metal(metal) => metal.eval(wo, wi),
             Bsdf::Principled(principled) => principled.eval(wo, wi),
             Bsdf::PrincipledThin(thin) => thin.eval(wo, wi),
-            Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::TwoSided { .. } => Rgb::ZERO,
+            Bsdf::RoughDielectric(rough) => rough.eval(wo, wi),
+            Bsdf::Plastic(plastic) => plastic.eval(wo, wi),
+            Bsdf::RoughPlastic(rough) => rough.eval(wo, wi),
+            Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) | Bsdf::TwoSided { .. } => Rgb::ZERO,
         }
     }
 
@@ -150,7 +173,10 @@ impl BsdfTable {
             Bsdf::Metal(metal) => metal.pdf(wo, wi),
             Bsdf::Principled(principled) => principled.pdf(wo, wi),
             Bsdf::PrincipledThin(thin) => thin.pdf(wo, wi),
-            Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::TwoSided { .. } => 0.0,
+            Bsdf::RoughDielectric(rough) => rough.pdf(wo, wi),
+            Bsdf::Plastic(plastic) => plastic.pdf(wo, wi),
+            Bsdf::RoughPlastic(rough) => rough.pdf(wo, wi),
+            Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) | Bsdf::TwoSided { .. } => 0.0,
         }
     }
 
@@ -167,6 +193,10 @@ impl BsdfTable {
             Bsdf::Metal(metal) => metal.sample(wo, u_lobe, u),
             Bsdf::Principled(principled) => principled.sample(wo, u_lobe, u),
             Bsdf::PrincipledThin(thin) => thin.sample(wo, u_lobe, u),
+            Bsdf::RoughDielectric(rough) => rough.sample(wo, u_lobe, u),
+            Bsdf::ThinDielectric(thin) => Some(thin.sample(wo, u_lobe)),
+            Bsdf::Plastic(plastic) => plastic.sample(wo, u_lobe, u),
+            Bsdf::RoughPlastic(rough) => rough.sample(wo, u_lobe, u),
             Bsdf::TwoSided { .. } => None,
         };
         sample.map(|sample| BsdfSample {
@@ -178,8 +208,14 @@ impl BsdfTable {
     /// Whether some of its light is scattered with a density, so that light sources are worth sampling from here.
     pub fn has_smooth_lobe(&self, id: BsdfId) -> bool {
         match &self.bsdfs[id.0 as usize] {
-            Bsdf::Diffuse(_) | Bsdf::RoughConductor(_) | Bsdf::Principled(_) | Bsdf::PrincipledThin(_) => true,
-            Bsdf::Conductor(_) | Bsdf::Dielectric(_) => false,
+            Bsdf::Diffuse(_)
+            | Bsdf::RoughConductor(_)
+            | Bsdf::RoughDielectric(_)
+            | Bsdf::Plastic(_)
+            | Bsdf::RoughPlastic(_)
+            | Bsdf::Principled(_)
+            | Bsdf::PrincipledThin(_) => true,
+            Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) => false,
             Bsdf::Metal(metal) => !metal.is_delta(),
             Bsdf::TwoSided { front, back } => self.has_smooth_lobe(*front) || self.has_smooth_lobe(*back),
         }
@@ -197,7 +233,9 @@ impl BsdfTable {
             Bsdf::Diffuse(diffuse) => diffuse.reflectance,
             Bsdf::Conductor(conductor) => conductor.specular.reflectance(1.0),
             Bsdf::RoughConductor(rough) => rough.specular.reflectance(1.0),
-            Bsdf::Dielectric(_) => Rgb::ONE,
+            Bsdf::Dielectric(_) | Bsdf::RoughDielectric(_) | Bsdf::ThinDielectric(_) => Rgb::ONE,
+            Bsdf::Plastic(plastic) => plastic.base.diffuse_reflectance,
+            Bsdf::RoughPlastic(rough) => rough.base.diffuse_reflectance,
             Bsdf::Metal(metal) => metal.color,
             Bsdf::Principled(principled) => principled.base_color,
             Bsdf::PrincipledThin(thin) => thin.base_color,

@@ -1,8 +1,9 @@
-//! A metal with a rough surface: single scattering off GGX microfacets; black from behind.
+//! A metal with a rough surface: scattering off microfacets; black from behind.
 //!
-//! f = F D G / (4 cos wo cos wi). Light that would bounce between facets is lost, so rough metals are somewhat too dark.
+//! f = F D G / (4 cos wo cos wi). Light that would bounce between facets is lost, so rough metals are somewhat too dark, unless the
+//! lobe is scaled up by what it lost ([`Microalbedo`]).
 
-use super::{BsdfSample, ConductorSpecular, microfacet::Ggx};
+use super::{BsdfSample, ConductorSpecular, Microalbedo, Microfacet};
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
@@ -10,7 +11,9 @@ use glam::{Vec2, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughConductor {
     pub specular: ConductorSpecular,
-    pub distribution: Ggx,
+    pub distribution: Microfacet,
+    /// Compensates for light that bounces several times; `None` is single scattering. Not reciprocal.
+    pub multiple_scattering: Option<&'static Microalbedo>,
 }
 
 /// The half vector, if both directions are above the surface and see the front of the facet.
@@ -23,36 +26,44 @@ fn half_vector(wo: Vec3, wi: Vec3) -> Option<Vec3> {
 }
 
 impl RoughConductor {
+    /// What `wo` sees brighter by the light that leaves after more than one bounce.
+    fn gain(&self, wo: Vec3) -> Rgb {
+        self.multiple_scattering.map_or(Rgb::ONE, |albedo| {
+            albedo.gain(&self.distribution, wo, self.specular.reflectance(1.0))
+        })
+    }
+
     pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
         let Some(m) = half_vector(wo, wi) else {
             return Rgb::ZERO;
         };
-        let ggx = &self.distribution;
-        self.specular.reflectance(wo.dot(m)) * (ggx.density(m) * ggx.g1_over_four_cos(wo) * ggx.g1(wi))
+        let facets = &self.distribution;
+        let geometry = facets.density(m) * facets.g1_over_four_cos(wo) * facets.g1(wi);
+        self.gain(wo) * self.specular.reflectance(wo.dot(m)) * geometry
     }
 
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         // The density of the visible normal over the Jacobian 4 (wo . m) of reflection.
-        half_vector(wo, wi).map_or(0.0, |m| {
-            self.distribution.density(m) * self.distribution.g1_over_four_cos(wo)
-        })
+        half_vector(wo, wi).map_or(0.0, |m| self.distribution.reflected_density(wo, m))
     }
 
     pub(super) fn sample(&self, wo: Vec3, u: Vec2) -> Option<BsdfSample> {
         if wo.z <= 0.0 {
             return None;
         }
-        let m = self.distribution.sample_visible(wo, u);
+        let facets = &self.distribution;
+        let m = facets.sample_visible(wo, u);
         let cos = wo.dot(m);
         let wi = 2.0 * cos * m - wo;
         // Below the horizon: the light would hit another facet, which this model leaves out.
         if wi.z <= 0.0 || cos <= 0.0 {
             return None;
         }
-        let pdf = self.distribution.density(m) * self.distribution.g1_over_four_cos(wo);
+        let pdf = facets.reflected_density(wo, m);
+        let masking = facets.masking_ratio(wo) * facets.g1(wi);
         (pdf > 0.0).then(|| BsdfSample {
             wi,
-            weight: self.specular.reflectance(cos) * self.distribution.g1(wi),
+            weight: self.gain(wo) * self.specular.reflectance(cos) * masking,
             pdf,
             is_delta: false,
             eta: 1.0,

@@ -1,7 +1,7 @@
 //! Checks of the contract of `shading` that every model with a density must pass, shared by the tables of models.
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
-use glam::{UVec2, Vec3};
+use glam::{UVec2, Vec2, Vec3};
 use sunroom::color::Rgb;
 use sunroom::sampling::{Sampler, SequenceKind};
 use sunroom::shading::{Bsdf, BsdfId, BsdfSample, BsdfTable};
@@ -77,6 +77,100 @@ pub fn density_p_values(case: &Single, viewers: &[Vec3]) -> Vec<(String, f64)> {
         (format!("{} from {wo}", case.name), p)
     };
     viewers.iter().map(p_value).collect()
+}
+
+/// Whether light leaves in `lobe`: 1 is reflection, -1 is transmission.
+fn within(lobe: f32, wo: Vec3, wi: Vec3) -> bool {
+    lobe * wo.z * wi.z > 0.0
+}
+
+/// Samples of one lobe, without those of delta lobes, against the density, which is finest resolved around `peak`.
+pub fn lobe_p_value(case: &Single, wo: Vec3, lobe: f32, peak: Vec3) -> (String, f64) {
+    let sampled = |i| {
+        let smooth = case.sample(wo, i).filter(|sample| !sample.is_delta);
+        smooth.map(|sample| sample.wi).filter(|&wi| within(lobe, wo, wi))
+    };
+    let density = |wi| if within(lobe, wo, wi) { case.pdf(wo, wi) } else { 0.0 };
+    let p = sphere_p(30_000, peak, sampled, density);
+    (format!("{} from {wo}, lobe {lobe}", case.name), p)
+}
+
+/// The mean of the weights of one lobe, without those of delta lobes, is the integral of the value.
+pub fn assert_lobe_weight(case: &Single, wo: Vec3, lobe: f32, peak: Vec3) {
+    let count = 20_000;
+    let weight = |i| {
+        case.sample(wo, i)
+            .filter(|sample| !sample.is_delta && within(lobe, wo, sample.wi))
+            .map_or(0.0, |sample| f64::from(sample.weight.x))
+    };
+    let weights: Vec<f64> = (0..count).map(weight).collect();
+    let mean = weights.iter().sum::<f64>() / f64::from(count);
+    let variance = weights.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / f64::from(count);
+    let value = |wi| if within(lobe, wo, wi) { case.eval(wo, wi).x } else { 0.0 };
+    let integral = sphere_integral(peak, value);
+    // Five standard errors: 300 comparisons, a false alarm in 5,000. Plus that of the quadrature.
+    let tolerance = 5.0 * (variance / f64::from(count)).sqrt() + 5e-4;
+    let name = &case.name;
+    assert!(
+        (mean - integral).abs() < tolerance,
+        "{name} {wo} {lobe}: {mean}, {integral}"
+    );
+}
+
+/// What comes back from a white room, light that changes the medium counted as power: the mean of weight eta^2.
+pub fn furnace(case: &Single, wo: Vec3, count: u32) -> Rgb {
+    let sum: Rgb = (0..count)
+        .filter_map(|i| case.sample(wo, i))
+        .map(|sample| sample.weight * (sample.eta * sample.eta))
+        .sum();
+    sum / count as f32
+}
+
+/// Every number stays finite for any direction and any random numbers.
+pub fn assert_finite(case: &Single) {
+    let last = 1.0f32.next_down();
+    for z in [
+        0.0,
+        -0.0,
+        f32::MIN_POSITIVE,
+        1e-40,
+        -1e-30,
+        1e-20,
+        1e-7,
+        1e-3,
+        -1e-3,
+        1.0,
+        -1.0,
+    ] {
+        let wo = Vec3::new((1.0 - z * z).sqrt(), 0.0, z);
+        for u in [[0.0, 0.0], [last, last], [0.5, 0.0], [0.0, last], [last, 0.0]].map(Vec2::from) {
+            for u_lobe in [0.0, 0.5, last] {
+                let Some(sample) = case.table.sample(case.id, wo, u_lobe, u) else {
+                    continue;
+                };
+                let name = &case.name;
+                let finite = sample.wi.is_finite() && sample.weight.is_finite() && sample.pdf.is_finite();
+                assert!(finite && sample.pdf > 0.0, "{name} {wo} {u}: {sample:?}");
+                assert!((sample.wi.length() - 1.0).abs() < 1e-4, "{name} {wo} {u}: {sample:?}");
+                let (value, pdf) = (case.eval(wo, sample.wi), case.pdf(wo, sample.wi));
+                assert!(
+                    value.is_finite() && pdf.is_finite(),
+                    "{name} {wo} {u}: {sample:?} {value} {pdf}"
+                );
+            }
+        }
+    }
+}
+
+/// The value and the density for a pair of directions: `wo`, `wi`, value, pdf.
+pub type Figure = (Vec3, Vec3, Rgb, f32);
+
+/// The model gives a figure of another program to these fractions of value and density.
+pub fn assert_figure(case: &Single, (wo, wi, value, pdf): Figure, value_tolerance: f32, pdf_tolerance: f32) {
+    let value = (case.eval(wo, wi) / value - Rgb::ONE).abs().max_element();
+    let pdf = (case.pdf(wo, wi) / pdf - 1.0).abs();
+    let close = value < value_tolerance && pdf < pdf_tolerance;
+    assert!(close, "{} {wo} {wi}: off by {value}, {pdf}", case.name);
 }
 
 /// The density of a sample is that of its direction, and its weight is value over density, to a fraction `tolerance` of the density.

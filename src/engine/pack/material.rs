@@ -8,7 +8,8 @@ use super::Checker;
 use crate::color::Rgb;
 use crate::scene::{ConductorIor, Ior, Material};
 use crate::shading::{
-    Bsdf, BsdfId, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Ggx, Metal, RoughConductor, ior,
+    Bsdf, BsdfId, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microfacet,
+    MicrofacetKind, RoughConductor, ior,
 };
 
 /// What has no material, or one that makes no sense, looks like this: the format's default.
@@ -133,7 +134,8 @@ fn one_sided(material: &Material, model: DielectricModel, check: &mut Checker) -
             let alpha = check.number("alpha", *alpha, 1e-4, 100.0, 0.1);
             Bsdf::RoughConductor(RoughConductor {
                 specular: conductor_specular(ior, *specular_reflectance, check),
-                distribution: Ggx::new(alpha, alpha),
+                distribution: Microfacet::new(MicrofacetKind::Ggx, alpha, alpha),
+                multiple_scattering: None,
             })
         }
         Material::Dielectric {

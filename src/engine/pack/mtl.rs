@@ -15,7 +15,8 @@ use super::material::PERFECT_MIRROR;
 use crate::color::Rgb;
 use crate::geometry::mesh::MtlMaterial;
 use crate::shading::{
-    Bsdf, BsdfId, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Ggx, RoughConductor,
+    Bsdf, BsdfId, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Microfacet, MicrofacetKind,
+    RoughConductor,
 };
 
 /// A colour up to this is written by exporters that avoid zero.
@@ -68,7 +69,8 @@ fn one_sided(mtl: &MtlMaterial, model: DielectricModel, check: &mut Checker) -> 
             .max(ROUGHNESS_FLOOR);
         return Bsdf::RoughConductor(RoughConductor {
             specular: metal(check.reflectance("Kd", mtl.kd)),
-            distribution: Ggx::new(roughness * roughness, roughness * roughness),
+            distribution: Microfacet::new(MicrofacetKind::Ggx, roughness * roughness, roughness * roughness),
+            multiple_scattering: None,
         });
     }
     if matches!(mtl.illum, Some(3 | 5)) && mtl.kd.max_element() <= AS_GOOD_AS_BLACK {
@@ -113,7 +115,7 @@ mod tests {
         let glass = |ni: f32| move |bsdf: &Bsdf| matches!(bsdf, Bsdf::Dielectric(d) if d.eta == ni);
         let mirror =
             |bsdf: &Bsdf| matches!(bsdf, Bsdf::Conductor(c) if c.specular.specular_reflectance == Rgb::splat(0.9));
-        let rough = |bsdf: &Bsdf| matches!(bsdf, Bsdf::RoughConductor(r) if r.distribution == Ggx::new(0.25, 0.25));
+        let rough = |bsdf: &Bsdf| matches!(bsdf, Bsdf::RoughConductor(r) if r.distribution == Microfacet::new(MicrofacetKind::Ggx, 0.25, 0.25));
         type Expected<'a> = &'a dyn Fn(&Bsdf) -> bool;
         let plain = mtl();
         let table: [(&str, MtlMaterial, Expected, bool); 8] = [

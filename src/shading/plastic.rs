@@ -1,0 +1,118 @@
+//! A diffuse base below a smooth dielectric coat, light between the two being reflected until it escapes; black from behind.
+//!
+//! The coat mirrors F(wo); the rest gets in, is scattered by the base, and of that the fraction R_int returns to the base each time:
+//! f = albedo (1 - F(wo)) (1 - F(wi)) / (pi eta^2 (1 - a R_int)), a being the albedo. "Linear" plastic keeps the colour by leaving a out
+//! of the denominator. (Weidlich and Wilkie, Arbitrarily Layered Micro-Facet Surfaces, 2007; Elias, Simonot and Menu, 2001.)
+
+use super::{
+    BsdfSample,
+    fresnel::{self, DielectricModel},
+    mirrored,
+};
+use crate::{color::Rgb, sampling::warp};
+use glam::{Vec2, Vec3};
+
+/// The coat, with what follows from its index alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SmoothCoat {
+    eta: f32,
+    internal_reflectance: f32,
+}
+
+impl SmoothCoat {
+    /// A coat with this refractive index relative to the outside, above 0.
+    pub fn new(eta: f32) -> Self {
+        Self {
+            eta,
+            internal_reflectance: fresnel::diffuse_reflectance(eta.recip()),
+        }
+    }
+
+    /// The reflected fraction at a cosine.
+    fn reflectance(&self, cos: f32) -> f32 {
+        fresnel::dielectric(cos, self.eta, DielectricModel::Exact).reflectance
+    }
+}
+
+/// The base below a coat.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoatedBase {
+    /// Of the base, [0, 1].
+    pub diffuse_reflectance: Rgb,
+    /// Whether light that is scattered again takes up the base's colour each time.
+    pub nonlinear: bool,
+    /// Multiplies what the coat reflects; 1 is physical.
+    pub specular_reflectance: Rgb,
+}
+
+impl CoatedBase {
+    /// Of the light that gets in, what gets out per squared transmittance: albedo / (eta^2 (1 - a R_int)).
+    pub(super) fn escaping(&self, eta: f32, internal_reflectance: f32) -> Rgb {
+        let again = if self.nonlinear {
+            self.diffuse_reflectance * internal_reflectance
+        } else {
+            Rgb::splat(internal_reflectance)
+        };
+        self.diffuse_reflectance / ((Rgb::ONE - again) * (eta * eta))
+    }
+
+    /// The probability of sampling the coat, which reflects the fraction `reflected`.
+    pub(super) fn coat_probability(&self, reflected: f32) -> f32 {
+        let coat = reflected * self.specular_reflectance.element_sum();
+        let base = (1.0 - reflected) * self.diffuse_reflectance.element_sum();
+        // Black altogether: either will do.
+        if coat + base > 0.0 { coat / (coat + base) } else { 1.0 }
+    }
+}
+
+/// Smooth plastic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plastic {
+    pub coat: SmoothCoat,
+    pub base: CoatedBase,
+}
+
+impl Plastic {
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        if wo.z <= 0.0 || wi.z <= 0.0 {
+            return Rgb::ZERO;
+        }
+        let through = (1.0 - self.coat.reflectance(wo.z)) * (1.0 - self.coat.reflectance(wi.z));
+        let escaping = self.base.escaping(self.coat.eta, self.coat.internal_reflectance);
+        escaping * (through * warp::cosine_hemisphere_pdf(wi.z))
+    }
+
+    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        if wo.z <= 0.0 {
+            return 0.0;
+        }
+        let coat = self.base.coat_probability(self.coat.reflectance(wo.z));
+        (1.0 - coat) * warp::cosine_hemisphere_pdf(wi.z)
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        if wo.z <= 0.0 {
+            return None;
+        }
+        let reflected = self.coat.reflectance(wo.z);
+        let probability = self.base.coat_probability(reflected);
+        if u_lobe < probability {
+            return Some(BsdfSample {
+                wi: mirrored(wo),
+                weight: self.base.specular_reflectance * (reflected / probability),
+                pdf: probability,
+                is_delta: true,
+                eta: 1.0,
+            });
+        }
+        let wi = warp::cosine_hemisphere(u);
+        let pdf = (1.0 - probability) * warp::cosine_hemisphere_pdf(wi.z);
+        (pdf > 0.0).then(|| BsdfSample {
+            wi,
+            weight: self.eval(wo, wi) / pdf,
+            pdf,
+            is_delta: false,
+            eta: 1.0,
+        })
+    }
+}

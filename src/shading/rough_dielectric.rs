@@ -1,0 +1,142 @@
+//! A rough interface between two transparent media: reflection and refraction by microfacets.
+//!
+//! Walter et al., Microfacet Models for Refraction through Rough Surfaces, EGSR 2007. Refracted radiance is scaled with the solid angle,
+//! as in the smooth dielectric. The surface is the same from both sides; f(wo, wi) / n_o^2 is symmetric, n_o being the index on the
+//! side of wo.
+
+use super::{
+    BsdfSample, Microfacet,
+    fresnel::{self, DielectricModel},
+};
+use crate::color::Rgb;
+use glam::{Vec2, Vec3};
+
+/// Ground glass, ice, and the like; the normal points outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoughDielectric {
+    /// Refractive index inside over outside, above 0; with 1 there is no surface, and no density: that is the smooth dielectric's.
+    pub eta: f32,
+    pub model: DielectricModel,
+    pub distribution: Microfacet,
+    /// Multiplies reflected light; 1 is physical.
+    pub specular_reflectance: Rgb,
+    /// Multiplies refracted light; 1 is physical.
+    pub specular_transmittance: Rgb,
+}
+
+/// A pair of directions with `wo` above the surface, and the facet that connects them.
+struct Facet {
+    /// Its normal, z > 0.
+    m: Vec3,
+    /// Of `wo` with it, positive.
+    cos_o: f32,
+    /// Fresnel's reflectance.
+    reflectance: f32,
+    /// d omega_m / d omega_i.
+    jacobian: f32,
+}
+
+impl RoughDielectric {
+    /// The index beyond the surface over that before it.
+    fn eta_it(&self, wo: Vec3) -> f32 {
+        if wo.z > 0.0 { self.eta } else { self.eta.recip() }
+    }
+
+    /// `None` where no facet connects the directions, each being on its side of both facet and surface. `wo.z` is positive.
+    fn facet(&self, wo: Vec3, wi: Vec3, eta_it: f32) -> Option<Facet> {
+        let stretch = if wi.z > 0.0 { 1.0 } else { eta_it };
+        let m = (wo + stretch * wi).try_normalize()?;
+        let m = if m.z < 0.0 { -m } else { m };
+        let (cos_o, cos_i) = (wo.dot(m), wi.dot(m));
+        if cos_o <= 0.0 || cos_i * wi.z <= 0.0 {
+            return None;
+        }
+        let jacobian = if wi.z > 0.0 {
+            0.25 / cos_i
+        } else {
+            let path = cos_o + eta_it * cos_i;
+            eta_it * eta_it * -cos_i / (path * path)
+        };
+        Some(Facet {
+            m,
+            cos_o,
+            reflectance: fresnel::dielectric(cos_o, eta_it, self.model).reflectance,
+            jacobian,
+        })
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        if wo.z == 0.0 {
+            return Rgb::ZERO;
+        }
+        let eta_it = self.eta_it(wo);
+        let (wo, wi) = (wo * wo.z.signum(), wi * wo.z.signum());
+        let Some(facet) = self.facet(wo, wi, eta_it) else {
+            return Rgb::ZERO;
+        };
+        let color = if wi.z > 0.0 {
+            self.specular_reflectance * facet.reflectance
+        } else {
+            self.specular_transmittance * ((1.0 - facet.reflectance) / (eta_it * eta_it))
+        };
+        let facets = &self.distribution;
+        let visible = 4.0 * facets.density(facet.m) * facets.g1_over_four_cos(wo) * facet.cos_o;
+        color * (visible * facets.g1(wi) * facet.jacobian)
+    }
+
+    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        if wo.z == 0.0 {
+            return 0.0;
+        }
+        let eta_it = self.eta_it(wo);
+        let (wo, wi) = (wo * wo.z.signum(), wi * wo.z.signum());
+        self.facet(wo, wi, eta_it).map_or(0.0, |facet| {
+            let lobe = if wi.z > 0.0 {
+                facet.reflectance
+            } else {
+                1.0 - facet.reflectance
+            };
+            4.0 * lobe * self.distribution.reflected_density(wo, facet.m) * facet.cos_o * facet.jacobian
+        })
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        if wo.z == 0.0 {
+            return None;
+        }
+        let (side, facets) = (wo.z.signum(), &self.distribution);
+        let wo = wo * side;
+        let m = facets.sample_visible(wo, u);
+        let cos_o = wo.dot(m);
+        if cos_o <= 0.0 {
+            return None;
+        }
+        let eta_it = if side > 0.0 { self.eta } else { self.eta.recip() };
+        let fresnel = fresnel::dielectric(cos_o, eta_it, self.model);
+        let reflected = u_lobe < fresnel.reflectance;
+        let (wi, color, lobe, jacobian, eta) = if reflected {
+            let wi = 2.0 * cos_o * m - wo;
+            (wi, self.specular_reflectance, fresnel.reflectance, 0.25 / cos_o, 1.0)
+        } else {
+            let eta_ti = fresnel.eta_ti;
+            // A large eta_ti scales rounding up.
+            let wi = ((eta_ti * cos_o + fresnel.cos_t) * m - eta_ti * wo).normalize();
+            let path = cos_o + eta_it * fresnel.cos_t;
+            let jacobian = eta_it * eta_it * -fresnel.cos_t / (path * path);
+            let color = self.specular_transmittance * (eta_ti * eta_ti);
+            (wi, color, 1.0 - fresnel.reflectance, jacobian, eta_it)
+        };
+        // On the wrong side of the surface it would meet another facet, which this model leaves out.
+        if (wi.z > 0.0) != reflected || wi.z == 0.0 {
+            return None;
+        }
+        let pdf = 4.0 * lobe * facets.reflected_density(wo, m) * cos_o * jacobian;
+        (pdf > 0.0 && pdf.is_finite()).then(|| BsdfSample {
+            wi: wi * side,
+            weight: color * (facets.masking_ratio(wo) * facets.g1(wi)),
+            pdf,
+            is_delta: false,
+            eta,
+        })
+    }
+}
