@@ -6,12 +6,12 @@ mod support;
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use sunroom::accel::Primitive;
 use sunroom::color::Rgb;
-use sunroom::light::{LightId, LightSource, SurfaceHit};
+use sunroom::light::{LightId, LightReference, LightSource, LightTable, SurfaceHit, WeightedSource};
 use sunroom::math::Ray;
 use sunroom::render::scene::RenderScene;
 use sunroom::sampling::{Sampler, SequenceKind};
 use sunroom::shading::{Bsdf, Diffuse};
-use support::{SceneBuilder, all_around, square_mesh};
+use support::{SceneBuilder, all_around, square_mesh, triangle_mesh};
 
 fn black() -> Bsdf {
     Bsdf::Diffuse(Diffuse { reflectance: Rgb::ZERO })
@@ -22,6 +22,26 @@ fn emitter(primitive: Primitive, to_world: Affine3A, flipped: bool) -> RenderSce
     let mut scene = SceneBuilder::default();
     scene.add(primitive, to_world, black(), Some(Rgb::ONE)).flip_normals = flipped;
     scene.build()
+}
+
+/// Turned so that it shines on the origin.
+fn triangle(corners: [Vec3; 3]) -> RenderScene {
+    let [a, b, c] = corners;
+    let away = (b - a).cross(c - a).dot(a) > 0.0;
+    emitter(triangle_mesh([corners]), Affine3A::IDENTITY, away)
+}
+
+/// Small triangles in a layer above the origin, turned every way but not in front of each other.
+fn flock(side: u32) -> Primitive {
+    let jitter = |cell, corner| {
+        let mut sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::new(cell, corner), 0, 1);
+        Vec3::new(sampler.next_1d(), sampler.next_1d(), sampler.next_1d()) - 0.5
+    };
+    let step = 2.0 / side as f32;
+    triangle_mesh((0..side * side).map(|cell| {
+        let center = Vec3::new((cell % side) as f32, 0.0, (cell / side) as f32) + 0.5;
+        [1, 2, 3].map(|corner| step * (center + 0.7 * jitter(cell, corner)) - Vec3::new(1.0, -1.0, 1.0))
+    }))
 }
 
 fn transform(scale: Vec3, axis: Vec3, angle: f32, translation: Vec3) -> Affine3A {
@@ -128,6 +148,39 @@ fn scenes() -> Vec<(&'static str, RenderScene)> {
                 true,
             ),
         ),
+        (
+            "triangle, near",
+            triangle([
+                Vec3::new(-0.4, 0.3, 0.1),
+                Vec3::new(0.1, 0.4, 1.2),
+                Vec3::new(0.9, 0.2, -0.6),
+            ]),
+        ),
+        (
+            "triangle, far",
+            triangle([
+                Vec3::new(-0.4, 30.0, 0.1),
+                Vec3::new(0.1, 29.0, 0.2),
+                Vec3::new(0.2, 30.0, -0.6),
+            ]),
+        ),
+        (
+            "triangle, long",
+            triangle([
+                Vec3::new(-1.0, 0.5, 0.1),
+                Vec3::new(0.1, 0.7, 0.8),
+                Vec3::new(2.0, 0.5, 0.1),
+            ]),
+        ),
+        (
+            "triangle, aslant",
+            triangle([
+                Vec3::new(0.5, 0.1, 0.3),
+                Vec3::new(4.5, 0.05, 0.1),
+                Vec3::new(0.5, 0.1, -0.6),
+            ]),
+        ),
+        ("flock of triangles", emitter(flock(3), Affine3A::IDENTITY, false)),
         ("sky", sky.build()),
     ]
 }
@@ -228,6 +281,84 @@ fn the_choice_between_lights_is_part_of_the_density() {
     let expected = cone + 0.7 + 0.1 * 4.0 * std::f64::consts::PI;
     let mean = total / f64::from(n);
     assert!((mean / expected - 1.0).abs() < 0.02, "{mean} against {expected}");
+}
+
+#[test]
+fn a_normal_takes_nothing_from_the_half_space_above_it() {
+    let mut scene = SceneBuilder::default();
+    scene.add(flock(10), Affine3A::IDENTITY, black(), Some(Rgb::ONE));
+    for index in 0..40u32 {
+        let angle = 0.37 * index as f32;
+        scene.light(LightSource::Point {
+            position: Vec3::new(2.0 * angle.sin(), 0.1 * (index as f32 - 20.0), 2.0 * angle.cos()),
+            intensity: Rgb::splat(0.01 * (1 + index % 5) as f32),
+        });
+    }
+    let scene = scene.build();
+    for (case, normal) in [Vec3::Y, Vec3::NEG_Y, Vec3::new(0.6, 0.0, -0.8)]
+        .into_iter()
+        .enumerate()
+    {
+        let position = Vec3::new(0.1, 0.9, -0.2);
+        // Irradiance by all lights together, without occlusion, and its standard error.
+        let irradiance = |normal_known: bool| {
+            let reference = LightReference {
+                position,
+                normal: normal_known.then_some(normal),
+            };
+            let n = 60_000;
+            let (mut sum, mut squares) = (0.0, 0.0);
+            for index in 0..n {
+                let pixel = glam::UVec2::new(case as u32, u32::from(normal_known));
+                let mut sampler = Sampler::new(SequenceKind::Independent, pixel, index, 7);
+                let sample = scene.lights.sample(&reference, sampler.next_1d(), sampler.next_2d());
+                let value = sample.map_or(0.0, |sample| {
+                    f64::from(sample.wi.dot(normal).max(0.0) * sample.radiance.x / sample.pdf)
+                });
+                sum += value;
+                squares += value * value;
+            }
+            let (n, mean) = (f64::from(n), sum / f64::from(n));
+            (mean, (squares / n - mean * mean) / n)
+        };
+        let ((with, with_error), (without, without_error)) = (irradiance(true), irradiance(false));
+        assert!(with > 0.0);
+        let tolerance = 4.0 * (with_error + without_error).sqrt();
+        assert!(
+            (with - without).abs() < tolerance,
+            "{normal}: {with} and {without} +- {tolerance}"
+        );
+        assert!(with_error < without_error, "{normal}: knowing the normal makes noise");
+    }
+}
+
+#[test]
+fn the_sampling_weight_scales_the_probability_only() {
+    let empty = SceneBuilder::default().build();
+    let point = |x: f32| LightSource::Point {
+        position: Vec3::new(x, 0.0, 0.0),
+        intensity: Rgb::ONE,
+    };
+    let probability_of_first = |sampling_weight| {
+        let first = WeightedSource {
+            source: point(-1.0),
+            sampling_weight,
+        };
+        let table = LightTable::build(&[first, point(1.0).into()], &empty.geometry);
+        let samples = (0..100).filter_map(|index| {
+            let u = (index as f32 + 0.5) / 100.0;
+            table.sample(&all_around(Vec3::ZERO), u, Vec2::splat(0.5))
+        });
+        let first: Vec<_> = samples.filter(|sample| sample.wi == Vec3::NEG_X).collect();
+        assert!(first.iter().all(|sample| sample.radiance == Rgb::ONE));
+        assert!(
+            first
+                .iter()
+                .all(|sample| (sample.pdf - first.len() as f32 / 100.0).abs() < 0.011)
+        );
+        first.len()
+    };
+    assert_eq!([0.0, 1.0, 3.0].map(probability_of_first), [0, 50, 75]);
 }
 
 #[test]

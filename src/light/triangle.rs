@@ -1,4 +1,4 @@
-//! Triangles that emit, sampled uniformly by area: the parts of a mesh light.
+//! Triangles that emit: the parts of a mesh light.
 
 use glam::{Affine3A, Vec2, Vec3};
 
@@ -6,7 +6,7 @@ use super::bounds::NormalCone;
 use super::surface::{SurfaceHit, SurfaceSample, solid_angle_pdf};
 use crate::geometry::mesh::MeshData;
 use crate::math::Aabb;
-use crate::sampling::warp;
+use crate::sampling::{SphericalTriangle, warp};
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleLight {
@@ -55,14 +55,29 @@ impl TriangleLight {
         self.normal().map_or(NormalCone::ALL, NormalCone::single)
     }
 
+    /// Uniform in solid angle where the triangle looks large, else uniform in area.
     pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
-        let b = warp::uniform_triangle(u);
         let [p0, p1, p2] = self.corners;
+        let normal = self.normal()?;
+        if (reference - p0).dot(normal) <= 0.0 {
+            return None;
+        }
+        if let Some(seen) = SphericalTriangle::new(self.corners, reference) {
+            return Some(SurfaceSample {
+                position: seen.sample(u),
+                normal,
+                pdf_solid_angle: seen.pdf_solid_angle(),
+            });
+        }
+        let b = warp::uniform_triangle(u);
         let position = p0 + b.x * (p1 - p0) + b.y * (p2 - p0);
-        SurfaceSample::from_area(position, self.normal()?, 1.0 / self.area(), reference)
+        SurfaceSample::from_area(position, normal, 1.0 / self.area(), reference)
     }
 
     pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
-        solid_angle_pdf(1.0 / self.area(), hit.position, hit.normal, reference)
+        match SphericalTriangle::new(self.corners, reference) {
+            Some(seen) => seen.pdf_solid_angle(),
+            None => solid_angle_pdf(1.0 / self.area(), hit.position, hit.normal, reference),
+        }
     }
 }

@@ -38,27 +38,13 @@ impl DiscreteDistribution {
     ///
     /// Every positive weight stays possible, however small: the probabilities are those of the weights within 2^-24 per weight.
     pub fn new(weights: &[f32]) -> Option<Self> {
-        Self::build(weights, true)
-    }
-
-    /// As [`Self::new`], but the cells are shared in proportion only: all sums over consecutive weights are right within 2^-24, however
-    /// many there are, and weights far below that may never be chosen. For the parts of one area that is to be covered evenly.
-    pub fn in_proportion(weights: &[f32]) -> Option<Self> {
-        Self::build(weights, false)
-    }
-
-    fn build(weights: &[f32], grant_each: bool) -> Option<Self> {
         let weights = || weights.iter().map(|&weight| usable(weight));
         let total: f64 = weights().sum();
         let positive = weights().filter(|&weight| weight > 0.0).count();
         if positive == 0 {
             return None;
         }
-        let granted = if grant_each && positive <= MOST_GRANTED {
-            positive
-        } else {
-            0
-        };
+        let granted = if positive <= MOST_GRANTED { positive } else { 0 };
         let shared = f64::from(CELLS - granted as u32);
         let (mut sum, mut seen) = (0.0, 0u32);
         let mut boundaries: Vec<u32> = std::iter::once(0)

@@ -7,12 +7,14 @@ pub mod hash;
 mod mis;
 mod sampler;
 mod spherical_rectangle;
+mod spherical_triangle;
 pub mod warp;
 
 pub use distribution::{ContinuousSample, DiscreteDistribution, DiscreteSample, PiecewiseConstant1d};
 pub use mis::power_heuristic;
 pub use sampler::{Sampler, SequenceKind};
 pub use spherical_rectangle::SphericalRectangle;
+pub use spherical_triangle::SphericalTriangle;
 
 /// The largest `f32` below one; uniform numbers never exceed it.
 pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;

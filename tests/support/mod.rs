@@ -82,14 +82,23 @@ pub fn all_around(position: Vec3) -> LightReference {
 /// The square [-1, 1]^2 as two triangles.
 pub fn square_mesh() -> Primitive {
     let corner = |x, y| Vec3::new(x, y, 0.0);
+    let [a, b, c, d] = [
+        corner(-1.0, -1.0),
+        corner(1.0, -1.0),
+        corner(1.0, 1.0),
+        corner(-1.0, 1.0),
+    ];
+    triangle_mesh([[a, b, c], [a, c, d]])
+}
+
+/// Triangles that share no corners.
+pub fn triangle_mesh(triangles: impl IntoIterator<Item = [Vec3; 3]>) -> Primitive {
+    let positions: Vec<Vec3> = triangles.into_iter().flatten().collect();
     let mesh = MeshData {
-        positions: vec![
-            corner(-1.0, -1.0),
-            corner(1.0, -1.0),
-            corner(1.0, 1.0),
-            corner(-1.0, 1.0),
-        ],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        triangles: (0..positions.len() as u32 / 3)
+            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+            .collect(),
+        positions,
         ..MeshData::default()
     };
     Primitive::Mesh(Arc::new(Blas::build(Arc::new(mesh), SplitMethod::Sah)))
