@@ -30,8 +30,9 @@ pub fn diagnostics(diagnostics: &Diagnostics) {
 
 /// Whether the scene is good enough to go on: no errors, and if `strict` no warnings.
 pub fn acceptable(diagnostics: &Diagnostics, strict: bool) -> bool {
-    !diagnostics
-        .list
-        .iter()
-        .any(|diagnostic| strict || diagnostic.severity == Severity::Error)
+    !diagnostics.list.iter().any(|diagnostic| match diagnostic.severity {
+        Severity::Note => false,
+        Severity::Warning => strict,
+        Severity::Error => true,
+    })
 }

@@ -31,6 +31,8 @@ pub struct SourceFile {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Severity {
+    /// A choice that was made, and that somebody may want to know of.
+    Note,
     Warning,
     Error,
 }
@@ -78,6 +80,7 @@ impl Diagnostics {
         }
         if self.is_full() {
             match severity {
+                Severity::Note => {}
                 Severity::Warning => self.dropped_warnings += 1,
                 Severity::Error => self.dropped_errors += 1,
             }

@@ -6,6 +6,7 @@
 mod cie;
 mod define;
 pub mod diagnostic;
+mod dialect;
 pub mod index;
 mod links;
 mod naming;

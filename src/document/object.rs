@@ -166,6 +166,27 @@ impl Object {
         }
     }
 
+    /// With this place in a file.
+    pub fn at(self, span: Span) -> Self {
+        Self { span, ..self }
+    }
+
+    /// With another property, which has the object's place.
+    pub fn with(mut self, name: &str, value: Value) -> Self {
+        self.properties.push(Property {
+            name: name.to_owned(),
+            value,
+            span: self.span,
+        });
+        self
+    }
+
+    /// With another plugin in it.
+    pub fn with_child(mut self, child: Object) -> Self {
+        self.children.push(Child::Object(child));
+        self
+    }
+
     /// The plugins given in place, without those referred to.
     pub fn objects(&self) -> impl Iterator<Item = &Object> {
         self.children.iter().filter_map(|child| match child {
@@ -201,6 +222,8 @@ pub struct Document {
     /// Where files are looked for besides the folders of the scene's own files: the `<path>`s, absolute, in file order.
     pub search_folders: Vec<PathBuf>,
     pub includes: Vec<Include>,
+    /// Made from a file of another format: spans tell where things come from, but there is no such text.
+    pub imported: bool,
     pub diagnostics: Diagnostics,
 }
 
@@ -212,6 +235,7 @@ impl Document {
             root,
             search_folders: Vec::new(),
             includes: Vec::new(),
+            imported: false,
             diagnostics: Diagnostics::default(),
         }
     }

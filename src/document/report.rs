@@ -18,12 +18,16 @@ const EXCERPT: usize = 120;
 /// Errors come first: warnings must not push them out of sight.
 fn in_order(list: &[Diagnostic]) -> impl Iterator<Item = &Diagnostic> {
     let of = |severity| list.iter().filter(move |d| d.severity == severity);
-    of(Severity::Error).chain(of(Severity::Warning)).take(MAX_SHOWN)
+    [Severity::Error, Severity::Warning, Severity::Note]
+        .into_iter()
+        .flat_map(of)
+        .take(MAX_SHOWN)
 }
 
 impl Display for Severity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::Note => "note",
             Self::Warning => "warning",
             Self::Error => "error",
         })
@@ -209,6 +213,7 @@ impl std::error::Error for Report<'_> {}
 impl miette::Diagnostic for Report<'_> {
     fn severity(&self) -> Option<miette::Severity> {
         Some(match self.diagnostic.severity {
+            Severity::Note => miette::Severity::Advice,
             Severity::Warning => miette::Severity::Warning,
             Severity::Error => miette::Severity::Error,
         })

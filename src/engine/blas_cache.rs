@@ -13,7 +13,7 @@ use super::control::WakeUp;
 use super::run::text_of_panic;
 use crate::accel::{Blas, BvhStats, SplitMethod};
 use crate::geometry::mesh::MeshData;
-use crate::geometry::primitives::unit_cube;
+use crate::geometry::primitives::{unit_cube, unit_triangle};
 use crate::scene::TriangleMesh;
 
 /// Meshes up to this size are built where they are asked for: that takes about a millisecond, less than a frame.
@@ -23,6 +23,7 @@ const SMALL: usize = 4096;
 pub(super) enum MeshKey {
     Asset(AssetId<TriangleMesh>),
     Cube,
+    Triangle,
 }
 
 /// A mesh that can be rendered.
@@ -57,6 +58,7 @@ struct Finished {
 pub(super) struct BlasCache {
     entries: HashMap<MeshKey, Entry>,
     cube: Arc<MeshData>,
+    triangle: Arc<MeshData>,
     next_ticket: u64,
     sender: Sender<Finished>,
     finished: Receiver<Finished>,
@@ -70,6 +72,7 @@ impl Default for BlasCache {
         Self {
             entries: HashMap::new(),
             cube: Arc::new(unit_cube()),
+            triangle: Arc::new(unit_triangle()),
             next_ticket: 0,
             sender,
             finished,
@@ -91,6 +94,10 @@ pub(super) struct BuildPolicy {
 impl BlasCache {
     pub fn cube(&self) -> Arc<MeshData> {
         self.cube.clone()
+    }
+
+    pub fn triangle(&self) -> Arc<MeshData> {
+        self.triangle.clone()
     }
 
     /// Takes the builds that are done; true if there were any.

@@ -234,6 +234,10 @@ impl Extracted {
                     let cube = cache.cube();
                     cache.get(MeshKey::Cube, &cube, policy)
                 }
+                (ShapeKind::Triangle { .. }, _) => {
+                    let triangle = cache.triangle();
+                    cache.get(MeshKey::Triangle, &triangle, policy)
+                }
                 (ShapeKind::Mesh(_), Some(MeshHandle(handle))) => match authored.meshes.get(handle) {
                     Some(mesh) => cache.get(MeshKey::Asset(handle.id()), &mesh.data, policy),
                     None => {

@@ -4,6 +4,15 @@ use glam::{Vec2, Vec3};
 
 use super::mesh::MeshData;
 
+/// The triangle (0, 0, 0), (1, 0, 0), (0, 1, 0), which faces +z.
+pub fn unit_triangle() -> MeshData {
+    MeshData {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+        triangles: vec![[0, 1, 2]],
+        ..MeshData::default()
+    }
+}
+
 /// The cube [-1, 1]³ with the vertex order, normals and uvs of Mitsuba's `cube`: four vertices per face, each face [0, 1]² in uv,
 /// flat normals outward, triangles counter-clockwise from outside.
 pub fn unit_cube() -> MeshData {

@@ -18,6 +18,7 @@ pub fn world_bounds(shape: &Shape, to_world: &Affine3A, mesh: Option<&TriangleMe
         ShapeKind::Rectangle | ShapeKind::Disk => {
             Aabb::from_points([Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, 1.0, 0.0)])
         }
+        ShapeKind::Triangle { corners } => Aabb::from_points(*corners),
         ShapeKind::Cube => Aabb::from_points([Vec3::NEG_ONE, Vec3::ONE]),
         ShapeKind::Mesh(_) => mesh?.data.bounds(),
     };

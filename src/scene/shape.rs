@@ -30,6 +30,10 @@ pub enum ShapeKind {
     Cube,
     /// The unit disk in the local plane z = 0, its normal +z.
     Disk,
+    /// One triangle, in local space; its front is where its corners run counter-clockwise.
+    Triangle {
+        corners: [Vec3; 3],
+    },
     Mesh(MeshFile),
 }
 

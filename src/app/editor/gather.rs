@@ -128,6 +128,7 @@ fn shape_kind(shape: &Shape) -> &'static str {
         ShapeKind::Rectangle => "rectangle",
         ShapeKind::Cube => "cube",
         ShapeKind::Disk => "disk",
+        ShapeKind::Triangle { .. } => "triangle",
         ShapeKind::Mesh(_) => "mesh",
     }
 }

@@ -17,6 +17,7 @@ use quick_xml::events::{BytesStart, Event};
 use self::include::canonical;
 pub(in crate::document) use self::include::file_candidates;
 use super::define::Defines;
+use super::dialect;
 use super::links::{Alias, link};
 use super::naming::modernize;
 use super::source::{MAX_FILE_BYTES, SourceError, read_text};
@@ -64,6 +65,11 @@ pub fn parse_str(text: &str, path: &Path, defines: &[(String, String)]) -> Docum
         parser.diagnostics.push(Severity::Error, None, message, None);
         None
     } else {
+        if let Some(file) = parser.diagnostics.source(source)
+            && dialect::is_dialect(&file.text)
+        {
+            return dialect::import(file.clone(), defines);
+        }
         parser.open_files.push(canonical(path));
         parser.parse_source(source, 0)
     };
@@ -154,6 +160,7 @@ impl Parser {
             root,
             search_folders: self.search_folders,
             includes: self.includes,
+            imported: false,
             diagnostics: self.diagnostics,
         }
     }

@@ -33,6 +33,11 @@ pub struct Elements(Vec<Element>);
 impl Elements {
     /// Up to the end of the text, or to where it is broken.
     pub fn read(text: &str) -> Self {
+        Self::read_checked(text).0
+    }
+
+    /// The same; with it the byte where the text is broken and how, if it is.
+    pub fn read_checked(text: &str) -> (Self, Option<(usize, String)>) {
         let mut reader = Reader::from_str(text);
         let mut all: Vec<Element> = Vec::new();
         let mut open: Vec<usize> = Vec::new();
@@ -62,11 +67,17 @@ impl Elements {
                         all[index].end = end;
                     }
                 }
-                Ok(Event::Eof) | Err(_) => break,
+                Ok(Event::Eof) => {
+                    let unclosed = open.pop().map(|index| {
+                        let tag = all[index].tag.clone();
+                        (tag.start, format!("{} is never closed", &text[tag]))
+                    });
+                    return (Self(all), unclosed);
+                }
                 Ok(_) => {}
+                Err(error) => return (Self(all), Some((offset(reader.error_position()), error.to_string()))),
             }
         }
-        Self(all)
     }
 
     pub fn get(&self, index: usize) -> &Element {

@@ -60,6 +60,15 @@ pub(in crate::engine) fn pack_instance(
         ShapeKind::Rectangle => (Primitive::Rectangle, to_world, false),
         ShapeKind::Disk => (Primitive::Disk, to_world, false),
         ShapeKind::Cube => (mesh_primitive()?, to_world, false),
+        ShapeKind::Triangle { corners: [a, b, c] } => {
+            let (u, v) = (*b - *a, *c - *a);
+            let Some(normal) = u.cross(v).try_normalize() else {
+                check.report("a triangle without an area is left out");
+                return None;
+            };
+            let local_from_unit = Affine3A::from_mat3_translation(Mat3::from_cols(u, v, normal), *a);
+            (mesh_primitive()?, to_world * local_from_unit, true)
+        }
         ShapeKind::Mesh(file) => (mesh_primitive()?, to_world, file.face_normals),
     };
     let Some(mut instance) = Instance::new(primitive, world_from_local) else {

@@ -1,4 +1,4 @@
-//! Shapes: `sphere`, `rectangle`, `cube`, `disk`, `obj`, `ply`, with their bsdf and their light.
+//! Shapes: `sphere`, `rectangle`, `cube`, `disk`, `obj`, `ply`, and our own `triangle`, with their bsdf and their light.
 
 use std::path::PathBuf;
 
@@ -22,6 +22,15 @@ impl<'a> SceneReader<'a> {
             "rectangle" => ShapeKind::Rectangle,
             "cube" => ShapeKind::Cube,
             "disk" => ShapeKind::Disk,
+            "triangle" => {
+                let corners = ["v0", "v1", "v2"].map(|name| reader.point(name).unwrap_or_default());
+                let [a, b, c] = corners;
+                if (b - a).cross(c - a).try_normalize().is_none() {
+                    let message = "a triangle needs three corners `v0`, `v1` and `v2` that are not in one line";
+                    reader.diagnostics().error(object.span, message);
+                }
+                ShapeKind::Triangle { corners }
+            }
             plugin @ ("obj" | "ply") => {
                 file_name = reader.string("filename");
                 if file_name.is_none() && !reader.has("filename") {

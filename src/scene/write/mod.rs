@@ -7,6 +7,7 @@
 pub mod gather;
 pub mod objects;
 mod patch;
+mod portable;
 mod steps;
 
 use std::collections::HashSet;
@@ -29,6 +30,12 @@ const DEEPEST: usize = 40;
 pub enum SaveError {
     #[error(transparent)]
     Write(#[from] document::WriteError),
+    #[error(
+        "{} is not of the format that is written: save the scene under another name, such as {}",
+        path.display(),
+        proposal.display()
+    )]
+    Foreign { path: PathBuf, proposal: PathBuf },
     #[error("{}: {source}", path.display())]
     File { path: PathBuf, source: std::io::Error },
 }
@@ -50,7 +57,9 @@ pub fn save_description(scene: &SceneDescription, path: &Path) -> Result<(), Sav
 /// file is written there if the scene stays where it was.
 pub fn files(scene: &SceneDescription, path: &Path) -> Result<Vec<(PathBuf, String)>, SaveError> {
     let target = settle(path);
-    let Some(origin) = &scene.remains.origin else {
+    keep_foreign(scene, &target)?;
+    let origin = scene.remains.origin.as_ref();
+    let Some(origin) = origin.filter(|origin| !origin.imported) else {
         let text = document::to_xml(&to_document(scene, &target))?;
         return Ok(vec![(target, text)]);
     };
@@ -59,9 +68,26 @@ pub fn files(scene: &SceneDescription, path: &Path) -> Result<Vec<(PathBuf, Stri
     Ok(files)
 }
 
-/// Writes a scene as one new file, without the comments, includes and `$name`s of the old one.
+/// Writes a scene as one new file, without the comments, includes and `$name`s of the old one, and in words that Mitsuba knows too where there
+/// are such: single triangles become meshes in a file beside it.
 pub fn write_anew(scene: &SceneDescription, path: &Path) -> Result<(), SaveError> {
-    write_file(path, &document::to_xml(&to_document(scene, path))?)
+    keep_foreign(scene, &settle(path))?;
+    let mut document = to_document(scene, path);
+    if let Some((path, text)) = portable::translate(&mut document.root, path) {
+        write_file(&path, text)?;
+    }
+    write_file(path, &document::to_xml(&document)?)
+}
+
+/// An error if this would replace a file of another format.
+fn keep_foreign(scene: &SceneDescription, target: &Path) -> Result<(), SaveError> {
+    match &scene.remains.origin {
+        Some(origin) if origin.imported && settle(&origin.path) == *target => Err(SaveError::Foreign {
+            path: target.to_owned(),
+            proposal: target.with_extension("native.xml"),
+        }),
+        _ => Ok(()),
+    }
 }
 
 fn write_file(path: &Path, text: &str) -> Result<(), SaveError> {

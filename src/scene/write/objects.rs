@@ -92,6 +92,10 @@ pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folde
         ShapeKind::Rectangle => object("rectangle"),
         ShapeKind::Cube => object("cube"),
         ShapeKind::Disk => object("disk"),
+        ShapeKind::Triangle { corners: [a, b, c] } => {
+            let object = with(object("triangle"), "v0", Value::Point(*a));
+            with(with(object, "v1", Value::Point(*b)), "v2", Value::Point(*c))
+        }
         ShapeKind::Mesh(file) => {
             let plugin = match file.format {
                 MeshFormat::Obj => "obj",

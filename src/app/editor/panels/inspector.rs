@@ -118,6 +118,13 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, triangles: Option<usize>) -> bool 
         ShapeKind::Rectangle => fields::note(ui, "Type", "rectangle"),
         ShapeKind::Cube => fields::note(ui, "Type", "cube"),
         ShapeKind::Disk => fields::note(ui, "Type", "disk"),
+        ShapeKind::Triangle { corners } => {
+            fields::note(ui, "Type", "triangle");
+            let size = corners[0].distance(corners[1]).max(corners[0].distance(corners[2]));
+            for (label, corner) in ["Corner 1", "Corner 2", "Corner 3"].into_iter().zip(corners) {
+                changed |= fields::vector(ui, label, corner, 0.01 * size.max(1e-3), "");
+            }
+        }
         ShapeKind::Mesh(MeshFile {
             path,
             format,

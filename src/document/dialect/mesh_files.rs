@@ -1,0 +1,104 @@
+//! Where a mesh or a picture named in a file of this dialect is, and whether an OBJ brings its own materials.
+
+use std::collections::VecDeque;
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+
+use super::Import;
+use crate::document::paths::settle;
+use crate::document::source::check_file;
+
+/// A search by file name looks at so many files.
+const MOST_FILES: usize = 5000;
+/// Of an OBJ so many lines are looked at for a material.
+const MOST_LINES: usize = 10_000_000;
+
+impl Import<'_> {
+    /// Of the scene file, absolute.
+    pub fn folder(&self) -> PathBuf {
+        settle(self.path).parent().unwrap_or(Path::new("/")).to_owned()
+    }
+}
+
+/// Beside the scene, in the `assets` folders above it and above where the program was started, then anywhere below these by its file name
+/// alone: an absolute name is often one of its author's machine.
+pub fn find_file(name: &str, folder: &Path) -> Option<PathBuf> {
+    let name = Path::new(name.trim());
+    if name.as_os_str().is_empty() {
+        return None;
+    }
+    let started_in = std::env::current_dir().unwrap_or_default();
+    let above = folder.ancestors().chain(started_in.ancestors());
+    let assets = above
+        .map(|folder| folder.join("assets"))
+        .filter(|folder| folder.is_dir());
+    let mut folders = vec![folder.to_owned()];
+    for folder in assets {
+        if !folders.contains(&folder) {
+            folders.push(folder);
+        }
+    }
+    // Joining an absolute name gives that name.
+    let direct = folders
+        .iter()
+        .map(|folder| folder.join(name))
+        .find(|path| path.is_file());
+    let path = direct.or_else(|| search(name, &folders))?;
+    Some(settle(&path))
+}
+
+/// The nearest file of this name in or below the folders.
+fn search(name: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
+    let wanted = name.file_name()?;
+    let mut seen = 0;
+    for folder in folders {
+        let mut waiting = VecDeque::from([folder.clone()]);
+        while let Some(folder) = waiting.pop_front() {
+            let Ok(entries) = std::fs::read_dir(&folder) else {
+                continue;
+            };
+            let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+            paths.sort();
+            for path in paths {
+                seen += 1;
+                if seen > MOST_FILES {
+                    return None;
+                }
+                // Links to folders may go round.
+                if path.is_symlink() && path.is_dir() {
+                    continue;
+                }
+                if path.is_dir() {
+                    waiting.push_back(path);
+                } else if path.file_name() == Some(wanted) {
+                    return Some(path);
+                }
+            }
+        }
+    }
+    None
+}
+
+/// Whether an OBJ uses materials of a library that is there.
+pub fn has_own_materials(path: &Path) -> bool {
+    if check_file(path).is_err() {
+        return false;
+    }
+    let Ok(file) = File::open(path) else { return false };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let (mut has_library, mut uses_one) = (false, false);
+    for line in BufReader::new(file).split(b'\n').take(MOST_LINES) {
+        let Ok(line) = line else { return false };
+        let line = String::from_utf8_lossy(&line);
+        let line = line.trim();
+        if let Some(names) = line.strip_prefix("mtllib") {
+            has_library |= folder.join(names.trim()).is_file();
+        }
+        uses_one |= line.strip_prefix("usemtl").is_some_and(|name| !name.trim().is_empty());
+        if has_library && uses_one {
+            return true;
+        }
+    }
+    false
+}

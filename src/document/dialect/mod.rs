@@ -1,0 +1,164 @@
+//! Import of the course project's scene files (roots `ItemContainer` and `Scene`) as a document of the native format.
+//!
+//! What the project's own loader shows is the measure; where that is no physics, or where a file says something plain that the loader passed
+//! over, a choice is made and said in a note. Messages have the places of the original file.
+
+mod lights;
+mod materials;
+mod mesh_files;
+mod numbers;
+mod objects;
+mod settings;
+mod tree;
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use quick_xml::Reader;
+use quick_xml::events::Event;
+
+use self::materials::Materials;
+use self::tree::{Node, Tree};
+use super::suggest::did_you_mean;
+use super::value::quote;
+use super::{Category, Child, Diagnostics, Document, Object, Severity, SourceFile, SourceId, Span};
+
+const ROOTS: [&str; 2] = ["ItemContainer", "Scene"];
+
+/// The name on the command line (`-D rotation=radians`) that says what the numbers of `<Rotation>` are.
+const ROTATION: &str = "rotation";
+
+/// Whether the outermost tag is one of this dialect.
+pub fn is_dialect(text: &str) -> bool {
+    let mut reader = Reader::from_str(text);
+    loop {
+        match reader.read_event() {
+            Ok(Event::Start(tag) | Event::Empty(tag)) => return ROOTS.contains(&tag.name().as_ref()),
+            Ok(Event::Eof) | Err(_) => return false,
+            Ok(_) => {}
+        }
+    }
+}
+
+/// The document of a scene of this dialect; `source` is its text without a byte order mark.
+pub fn import(source: SourceFile, defines: &[(String, String)]) -> Document {
+    let path = source.path.clone();
+    let text = source.text.clone();
+    let mut diagnostics = Diagnostics::default();
+    diagnostics.sources.push(source);
+    let mut document = Document {
+        imported: true,
+        ..Document::new(&path, Object::new(Category::Scene, ""))
+    };
+    match Tree::read(&text) {
+        Ok(tree) => {
+            let mut import = Import {
+                path: &path,
+                radians: false,
+                root: Object::new(Category::Scene, ""),
+                ids: HashSet::new(),
+                diagnostics: &mut diagnostics,
+            };
+            import.read_defines(defines);
+            import.read(tree.root());
+            document.root = import.root;
+        }
+        Err((at, message)) => {
+            let at = u32::try_from(at).unwrap_or(u32::MAX);
+            let span = Span {
+                source: SourceId(0),
+                start: at,
+                end: at,
+            };
+            diagnostics.error(span, format!("broken XML: {message}"));
+        }
+    }
+    document.diagnostics = diagnostics;
+    document
+}
+
+/// A native scene while it grows.
+struct Import<'i> {
+    path: &'i Path,
+    /// What the numbers of rotations are; degrees otherwise.
+    radians: bool,
+    root: Object,
+    /// Ids given so far.
+    ids: HashSet<String>,
+    diagnostics: &'i mut Diagnostics,
+}
+
+impl Import<'_> {
+    fn read_defines(&mut self, defines: &[(String, String)]) {
+        for (name, value) in defines {
+            let message = match (name.as_str(), value.as_str()) {
+                (ROTATION, "degrees") => continue,
+                (ROTATION, "radians") => {
+                    self.radians = true;
+                    continue;
+                }
+                (ROTATION, _) => format!("-D {ROTATION}: expected `degrees` or `radians`, found {}", quote(value)),
+                _ => format!("`-D {name}=...` has no effect: files of this kind have no names of values"),
+            };
+            self.diagnostics.push(Severity::Warning, None, message, None);
+        }
+    }
+
+    fn read(&mut self, root: Node) {
+        self.root.span = root.span();
+        self.check_children(
+            root,
+            &[
+                "Config",
+                "Camera",
+                "Lights",
+                "Sun",
+                "Materials",
+                "Objects",
+                "Environment",
+            ],
+        );
+        self.read_settings(root);
+        self.read_lights(root);
+        let mut materials = Materials::default();
+        self.read_materials(root, &mut materials);
+        self.read_objects(root, &mut materials);
+    }
+
+    /// A remark on a choice that was made.
+    fn note(&mut self, span: Span, message: impl Into<String>) {
+        self.diagnostics.push(Severity::Note, Some(span), message.into(), None);
+    }
+
+    fn warn(&mut self, span: Span, message: impl Into<String>) {
+        self.diagnostics.warn(span, message);
+    }
+
+    /// Warns of elements that are none of these.
+    fn check_children(&mut self, node: Node, known: &[&str]) {
+        for child in node.children() {
+            if !known.contains(&child.name()) {
+                let help = did_you_mean(child.name(), known.iter().copied());
+                let message = format!("<{}> is not known in <{}>; it is ignored", child.name(), node.name());
+                self.diagnostics
+                    .push(Severity::Warning, Some(child.span()), message, help);
+            }
+        }
+    }
+
+    fn add(&mut self, object: Object) {
+        self.root.children.push(Child::Object(object));
+    }
+
+    /// An id like `name` that nothing has yet; None for a thing without a name.
+    fn free_id(&mut self, name: Option<String>) -> Option<String> {
+        let name = name.filter(|name| !name.trim().is_empty())?;
+        let mut id = name.clone();
+        let mut number = 2;
+        while !self.ids.insert(id.clone()) {
+            id = format!("{name}-{number}");
+            number += 1;
+        }
+        Some(id)
+    }
+}

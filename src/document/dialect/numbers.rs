@@ -1,0 +1,80 @@
+//! Numbers as C's `atof` reads them: what is no number is 0, what follows a number is passed over. Both are said.
+
+use glam::Vec3;
+
+use super::Import;
+use super::tree::Node;
+use crate::document::value::quote;
+
+impl Import<'_> {
+    /// The attribute as a number, if it is there.
+    pub fn number(&mut self, node: Node, attribute: &str) -> Option<f32> {
+        let (text, span) = node.attribute(attribute)?;
+        let (number, is_clean) = atof(&text);
+        if !is_clean {
+            self.warn(
+                span,
+                format!("expected a number, found {}; it is read as {number}", quote(&text)),
+            );
+        }
+        Some(number)
+    }
+
+    /// `value` of the first element inside with one of these names.
+    pub fn value(&mut self, node: Node, names: &[&str]) -> Option<f32> {
+        self.number(node.child(names)?, "value")
+    }
+
+    /// `x`, `y` and `z` of such an element; what is not given is 0.
+    pub fn triple(&mut self, node: Node, names: &[&str]) -> Option<Vec3> {
+        let node = node.child(names)?;
+        let mut axis = |name| self.number(node, name).unwrap_or(0.0);
+        Some(Vec3::new(axis("x"), axis("y"), axis("z")))
+    }
+
+    /// `r`, `g` and `b` of such an element, not negative.
+    pub fn color(&mut self, node: Node, names: &[&str]) -> Option<Vec3> {
+        let node = node.child(names)?;
+        let mut part = |name| self.number(node, name).unwrap_or(0.0);
+        let color = Vec3::new(part("r"), part("g"), part("b"));
+        if color.min_element() < 0.0 {
+            self.warn(node.span(), "a colour below 0 is read as 0");
+        }
+        Some(color.max(Vec3::ZERO))
+    }
+}
+
+/// The number a text begins with, and whether that is all of it.
+fn atof(text: &str) -> (f32, bool) {
+    let text = text.trim();
+    let is_part = |c: char| c.is_ascii_digit() || matches!(c, '.' | '+' | '-' | 'e' | 'E');
+    let longest = text.find(|c| !is_part(c)).unwrap_or(text.len());
+    let number = (1..=longest).rev().find_map(|length| {
+        let number = text[..length].parse::<f32>().ok().filter(|number| number.is_finite());
+        number.map(|number| (number, length == text.len()))
+    });
+    number.unwrap_or((0.0, false))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::atof;
+
+    #[test]
+    fn numbers_are_read_as_c_does() {
+        for (text, expected) in [
+            (" 1.5 ", (1.5, true)),
+            ("-.5e1", (-5.0, true)),
+            ("2,5", (2.0, false)),
+            ("3 m", (3.0, false)),
+            ("1e", (1.0, false)),
+            ("", (0.0, false)),
+            ("red", (0.0, false)),
+            ("nan", (0.0, false)),
+            // C would say infinity.
+            ("1e99", (1e9, false)),
+        ] {
+            assert_eq!(atof(text), expected, "{text:?}");
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! What only this program knows, said in words of the format where it has the same meaning there.
+
+use std::path::{Path, PathBuf};
+
+use glam::{Mat4, Vec3, Vec4};
+
+use crate::document::{Category, Child, Object, TransformOp, Value};
+
+/// The triangle that all others are made from.
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+/// Translates the scene that will be written to `target`; the further file it needs then, if it needs one.
+pub fn translate(root: &mut Object, target: &Path) -> Option<(PathBuf, &'static str)> {
+    let stem = target.file_stem().unwrap_or_default().to_string_lossy();
+    let file_name = format!("{stem}.triangle.obj");
+    let has_triangles = translate_inside(root, &file_name);
+    has_triangles.then(|| (target.with_file_name(&file_name), TRIANGLE))
+}
+
+/// Whether there are triangles.
+fn translate_inside(object: &mut Object, file_name: &str) -> bool {
+    let mut has_triangles = false;
+    for child in &mut object.children {
+        let Child::Object(inner) = child else { continue };
+        has_triangles |= translate_inside(inner, file_name);
+        match (inner.category, inner.plugin.as_str()) {
+            (Category::Bsdf, "metal") => sharp_metal(inner),
+            (Category::Shape, "triangle") => {
+                triangle(inner, file_name);
+                has_triangles = true;
+            }
+            _ => {}
+        }
+    }
+    has_triangles
+}
+
+/// Without fuzz it is a perfect mirror that is tinted.
+fn sharp_metal(object: &mut Object) {
+    let fuzz = value(object, "fuzz").cloned();
+    if !matches!(fuzz, None | Some(Value::Float(0.0) | Value::Integer(0))) {
+        return;
+    }
+    "conductor".clone_into(&mut object.plugin);
+    object.properties.retain(|property| property.name != "fuzz");
+    let has_color =
+        value(object, "reflectance").is_some() || object.children.iter().any(|child| child.name().is_some());
+    for property in &mut object.properties {
+        if property.name == "reflectance" {
+            "specular_reflectance".clone_into(&mut property.name);
+        }
+    }
+    for child in &mut object.children {
+        if child.name() == Some("reflectance") {
+            let (Child::Object(Object { name, .. }) | Child::Reference { name, .. }) = child;
+            *name = Some("specular_reflectance".to_owned());
+        }
+    }
+    let mut whole = object.clone();
+    if !has_color {
+        // What `metal` means without a colour.
+        whole = whole.with("specular_reflectance", Value::Rgb(Vec3::splat(0.5)));
+    }
+    *object = whole.with("material", Value::String("none".to_owned()));
+}
+
+/// The unit triangle of a file with the transform that takes it to its corners.
+fn triangle(object: &mut Object, file_name: &str) {
+    let corner = |name: &str| match value(object, name) {
+        Some(Value::Point(place) | Value::Vector(place)) => *place,
+        _ => Vec3::ZERO,
+    };
+    let [a, b, c] = ["v0", "v1", "v2"].map(corner);
+    let normal = (b - a).cross(c - a).normalize_or(Vec3::Z);
+    let axis = |v: Vec3| Vec4::from((v, 0.0));
+    let matrix = Mat4::from_cols(axis(b - a), axis(c - a), axis(normal), Vec4::from((a, 1.0)));
+    let mut steps = vec![TransformOp::Matrix(matrix)];
+    if let Some(Value::Transform(further)) = value(object, "to_world") {
+        steps.extend(further);
+    }
+    "obj".clone_into(&mut object.plugin);
+    let replaced = ["v0", "v1", "v2", "to_world"];
+    object
+        .properties
+        .retain(|property| !replaced.contains(&property.name.as_str()));
+    *object = object
+        .clone()
+        .with("filename", Value::String(file_name.to_owned()))
+        .with("face_normals", Value::Boolean(true))
+        .with("to_world", Value::Transform(steps));
+}
+
+fn value<'o>(object: &'o Object, name: &str) -> Option<&'o Value> {
+    let property = object.properties.iter().find(|property| property.name == name);
+    property.map(|property| &property.value)
+}
