@@ -281,6 +281,28 @@ fn warnings_are_errors_when_strict() {
 }
 
 #[test]
+fn cameras_are_listed_and_chosen() {
+    let shop = Workshop::new();
+    let second = r#"<sensor type="orthographic" id="above">
+        <transform name="to_world"><lookat origin="0, 2, 0" target="0, 0, 0" up="0, 0, 1"/></transform>
+        <film type="hdrfilm"><integer name="width" value="20"/><integer name="height" value="20"/>
+            <integer name="crop_width" value="12"/></film></sensor></scene>"#;
+    let scene = shop.scene(&SCENE.replace("</scene>", second));
+    let checked = sunroom().arg("check").arg(&scene).output().expect("starts");
+    assert_code(&checked, 0);
+    assert!(stderr(&checked).contains("camera 1: above"), "{}", stderr(&checked));
+    for camera in ["above", "1"] {
+        let path = shop.path("a.exr");
+        assert_code(&render(&scene, &path, &["--camera", camera]), 0);
+        let image = image(&path);
+        assert_eq!((image.width, image.height), (12, 20));
+    }
+    let output = render(&scene, &shop.path("b.exr"), &["--camera", "below"]);
+    assert_code(&output, 1);
+    assert!(stderr(&output).contains("`below`"), "{}", stderr(&output));
+}
+
+#[test]
 fn a_missing_mesh_is_named_with_its_place() {
     let shop = Workshop::new();
     let mesh = r#"<shape type="ply"><string name="filename" value="ghost.ply"/></shape></scene>"#;

@@ -21,7 +21,8 @@ use sunroom::app::editor::viewport::{ViewportModel, ViewportState, viewport};
 use sunroom::color::Rgb;
 use sunroom::engine::{RenderState, RenderStatus};
 use sunroom::scene::{
-    AreaLight, ConductorIor, Emitter, Film, IntegratorSettings, Ior, Lens, Material, Sensor, Shape, ShapeKind, Strategy,
+    AreaLight, ConductorIor, Crop, Emitter, Film, IntegratorSettings, Ior, Lens, Material, ReconstructionFilter,
+    Sensor, Shape, ShapeKind, Strategy,
 };
 
 fn entity(index: u32) -> Entity {
@@ -196,14 +197,22 @@ fn awkward() -> Vec<Inspected> {
                 lens: Lens::Thin {
                     aperture_radius: 1e4,
                     focus_distance: 0.0,
+                    blades: 7,
+                    blade_rotation: -1e5,
                 },
                 ..Sensor::default()
             }),
             film: Some(Film {
                 width: 3,
                 height: 100_000,
+                crop: Some(Crop {
+                    x: 5,
+                    y: 0,
+                    width: 0,
+                    height: 7,
+                }),
+                filter: ReconstructionFilter::Mitchell { b: 3.0, c: -3.0 },
                 sample_count: 0,
-                ..Film::default()
             }),
             emitter: Some(Emitter::Directional { irradiance: third }),
             ..nothing
@@ -357,7 +366,9 @@ fn camera_sliders_set_the_sensor() {
     };
     assert!(sensor.fov > 100.0);
     harness.state_mut().commands.clear();
-    click(&mut harness, "Thin lens");
+    click(&mut harness, "Lens");
+    harness.get_by_label("thin lens").click();
+    harness.run_steps(3);
     assert!(matches!(
         harness.state().commands[..],
         [Command::SetSensor(
@@ -462,6 +473,14 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
             ..StatusModel::default()
         },
         scene_files: std::sync::Arc::new(vec!["/there/cornell-box.xml".into()]),
+        outline: std::sync::Arc::new(Outline {
+            sensors: vec![Item {
+                entity: entity(9),
+                name: "from above".to_owned(),
+                kind: "camera",
+            }],
+            ..Outline::default()
+        }),
         ..Model::default()
     };
     show(model, |ui, model, commands| {
@@ -469,6 +488,7 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
             display: DisplaySettings::default(),
             overlay: BvhOverlay::default(),
             panels_shown: true,
+            camera: None,
         };
         menu_bar(ui, model, state, commands);
     })
@@ -484,6 +504,10 @@ fn menus_say_commands() {
     click(&mut harness, "View");
     harness.get_by_label_contains("Show BVH boxes").click();
     harness.run_steps(3);
+    click(&mut harness, "View");
+    harness.get_by_label_contains("Camera").click();
+    harness.run_steps(4);
+    click(&mut harness, "from above");
     click(&mut harness, "Pause");
     click(&mut harness, "Denoise");
     let boxes = BvhOverlay {
@@ -493,6 +517,7 @@ fn menus_say_commands() {
     let expected = [
         Command::ReloadScene,
         Command::SetOverlay(boxes),
+        Command::LookThrough(entity(9)),
         Command::SetPaused(true),
         Command::Denoise,
     ];

@@ -148,7 +148,9 @@ fn parameters_are_read() {
         sensor.sensor.lens,
         Lens::Thin {
             aperture_radius: 0.2,
-            focus_distance: 6.0
+            focus_distance: 6.0,
+            blades: 0,
+            blade_rotation: 0.0,
         }
     );
     assert_eq!((sensor.sensor.fov, sensor.sensor.fov_axis), (20.0, FovAxis::Smaller));
@@ -157,6 +159,7 @@ fn parameters_are_read() {
         Film {
             width: 320,
             height: 200,
+            crop: None,
             filter: ReconstructionFilter::Box,
             sample_count: 64
         }

@@ -2,10 +2,11 @@
 
 use std::process::ExitCode;
 
+use bevy::prelude::World;
 use clap::Args;
 use sunroom::app::headless::headless;
 use sunroom::engine::{Limits, load_to_completion};
-use sunroom::scene::{OpenScene, SceneStatus};
+use sunroom::scene::{OpenScene, SceneStatus, cameras};
 
 use super::{SceneArgs, report};
 
@@ -31,9 +32,20 @@ pub fn run(args: CheckArgs) -> ExitCode {
     if !report_scene(status, args.strict) {
         return ExitCode::FAILURE;
     }
-    match loaded {
-        Ok(_) => ExitCode::SUCCESS,
-        Err(error) => report::error(error),
+    if let Err(error) = loaded {
+        return report::error(error);
+    }
+    list_cameras(app.world_mut());
+    ExitCode::SUCCESS
+}
+
+/// What `--camera` accepts, where there is a choice.
+fn list_cameras(world: &mut World) {
+    let cameras = cameras(world);
+    if cameras.len() > 1 {
+        for ((_, name), index) in cameras.iter().zip(0..) {
+            report::line(format_args!("camera {index}: {name}"));
+        }
     }
 }
 

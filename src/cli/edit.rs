@@ -17,6 +17,7 @@ pub fn run(args: EditArgs) -> ExitCode {
     let options = WindowOptions {
         scene: args.scene.or_else(first_scene),
         defines: args.defines.defines,
+        camera: args.camera,
         size: args.window.into(),
         threads: args.threads.threads,
         screenshot: args.screenshot,

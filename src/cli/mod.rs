@@ -71,6 +71,9 @@ struct EditArgs {
     defines: DefineArgs,
     #[command(flatten)]
     threads: ThreadArgs,
+    /// Camera to begin with, by its id or its index from 0 on
+    #[arg(long, value_name = "NAME|INDEX")]
+    camera: Option<String>,
     /// Size of the window
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse::size)]
     window: (u32, u32),

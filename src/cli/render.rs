@@ -17,7 +17,7 @@ use sunroom::render::film::Film;
 use sunroom::render::image_io::{FileFormat, ImageRgb, encode, write_image};
 use sunroom::render::tonemap::{Display, ToneMap};
 use sunroom::scene::{
-    AccelMethod, ActiveSensor, IntegratorSettings, OpenScene, SamplerSettings, SceneStatus, Sequence,
+    AccelMethod, ActiveSensor, Crop, IntegratorSettings, OpenScene, SamplerSettings, SceneStatus, Sequence, find_camera,
 };
 use sunroom::scene::{Film as SensorFilm, Strategy};
 
@@ -33,13 +33,16 @@ pub struct RenderArgs {
     /// Image file, .exr (linear, float), .png (sRGB) or .hdr; `-` is PNG on standard output; may be given several times
     #[arg(short, long, required = true, value_name = "OUT")]
     output: Vec<PathBuf>,
+    /// Camera to render with, by its id or its index from 0 on [default: the first]
+    #[arg(long, value_name = "NAME|INDEX")]
+    camera: Option<String>,
     /// Samples per pixel [default: the scene's, or as many as --time allows]
     #[arg(short, long, value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
     /// Stop after this time, such as 500ms, 60s, 5m; a bare number is seconds
     #[arg(long, value_name = "TIME", value_parser = parse::duration)]
     time: Option<Duration>,
-    /// Width in pixels; the other side follows if it is not given
+    /// Width of the picture in pixels; the other side follows if it is not given
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
     width: Option<u32>,
     /// Height in pixels
@@ -287,11 +290,16 @@ fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Error> {
         Some(SamplerName::Independent) => sampler.sequence = Sequence::Independent,
         None => {}
     }
-    let film = world
+    if let Some(camera) = &args.camera {
+        let camera = find_camera(world, camera)?;
+        world.insert_resource(ActiveSensor(Some(camera)));
+    }
+    let window = world
         .resource::<ActiveSensor>()
         .0
-        .and_then(|sensor| world.get::<SensorFilm>(sensor));
-    if let Some(&SensorFilm { width, height, .. }) = film
+        .and_then(|sensor| world.get::<SensorFilm>(sensor))
+        .map(SensorFilm::window);
+    if let Some(Crop { width, height, .. }) = window
         && (args.width.is_some() || args.height.is_some())
     {
         let scaled = |side: u32, to: u32, from: u32| (f64::from(side) * f64::from(to) / f64::from(from)).round() as u32;

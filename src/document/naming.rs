@@ -6,6 +6,9 @@ use super::{Category, Child, Object, Property, TransformOp, Value};
 
 /// `toWorld` -> `to_world`, `intIOR` -> `int_ior`; names in snake_case stay.
 pub fn snake_case(name: &str) -> String {
+    if name.len() == 1 {
+        return name.to_owned();
+    }
     let mut result = String::with_capacity(name.len() + 4);
     let mut after_lower = false;
     for c in name.chars() {

@@ -91,7 +91,7 @@ pub(super) fn dispatch_job(
     mut status: ResMut<RenderStatus>,
     mut demand: Demand,
 ) {
-    let Some(view) = demand.extracted.view else {
+    let Some(view) = demand.extracted.view.clone() else {
         return;
     };
     renderer.prepare_pool(control.threads.get(), control.interactive);
@@ -122,9 +122,9 @@ pub(super) fn dispatch_job(
         // The old job goes first, so that its workers stop while the new one is being set up.
         *job = None;
         let new = Job::new(demand.extracted.scene.clone(), view, control.interactive, since);
-        if !control.interactive || !film.has_size_of(&view) {
+        if !control.interactive || !film.has_size_of(&new.view) {
             // Otherwise the last picture stays in the film until the first tile of the new one is there.
-            film.begin(&view, new.begun);
+            film.begin(&new.view, new.begun);
         }
         status.last_restart = new.begun;
         *job = Some(new);

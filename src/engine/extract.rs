@@ -186,7 +186,7 @@ pub(super) fn extract_scene(
         return;
     }
     let old = extracted.scene.clone();
-    let old_view = extracted.view;
+    let old_view = extracted.view.clone();
     let mut moved = Vec::new();
     if dirty.instances {
         let policy = BuildPolicy {
@@ -214,7 +214,7 @@ pub(super) fn extract_scene(
     *current = CurrentScene {
         scene: Some(extracted.scene.clone()),
         entity_of_instance: extracted.instances.iter().map(|record| record.entity).collect(),
-        view: extracted.view,
+        view: extracted.view.clone(),
     };
     *dirty = Dirty::NOTHING;
 }
@@ -359,7 +359,9 @@ impl Extracted {
         };
         let (integrator, sampler) = (&authored.integrator, &authored.sampler);
         let view = pack_view(sensor, film, to_world.0, integrator, sampler, control, &mut check);
-        self.view = view.or(self.view);
+        if view.is_some() {
+            self.view = view;
+        }
         self.sample_count = film.sample_count;
     }
 }

@@ -109,7 +109,7 @@ impl Job {
     }
 
     fn work(&self) -> Box<Work> {
-        let (scene, view, tiles) = (self.scene.clone(), self.view, self.tiles.clone());
+        let (scene, view, tiles) = (self.scene.clone(), self.view.clone(), self.tiles.clone());
         Box::new(move |item, cancel| match item {
             WorkItem::Preview { index, step } => {
                 render_preview(&scene, &view, tiles[*index], *step, cancel).map(TileResult::Preview)

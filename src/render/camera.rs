@@ -1,6 +1,8 @@
-//! Perspective cameras with a pinhole or a thin lens (PBR 4th ed., section 5.2).
+//! Cameras: perspective with a pinhole or a thin lens (PBR 4th ed., section 5.2), and orthographic.
 //!
 //! Camera space looks along +z with +x to the left and +y up, as in the scene format.
+
+use std::f32::consts::TAU;
 
 use glam::{Affine3A, Vec2, Vec3};
 
@@ -9,20 +11,47 @@ use crate::sampling::warp;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinLens {
-    /// World units.
+    /// World units; of the circle around the blades' corners, if there are blades.
     pub aperture_radius: f32,
     /// Distance of the sharp plane along the view axis.
     pub focus_distance: f32,
+    /// Edges of the aperture; below 3 it is round.
+    pub blades: u32,
+    /// In radians, from the camera's +x towards +y. Without any the first corner lies at +x.
+    pub blade_rotation: f32,
+}
+
+impl ThinLens {
+    /// A uniform point of the aperture.
+    fn sample(&self, u: Vec2) -> Vec2 {
+        if self.blades < 3 {
+            return self.aperture_radius * warp::concentric_disk(u);
+        }
+        let scaled = u.x * self.blades as f32;
+        let blade = scaled.floor().min((self.blades - 1) as f32);
+        let corner = |number: f32| {
+            Vec2::from_angle(self.blade_rotation + TAU * number / self.blades as f32) * self.aperture_radius
+        };
+        let weights = warp::uniform_triangle(Vec2::new(scaled - blade, u.y));
+        weights.x * corner(blade) + weights.y * corner(blade + 1.0)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Projection {
+    Perspective { lens: Option<ThinLens> },
+    Orthographic,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     world_from_camera: Affine3A,
-    /// Half extent of the image plane at distance 1.
-    half_extent: Vec2,
+    projection: Projection,
+    /// Of the image plane (of a perspective at distance 1): the picture's top left, and from there to its bottom right.
+    corner: Vec2,
+    diagonal: Vec2,
     near: f32,
     far: f32,
-    lens: Option<ThinLens>,
 }
 
 impl Camera {
@@ -37,12 +66,38 @@ impl Camera {
         lens: Option<ThinLens>,
     ) -> Self {
         let half_width = (0.5 * fov_x.to_radians()).tan();
-        Self {
+        let half_extent = Vec2::new(half_width, half_width / aspect);
+        Self::with_plane(
             world_from_camera,
-            half_extent: Vec2::new(half_width, half_width / aspect),
+            Projection::Perspective { lens },
+            half_extent,
             near,
             far,
-            lens,
+        )
+    }
+
+    /// Parallel rays; `half_extent` of the picture in world units, the rest as for [`Self::new`].
+    pub fn orthographic(world_from_camera: Affine3A, half_extent: Vec2, near: f32, far: f32) -> Self {
+        Self::with_plane(world_from_camera, Projection::Orthographic, half_extent, near, far)
+    }
+
+    fn with_plane(world_from_camera: Affine3A, projection: Projection, half_extent: Vec2, near: f32, far: f32) -> Self {
+        Self {
+            world_from_camera,
+            projection,
+            corner: half_extent,
+            diagonal: -2.0 * half_extent,
+            near,
+            far,
+        }
+    }
+
+    /// The camera whose picture is the part of this one's from `min` to `max`, in film coordinates of this one; they may lie outside.
+    pub fn cropped(self, min: Vec2, max: Vec2) -> Self {
+        Self {
+            corner: self.corner + min * self.diagonal,
+            diagonal: (max - min) * self.diagonal,
+            ..self
         }
     }
 
@@ -50,11 +105,12 @@ impl Camera {
     ///
     /// Its direction has unit length; it begins at the near plane and ends at the far plane.
     pub fn ray(&self, film: Vec2, u_lens: Vec2) -> Ray {
-        let on_plane = (1.0 - 2.0 * film) * self.half_extent;
-        let (origin, toward) = match self.lens {
-            None => (Vec3::ZERO, on_plane.extend(1.0)),
-            Some(lens) => {
-                let origin = (lens.aperture_radius * warp::concentric_disk(u_lens)).extend(0.0);
+        let on_plane = self.corner + film * self.diagonal;
+        let (origin, toward) = match self.projection {
+            Projection::Orthographic => (on_plane.extend(0.0), Vec3::Z),
+            Projection::Perspective { lens: None } => (Vec3::ZERO, on_plane.extend(1.0)),
+            Projection::Perspective { lens: Some(lens) } => {
+                let origin = lens.sample(u_lens).extend(0.0);
                 (origin, lens.focus_distance * on_plane.extend(1.0) - origin)
             }
         };
@@ -74,8 +130,11 @@ impl Camera {
     /// Points with a distance of zero or less are behind the camera and their film coordinates mean nothing.
     pub fn project(&self, world: Vec3) -> (Vec2, f32) {
         let p = self.world_from_camera.inverse().transform_point3(world);
-        let film = 0.5 * (1.0 - p.truncate() / p.z / self.half_extent);
-        (film, p.z)
+        let on_plane = match self.projection {
+            Projection::Orthographic => p.truncate(),
+            Projection::Perspective { .. } => p.truncate() / p.z,
+        };
+        ((on_plane - self.corner) / self.diagonal, p.z)
     }
 }
 
@@ -87,40 +146,72 @@ mod tests {
         Camera::new(Affine3A::IDENTITY, 90.0, 2.0, 0.5, 10.0, lens)
     }
 
+    fn orthographic() -> Camera {
+        Camera::orthographic(Affine3A::IDENTITY, Vec2::new(3.0, 1.5), 0.5, 10.0)
+    }
+
+    fn lens(blades: u32) -> ThinLens {
+        ThinLens {
+            aperture_radius: 0.3,
+            focus_distance: 4.0,
+            blades,
+            blade_rotation: 0.2,
+        }
+    }
+
     #[test]
     fn left_of_the_picture_is_plus_x_and_top_is_plus_y() {
         let ray = camera(None).ray(Vec2::ZERO, Vec2::splat(0.5));
         let at_one = ray.dir / ray.dir.z;
         assert!(at_one.abs_diff_eq(Vec3::new(1.0, 0.5, 1.0), 1e-6), "{at_one}");
+        let ray = orthographic().ray(Vec2::ZERO, Vec2::splat(0.5));
+        assert_eq!((ray.origin, ray.dir), (Vec3::new(3.0, 1.5, 0.5), Vec3::Z));
     }
 
     #[test]
     fn rays_run_from_the_near_to_the_far_plane() {
-        let ray = camera(None).ray(Vec2::new(0.1, 0.8), Vec2::splat(0.5));
-        assert!((ray.origin.z - 0.5).abs() < 1e-6);
-        assert!((ray.at(ray.t_max).z - 10.0).abs() < 1e-5);
+        for camera in [camera(None), camera(Some(lens(5))), orthographic()] {
+            let ray = camera.ray(Vec2::new(0.1, 0.8), Vec2::splat(0.5));
+            assert!((ray.origin.z - 0.5).abs() < 1e-6);
+            assert!((ray.at(ray.t_max).z - 10.0).abs() < 1e-5);
+        }
     }
 
     #[test]
     fn a_lens_is_sharp_in_its_focal_plane_only() {
-        let camera = camera(Some(ThinLens {
-            aperture_radius: 0.3,
-            focus_distance: 4.0,
-        }));
-        let at = |u: Vec2, z: f32| {
-            let ray = camera.ray(Vec2::new(0.3, 0.6), u);
-            ray.at((z - ray.origin.z) / ray.dir.z)
-        };
-        let (a, b) = (Vec2::new(0.1, 0.2), Vec2::new(0.9, 0.7));
-        assert!(at(a, 4.0).abs_diff_eq(at(b, 4.0), 1e-5));
-        assert!(at(a, 2.0).distance(at(b, 2.0)) > 0.1);
+        for blades in [0, 6] {
+            let camera = camera(Some(lens(blades)));
+            let at = |u: Vec2, z: f32| {
+                let ray = camera.ray(Vec2::new(0.3, 0.6), u);
+                ray.at((z - ray.origin.z) / ray.dir.z)
+            };
+            let (a, b) = (Vec2::new(0.1, 0.8), Vec2::new(0.6, 0.7));
+            assert!(at(a, 4.0).abs_diff_eq(at(b, 4.0), 1e-5));
+            assert!(at(a, 2.0).distance(at(b, 2.0)) > 0.1);
+        }
     }
 
     #[test]
     fn project_inverts_ray() {
-        let camera = camera(None);
-        let film = Vec2::new(0.2, 0.9);
-        let (back, depth) = camera.project(camera.ray(film, Vec2::ZERO).at(3.0));
-        assert!(back.abs_diff_eq(film, 1e-5) && depth > 0.0);
+        let window = (Vec2::new(0.25, -0.1), Vec2::new(0.5, 0.7));
+        for camera in [camera(None), orthographic()] {
+            for camera in [camera, camera.cropped(window.0, window.1)] {
+                let film = Vec2::new(0.2, 0.9);
+                let (back, depth) = camera.project(camera.ray(film, Vec2::ZERO).at(3.0));
+                assert!(back.abs_diff_eq(film, 1e-5) && depth > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn a_crop_is_a_part_of_the_picture() {
+        let (min, max) = (Vec2::new(0.25, 0.5), Vec2::new(0.75, 0.625));
+        for whole in [camera(None), orthographic()] {
+            let part = whole.cropped(min, max);
+            let film = Vec2::new(0.3, 0.8);
+            let expected = whole.ray(min + film * (max - min), Vec2::ZERO);
+            let ray = part.ray(film, Vec2::ZERO);
+            assert!(ray.origin.abs_diff_eq(expected.origin, 1e-6) && ray.dir.abs_diff_eq(expected.dir, 1e-6));
+        }
     }
 }

@@ -1,43 +1,166 @@
-//! Reconstruction filters by importance sampling: a sample's place in the pixel follows the filter, so that every sample weighs the same
-//! and no sample belongs to two pixels (Ernst, Stamminger, Greiner, Filter Importance Sampling, 2006).
+//! Reconstruction filters by importance sampling: a sample's place in the pixel follows the filter's magnitude, so that all samples weigh
+//! the same but for the sign, and no sample belongs to two pixels (Ernst, Stamminger, Greiner, Filter Importance Sampling, 2006).
+//!
+//! A filter with negative lobes has samples of negative weight. All weights have the magnitude (integral of |f|) / (integral of f), so that
+//! the plain mean over the samples is the filtered picture: sums stay sums, and their spread is the true noise of the mean.
 
-use std::sync::LazyLock;
+use std::f32::consts::PI;
+use std::sync::Arc;
 
 use glam::Vec2;
 
 use crate::sampling::PiecewiseConstant1d;
 
 /// Weighs light around a pixel's centre; lengths in pixels.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum PixelFilter {
     /// The pixel's own square.
     Box,
+    /// Falls linearly to zero at `radius` from the centre.
+    Tent { radius: f32 },
+    /// Any other.
+    Tabulated(Arc<FilterTable>),
+}
+
+/// The filters whose integral has no simple inverse, along one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FilterKernel {
     /// exp(-x^2 / 2 stddev^2) less its value at four standard deviations, where it ends.
     Gaussian { stddev: f32 },
+    /// Mitchell and Netravali, Reconstruction Filters in Computer Graphics (1988).
+    Cubic { b: f32, c: f32 },
+    /// A sinc, windowed by the middle lobe of one `lobes` times as wide.
+    Lanczos { lobes: u32 },
+}
+
+/// A place in the picture for a sample, and what the light found there counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilterSample {
+    /// From the pixel's centre.
+    pub offset: Vec2,
+    /// Its mean is 1; negative on negative lobes.
+    pub weight: f32,
 }
 
 /// Where the Gaussian ends, in standard deviations.
 const GAUSSIAN_REACH: f32 = 4.0;
+/// Steps of a table, over the whole width of the filter.
+const STEPS: usize = 1024;
 
-static GAUSSIAN: LazyLock<PiecewiseConstant1d> = LazyLock::new(|| {
-    const STEPS: usize = 1024;
-    let value = |x: f32| (-0.5 * x * x).exp() - (-0.5 * GAUSSIAN_REACH * GAUSSIAN_REACH).exp();
-    let steps: Vec<f32> = (0..STEPS)
-        .map(|step| value(GAUSSIAN_REACH * (2.0 * (step as f32 + 0.5) / STEPS as f32 - 1.0)))
-        .collect();
-    PiecewiseConstant1d::new(&steps).unwrap_or_else(|| unreachable!("the Gaussian is positive inside its reach"))
-});
+impl FilterKernel {
+    /// Catmull and Rom's, which interpolates.
+    pub const CATMULL_ROM: Self = Self::Cubic { b: 0.0, c: 0.5 };
+
+    /// The filter at `x` pixels from the centre, of any scale.
+    pub fn value(&self, x: f32) -> f32 {
+        let x = x.abs();
+        if x >= self.radius() {
+            return 0.0;
+        }
+        match *self {
+            Self::Gaussian { stddev } => {
+                let bell = |deviations: f32| (-0.5 * deviations * deviations).exp();
+                bell(x / stddev) - bell(GAUSSIAN_REACH)
+            }
+            Self::Cubic { b, c } if x < 1.0 => {
+                ((12.0 - 9.0 * b - 6.0 * c) * x + (-18.0 + 12.0 * b + 6.0 * c)) * x * x + (6.0 - 2.0 * b)
+            }
+            Self::Cubic { b, c } => {
+                let cubic = ((-b - 6.0 * c) * x + (6.0 * b + 30.0 * c)) * x + (-12.0 * b - 48.0 * c);
+                cubic * x + (8.0 * b + 24.0 * c)
+            }
+            Self::Lanczos { lobes } => sinc(x) * sinc(x / lobes as f32),
+        }
+    }
+
+    /// Half the width.
+    pub fn radius(&self) -> f32 {
+        match *self {
+            Self::Gaussian { stddev } => GAUSSIAN_REACH * stddev,
+            Self::Cubic { .. } => 2.0,
+            Self::Lanczos { lobes } => lobes as f32,
+        }
+    }
+}
+
+fn sinc(x: f32) -> f32 {
+    let x = PI * x;
+    if x < 1e-3 { 1.0 - x * x / 6.0 } else { x.sin() / x }
+}
+
+/// A kernel's magnitude as steps, and where it is negative. The same along x and y.
+#[derive(Clone, Debug)]
+pub struct FilterTable {
+    kernel: FilterKernel,
+    magnitude: PiecewiseConstant1d,
+    negative: Vec<bool>,
+    /// (integral of |f|) / (integral of f).
+    excess: f32,
+}
+
+/// The rest follows from the kernel.
+impl PartialEq for FilterTable {
+    fn eq(&self, other: &Self) -> bool {
+        self.kernel == other.kernel
+    }
+}
+
+impl FilterTable {
+    /// None if the kernel has no positive integral.
+    fn new(kernel: FilterKernel) -> Option<Self> {
+        let at = |step: usize| kernel.radius() * (2.0 * (step as f32 + 0.5) / STEPS as f32 - 1.0);
+        let values: Vec<f32> = (0..STEPS).map(|step| kernel.value(at(step))).collect();
+        let magnitudes: Vec<f32> = values.iter().map(|value| value.abs()).collect();
+        let sum = |values: &[f32]| values.iter().map(|&value| f64::from(value)).sum::<f64>();
+        let excess = (sum(&magnitudes) / sum(&values)) as f32;
+        Some(Self {
+            kernel,
+            magnitude: PiecewiseConstant1d::new(&magnitudes)?,
+            negative: values.iter().map(|&value| value < 0.0).collect(),
+            excess: Some(excess).filter(|excess| excess.is_finite() && *excess > 0.0)?,
+        })
+    }
+
+    /// Offset and weight along one axis.
+    fn sample(&self, u: f32) -> (f32, f32) {
+        let sample = self.magnitude.sample(u);
+        let negative = self.negative[sample.cell as usize];
+        (
+            self.kernel.radius() * (2.0 * sample.x - 1.0),
+            if negative { -self.excess } else { self.excess },
+        )
+    }
+}
 
 impl PixelFilter {
-    /// Offset from the pixel's centre, for `u` in [0, 1)^2.
-    pub fn sample(&self, u: Vec2) -> Vec2 {
-        match *self {
-            Self::Box => u - 0.5,
-            Self::Gaussian { stddev } => {
-                let along = |u: f32| stddev * GAUSSIAN_REACH * (2.0 * GAUSSIAN.sample(u).x - 1.0);
-                Vec2::new(along(u.x), along(u.y))
+    /// A box where the kernel has no positive integral.
+    pub fn tabulated(kernel: FilterKernel) -> Self {
+        FilterTable::new(kernel).map_or(Self::Box, |table| Self::Tabulated(Arc::new(table)))
+    }
+
+    /// For `u` in [0, 1)^2.
+    pub fn sample(&self, u: Vec2) -> FilterSample {
+        let unweighted = |offset| FilterSample { offset, weight: 1.0 };
+        match self {
+            Self::Box => unweighted(u - 0.5),
+            Self::Tent { radius } => unweighted(*radius * Vec2::new(tent(u.x), tent(u.y))),
+            Self::Tabulated(table) => {
+                let ((x, weight_x), (y, weight_y)) = (table.sample(u.x), table.sample(u.y));
+                FilterSample {
+                    offset: Vec2::new(x, y),
+                    weight: weight_x * weight_y,
+                }
             }
         }
+    }
+}
+
+/// In [-1, 1], with density 1 - |x|.
+fn tent(u: f32) -> f32 {
+    if u < 0.5 {
+        (2.0 * u).sqrt() - 1.0
+    } else {
+        1.0 - (2.0 * (1.0 - u)).sqrt()
     }
 }
 
@@ -47,11 +170,10 @@ mod tests {
 
     #[test]
     fn the_gaussian_has_its_deviation_and_its_reach() {
-        let filter = PixelFilter::Gaussian { stddev: 0.5 };
+        let filter = PixelFilter::tabulated(FilterKernel::Gaussian { stddev: 0.5 });
         let n = 4096;
-        let xs: Vec<f32> = (0..n)
-            .map(|i| filter.sample(Vec2::splat((i as f32 + 0.5) / n as f32)).x)
-            .collect();
+        let samples = (0..n).map(|i| filter.sample(Vec2::splat((i as f32 + 0.5) / n as f32)));
+        let xs: Vec<f32> = samples.map(|sample| sample.offset.x).collect();
         let mean = xs.iter().sum::<f32>() / n as f32;
         let variance = xs.iter().map(|x| x * x).sum::<f32>() / n as f32;
         assert!(mean.abs() < 1e-4, "{mean}");
@@ -62,6 +184,15 @@ mod tests {
 
     #[test]
     fn the_box_covers_its_pixel() {
-        assert_eq!(PixelFilter::Box.sample(Vec2::new(0.0, 0.75)), Vec2::new(-0.5, 0.25));
+        let sample = PixelFilter::Box.sample(Vec2::new(0.0, 0.75));
+        assert_eq!((sample.offset, sample.weight), (Vec2::new(-0.5, 0.25), 1.0));
+    }
+
+    #[test]
+    fn without_a_positive_integral_there_is_no_kernel() {
+        for lobes in [0, 1] {
+            let filter = PixelFilter::tabulated(FilterKernel::Lanczos { lobes });
+            assert_eq!(filter == PixelFilter::Box, lobes == 0);
+        }
     }
 }

@@ -115,9 +115,11 @@ pub fn render_tile(
         for x in tile.x..tile.x + tile.width {
             let mut sum = PixelSum::default();
             for index in samples.clone() {
-                let sample = render_sample(scene, view, UVec2::new(x, y), index);
+                let (mut sample, weight) = render_sample(scene, view, UVec2::new(x, y), index);
                 result.rays += u64::from(sample.rays);
                 if is_finite(&sample) {
+                    // The guides are not weighted: they are to be free of noise and within their range before they are sharp.
+                    sample.radiance *= weight;
                     sum.add(&sample.into());
                 } else {
                     result.invalid += 1;
@@ -150,7 +152,8 @@ pub fn render_preview(
             return None;
         }
         for x in (tile.x..right).step_by(step as usize) {
-            let sample = render_sample(scene, view, UVec2::new(middle(x, right), middle(y, bottom)), 0);
+            // Of a single sample the filter's weight would only change the brightness.
+            let (sample, _) = render_sample(scene, view, UVec2::new(middle(x, right), middle(y, bottom)), 0);
             result.rays += u64::from(sample.rays);
             result.blocks.push(if is_finite(&sample) {
                 sample.into()
@@ -162,20 +165,22 @@ pub fn render_preview(
     Some(result)
 }
 
-fn render_sample(scene: &RenderScene, view: &View, pixel: UVec2, index: u32) -> PathSample {
-    let (ray, mut sampler) = view.camera_ray(pixel, index);
-    match &view.integrator {
-        Integrator::Path(settings) => trace_path(scene, settings, ray, &mut sampler),
+/// A sample and what its light counts.
+fn render_sample(scene: &RenderScene, view: &View, pixel: UVec2, index: u32) -> (PathSample, f32) {
+    let mut camera = view.camera_sample(pixel, index);
+    let sample = match &view.integrator {
+        Integrator::Path(settings) => trace_path(scene, settings, camera.ray, &mut camera.sampler),
         Integrator::BvhSteps => {
             let mut steps = Steps::default();
-            scene.geometry.intersect_counting(&ray, &mut steps);
+            scene.geometry.intersect_counting(&camera.ray, &mut steps);
             PathSample {
                 radiance: Rgb::splat(steps.total() as f32),
                 rays: 1,
                 ..PathSample::default()
             }
         }
-    }
+    };
+    (sample, camera.weight)
 }
 
 fn is_finite(sample: &PathSample) -> bool {

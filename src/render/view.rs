@@ -7,7 +7,7 @@ use super::filter::PixelFilter;
 use crate::math::Ray;
 use crate::sampling::{Sampler, SequenceKind};
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct View {
     pub camera: Camera,
     /// Pixels.
@@ -48,12 +48,25 @@ pub enum Strategy {
     Mis,
 }
 
+/// What begins with one sample of a pixel.
+#[derive(Clone, Debug)]
+pub struct CameraSample {
+    pub ray: Ray,
+    /// What the light along the ray counts, by the filter; 1 on average.
+    pub weight: f32,
+    /// With the dimensions that are left to the path.
+    pub sampler: Sampler,
+}
+
 impl View {
-    /// The camera ray of one sample, and the sampler with the dimensions that are left to the path.
-    pub fn camera_ray(&self, pixel: UVec2, sample_index: u32) -> (Ray, Sampler) {
+    pub fn camera_sample(&self, pixel: UVec2, sample_index: u32) -> CameraSample {
         let mut sampler = Sampler::new(self.sequence, pixel, sample_index, self.seed);
-        let offset = self.filter.sample(sampler.next_2d());
-        let film = (pixel.as_vec2() + 0.5 + offset) / Vec2::new(self.width as f32, self.height as f32);
-        (self.camera.ray(film, sampler.next_2d()), sampler)
+        let place = self.filter.sample(sampler.next_2d());
+        let film = (pixel.as_vec2() + 0.5 + place.offset) / Vec2::new(self.width as f32, self.height as f32);
+        CameraSample {
+            ray: self.camera.ray(film, sampler.next_2d()),
+            weight: place.weight,
+            sampler,
+        }
     }
 }

@@ -31,7 +31,7 @@ pub use material::{
     ConductorIor, FirstNested, FirstNestedIn, Ior, Material, MaterialUsers, SecondNested, SecondNestedIn, UsesMaterial,
 };
 pub use plugin::{ScenePlugin, SceneSystems, asset_plugin};
-pub use sensor::{Film, FovAxis, Lens, ReconstructionFilter, Sensor};
+pub use sensor::{Crop, Film, FovAxis, Lens, NoSuchCamera, ReconstructionFilter, Sensor, cameras, find_camera};
 pub use settings::{AccelMethod, IntegratorSettings, SamplerSettings, Sequence, Strategy};
 pub use shape::{MeshFile, MeshFormat, Shape, ShapeKind};
 pub use status::{ActiveSensor, MeshProblem, OpenScene, SceneState, SceneStatus};

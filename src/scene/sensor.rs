@@ -1,10 +1,11 @@
 //! Cameras and their film.
 
 use bevy::prelude::*;
+use thiserror::Error;
 
 use super::{DocumentOrder, ToWorld};
 
-/// A camera; its pose is [`ToWorld`] (+z forward, +x left, +y up; any scale in it is dropped).
+/// A camera; its pose is [`ToWorld`] (+z forward, +x left, +y up). Scale in it is the extent of an orthographic picture, and else dropped.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, PartialEq)]
 #[require(ToWorld, Film, DocumentOrder)]
@@ -16,6 +17,8 @@ pub struct Sensor {
     /// Distances along the view axis between which things are seen.
     pub near_clip: f32,
     pub far_clip: f32,
+    /// How far the picture is moved over the image plane, in parts of its width and height: right and down are positive.
+    pub principal_point_offset: Vec2,
 }
 
 impl Default for Sensor {
@@ -26,6 +29,7 @@ impl Default for Sensor {
             fov_axis: FovAxis::X,
             near_clip: 1e-2,
             far_clip: 1e4,
+            principal_point_offset: Vec2::ZERO,
         }
     }
 }
@@ -35,8 +39,17 @@ pub enum Lens {
     /// `perspective`
     #[default]
     Pinhole,
-    /// `thinlens`: a round aperture, sharp in the plane at `focus_distance` along the view axis.
-    Thin { aperture_radius: f32, focus_distance: f32 },
+    /// `thinlens`: sharp in the plane at `focus_distance` along the view axis.
+    Thin {
+        aperture_radius: f32,
+        focus_distance: f32,
+        /// Edges of the aperture; below 3 it is round.
+        blades: u32,
+        /// Degrees, from +x to +y.
+        blade_rotation: f32,
+    },
+    /// `orthographic`: the picture is two units of the sensor's space wide.
+    Orthographic,
 }
 
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,12 +69,45 @@ pub struct Film {
     /// Pixels.
     pub width: u32,
     pub height: u32,
+    /// The part that is rendered; None for all of it.
+    pub crop: Option<Crop>,
     pub filter: ReconstructionFilter,
     /// Samples per pixel to stop at.
     pub sample_count: u32,
 }
 
+/// A rectangle of pixels of a film, (x, y) its top left.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Crop {
+    pub x: u32,
+    pub y: u32,
+    pub width: u32,
+    pub height: u32,
+}
+
 impl Film {
+    /// The picture in pixels of the film: the crop as far as it lies within, and at least a pixel where there is one.
+    pub fn window(&self) -> Crop {
+        let Some(crop) = self.crop else {
+            return Crop {
+                x: 0,
+                y: 0,
+                width: self.width,
+                height: self.height,
+            };
+        };
+        let (x, y) = (
+            crop.x.min(self.width.saturating_sub(1)),
+            crop.y.min(self.height.saturating_sub(1)),
+        );
+        Crop {
+            x,
+            y,
+            width: crop.width.max(1).min(self.width - x),
+            height: crop.height.max(1).min(self.height - y),
+        }
+    }
+
     /// Pixels along one side.
     pub const LARGEST_SIDE: u32 = 65_536;
     /// Pixels in all: sums and finished pictures of that size take 5 GB.
@@ -79,6 +125,7 @@ impl Default for Film {
         Self {
             width: 768,
             height: 576,
+            crop: None,
             filter: ReconstructionFilter::default(),
             sample_count: 16,
         }
@@ -89,6 +136,19 @@ impl Default for Film {
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 pub enum ReconstructionFilter {
     Box,
+    /// `radius` in pixels.
+    Tent {
+        radius: f32,
+    },
+    /// Mitchell and Netravali's parameters B and C.
+    Mitchell {
+        b: f32,
+        c: f32,
+    },
+    CatmullRom,
+    Lanczos {
+        lobes: u32,
+    },
     /// Truncated at four standard deviations; `stddev` in pixels.
     Gaussian {
         stddev: f32,
@@ -99,4 +159,43 @@ impl Default for ReconstructionFilter {
     fn default() -> Self {
         Self::Gaussian { stddev: 0.5 }
     }
+}
+
+/// The cameras of the scene with their names, in the order of the file.
+pub fn cameras(world: &mut World) -> Vec<(Entity, String)> {
+    let mut query = world.query_filtered::<(Entity, &DocumentOrder, Option<&Name>), With<Sensor>>();
+    let mut found: Vec<_> = query.iter(world).collect();
+    found.sort_by_key(|&(entity, order, _)| (*order, entity));
+    let named = |name: Option<&Name>| name.map_or("camera", |name| name.as_str()).to_owned();
+    found
+        .into_iter()
+        .map(|(entity, _, name)| (entity, named(name)))
+        .collect()
+}
+
+/// The camera of this name, or else of this index, from 0 on in the order of the file.
+pub fn find_camera(world: &mut World, wanted: &str) -> Result<Entity, NoSuchCamera> {
+    let cameras = cameras(world);
+    let by_name = cameras.iter().find(|(_, name)| name == wanted);
+    let by_index = || wanted.parse().ok().and_then(|index: usize| cameras.get(index));
+    match by_name.or_else(by_index) {
+        Some(&(entity, _)) => Ok(entity),
+        None => Err(NoSuchCamera {
+            wanted: wanted.to_owned(),
+            names: cameras.into_iter().map(|(_, name)| name).collect(),
+        }),
+    }
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("there is no camera `{wanted}`; the scene has {}", numbered(names))]
+pub struct NoSuchCamera {
+    pub wanted: String,
+    /// Of all cameras of the scene.
+    pub names: Vec<String>,
+}
+
+fn numbered(names: &[String]) -> String {
+    let names = names.iter().zip(0..).map(|(name, index)| format!("{index}: `{name}`"));
+    names.collect::<Vec<String>>().join(", ")
 }

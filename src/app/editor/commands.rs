@@ -20,8 +20,8 @@ use crate::engine::{CurrentScene, InputStamp, RenderControl, RenderFilm, RenderS
 use crate::math::Aabb;
 use crate::render::image_io::{ImageRgb, write_image};
 use crate::scene::{
-    AccelMethod, ActiveSensor, DocumentOrder, IntegratorSettings, Material, OpenScene, SamplerSettings, SceneStatus,
-    ToWorld, UsesMaterial, write,
+    AccelMethod, ActiveSensor, DocumentOrder, IntegratorSettings, Lens, Material, OpenScene, SamplerSettings,
+    SceneStatus, Sensor, ToWorld, UsesMaterial, write,
 };
 
 /// Applies this frame's commands in order.
@@ -74,6 +74,7 @@ fn apply(world: &mut World, command: Command) -> Result<(), String> {
         }
         Command::MoveCamera(pose) => {
             if let Some(sensor) = world.resource::<ActiveSensor>().0 {
+                let pose = with_extent_of(world, sensor, pose);
                 set(world, sensor, ToWorld(pose));
             }
         }
@@ -176,19 +177,39 @@ fn select(world: &mut World, entity: Option<Entity>) {
     }
 }
 
+fn is_orthographic(world: &World, sensor: Entity) -> bool {
+    let lens = world.get::<Sensor>(sensor).map(|sensor| sensor.lens);
+    lens == Some(Lens::Orthographic)
+}
+
+/// The pose with the scale that an orthographic camera has now: flying does not change how much it sees.
+fn with_extent_of(world: &World, sensor: Entity, pose: Affine3A) -> Affine3A {
+    match world.get::<ToWorld>(sensor) {
+        Some(ToWorld(now)) if is_orthographic(world, sensor) => {
+            let axes = now.matrix3;
+            let extent = Vec3::new(axes.x_axis.length(), axes.y_axis.length(), axes.z_axis.length());
+            pose * Affine3A::from_scale(extent)
+        }
+        _ => pose,
+    }
+}
+
 fn frame(world: &mut World, bounds: Aabb) {
     let Some(sensor) = world.resource::<ActiveSensor>().0 else {
         return;
     };
-    let half_fov = world
-        .resource::<CurrentScene>()
-        .view
-        .as_ref()
-        .map_or(0.3, |view| picking::half_fov(&view.camera));
+    let view = world.resource::<CurrentScene>().view.as_ref();
+    let half_fov = view.map_or(0.3, |view| picking::half_fov(&view.camera));
+    let aspect = view.map_or(1.0, |view| view.width as f32 / view.height as f32);
     let Some(ToWorld(pose)) = world.get::<ToWorld>(sensor).copied() else {
         return;
     };
-    if let Some(pose) = navigation::framing(pose, &bounds, half_fov) {
+    let framed = if is_orthographic(world, sensor) {
+        navigation::framing_parallel(pose, &bounds, aspect)
+    } else {
+        navigation::framing(pose, &bounds, half_fov)
+    };
+    if let Some(pose) = framed {
         set(world, sensor, ToWorld(pose));
     }
 }

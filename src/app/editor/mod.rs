@@ -32,7 +32,7 @@ use bevy_egui::{EguiPlugin, EguiPostUpdateSet, EguiPrimaryContextPass};
 
 use crate::engine::EngineSystems;
 use crate::scene::{OpenScene, SceneSystems};
-use options::{SceneDefines, WindowOptions};
+use options::{SceneDefines, WantedCamera, WindowOptions};
 
 /// Adds the editor to an app that has a window, a renderer, the scene and the engine.
 pub struct EditorPlugin(pub WindowOptions);
@@ -60,6 +60,7 @@ impl Plugin for EditorPlugin {
             .init_resource::<pacing::Pacing>()
             .insert_resource(denoiser::Denoiser::new())
             .insert_resource(SceneDefines(options.defines.clone()))
+            .insert_resource(WantedCamera(options.camera.clone()))
             .insert_resource(exit_door::ExitDoor::new(
                 options.screenshot.clone(),
                 options.after_spp,
@@ -82,7 +83,15 @@ impl Plugin for EditorPlugin {
                 Startup,
                 (spawn_camera, picture::create_picture, pacing::connect_wake_up),
             )
-            .add_systems(PreUpdate, scene_watch::follow_scene.after(SceneSystems::Follow))
+            .add_systems(
+                PreUpdate,
+                (
+                    scene_watch::choose_camera.run_if(scene_watch::camera_is_wanted),
+                    scene_watch::follow_scene,
+                )
+                    .chain()
+                    .after(SceneSystems::Follow),
+            )
             .add_systems(
                 PostUpdate,
                 (

@@ -140,6 +140,15 @@ pub fn framing(world_from_camera: Affine3A, bounds: &Aabb, half_fov: f32) -> Opt
     pose.is_finite().then_some(pose)
 }
 
+/// As [`framing`] for an orthographic camera, whose scale is its extent; `aspect` is the picture's width over its height.
+pub fn framing_parallel(world_from_camera: Affine3A, bounds: &Aabb, aspect: f32) -> Option<Affine3A> {
+    let radius = (0.5 * bounds.extent().length()).max(f32::MIN_POSITIVE);
+    // From twice the radius away nothing of the sphere is behind the camera.
+    let pose = framing(world_from_camera, bounds, 30f32.to_radians())?;
+    let pose = pose * Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.0) * radius * aspect.max(1.0) + Vec3::Z);
+    pose.is_finite().then_some(pose)
+}
+
 /// A level camera that looks along `forward` (unit length, not parallel to `up`).
 fn facing(forward: Vec3, up: Vec3) -> Mat3A {
     let left = up.cross(forward).normalize_or(forward.any_orthonormal_vector());
@@ -234,6 +243,20 @@ mod tests {
         let distance = camera.translation.distance(Vec3A::splat(2.0));
         assert!((distance * 0.5f32.sin() - 3.0f32.sqrt()).abs() < 1e-5);
         assert_eq!(framing(pose(), &Aabb::EMPTY, 0.5), None);
+    }
+
+    #[test]
+    fn framing_in_parallel_fits_the_sphere_into_the_narrower_side() {
+        let bounds = Aabb {
+            min: Vec3::splat(1.0),
+            max: Vec3::splat(3.0),
+        };
+        for aspect in [2.0, 0.5] {
+            let camera = framing_parallel(pose(), &bounds, aspect).unwrap_or_default();
+            let half_width = camera.matrix3.x_axis.length();
+            assert!((half_width.min(half_width / aspect) - 3.0f32.sqrt()).abs() < 1e-5);
+            assert!((camera.translation.z - (2.0 - 2.0 * 3.0f32.sqrt())).abs() < 1e-5);
+        }
     }
 
     #[test]

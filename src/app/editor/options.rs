@@ -12,6 +12,8 @@ pub struct WindowOptions {
     pub scene: Option<PathBuf>,
     /// Values for the scene file's `$name` parameters.
     pub defines: Vec<(String, String)>,
+    /// Name or index of the camera the first scene is seen with; None is its first.
+    pub camera: Option<String>,
     /// Size of the window's content in points.
     pub size: UVec2,
     /// Worker threads; see [`crate::app::threads::worker_count`].
@@ -33,6 +35,7 @@ impl Default for WindowOptions {
         Self {
             scene: None,
             defines: Vec::new(),
+            camera: None,
             size: UVec2::new(1280, 720),
             threads: None,
             screenshot: None,
@@ -47,3 +50,7 @@ impl Default for WindowOptions {
 /// Kept for reloads.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct SceneDefines(pub Vec<(String, String)>);
+
+/// A camera that is asked for, until a scene is there.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct WantedCamera(pub Option<String>);

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use bevy::prelude::*;
 
 use super::navigation::up_axis;
+use super::options::WantedCamera;
 use super::picking;
 use super::state::EditorState;
 use crate::engine::CurrentScene;
-use crate::scene::{ActiveSensor, SceneState, SceneStatus, ToWorld};
+use crate::scene::{ActiveSensor, SceneState, SceneStatus, ToWorld, find_camera};
 
 /// Messages about loading; a freshly opened scene also decides what is up.
 pub fn follow_scene(
@@ -43,6 +44,22 @@ pub fn follow_scene(
         let path = status.path.as_deref().unwrap_or(Path::new(""));
         state.say(failure(path, status.revision > 0));
         state.right_tab = super::state::RightTab::Diagnostics;
+    }
+}
+
+/// Whether somebody asked for a camera, and there is a scene to look for it in.
+pub fn camera_is_wanted(wanted: Res<WantedCamera>, status: Res<SceneStatus>) -> bool {
+    wanted.0.is_some() && status.revision > 0
+}
+
+/// Looks through the camera that was asked for.
+pub fn choose_camera(world: &mut World) {
+    let Some(wanted) = world.resource_mut::<WantedCamera>().0.take() else {
+        return;
+    };
+    match find_camera(world, &wanted) {
+        Ok(camera) => world.insert_resource(ActiveSensor(Some(camera))),
+        Err(error) => world.resource_mut::<EditorState>().say(error.to_string()),
     }
 }
 

@@ -60,6 +60,7 @@ pub fn show_window(
         display: state.display,
         overlay: state.overlay,
         panels_shown: state.panels_shown,
+        camera: scene.active.0,
     };
     egui::Panel::top("menus").show(&mut ui, |ui| menu_bar(ui, model, menus, commands));
     egui::Panel::bottom("status").show(&mut ui, |ui| status::status_line(ui, &model.status, state.message()));

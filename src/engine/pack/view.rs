@@ -1,11 +1,11 @@
 //! The active sensor, its film and the settings as the renderer's view.
 
-use bevy::math::{Affine3A, UVec2, Vec3};
+use bevy::math::{Affine3A, UVec2, Vec2, Vec3};
 
 use super::super::control::{RenderControl, ViewMode};
 use super::Checker;
 use crate::render::camera::{Camera, ThinLens};
-use crate::render::filter::PixelFilter;
+use crate::render::filter::{FilterKernel, PixelFilter};
 use crate::render::view::{Integrator, PathSettings, Strategy, View};
 use crate::sampling::SequenceKind;
 use crate::scene::{
@@ -34,15 +34,20 @@ pub(in crate::engine) fn pack_view(
         check.report("the camera's pose is degenerate, the last one is kept");
         return None;
     };
+    let window = film.window();
     let full = control
         .film_size_override
-        .unwrap_or(UVec2::new(film.width, film.height));
+        .unwrap_or(UVec2::new(window.width, window.height));
     let size = possible_size(full);
     if size != full {
         check.report(format_args!("a film of {} x {} pixels is not possible", full.x, full.y));
     }
-    // The picture shows the same at every resolution, whatever the rounding of its size.
-    let aspect = size.x as f32 / size.y as f32;
+    let film_size = UVec2::new(film.width, film.height).max(UVec2::ONE).as_vec2();
+    let crop_min = UVec2::new(window.x, window.y).as_vec2() / film_size;
+    let crop_size = UVec2::new(window.width, window.height).max(UVec2::ONE).as_vec2() / film_size;
+    // The whole film's. The picture shows the same at every resolution, whatever the rounding of its size.
+    let whole = size.as_vec2() / crop_size;
+    let aspect = whole.x / whole.y;
     let scale = if control.resolution_scale.is_nan() {
         1.0
     } else {
@@ -58,23 +63,31 @@ pub(in crate::engine) fn pack_view(
         1e4_f32.max(near.next_up()),
     );
     let fov = check.number("fov", sensor.fov, 1e-3, 179.9, 39.3077);
+    let pose = world_from_camera;
+    let camera = match sensor.lens {
+        Lens::Orthographic => {
+            let [left, up, forward] = columns(to_world).map(Vec3::length);
+            // As the file has it, the near plane lies in the sensor's space, and the depth that is seen is one of the world.
+            let near = near * forward;
+            let far = near + far - sensor.near_clip.max(0.0);
+            Camera::orthographic(pose, Vec2::new(left, up / aspect), near, far)
+        }
+        Lens::Pinhole | Lens::Thin { .. } => {
+            let fov_x = horizontal_fov(fov, sensor.fov_axis, aspect);
+            Camera::new(pose, fov_x, aspect, near, far, thin_lens(sensor.lens, check))
+        }
+    };
+    let offset = sensor.principal_point_offset;
+    let offset = Vec2::new(
+        check.number("principal_point_offset_x", offset.x, -1e3, 1e3, 0.0),
+        check.number("principal_point_offset_y", offset.y, -1e3, 1e3, 0.0),
+    );
+    let crop_min = crop_min + offset;
     Some(View {
-        camera: Camera::new(
-            world_from_camera,
-            horizontal_fov(fov, sensor.fov_axis, aspect),
-            aspect,
-            near,
-            far,
-            lens(sensor.lens, check),
-        ),
+        camera: camera.cropped(crop_min, crop_min + crop_size),
         width: scaled.x,
         height: scaled.y,
-        filter: match film.filter {
-            ReconstructionFilter::Box => PixelFilter::Box,
-            ReconstructionFilter::Gaussian { stddev } => PixelFilter::Gaussian {
-                stddev: check.number("stddev", stddev, 1e-3, 100.0, 0.5),
-            },
-        },
+        filter: pixel_filter(film.filter, check),
         integrator: match control.view_mode {
             ViewMode::BvhSteps => Integrator::BvhSteps,
             ViewMode::Path => Integrator::Path(PathSettings {
@@ -98,7 +111,7 @@ pub(in crate::engine) fn pack_view(
 
 /// The pose without scale and shear: forward stays, up is made perpendicular to it, and a mirrored pose stays mirrored.
 fn rigid(pose: Affine3A) -> Option<Affine3A> {
-    let [left, up, forward] = [pose.matrix3.x_axis, pose.matrix3.y_axis, pose.matrix3.z_axis].map(Vec3::from);
+    let [left, up, forward] = columns(pose);
     let position = Vec3::from(pose.translation);
     let forward = forward.try_normalize()?;
     let up = up.try_normalize()?;
@@ -107,6 +120,31 @@ fn rigid(pose: Affine3A) -> Option<Affine3A> {
     let mirror = if side.dot(left) < 0.0 { -1.0 } else { 1.0 };
     let rigid = Affine3A::from_mat3_translation(bevy::math::Mat3::from_cols(mirror * side, up, forward), position);
     rigid.is_finite().then_some(rigid)
+}
+
+fn columns(pose: Affine3A) -> [Vec3; 3] {
+    [pose.matrix3.x_axis, pose.matrix3.y_axis, pose.matrix3.z_axis].map(Vec3::from)
+}
+
+fn pixel_filter(filter: ReconstructionFilter, check: &mut Checker) -> PixelFilter {
+    match filter {
+        ReconstructionFilter::Box => PixelFilter::Box,
+        ReconstructionFilter::Tent { radius } => PixelFilter::Tent {
+            radius: check.number("radius", radius, 1e-3, 100.0, 1.0),
+        },
+        ReconstructionFilter::Gaussian { stddev } => {
+            let stddev = check.number("stddev", stddev, 1e-3, 100.0, 0.5);
+            PixelFilter::tabulated(FilterKernel::Gaussian { stddev })
+        }
+        ReconstructionFilter::Mitchell { b, c } => PixelFilter::tabulated(FilterKernel::Cubic {
+            b: check.number("B", b, -4.0, 4.0, 1.0 / 3.0),
+            c: check.number("C", c, -4.0, 4.0, 1.0 / 3.0),
+        }),
+        ReconstructionFilter::CatmullRom => PixelFilter::tabulated(FilterKernel::CATMULL_ROM),
+        ReconstructionFilter::Lanczos { lobes } => PixelFilter::tabulated(FilterKernel::Lanczos {
+            lobes: lobes.clamp(1, 16),
+        }),
+    }
 }
 
 /// The field of view along x in degrees, from one along `axis`; `aspect` is width over height.
@@ -122,28 +160,43 @@ fn horizontal_fov(fov: f32, axis: FovAxis, aspect: f32) -> f32 {
     2.0 * half_width.atan().to_degrees()
 }
 
-fn lens(lens: Lens, check: &mut Checker) -> Option<ThinLens> {
-    match lens {
-        Lens::Pinhole => None,
-        Lens::Thin {
-            aperture_radius,
-            focus_distance,
-        } => {
-            let aperture_radius = check.number("aperture_radius", aperture_radius, 0.0, 1e30, 0.0);
-            let focus_distance = check.number("focus_distance", focus_distance, 1e-6, 1e30, 1.0);
-            (aperture_radius > 0.0).then_some(ThinLens {
-                aperture_radius,
-                focus_distance,
-            })
-        }
-    }
+/// None for a pinhole.
+fn thin_lens(lens: Lens, check: &mut Checker) -> Option<ThinLens> {
+    let Lens::Thin {
+        aperture_radius,
+        focus_distance,
+        blades,
+        blade_rotation,
+    } = lens
+    else {
+        return None;
+    };
+    let aperture_radius = check.number("aperture_radius", aperture_radius, 0.0, 1e30, 0.0);
+    let focus_distance = check.number("focus_distance", focus_distance, 1e-6, 1e30, 1.0);
+    let blade_rotation = check.number("blade_rotation", blade_rotation, f32::MIN, f32::MAX, 0.0);
+    (aperture_radius > 0.0).then_some(ThinLens {
+        aperture_radius,
+        focus_distance,
+        blades,
+        blade_rotation: blade_rotation.to_radians(),
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Crop;
 
     fn pack(sensor: &Sensor, to_world: Affine3A, control: &RenderControl) -> (Option<View>, Vec<String>) {
+        pack_film(sensor, &Film::default(), to_world, control)
+    }
+
+    fn pack_film(
+        sensor: &Sensor,
+        film: &Film,
+        to_world: Affine3A,
+        control: &RenderControl,
+    ) -> (Option<View>, Vec<String>) {
         let mut errors = Vec::new();
         let mut check = Checker {
             name: "camera",
@@ -151,7 +204,7 @@ mod tests {
         };
         let view = pack_view(
             sensor,
-            &Film::default(),
+            film,
             to_world,
             &IntegratorSettings::default(),
             &SamplerSettings::default(),
@@ -213,11 +266,60 @@ mod tests {
     }
 
     #[test]
+    fn a_crop_shows_its_part_of_the_film() {
+        let crop = Crop {
+            x: 30,
+            y: 10,
+            width: 20,
+            height: 40,
+        };
+        let film = Film {
+            width: 100,
+            height: 50,
+            ..Film::default()
+        };
+        let cropped = Film {
+            crop: Some(crop),
+            ..film
+        };
+        for lens in [Lens::Pinhole, Lens::Orthographic] {
+            let sensor = Sensor {
+                lens,
+                principal_point_offset: Vec2::new(0.1, -0.3),
+                ..Sensor::default()
+            };
+            let pose = Affine3A::from_scale(Vec3::new(3.0, 2.0, 1.0));
+            for size in [None, Some(UVec2::new(40, 80))] {
+                let control = RenderControl {
+                    film_size_override: size,
+                    ..RenderControl::default()
+                };
+                let whole = pack_film(&sensor, &film, pose, &RenderControl::default())
+                    .0
+                    .expect("a view");
+                let part = pack_film(&sensor, &cropped, pose, &control).0.expect("a view");
+                let expected = size.unwrap_or(UVec2::new(20, 40));
+                assert_eq!((part.width, part.height), (expected.x, expected.y));
+                let (a, b) = (
+                    whole.camera.ray(Vec2::new(0.4, 0.6), Vec2::ZERO),
+                    part.camera.ray(Vec2::new(0.5, 0.5), Vec2::ZERO),
+                );
+                assert!(
+                    a.origin.abs_diff_eq(b.origin, 1e-5) && a.dir.abs_diff_eq(b.dir, 1e-6),
+                    "{a:?} {b:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
     fn odd_numbers_are_mended_and_reported() {
         let sensor = Sensor {
             lens: Lens::Thin {
                 aperture_radius: f32::NAN,
                 focus_distance: 0.0,
+                blades: 0,
+                blade_rotation: 0.0,
             },
             fov: f32::NAN,
             near_clip: -1.0,

@@ -1,10 +1,12 @@
-//! Sensors `perspective` and `thinlens`, with their film, reconstruction filter and sampler.
+//! Sensors `perspective`, `thinlens` and `orthographic`, with their film, reconstruction filter and sampler.
+
+use glam::Vec2;
 
 use super::SceneReader;
 use super::parameters::Parameters;
 use crate::document::{Category, Object, Reader};
 use crate::scene::description::SensorDescription;
-use crate::scene::{Film, FovAxis, Lens, ReconstructionFilter, Sensor, write};
+use crate::scene::{Crop, Film, FovAxis, Lens, ReconstructionFilter, Sensor, write};
 
 const LARGEST_SAMPLE_COUNT: i64 = 1 << 30;
 
@@ -17,16 +19,14 @@ impl<'a> SceneReader<'a> {
     /// Whether the sensor became part of the description.
     pub(super) fn read_sensor(&mut self, object: &'a Object) -> bool {
         let mut reader = self.reader(object);
-        let is_thin_lens = match object.plugin.as_str() {
-            "perspective" => false,
-            "thinlens" => true,
+        match object.plugin.as_str() {
+            "perspective" | "thinlens" | "orthographic" => {}
             other => {
                 let message = format!("sensor `{other}` is not supported: it is left out");
                 reader.diagnostics().warn(object.span, message);
                 return false;
             }
-        };
-        let (fov, fov_axis) = read_fov(&mut reader);
+        }
         let near_clip = reader.float_in("near_clip", f32::MIN_POSITIVE..).unwrap_or(1e-2);
         let mut far_clip = reader.float_in("far_clip", f32::MIN_POSITIVE..).unwrap_or(1e4);
         if far_clip <= near_clip {
@@ -34,23 +34,16 @@ impl<'a> SceneReader<'a> {
             reader.error_at("far_clip", message);
             far_clip = 2.0 * near_clip;
         }
-        let focus_distance = reader.float_in("focus_distance", f32::MIN_POSITIVE..);
-        let lens = if is_thin_lens {
-            if !reader.has("aperture_radius") {
-                reader.error_at("aperture_radius", "`thinlens` needs an `aperture_radius`");
-            }
-            Lens::Thin {
-                aperture_radius: reader.float_in("aperture_radius", 0.0..).unwrap_or(0.0),
-                focus_distance: focus_distance.unwrap_or(far_clip),
-            }
-        } else {
-            Lens::Pinhole
+        let lens = read_lens(&mut reader, far_clip);
+        let (fov, fov_axis) = match lens {
+            Lens::Orthographic => (Sensor::default().fov, FovAxis::default()),
+            Lens::Pinhole | Lens::Thin { .. } => read_fov(&mut reader),
         };
-        for offset in ["principal_point_offset_x", "principal_point_offset_y"] {
-            if reader.float(offset).is_some_and(|offset| offset != 0.0) {
-                reader.warn_at(offset, format!("`{offset}` is not supported: the picture is centred"));
-            }
-        }
+        let offset = |reader: &mut Reader, name| reader.float_in(name, -1e3..=1e3).unwrap_or(0.0);
+        let principal_point_offset = Vec2::new(
+            offset(&mut reader, "principal_point_offset_x"),
+            offset(&mut reader, "principal_point_offset_y"),
+        );
         reader.ignore(&["shutter_open", "shutter_close"]);
         let to_world = reader.to_world();
         let film = reader.children(Category::Film);
@@ -81,6 +74,7 @@ impl<'a> SceneReader<'a> {
             fov_axis,
             near_clip,
             far_clip,
+            principal_point_offset,
         };
         let identity = self.identity(object, write::objects::sensor(&sensor, &read_film, &to_world));
         self.description.sensors.push(SensorDescription {
@@ -107,6 +101,7 @@ impl<'a> SceneReader<'a> {
             let message = format!("a film of {width} x {height} pixels is too large: at most {most} are possible");
             reader.error_at("width", message);
         }
+        film.crop = read_crop(&mut reader, film.width, film.height);
         reader.ignore(&[
             "pixel_format",
             "component_format",
@@ -126,6 +121,62 @@ impl<'a> SceneReader<'a> {
         if let Some((_, filter)) = filter.first() {
             film.filter = read_filter(self.reader(filter));
         }
+    }
+}
+
+/// None without a crop, or if it does not lie within the film.
+fn read_crop(reader: &mut Reader, width: u32, height: u32) -> Option<Crop> {
+    const NAMES: [&str; 4] = ["crop_offset_x", "crop_offset_y", "crop_width", "crop_height"];
+    let [x, y, crop_width, crop_height] = NAMES.map(|name| {
+        let least = i64::from(name == "crop_width" || name == "crop_height");
+        let number = reader.integer_in(name, least..=i64::from(Film::LARGEST_SIDE));
+        number.and_then(|number| u32::try_from(number).ok())
+    });
+    let crop = Crop {
+        x: x.unwrap_or(0),
+        y: y.unwrap_or(0),
+        width: crop_width.unwrap_or(width),
+        height: crop_height.unwrap_or(height),
+    };
+    if crop.x + crop.width > width || crop.y + crop.height > height {
+        let Crop {
+            x,
+            y,
+            width: w,
+            height: h,
+        } = crop;
+        let given = NAMES.into_iter().find(|name| reader.has(name)).unwrap_or("width");
+        let message = format!("a crop of {w} x {h} pixels at {x}, {y} reaches out of the film of {width} x {height}");
+        reader.error_at(given, message);
+        return None;
+    }
+    let whole = Crop {
+        x: 0,
+        y: 0,
+        width,
+        height,
+    };
+    (crop != whole).then_some(crop)
+}
+
+/// The plugin is one of the three.
+fn read_lens(reader: &mut Reader, far_clip: f32) -> Lens {
+    let focus_distance = reader.float_in("focus_distance", f32::MIN_POSITIVE..);
+    match reader.object().plugin.as_str() {
+        "orthographic" => Lens::Orthographic,
+        "thinlens" => {
+            if !reader.has("aperture_radius") {
+                reader.error_at("aperture_radius", "`thinlens` needs an `aperture_radius`");
+            }
+            let blades = reader.integer_in("blades", 0..=1000).unwrap_or(0);
+            Lens::Thin {
+                aperture_radius: reader.float_in("aperture_radius", 0.0..).unwrap_or(0.0),
+                focus_distance: focus_distance.unwrap_or(far_clip),
+                blades: u32::try_from(blades).unwrap_or(0),
+                blade_rotation: reader.float_in("blade_rotation", f32::MIN..=f32::MAX).unwrap_or(0.0),
+            }
+        }
+        _ => Lens::Pinhole,
     }
 }
 
@@ -173,14 +224,28 @@ fn read_fov(reader: &mut Reader) -> (f32, FovAxis) {
 }
 
 fn read_filter(mut reader: Reader) -> ReconstructionFilter {
+    let pixels = f32::MIN_POSITIVE..=16.0;
     let filter = match reader.object().plugin.as_str() {
         "box" => ReconstructionFilter::Box,
-        "gaussian" => {
-            let Some(stddev) = reader.float_in("stddev", f32::MIN_POSITIVE..=16.0) else {
-                reader.finish();
-                return ReconstructionFilter::default();
-            };
-            ReconstructionFilter::Gaussian { stddev }
+        "tent" => ReconstructionFilter::Tent {
+            radius: reader.float_in("radius", pixels).unwrap_or(1.0),
+        },
+        "gaussian" => ReconstructionFilter::Gaussian {
+            stddev: reader.float_in("stddev", pixels).unwrap_or(0.5),
+        },
+        "mitchell" => {
+            let mut parameter = |name| reader.float_in(name, -4.0..=4.0).unwrap_or(1.0 / 3.0);
+            ReconstructionFilter::Mitchell {
+                b: parameter("B"),
+                c: parameter("C"),
+            }
+        }
+        "catmullrom" => ReconstructionFilter::CatmullRom,
+        "lanczos" => {
+            let lobes = reader.integer_in("lobes", 1..=16).unwrap_or(3);
+            ReconstructionFilter::Lanczos {
+                lobes: u32::try_from(lobes).unwrap_or(3),
+            }
         }
         other => {
             let message = format!("rfilter `{other}` is not supported: `gaussian` takes its place");

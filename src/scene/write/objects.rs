@@ -115,15 +115,40 @@ pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folde
 pub fn sensor(sensor: &Sensor, film: &Film, to_world: &Affine3A) -> Object {
     let object = |plugin: &str| Object::new(Category::Sensor, plugin);
     let object = match sensor.lens {
-        Lens::Pinhole => object("perspective"),
+        Lens::Pinhole => with_fov(object("perspective"), sensor),
         Lens::Thin {
             aperture_radius,
             focus_distance,
+            blades,
+            blade_rotation,
         } => {
             let object = with_float(object("thinlens"), "aperture_radius", aperture_radius);
-            with_float(object, "focus_distance", focus_distance)
+            let object = with_float(object, "focus_distance", focus_distance);
+            let object = with_fov(object, sensor);
+            // An extension, which other readers need not see where it says nothing.
+            if blades < 3 {
+                object
+            } else {
+                with_float(with_integer(object, "blades", blades), "blade_rotation", blade_rotation)
+            }
         }
+        Lens::Orthographic => object("orthographic"),
     };
+    let object = with_float(object, "near_clip", sensor.near_clip);
+    let object = with_float(object, "far_clip", sensor.far_clip);
+    let offset = sensor.principal_point_offset;
+    let object = with_nonzero(object, "principal_point_offset_x", offset.x);
+    let object = with_nonzero(object, "principal_point_offset_y", offset.y);
+    let object = match as_look_at(to_world) {
+        Some(step) if *to_world != Affine3A::IDENTITY => with(object, "to_world", Value::Transform(vec![step])),
+        _ => with_to_world(object, to_world),
+    };
+    let sampler = Object::new(Category::Sampler, "independent");
+    let sampler = with_integer(sampler, "sample_count", film.sample_count);
+    with_child(with_child(object, film_object(film)), sampler)
+}
+
+fn with_fov(object: Object, sensor: &Sensor) -> Object {
     let axis = match sensor.fov_axis {
         FovAxis::X => "x",
         FovAxis::Y => "y",
@@ -131,23 +156,28 @@ pub fn sensor(sensor: &Sensor, film: &Film, to_world: &Affine3A) -> Object {
         FovAxis::Smaller => "smaller",
         FovAxis::Larger => "larger",
     };
-    let object = with_string(with_float(object, "fov", sensor.fov), "fov_axis", axis);
-    let object = with_float(object, "near_clip", sensor.near_clip);
-    let object = with_float(object, "far_clip", sensor.far_clip);
-    let object = match as_look_at(to_world) {
-        Some(step) if *to_world != Affine3A::IDENTITY => with(object, "to_world", Value::Transform(vec![step])),
-        _ => with_to_world(object, to_world),
-    };
+    with_string(with_float(object, "fov", sensor.fov), "fov_axis", axis)
+}
+
+fn film_object(film: &Film) -> Object {
     let filter = |plugin: &str| Object::new(Category::ReconstructionFilter, plugin);
     let filter = match film.filter {
         ReconstructionFilter::Box => filter("box"),
+        ReconstructionFilter::Tent { radius } => with_float(filter("tent"), "radius", radius),
         ReconstructionFilter::Gaussian { stddev } => with_float(filter("gaussian"), "stddev", stddev),
+        ReconstructionFilter::Mitchell { b, c } => with_float(with_float(filter("mitchell"), "B", b), "C", c),
+        ReconstructionFilter::CatmullRom => filter("catmullrom"),
+        ReconstructionFilter::Lanczos { lobes } => with_integer(filter("lanczos"), "lobes", lobes),
     };
-    let size = with_integer(Object::new(Category::Film, "hdrfilm"), "width", film.width);
-    let film_object = with_child(with_integer(size, "height", film.height), filter);
-    let sampler = Object::new(Category::Sampler, "independent");
-    let sampler = with_integer(sampler, "sample_count", film.sample_count);
-    with_child(with_child(object, film_object), sampler)
+    let object = with_integer(Object::new(Category::Film, "hdrfilm"), "width", film.width);
+    let mut object = with_integer(object, "height", film.height);
+    if let Some(crop) = film.crop {
+        object = with_integer(object, "crop_offset_x", crop.x);
+        object = with_integer(object, "crop_offset_y", crop.y);
+        object = with_integer(object, "crop_width", crop.width);
+        object = with_integer(object, "crop_height", crop.height);
+    }
+    with_child(object, filter)
 }
 
 pub fn integrator(settings: &IntegratorSettings) -> Object {
@@ -207,6 +237,14 @@ fn with(mut object: Object, name: &str, value: Value) -> Object {
 
 fn with_float(object: Object, name: &str, number: f32) -> Object {
     with(object, name, Value::Float(number))
+}
+
+fn with_nonzero(object: Object, name: &str, number: f32) -> Object {
+    if number == 0.0 {
+        object
+    } else {
+        with_float(object, name, number)
+    }
 }
 
 fn with_integer(object: Object, name: &str, number: u32) -> Object {

@@ -1,5 +1,6 @@
 //! The menus at the top.
 
+use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Button, Ui};
 
 use super::super::command::{Command, FileDialogKind};
@@ -13,12 +14,14 @@ pub struct MenuState {
     pub display: DisplaySettings,
     pub overlay: BvhOverlay,
     pub panels_shown: bool,
+    /// The camera in use.
+    pub camera: Option<Entity>,
 }
 
 pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec<Command>) {
     egui::MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file_menu(ui, model, commands));
-        ui.menu_button("View", |ui| view_menu(ui, state, commands));
+        ui.menu_button("View", |ui| view_menu(ui, model, state, commands));
         ui.menu_button("Render", |ui| render_menu(ui, model, commands));
         ui.separator();
         let paused = model.status.paused;
@@ -107,7 +110,7 @@ fn file_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-fn view_menu(ui: &mut Ui, state: MenuState, commands: &mut Vec<Command>) {
+fn view_menu(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec<Command>) {
     ui.set_min_width(220.0);
     for (mode, name) in DisplayMode::ALL {
         let keys = if mode == state.display.mode.next() { "Tab" } else { "" };
@@ -118,6 +121,17 @@ fn view_menu(ui: &mut Ui, state: MenuState, commands: &mut Vec<Command>) {
         }
     }
     ui.separator();
+    ui.menu_button("Camera", |ui| {
+        egui::ScrollArea::vertical().max_height(400.0).show(ui, |ui| {
+            for camera in &model.outline.sensors {
+                let used = state.camera == Some(camera.entity);
+                if ui.add(Button::selectable(used, &camera.name)).clicked() {
+                    commands.push(Command::LookThrough(camera.entity));
+                    ui.close();
+                }
+            }
+        });
+    });
     if item(ui, "Frame selection", "F") {
         commands.push(Command::FrameSelection);
     }

@@ -10,58 +10,112 @@ const LARGEST_EDGE: u32 = 8192;
 
 /// True if edited.
 pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, scene_size: f32) -> bool {
-    let mut changed = fields::slider_with(ui, "Field of view", &mut sensor.fov, 1.0..=170.0, |slider| {
-        slider.suffix("°")
-    });
-    let axes = [
-        (FovAxis::X, "horizontal"),
-        (FovAxis::Y, "vertical"),
-        (FovAxis::Diagonal, "diagonal"),
-        (FovAxis::Smaller, "smaller edge"),
-        (FovAxis::Larger, "larger edge"),
-    ];
-    changed |= fields::choice(ui, "Measured", &mut sensor.fov_axis, &axes);
-    let mut is_thin = matches!(sensor.lens, Lens::Thin { .. });
-    if fields::checkbox(ui, "Thin lens", &mut is_thin) {
-        sensor.lens = if is_thin {
-            Lens::Thin {
-                aperture_radius: 0.005 * scene_size,
-                focus_distance: 0.5 * scene_size,
-            }
-        } else {
-            Lens::Pinhole
-        };
-        changed = true;
+    let mut changed = lens(ui, &mut sensor.lens, scene_size);
+    if sensor.lens != Lens::Orthographic {
+        changed |= fields::slider_with(ui, "Field of view", &mut sensor.fov, 1.0..=170.0, |slider| {
+            slider.suffix("°")
+        });
+        let axes = [
+            (FovAxis::X, "horizontal"),
+            (FovAxis::Y, "vertical"),
+            (FovAxis::Diagonal, "diagonal"),
+            (FovAxis::Smaller, "smaller edge"),
+            (FovAxis::Larger, "larger edge"),
+        ];
+        changed |= fields::choice(ui, "Measured", &mut sensor.fov_axis, &axes);
     }
+    changed |= fields::number(ui, "Near clip", &mut sensor.near_clip, 0.001, 1e-6..=sensor.far_clip);
+    let nearest = sensor.near_clip;
+    changed |= fields::number(ui, "Far clip", &mut sensor.far_clip, 1.0, nearest..=f32::MAX);
+    let offset = &mut sensor.principal_point_offset;
+    changed |= fields::number(ui, "Shift right", &mut offset.x, 0.001, -10.0..=10.0);
+    fields::number(ui, "Shift down", &mut offset.y, 0.001, -10.0..=10.0) || changed
+}
+
+fn lens(ui: &mut Ui, lens: &mut Lens, scene_size: f32) -> bool {
+    let thin = Lens::Thin {
+        aperture_radius: 0.005 * scene_size,
+        focus_distance: 0.5 * scene_size,
+        blades: 0,
+        blade_rotation: 0.0,
+    };
+    let same_kind = |one: &Lens, other: &Lens| std::mem::discriminant(one) == std::mem::discriminant(other);
+    let kinds = [
+        (Lens::Pinhole, "pinhole"),
+        (thin, "thin lens"),
+        (Lens::Orthographic, "orthographic"),
+    ];
+    let kinds = kinds.map(|(kind, name)| (if same_kind(&kind, lens) { *lens } else { kind }, name));
+    let mut changed = fields::choice(ui, "Lens", lens, &kinds);
     if let Lens::Thin {
         aperture_radius,
         focus_distance,
-    } = &mut sensor.lens
+        blades,
+        blade_rotation,
+    } = lens
     {
         let size = scene_size.max(1e-3);
         changed |= fields::log_slider(ui, "Aperture", aperture_radius, 1e-5 * size..=0.2 * size);
         changed |= fields::log_slider(ui, "Focus at", focus_distance, 1e-3 * size..=10.0 * size);
+        changed |= fields::integer(ui, "Blades", blades, 0..=32);
+        if *blades >= 3 {
+            changed |= fields::slider_with(ui, "Turned by", blade_rotation, 0.0..=360.0, |slider| {
+                slider.suffix("°")
+            });
+        }
     }
-    changed |= fields::number(ui, "Near clip", &mut sensor.near_clip, 0.001, 1e-6..=sensor.far_clip);
-    let nearest = sensor.near_clip;
-    fields::number(ui, "Far clip", &mut sensor.far_clip, 1.0, nearest..=f32::MAX) || changed
+    changed
 }
 
 /// True if edited.
 pub fn film(ui: &mut Ui, film: &mut Film) -> bool {
     let mut changed = fields::integer(ui, "Width", &mut film.width, 16..=LARGEST_EDGE);
     changed |= fields::integer(ui, "Height", &mut film.height, 16..=LARGEST_EDGE);
-    let mut is_box = film.filter == ReconstructionFilter::Box;
-    if fields::choice(ui, "Filter", &mut is_box, &[(true, "box"), (false, "gaussian")]) {
-        film.filter = if is_box {
-            ReconstructionFilter::Box
-        } else {
-            ReconstructionFilter::default()
-        };
-        changed = true;
-    }
-    if let ReconstructionFilter::Gaussian { stddev } = &mut film.filter {
-        changed |= fields::slider(ui, "Width of it", stddev, 0.1..=2.0);
-    }
+    changed |= crop(ui, film);
+    changed |= filter(ui, &mut film.filter);
     fields::integer(ui, "Samples", &mut film.sample_count, 1..=1 << 20) || changed
+}
+
+/// Keeps the crop within the film.
+fn crop(ui: &mut Ui, film: &mut Film) -> bool {
+    let mut is_cropped = film.crop.is_some();
+    let mut changed = fields::checkbox(ui, "Crop", &mut is_cropped);
+    if changed {
+        film.crop = is_cropped.then(|| film.window());
+    }
+    if let Some(crop) = &mut film.crop {
+        let mut moved = fields::integer(ui, "Left", &mut crop.x, 0..=film.width.saturating_sub(1));
+        moved |= fields::integer(ui, "Top", &mut crop.y, 0..=film.height.saturating_sub(1));
+        moved |= fields::integer(ui, "Crop width", &mut crop.width, 1..=film.width.max(1));
+        moved |= fields::integer(ui, "Crop height", &mut crop.height, 1..=film.height.max(1));
+        if moved {
+            film.crop = Some(film.window());
+        }
+        changed |= moved;
+    }
+    changed
+}
+
+fn filter(ui: &mut Ui, filter: &mut ReconstructionFilter) -> bool {
+    use ReconstructionFilter::{Box, CatmullRom, Gaussian, Lanczos, Mitchell, Tent};
+    let third = 1.0 / 3.0;
+    let kinds = [
+        (Box, "box"),
+        (Tent { radius: 1.0 }, "tent"),
+        (Gaussian { stddev: 0.5 }, "gaussian"),
+        (Mitchell { b: third, c: third }, "mitchell"),
+        (CatmullRom, "catmull-rom"),
+        (Lanczos { lobes: 3 }, "lanczos"),
+    ];
+    let same_kind = |one: &_, other: &_| std::mem::discriminant(one) == std::mem::discriminant(other);
+    let kinds = kinds.map(|(kind, name)| (if same_kind(&kind, filter) { *filter } else { kind }, name));
+    let changed = fields::choice(ui, "Filter", filter, &kinds);
+    changed
+        | match filter {
+            Box | CatmullRom => false,
+            Tent { radius } => fields::slider(ui, "Radius", radius, 0.1..=4.0),
+            Gaussian { stddev } => fields::slider(ui, "Width of it", stddev, 0.1..=2.0),
+            Mitchell { b, c } => fields::slider(ui, "B", b, 0.0..=1.0) | fields::slider(ui, "C", c, 0.0..=1.0),
+            Lanczos { lobes } => fields::integer(ui, "Lobes", lobes, 1..=16),
+        }
 }
