@@ -6,13 +6,12 @@
 #[path = "../tests/support/mod.rs"]
 mod support;
 
-use std::sync::Arc;
+use std::f32::consts::TAU;
 use std::time::Instant;
 
 use glam::{Affine3A, Quat, Vec2, Vec3};
-use sunroom::accel::{Blas, Primitive, SplitMethod};
+use sunroom::accel::Primitive;
 use sunroom::color::{Rgb, luminance};
-use sunroom::geometry::mesh::MeshData;
 use sunroom::light::LightSource;
 use sunroom::render::film::Film;
 use sunroom::render::scene::RenderScene;
@@ -20,7 +19,7 @@ use sunroom::render::view::{Integrator, Strategy};
 use sunroom::sampling::hash::pcg4d;
 use sunroom::sampling::{unit_float, warp};
 use sunroom::shading::{Bsdf, Diffuse};
-use support::{SceneBuilder, camera, render, view};
+use support::{SceneBuilder, camera, render, triangle_mesh, view};
 
 const RESOLUTION: u32 = 96;
 const SAMPLES: u32 = 32;
@@ -71,26 +70,47 @@ fn points(count: u32) -> RenderScene {
     scene.build()
 }
 
+/// Equal triangles, together of area `area`, in the room's midst; `place` gives centre and normal by number.
+fn emitting(count: u32, area: f32, place: impl Fn(u32) -> (Vec3, Vec3)) -> RenderScene {
+    // A triangle of circumradius r has the area 3 sqrt(3) / 4 r^2.
+    let size = (area / count as f32 / 1.299).sqrt();
+    let triangles = (0..count).map(|index| {
+        let (center, normal) = place(index);
+        let (s, t) = normal.any_orthonormal_pair();
+        [0.0, 1.0, 2.0].map(|third| {
+            let (sin, cos) = (third * TAU / 3.0).sin_cos();
+            center + size * (cos * s + sin * t)
+        })
+    });
+    let mut scene = room();
+    scene.add(
+        triangle_mesh(triangles),
+        Affine3A::IDENTITY,
+        grey(),
+        Some(Rgb::splat(10.0)),
+    );
+    scene.build()
+}
+
 /// Triangles turned every way, all over the upper half of the room.
-fn triangles(count: u32) -> RenderScene {
-    let mut mesh = MeshData::default();
-    let size = (0.05 / count as f32).sqrt();
-    for index in 0..count {
-        let [x, y, z, turn] = random(index, 2);
+fn scattered(count: u32) -> RenderScene {
+    emitting(count, 0.06, |index| {
+        let [x, y, z, _] = random(index, 2);
         let [u, v, ..] = random(index, 3);
         let center = Vec3::new(1.8 * x - 0.9, 0.9 * y, 1.8 * z - 0.9);
-        let (s, t) = warp::uniform_sphere(Vec2::new(u, v)).any_orthonormal_pair();
-        let first = mesh.positions.len() as u32;
-        for corner in 0..3 {
-            let (sin, cos) = ((turn + corner as f32 / 3.0) * std::f32::consts::TAU).sin_cos();
-            mesh.positions.push(center + size * (cos * s + sin * t));
-        }
-        mesh.triangles.push([first, first + 1, first + 2]);
-    }
-    let mut scene = room();
-    let mesh = Primitive::Mesh(Arc::new(Blas::build(Arc::new(mesh), SplitMethod::Sah)));
-    scene.add(mesh, Affine3A::IDENTITY, grey(), Some(Rgb::splat(10.0)));
-    scene.build()
+        (center, warp::uniform_sphere(Vec2::new(u, v)))
+    })
+}
+
+/// Triangles all over a ball, facing outwards.
+fn ball(count: u32) -> RenderScene {
+    const RADIUS: f32 = 0.15;
+    emitting(count, 2.0 * TAU * RADIUS * RADIUS, |index| {
+        // Evenly spread over the sphere: equal steps of height, golden sections of a turn.
+        let turn = (index as f32 * 0.618_034).fract();
+        let normal = warp::uniform_sphere(Vec2::new((index as f32 + 0.5) / count as f32, turn));
+        (Vec3::new(0.2, 0.4, 0.0) + RADIUS * normal, normal)
+    })
 }
 
 /// Mean of the pixels' variances over their squared values.
@@ -113,9 +133,10 @@ fn main() {
         "{:>9} {:>6} {:>9} {:>10} {:>13}",
         "lights", "count", "time (s)", "variance", "against few"
     );
-    let kinds: [(&str, fn(u32) -> RenderScene, [u32; 3]); 2] = [
+    let kinds: [(&str, fn(u32) -> RenderScene, [u32; 3]); 3] = [
         ("points", points, [10, 100, 1_000]),
-        ("triangles", triangles, [10, 1_000, 10_000]),
+        ("triangles", scattered, [10, 1_000, 10_000]),
+        ("ball", ball, [10, 1_000, 10_000]),
     ];
     for (name, scene, counts) in kinds {
         let mut few = None;
