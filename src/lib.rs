@@ -10,6 +10,7 @@ pub mod document;
 pub mod engine;
 pub mod geometry;
 pub mod light;
+pub mod material;
 pub mod math;
 pub mod render;
 pub mod sampling;

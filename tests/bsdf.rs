@@ -11,8 +11,8 @@ use glam::{Vec2, Vec3};
 use statistics::{assert_all_plausible, sphere_integral};
 use sunroom::color::Rgb;
 use sunroom::shading::{
-    Bsdf, BsdfId, BsdfTable, BsdfTableError, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal,
-    Microfacet, MicrofacetKind, RoughConductor, fresnel, ior,
+    Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microfacet, MicrofacetKind,
+    RoughConductor, fresnel, ior,
 };
 
 fn specular(material: &str) -> ConductorSpecular {
@@ -80,38 +80,21 @@ fn smooth_cases() -> Vec<Single> {
     for fuzz in [0.02, 0.1, 0.3, 0.7, 1.0] {
         cases.push(Single::new(&format!("metal {fuzz}"), metal(fuzz)));
     }
-    let gray = diffuse(Rgb::splat(0.4));
-    for (name, front, back) in [
-        ("diffuse, diffuse", diffuse(Rgb::ONE), gray),
-        ("rough, rough", rough("Ag", 0.2, 0.2), rough("Au", 0.4, 0.1)),
-        ("metal, metal", metal(0.2), metal(0.6)),
-        ("diffuse, metal", gray, metal(0.4)),
-        ("rough, diffuse", rough("W", 0.5, 0.5), gray),
-    ] {
-        cases.push(Single::two_sided(&format!("two-sided {name}"), front, back));
-    }
     cases
 }
 
-/// Viewers from overhead to grazing, and from below where that side is not black.
-fn viewers(case: &Single) -> Vec<Vec3> {
-    let mut viewers = vec![
-        direction(0.0, 0.0),
-        direction(30.0, 1.0),
-        direction(60.0, 4.0),
-        direction(85.0, 2.5),
-    ];
-    if case.name.starts_with("two-sided") {
-        viewers.extend([direction(120.0, 2.0), direction(170.0, 5.0)]);
-    }
-    viewers
+/// Viewers from overhead to grazing.
+const VIEWERS: [(f32, f32); 4] = [(0.0, 0.0), (30.0, 1.0), (60.0, 4.0), (85.0, 2.5)];
+
+fn viewers() -> Vec<Vec3> {
+    VIEWERS.iter().map(|&(theta, phi)| direction(theta, phi)).collect()
 }
 
 #[test]
 fn samples_follow_the_density() {
     let results: Vec<_> = smooth_cases()
         .iter()
-        .flat_map(|case| density_p_values(case, &viewers(case)))
+        .flat_map(|case| density_p_values(case, &viewers()))
         .collect();
     assert_all_plausible(&results);
 }
@@ -128,21 +111,21 @@ fn relative_rounding(case: &Single) -> f32 {
 #[test]
 fn weights_are_value_over_density() {
     for case in smooth_cases() {
-        assert_weights(&case, &viewers(&case), relative_rounding(&case));
+        assert_weights(&case, &viewers(), relative_rounding(&case));
     }
 }
 
 #[test]
 fn mean_weight_is_the_integral_of_the_value() {
     for case in smooth_cases() {
-        assert_mean_weight(&case, &viewers(&case));
+        assert_mean_weight(&case, &viewers());
     }
 }
 
 #[test]
 fn no_energy_is_made() {
     for case in smooth_cases() {
-        for wo in viewers(&case) {
+        for wo in viewers() {
             for sample in (0..2000).filter_map(|i| case.sample(wo, i)) {
                 assert!(
                     sample.weight.max_element() <= 1.0 + 1e-5,
@@ -210,32 +193,6 @@ fn one_sided_models_are_black_from_behind() {
 }
 
 #[test]
-fn two_sided_shows_each_side_its_own() {
-    let case = Single::two_sided("", diffuse(Rgb::X), diffuse(Rgb::Y));
-    let (above, below) = (direction(40.0, 1.0), direction(130.0, 2.0));
-    assert!(case.eval(above, above).x > 0.0 && case.eval(above, above).y == 0.0);
-    assert!(case.eval(below, below).y > 0.0 && case.eval(below, below).x == 0.0);
-    assert_eq!(case.eval(above, below), Rgb::ZERO);
-    assert_eq!(case.table.albedo(case.id), Rgb::X);
-    let mixed = Single::two_sided("", metal(0.0), diffuse(Rgb::ONE));
-    assert!(mixed.table.has_smooth_lobe(mixed.id) && !mixed.table.is_perfectly_specular(mixed.id));
-    assert!(!mixed.table.has_smooth_lobe(BsdfId(0)));
-
-    let two_sided = |side| Bsdf::TwoSided {
-        front: BsdfId(side),
-        back: BsdfId(side),
-    };
-    assert_eq!(
-        BsdfTable::new(vec![two_sided(4)]),
-        Err(BsdfTableError::OutOfRange(0, 4, 1))
-    );
-    assert_eq!(
-        BsdfTable::new(vec![diffuse(Rgb::ONE), two_sided(0), two_sided(1)]),
-        Err(BsdfTableError::NestedTwoSided(2, 1))
-    );
-}
-
-#[test]
 fn grazing_and_extreme_input_gives_numbers() {
     let bsdfs = [
         rough("Au", 0.0, 0.0),
@@ -272,7 +229,7 @@ fn grazing_and_extreme_input_gives_numbers() {
                 Vec2::new(0.0, 1.0f32.next_down()),
             ] {
                 for u_lobe in [0.0, 0.5, 1.0f32.next_down()] {
-                    let Some(sample) = case.table.sample(case.id, wo, u_lobe, u) else {
+                    let Some(sample) = case.bsdf.sample(wo, u_lobe, u) else {
                         continue;
                     };
                     let finite = sample.wi.is_finite() && sample.weight.is_finite() && sample.pdf.is_finite();
@@ -335,8 +292,8 @@ fn refraction_follows_snell_and_keeps_reciprocity() {
         for model in [DielectricModel::Exact, DielectricModel::Schlick] {
             let case = Single::new("dielectric", dielectric(eta, model));
             let sample = |wo, u_lobe| {
-                case.table
-                    .sample(case.id, wo, u_lobe, Vec2::splat(0.5))
+                case.bsdf
+                    .sample(wo, u_lobe, Vec2::splat(0.5))
                     .expect("glass absorbs nothing")
             };
             for degrees in [1.0, 20.0, 45.0, 70.0, 89.0, 100.0, 140.0, 175.0] {
@@ -411,9 +368,9 @@ fn mirrors_reflect_about_the_normal() {
         let sample = case.sample(wo, 0).expect("seen from the front");
         assert_eq!((sample.wi, sample.is_delta, sample.pdf), (mirror(wo), true, 1.0));
         assert!((sample.weight - color).abs().max_element() < 1e-6);
-        assert!((case.table.albedo(case.id) - color).abs().max_element() < 1e-6);
+        assert!((case.bsdf.albedo() - color).abs().max_element() < 1e-6);
         assert_eq!((case.eval(wo, sample.wi), case.pdf(wo, sample.wi)), (Rgb::ZERO, 0.0));
-        assert!(case.table.is_perfectly_specular(case.id));
+        assert!(!case.bsdf.has_smooth_lobe());
     }
 }
 

@@ -145,10 +145,7 @@ fn smooth_coats_mirror_what_fresnel_says() {
     let case = Single::new("", plastic(1.49, base(COLOR, false)));
     for wo in viewers() {
         let expected = fresnel::dielectric(wo.z, 1.49, DielectricModel::Exact).reflectance;
-        let sample = case
-            .table
-            .sample(case.id, wo, 0.0, Vec2::splat(0.5))
-            .expect("coats mirror");
+        let sample = case.bsdf.sample(wo, 0.0, Vec2::splat(0.5)).expect("coats mirror");
         assert_eq!((sample.wi, sample.is_delta), (mirror(wo), true));
         assert!(
             (sample.weight * sample.pdf / expected - Rgb::ONE).abs().max_element() < 1e-5,
@@ -223,13 +220,10 @@ fn a_pane_mirrors_or_lets_through() {
                 .sum();
             let expected = if once == 1.0 { 1.0 } else { once + series };
             let through = case
-                .table
-                .sample(case.id, wo, 1.0f32.next_down(), Vec2::ZERO)
+                .bsdf
+                .sample(wo, 1.0f32.next_down(), Vec2::ZERO)
                 .expect("all light goes on");
-            let mirrored = case
-                .table
-                .sample(case.id, wo, 0.0, Vec2::ZERO)
-                .expect("all light goes on");
+            let mirrored = case.bsdf.sample(wo, 0.0, Vec2::ZERO).expect("all light goes on");
             if expected > 0.0 {
                 assert_eq!(
                     (mirrored.wi, mirrored.weight, mirrored.is_delta),

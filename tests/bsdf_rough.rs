@@ -97,7 +97,7 @@ fn viewers(case: &Single) -> Vec<Vec3> {
 /// Which way light leaves the surface, and where that lobe has its peak: reflection, and refraction where there is any.
 fn lobes(case: &Single, wo: Vec3) -> Vec<(f32, Vec3)> {
     let mut lobes = vec![(1.0, mirror(wo))];
-    if let Some(Bsdf::RoughDielectric(rough)) = case.table.get(case.id) {
+    if let Bsdf::RoughDielectric(rough) = case.bsdf {
         let fresnel = fresnel::dielectric(wo.z, rough.eta, DielectricModel::Exact);
         let refracted = (-fresnel.eta_ti * wo.truncate()).extend(fresnel.cos_t);
         lobes.push((-1.0, refracted.normalize()));
@@ -196,7 +196,7 @@ fn reflection_is_reciprocal() {
 #[test]
 fn refraction_is_reciprocal_but_for_the_solid_angle() {
     for case in cases().iter().filter(|case| case.name.starts_with("roughdielectric")) {
-        let Some(Bsdf::RoughDielectric(rough)) = case.table.get(case.id) else {
+        let Bsdf::RoughDielectric(rough) = case.bsdf else {
             panic!("a rough dielectric");
         };
         let eta2 = rough.eta * rough.eta;

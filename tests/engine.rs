@@ -15,6 +15,7 @@ use sunroom::engine::{
 };
 use sunroom::geometry::mesh::{MeshData, MtlMaterial};
 use sunroom::geometry::primitives::unit_cube;
+use sunroom::material;
 use sunroom::render::scene::RenderScene;
 use sunroom::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, IntegratorSettings, Material, MeshFile,
@@ -55,7 +56,7 @@ fn room() -> Room {
         .spawn((
             DocumentOrder(0),
             Material::Diffuse {
-                reflectance: Rgb::new(0.7, 0.4, 0.2),
+                reflectance: Rgb::new(0.7, 0.4, 0.2).into(),
             },
         ))
         .id();
@@ -129,7 +130,7 @@ fn room() -> Room {
 struct Rebuilt {
     geometry: bool,
     surfaces: bool,
-    bsdfs: bool,
+    materials: bool,
     lights: bool,
     restart: bool,
 }
@@ -137,7 +138,7 @@ struct Rebuilt {
 const NOTHING: Rebuilt = Rebuilt {
     geometry: false,
     surfaces: false,
-    bsdfs: false,
+    materials: false,
     lights: false,
     restart: false,
 };
@@ -208,7 +209,7 @@ impl Room {
         Rebuilt {
             geometry: !Arc::ptr_eq(&before.geometry, &after.geometry),
             surfaces: !Arc::ptr_eq(&before.surfaces, &after.surfaces),
-            bsdfs: !Arc::ptr_eq(&before.bsdfs, &after.bsdfs),
+            materials: !Arc::ptr_eq(&before.materials, &after.materials),
             lights: !Arc::ptr_eq(&before.lights, &after.lights),
             restart: self.last_restart() != last_restart,
         }
@@ -283,7 +284,10 @@ fn a_change_rebuilds_what_depends_on_it_and_no_more() {
                 let paint = room.paint;
                 *room.get_mut::<Material>(paint) = Material::default();
             },
-            Rebuilt { bsdfs: true, ..RESTART },
+            Rebuilt {
+                materials: true,
+                ..RESTART
+            },
         ),
         (
             "a material that nobody uses gone",
@@ -294,7 +298,10 @@ fn a_change_rebuilds_what_depends_on_it_and_no_more() {
                 room.app.update();
             },
             // A table came and went, and another of the same content is there now.
-            Rebuilt { bsdfs: true, ..RESTART },
+            Rebuilt {
+                materials: true,
+                ..RESTART
+            },
         ),
         (
             "an object moved within the scene's bounds",
@@ -540,7 +547,9 @@ fn a_time_limit_ends_with_a_whole_pass() {
 fn numbers_that_are_none_do_not_reach_the_picture() {
     let mut room = room();
     let (ball, lamp, paint, sensor) = (room.ball, room.lamp, room.paint, room.sensor);
-    *room.get_mut::<Material>(paint) = Material::Diffuse { reflectance: Rgb::NAN };
+    *room.get_mut::<Material>(paint) = Material::Diffuse {
+        reflectance: Rgb::NAN.into(),
+    };
     room.get_mut::<AreaLight>(lamp).radiance.x = f32::INFINITY;
     room.get_mut::<ToWorld>(ball).0.translation.x = f32::NAN;
     room.finish();
@@ -671,7 +680,7 @@ fn meshes_bring_their_own_materials_and_lights_unless_told_otherwise() {
     let slots = |room: &Room| {
         let scene = room.scene();
         let first = scene.surfaces.first_slot[3] as usize;
-        (scene.surfaces.slots[first..first + 4].to_vec(), scene.bsdfs.len())
+        (scene.surfaces.slots[first..first + 4].to_vec(), scene.materials.len())
     };
     let (own, models) = slots(&room);
     assert_eq!(
@@ -679,15 +688,18 @@ fn meshes_bring_their_own_materials_and_lights_unless_told_otherwise() {
         [false, true, false, true]
     );
     assert_eq!(
-        (own[0].bsdf, own[1].bsdf),
-        (own[2].bsdf, own[3].bsdf),
+        (own[0].material, own[1].material),
+        (own[2].material, own[3].material),
         "shared by the mesh's shapes"
     );
     let scene = room.scene();
-    let Some(Bsdf::TwoSided { front, .. }) = scene.bsdfs.get(own[1].bsdf) else {
+    let Some(material::Material::TwoSided { front, .. }) = scene.materials.get(own[1].material) else {
         panic!("two-sided")
     };
-    assert!(matches!(scene.bsdfs.get(*front), Some(Bsdf::RoughConductor(_))));
+    assert!(matches!(
+        scene.materials.get(*front),
+        Some(material::Material::Plain(Bsdf::RoughConductor(_)))
+    ));
     // The stand-in, the paint, and two models for each of the file's.
     assert_eq!(models, 2 + 4);
 
@@ -700,7 +712,7 @@ fn meshes_bring_their_own_materials_and_lights_unless_told_otherwise() {
     assert!(
         given
             .iter()
-            .all(|slot| slot.bsdf == given[0].bsdf && slot.light.is_some())
+            .all(|slot| slot.material == given[0].material && slot.light.is_some())
     );
     assert_eq!(models, 2);
 }

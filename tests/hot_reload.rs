@@ -170,7 +170,7 @@ fn only_what_was_edited_changes_however_the_editor_saves() {
     assert_eq!(
         open.get::<Material>("red"),
         Material::Diffuse {
-            reflectance: Vec3::new(0.9, 0.2, 0.2)
+            reflectance: Vec3::new(0.9, 0.2, 0.2).into()
         }
     );
     assert_eq!(open.seen().materials, [red]);
@@ -229,7 +229,7 @@ fn a_broken_edit_keeps_the_scene_and_fixing_it_recovers() {
     assert_eq!(
         open.get::<Material>("red"),
         Material::Diffuse {
-            reflectance: Vec3::new(0.8, 0.1, 0.1)
+            reflectance: Vec3::new(0.8, 0.1, 0.1).into()
         }
     );
     assert_eq!(open.count::<Shape>(), 5);
@@ -247,7 +247,7 @@ fn a_broken_edit_keeps_the_scene_and_fixing_it_recovers() {
     assert_eq!(
         open.get::<Material>("red"),
         Material::Diffuse {
-            reflectance: Vec3::new(0.7, 0.1, 0.1)
+            reflectance: Vec3::new(0.7, 0.1, 0.1).into()
         }
     );
     assert!(!open.status().diagnostics.has_errors());

@@ -9,13 +9,14 @@ use glam::{Affine3A, Quat, Vec3};
 use sunroom::accel::Primitive;
 use sunroom::color::Rgb;
 use sunroom::light::LightSource;
+use sunroom::material::{Material, MaterialId};
 use sunroom::render::scene::RenderScene;
 use sunroom::render::tile::{render_tile, tiles};
 use sunroom::render::view::{Strategy, View};
 use sunroom::sampling::SequenceKind;
 use sunroom::shading::{
-    Bsdf, BsdfId, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microfacet,
-    MicrofacetKind, RoughConductor,
+    Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microfacet, MicrofacetKind,
+    RoughConductor,
 };
 use support::{SceneBuilder, assert_close, camera, mean_luminance, render, square_mesh, view};
 
@@ -59,10 +60,10 @@ fn facing_down(half_size: f32, y: f32) -> Affine3A {
     )
 }
 
-fn floor(bsdf: Bsdf) -> SceneBuilder {
+fn floor(material: impl Into<Material>) -> SceneBuilder {
     let mut scene = SceneBuilder::default();
     let up = Affine3A::from_rotation_x(-PI / 2.0) * Affine3A::from_scale(Vec3::splat(50.0));
-    scene.add(Primitive::Rectangle, up, bsdf, None);
+    scene.add(Primitive::Rectangle, up, material, None);
     scene
 }
 
@@ -473,9 +474,9 @@ fn two_sided_means_both_sides() {
         0.0,
     );
 
-    let mut two_sided = floor(Bsdf::TwoSided {
-        front: BsdfId(1),
-        back: BsdfId(1),
+    let mut two_sided = floor(Material::TwoSided {
+        front: MaterialId(1),
+        back: MaterialId(1),
     });
     // Far away; it only brings the bsdf that the floor refers to.
     two_sided.add(Primitive::Disk, placed(1.0, Vec3::X * 1e3), diffuse(0.5), None);

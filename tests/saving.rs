@@ -86,7 +86,9 @@ fn moved(by: Vec3) -> impl FnOnce(&mut SceneDescription) {
 }
 
 fn set_reflectance(material: &mut Material, color: Vec3) {
-    *material = Material::Diffuse { reflectance: color };
+    *material = Material::Diffuse {
+        reflectance: color.into(),
+    };
 }
 
 fn coloured(color: Vec3) -> impl FnOnce(&mut SceneDescription) {
@@ -353,7 +355,7 @@ fn a_new_material_is_written_once_and_referred_to() {
                 ..Default::default()
             },
             material: Material::Diffuse {
-                reflectance: Vec3::splat(0.25),
+                reflectance: Vec3::splat(0.25).into(),
             },
             first: None,
             second: None,

@@ -84,14 +84,14 @@ fn defaults_are_those_of_the_format() {
     assert_eq!(
         material("<bsdf type='diffuse'/>"),
         Material::Diffuse {
-            reflectance: Vec3::splat(0.5)
+            reflectance: Vec3::splat(0.5).into()
         }
     );
     assert_eq!(
         material("<bsdf type='conductor'/>"),
         Material::Conductor {
             ior: ConductorIor::Named("none".into()),
-            specular_reflectance: Vec3::ONE
+            specular_reflectance: Vec3::ONE.into()
         }
     );
     assert_eq!(
@@ -99,16 +99,17 @@ fn defaults_are_those_of_the_format() {
         Material::Dielectric {
             interior: Ior::Named("bk7".into()),
             exterior: Ior::Named("air".into()),
-            specular_reflectance: Vec3::ONE,
-            specular_transmittance: Vec3::ONE,
+            specular_reflectance: Vec3::ONE.into(),
+            specular_transmittance: Vec3::ONE.into(),
         }
     );
     assert_eq!(
         material("<bsdf type='roughconductor'><string name='distribution' value='ggx'/></bsdf>"),
         Material::RoughConductor {
+            distribution: Distribution::Ggx,
             ior: ConductorIor::Named("none".into()),
-            specular_reflectance: Vec3::ONE,
-            alpha: 0.1
+            specular_reflectance: Vec3::ONE.into(),
+            alpha: Roughness::Isotropic(0.1.into())
         }
     );
     let scene = clean("<shape type='sphere'/><emitter type='point'/>");
@@ -190,8 +191,8 @@ fn parameters_are_read() {
     assert_eq!(
         inside.material,
         Material::Metal {
-            reflectance: Vec3::new(0.1, 0.2, 0.3),
-            fuzz: 0.25
+            reflectance: Vec3::new(0.1, 0.2, 0.3).into(),
+            fuzz: 0.25.into()
         }
     );
     assert_eq!(inside.declared_in, DeclarationPlace::Shape(0));
@@ -420,9 +421,9 @@ fn an_edit_changes_what_was_edited_and_nothing_else() {
     let Material::RoughConductor { alpha, .. } = &mut scene.materials[by_id("cu")].material else {
         panic!("not rough")
     };
-    *alpha = 0.5;
+    *alpha = Roughness::Isotropic(0.5.into());
     scene.materials[by_id("planks")].material = Material::Diffuse {
-        reflectance: Vec3::new(0.1, 0.2, 0.3),
+        reflectance: Vec3::new(0.1, 0.2, 0.3).into(),
     };
     scene.sensors[0].sensor.fov = 33.0;
     scene.sensors[0].film.width = 100;
@@ -452,8 +453,8 @@ fn what_was_made_in_the_editor_is_written_too() {
     scene.materials.push(sunroom::scene::description::MaterialDescription {
         identity: made(10),
         material: Material::Metal {
-            reflectance: Vec3::splat(0.25),
-            fuzz: 0.5,
+            reflectance: Vec3::splat(0.25).into(),
+            fuzz: 0.5.into(),
         },
         first: None,
         second: None,

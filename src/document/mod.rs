@@ -19,7 +19,7 @@ pub mod report;
 pub mod revision;
 pub mod source;
 pub mod spectrum;
-mod suggest;
+pub mod suggest;
 mod tag;
 pub mod transform;
 mod value;

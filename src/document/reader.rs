@@ -206,6 +206,14 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.index.resolve(&children[place])
     }
 
+    /// Reads another object with the same index and diagnostics, and finishes with it.
+    pub fn nested<T>(&mut self, object: &'a Object, read: impl FnOnce(&mut Reader<'a, '_>) -> T) -> T {
+        let mut reader = Reader::new(self.index, object, self.diagnostics);
+        let read = read(&mut reader);
+        reader.finish();
+        read
+    }
+
     /// All plugins of a kind, in file order, with the names they carry; references are resolved.
     pub fn children(&mut self, category: Category) -> Vec<(Option<&'a str>, &'a Object)> {
         let mut found = Vec::new();

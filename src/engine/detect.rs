@@ -19,7 +19,7 @@ pub(super) struct Dirty {
     /// Meshes, instances and the hierarchy over them; all others but the view follow.
     pub instances: bool,
     pub surfaces: bool,
-    pub bsdfs: bool,
+    pub materials: bool,
     pub lights: bool,
     pub view: bool,
     /// When the first of these changes came about.
@@ -32,7 +32,7 @@ impl Default for Dirty {
         Self {
             instances: true,
             surfaces: true,
-            bsdfs: true,
+            materials: true,
             lights: true,
             view: true,
             since: None,
@@ -44,14 +44,14 @@ impl Dirty {
     pub const NOTHING: Self = Self {
         instances: false,
         surfaces: false,
-        bsdfs: false,
+        materials: false,
         lights: false,
         view: false,
         since: None,
     };
 
     pub fn any(&self) -> bool {
-        self.instances || self.surfaces || self.bsdfs || self.lights || self.view
+        self.instances || self.surfaces || self.materials || self.lights || self.view
     }
 }
 
@@ -145,7 +145,7 @@ pub(super) fn detect_changes(
     let pose_gone = shapes.poses_gone.read().count() > 0;
     let surfaces =
         !shapes.clad.is_empty() | (shapes.uses_gone.read().count() > 0) | (shapes.lights_gone.read().count() > 0);
-    let bsdfs = !materials.changed.is_empty()
+    let materials = !materials.changed.is_empty()
         | (materials.gone.read().count() > 0)
         | (materials.first_gone.read().count() > 0)
         | (materials.second_gone.read().count() > 0)
@@ -161,7 +161,7 @@ pub(super) fn detect_changes(
     let after = Dirty {
         instances: before.instances | instances | pose_gone,
         surfaces: before.surfaces | surfaces,
-        bsdfs: before.bsdfs | bsdfs,
+        materials: before.materials | materials,
         lights: before.lights | lights,
         view: before.view | view | pose_gone,
         since: before.since,

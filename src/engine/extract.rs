@@ -16,19 +16,22 @@ use super::dispatch::Renderer;
 use super::pack::Checker;
 use super::pack::instance::{InstanceRecord, pack_instance};
 use super::pack::light::pack_emitter;
-use super::pack::material::{MaterialSource, PackedMaterials, pack_materials};
+use super::pack::material::{MaterialSource, PackedMaterials, STAND_IN, pack_materials};
 use super::pack::surface::{SurfaceSource, pack_surfaces};
+use super::pack::texture::TexturePacker;
 use super::pack::view::pack_view;
 use super::status::BvhStatus;
 use crate::accel::{SplitMethod, Tlas};
 use crate::light::{LightSource, LightTable, WeightedSource};
+use crate::material::{self, MaterialTable};
 use crate::render::scene::{RenderScene, SurfaceTable};
 use crate::render::view::View;
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, IntegratorSettings, Material,
     MeshHandle, SamplerSettings, SceneId, SecondNested, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial,
 };
-use crate::shading::{BsdfTable, DielectricModel};
+use crate::shading::DielectricModel;
+use crate::texture::TextureTable;
 
 /// While things change without pause, this is how long a change waits for the preview of the one before to be seen.
 const PREVIEW_PATIENCE: Duration = Duration::from_millis(100);
@@ -70,7 +73,8 @@ impl Default for Extracted {
                 lights: Arc::new(LightTable::build(&[], &geometry)),
                 geometry: Arc::new(geometry),
                 surfaces: Arc::new(SurfaceTable::default()),
-                bsdfs: Arc::new(BsdfTable::default()),
+                materials: Arc::new(MaterialTable::default()),
+                textures: Arc::new(TextureTable::default()),
             },
             view: None,
             sample_count: Film::default().sample_count,
@@ -197,7 +201,7 @@ pub(super) fn extract_scene(
         };
         moved = extracted.update_instances(&authored, &mut cache, &policy);
     }
-    if dirty.instances || dirty.surfaces || dirty.bsdfs || dirty.lights {
+    if dirty.instances || dirty.surfaces || dirty.materials || dirty.lights {
         extracted.update_surfaces_and_lights(&authored, &moved);
     }
     if dirty.view {
@@ -205,7 +209,8 @@ pub(super) fn extract_scene(
     }
     let same = Arc::ptr_eq(&old.geometry, &extracted.scene.geometry)
         && Arc::ptr_eq(&old.surfaces, &extracted.scene.surfaces)
-        && Arc::ptr_eq(&old.bsdfs, &extracted.scene.bsdfs)
+        && Arc::ptr_eq(&old.materials, &extracted.scene.materials)
+        && Arc::ptr_eq(&old.textures, &extracted.scene.textures)
         && Arc::ptr_eq(&old.lights, &extracted.scene.lights)
         && old_view == extracted.view;
     if !same {
@@ -304,7 +309,8 @@ impl Extracted {
         } else {
             DielectricModel::Exact
         };
-        let materials = authored.pack_materials(model, &mut self.errors.surfaces);
+        let mut textures = TexturePacker::default();
+        let materials = authored.pack_materials(model, &mut textures, &mut self.errors.surfaces);
         self.surface_sources.clear();
         self.surface_sources.extend(self.instances.iter().map(|record| {
             // A shape that has just gone has made the instances dirty: it is not among them.
@@ -325,10 +331,13 @@ impl Extracted {
         if *self.scene.surfaces != packed.table {
             self.scene.surfaces = Arc::new(packed.table);
         }
-        match BsdfTable::new(packed.bsdfs) {
-            Ok(table) if *self.scene.bsdfs != table => self.scene.bsdfs = Arc::new(table),
-            Ok(_) => {}
-            Err(error) => self.errors.surfaces.push(error.to_string()),
+        let table = material_table(packed.materials, &mut self.errors.surfaces);
+        if *self.scene.materials != table {
+            self.scene.materials = Arc::new(table);
+        }
+        let textures = TextureTable::new(textures.finish());
+        if *self.scene.textures != textures {
+            self.scene.textures = Arc::new(textures);
         }
 
         let mut sources = packed.lights;
@@ -366,8 +375,26 @@ impl Extracted {
     }
 }
 
+/// The table, with a stand-in for every material that cannot be in it.
+fn material_table(mut materials: Vec<material::Material>, errors: &mut Vec<String>) -> MaterialTable {
+    loop {
+        match MaterialTable::new(materials.clone()) {
+            Ok(table) => return table,
+            Err(error) => {
+                errors.push(error.to_string());
+                materials[error.place] = STAND_IN;
+            }
+        }
+    }
+}
+
 impl Authored<'_, '_> {
-    fn pack_materials(&self, model: DielectricModel, errors: &mut Vec<String>) -> PackedMaterials {
+    fn pack_materials(
+        &self,
+        model: DielectricModel,
+        textures: &mut TexturePacker,
+        errors: &mut Vec<String>,
+    ) -> PackedMaterials {
         let mut materials: Vec<_> = self.materials.iter().collect();
         materials.sort_by_key(|&(entity, &order, ..)| (order, entity));
         let sources: Vec<MaterialSource> = materials
@@ -380,7 +407,7 @@ impl Authored<'_, '_> {
                 second: second.map(|second| second.0),
             })
             .collect();
-        pack_materials(&sources, model, errors)
+        pack_materials(&sources, model, textures, errors)
     }
 
     fn pack_emitters(&self, lights: &mut Vec<WeightedSource>, errors: &mut Vec<String>) {

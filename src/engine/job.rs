@@ -67,7 +67,8 @@ impl Job {
         self.view == *view
             && Arc::ptr_eq(&self.scene.geometry, &scene.geometry)
             && Arc::ptr_eq(&self.scene.surfaces, &scene.surfaces)
-            && Arc::ptr_eq(&self.scene.bsdfs, &scene.bsdfs)
+            && Arc::ptr_eq(&self.scene.materials, &scene.materials)
+            && Arc::ptr_eq(&self.scene.textures, &scene.textures)
             && Arc::ptr_eq(&self.scene.lights, &scene.lights)
     }
 

@@ -3,11 +3,13 @@
 
 use glam::Vec3;
 
-use super::scene::RenderScene;
+use super::scene::{RenderScene, SurfaceSlot};
 use super::view::{PathSettings, Strategy};
+use crate::accel::SurfacePoint;
 use crate::color::Rgb;
 use crate::light::{LightId, LightReference, LightSample, SurfaceHit, Target};
-use crate::math::{Frame, Ray, offset_origin};
+use crate::material::{Lobe, Scattering};
+use crate::math::{Ray, offset_origin};
 use crate::sampling::{Sampler, power_heuristic};
 
 /// What one camera ray brought home.
@@ -86,54 +88,45 @@ pub fn trace_path(scene: &RenderScene, settings: &PathSettings, mut ray: Ray, sa
             }
         }
 
-        let smooth = scene.bsdfs.has_smooth_lobe(slot.bsdf);
-        if !guided && (smooth || slot.light.is_some()) {
-            guided = true;
-            let colour = if slot.light.is_some() {
-                Rgb::ONE
-            } else {
-                scene.bsdfs.albedo(slot.bsdf)
-            };
-            result.albedo = (throughput * colour).clamp(Rgb::ZERO, Rgb::ONE);
-            result.normal = point.shading_normal;
-        }
+        let scattering = scene.scattering(slot.material, &hit, &point, -ray.dir);
+        let smooth = scattering.has_smooth_lobe();
 
         depth += 1;
         if depth >= settings.max_depth {
+            if !guided {
+                result.guide(throughput, &scattering, &slot, &point);
+            }
             return result;
         }
         sampler.start_dimension(CAMERA_DIMENSIONS + (depth - 1) * BOUNCE_DIMENSIONS);
         let (u_light, u_light_point) = (sampler.next_1d(), sampler.next_2d());
         let (u_lobe, u_bsdf) = (sampler.next_1d(), sampler.next_2d());
+        let sample = scattering.sample(u_lobe, u_bsdf);
+
+        let passes = sample.is_some_and(|sample| sample.lobe == Lobe::Null);
+        if !guided && !passes && (smooth || slot.light.is_some()) {
+            guided = true;
+            result.guide(throughput, &scattering, &slot, &point);
+        }
 
         let reference = LightReference {
             position: point.position,
-            normal: None,
+            normal: scattering.half_space(),
         };
-        let frame = Frame::from_normal(point.shading_normal);
-        let wo = frame.to_local(-ray.dir);
-
         if smooth && let Some(light) = scene.lights.sample(&reference, u_light, u_light_point) {
-            let wi = frame.to_local(light.wi);
-            let pdf = scene.bsdfs.pdf(slot.bsdf, wo, wi);
+            let (value, pdf) = scattering.eval_and_pdf(light.wi);
             if let Some(weight) = light_weight(settings.strategy, &light, pdf) {
-                let reflected =
-                    throughput * scene.bsdfs.eval(slot.bsdf, wo, wi) * light.radiance * (weight / light.pdf);
+                let reflected = throughput * value * light.radiance * (weight / light.pdf);
                 if reflected != Rgb::ZERO {
-                    result.rays += 1;
                     let origin = offset_origin(point.position, point.error, point.geometric_normal, light.wi);
-                    let shadow = match light.target {
-                        Target::Point(target) => Ray::segment(origin, target),
-                        Target::Infinity => Ray::new(origin, light.wi),
-                    };
-                    if !scene.geometry.occluded(&shadow) {
-                        result.radiance += reflected;
-                    }
+                    let crossings = settings.max_depth - depth - 1;
+                    let arriving = shadow_ray(scene, origin, &light, crossings, &mut result.rays);
+                    result.radiance += reflected * arriving;
                 }
             }
         }
 
-        let Some(sample) = scene.bsdfs.sample(slot.bsdf, wo, u_lobe, u_bsdf) else {
+        let Some(sample) = sample else {
             return result;
         };
         throughput *= sample.weight;
@@ -141,18 +134,18 @@ pub fn trace_path(scene: &RenderScene, settings: &PathSettings, mut ray: Ray, sa
         if throughput == Rgb::ZERO {
             return result;
         }
-        arrival = if sample.is_delta {
-            Arrival::Only
-        } else {
-            Arrival::Sampled {
+        arrival = match sample.lobe {
+            Lobe::Smooth => Arrival::Sampled {
                 pdf: sample.pdf,
                 from: reference,
-            }
+            },
+            Lobe::Delta => Arrival::Only,
+            // Shadow rays pass as well: the weights stay those of the vertex before.
+            Lobe::Null => arrival,
         };
-        let dir = frame.to_world(sample.wi);
         ray = Ray::new(
-            offset_origin(point.position, point.error, point.geometric_normal, dir),
-            dir,
+            offset_origin(point.position, point.error, point.geometric_normal, sample.wi),
+            sample.wi,
         );
 
         if depth >= settings.rr_depth {
@@ -163,6 +156,51 @@ pub fn trace_path(scene: &RenderScene, settings: &PathSettings, mut ray: Ray, sa
             throughput /= survival;
         }
     }
+}
+
+impl PathSample {
+    /// What the denoiser is told of the surface that the path has come to.
+    fn guide(&mut self, throughput: Rgb, scattering: &Scattering, slot: &SurfaceSlot, point: &SurfacePoint) {
+        let colour = match slot.light {
+            Some(_) => Rgb::ONE,
+            None => scattering.albedo(),
+        };
+        self.albedo = (throughput * colour).clamp(Rgb::ZERO, Rgb::ONE);
+        self.normal = point.shading_normal;
+    }
+}
+
+/// The share of a light's radiance that arrives at `origin`, through at most `crossings` surfaces that let it pass.
+fn shadow_ray(scene: &RenderScene, mut origin: Vec3, light: &LightSample, crossings: u32, rays: &mut u32) -> Rgb {
+    let mut arriving = Rgb::ONE;
+    for crossed in 0.. {
+        *rays += 1;
+        let shadow = match light.target {
+            Target::Point(target) => Ray::segment(origin, target),
+            Target::Infinity => Ray::new(origin, light.wi),
+        };
+        if !scene.materials.lets_through() {
+            if scene.geometry.occluded(&shadow) {
+                return Rgb::ZERO;
+            }
+            break;
+        }
+        let Some(hit) = scene.geometry.intersect(&shadow) else {
+            break;
+        };
+        if crossed >= crossings {
+            return Rgb::ZERO;
+        }
+        let point = scene.geometry.surface(&shadow, &hit);
+        arriving *= scene
+            .scattering(scene.slot(&hit).material, &hit, &point, -light.wi)
+            .passing();
+        if arriving == Rgb::ZERO {
+            break;
+        }
+        origin = offset_origin(point.position, point.error, point.geometric_normal, light.wi);
+    }
+    arriving
 }
 
 /// Weight of light found by the bsdf with density `pdf`, where sampling the lights has density `light_pdf`.

@@ -6,22 +6,23 @@ use glam::Vec3;
 
 use crate::accel::{Hit, Primitive, SurfacePoint, Tlas};
 use crate::light::{LightId, LightTable};
-use crate::shading::{BsdfId, BsdfTable};
-use crate::texture::{MeshPoint, TexturePoint};
+use crate::material::{MaterialId, MaterialTable, Scattering};
+use crate::texture::{MeshPoint, TexturePoint, TextureTable};
 
-/// Everything light transport needs to know of a scene; cloning clones four pointers.
+/// Everything light transport needs to know of a scene; cloning clones five pointers.
 #[derive(Clone, Debug)]
 pub struct RenderScene {
     pub geometry: Arc<Tlas>,
     pub surfaces: Arc<SurfaceTable>,
-    pub bsdfs: Arc<BsdfTable>,
+    pub materials: Arc<MaterialTable>,
+    pub textures: Arc<TextureTable>,
     pub lights: Arc<LightTable>,
 }
 
 /// What a piece of surface is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SurfaceSlot {
-    pub bsdf: BsdfId,
+    pub material: MaterialId,
     pub light: Option<LightId>,
 }
 
@@ -62,5 +63,11 @@ impl RenderScene {
             _ => 0,
         };
         self.surfaces.slots[(first + offset) as usize]
+    }
+
+    /// How the surface at `hit` scatters light to `wo`, a unit vector in world space.
+    pub fn scattering(&self, material: MaterialId, hit: &Hit, point: &SurfacePoint, wo: Vec3) -> Scattering {
+        let at = self.texture_point(hit, point);
+        self.materials.scattering(material, point, wo, &self.textures, &at)
     }
 }

@@ -3,47 +3,150 @@
 use bevy::prelude::*;
 
 use super::DocumentOrder;
+use super::texture::Parameter;
 use crate::color::Rgb;
 
-/// A bsdf of the scene file. Colours are linear Rec. 709 in [0, 1].
+/// A bsdf of the scene file. Colours are linear Rec. 709 in [0, 1]. [`Material::visit`] lists the parameters with their names.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, PartialEq)]
 #[require(DocumentOrder)]
 pub enum Material {
     Diffuse {
-        reflectance: Rgb,
+        reflectance: Parameter<Rgb>,
     },
     Conductor {
         ior: ConductorIor,
-        specular_reflectance: Rgb,
+        specular_reflectance: Parameter<Rgb>,
     },
-    /// GGX with roughness `alpha` (the width, not its square root), above 0.
     RoughConductor {
+        distribution: Distribution,
+        alpha: Roughness,
         ior: ConductorIor,
-        specular_reflectance: Rgb,
-        alpha: f32,
+        specular_reflectance: Parameter<Rgb>,
     },
     Dielectric {
         interior: Ior,
         exterior: Ior,
-        specular_reflectance: Rgb,
-        specular_transmittance: Rgb,
+        specular_reflectance: Parameter<Rgb>,
+        specular_transmittance: Parameter<Rgb>,
     },
     /// A coloured mirror whose reflected direction is moved by `fuzz` (0 to 1) times a random point of the unit ball.
     Metal {
-        reflectance: Rgb,
-        fuzz: f32,
+        reflectance: Parameter<Rgb>,
+        fuzz: Parameter<f32>,
     },
     /// Shows [`FirstNested`] to the front and [`SecondNested`], or else the same, to the back.
     TwoSided,
+    /// [`SecondNested`] with the share `weight`, [`FirstNested`] with the rest.
+    Blend {
+        weight: Parameter<f32>,
+    },
+    /// [`FirstNested`] with the share `opacity`; the rest of the light passes through.
+    Mask {
+        opacity: Parameter<f32>,
+    },
+    /// [`FirstNested`] about other normals: 2 colour - 1 in the shading frame.
+    NormalMap {
+        normals: Parameter<Rgb>,
+        flip_invalid_normals: bool,
+        use_shadowing_function: bool,
+    },
+    /// Nothing to be seen.
+    Null,
 }
 
 impl Default for Material {
     /// The format's default bsdf: a grey diffuse surface.
     fn default() -> Self {
         Self::Diffuse {
-            reflectance: Rgb::splat(0.5),
+            reflectance: Rgb::splat(0.5).into(),
         }
+    }
+}
+
+impl Material {
+    /// The names of all plugins, ours last.
+    pub const PLUGINS: [&'static str; 10] = [
+        "diffuse",
+        "conductor",
+        "roughconductor",
+        "dielectric",
+        "twosided",
+        "blendbsdf",
+        "mask",
+        "normalmap",
+        "null",
+        "metal",
+    ];
+
+    /// The material that a plugin of this name is when its file gives no parameter; None if there is no such plugin.
+    pub fn of_plugin(plugin: &str) -> Option<Self> {
+        let white = || Parameter::Constant(Rgb::ONE);
+        let mirror = || ConductorIor::Named("none".to_owned());
+        Some(match plugin {
+            "diffuse" => Self::default(),
+            "conductor" => Self::Conductor {
+                ior: mirror(),
+                specular_reflectance: white(),
+            },
+            "roughconductor" => Self::RoughConductor {
+                distribution: Distribution::Beckmann,
+                alpha: Roughness::default(),
+                ior: mirror(),
+                specular_reflectance: white(),
+            },
+            "dielectric" => Self::Dielectric {
+                interior: Ior::Named("bk7".to_owned()),
+                exterior: Ior::Named("air".to_owned()),
+                specular_reflectance: white(),
+                specular_transmittance: white(),
+            },
+            "metal" => Self::Metal {
+                reflectance: Rgb::splat(0.5).into(),
+                fuzz: 0.0.into(),
+            },
+            "twosided" => Self::TwoSided,
+            "blendbsdf" => Self::Blend { weight: 0.5.into() },
+            "mask" => Self::Mask { opacity: 0.5.into() },
+            "normalmap" => Self::NormalMap {
+                normals: Rgb::new(0.5, 0.5, 1.0).into(),
+                flip_invalid_normals: true,
+                use_shadowing_function: true,
+            },
+            "null" => Self::Null,
+            _ => return None,
+        })
+    }
+
+    /// The plugin's name in the file.
+    pub fn plugin(&self) -> &'static str {
+        match self {
+            Self::Diffuse { .. } => "diffuse",
+            Self::Conductor { .. } => "conductor",
+            Self::RoughConductor { .. } => "roughconductor",
+            Self::Dielectric { .. } => "dielectric",
+            Self::Metal { .. } => "metal",
+            Self::TwoSided => "twosided",
+            Self::Blend { .. } => "blendbsdf",
+            Self::Mask { .. } => "mask",
+            Self::NormalMap { .. } => "normalmap",
+            Self::Null => "null",
+        }
+    }
+
+    /// How many materials it takes inside.
+    pub fn nested_count(&self) -> std::ops::RangeInclusive<usize> {
+        match self {
+            Self::TwoSided => 1..=2,
+            Self::Blend { .. } => 2..=2,
+            Self::Mask { .. } | Self::NormalMap { .. } => 1..=1,
+            _ => 0..=0,
+        }
+    }
+
+    /// Whether it refracts: then it has two sides already.
+    pub fn refracts(&self) -> bool {
+        matches!(self, Self::Dielectric { .. })
     }
 }
 
@@ -53,8 +156,8 @@ pub enum ConductorIor {
     /// `Au`, `Cu`, ...; `none` is a perfect mirror.
     Named(String),
     Given {
-        eta: Rgb,
-        k: Rgb,
+        eta: Parameter<Rgb>,
+        k: Parameter<Rgb>,
     },
 }
 
@@ -64,6 +167,30 @@ pub enum Ior {
     /// `water`, `bk7`, ...
     Named(String),
     Number(f32),
+}
+
+/// How the normals of a rough surface's facets are distributed.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Distribution {
+    Beckmann,
+    Ggx,
+}
+
+/// Width of the distribution of slopes (not its square root), above 0.
+#[derive(Reflect, Clone, Debug, PartialEq)]
+pub enum Roughness {
+    Isotropic(Parameter<f32>),
+    /// Along the two tangents.
+    Anisotropic {
+        u: Parameter<f32>,
+        v: Parameter<f32>,
+    },
+}
+
+impl Default for Roughness {
+    fn default() -> Self {
+        Self::Isotropic(0.1.into())
+    }
 }
 
 /// A shape's material.
@@ -77,7 +204,7 @@ pub struct UsesMaterial(pub Entity);
 #[relationship_target(relationship = UsesMaterial)]
 pub struct MaterialUsers(Vec<Entity>);
 
-/// The first material inside a material (the front of a two-sided one).
+/// The first material inside a material (the front of a two-sided one, say).
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 #[relationship(relationship_target = FirstNestedIn)]
@@ -88,7 +215,7 @@ pub struct FirstNested(pub Entity);
 #[relationship_target(relationship = FirstNested)]
 pub struct FirstNestedIn(Vec<Entity>);
 
-/// The second material inside a material (the back of a two-sided one).
+/// The second material inside a material (the back of a two-sided one, say).
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 #[relationship(relationship_target = SecondNestedIn)]

@@ -11,6 +11,7 @@ pub mod identity;
 mod loading;
 pub mod material;
 mod meshes;
+mod parameters;
 pub mod plugin;
 pub mod read;
 pub mod sensor;
@@ -18,6 +19,7 @@ pub mod settings;
 pub mod shape;
 pub mod spawn;
 pub mod status;
+pub mod texture;
 pub mod watch;
 pub mod write;
 
@@ -28,11 +30,14 @@ pub use emitter::{AreaLight, Emitter};
 pub use framing::{FrameWhenLoaded, world_bounds};
 pub use identity::{DocumentOrder, SceneId, ToWorld};
 pub use material::{
-    ConductorIor, FirstNested, FirstNestedIn, Ior, Material, MaterialUsers, SecondNested, SecondNestedIn, UsesMaterial,
+    ConductorIor, Distribution, FirstNested, FirstNestedIn, Ior, Material, MaterialUsers, Roughness, SecondNested,
+    SecondNestedIn, UsesMaterial,
 };
+pub use parameters::ParameterVisitor;
 pub use plugin::{ScenePlugin, SceneSystems, asset_plugin};
 pub use sensor::{Crop, Film, FovAxis, Lens, NoSuchCamera, ReconstructionFilter, Sensor, cameras, find_camera};
 pub use settings::{AccelMethod, IntegratorSettings, SamplerSettings, Sequence, Strategy};
 pub use shape::{MeshFile, MeshFormat, Shape, ShapeKind};
 pub use status::{ActiveSensor, MeshProblem, OpenScene, SceneState, SceneStatus};
+pub use texture::{Parameter, Texture};
 pub use watch::SceneWatch;

@@ -27,6 +27,11 @@ impl ThinDielectric {
         2.0 * once / (1.0 + once)
     }
 
+    /// The share of the light that goes through to `wo`.
+    pub(super) fn passing(&self, wo: Vec3) -> Rgb {
+        (1.0 - self.reflectance(wo)) * self.specular_transmittance
+    }
+
     pub(super) fn sample(&self, wo: Vec3, u_lobe: f32) -> BsdfSample {
         let reflectance = self.reflectance(wo);
         let (wi, weight, pdf) = if u_lobe < reflectance {

@@ -4,50 +4,36 @@
 use glam::{UVec2, Vec2, Vec3};
 use sunroom::color::Rgb;
 use sunroom::sampling::{Sampler, SequenceKind};
-use sunroom::shading::{Bsdf, BsdfId, BsdfSample, BsdfTable};
+use sunroom::shading::{Bsdf, BsdfSample};
 
 use crate::statistics::{sphere_integral, sphere_p};
 
-/// One model in a table.
+/// A model by its name.
 pub struct Single {
     pub name: String,
-    pub table: BsdfTable,
-    pub id: BsdfId,
+    pub bsdf: Bsdf,
 }
 
 impl Single {
     pub fn new(name: &str, bsdf: Bsdf) -> Self {
         Self {
             name: name.to_owned(),
-            table: BsdfTable::new(vec![bsdf]).expect("nothing two-sided"),
-            id: BsdfId(0),
-        }
-    }
-
-    pub fn two_sided(name: &str, front: Bsdf, back: Bsdf) -> Self {
-        let two_sided = Bsdf::TwoSided {
-            front: BsdfId(0),
-            back: BsdfId(2),
-        };
-        Self {
-            name: name.to_owned(),
-            table: BsdfTable::new(vec![front, two_sided, back]).expect("two one-sided models"),
-            id: BsdfId(1),
+            bsdf,
         }
     }
 
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.table.eval(self.id, wo, wi)
+        self.bsdf.eval(wo, wi)
     }
 
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.table.pdf(self.id, wo, wi)
+        self.bsdf.pdf(wo, wi)
     }
 
     /// Sample number `index`; also checks what holds of every sample.
     pub fn sample(&self, wo: Vec3, index: u32) -> Option<BsdfSample> {
         let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::new(3, 5), index, 8);
-        let sample = self.table.sample(self.id, wo, sampler.next_1d(), sampler.next_2d())?;
+        let sample = self.bsdf.sample(wo, sampler.next_1d(), sampler.next_2d())?;
         let name = &self.name;
         assert!((sample.wi.length() - 1.0).abs() < 1e-5, "{name}: {:?}", sample.wi);
         assert!(
@@ -145,7 +131,7 @@ pub fn assert_finite(case: &Single) {
         let wo = Vec3::new((1.0 - z * z).sqrt(), 0.0, z);
         for u in [[0.0, 0.0], [last, last], [0.5, 0.0], [0.0, last], [last, 0.0]].map(Vec2::from) {
             for u_lobe in [0.0, 0.5, last] {
-                let Some(sample) = case.table.sample(case.id, wo, u_lobe, u) else {
+                let Some(sample) = case.bsdf.sample(wo, u_lobe, u) else {
                     continue;
                 };
                 let name = &case.name;

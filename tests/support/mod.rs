@@ -9,6 +9,7 @@ use sunroom::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
 use sunroom::color::{Rgb, luminance};
 use sunroom::geometry::mesh::MeshData;
 use sunroom::light::{LightId, LightReference, LightSource, LightTable, WeightedSource};
+use sunroom::material::{Material, MaterialId, MaterialTable};
 use sunroom::render::camera::Camera;
 use sunroom::render::film::Film;
 use sunroom::render::filter::PixelFilter;
@@ -16,13 +17,13 @@ use sunroom::render::scene::{RenderScene, SurfaceSlot, SurfaceTable};
 use sunroom::render::tile::{render_tile, tiles};
 use sunroom::render::view::{Integrator, PathSettings, Strategy, View};
 use sunroom::sampling::SequenceKind;
-use sunroom::shading::{Bsdf, BsdfId, BsdfTable};
+use sunroom::texture::TextureTable;
 
-/// A scene under construction: every shape brings its own bsdf and, if it shines, its radiance.
+/// A scene under construction: every shape brings its own material and, if it shines, its radiance.
 #[derive(Default)]
 pub struct SceneBuilder {
     instances: Vec<Instance>,
-    bsdfs: Vec<Bsdf>,
+    materials: Vec<Material>,
     slots: Vec<SurfaceSlot>,
     lights: Vec<WeightedSource>,
 }
@@ -32,7 +33,7 @@ impl SceneBuilder {
         &mut self,
         primitive: Primitive,
         to_world: Affine3A,
-        bsdf: Bsdf,
+        material: impl Into<Material>,
         radiance: Option<Rgb>,
     ) -> &mut Instance {
         let instance = self.instances.len() as u32;
@@ -48,10 +49,10 @@ impl SceneBuilder {
             LightId(self.lights.len() as u32 - 1)
         });
         self.slots.push(SurfaceSlot {
-            bsdf: BsdfId(self.bsdfs.len() as u32),
+            material: MaterialId(self.materials.len() as u32),
             light,
         });
-        self.bsdfs.push(bsdf);
+        self.materials.push(material.into());
         self.instances.last_mut().expect("just pushed")
     }
 
@@ -68,7 +69,8 @@ impl SceneBuilder {
                 first_slot: (0..self.slots.len() as u32).collect(),
                 slots: self.slots,
             }),
-            bsdfs: Arc::new(BsdfTable::new(self.bsdfs).expect("one-sided bsdfs")),
+            materials: Arc::new(MaterialTable::new(self.materials).expect("materials that are there")),
+            textures: Arc::new(TextureTable::default()),
             geometry,
         }
     }

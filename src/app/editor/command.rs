@@ -40,7 +40,7 @@ pub enum Command {
     // The scene.
     SetToWorld(Entity, Affine3A),
     SetShape(Entity, Shape),
-    SetMaterial(Entity, Material),
+    SetMaterial(Entity, Box<Material>),
     UseMaterial {
         shape: Entity,
         material: Option<Entity>,

@@ -91,7 +91,7 @@ fn apply(world: &mut World, command: Command) -> Result<(), String> {
 
         Command::SetToWorld(entity, to_world) => set(world, entity, ToWorld(to_world)),
         Command::SetShape(entity, shape) => set(world, entity, shape),
-        Command::SetMaterial(entity, material) => set(world, entity, material),
+        Command::SetMaterial(entity, material) => set(world, entity, *material),
         Command::UseMaterial { shape, material } => match material {
             Some(material) => set(world, shape, UsesMaterial(material)),
             None => remove::<UsesMaterial>(world, shape),
@@ -297,7 +297,7 @@ mod tests {
         let material = Material::default();
         let entity = world.spawn(material.clone()).id();
         world.clear_trackers();
-        say(&mut world, Command::SetMaterial(entity, material));
+        say(&mut world, Command::SetMaterial(entity, Box::new(material)));
         let paused = world.resource::<RenderControl>().paused;
         say(&mut world, Command::SetPaused(paused));
         assert!(
@@ -307,8 +307,10 @@ mod tests {
                 .is_some_and(|m| m.is_changed())
         );
         assert!(!world.resource_ref::<RenderControl>().is_changed());
-        let red = Material::Diffuse { reflectance: Rgb::X };
-        say(&mut world, Command::SetMaterial(entity, red.clone()));
+        let red = Material::Diffuse {
+            reflectance: Rgb::X.into(),
+        };
+        say(&mut world, Command::SetMaterial(entity, Box::new(red.clone())));
         assert_eq!(world.get::<Material>(entity), Some(&red));
         assert!(
             world

@@ -5,20 +5,20 @@ use std::collections::HashMap;
 use bevy::prelude::*;
 
 use super::Checker;
+use super::texture::TexturePacker;
 use crate::color::Rgb;
-use crate::scene::{ConductorIor, Ior, Material};
-use crate::shading::{
-    Bsdf, BsdfId, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microfacet,
-    MicrofacetKind, RoughConductor, ior,
-};
+use crate::material::{self, BumpOptions, MaterialId, TexturedBsdf, TexturedSpecular};
+use crate::scene::{ConductorIor, Distribution, Ior, Material, Parameter, Roughness};
+use crate::shading::{Bsdf, DielectricModel, Diffuse, MicrofacetKind, ior};
+use crate::texture;
 
 /// What has no material, or one that makes no sense, looks like this: the format's default.
-pub(in crate::engine) const STAND_IN: Bsdf = Bsdf::Diffuse(Diffuse {
+pub(in crate::engine) const STAND_IN: material::Material = material::Material::Plain(Bsdf::Diffuse(Diffuse {
     reflectance: Rgb::splat(0.5),
-});
+}));
 
 /// The stand-in's place in every table.
-pub(in crate::engine) const STAND_IN_ID: BsdfId = BsdfId(0);
+pub(in crate::engine) const STAND_IN_ID: MaterialId = MaterialId(0);
 
 /// Largest refractive index or extinction; the highest measured ones in the visible range are below 10.
 const HIGHEST_IOR: f32 = 100.0;
@@ -34,18 +34,19 @@ pub(in crate::engine) struct MaterialSource<'a> {
     pub second: Option<Entity>,
 }
 
-/// Scattering models, and which is which material.
+/// The renderer's materials, and which is which entity.
 #[derive(Clone, Debug, Default)]
 pub(in crate::engine) struct PackedMaterials {
     /// The stand-in, then one per source in their order.
-    pub bsdfs: Vec<Bsdf>,
-    pub ids: HashMap<Entity, BsdfId>,
+    pub materials: Vec<material::Material>,
+    pub ids: HashMap<Entity, MaterialId>,
 }
 
 /// Packs all materials of a scene.
 pub(in crate::engine) fn pack_materials(
     sources: &[MaterialSource],
     model: DielectricModel,
+    textures: &mut TexturePacker,
     errors: &mut Vec<String>,
 ) -> PackedMaterials {
     let places: HashMap<Entity, usize> = sources
@@ -53,124 +54,210 @@ pub(in crate::engine) fn pack_materials(
         .enumerate()
         .map(|(i, source)| (source.entity, i))
         .collect();
-    let id = |place: usize| BsdfId(place as u32 + 1);
-    let mut bsdfs = vec![STAND_IN];
+    let id = |place: usize| MaterialId(place as u32 + 1);
+    let mut materials = vec![STAND_IN];
     for source in sources {
-        let mut check = Checker {
-            name: &source.name,
-            errors,
-        };
-        bsdfs.push(one_sided(source.material, model, &mut check).unwrap_or(STAND_IN));
-    }
-    // In a second pass, for the sides may come later in the file.
-    for (place, source) in sources.iter().enumerate() {
-        if *source.material != Material::TwoSided {
-            continue;
-        }
-        let side = |start: Option<Entity>| side_of(start, sources, &places);
-        let sides = side(source.first).and_then(|front| match source.second {
-            None => Ok((front, front)),
-            Some(second) => side(Some(second)).map(|back| (front, back)),
-        });
-        let packed = match sides {
-            Ok((front, back)) => match [front, back].map(|side| bsdfs[side + 1]) {
-                [glass @ Bsdf::Dielectric(_), _] | [_, glass @ Bsdf::Dielectric(_)] => {
-                    Err(("a transparent material has both its sides already", glass))
-                }
-                _ => Ok(Bsdf::TwoSided {
-                    front: id(front),
-                    back: id(back),
-                }),
+        let mut nested = [source.first, source.second]
+            .into_iter()
+            .flatten()
+            .map(|entity| places.get(&entity).copied().map(id));
+        let mut packer = MaterialPacker {
+            model,
+            textures,
+            check: Checker {
+                name: &source.name,
+                errors,
             },
-            Err(text) => Err((text, STAND_IN)),
         };
-        bsdfs[place + 1] = packed.unwrap_or_else(|(text, instead)| {
-            errors.push(format!("{}: {text}", source.name));
-            instead
-        });
+        let sides = [nested.next().flatten(), nested.next().flatten()];
+        materials.push(packer.pack(source.material, sides));
+    }
+    for (place, source) in sources.iter().enumerate() {
+        if contains_itself(place, sources, &places) {
+            errors.push(format!("{}: materials contain each other", source.name));
+            materials[place + 1] = STAND_IN;
+        }
     }
     PackedMaterials {
-        bsdfs,
+        materials,
         ids: places.into_iter().map(|(entity, place)| (entity, id(place))).collect(),
     }
 }
 
-/// The one-sided material that `start` shows to its front.
-fn side_of(
-    start: Option<Entity>,
-    sources: &[MaterialSource],
-    places: &HashMap<Entity, usize>,
-) -> Result<usize, &'static str> {
-    let mut next = start.ok_or("a two-sided material needs a material inside")?;
-    for _ in 0..=sources.len() {
-        let &place = places.get(&next).ok_or("the material inside does not exist")?;
-        if *sources[place].material != Material::TwoSided {
-            return Ok(place);
-        }
-        next = sources[place]
-            .first
-            .ok_or("a two-sided material needs a material inside")?;
-    }
-    Err("two-sided materials contain each other")
-}
-
-/// None for a two-sided material.
-fn one_sided(material: &Material, model: DielectricModel, check: &mut Checker) -> Option<Bsdf> {
-    Some(match material {
-        Material::Diffuse { reflectance } => Bsdf::Diffuse(Diffuse {
-            reflectance: check.reflectance("reflectance", *reflectance),
-        }),
-        Material::Conductor {
-            ior,
-            specular_reflectance,
-        } => Bsdf::Conductor(Conductor {
-            specular: conductor_specular(ior, *specular_reflectance, check),
-        }),
-        Material::RoughConductor {
-            ior,
-            specular_reflectance,
-            alpha,
-        } => {
-            let alpha = check.number("alpha", *alpha, 1e-4, 100.0, 0.1);
-            Bsdf::RoughConductor(RoughConductor {
-                specular: conductor_specular(ior, *specular_reflectance, check),
-                distribution: Microfacet::new(MicrofacetKind::Ggx, alpha, alpha),
-                multiple_scattering: None,
-            })
-        }
-        Material::Dielectric {
-            interior,
-            exterior,
-            specular_reflectance,
-            specular_transmittance,
-        } => Bsdf::Dielectric(Dielectric {
-            eta: index("int_ior", interior, "bk7", check) / index("ext_ior", exterior, "air", check),
-            model,
-            specular_reflectance: check.reflectance("specular_reflectance", *specular_reflectance),
-            specular_transmittance: check.reflectance("specular_transmittance", *specular_transmittance),
-        }),
-        Material::Metal { reflectance, fuzz } => Bsdf::Metal(Metal {
-            color: check.reflectance("reflectance", *reflectance),
-            fuzz: check.number("fuzz", *fuzz, 0.0, 1.0, 0.0),
-        }),
-        Material::TwoSided => return None,
-    })
-}
-
-fn conductor_specular(ior: &ConductorIor, specular_reflectance: Rgb, check: &mut Checker) -> ConductorSpecular {
-    let (eta, k) = match ior {
-        ConductorIor::Named(name) => ior::conductor_ior(name).unwrap_or_else(|| {
-            check.report(format_args!(
-                "there is no conductor named {name:?}, a perfect mirror is used"
-            ));
-            PERFECT_MIRROR
-        }),
-        ConductorIor::Given { eta, k } => (check.color("eta", *eta, HIGHEST_IOR), check.color("k", *k, HIGHEST_IOR)),
+fn contains_itself(start: usize, sources: &[MaterialSource], places: &HashMap<Entity, usize>) -> bool {
+    let nested = |place: usize| {
+        let source = &sources[place];
+        let used = source.material.nested_count().end().min(&2).to_owned();
+        [source.first, source.second]
+            .into_iter()
+            .flatten()
+            .take(used)
+            .filter_map(|entity| places.get(&entity).copied())
     };
-    ConductorSpecular {
-        eta,
-        k,
-        specular_reflectance: check.reflectance("specular_reflectance", specular_reflectance),
+    let mut waiting: Vec<usize> = nested(start).collect();
+    let mut seen = vec![false; sources.len()];
+    while let Some(place) = waiting.pop() {
+        if place == start {
+            return true;
+        }
+        if !std::mem::replace(&mut seen[place], true) {
+            waiting.extend(nested(place));
+        }
+    }
+    false
+}
+
+/// Packs one material.
+struct MaterialPacker<'a, 'e> {
+    model: DielectricModel,
+    textures: &'a mut TexturePacker,
+    check: Checker<'e>,
+}
+
+impl MaterialPacker<'_, '_> {
+    fn pack(&mut self, material: &Material, nested: [Option<MaterialId>; 2]) -> material::Material {
+        let first = |packer: &mut Self| {
+            nested[0].unwrap_or_else(|| {
+                let plugin = material.plugin();
+                packer.check.report(format_args!("`{plugin}` needs a material inside"));
+                STAND_IN_ID
+            })
+        };
+        let textured = match material {
+            Material::Diffuse { reflectance } => TexturedBsdf::Diffuse {
+                reflectance: self.reflectance("reflectance", reflectance),
+            },
+            Material::Conductor {
+                ior,
+                specular_reflectance,
+            } => TexturedBsdf::Conductor {
+                specular: self.conductor(ior, specular_reflectance),
+            },
+            Material::RoughConductor {
+                distribution,
+                alpha,
+                ior,
+                specular_reflectance,
+            } => {
+                let [alpha_u, alpha_v] = self.roughness(alpha);
+                TexturedBsdf::RoughConductor {
+                    specular: self.conductor(ior, specular_reflectance),
+                    distribution: match distribution {
+                        Distribution::Beckmann => MicrofacetKind::Beckmann,
+                        Distribution::Ggx => MicrofacetKind::Ggx,
+                    },
+                    alpha_u,
+                    alpha_v,
+                }
+            }
+            Material::Dielectric {
+                interior,
+                exterior,
+                specular_reflectance,
+                specular_transmittance,
+            } => TexturedBsdf::Dielectric {
+                eta: index("int_ior", interior, "bk7", &mut self.check)
+                    / index("ext_ior", exterior, "air", &mut self.check),
+                model: self.model,
+                specular_reflectance: self.reflectance("specular_reflectance", specular_reflectance),
+                specular_transmittance: self.reflectance("specular_transmittance", specular_transmittance),
+            },
+            Material::Metal { reflectance, fuzz } => TexturedBsdf::Metal {
+                reflectance: self.reflectance("reflectance", reflectance),
+                fuzz: self.float("fuzz", fuzz, 0.0, 1.0, 0.0),
+            },
+            Material::TwoSided => {
+                let front = first(self);
+                let back = nested[1].unwrap_or(front);
+                return material::Material::TwoSided { front, back };
+            }
+            Material::Blend { weight } => {
+                let first = first(self);
+                return material::Material::Blend {
+                    first,
+                    second: nested[1].unwrap_or(first),
+                    weight: self.float("weight", weight, 0.0, 1.0, 0.5),
+                };
+            }
+            Material::Mask { opacity } => {
+                return material::Material::Mask {
+                    nested: first(self),
+                    opacity: self.float("opacity", opacity, 0.0, 1.0, 0.5),
+                };
+            }
+            Material::NormalMap {
+                normals,
+                flip_invalid_normals,
+                use_shadowing_function,
+            } => {
+                return material::Material::NormalMap {
+                    nested: first(self),
+                    normals: self.reflectance("normalmap", normals),
+                    options: BumpOptions {
+                        flip_invalid_normals: *flip_invalid_normals,
+                        use_shadowing_function: *use_shadowing_function,
+                    },
+                };
+            }
+            Material::Null => return material::Material::Null,
+        };
+        material::Material::Textured(textured)
+    }
+
+    fn reflectance(&mut self, name: &str, value: &Parameter<Rgb>) -> texture::Parameter<Rgb> {
+        self.color(name, value, 1.0)
+    }
+
+    fn color(&mut self, name: &str, value: &Parameter<Rgb>, high: f32) -> texture::Parameter<Rgb> {
+        match value {
+            Parameter::Constant(color) => texture::Parameter::Constant(self.check.color(name, *color, high)),
+            Parameter::Texture(texture) => self.textures.parameter(texture),
+        }
+    }
+
+    fn float(
+        &mut self,
+        name: &str,
+        value: &Parameter<f32>,
+        low: f32,
+        high: f32,
+        otherwise: f32,
+    ) -> texture::Parameter<f32> {
+        match value {
+            Parameter::Constant(number) => {
+                texture::Parameter::Constant(self.check.number(name, *number, low, high, otherwise))
+            }
+            Parameter::Texture(texture) => self.textures.parameter(texture),
+        }
+    }
+
+    /// Along the two tangents.
+    fn roughness(&mut self, alpha: &Roughness) -> [texture::Parameter<f32>; 2] {
+        let mut one = |name, alpha: &_| self.float(name, alpha, 1e-4, 100.0, 0.1);
+        match alpha {
+            Roughness::Isotropic(alpha) => [one("alpha", alpha); 2],
+            Roughness::Anisotropic { u, v } => [one("alpha_u", u), one("alpha_v", v)],
+        }
+    }
+
+    fn conductor(&mut self, ior: &ConductorIor, specular_reflectance: &Parameter<Rgb>) -> TexturedSpecular {
+        let (eta, k) = match ior {
+            ConductorIor::Named(name) => {
+                let (eta, k) = ior::conductor_ior(name).unwrap_or_else(|| {
+                    self.check.report(format_args!(
+                        "there is no conductor named {name:?}, a perfect mirror is used"
+                    ));
+                    PERFECT_MIRROR
+                });
+                (texture::Parameter::Constant(eta), texture::Parameter::Constant(k))
+            }
+            ConductorIor::Given { eta, k } => (self.color("eta", eta, HIGHEST_IOR), self.color("k", k, HIGHEST_IOR)),
+        };
+        TexturedSpecular {
+            eta,
+            k,
+            specular_reflectance: self.reflectance("specular_reflectance", specular_reflectance),
+        }
     }
 }
 
@@ -218,27 +305,33 @@ mod tests {
     fn nothing_that_is_no_number_gets_in() {
         let nan = f32::NAN;
         let wild = Rgb::new(nan, f32::INFINITY, -1.0);
-        let given = ConductorIor::Given { eta: wild, k: wild };
+        let given = ConductorIor::Given {
+            eta: wild.into(),
+            k: wild.into(),
+        };
         let materials = [
-            Material::Diffuse { reflectance: wild },
+            Material::Diffuse {
+                reflectance: wild.into(),
+            },
             Material::Conductor {
                 ior: given.clone(),
-                specular_reflectance: wild,
+                specular_reflectance: wild.into(),
             },
             Material::RoughConductor {
                 ior: given,
-                specular_reflectance: wild,
-                alpha: nan,
+                specular_reflectance: wild.into(),
+                alpha: Roughness::Isotropic(nan.into()),
+                distribution: Distribution::Ggx,
             },
             Material::Dielectric {
                 interior: Ior::Number(nan),
                 exterior: Ior::Number(0.0),
-                specular_reflectance: wild,
-                specular_transmittance: wild,
+                specular_reflectance: wild.into(),
+                specular_transmittance: wild.into(),
             },
             Material::Metal {
-                reflectance: wild,
-                fuzz: nan,
+                reflectance: wild.into(),
+                fuzz: nan.into(),
             },
         ];
         let entities = entities::<5>();
@@ -248,8 +341,13 @@ mod tests {
             .map(|(&e, m)| source(e, m, None, None))
             .collect();
         let mut errors = Vec::new();
-        let packed = pack_materials(&sources, DielectricModel::Exact, &mut errors);
-        let text = format!("{:?}", packed.bsdfs);
+        let packed = pack_materials(
+            &sources,
+            DielectricModel::Exact,
+            &mut TexturePacker::default(),
+            &mut errors,
+        );
+        let text = format!("{:?}", packed.materials);
         assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
         assert!(!text.contains('-'), "{text}");
         for (entity, parameters) in entities.iter().zip([1, 3, 4, 4, 2]) {
@@ -267,20 +365,21 @@ mod tests {
         let glass = Material::Dielectric {
             interior: Ior::Named("water".into()),
             exterior: Ior::Named("vacuum".into()),
-            specular_reflectance: Rgb::ONE,
-            specular_transmittance: Rgb::ONE,
+            specular_reflectance: Rgb::ONE.into(),
+            specular_transmittance: Rgb::ONE.into(),
         };
         let [entity] = entities();
         let mut errors = Vec::new();
         let packed = pack_materials(
             &[source(entity, &glass, None, None)],
             DielectricModel::Schlick,
+            &mut TexturePacker::default(),
             &mut errors,
         );
-        let Bsdf::Dielectric(packed) = packed.bsdfs[1] else {
+        let material::Material::Textured(TexturedBsdf::Dielectric { eta, model, .. }) = packed.materials[1] else {
             panic!("{packed:?}")
         };
-        assert_eq!((packed.eta, packed.model), (1.333, DielectricModel::Schlick));
+        assert_eq!((eta, model), (1.333, DielectricModel::Schlick));
         assert_eq!(errors, [""; 0]);
     }
 
@@ -295,14 +394,22 @@ mod tests {
             source(b, &diffuse, None, None),
         ];
         let mut errors = Vec::new();
-        let packed = pack_materials(&sources, DielectricModel::Exact, &mut errors);
+        let packed = pack_materials(
+            &sources,
+            DielectricModel::Exact,
+            &mut TexturePacker::default(),
+            &mut errors,
+        );
         let (a, b) = (packed.ids[&a], packed.ids[&b]);
-        let expected = Bsdf::TwoSided { front: a, back: b };
-        assert_eq!(packed.bsdfs[packed.ids[&both].0 as usize], expected);
-        let expected = Bsdf::TwoSided { front: b, back: b };
-        assert_eq!(packed.bsdfs[packed.ids[&nested].0 as usize], expected);
+        let expected = material::Material::TwoSided {
+            front: a,
+            back: packed.ids[&nested],
+        };
+        assert_eq!(packed.materials[packed.ids[&both].0 as usize], expected);
+        let expected = material::Material::TwoSided { front: b, back: b };
+        assert_eq!(packed.materials[packed.ids[&nested].0 as usize], expected);
         assert_eq!(errors, [""; 0]);
-        assert!(crate::shading::BsdfTable::new(packed.bsdfs).is_ok());
+        assert!(material::MaterialTable::new(packed.materials).is_ok());
     }
 
     #[test]
@@ -316,8 +423,18 @@ mod tests {
             source(missing, &two_sided, Some(Entity::PLACEHOLDER), None),
         ];
         let mut errors = Vec::new();
-        let packed = pack_materials(&sources, DielectricModel::Exact, &mut errors);
-        assert_eq!(packed.bsdfs, [STAND_IN; 5]);
+        let packed = pack_materials(
+            &sources,
+            DielectricModel::Exact,
+            &mut TexturePacker::default(),
+            &mut errors,
+        );
+        let grey = material::Material::TwoSided {
+            front: STAND_IN_ID,
+            back: STAND_IN_ID,
+        };
+        let expected = [&STAND_IN, &STAND_IN, &STAND_IN, &grey, &grey];
+        assert!(packed.materials.iter().eq(expected), "{:?}", packed.materials);
         assert_eq!(errors.len(), 4, "{errors:?}");
     }
 }

@@ -6,6 +6,7 @@ pub(super) mod light;
 pub(super) mod material;
 pub(super) mod mtl;
 pub(super) mod surface;
+pub(super) mod texture;
 pub(super) mod view;
 
 use crate::color::Rgb;

@@ -14,8 +14,9 @@ use super::Checker;
 use super::material::PERFECT_MIRROR;
 use crate::color::Rgb;
 use crate::geometry::mesh::MtlMaterial;
+use crate::material::{Material, MaterialId};
 use crate::shading::{
-    Bsdf, BsdfId, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Microfacet, MicrofacetKind,
+    Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Microfacet, MicrofacetKind,
     RoughConductor,
 };
 
@@ -24,27 +25,27 @@ const AS_GOOD_AS_BLACK: f32 = 0.02;
 
 const ROUGHNESS_FLOOR: f32 = 0.03;
 
-/// Appends the models of one material to `bsdfs` and returns the id of the one to use.
+/// Appends what one material is to `materials` and returns the id of the one to use.
 pub(in crate::engine) fn push_mtl(
     mtl: &MtlMaterial,
     model: DielectricModel,
-    bsdfs: &mut Vec<Bsdf>,
+    materials: &mut Vec<Material>,
     errors: &mut Vec<String>,
-) -> BsdfId {
+) -> MaterialId {
     let mut check = Checker {
         name: &mtl.name,
         errors,
     };
-    let mut push = |bsdf| {
-        bsdfs.push(bsdf);
-        BsdfId(bsdfs.len() as u32 - 1)
+    let mut push = |material| {
+        materials.push(material);
+        MaterialId(materials.len() as u32 - 1)
     };
     let bsdf = one_sided(mtl, model, &mut check);
-    let id = push(bsdf);
+    let id = push(bsdf.into());
     if matches!(bsdf, Bsdf::Dielectric(_)) {
         return id;
     }
-    push(Bsdf::TwoSided { front: id, back: id })
+    push(Material::TwoSided { front: id, back: id })
 }
 
 fn one_sided(mtl: &MtlMaterial, model: DielectricModel, check: &mut Checker) -> Bsdf {
@@ -103,10 +104,13 @@ mod tests {
     }
 
     fn packed(mtl: MtlMaterial) -> (Bsdf, bool) {
-        let (mut bsdfs, mut errors) = (Vec::new(), Vec::new());
-        let id = push_mtl(&mtl, DielectricModel::Exact, &mut bsdfs, &mut errors);
+        let (mut materials, mut errors) = (Vec::new(), Vec::new());
+        let id = push_mtl(&mtl, DielectricModel::Exact, &mut materials, &mut errors);
         assert_eq!(errors, [""; 0]);
-        (bsdfs[0], matches!(bsdfs[id.0 as usize], Bsdf::TwoSided { .. }))
+        let Material::Plain(bsdf) = materials[0] else {
+            panic!("{materials:?}")
+        };
+        (bsdf, matches!(materials[id.0 as usize], Material::TwoSided { .. }))
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What each instance is made of: the slots that tie it to scattering models and lights.
+//! What each instance is made of: the slots that tie it to materials and lights.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -14,8 +14,9 @@ use crate::accel::Primitive;
 use crate::color::Rgb;
 use crate::geometry::mesh::MeshData;
 use crate::light::{LightId, LightSource, WeightedSource};
+use crate::material::{Material, MaterialId};
 use crate::render::scene::{SurfaceSlot, SurfaceTable};
-use crate::shading::{Bsdf, BsdfId, DielectricModel};
+use crate::shading::DielectricModel;
 
 /// What a shape says of its surface.
 #[derive(Clone, Debug)]
@@ -27,12 +28,12 @@ pub(in crate::engine) struct SurfaceSource {
     pub radiance: Option<Rgb>,
 }
 
-/// The surfaces of all instances, the scattering models they refer to, and the lights they are.
+/// The surfaces of all instances, the materials they refer to, and the lights they are.
 #[derive(Clone, Debug, Default)]
 pub(in crate::engine) struct PackedSurfaces {
     pub table: SurfaceTable,
     /// The scene's materials, then those of mesh files in use.
-    pub bsdfs: Vec<Bsdf>,
+    pub materials: Vec<Material>,
     /// Light sources, their ids as in `table`.
     pub lights: Vec<WeightedSource>,
 }
@@ -46,10 +47,10 @@ pub(in crate::engine) fn pack_surfaces(
     errors: &mut Vec<String>,
 ) -> PackedSurfaces {
     let mut packed = PackedSurfaces {
-        bsdfs: materials.bsdfs.clone(),
+        materials: materials.materials.clone(),
         ..PackedSurfaces::default()
     };
-    let mut of_file: HashMap<*const MeshData, Vec<BsdfId>> = HashMap::new();
+    let mut of_file: HashMap<*const MeshData, Vec<MaterialId>> = HashMap::new();
     for (index, (record, source)) in instances.iter().zip(sources).enumerate() {
         let mesh = match (&record.instance.primitive, source.material) {
             (Primitive::Mesh(blas), None) => Some(blas.mesh()),
@@ -70,15 +71,15 @@ pub(in crate::engine) fn pack_surfaces(
             .map(|radiance| emission("radiance", radiance, &mut check));
         let from_file = mesh.map_or(&[][..], |mesh| {
             of_file.entry(Arc::as_ptr(mesh)).or_insert_with(|| {
-                let materials = mesh.materials.iter();
-                materials
-                    .map(|mtl| push_mtl(mtl, model, &mut packed.bsdfs, errors))
+                let of_mesh = mesh.materials.iter();
+                of_mesh
+                    .map(|mtl| push_mtl(mtl, model, &mut packed.materials, errors))
                     .collect()
             })
         });
         packed.table.first_slot.push(packed.table.slots.len() as u32);
         for slot in 0..record.slots {
-            let bsdf = own
+            let material = own
                 .or_else(|| from_file.get(slot as usize).copied())
                 .unwrap_or(STAND_IN_ID);
             let in_file = || mesh.and_then(|mesh| mesh.materials.get(slot as usize));
@@ -95,7 +96,7 @@ pub(in crate::engine) fn pack_surfaces(
                 packed.lights.push(source.into());
                 LightId(packed.lights.len() as u32 - 1)
             });
-            packed.table.slots.push(SurfaceSlot { bsdf, light });
+            packed.table.slots.push(SurfaceSlot { material, light });
         }
     }
     packed

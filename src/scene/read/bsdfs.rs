@@ -1,11 +1,15 @@
-//! Bsdfs: `diffuse`, `conductor`, `roughconductor`, `dielectric`, `twosided`, and our own `metal`.
+//! Bsdfs, with what is nested in them.
+
+use std::ops::RangeInclusive;
 
 use super::parameters::Parameters;
 use super::{SceneReader, address, ior_names};
+use crate::color::Rgb;
+use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Reader, Severity, Value};
 use crate::scene::description::{DeclarationPlace, MaterialDescription};
 use crate::scene::write;
-use crate::scene::{ConductorIor, Ior, Material};
+use crate::scene::{ConductorIor, Distribution, Ior, Material, Parameter, ParameterVisitor, Roughness};
 
 /// Materials inside materials, followed through references too. Deeper is an error: no scene means it, and the stack is finite.
 const DEEPEST: usize = 32;
@@ -53,125 +57,156 @@ impl<'a> SceneReader<'a> {
 
 /// The material and the bsdfs nested in it.
 fn read_parameters<'a>(mut reader: Reader<'a, '_>) -> (Material, Vec<&'a Object>) {
-    let mut nested = Vec::new();
-    let material = match reader.object().plugin.as_str() {
-        "diffuse" => Material::Diffuse {
-            reflectance: reader.reflectance("reflectance", 0.5),
-        },
-        "conductor" => Material::Conductor {
-            ior: conductor_ior(&mut reader),
-            specular_reflectance: reader.reflectance("specular_reflectance", 1.0),
-        },
-        "roughconductor" => rough_conductor(&mut reader),
-        "dielectric" => Material::Dielectric {
-            interior: ior(&mut reader, "int_ior", "bk7"),
-            exterior: ior(&mut reader, "ext_ior", "air"),
-            specular_reflectance: reader.reflectance("specular_reflectance", 1.0),
-            specular_transmittance: reader.reflectance("specular_transmittance", 1.0),
-        },
-        "metal" => Material::Metal {
-            reflectance: reader.reflectance("reflectance", 0.5),
-            fuzz: reader.float_in("fuzz", 0.0..=1.0).unwrap_or(0.0),
-        },
-        "twosided" => {
-            nested = two_sided(&mut reader);
-            Material::TwoSided
-        }
-        other => {
-            let message = format!("bsdf `{other}` is not supported: grey `diffuse` takes its place");
-            let span = reader.object().span;
-            reader.diagnostics().warn(span, message);
-            return (Material::default(), nested);
-        }
+    let plugin = reader.object().plugin.as_str();
+    let Some(mut material) = Material::of_plugin(plugin) else {
+        let message = format!("bsdf `{plugin}` is not supported: grey `diffuse` takes its place");
+        let help = did_you_mean(plugin, Material::PLUGINS);
+        let span = reader.object().span;
+        reader.diagnostics().push(Severity::Warning, Some(span), message, help);
+        return (Material::default(), Vec::new());
     };
+    material.visit(&mut FromFile { reader: &mut reader });
+    let nested = nested(&material, &mut reader);
     reader.finish();
     (material, nested)
 }
 
-fn conductor_ior(reader: &mut Reader) -> ConductorIor {
-    let name = reader.string("material");
-    let given = ["eta", "k"].map(|name| reader.has(name) || reader.child(name).is_some());
-    if given.contains(&true) {
-        if name.is_some_and(|name| name != "none") {
-            reader.error_at("material", "`material` and `eta`, `k` exclude each other");
-        }
-        return ConductorIor::Given {
-            eta: reader.unbounded_color("eta", 0.0),
-            k: reader.unbounded_color("k", 1.0),
+/// The bsdfs inside; a wrong number of them is an error.
+fn nested<'a>(material: &Material, reader: &mut Reader<'a, '_>) -> Vec<&'a Object> {
+    let expected = material.nested_count();
+    if *expected.end() == 0 {
+        return Vec::new();
+    }
+    let inside: Vec<&Object> = reader
+        .children(Category::Bsdf)
+        .into_iter()
+        .map(|(_, object)| object)
+        .collect();
+    if !expected.contains(&inside.len()) {
+        let wanted = match (expected.start(), expected.end()) {
+            (1, 1) => "one bsdf",
+            (2, 2) => "two bsdfs",
+            _ => "one bsdf or two",
         };
+        let message = format!("`{}` takes {wanted}, found {}", material.plugin(), inside.len());
+        let span = reader.object().span;
+        reader.diagnostics().error(span, message);
     }
-    let name = name.unwrap_or("none");
-    if !ior_names::is_conductor(name) {
-        let help = format!("known are {}", ior_names::CONDUCTORS.join(", "));
-        unknown_name(reader, "material", format!("`{name}` is not a known metal"), help);
-        return ConductorIor::Named("none".to_owned());
-    }
-    ConductorIor::Named(name.to_owned())
-}
-
-fn rough_conductor(reader: &mut Reader) -> Material {
-    let distribution = reader.string_or("distribution", "beckmann");
-    match distribution.to_ascii_lowercase().as_str() {
-        "ggx" => {}
-        "beckmann" if !reader.has("distribution") => reader.warn_at(
-            "distribution",
-            "without a `distribution` the format means `beckmann`, which is not supported: `ggx` takes its place",
-        ),
-        "beckmann" => reader.warn_at(
-            "distribution",
-            "distribution `beckmann` is not supported: `ggx` takes its place",
-        ),
-        other => reader.error_at(
-            "distribution",
-            format!("expected the distribution `ggx` or `beckmann`, found `{other}`"),
-        ),
-    }
-    reader.ignore(&["sample_visible"]);
-    let mut roughness = |name: &str| {
-        let textured = reader.texture_in_place_of(name, "0.1");
-        // 0 is as smooth as the model can be.
-        let number = reader.float_in(name, 0.0..);
-        number.or(textured.then_some(0.1))
-    };
-    let [alpha, along_u, along_v] = ["alpha", "alpha_u", "alpha_v"].map(&mut roughness);
-    let alpha = match (along_u, along_v) {
-        (None, None) => alpha.unwrap_or(0.1),
-        (Some(u), Some(v)) if alpha.is_none() => {
-            if u != v {
-                let message = "roughness that depends on the direction is not supported: the geometric mean of `alpha_u` and `alpha_v` \
-                               takes its place";
-                reader.warn_at("alpha_u", message);
+    if *material == Material::TwoSided {
+        reader.ignore(&["allow_transmission"]);
+        for object in &inside {
+            if Material::of_plugin(&object.plugin).is_some_and(|material| material.refracts()) {
+                let message = format!("`{}` has two sides already: `twosided` does not take it", object.plugin);
+                reader.diagnostics().error(object.span, message);
             }
-            (u * v).sqrt()
         }
-        _ => {
-            let given = if along_u.is_some() { "alpha_u" } else { "alpha_v" };
-            reader.error_at(given, "`alpha_u` and `alpha_v` go together, and not with `alpha`");
-            0.1
-        }
-    };
-    Material::RoughConductor {
-        ior: conductor_ior(reader),
-        specular_reflectance: reader.reflectance("specular_reflectance", 1.0),
-        alpha,
     }
+    inside
 }
 
-fn ior(reader: &mut Reader, name: &str, default: &str) -> Ior {
-    let text = match reader.value(name) {
-        None => default,
-        Some(Value::String(text)) => text,
-        Some(_) => {
-            let number = reader.float_in(name, f32::MIN_POSITIVE..);
-            return number.map_or_else(|| Ior::Named(default.to_owned()), Ior::Number);
+/// Takes what the file gives.
+struct FromFile<'r, 'a, 'd> {
+    reader: &'r mut Reader<'a, 'd>,
+}
+
+impl ParameterVisitor for FromFile<'_, '_, '_> {
+    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        if let Some(given) = self.reader.reflectance(name) {
+            *value = given;
         }
-    };
-    if !ior_names::is_dielectric(text) {
-        let help = format!("a number, or one of {}", ior_names::DIELECTRICS.join(", "));
-        unknown_name(reader, name, format!("`{text}` is not a known medium"), help);
-        return Ior::Named(default.to_owned());
     }
-    Ior::Named(text.to_owned())
+
+    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        if let Some(given) = self.reader.unbounded_color(name) {
+            *value = given;
+        }
+    }
+
+    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>) {
+        if let Some(given) = self.reader.float_parameter(name, range) {
+            *value = given;
+        }
+    }
+
+    fn flag(&mut self, name: &'static str, value: &mut bool) {
+        *value = self.reader.boolean(name).unwrap_or(*value);
+    }
+
+    fn ior(&mut self, name: &'static str, value: &mut Ior) {
+        let text = match self.reader.value(name) {
+            None => return,
+            Some(Value::String(text)) => text,
+            Some(_) => {
+                if let Some(number) = self.reader.float_in(name, f32::MIN_POSITIVE..) {
+                    *value = Ior::Number(number);
+                }
+                return;
+            }
+        };
+        if ior_names::is_dielectric(text) {
+            *value = Ior::Named(text.to_owned());
+        } else {
+            let help = format!("a number, or one of {}", ior_names::DIELECTRICS.join(", "));
+            unknown_name(self.reader, name, format!("`{text}` is not a known medium"), help);
+        }
+    }
+
+    fn conductor_ior(&mut self, value: &mut ConductorIor) {
+        let name = self.reader.string("material");
+        let given = ["eta", "k"].map(|name| self.reader.has(name) || self.reader.child(name).is_some());
+        if given.contains(&true) {
+            if name.is_some_and(|name| name != "none") {
+                self.reader
+                    .error_at("material", "`material` and `eta`, `k` exclude each other");
+            }
+            let mut number = |name, default: f32| {
+                let given = self.reader.unbounded_color(name);
+                given.unwrap_or(Rgb::splat(default).into())
+            };
+            *value = ConductorIor::Given {
+                eta: number("eta", 0.0),
+                k: number("k", 1.0),
+            };
+            return;
+        }
+        let Some(name) = name else { return };
+        if ior_names::is_conductor(name) {
+            *value = ConductorIor::Named(name.to_owned());
+        } else {
+            let help = format!("known are {}", ior_names::CONDUCTORS.join(", "));
+            unknown_name(self.reader, "material", format!("`{name}` is not a known metal"), help);
+        }
+    }
+
+    fn distribution(&mut self, value: &mut Distribution) {
+        self.reader.ignore(&["sample_visible"]);
+        let Some(name) = self.reader.string("distribution") else {
+            return;
+        };
+        match name.to_ascii_lowercase().as_str() {
+            "ggx" => *value = Distribution::Ggx,
+            "beckmann" => *value = Distribution::Beckmann,
+            _ => self.reader.error_at(
+                "distribution",
+                format!("expected the distribution `ggx` or `beckmann`, found `{name}`"),
+            ),
+        }
+    }
+
+    fn roughness(&mut self, value: &mut Roughness) {
+        // 0 is as smooth as the model can be.
+        let given = ["alpha", "alpha_u", "alpha_v"].map(|name| self.reader.float_parameter(name, 0.0..=f32::MAX));
+        match given {
+            [None, None, None] => {}
+            [Some(alpha), None, None] => *value = Roughness::Isotropic(alpha),
+            [None, Some(u), Some(v)] => *value = Roughness::Anisotropic { u, v },
+            [_, u, _] => {
+                let given = if u.is_some() { "alpha_u" } else { "alpha_v" };
+                self.reader
+                    .error_at(given, "`alpha_u` and `alpha_v` go together, and not with `alpha`");
+            }
+        }
+    }
 }
 
 fn unknown_name(reader: &mut Reader, parameter: &str, message: String, help: String) {
@@ -179,21 +214,4 @@ fn unknown_name(reader: &mut Reader, parameter: &str, message: String, help: Str
     reader
         .diagnostics()
         .push(Severity::Error, Some(span), message, Some(help));
-}
-
-fn two_sided<'a>(reader: &mut Reader<'a, '_>) -> Vec<&'a Object> {
-    reader.ignore(&["allow_transmission"]);
-    let inside = reader.children(Category::Bsdf);
-    let span = reader.object().span;
-    if !(1..=2).contains(&inside.len()) {
-        let message = format!("`twosided` takes one bsdf or two, found {}", inside.len());
-        reader.diagnostics().error(span, message);
-    }
-    for (_, object) in &inside {
-        if object.plugin == "dielectric" {
-            let message = "`dielectric` has two sides already: `twosided` does not take it";
-            reader.diagnostics().error(object.span, message);
-        }
-    }
-    inside.into_iter().map(|(_, object)| object).collect()
 }

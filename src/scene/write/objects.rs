@@ -1,54 +1,125 @@
 //! Components as plugins of the file, every parameter spelled out. References to materials are not these functions' business.
 
+use std::ops::RangeInclusive;
 use std::path::{Component, Path, PathBuf};
 
-use bevy::math::Affine3A;
-use glam::{Mat3, Mat4, Quat, Vec3};
+use bevy::math::{Affine2, Affine3A};
+use glam::{Mat3, Mat4, Quat, Vec3, Vec4};
 
 use crate::color::Rgb;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
 use crate::scene::read::frame_along;
 use crate::scene::{
-    AreaLight, ConductorIor, Emitter, Film, FovAxis, IntegratorSettings, Ior, Lens, Material, MeshFormat,
-    ReconstructionFilter, Sensor, Shape, ShapeKind,
+    AreaLight, ConductorIor, Distribution, Emitter, Film, FovAxis, IntegratorSettings, Ior, Lens, Material, MeshFormat,
+    Parameter, ParameterVisitor, ReconstructionFilter, Roughness, Sensor, Shape, ShapeKind, Texture,
 };
 
 pub fn material(material: &Material) -> Object {
-    let bsdf = |plugin: &str| Object::new(Category::Bsdf, plugin);
-    match material {
-        Material::Diffuse { reflectance } => with_color(bsdf("diffuse"), "reflectance", *reflectance),
-        Material::Conductor {
-            ior,
-            specular_reflectance,
-        } => {
-            let object = with_conductor_ior(bsdf("conductor"), ior);
-            with_color(object, "specular_reflectance", *specular_reflectance)
+    let mut writer = IntoObject(Object::new(Category::Bsdf, material.plugin()));
+    material.clone().visit(&mut writer);
+    writer.0
+}
+
+/// Writes every parameter it meets.
+struct IntoObject(Object);
+
+impl IntoObject {
+    fn put(&mut self, name: &str, value: Value) {
+        self.0.properties.push(property(name, value));
+    }
+
+    fn put_color(&mut self, name: &str, color: &Parameter<Rgb>) {
+        match color {
+            Parameter::Constant(color) => self.put(name, Value::Rgb(*color)),
+            Parameter::Texture(texture) => self.put_texture(name, texture),
         }
-        Material::RoughConductor {
-            ior,
-            specular_reflectance,
-            alpha,
-        } => {
-            let object = with_string(bsdf("roughconductor"), "distribution", "ggx");
-            let object = with_conductor_ior(object, ior);
-            let object = with_float(object, "alpha", *alpha);
-            with_color(object, "specular_reflectance", *specular_reflectance)
+    }
+
+    fn put_float(&mut self, name: &str, number: &Parameter<f32>) {
+        match number {
+            Parameter::Constant(number) => self.put(name, Value::Float(*number)),
+            Parameter::Texture(texture) => self.put_texture(name, texture),
         }
-        Material::Dielectric {
-            interior,
-            exterior,
-            specular_reflectance,
-            specular_transmittance,
-        } => {
-            let object = with(bsdf("dielectric"), "int_ior", ior(interior));
-            let object = with(object, "ext_ior", ior(exterior));
-            let object = with_color(object, "specular_reflectance", *specular_reflectance);
-            with_color(object, "specular_transmittance", *specular_transmittance)
+    }
+
+    fn put_texture(&mut self, name: &str, texture: &Texture) {
+        let mut object = IntoObject(Object::new(Category::Texture, texture.plugin()));
+        object.0.name = Some(name.to_owned());
+        match texture {
+            Texture::Checkerboard { color0, color1, to_uv } => {
+                object.put_color("color0", color0);
+                object.put_color("color1", color1);
+                object.put_to_uv(to_uv);
+            }
         }
-        Material::Metal { reflectance, fuzz } => {
-            with_float(with_color(bsdf("metal"), "reflectance", *reflectance), "fuzz", *fuzz)
+        self.0.children.push(Child::Object(object.0));
+    }
+
+    fn put_to_uv(&mut self, to_uv: &Affine2) {
+        if *to_uv != Affine2::IDENTITY {
+            let [x, y, offset] = [to_uv.matrix2.x_axis, to_uv.matrix2.y_axis, to_uv.translation];
+            let matrix = Mat4::from_cols(
+                Vec4::new(x.x, x.y, 0.0, 0.0),
+                Vec4::new(y.x, y.y, 0.0, 0.0),
+                Vec4::Z,
+                Vec4::new(offset.x, offset.y, 0.0, 1.0),
+            );
+            self.put("to_uv", Value::Transform(vec![TransformOp::Matrix(matrix)]));
         }
-        Material::TwoSided => bsdf("twosided"),
+    }
+}
+
+impl ParameterVisitor for IntoObject {
+    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        self.put_color(name, value);
+    }
+
+    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        self.put_color(name, value);
+    }
+
+    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, _range: RangeInclusive<f32>) {
+        self.put_float(name, value);
+    }
+
+    fn flag(&mut self, name: &'static str, value: &mut bool) {
+        self.put(name, Value::Boolean(*value));
+    }
+
+    fn ior(&mut self, name: &'static str, value: &mut Ior) {
+        let value = match value {
+            Ior::Named(name) => Value::String(name.clone()),
+            Ior::Number(number) => Value::Float(*number),
+        };
+        self.put(name, value);
+    }
+
+    fn conductor_ior(&mut self, value: &mut ConductorIor) {
+        match value {
+            ConductorIor::Named(name) => self.put("material", Value::String(name.clone())),
+            ConductorIor::Given { eta, k } => {
+                self.put_color("eta", eta);
+                self.put_color("k", k);
+            }
+        }
+    }
+
+    fn distribution(&mut self, value: &mut Distribution) {
+        let name = match value {
+            Distribution::Beckmann => "beckmann",
+            Distribution::Ggx => "ggx",
+        };
+        self.put("distribution", Value::String(name.to_owned()));
+    }
+
+    fn roughness(&mut self, value: &mut Roughness) {
+        match value {
+            Roughness::Isotropic(alpha) => self.put_float("alpha", alpha),
+            Roughness::Anisotropic { u, v } => {
+                self.put_float("alpha_u", u);
+                self.put_float("alpha_v", v);
+            }
+        }
     }
 }
 
@@ -212,26 +283,16 @@ pub fn file_name(path: &Path, folder: &Path) -> String {
     up.chain(down).collect::<Vec<String>>().join("/")
 }
 
-fn ior(ior: &Ior) -> Value {
-    match ior {
-        Ior::Named(name) => Value::String(name.clone()),
-        Ior::Number(number) => Value::Float(*number),
-    }
-}
-
-fn with_conductor_ior(object: Object, ior: &ConductorIor) -> Object {
-    match ior {
-        ConductorIor::Named(name) => with_string(object, "material", name),
-        ConductorIor::Given { eta, k } => with_color(with_color(object, "eta", *eta), "k", *k),
+fn property(name: &str, value: Value) -> Property {
+    Property {
+        name: name.to_owned(),
+        value,
+        span: Span::default(),
     }
 }
 
 fn with(mut object: Object, name: &str, value: Value) -> Object {
-    object.properties.push(Property {
-        name: name.to_owned(),
-        value,
-        span: Span::default(),
-    });
+    object.properties.push(property(name, value));
     object
 }
 

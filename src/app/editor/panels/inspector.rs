@@ -182,7 +182,7 @@ fn material_rows(ui: &mut Ui, inspected: &Inspected, all: &[Item], commands: &mu
             ui.add(egui::Label::new(egui::RichText::new(title).italics()).truncate());
             let mut edited = given.clone();
             if material::material(ui, &mut edited) {
-                commands.push(Command::SetMaterial(*entity, edited));
+                commands.push(Command::SetMaterial(*entity, Box::new(edited)));
             }
         });
     }

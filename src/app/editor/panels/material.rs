@@ -1,11 +1,13 @@
 //! The parameters of a material, and what kind it is.
 
+use std::ops::RangeInclusive;
+
 use bevy::math::Vec3;
 use bevy_egui::egui::Ui;
 
 use super::fields;
 use crate::color::Rgb;
-use crate::scene::{ConductorIor, Ior, Material};
+use crate::scene::{ConductorIor, Distribution, Ior, Material, Parameter, ParameterVisitor, Roughness};
 use crate::shading::ior::{self, CONDUCTORS, DIELECTRICS};
 
 /// What some of the format's conductors are called in words.
@@ -19,163 +21,254 @@ const METALS: [(&str, &str); 7] = [
     ("W", "W, tungsten"),
 ];
 
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
-    Diffuse,
-    Conductor,
-    RoughConductor,
-    Dielectric,
-    Metal,
-    TwoSided,
-}
+/// What plugins are called in lists, where not by their own name.
+const KINDS: [(&str, &str); 6] = [
+    ("roughconductor", "rough conductor"),
+    ("twosided", "two-sided"),
+    ("blendbsdf", "blend"),
+    ("normalmap", "normal map"),
+    ("null", "nothing"),
+    ("metal", "metal with fuzz"),
+];
 
-/// What a two-sided material may be turned into, and the other way round, is left to the file: it has others inside.
-const KINDS: [(Kind, &str); 5] = [
-    (Kind::Diffuse, "diffuse"),
-    (Kind::Conductor, "conductor"),
-    (Kind::RoughConductor, "rough conductor"),
-    (Kind::Dielectric, "dielectric"),
-    (Kind::Metal, "metal with fuzz"),
+/// What parameters are called, where not by their own name.
+const LABELS: [(&str, &str); 7] = [
+    ("alpha", "Roughness"),
+    ("specular_reflectance", "Reflection"),
+    ("specular_transmittance", "Transmission"),
+    ("int_ior", "Inside"),
+    ("ext_ior", "Outside"),
+    ("flip_invalid_normals", "Flip invalid"),
+    ("use_shadowing_function", "Soft shadows"),
 ];
 
 /// True if `material` was edited.
 pub fn material(ui: &mut Ui, material: &mut Material) -> bool {
-    let kind = kind(material);
-    if kind == Kind::TwoSided {
-        fields::note(ui, "Type", "two-sided");
-        return false;
+    let plugin = material.plugin();
+    let mut wanted = plugin;
+    let mut changed = false;
+    // What has others inside keeps its kind: the file decides there.
+    if *material.nested_count().end() > 0 {
+        fields::note(ui, "Type", kind_name(material));
+    } else {
+        let plugins = Material::PLUGINS.iter().filter(|plugin| {
+            let nested = Material::of_plugin(plugin).map_or(0, |material| *material.nested_count().end());
+            nested == 0
+        });
+        let options: Vec<_> = plugins.map(|&plugin| (plugin, in_words(&KINDS, plugin))).collect();
+        changed |= fields::choice(ui, "Type", &mut wanted, &options);
     }
-    let mut wanted = kind;
-    if fields::choice(ui, "Type", &mut wanted, &KINDS) {
+    if wanted != plugin {
         *material = turned_into(material, wanted);
         return true;
     }
-    match material {
-        Material::Diffuse { reflectance } => fields::color(ui, "Reflectance", reflectance),
-        Material::Conductor {
-            ior,
-            specular_reflectance,
-        } => {
-            let changed = conductor_ior(ui, ior);
-            fields::color(ui, "Tint", specular_reflectance) || changed
-        }
-        Material::RoughConductor {
-            ior,
-            specular_reflectance,
-            alpha,
-        } => {
-            let mut changed = fields::slider(ui, "Roughness", alpha, 0.001..=1.0);
-            changed |= conductor_ior(ui, ior);
-            fields::color(ui, "Tint", specular_reflectance) || changed
-        }
-        Material::Dielectric {
-            interior,
-            exterior,
-            specular_reflectance,
-            specular_transmittance,
-        } => {
-            let mut changed = dielectric_ior(ui, "Inside", interior);
-            changed |= dielectric_ior(ui, "Outside", exterior);
-            changed |= fields::color(ui, "Reflection", specular_reflectance);
-            fields::color(ui, "Transmission", specular_transmittance) || changed
-        }
-        Material::Metal { reflectance, fuzz } => {
-            let changed = fields::color(ui, "Reflectance", reflectance);
-            fields::slider(ui, "Fuzz", fuzz, 0.0..=1.0) || changed
-        }
-        Material::TwoSided => false,
-    }
+    let mut rows = Rows { ui, changed };
+    material.visit(&mut rows);
+    rows.changed
 }
 
 /// The name of the kind, for lists.
 pub fn kind_name(material: &Material) -> &'static str {
-    let kind = kind(material);
-    KINDS
-        .iter()
-        .find(|(k, _)| *k == kind)
-        .map_or("two-sided", |(_, name)| name)
+    in_words(&KINDS, material.plugin())
 }
 
-fn kind(material: &Material) -> Kind {
-    match material {
-        Material::Diffuse { .. } => Kind::Diffuse,
-        Material::Conductor { .. } => Kind::Conductor,
-        Material::RoughConductor { .. } => Kind::RoughConductor,
-        Material::Dielectric { .. } => Kind::Dielectric,
-        Material::Metal { .. } => Kind::Metal,
-        Material::TwoSided => Kind::TwoSided,
+/// A material of another kind that keeps the parameters that the two have in common.
+fn turned_into(material: &Material, plugin: &str) -> Material {
+    let mut turned = Material::of_plugin(plugin).unwrap_or_default();
+    let mut common = Common::default();
+    material.clone().visit(&mut common);
+    common.given = true;
+    turned.visit(&mut common);
+    turned
+}
+
+/// First collects the parameters of one material, then gives them to another.
+#[derive(Default)]
+struct Common {
+    given: bool,
+    colors: Vec<(&'static str, Parameter<Rgb>)>,
+    floats: Vec<(&'static str, Parameter<f32>)>,
+    flags: Vec<(&'static str, bool)>,
+    iors: Vec<(&'static str, Ior)>,
+    conductor: Vec<((), ConductorIor)>,
+    distribution: Vec<((), Distribution)>,
+    roughness: Vec<((), Roughness)>,
+}
+
+fn exchange<N: PartialEq, T: Clone>(given: bool, known: &mut Vec<(N, T)>, name: N, value: &mut T) {
+    if !given {
+        known.push((name, value.clone()));
+    } else if let Some((_, common)) = known.iter().find(|(known, _)| *known == name) {
+        *value = common.clone();
     }
 }
 
-/// A material of another kind that keeps what the two have in common: colour, metal, roughness.
-fn turned_into(material: &Material, kind: Kind) -> Material {
-    let (color, ior, roughness) = match material {
-        Material::Diffuse { reflectance } => (Some(*reflectance), None, 0.1),
-        Material::Metal { reflectance, fuzz } => (Some(*reflectance), None, *fuzz),
-        Material::Conductor { ior, .. } => (None, Some(ior.clone()), 0.1),
-        Material::RoughConductor { ior, alpha, .. } => (None, Some(ior.clone()), *alpha),
-        Material::Dielectric { .. } | Material::TwoSided => (None, None, 0.1),
-    };
-    let ior = ior.unwrap_or_else(|| ConductorIor::Named("Al".to_owned()));
-    match kind {
-        Kind::Diffuse | Kind::TwoSided => Material::Diffuse {
-            reflectance: color.unwrap_or(Rgb::splat(0.5)),
-        },
-        Kind::Metal => Material::Metal {
-            reflectance: color.unwrap_or(Rgb::splat(0.8)),
-            fuzz: roughness,
-        },
-        Kind::Conductor => Material::Conductor {
-            ior,
-            specular_reflectance: Rgb::ONE,
-        },
-        Kind::RoughConductor => Material::RoughConductor {
-            ior,
-            specular_reflectance: Rgb::ONE,
-            alpha: roughness.max(0.001),
-        },
-        Kind::Dielectric => Material::Dielectric {
-            interior: Ior::Named("bk7".to_owned()),
-            exterior: Ior::Named("air".to_owned()),
-            specular_reflectance: Rgb::ONE,
-            specular_transmittance: Rgb::ONE,
-        },
+impl ParameterVisitor for Common {
+    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        exchange(self.given, &mut self.colors, name, value);
+    }
+
+    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        exchange(self.given, &mut self.colors, name, value);
+    }
+
+    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, _range: RangeInclusive<f32>) {
+        exchange(self.given, &mut self.floats, name, value);
+    }
+
+    fn flag(&mut self, name: &'static str, value: &mut bool) {
+        exchange(self.given, &mut self.flags, name, value);
+    }
+
+    fn ior(&mut self, name: &'static str, value: &mut Ior) {
+        exchange(self.given, &mut self.iors, name, value);
+    }
+
+    fn conductor_ior(&mut self, value: &mut ConductorIor) {
+        exchange(self.given, &mut self.conductor, (), value);
+    }
+
+    fn distribution(&mut self, value: &mut Distribution) {
+        exchange(self.given, &mut self.distribution, (), value);
+    }
+
+    fn roughness(&mut self, value: &mut Roughness) {
+        exchange(self.given, &mut self.roughness, (), value);
     }
 }
 
-fn conductor_ior(ui: &mut Ui, ior: &mut ConductorIor) -> bool {
+/// One row, or a few, for each parameter.
+struct Rows<'u> {
+    ui: &'u mut Ui,
+    changed: bool,
+}
+
+impl Rows<'_> {
+    /// A texture is named; it can be given up for `otherwise`.
+    fn texture<T>(&mut self, label: &str, value: &mut Parameter<T>, otherwise: T) {
+        let Parameter::Texture(texture) = value else {
+            return;
+        };
+        let plugin = texture.plugin();
+        let replace = self.ui.horizontal(|ui| {
+            fields::note(ui, label, plugin);
+            ui.small_button("\u{2715}")
+                .on_hover_text("Replace the texture by a constant")
+                .clicked()
+        });
+        if replace.inner {
+            *value = Parameter::Constant(otherwise);
+            self.changed = true;
+        }
+    }
+}
+
+impl ParameterVisitor for Rows<'_> {
+    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        let label = label(name);
+        match value {
+            Parameter::Constant(color) => self.changed |= fields::color(self.ui, &label, color),
+            Parameter::Texture(_) => self.texture(&label, value, Rgb::splat(0.5)),
+        }
+    }
+
+    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        let label = label(name);
+        match value {
+            Parameter::Constant(color) => self.changed |= positive(self.ui, &label, color),
+            Parameter::Texture(_) => self.texture(&label, value, Rgb::ONE),
+        }
+    }
+
+    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>) {
+        let label = label(name);
+        match value {
+            Parameter::Constant(number) => self.changed |= fields::slider(self.ui, &label, number, range),
+            Parameter::Texture(_) => self.texture(&label, value, 0.5),
+        }
+    }
+
+    fn flag(&mut self, name: &'static str, value: &mut bool) {
+        self.changed |= fields::checkbox(self.ui, &label(name), value);
+    }
+
+    fn ior(&mut self, name: &'static str, value: &mut Ior) {
+        self.changed |= dielectric_ior(self.ui, &label(name), value);
+    }
+
+    fn conductor_ior(&mut self, value: &mut ConductorIor) {
+        let chosen = choose_conductor(self.ui, value);
+        self.changed |= chosen;
+        if let ConductorIor::Given { eta, k } = value {
+            self.color("eta", eta);
+            self.color("k", k);
+        }
+    }
+
+    fn distribution(&mut self, value: &mut Distribution) {
+        let options = [(Distribution::Beckmann, "Beckmann"), (Distribution::Ggx, "GGX")];
+        self.changed |= fields::choice(self.ui, "Facets", value, &options);
+    }
+
+    fn roughness(&mut self, value: &mut Roughness) {
+        // To zero it would be no rough surface.
+        const RANGE: RangeInclusive<f32> = 0.001..=1.0;
+        match value {
+            Roughness::Isotropic(alpha) => self.float("alpha", alpha, RANGE),
+            Roughness::Anisotropic { u, v } => {
+                self.float("alpha_u", u, RANGE);
+                self.float("alpha_v", v, RANGE);
+            }
+        }
+    }
+}
+
+/// What a parameter is called in the panel.
+fn label(name: &'static str) -> String {
+    if let Some((_, label)) = LABELS.iter().find(|(known, _)| *known == name) {
+        return (*label).to_owned();
+    }
+    let spaced = name.replace('_', " ");
+    let mut letters = spaced.chars();
+    let first = letters.next().map(|letter| letter.to_ascii_uppercase());
+    first.into_iter().chain(letters).collect()
+}
+
+fn choose_conductor(ui: &mut Ui, ior: &mut ConductorIor) -> bool {
     const GIVEN: &str = "numbers";
     let current = match ior {
         ConductorIor::Named(name) => name.clone(),
         ConductorIor::Given { .. } => GIVEN.to_owned(),
     };
     let mut options = vec![(GIVEN, "eta and k")];
-    options.extend(CONDUCTORS.iter().map(|(name, ..)| (*name, in_words(name))));
+    options.extend(CONDUCTORS.iter().map(|(name, ..)| (*name, in_words(&METALS, name))));
     if !options.iter().any(|(name, _)| *name == current) {
         options.push((&current, &current));
     }
     let mut choice = current.as_str();
-    let mut changed = fields::choice(ui, "Metal", &mut choice, &options);
+    let changed = fields::choice(ui, "Metal", &mut choice, &options);
     if changed {
         *ior = match choice {
             GIVEN => {
                 let (eta, k) = ior::conductor_ior(&current).unwrap_or((Rgb::ZERO, Rgb::ONE));
-                ConductorIor::Given { eta, k }
+                ConductorIor::Given {
+                    eta: eta.into(),
+                    k: k.into(),
+                }
             }
             name => ConductorIor::Named(name.to_owned()),
         };
     }
-    if let ConductorIor::Given { eta, k } = ior {
-        changed |= positive(ui, "Eta", eta);
-        changed |= positive(ui, "K", k);
-    }
     changed
 }
 
-fn in_words(name: &'static str) -> &'static str {
-    METALS
+fn in_words<'n>(names: &[(&str, &'static str)], name: &'n str) -> &'n str
+where
+    'static: 'n,
+{
+    names
         .iter()
-        .find(|(metal, _)| *metal == name)
+        .find(|(known, _)| *known == name)
         .map_or(name, |(_, words)| words)
 }
 
@@ -219,15 +312,22 @@ mod tests {
     #[test]
     fn turning_keeps_what_is_common() {
         let red = Material::Diffuse {
-            reflectance: Rgb::new(0.6, 0.1, 0.1),
+            reflectance: Rgb::new(0.6, 0.1, 0.1).into(),
         };
-        let metal = turned_into(&red, Kind::Metal);
-        assert_eq!(turned_into(&metal, Kind::Diffuse), red);
-        let gold = Material::Conductor {
-            ior: ConductorIor::Named("Au".into()),
-            specular_reflectance: Rgb::ONE,
+        let metal = turned_into(&red, "metal");
+        assert_eq!(turned_into(&metal, "diffuse"), red);
+        let mut gold = Material::of_plugin("conductor").expect("a plugin");
+        let Material::Conductor { ior, .. } = &mut gold else {
+            panic!("{gold:?}")
         };
-        let rough = turned_into(&gold, Kind::RoughConductor);
+        *ior = ConductorIor::Named("Au".into());
+        let rough = turned_into(&gold, "roughconductor");
         assert!(matches!(&rough, Material::RoughConductor { ior, .. } if *ior == ConductorIor::Named("Au".into())));
+    }
+
+    #[test]
+    fn labels_are_words() {
+        assert_eq!(label("alpha"), "Roughness");
+        assert_eq!(label("spec_tint"), "Spec tint");
     }
 }

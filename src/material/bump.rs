@@ -1,0 +1,72 @@
+//! Shading about normals that are not the surface's own.
+
+use glam::Vec3;
+
+use super::BumpOptions;
+use crate::math::Frame;
+
+/// A shading frame whose z may be turned to the back of the surface; the frame itself stays upright.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Orientation {
+    pub frame: Frame,
+    /// 1, or -1 behind.
+    pub side: f32,
+}
+
+impl Orientation {
+    pub fn to_local(self, v: Vec3) -> Vec3 {
+        let local = self.frame.to_local(v);
+        Vec3::new(local.x, local.y, local.z * self.side)
+    }
+
+    pub fn to_world(self, v: Vec3) -> Vec3 {
+        self.frame.to_world(Vec3::new(v.x, v.y, v.z * self.side))
+    }
+}
+
+/// How a bumped surface differs from the one it lies on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bump {
+    surface: Vec3,
+    bumped: Vec3,
+    /// Squared roughness of the shadowing function; 0 without it.
+    alpha_squared: f32,
+}
+
+impl Bump {
+    /// The frame about `normal` (in `below`, not of unit length) and what has to be minded in it. None if the normal is no direction.
+    pub fn new(mut normal: Vec3, below: Orientation, wo: Vec3, options: BumpOptions) -> Option<(Orientation, Self)> {
+        let wo = below.to_local(wo);
+        if options.flip_invalid_normals && wo.z * wo.dot(normal) <= 0.0 {
+            normal = Vec3::new(-normal.x, -normal.y, normal.z);
+        }
+        let n = normal.try_normalize()?;
+        let s = (Vec3::X - n * n.x).try_normalize()?;
+        let [s, t, n_world] = [s, n.cross(s), n].map(|axis| below.to_world(axis));
+        let tan_squared = (1.0 - n.z * n.z).max(0.0) / (n.z * n.z).max(f32::MIN_POSITIVE);
+        let orientation = Orientation {
+            frame: Frame { s, t, n: n_world },
+            side: 1.0,
+        };
+        let bump = Self {
+            surface: below.side * below.frame.n,
+            bumped: n_world,
+            alpha_squared: if options.use_shadowing_function {
+                (0.125 * tan_squared).min(1.0)
+            } else {
+                0.0
+            },
+        };
+        Some((orientation, bump))
+    }
+
+    /// What of the light towards `wi` counts: none where the surface and the bumped one disagree about the side.
+    pub fn factor(&self, wi: Vec3) -> f32 {
+        let cos = wi.dot(self.surface);
+        if cos * wi.dot(self.bumped) <= 0.0 {
+            return 0.0;
+        }
+        let tan_squared = (1.0 - cos * cos).max(0.0) / (cos * cos);
+        2.0 / (1.0 + (1.0 + self.alpha_squared * tan_squared).sqrt())
+    }
+}

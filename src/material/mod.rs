@@ -1,0 +1,133 @@
+//! What surfaces are made of: scattering models whose parameters may be textured, and materials made of other materials.
+//!
+//! At a hit the table resolves textures and nesting once, into a [`Scattering`]: plain models with the shares they have. Light transport
+//! asks that, in world space. Numbers are in range already but for what textures say, which is brought into range here.
+
+mod bump;
+mod nesting;
+mod scattering;
+mod textured;
+
+pub use nesting::{LARGEST_MIX, MaterialTableError, NestingProblem};
+pub use scattering::{Lobe, ScatterSample, Scattering};
+pub use textured::{TexturedBsdf, TexturedSpecular};
+
+use glam::Vec3;
+
+use crate::accel::SurfacePoint;
+use crate::color::Rgb;
+use crate::shading::Bsdf;
+use crate::texture::{Parameter, TexturePoint, TextureTable};
+
+/// An index into a [`MaterialTable`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct MaterialId(pub u32);
+
+/// A material of the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Material {
+    /// The same everywhere.
+    Plain(Bsdf),
+    Textured(TexturedBsdf),
+    /// One material seen from the normal's side and another (or the same, mirrored) from behind.
+    TwoSided {
+        front: MaterialId,
+        back: MaterialId,
+    },
+    /// `second` with the share `weight`, `first` with the rest.
+    Blend {
+        first: MaterialId,
+        second: MaterialId,
+        weight: Parameter<f32>,
+    },
+    /// `nested` with the share `opacity`; the rest of the light passes through.
+    Mask {
+        nested: MaterialId,
+        opacity: Parameter<f32>,
+    },
+    /// `nested` about the normals of a texture: n = 2 colour - 1 in the shading frame.
+    NormalMap {
+        nested: MaterialId,
+        normals: Parameter<Rgb>,
+        options: BumpOptions,
+    },
+    /// Light passes as if nothing were there.
+    Null,
+}
+
+/// How shading copes with normals that are not the surface's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BumpOptions {
+    /// Turn normals that face away from the viewer about the surface's own.
+    pub flip_invalid_normals: bool,
+    /// Soften the border of light and shadow: Estevez, Lecocq and Stein, A Microfacet-Based Shadowing Function to Solve the Bump
+    /// Terminator Problem, Ray Tracing Gems 2019.
+    pub use_shadowing_function: bool,
+}
+
+impl From<Bsdf> for Material {
+    fn from(bsdf: Bsdf) -> Self {
+        Self::Plain(bsdf)
+    }
+}
+
+/// All materials of a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MaterialTable {
+    materials: Vec<Material>,
+    /// Whether light can pass straight through any of them.
+    lets_through: bool,
+}
+
+impl MaterialTable {
+    /// A table whose [`MaterialId`]s are the positions in `materials`. Nested materials must be of the same list, before or after.
+    pub fn new(mut materials: Vec<Material>) -> Result<Self, MaterialTableError> {
+        nesting::check(&materials)?;
+        for material in &mut materials {
+            if let Material::Textured(textured) = material
+                && let Some(bsdf) = textured.if_constant()
+            {
+                *material = Material::Plain(bsdf);
+            }
+        }
+        let lets_through = materials.iter().any(|material| match material {
+            Material::Mask { .. } | Material::Null => true,
+            Material::Plain(bsdf) => bsdf.lets_through(),
+            Material::Textured(textured) => textured.lets_through(),
+            _ => false,
+        });
+        Ok(Self {
+            materials,
+            lets_through,
+        })
+    }
+
+    pub fn len(&self) -> usize {
+        self.materials.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.materials.is_empty()
+    }
+
+    pub fn get(&self, id: MaterialId) -> Option<&Material> {
+        self.materials.get(id.0 as usize)
+    }
+
+    /// Whether any surface may let light pass straight through, so that shadow rays have to look at what they meet.
+    pub fn lets_through(&self) -> bool {
+        self.lets_through
+    }
+
+    /// How the surface at `point` scatters light to `wo`, a unit vector in world space. `at` is where its textures are looked up.
+    pub fn scattering(
+        &self,
+        id: MaterialId,
+        point: &SurfacePoint,
+        wo: Vec3,
+        textures: &TextureTable,
+        at: &TexturePoint,
+    ) -> Scattering {
+        nesting::resolve(&self.materials, id, point, wo, textures, at)
+    }
+}

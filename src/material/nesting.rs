@@ -1,0 +1,179 @@
+//! Materials inside materials: which are allowed, and what they amount to at a place.
+
+use glam::Vec3;
+
+use super::bump::{Bump, Orientation};
+use super::scattering::{Part, Scattering};
+use super::{Material, MaterialId};
+use crate::accel::SurfacePoint;
+use crate::shading::Bsdf;
+use crate::texture::{TexturePoint, TextureTable};
+
+/// Models that a material may mix at one place.
+pub const LARGEST_MIX: usize = 8;
+
+/// Materials inside each other; the stack is finite.
+const DEEPEST: usize = 64;
+
+/// Why a list of materials is no table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("material {place} {problem}")]
+pub struct MaterialTableError {
+    /// In the list.
+    pub place: usize,
+    pub problem: NestingProblem,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NestingProblem {
+    #[error("refers to number {0}, but there are only {1}")]
+    OutOfRange(u32, usize),
+    #[error("contains itself, or others nested deeper than {DEEPEST}")]
+    TooDeep,
+    #[error("mixes more than {LARGEST_MIX} others")]
+    TooManyParts,
+}
+
+impl Material {
+    fn nested(&self) -> [Option<MaterialId>; 2] {
+        match *self {
+            Self::Plain(_) | Self::Textured(_) | Self::Null => [None, None],
+            Self::TwoSided { front, back } => [Some(front), Some(back)],
+            Self::Blend { first, second, .. } => [Some(first), Some(second)],
+            Self::Mask { nested, .. } | Self::NormalMap { nested, .. } => [Some(nested), None],
+        }
+    }
+}
+
+pub(super) fn check(materials: &[Material]) -> Result<(), MaterialTableError> {
+    let mut known = vec![None; materials.len()];
+    for place in 0..materials.len() {
+        let error = |problem| MaterialTableError { place, problem };
+        for nested in materials[place].nested().into_iter().flatten() {
+            if nested.0 as usize >= materials.len() {
+                return Err(error(NestingProblem::OutOfRange(nested.0, materials.len())));
+            }
+        }
+        let parts = count_parts(materials, place, &mut known, 0).ok_or(error(NestingProblem::TooDeep))?;
+        if parts > LARGEST_MIX {
+            return Err(error(NestingProblem::TooManyParts));
+        }
+    }
+    Ok(())
+}
+
+/// Most models that a material can amount to; None if it is nested too deep.
+fn count_parts(materials: &[Material], index: usize, known: &mut [Option<usize>], depth: usize) -> Option<usize> {
+    if depth > DEEPEST {
+        return None;
+    }
+    if known[index].is_none() {
+        let mut counts = [0; 2];
+        for (count, nested) in counts.iter_mut().zip(materials[index].nested()) {
+            // One that is not there is reported at its own turn.
+            if let Some(nested) = nested.filter(|nested| (nested.0 as usize) < materials.len()) {
+                *count = count_parts(materials, nested.0 as usize, known, depth + 1)?;
+            }
+        }
+        known[index] = Some(match materials[index] {
+            Material::Plain(_) | Material::Textured(_) => 1,
+            Material::TwoSided { .. } => counts[0].max(counts[1]),
+            _ => counts[0] + counts[1],
+        });
+    }
+    known[index]
+}
+
+/// What `id` is at a place.
+pub(super) fn resolve(
+    materials: &[Material],
+    id: MaterialId,
+    point: &SurfacePoint,
+    wo: Vec3,
+    textures: &TextureTable,
+    at: &TexturePoint,
+) -> Scattering {
+    let mut resolver = Resolver {
+        materials,
+        wo,
+        textures,
+        at,
+        scattering: Scattering::new(wo),
+    };
+    let upright = Orientation {
+        frame: point.shading_frame(),
+        side: 1.0,
+    };
+    resolver.add(id, 1.0, upright, None);
+    resolver.scattering
+}
+
+struct Resolver<'a> {
+    materials: &'a [Material],
+    wo: Vec3,
+    textures: &'a TextureTable,
+    at: &'a TexturePoint<'a>,
+    scattering: Scattering,
+}
+
+impl Resolver<'_> {
+    fn add(&mut self, id: MaterialId, weight: f32, orientation: Orientation, bump: Option<Bump>) {
+        if weight <= 0.0 {
+            return;
+        }
+        let materials = self.materials;
+        match &materials[id.0 as usize] {
+            Material::Plain(bsdf) => self.push(*bsdf, weight, orientation, bump),
+            Material::Textured(textured) => {
+                let bsdf = textured.at(self.textures, self.at);
+                self.push(bsdf, weight, orientation, bump);
+            }
+            Material::TwoSided { front, back } => {
+                if orientation.to_local(self.wo).z > 0.0 {
+                    self.add(*front, weight, orientation, bump);
+                } else {
+                    let behind = Orientation {
+                        side: -orientation.side,
+                        ..orientation
+                    };
+                    self.add(*back, weight, behind, bump);
+                }
+            }
+            Material::Blend {
+                first,
+                second,
+                weight: share,
+            } => {
+                let share = self.textures.float(*share, self.at).clamp(0.0, 1.0);
+                self.add(*first, weight * (1.0 - share), orientation, bump);
+                self.add(*second, weight * share, orientation, bump);
+            }
+            Material::Mask { nested, opacity } => {
+                let opacity = self.textures.float(*opacity, self.at).clamp(0.0, 1.0);
+                self.scattering.let_through(weight * (1.0 - opacity));
+                self.add(*nested, weight * opacity, orientation, bump);
+            }
+            Material::NormalMap {
+                nested,
+                normals,
+                options,
+            } => {
+                let normal = 2.0 * self.textures.color(*normals, self.at) - Vec3::ONE;
+                match Bump::new(normal, orientation, self.wo, *options) {
+                    Some((bumped, bump)) => self.add(*nested, weight, bumped, Some(bump)),
+                    None => self.add(*nested, weight, orientation, bump),
+                }
+            }
+            Material::Null => self.scattering.let_through(weight),
+        }
+    }
+
+    fn push(&mut self, bsdf: Bsdf, weight: f32, orientation: Orientation, bump: Option<Bump>) {
+        self.scattering.push(Part {
+            weight,
+            orientation,
+            bump,
+            bsdf,
+        });
+    }
+}

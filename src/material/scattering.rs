@@ -1,0 +1,211 @@
+//! How one place of a surface scatters light: a weighted list of models, and a share that passes straight through.
+//!
+//! Directions are unit vectors in world space; `wo` is part of the value. Contracts are those of [`crate::shading`].
+
+use arrayvec::ArrayVec;
+use glam::{Vec2, Vec3};
+
+use super::bump::{Bump, Orientation};
+use super::nesting::LARGEST_MIX;
+use crate::color::Rgb;
+use crate::shading::{Bsdf, BsdfSample};
+
+/// A model, its share, and how it lies in the world.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    pub weight: f32,
+    pub orientation: Orientation,
+    pub bump: Option<Bump>,
+    pub bsdf: Bsdf,
+}
+
+/// What a surface does with light at one place, seen from one direction.
+#[derive(Clone, Debug)]
+pub struct Scattering {
+    wo: Vec3,
+    parts: ArrayVec<Part, LARGEST_MIX>,
+    /// Share of the light that goes on as if nothing were there.
+    passing: f32,
+}
+
+/// A delta lobe whose cosine with `wo` is below this goes straight on; reflection does only at grazing angles that no path has.
+const STRAIGHT: f32 = -1.0 + 1e-6;
+
+/// What kind of continuation a sample is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lobe {
+    /// One of a density of directions.
+    Smooth,
+    /// The only direction of its lobe.
+    Delta,
+    /// Straight on: the path has not noticed the surface.
+    Null,
+}
+
+/// A sampled continuation of a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScatterSample {
+    /// Unit vector to the light.
+    pub wi: Vec3,
+    /// f |cos wi| / pdf.
+    pub weight: Rgb,
+    /// Solid angle density of `wi`; for delta and null lobes the probability of choosing them.
+    pub pdf: f32,
+    pub lobe: Lobe,
+    /// As in [`BsdfSample::eta`].
+    pub eta: f32,
+}
+
+impl Part {
+    fn wo(&self, wo: Vec3) -> Vec3 {
+        self.orientation.to_local(wo)
+    }
+
+    fn factor(&self, wi: Vec3) -> f32 {
+        self.bump.map_or(1.0, |bump| bump.factor(wi))
+    }
+
+    /// f |cos wi| and its density, both times the weight.
+    fn eval_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        let factor = self.factor(wi);
+        if factor == 0.0 {
+            return (Rgb::ZERO, 0.0);
+        }
+        let (wo, wi) = (self.wo(wo), self.orientation.to_local(wi));
+        (
+            self.weight * factor * self.bsdf.eval(wo, wi),
+            self.weight * self.bsdf.pdf(wo, wi),
+        )
+    }
+
+    /// In world space and with the bump's factor; not weighted.
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        let sample = self.bsdf.sample(self.wo(wo), u_lobe, u)?;
+        let wi = self.orientation.to_world(sample.wi);
+        let factor = self.factor(wi);
+        (factor > 0.0).then_some(BsdfSample {
+            wi,
+            weight: sample.weight * factor,
+            ..sample
+        })
+    }
+}
+
+impl Scattering {
+    pub(super) fn new(wo: Vec3) -> Self {
+        Self {
+            wo,
+            parts: ArrayVec::new(),
+            passing: 0.0,
+        }
+    }
+
+    /// The table has made sure that there is room.
+    pub(super) fn push(&mut self, part: Part) {
+        self.parts.push(part);
+    }
+
+    pub(super) fn let_through(&mut self, share: f32) {
+        self.passing += share;
+    }
+
+    /// f |cos wi| and the solid angle density with which [`Self::sample`] returns `wi`, both without delta and null lobes.
+    pub fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
+        self.parts.iter().fold((Rgb::ZERO, 0.0), |(value, pdf), part| {
+            let (part_value, part_pdf) = part.eval_and_pdf(self.wo, wi);
+            (value + part_value, pdf + part_pdf)
+        })
+    }
+
+    /// A direction for the path to go on, from independent uniform numbers. None if the light is absorbed.
+    pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<ScatterSample> {
+        if let ([part], 0.0) = (&self.parts[..], self.passing) {
+            return Some(self.only(part, part.sample(self.wo, u_lobe, u)?, 1.0));
+        }
+        if u_lobe < self.passing {
+            return Some(ScatterSample {
+                wi: -self.wo,
+                weight: Rgb::ONE,
+                pdf: self.passing,
+                lobe: Lobe::Null,
+                eta: 1.0,
+            });
+        }
+        // All shares add up to 1; rounding may lead beyond the last.
+        let mut left = u_lobe - self.passing;
+        let mut chosen = self.parts.len().checked_sub(1)?;
+        for (index, part) in self.parts.iter().enumerate() {
+            if left < part.weight {
+                chosen = index;
+                break;
+            }
+            left -= part.weight;
+        }
+        let part = &self.parts[chosen];
+        let u_part = (left / part.weight).clamp(0.0, 1.0 - f32::EPSILON);
+        let sample = part.sample(self.wo, u_part, u)?;
+        if sample.is_delta {
+            return Some(self.only(part, sample, part.weight));
+        }
+        // Other parts could have found the direction as well.
+        let pdf = part.weight * sample.pdf;
+        let start = (pdf * sample.weight, pdf);
+        let others = self.parts.iter().enumerate().filter(|&(index, _)| index != chosen);
+        let (value, pdf) = others.fold(start, |(value, pdf), (_, other)| {
+            let (other_value, other_pdf) = other.eval_and_pdf(self.wo, sample.wi);
+            (value + other_value, pdf + other_pdf)
+        });
+        Some(ScatterSample {
+            wi: sample.wi,
+            weight: value / pdf,
+            pdf,
+            lobe: Lobe::Smooth,
+            eta: sample.eta,
+        })
+    }
+
+    /// A sample that no other part could have found, of a part that was chosen with probability `chosen`.
+    fn only(&self, part: &Part, sample: BsdfSample, chosen: f32) -> ScatterSample {
+        let straight = || part.bsdf.lets_through() && sample.wi.dot(self.wo) < STRAIGHT;
+        ScatterSample {
+            wi: sample.wi,
+            weight: sample.weight,
+            pdf: chosen * sample.pdf,
+            lobe: match sample.is_delta {
+                false => Lobe::Smooth,
+                true if straight() => Lobe::Null,
+                true => Lobe::Delta,
+            },
+            eta: sample.eta,
+        }
+    }
+
+    /// What a shadow ray against `wo` finds of the light behind.
+    pub fn passing(&self) -> Rgb {
+        let of_parts = self
+            .parts
+            .iter()
+            .map(|part| part.weight * part.bsdf.passing(part.wo(self.wo)));
+        Rgb::splat(self.passing) + of_parts.sum::<Rgb>()
+    }
+
+    /// Whether some of its light is scattered with a density, so that light sources are worth sampling from here.
+    pub fn has_smooth_lobe(&self) -> bool {
+        self.parts.iter().any(|part| part.bsdf.has_smooth_lobe())
+    }
+
+    /// The normal of the half space that all light comes from which [`Self::eval_and_pdf`] counts; None if that is not known, or all of
+    /// space.
+    pub fn half_space(&self) -> Option<Vec3> {
+        match &self.parts[..] {
+            [part] if !part.bsdf.transmits() => Some(part.orientation.to_world(Vec3::Z)),
+            _ => None,
+        }
+    }
+
+    /// A colour that stands for the surface where a denoiser or a debug view wants one. In [0, 1] for physical parameters.
+    pub fn albedo(&self) -> Rgb {
+        let of_parts = self.parts.iter().map(|part| part.weight * part.bsdf.albedo());
+        Rgb::splat(self.passing) + of_parts.sum::<Rgb>()
+    }
+}

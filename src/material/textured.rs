@@ -1,0 +1,161 @@
+//! Scattering models with textured parameters, and their numbers at a place.
+
+use crate::color::Rgb;
+use crate::shading::{
+    Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microfacet, MicrofacetKind,
+    RoughConductor,
+};
+use crate::texture::{Parameter, TexturePoint, TextureTable};
+
+/// A model of [`crate::shading`] whose parameters vary over the surface.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TexturedBsdf {
+    Diffuse {
+        reflectance: Parameter<Rgb>,
+    },
+    Conductor {
+        specular: TexturedSpecular,
+    },
+    RoughConductor {
+        specular: TexturedSpecular,
+        distribution: MicrofacetKind,
+        alpha_u: Parameter<f32>,
+        alpha_v: Parameter<f32>,
+    },
+    Dielectric {
+        /// Index inside over that outside.
+        eta: f32,
+        model: DielectricModel,
+        specular_reflectance: Parameter<Rgb>,
+        specular_transmittance: Parameter<Rgb>,
+    },
+    Metal {
+        reflectance: Parameter<Rgb>,
+        fuzz: Parameter<f32>,
+    },
+}
+
+/// A conductor's reflection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TexturedSpecular {
+    pub eta: Parameter<Rgb>,
+    pub k: Parameter<Rgb>,
+    pub specular_reflectance: Parameter<Rgb>,
+}
+
+/// Gives the numbers of parameters.
+trait Lookup {
+    fn color(&mut self, parameter: Parameter<Rgb>) -> Rgb;
+    fn float(&mut self, parameter: Parameter<f32>) -> f32;
+
+    fn reflectance(&mut self, parameter: Parameter<Rgb>) -> Rgb {
+        self.color(parameter).clamp(Rgb::ZERO, Rgb::ONE)
+    }
+
+    fn specular(&mut self, specular: &TexturedSpecular) -> ConductorSpecular {
+        ConductorSpecular {
+            eta: self.color(specular.eta).max(Rgb::ZERO),
+            k: self.color(specular.k).max(Rgb::ZERO),
+            specular_reflectance: self.reflectance(specular.specular_reflectance),
+        }
+    }
+}
+
+/// Looks textures up at one place.
+struct At<'a> {
+    textures: &'a TextureTable,
+    point: &'a TexturePoint<'a>,
+}
+
+impl Lookup for At<'_> {
+    fn color(&mut self, parameter: Parameter<Rgb>) -> Rgb {
+        self.textures.color(parameter, self.point)
+    }
+
+    fn float(&mut self, parameter: Parameter<f32>) -> f32 {
+        self.textures.float(parameter, self.point)
+    }
+}
+
+/// Finds out whether there is a texture at all.
+#[derive(Default)]
+struct Constants {
+    met_texture: bool,
+}
+
+impl Lookup for Constants {
+    fn color(&mut self, parameter: Parameter<Rgb>) -> Rgb {
+        match parameter {
+            Parameter::Constant(color) => color,
+            Parameter::Texture(_) => {
+                self.met_texture = true;
+                Rgb::ZERO
+            }
+        }
+    }
+
+    fn float(&mut self, parameter: Parameter<f32>) -> f32 {
+        match parameter {
+            Parameter::Constant(number) => number,
+            Parameter::Texture(_) => {
+                self.met_texture = true;
+                0.0
+            }
+        }
+    }
+}
+
+impl TexturedBsdf {
+    /// The model at a place.
+    pub(super) fn at(&self, textures: &TextureTable, point: &TexturePoint) -> Bsdf {
+        self.resolve(&mut At { textures, point })
+    }
+
+    /// The model, if no parameter is a texture.
+    pub(super) fn if_constant(&self) -> Option<Bsdf> {
+        let mut constants = Constants::default();
+        let bsdf = self.resolve(&mut constants);
+        (!constants.met_texture).then_some(bsdf)
+    }
+
+    /// Whether light may pass straight through it somewhere.
+    pub(super) fn lets_through(&self) -> bool {
+        false
+    }
+
+    fn resolve(&self, lookup: &mut impl Lookup) -> Bsdf {
+        match self {
+            Self::Diffuse { reflectance } => Bsdf::Diffuse(Diffuse {
+                reflectance: lookup.reflectance(*reflectance),
+            }),
+            Self::Conductor { specular } => Bsdf::Conductor(Conductor {
+                specular: lookup.specular(specular),
+            }),
+            Self::RoughConductor {
+                specular,
+                distribution,
+                alpha_u,
+                alpha_v,
+            } => Bsdf::RoughConductor(RoughConductor {
+                specular: lookup.specular(specular),
+                distribution: Microfacet::new(*distribution, lookup.float(*alpha_u), lookup.float(*alpha_v)),
+                multiple_scattering: None,
+            }),
+            Self::Dielectric {
+                eta,
+                model,
+                specular_reflectance,
+                specular_transmittance,
+            } => Bsdf::Dielectric(Dielectric {
+                eta: *eta,
+                model: *model,
+                specular_reflectance: lookup.reflectance(*specular_reflectance),
+                specular_transmittance: lookup.reflectance(*specular_transmittance),
+            }),
+            Self::Metal { reflectance, fuzz } => Bsdf::Metal(Metal {
+                color: lookup.reflectance(*reflectance),
+                fuzz: lookup.float(*fuzz).clamp(0.0, 1.0),
+            }),
+        }
+    }
+}

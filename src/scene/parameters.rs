@@ -1,0 +1,81 @@
+//! The list of every material's parameters, written down once: who reads, writes, shows or compares them visits that list.
+
+use std::ops::RangeInclusive;
+
+use super::material::{ConductorIor, Distribution, Ior, Material, Roughness};
+use super::texture::Parameter;
+use crate::color::Rgb;
+
+/// Meets the parameters of a material in turn; names are those of the file. A parameter that a visitor leaves alone keeps its value,
+/// which in a fresh material is the format's default.
+pub trait ParameterVisitor {
+    /// A share of the light, 0 to 1.
+    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>);
+    /// A colour that is no direction's business: not negative, without upper bound.
+    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>);
+    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>);
+    fn flag(&mut self, name: &'static str, value: &mut bool);
+    fn ior(&mut self, name: &'static str, value: &mut Ior);
+    /// `material`, or `eta` and `k`.
+    fn conductor_ior(&mut self, value: &mut ConductorIor);
+    /// `distribution`
+    fn distribution(&mut self, value: &mut Distribution);
+    /// `alpha`, or `alpha_u` and `alpha_v`.
+    fn roughness(&mut self, value: &mut Roughness);
+}
+
+const UNIT: RangeInclusive<f32> = 0.0..=1.0;
+
+impl Material {
+    /// Shows `visitor` every parameter. Materials inside this one are not among them.
+    pub fn visit(&mut self, visitor: &mut impl ParameterVisitor) {
+        match self {
+            Self::Diffuse { reflectance } => visitor.reflectance("reflectance", reflectance),
+            Self::Conductor {
+                ior,
+                specular_reflectance,
+            } => {
+                visitor.conductor_ior(ior);
+                visitor.reflectance("specular_reflectance", specular_reflectance);
+            }
+            Self::RoughConductor {
+                distribution,
+                alpha,
+                ior,
+                specular_reflectance,
+            } => {
+                visitor.distribution(distribution);
+                visitor.roughness(alpha);
+                visitor.conductor_ior(ior);
+                visitor.reflectance("specular_reflectance", specular_reflectance);
+            }
+            Self::Dielectric {
+                interior,
+                exterior,
+                specular_reflectance,
+                specular_transmittance,
+            } => {
+                visitor.ior("int_ior", interior);
+                visitor.ior("ext_ior", exterior);
+                visitor.reflectance("specular_reflectance", specular_reflectance);
+                visitor.reflectance("specular_transmittance", specular_transmittance);
+            }
+            Self::Metal { reflectance, fuzz } => {
+                visitor.reflectance("reflectance", reflectance);
+                visitor.float("fuzz", fuzz, UNIT);
+            }
+            Self::TwoSided | Self::Null => {}
+            Self::Blend { weight } => visitor.float("weight", weight, UNIT),
+            Self::Mask { opacity } => visitor.float("opacity", opacity, UNIT),
+            Self::NormalMap {
+                normals,
+                flip_invalid_normals,
+                use_shadowing_function,
+            } => {
+                visitor.reflectance("normalmap", normals);
+                visitor.flag("flip_invalid_normals", flip_invalid_normals);
+                visitor.flag("use_shadowing_function", use_shadowing_function);
+            }
+        }
+    }
+}
