@@ -27,6 +27,9 @@ const EMITTER: u32 = 1 << 31;
 /// of a radian, where an axis loses a tenth of that on the octahedron and a narrow cone a quarter in the cosine of its angle.
 const SINE_SQUARED_ROUNDING: f32 = 1e-6;
 
+/// Least distance to a ball's centre that counts, squared, in squared radii: within, emitters are around and not there.
+const NEAREST_SQUARED: f32 = 0.25;
+
 impl Node {
     /// A placeholder, to be overwritten.
     pub const EMPTY: Self = Self {
@@ -78,10 +81,10 @@ impl Node {
         let to_center = self.center - reference.position;
         let distance_squared = to_center.length_squared();
         if distance_squared <= self.radius_squared {
-            // Within the ball light may come from anywhere; but not from a point to itself.
+            // Within the ball light may come from anywhere, but not from a point to itself.
             let is_ball = self.radius_squared > 0.0;
             return if is_ball {
-                self.irradiance(self.radius_squared)
+                self.irradiance(distance_squared.max(NEAREST_SQUARED * self.radius_squared))
             } else {
                 0.0
             };
