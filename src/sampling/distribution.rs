@@ -1,7 +1,7 @@
 //! Tabulated distributions: a choice among weights, and a piecewise constant density on [0, 1).
 //!
 //! Both invert the cumulative sum instead of using an alias table: the inverse is monotonic, so well spread numbers give well spread
-//! choices. A guide table (Chen and Asau 1974) makes the search constant time on average. Two-dimensional tables are not here.
+//! choices. A guide table (Chen and Asau 1974) makes the search constant time on average. Two dimensions: `bilinear.rs`.
 
 use super::ONE_MINUS_EPSILON;
 

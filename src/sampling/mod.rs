@@ -2,6 +2,7 @@
 //!
 //! Everything here is a pure function of its arguments: no global state, so that a picture does not depend on who drew which sample.
 
+mod bilinear;
 mod distribution;
 pub mod hash;
 mod mis;
@@ -10,6 +11,7 @@ mod spherical_rectangle;
 mod spherical_triangle;
 pub mod warp;
 
+pub use bilinear::{PiecewiseBilinear2d, SquareSample};
 pub use distribution::{ContinuousSample, DiscreteDistribution, DiscreteSample, PiecewiseConstant1d};
 pub use mis::power_heuristic;
 pub use sampler::{Sampler, SequenceKind};

@@ -1,0 +1,167 @@
+//! A picture of all directions, infinitely far away.
+//!
+//! Latitude and longitude as Mitsuba 3 (since 3.9) has them: +y is up, the top row of the picture is the pole, the bottom row its
+//! opposite; columns have their centres half a column inside, the middle of the picture lies towards +z and the columns go on towards
+//! -x. Between pixels radiance is bilinear, and directions are sampled by the bilinear interpolation of luminance times the solid
+//! angle of its pixel, which is nowhere zero where radiance is not.
+
+use std::f32::consts::{FRAC_1_PI, PI, TAU};
+use std::sync::Arc;
+
+use glam::{Mat3, Vec2, Vec3};
+
+use super::{LightSample, Target};
+use crate::color::{Rgb, luminance};
+use crate::sampling::PiecewiseBilinear2d;
+use crate::texture::Image;
+
+/// A picture of all directions with its sampling density, which neither turning nor scaling changes.
+#[derive(Clone, Debug)]
+pub struct EnvironmentMap {
+    image: Arc<Image>,
+    /// By columns (from the first pixel's centre once around) and rows; None for a black picture.
+    density: Option<PiecewiseBilinear2d>,
+    /// Average luminance over the sphere.
+    mean: f32,
+}
+
+/// Fewer rows are made this many by repeating the last one, as Mitsuba 3 does.
+const LEAST_ROWS: u32 = 3;
+
+/// What is left of the density where compensation would leave nothing: enough to be sound where no other technique helps.
+const COMPENSATION_FLOOR: f32 = 0.05;
+
+/// Below this sine the density per solid angle, infinite at the poles, grows no more.
+const LEAST_SINE: f32 = 1e-7;
+
+impl EnvironmentMap {
+    /// Pixels that are negative or no number count as black. `compensated` sharpens the density by taking the mean away from it, for
+    /// what surfaces sample by themselves need not be sampled twice (Karlik et al., MIS Compensation, SIGGRAPH Asia 2019).
+    pub fn new(image: Arc<Image>, compensated: bool) -> Self {
+        let (width, height) = (image.width(), image.height());
+        let rows = height.max(LEAST_ROWS);
+        let step = PI / (rows - 1) as f32;
+        // The average of the sine over the hat function around the row: positive at the poles, too.
+        let sine = |row: u32| match row {
+            _ if row == 0 || row == rows - 1 => 2.0 * (1.0 - step.sin() / step) / step,
+            _ => (row as f32 * step).sin() * (2.0 * (0.5 * step).sin() / step).powi(2),
+        };
+        let pixel = |column: u32, row: u32| luminance(usable(image.pixel(column % width, row.min(height - 1))));
+        let (mut sum, mut weights) = (0.0f64, 0.0f64);
+        let mut values = Vec::with_capacity((width as usize + 1) * rows as usize);
+        for row in 0..rows {
+            let weight = f64::from(sine(row)) * if row == 0 || row == rows - 1 { 0.5 } else { 1.0 };
+            let start = values.len();
+            values.extend((0..=width).map(|column| pixel(column, row)));
+            sum += weight * values[start..start + width as usize].iter().map(|&value| f64::from(value)).sum::<f64>();
+            weights += weight * f64::from(width);
+        }
+        let mean = (sum / weights) as f32;
+        for (row, values) in values.chunks_exact_mut(width as usize + 1).enumerate() {
+            let sine = sine(row as u32);
+            for value in values {
+                let sharpened = if compensated {
+                    (*value - mean).max(COMPENSATION_FLOOR * *value)
+                } else {
+                    *value
+                };
+                *value = sharpened * sine;
+            }
+        }
+        Self {
+            density: PiecewiseBilinear2d::new(width as usize + 1, rows as usize, &values),
+            image,
+            mean,
+        }
+    }
+
+    /// Radiance from a local unit direction.
+    fn radiance(&self, local: Vec3) -> Rgb {
+        let (width, height) = (self.image.width(), self.image.height());
+        let uv = uv(local);
+        let x = uv.x * width as f32 - 0.5;
+        let y = uv.y * (height.max(LEAST_ROWS) - 1) as f32;
+        let (column, row) = (x.floor(), (y as u32).min(height - 1));
+        let (s, t) = (x - column, y - row as f32);
+        let column = column.rem_euclid(width as f32) as u32 % width;
+        let beside = (column + 1) % width;
+        let below = (row + 1).min(height - 1);
+        let pixel = |column, row| usable(self.image.pixel(column, row));
+        let upper = pixel(column, row).lerp(pixel(beside, row), s);
+        let lower = pixel(column, below).lerp(pixel(beside, below), s);
+        upper.lerp(lower, t.min(1.0))
+    }
+}
+
+/// Two lights with the same picture are the same, without looking at its pixels.
+impl PartialEq for EnvironmentMap {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self, other)
+    }
+}
+
+/// An [`EnvironmentMap`] in the world.
+#[derive(Clone, Debug)]
+pub(super) struct EnvironmentLight {
+    pub map: Arc<EnvironmentMap>,
+    /// Orthonormal; may mirror.
+    pub world_from_local: Mat3,
+    pub scale: f32,
+}
+
+impl EnvironmentLight {
+    /// None if it is black.
+    pub fn sample(&self, u: Vec2) -> Option<LightSample> {
+        let sample = self.map.density.as_ref()?.sample(u);
+        let half_column = 0.5 / self.map.image.width() as f32;
+        let (sin_phi, cos_phi) = (TAU * (sample.position.x + half_column)).sin_cos();
+        let (sin_theta, cos_theta) = (PI * sample.position.y).sin_cos();
+        let local = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
+        Some(LightSample {
+            wi: self.world_from_local * local,
+            target: Target::Infinity,
+            radiance: self.scale * self.map.radiance(local),
+            pdf: sample.pdf * uv_density(sin_theta),
+            is_delta: false,
+        })
+    }
+
+    /// Density per solid angle of [`Self::sample`].
+    pub fn pdf(&self, wi: Vec3) -> f32 {
+        let local = self.world_from_local.transpose() * wi;
+        let uv = uv(local);
+        let x = uv.x - 0.5 / self.map.image.width() as f32;
+        let sin_theta = local.x.hypot(local.z);
+        let density = self.map.density.as_ref();
+        density.map_or(0.0, |density| {
+            density.pdf(Vec2::new(x - x.floor(), uv.y)) * uv_density(sin_theta)
+        })
+    }
+
+    pub fn radiance(&self, wi: Vec3) -> Rgb {
+        self.scale * self.map.radiance(self.world_from_local.transpose() * wi)
+    }
+
+    /// Luminance on average over all directions.
+    pub fn mean_luminance(&self) -> f32 {
+        self.scale * self.map.mean
+    }
+}
+
+/// Longitude and latitude of a unit vector as fractions of the picture.
+fn uv(local: Vec3) -> Vec2 {
+    let turn = local.x.atan2(-local.z) / TAU;
+    // The arc cosine has no digits left near the poles.
+    let theta = local.x.hypot(local.z).atan2(local.y);
+    Vec2::new(turn - turn.floor(), (theta * FRAC_1_PI).min(1.0))
+}
+
+/// Density per solid angle of what is uniform over the picture.
+fn uv_density(sin_theta: f32) -> f32 {
+    1.0 / (TAU * PI * sin_theta.abs().max(LEAST_SINE))
+}
+
+fn usable(radiance: Rgb) -> Rgb {
+    let channel = |value: f32| if value.is_finite() { value.max(0.0) } else { 0.0 };
+    Rgb::new(channel(radiance.x), channel(radiance.y), channel(radiance.z))
+}

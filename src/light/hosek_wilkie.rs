@@ -1,0 +1,195 @@
+//! The clear sky and the sun: the analytic model of Hosek and Wilkie.
+//!
+//! "An Analytic Model for Full Spectral Sky-Dome Radiance", SIGGRAPH 2012, in its Rec. 709 fit, and "Adding a Solar Radiance Function
+//! to the Hosek Skylight Model", IEEE CG&A 33(3), 2013. The local frame has z up. Below the horizon, and with the sun there, all is black.
+
+use std::f32::consts::{FRAC_PI_2, TAU};
+use std::sync::LazyLock;
+
+use glam::Vec3;
+
+use crate::color::Rgb;
+
+/// What the sky depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Atmosphere {
+    /// Haziness, from 1 (arctic) to 10 (humid and warm).
+    pub turbidity: f32,
+    /// Reflectance of the ground, in [0, 1].
+    pub albedo: Rgb,
+    /// Unit vector to the sun, in the local frame.
+    pub sun_direction: Vec3,
+    /// Factors on the radiance of each.
+    pub sky_scale: f32,
+    pub sun_scale: f32,
+    /// Angle under which the sun is seen, radians, in (0, pi); its irradiance does not depend on it.
+    pub sun_aperture: f32,
+    /// Whether the sun is darker towards its rim.
+    pub limb_darkening: bool,
+}
+
+const TURBIDITIES: usize = 10;
+const CONTROL_POINTS: usize = 6;
+const COEFFICIENTS: usize = 9;
+/// Elevations at which the irradiance of the sun is tabulated, degrees.
+const ELEVATIONS: usize = 30;
+const FIRST_ELEVATION: f32 = 2.0;
+const ELEVATION_STEP: f32 = 3.0;
+
+/// Radiance of the sun's disk relative to its centre, per channel a polynomial in the cosine between its surface's normal and the view:
+/// the limb darkening of Hosek and Wilkie's wavelengths, weighted by the response to a sun at 32 degrees.
+const LIMB_DARKENING: [[f32; 6]; 3] = [
+    [0.332_252, 1.356_991, -1.929_078, 2.568_054, -1.892_760, 0.564_551],
+    [0.253_793, 1.329_390, -1.462_089, 1.688_674, -1.113_452, 0.303_686],
+    [0.156_870, 1.245_044, -0.919_983, 0.956_002, -0.588_128, 0.150_177],
+];
+
+struct Tables {
+    /// [channel][albedo][turbidity][control point][coefficient]
+    shape: Vec<f32>,
+    /// [channel][albedo][turbidity][control point], W/(m^2 sr)
+    radiance: Vec<f32>,
+    /// [turbidity][elevation][channel], W/m^2
+    sun: Vec<f32>,
+}
+
+static TABLES: LazyLock<Tables> = LazyLock::new(|| {
+    let text = include_str!("../../assets/sky/hosek-wilkie-rgb.txt");
+    let lines = text.lines().filter(|line| !line.starts_with('#'));
+    let mut numbers = lines.flat_map(str::split_whitespace).filter_map(|word| word.parse().ok());
+    let mut table = |length| numbers.by_ref().take(length).collect();
+    let curves = 3 * 2 * TURBIDITIES * CONTROL_POINTS;
+    Tables {
+        shape: table(curves * COEFFICIENTS),
+        radiance: table(curves),
+        sun: table(TURBIDITIES * ELEVATIONS * 3),
+    }
+});
+
+/// The model with everything that does not depend on the direction worked out.
+#[derive(Clone, Debug)]
+pub(super) struct SkyModel {
+    atmosphere: Atmosphere,
+    /// Per coefficient, for the three channels at once.
+    shape: [Rgb; COEFFICIENTS],
+    radiance: Rgb,
+    /// Radiance of the sun's disk on average.
+    sun_radiance: Rgb,
+}
+
+impl SkyModel {
+    pub fn new(atmosphere: Atmosphere) -> Self {
+        let mut model = Self {
+            atmosphere,
+            shape: [Rgb::ZERO; COEFFICIENTS],
+            radiance: Rgb::ZERO,
+            sun_radiance: Rgb::ZERO,
+        };
+        let up = atmosphere.sun_direction.z;
+        if up < 0.0 {
+            return model;
+        }
+        let elevation = up.min(1.0).asin();
+        for (index, coefficient) in model.shape.iter_mut().enumerate() {
+            *coefficient = interpolate(&TABLES.shape, COEFFICIENTS, index, &atmosphere, elevation);
+        }
+        model.radiance = atmosphere.sky_scale * interpolate(&TABLES.radiance, 1, 0, &atmosphere, elevation);
+        let solid_angle = TAU * one_minus_cos(0.5 * atmosphere.sun_aperture);
+        model.sun_radiance = atmosphere.sun_scale * sun_irradiance(atmosphere.turbidity, elevation) / solid_angle;
+        model
+    }
+
+    /// 1 - cos of the angle from the sun's centre to its rim.
+    pub fn sun_one_minus_cos(&self) -> f32 {
+        one_minus_cos(0.5 * self.atmosphere.sun_aperture)
+    }
+
+    /// Irradiance on a surface that faces the sun, W/m^2.
+    pub fn sun_irradiance(&self) -> Rgb {
+        self.sun_radiance * TAU * self.sun_one_minus_cos()
+    }
+
+    /// Radiance of the sky without the sun from a unit direction. Colours outside of Rec. 709 have negative components.
+    pub fn sky(&self, direction: Vec3) -> Rgb {
+        if direction.z < 0.0 || self.radiance == Rgb::ZERO {
+            return Rgb::ZERO;
+        }
+        let [a, b, c, d, e, f, g, h, i] = self.shape;
+        let from_sun = angle_to(self.one_minus_cos_to_sun(direction));
+        let (cos, cos_squared) = (from_sun.cos(), from_sun.cos().powi(2));
+        let horizon = Rgb::ONE + a * (b / (direction.z + 0.01)).exp();
+        let mie = (1.0 + cos_squared) / (Rgb::ONE + i * i - 2.0 * cos * i).powf(1.5);
+        let glow = c + d * (e * from_sun).exp() + f * cos_squared + g * mie + h * direction.z.sqrt();
+        horizon * glow * self.radiance
+    }
+
+    /// Radiance of the sun from a unit direction; zero beside it.
+    pub fn sun(&self, direction: Vec3) -> Rgb {
+        let (rim, here) = (self.sun_one_minus_cos(), self.one_minus_cos_to_sun(direction));
+        if direction.z < 0.0 || here > rim {
+            return Rgb::ZERO;
+        }
+        if !self.atmosphere.limb_darkening {
+            return self.sun_radiance;
+        }
+        // The disk is that of a distant sphere: the sine of the angle from its centre grows with the sine on its surface.
+        let sine_squared = |one_minus_cos: f32| one_minus_cos * (2.0 - one_minus_cos);
+        let cos = (1.0 - sine_squared(here) / sine_squared(rim)).max(0.0).sqrt();
+        let darkening = LIMB_DARKENING.map(|polynomial| {
+            let value = polynomial.iter().rev().fold(0.0, |sum, coefficient| sum * cos + coefficient);
+            // The mean over the disk of the n-th power of the cosine is 2 / (n + 2).
+            let powers = polynomial.iter().zip(2..);
+            let mean: f32 = powers.map(|(coefficient, n)| 2.0 * coefficient / n as f32).sum();
+            value / mean
+        });
+        self.sun_radiance * Rgb::from(darkening)
+    }
+
+    /// Exact for small angles, unlike the dot product.
+    fn one_minus_cos_to_sun(&self, direction: Vec3) -> f32 {
+        0.5 * direction.distance_squared(self.atmosphere.sun_direction)
+    }
+}
+
+fn one_minus_cos(angle: f32) -> f32 {
+    2.0 * (0.5 * angle).sin().powi(2)
+}
+
+fn angle_to(one_minus_cos: f32) -> f32 {
+    2.0 * (0.5 * one_minus_cos).min(1.0).sqrt().asin()
+}
+
+/// The two neighbours of a position among `count` entries and the share of the second.
+fn neighbours(position: f32, count: usize) -> (usize, usize, f32) {
+    let position = position.clamp(0.0, (count - 1) as f32);
+    let first = (position as usize).min(count - 2);
+    (first, first + 1, position - first as f32)
+}
+
+/// Entry `index` of `length` per control point: linear in turbidity and albedo, a quintic Bezier curve in the cube root of the elevation.
+fn interpolate(table: &[f32], length: usize, index: usize, atmosphere: &Atmosphere, elevation: f32) -> Rgb {
+    let (low, high, hazier) = neighbours(atmosphere.turbidity - 1.0, TURBIDITIES);
+    let t = (elevation / FRAC_PI_2).clamp(0.0, 1.0).cbrt();
+    let bernstein = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
+    let curve = |channel: usize, albedo: usize, turbidity: usize| -> f32 {
+        let first = ((channel * 2 + albedo) * TURBIDITIES + turbidity) * CONTROL_POINTS;
+        let term = |k: usize| bernstein[k] * t.powi(k as i32) * (1.0 - t).powi(5 - k as i32);
+        (0..CONTROL_POINTS).map(|k| term(k) * table[(first + k) * length + index]).sum()
+    };
+    let channel = |channel: usize| {
+        let at = |albedo| curve(channel, albedo, low) * (1.0 - hazier) + curve(channel, albedo, high) * hazier;
+        let reflected = atmosphere.albedo[channel];
+        at(0) * (1.0 - reflected) + at(1) * reflected
+    };
+    Rgb::new(channel(0), channel(1), channel(2))
+}
+
+fn sun_irradiance(turbidity: f32, elevation: f32) -> Rgb {
+    let (low, high, hazier) = neighbours(turbidity - 1.0, TURBIDITIES);
+    let (below, above, higher) = neighbours((elevation.to_degrees() - FIRST_ELEVATION) / ELEVATION_STEP, ELEVATIONS);
+    let at = |turbidity: usize, elevation: usize| {
+        Rgb::from_slice(&TABLES.sun[(turbidity * ELEVATIONS + elevation) * 3..])
+    };
+    let of = |turbidity| at(turbidity, below).lerp(at(turbidity, above), higher);
+    of(low).lerp(of(high), hazier)
+}

@@ -1,0 +1,86 @@
+//! A point that shines into a cone along +z, as bright all over the beam and fading out linearly in the angle towards the cutoff.
+
+use std::f32::consts::TAU;
+
+use glam::{Affine3A, Vec2, Vec3};
+
+use super::{LightSample, Target};
+use crate::color::Rgb;
+use crate::texture::{Parameter, TexturePoint, TextureTable};
+
+/// A spot light as a scene describes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Invertible; the light sits at the origin of its space.
+    pub world_from_local: Affine3A,
+    /// Radiant intensity along the axis, W/sr.
+    pub intensity: Rgb,
+    /// Half angles, radians: no light beyond the cutoff, all of it within the beam. 0 <= beam <= cutoff < pi / 2.
+    pub cutoff_angle: f32,
+    pub beam_angle: f32,
+    /// Factor on the intensity, spanning the square around the cone's cross section.
+    pub texture: Parameter<Rgb>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct SpotLight {
+    spot: Spot,
+    local_from_world: Affine3A,
+    cos_cutoff: f32,
+    cos_beam: f32,
+}
+
+impl SpotLight {
+    pub fn new(spot: Spot) -> Self {
+        Self {
+            local_from_world: spot.world_from_local.inverse(),
+            cos_cutoff: spot.cutoff_angle.cos(),
+            cos_beam: spot.beam_angle.cos(),
+            spot,
+        }
+    }
+
+    pub fn position(&self) -> Vec3 {
+        self.spot.world_from_local.translation.into()
+    }
+
+    /// None outside of the cone.
+    pub fn sample(&self, reference: Vec3, textures: &TextureTable) -> Option<LightSample> {
+        let to_light = self.position() - reference;
+        let local = self.local_from_world.transform_vector3(-to_light).try_normalize()?;
+        let falloff = self.falloff(local.z);
+        (falloff > 0.0).then(|| {
+            let uv = Vec2::splat(0.5) + 0.5 * local.truncate() / (local.z * self.spot.cutoff_angle.tan());
+            let color = textures.color(self.spot.texture, &TexturePoint::of_uv(uv));
+            LightSample {
+                wi: to_light.normalize(),
+                target: Target::Point(self.position()),
+                radiance: self.spot.intensity * color * falloff / to_light.length_squared(),
+                pdf: 1.0,
+                is_delta: true,
+            }
+        })
+    }
+
+    /// Share of the intensity at an angle from the axis.
+    fn falloff(&self, cos_theta: f32) -> f32 {
+        if cos_theta <= self.cos_cutoff {
+            0.0
+        } else if cos_theta >= self.cos_beam {
+            1.0
+        } else {
+            (self.spot.cutoff_angle - cos_theta.acos()) / (self.spot.cutoff_angle - self.spot.beam_angle)
+        }
+    }
+
+    /// Radiant flux with a white texture, W: the intensity times the integral of the falloff over all directions.
+    pub fn power(&self) -> Rgb {
+        let (cutoff, beam) = (self.spot.cutoff_angle, self.spot.beam_angle);
+        let ring = if cutoff > beam {
+            (cutoff.sin() - beam.sin()) / (cutoff - beam)
+        } else {
+            cutoff.cos()
+        };
+        TAU * (1.0 - ring) * self.spot.intensity
+    }
+}

@@ -1,0 +1,150 @@
+//! A density on the unit square, bilinear between the nodes of a regular grid: what a bilinearly filtered picture is sampled by.
+//!
+//! The marginal over rows is piecewise linear, and so is the conditional within any line between two rows: the blend of the rows'
+//! cumulative sums. Both are inverted by bisection and a quadratic (compare PBR 4th ed., appendix A.4 and A.5, for the constant case).
+//! Sums are kept in f32, whose rounding (6e-8 of a row) moves shares between neighbours but adds up to nothing, and inverted in f64, so
+//! that a cell is covered evenly however small its share is.
+
+use glam::{DVec2, Vec2};
+
+/// Half a step of the 24-bit random numbers: they stand for the middle of their interval, so that no sample falls on a node of density 0.
+const HALF_STEP: f64 = 0.5 / (1 << 24) as f64;
+
+/// A draw from a [`PiecewiseBilinear2d`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SquareSample {
+    /// In [0, 1]^2.
+    pub position: Vec2,
+    /// Density per unit area at `position`, positive.
+    pub pdf: f32,
+}
+
+/// A density on [0, 1]^2 given at the nodes of a grid, whose outer nodes lie on the border.
+#[derive(Clone, Debug)]
+pub struct PiecewiseBilinear2d {
+    columns: usize,
+    rows: usize,
+    /// Densities, row by row.
+    nodes: Vec<f32>,
+    /// Per node, the integral along its row from the left edge to it.
+    along_row: Vec<f32>,
+    /// Per row, the integral over the square up to it.
+    up_to_row: Vec<f64>,
+}
+
+impl PiecewiseBilinear2d {
+    /// From `rows` rows of `columns` function values of any scale. Negative and non-finite values count as zero. `None` if none is
+    /// positive, or if there are fewer than two rows or columns.
+    pub fn new(columns: usize, rows: usize, values: &[f32]) -> Option<Self> {
+        if columns < 2 || rows < 2 || values.len() != columns * rows {
+            return None;
+        }
+        let usable = |value: f32| if value.is_finite() { f64::from(value.max(0.0)) } else { 0.0 };
+        let step = DVec2::new(1.0 / (columns - 1) as f64, 1.0 / (rows - 1) as f64);
+        let row_totals = values.chunks_exact(columns).map(|row| {
+            let inner: f64 = row.iter().map(|&value| usable(value)).sum();
+            step.x * (inner - 0.5 * (usable(row[0]) + usable(row[columns - 1])))
+        });
+        let row_totals: Vec<f64> = row_totals.collect();
+        let total = step.y * (row_totals.iter().sum::<f64>() - 0.5 * (row_totals[0] + row_totals[rows - 1]));
+        if total <= 0.0 {
+            return None;
+        }
+        let nodes: Vec<f32> = values.iter().map(|&value| (usable(value) / total) as f32).collect();
+        let mut along_row = Vec::with_capacity(nodes.len());
+        for row in nodes.chunks_exact(columns) {
+            let mut sum = 0.0;
+            along_row.push(0.0);
+            along_row.extend(row.windows(2).map(|pair| {
+                sum += 0.5 * step.x * (f64::from(pair[0]) + f64::from(pair[1]));
+                sum as f32
+            }));
+        }
+        let mut sum = 0.0;
+        let up_to_row = std::iter::once(0.0)
+            .chain((1..rows).map(|row| {
+                let [before, here] = [row - 1, row].map(|row| f64::from(along_row[row * columns + columns - 1]));
+                sum += 0.5 * step.y * (before + here);
+                sum
+            }))
+            .collect();
+        Some(Self {
+            columns,
+            rows,
+            nodes,
+            along_row,
+            up_to_row,
+        })
+    }
+
+    /// Density at a point, per unit area; 0 outside of [0, 1]^2.
+    pub fn pdf(&self, position: Vec2) -> f32 {
+        if !(position.cmpge(Vec2::ZERO) & position.cmple(Vec2::ONE)).all() {
+            return 0.0;
+        }
+        let [x, y] = [
+            position.x * (self.columns - 1) as f32,
+            position.y * (self.rows - 1) as f32,
+        ];
+        let (column, row) = ((x as usize).min(self.columns - 2), (y as usize).min(self.rows - 2));
+        let (s, t) = (x - column as f32, y - row as f32);
+        let at = row * self.columns + column;
+        let [lower, upper] = [at, at + self.columns].map(|at| lerp32(self.nodes[at], self.nodes[at + 1], s));
+        lerp32(lower, upper, t)
+    }
+
+    /// The point that `u` in [0, 1)^2 stands for.
+    pub fn sample(&self, u: Vec2) -> SquareSample {
+        let u = u.as_dvec2() + HALF_STEP;
+        let row_total = |row: usize| f64::from(self.along_row[row * self.columns + self.columns - 1]);
+        let target = u.y * self.up_to_row[self.rows - 1];
+        let row = self.up_to_row.partition_point(|&sum| sum <= target).clamp(1, self.rows - 1) - 1;
+        let (start, end) = (self.up_to_row[row], self.up_to_row[row + 1]);
+        let t = invert_linear(row_total(row), row_total(row + 1), (target - start) / (end - start));
+
+        let lower = row * self.columns;
+        let upper = lower + self.columns;
+        let blend = |table: &[f32], column| lerp(f64::from(table[lower + column]), f64::from(table[upper + column]), t);
+        let sum_at = |column| blend(&self.along_row, column);
+        let target = u.x * sum_at(self.columns - 1);
+        // The last column whose sum is not above the target: in [0, columns - 2].
+        let (mut column, mut beyond) = (0, self.columns - 1);
+        while beyond - column > 1 {
+            let middle = column.midpoint(beyond);
+            if sum_at(middle) <= target {
+                column = middle;
+            } else {
+                beyond = middle;
+            }
+        }
+        let (start, end) = (sum_at(column), sum_at(column + 1));
+        let (left, right) = (blend(&self.nodes, column), blend(&self.nodes, column + 1));
+        let s = invert_linear(left, right, (target - start) / (end - start));
+        SquareSample {
+            position: Vec2::new(
+                ((column as f64 + s) / (self.columns - 1) as f64) as f32,
+                ((row as f64 + t) / (self.rows - 1) as f64) as f32,
+            ),
+            pdf: (lerp(left, right, s) as f32).max(f32::MIN_POSITIVE),
+        }
+    }
+}
+
+/// The x in [0, 1] below which the fraction `u` of the integral of a linear function with end values `a` and `b` lies.
+fn invert_linear(a: f64, b: f64, u: f64) -> f64 {
+    let u = u.clamp(0.0, 1.0);
+    let denominator = a + lerp(a * a, b * b, u).sqrt();
+    if denominator > 0.0 {
+        (u * (a + b) / denominator).min(1.0)
+    } else {
+        u
+    }
+}
+
+fn lerp(a: f64, b: f64, t: f64) -> f64 {
+    a + t * (b - a)
+}
+
+fn lerp32(a: f32, b: f32, t: f32) -> f32 {
+    a + t * (b - a)
+}
