@@ -465,7 +465,7 @@ fn two_sided_means_both_sides() {
     };
     let from_below = view(camera(Vec3::new(0.0, -3.0, 0.0), Vec3::ZERO, 5.0), 4, 2, Strategy::Mis);
     let mut one_sided = floor(diffuse(0.5));
-    one_sided.light(sun);
+    one_sided.light(sun.clone());
     check(
         "the back of a one-sided floor",
         &one_sided.build(),

@@ -64,6 +64,8 @@ fn pdf(scene: &RenderScene, wi: Vec3) -> f32 {
         position: point.position,
         normal: point.geometric_normal,
         primitive: hit.primitive,
+        barycentric: Vec2::new(hit.u, hit.v),
+        uv: point.uv,
     };
     match scene.lights.emitted(LightId(0), &on_light, -wi) {
         Rgb::ZERO => 0.0,
@@ -344,7 +346,7 @@ fn the_sampling_weight_scales_the_probability_only() {
             source: point(-1.0),
             sampling_weight,
         };
-        let table = LightTable::build(&[first, point(1.0).into()], &empty.geometry);
+        let table = LightTable::build(&[first, point(1.0).into()], &empty.geometry, &Default::default());
         let samples = (0..100).filter_map(|index| {
             let u = (index as f32 + 0.5) / 100.0;
             table.sample(&all_around(Vec3::ZERO), u, Vec2::splat(0.5))

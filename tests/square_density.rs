@@ -14,7 +14,9 @@ struct Map {
 }
 
 fn map(name: &'static str, columns: usize, rows: usize, value: impl Fn(usize, usize) -> f32) -> Map {
-    let values = (0..rows * columns).map(|at| value(at % columns, at / columns)).collect();
+    let values = (0..rows * columns)
+        .map(|at| value(at % columns, at / columns))
+        .collect();
     Map {
         name,
         columns,
@@ -31,8 +33,18 @@ fn maps() -> Vec<Map> {
     vec![
         map("constant", 5, 4, |_, _| 3.0),
         map("least", 2, 2, |x, y| (1 + x + 2 * y) as f32),
-        map("one bright inner node", 9, 7, |x, y| if (x, y) == (4, 3) { 1e6 } else { 0.0 }),
-        map("one bright corner", 9, 7, |x, y| if (x, y) == (8, 0) { 1e-20 } else { 0.0 }),
+        map(
+            "one bright inner node",
+            9,
+            7,
+            |x, y| if (x, y) == (4, 3) { 1e6 } else { 0.0 },
+        ),
+        map(
+            "one bright corner",
+            9,
+            7,
+            |x, y| if (x, y) == (8, 0) { 1e-20 } else { 0.0 },
+        ),
         map("two rows", 16, 2, |x, _| (x % 3) as f32),
         map("two columns", 2, 12, |_, y| y as f32),
         map("noise", 17, 11, random),
@@ -57,7 +69,13 @@ fn maps() -> Vec<Map> {
 
 /// The values as a function of the square, integrating to 1.
 fn density(map: &Map) -> impl Fn(f64, f64) -> f64 {
-    let usable = |value: f32| if value.is_finite() { f64::from(value.max(0.0)) } else { 0.0 };
+    let usable = |value: f32| {
+        if value.is_finite() {
+            f64::from(value.max(0.0))
+        } else {
+            0.0
+        }
+    };
     let (cells_x, cells_y) = (map.columns - 1, map.rows - 1);
     let value = move |x: usize, y: usize| usable(map.values[y * map.columns + x]);
     let mean = |cell: usize| {
@@ -137,7 +155,8 @@ fn density_is_that_of_the_values_and_of_the_samples() {
                     f64::from((y + dy * cell_y).clamp(0.0, 1.0)),
                 )
             };
-            let highest = [-1.0, 0.0, 1.0].map(|dx| [-1.0, 0.0, 1.0].map(|dy| near(dx, dy)).into_iter().fold(0.0, f64::max));
+            let highest =
+                [-1.0, 0.0, 1.0].map(|dx| [-1.0, 0.0, 1.0].map(|dy| near(dx, dy)).into_iter().fold(0.0, f64::max));
             let highest = highest.into_iter().fold(0.0, f64::max);
             highest * 2.0 * f64::from(f32::EPSILON) * (map.columns + map.rows) as f64
         };
@@ -146,17 +165,29 @@ fn density_is_that_of_the_values_and_of_the_samples() {
             let expected = density(f64::from(uniform.x), f64::from(uniform.y));
             let found = f64::from(distribution.pdf(uniform));
             let tolerance = 1e-5 * expected + rounding(uniform.x, uniform.y);
-            assert!((found - expected).abs() <= tolerance, "{}: {found}, {expected}", map.name);
+            assert!(
+                (found - expected).abs() <= tolerance,
+                "{}: {found}, {expected}",
+                map.name
+            );
 
             let sample = distribution.sample(point(index, 80 + case as u32));
             assert!(sample.pdf > 0.0 && sample.pdf.is_finite(), "{}: {sample:?}", map.name);
             let Vec2 { x, y } = sample.position;
             let found = f64::from(distribution.pdf(sample.position));
             let tolerance = 1e-5 * found + rounding(x, y);
-            assert!((f64::from(sample.pdf) - found).abs() <= tolerance, "{}: {sample:?}, {found}", map.name);
+            assert!(
+                (f64::from(sample.pdf) - found).abs() <= tolerance,
+                "{}: {sample:?}, {found}",
+                map.name
+            );
         }
         for u in [Vec2::ZERO, Vec2::splat(ONE_MINUS_EPSILON), Vec2::X, Vec2::Y] {
-            assert!(distribution.sample(u.min(Vec2::splat(ONE_MINUS_EPSILON))).pdf > 0.0, "{}", map.name);
+            assert!(
+                distribution.sample(u.min(Vec2::splat(ONE_MINUS_EPSILON))).pdf > 0.0,
+                "{}",
+                map.name
+            );
         }
         for outside in [Vec2::new(-0.1, 0.5), Vec2::new(0.5, 1.1), Vec2::NAN] {
             assert_eq!(distribution.pdf(outside), 0.0);
@@ -169,7 +200,11 @@ fn well_spread_numbers_give_well_spread_points() {
     // An increasing map in both directions keeps the points of a net apart: no two of them fall together.
     let map = map("noise", 17, 11, random);
     let distribution = PiecewiseBilinear2d::new(map.columns, map.rows, &map.values).expect("values");
-    let at = |x: u32, y: u32| distribution.sample(Vec2::new(x as f32 / 64.0, y as f32 / 64.0)).position;
+    let at = |x: u32, y: u32| {
+        distribution
+            .sample(Vec2::new(x as f32 / 64.0, y as f32 / 64.0))
+            .position
+    };
     for y in 0..63 {
         for x in 0..63 {
             assert!(at(x, y).x < at(x + 1, y).x && at(x, y).y < at(x, y + 1).y, "{x} {y}");
@@ -187,6 +222,9 @@ fn nothing_to_choose_gives_none() {
         (2, 2, vec![f32::NAN, -1.0, f32::INFINITY, 0.0]),
         (0, 0, Vec::new()),
     ] {
-        assert!(PiecewiseBilinear2d::new(columns, rows, &values).is_none(), "{columns} x {rows}");
+        assert!(
+            PiecewiseBilinear2d::new(columns, rows, &values).is_none(),
+            "{columns} x {rows}"
+        );
     }
 }

@@ -70,7 +70,7 @@ impl Default for Extracted {
         let geometry = Tlas::build(Vec::new(), SplitMethod::default());
         Self {
             scene: RenderScene {
-                lights: Arc::new(LightTable::build(&[], &geometry)),
+                lights: Arc::new(LightTable::build(&[], &geometry, &Arc::default())),
                 geometry: Arc::new(geometry),
                 surfaces: Arc::new(SurfaceTable::default()),
                 materials: Arc::new(MaterialTable::default()),
@@ -345,10 +345,10 @@ impl Extracted {
         authored.pack_emitters(&mut sources, &mut self.errors.emitters);
         let stale = sources.iter().any(|weighted| match &weighted.source {
             LightSource::Surface { instance, .. } => moved.get(*instance as usize) == Some(&true),
-            LightSource::Point { .. } | LightSource::Directional { .. } | LightSource::Constant { .. } => false,
+            _ => false,
         });
         if stale || self.light_sources != sources {
-            self.scene.lights = Arc::new(LightTable::build(&sources, &self.scene.geometry));
+            self.scene.lights = Arc::new(LightTable::build(&sources, &self.scene.geometry, &Arc::default()));
             self.light_sources = sources;
         }
     }

@@ -42,14 +42,19 @@ pub fn surface(ray: &Ray, t: f32) -> LocalSurface {
     let on_ray = ray.origin.as_dvec3() + f64::from(t) * ray.dir.as_dvec3();
     let around = on_ray.truncate().normalize_or(glam::DVec2::X).as_vec2();
     let position = around.extend(on_ray.z.clamp(0.0, 1.0) as f32);
-    let turn = around.y.atan2(around.x) / TAU;
-    let turn = if turn < 0.0 { turn + 1.0 } else { turn };
     LocalSurface {
         position,
         error: gamma(3) * around.abs().extend(0.0),
         normal: around.extend(0.0),
-        uv: Vec2::new(if turn < 1.0 { turn } else { 0.0 }, position.z),
+        uv: uv(position),
         dp_du: TAU * Vec3::new(-around.y, around.x, 0.0),
         dp_dv: Vec3::Z,
     }
+}
+
+/// The parametrisation at a point of the cylinder.
+pub fn uv(p: Vec3) -> Vec2 {
+    let turn = p.y.atan2(p.x) / TAU;
+    let turn = if turn < 0.0 { turn + 1.0 } else { turn };
+    Vec2::new(if turn < 1.0 { turn } else { 0.0 }, p.z)
 }

@@ -53,7 +53,11 @@ impl EnvironmentMap {
             let weight = f64::from(sine(row)) * if row == 0 || row == rows - 1 { 0.5 } else { 1.0 };
             let start = values.len();
             values.extend((0..=width).map(|column| pixel(column, row)));
-            sum += weight * values[start..start + width as usize].iter().map(|&value| f64::from(value)).sum::<f64>();
+            sum += weight
+                * values[start..start + width as usize]
+                    .iter()
+                    .map(|&value| f64::from(value))
+                    .sum::<f64>();
             weights += weight * f64::from(width);
         }
         let mean = (sum / weights) as f32;

@@ -7,21 +7,26 @@ use glam::{Vec2, Vec3};
 
 use super::bounds::LightBounds;
 use super::point::PointLight;
+use super::projector::ProjectorLight;
+use super::spot::SpotLight;
 use super::surface::{SurfaceHit, SurfaceLight};
 use super::{LightReference, LightSample};
 use crate::color::Rgb;
+use crate::texture::TextureTable;
 
 #[derive(Clone, Debug)]
 pub(super) enum FiniteLight {
     Surface(SurfaceLight),
     Point(PointLight),
+    Spot(SpotLight),
+    Projector(ProjectorLight),
 }
 
 impl FiniteLight {
     pub fn parts(&self) -> u32 {
         match self {
             Self::Surface(light) => light.parts(),
-            Self::Point(_) => 1,
+            Self::Point(_) | Self::Spot(_) | Self::Projector(_) => 1,
         }
     }
 
@@ -29,7 +34,7 @@ impl FiniteLight {
     pub fn part_of(&self, hit: &SurfaceHit) -> Option<u32> {
         match self {
             Self::Surface(light) => light.part_of(hit),
-            Self::Point(_) => None,
+            Self::Point(_) | Self::Spot(_) | Self::Projector(_) => None,
         }
     }
 
@@ -38,14 +43,24 @@ impl FiniteLight {
         match self {
             Self::Surface(light) => light.bounds(part),
             Self::Point(light) => light.bounds(),
+            Self::Spot(light) => light.bounds(),
+            Self::Projector(light) => light.bounds(),
         }
     }
 
     /// A direction towards a part; None where it sends nothing to `reference`.
-    pub fn sample(&self, part: u32, reference: &LightReference, u: Vec2) -> Option<LightSample> {
+    pub fn sample(
+        &self,
+        part: u32,
+        reference: &LightReference,
+        u: Vec2,
+        textures: &TextureTable,
+    ) -> Option<LightSample> {
         match self {
-            Self::Surface(light) => light.sample(part, reference.position, u),
+            Self::Surface(light) => light.sample(part, reference.position, u, textures),
             Self::Point(light) => light.sample(reference.position),
+            Self::Spot(light) => light.sample(reference.position, textures),
+            Self::Projector(light) => light.sample(reference.position, textures),
         }
     }
 
@@ -53,14 +68,14 @@ impl FiniteLight {
     pub fn pdf(&self, part: u32, reference: &LightReference, hit: &SurfaceHit) -> f32 {
         match self {
             Self::Surface(light) => light.pdf(part, reference.position, hit),
-            Self::Point(_) => 0.0,
+            Self::Point(_) | Self::Spot(_) | Self::Projector(_) => 0.0,
         }
     }
 
     /// Radiance sent along the unit vector `wo` from a point of its surface.
-    pub fn emitted(&self, hit: &SurfaceHit, wo: Vec3) -> Rgb {
+    pub fn emitted(&self, hit: &SurfaceHit, wo: Vec3, textures: &TextureTable) -> Rgb {
         match self {
-            Self::Surface(light) if wo.dot(hit.normal) > 0.0 => light.radiance(hit),
+            Self::Surface(light) if wo.dot(hit.normal) > 0.0 => light.radiance(hit, textures),
             _ => Rgb::ZERO,
         }
     }

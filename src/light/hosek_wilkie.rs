@@ -39,8 +39,8 @@ const ELEVATION_STEP: f32 = 3.0;
 /// Radiance of the sun's disk relative to its centre, per channel a polynomial in the cosine between its surface's normal and the view:
 /// the limb darkening of Hosek and Wilkie's wavelengths, weighted by the response to a sun at 32 degrees.
 const LIMB_DARKENING: [[f32; 6]; 3] = [
-    [0.332_252, 1.356_991, -1.929_078, 2.568_054, -1.892_760, 0.564_551],
-    [0.253_793, 1.329_390, -1.462_089, 1.688_674, -1.113_452, 0.303_686],
+    [0.332_252, 1.356_991, -1.929_078, 2.568_054, -1.892_76, 0.564_551],
+    [0.253_793, 1.329_39, -1.462_089, 1.688_674, -1.113_452, 0.303_686],
     [0.156_870, 1.245_044, -0.919_983, 0.956_002, -0.588_128, 0.150_177],
 ];
 
@@ -56,7 +56,9 @@ struct Tables {
 static TABLES: LazyLock<Tables> = LazyLock::new(|| {
     let text = include_str!("../../assets/sky/hosek-wilkie-rgb.txt");
     let lines = text.lines().filter(|line| !line.starts_with('#'));
-    let mut numbers = lines.flat_map(str::split_whitespace).filter_map(|word| word.parse().ok());
+    let mut numbers = lines
+        .flat_map(str::split_whitespace)
+        .filter_map(|word| word.parse().ok());
     let mut table = |length| numbers.by_ref().take(length).collect();
     let curves = 3 * 2 * TURBIDITIES * CONTROL_POINTS;
     Tables {
@@ -136,7 +138,10 @@ impl SkyModel {
         let sine_squared = |one_minus_cos: f32| one_minus_cos * (2.0 - one_minus_cos);
         let cos = (1.0 - sine_squared(here) / sine_squared(rim)).max(0.0).sqrt();
         let darkening = LIMB_DARKENING.map(|polynomial| {
-            let value = polynomial.iter().rev().fold(0.0, |sum, coefficient| sum * cos + coefficient);
+            let value = polynomial
+                .iter()
+                .rev()
+                .fold(0.0, |sum, coefficient| sum * cos + coefficient);
             // The mean over the disk of the n-th power of the cosine is 2 / (n + 2).
             let powers = polynomial.iter().zip(2..);
             let mean: f32 = powers.map(|(coefficient, n)| 2.0 * coefficient / n as f32).sum();
@@ -174,7 +179,9 @@ fn interpolate(table: &[f32], length: usize, index: usize, atmosphere: &Atmosphe
     let curve = |channel: usize, albedo: usize, turbidity: usize| -> f32 {
         let first = ((channel * 2 + albedo) * TURBIDITIES + turbidity) * CONTROL_POINTS;
         let term = |k: usize| bernstein[k] * t.powi(k as i32) * (1.0 - t).powi(5 - k as i32);
-        (0..CONTROL_POINTS).map(|k| term(k) * table[(first + k) * length + index]).sum()
+        (0..CONTROL_POINTS)
+            .map(|k| term(k) * table[(first + k) * length + index])
+            .sum()
     };
     let channel = |channel: usize| {
         let at = |albedo| curve(channel, albedo, low) * (1.0 - hazier) + curve(channel, albedo, high) * hazier;
@@ -187,9 +194,8 @@ fn interpolate(table: &[f32], length: usize, index: usize, atmosphere: &Atmosphe
 fn sun_irradiance(turbidity: f32, elevation: f32) -> Rgb {
     let (low, high, hazier) = neighbours(turbidity - 1.0, TURBIDITIES);
     let (below, above, higher) = neighbours((elevation.to_degrees() - FIRST_ELEVATION) / ELEVATION_STEP, ELEVATIONS);
-    let at = |turbidity: usize, elevation: usize| {
-        Rgb::from_slice(&TABLES.sun[(turbidity * ELEVATIONS + elevation) * 3..])
-    };
+    let at =
+        |turbidity: usize, elevation: usize| Rgb::from_slice(&TABLES.sun[(turbidity * ELEVATIONS + elevation) * 3..]);
     let of = |turbidity| at(turbidity, below).lerp(at(turbidity, above), higher);
     of(low).lerp(of(high), hazier)
 }

@@ -9,6 +9,8 @@ use glam::{Vec2, Vec3};
 use super::LightSample;
 use super::constant::ConstantLight;
 use super::directional::DirectionalLight;
+use super::environment::EnvironmentLight;
+use super::sun_sky::SunSkyLight;
 use crate::color::{Rgb, luminance};
 use crate::sampling::warp;
 
@@ -16,6 +18,8 @@ use crate::sampling::warp;
 pub(super) enum InfiniteLight {
     Directional(DirectionalLight),
     Constant(ConstantLight),
+    Environment(EnvironmentLight),
+    SunSky(Box<SunSkyLight>),
 }
 
 impl InfiniteLight {
@@ -24,6 +28,8 @@ impl InfiniteLight {
         match self {
             Self::Directional(light) => luminance(light.irradiance),
             Self::Constant(light) => PI * luminance(light.radiance),
+            Self::Environment(light) => PI * light.mean_luminance(),
+            Self::SunSky(light) => light.irradiance(),
         }
     }
 
@@ -31,30 +37,37 @@ impl InfiniteLight {
     pub fn is_seen(&self) -> bool {
         match self {
             Self::Directional(_) => false,
-            Self::Constant(_) => true,
+            Self::Constant(_) | Self::Environment(_) | Self::SunSky(_) => true,
         }
     }
 
-    pub fn sample(&self, u: Vec2) -> LightSample {
+    /// None where it is black.
+    pub fn sample(&self, u: Vec2) -> Option<LightSample> {
         match self {
-            Self::Directional(light) => light.sample(),
-            Self::Constant(light) => light.sample(u),
+            Self::Directional(light) => Some(light.sample()),
+            Self::Constant(light) => Some(light.sample(u)),
+            Self::Environment(light) => light.sample(u),
+            Self::SunSky(light) => light.sample(u),
         }
     }
 
     /// Density per solid angle of [`Self::sample`].
-    pub fn pdf(&self, _wi: Vec3) -> f32 {
+    pub fn pdf(&self, wi: Vec3) -> f32 {
         match self {
             Self::Directional(_) => 0.0,
             Self::Constant(_) => warp::UNIFORM_SPHERE_PDF,
+            Self::Environment(light) => light.pdf(wi),
+            Self::SunSky(light) => light.pdf(wi),
         }
     }
 
     /// Radiance arriving against the direction `wi`.
-    pub fn radiance(&self, _wi: Vec3) -> Rgb {
+    pub fn radiance(&self, wi: Vec3) -> Rgb {
         match self {
             Self::Directional(_) => Rgb::ZERO,
             Self::Constant(light) => light.radiance,
+            Self::Environment(light) => light.radiance(wi),
+            Self::SunSky(light) => light.radiance(wi),
         }
     }
 }

@@ -13,20 +13,35 @@ mod choice;
 mod constant;
 mod cylinder;
 mod directional;
+mod environment;
 mod finite;
+mod hosek_wilkie;
 mod infinite;
 mod point;
+mod projector;
 mod rectangle;
 mod sphere;
+mod spot;
+mod sun_position;
+mod sun_sky;
 mod surface;
 mod table;
+mod texture_density;
 mod tree;
 mod triangle;
 
-use glam::Vec3;
+use std::sync::Arc;
+
+use glam::{Mat3, Vec3};
 
 use crate::color::Rgb;
+use crate::texture::Parameter;
 
+pub use environment::EnvironmentMap;
+pub use hosek_wilkie::Atmosphere;
+pub use projector::Projector;
+pub use spot::Spot;
+pub use sun_position::PlaceAndTime;
 pub use surface::SurfaceHit;
 pub use table::LightTable;
 
@@ -35,21 +50,59 @@ pub use table::LightTable;
 pub struct LightId(pub u32);
 
 /// What a light is made from.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum LightSource {
     /// The triangles of material slot `slot` of an instance (all of an analytic shape), emitting `radiance` (W/(m^2 sr)) from the
     /// front, the side of the geometric normal.
-    Surface { instance: u32, slot: u32, radiance: Rgb },
+    Surface {
+        instance: u32,
+        slot: u32,
+        radiance: Parameter<Rgb>,
+    },
     /// Radiant intensity in W/sr.
-    Point { position: Vec3, intensity: Rgb },
+    Point {
+        position: Vec3,
+        intensity: Rgb,
+    },
     /// `direction` is a unit vector, where the light goes; `irradiance` (W/m^2) on a surface that faces it.
-    Directional { direction: Vec3, irradiance: Rgb },
+    Directional {
+        direction: Vec3,
+        irradiance: Rgb,
+    },
+    Spot(Spot),
+    Projector(Projector),
     /// The same radiance from all directions.
-    Constant { radiance: Rgb },
+    Constant {
+        radiance: Rgb,
+    },
+    /// `scale` times the picture; `world_from_local` is orthonormal.
+    Environment {
+        map: Arc<EnvironmentMap>,
+        world_from_local: Mat3,
+        scale: f32,
+    },
+    /// `world_from_local` is orthonormal.
+    SunSky {
+        atmosphere: Atmosphere,
+        world_from_local: Mat3,
+    },
+}
+
+impl LightSource {
+    /// Whether it looks like other than it did when textures change.
+    pub fn is_textured(&self) -> bool {
+        let parameter = match self {
+            Self::Surface { radiance, .. } => radiance,
+            Self::Spot(spot) => &spot.texture,
+            Self::Projector(projector) => &projector.irradiance,
+            _ => return false,
+        };
+        matches!(parameter, Parameter::Texture(_))
+    }
 }
 
 /// A source and how many samples it gets.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct WeightedSource {
     pub source: LightSource,
     /// Factor on the probability of being chosen, not negative. A source of weight 0 is only ever found by other means.

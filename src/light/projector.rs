@@ -7,8 +7,11 @@ use std::f32::consts::PI;
 
 use glam::{Affine3A, Vec2, Vec3, Vec3A};
 
+use super::bounds::{LightBounds, NormalCone};
+use super::texture_density::mean_luminance;
 use super::{LightSample, Target};
 use crate::color::Rgb;
+use crate::math::Aabb;
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
 /// A projector as a scene describes it.
@@ -23,15 +26,20 @@ pub struct Projector {
     pub half_size: Vec2,
 }
 
+/// So that rounding leaves no corner of the picture without samples.
+const COSINE_MARGIN: f32 = 1e-4;
+
 #[derive(Clone, Debug)]
 pub(super) struct ProjectorLight {
     projector: Projector,
     local_from_world: Affine3A,
+    mean_irradiance: f32,
 }
 
 impl ProjectorLight {
-    pub fn new(projector: Projector) -> Self {
+    pub fn new(projector: Projector, textures: &TextureTable) -> Self {
         Self {
+            mean_irradiance: mean_luminance(textures, projector.irradiance),
             local_from_world: projector.world_from_local.inverse(),
             projector,
         }
@@ -64,8 +72,19 @@ impl ProjectorLight {
         })
     }
 
-    /// Radiant flux with an irradiance of 1, W.
-    pub fn power(&self) -> f32 {
-        4.0 * PI * self.projector.scale * self.projector.half_size.element_product()
+    pub fn bounds(&self) -> LightBounds {
+        let to_world = |local: Vec3| self.projector.world_from_local.transform_vector3(local);
+        let axis = to_world(Vec3::Z).normalize_or(Vec3::Z);
+        let half = self.projector.half_size;
+        let cos_to_corner = [Vec2::ONE, Vec2::NEG_ONE, Vec2::new(1.0, -1.0), Vec2::new(-1.0, 1.0)]
+            .map(|corner| to_world((corner * half).extend(1.0)).normalize_or(axis).dot(axis))
+            .into_iter()
+            .fold(1.0, f32::min);
+        LightBounds {
+            bounds: Aabb::from_points([self.position()]),
+            cone: NormalCone::single(axis),
+            cos_emission: (cos_to_corner - COSINE_MARGIN).max(0.0),
+            intensity: PI * self.projector.scale * self.mean_irradiance,
+        }
     }
 }

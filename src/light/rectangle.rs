@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::surface::{SurfaceHit, SurfaceSample, solid_angle_pdf};
 use crate::math::Aabb;
-use crate::sampling::SphericalRectangle;
+use crate::sampling::{PiecewiseBilinear2d, SphericalRectangle};
 
 /// `corner + a edge_u + b edge_v`, a and b in [0, 1].
 #[derive(Clone, Debug)]
@@ -14,6 +14,8 @@ pub(super) struct RectangleLight {
     edge_v: Vec3,
     normal: Vec3,
     pdf_area: f32,
+    /// Over a and b, if it is not equally bright all over.
+    density: Option<PiecewiseBilinear2d>,
 }
 
 impl RectangleLight {
@@ -24,7 +26,13 @@ impl RectangleLight {
             edge_v,
             normal,
             pdf_area: 1.0 / edge_u.cross(edge_v).length(),
+            density: None,
         }
+    }
+
+    /// Sampled by a density over its parameters, which are the surface's uv.
+    pub fn with_density(self, density: Option<PiecewiseBilinear2d>) -> Self {
+        Self { density, ..self }
     }
 
     pub fn area(&self) -> f32 {
@@ -45,10 +53,15 @@ impl RectangleLight {
         self.normal
     }
 
-    /// Uniform in solid angle where the rectangle allows it, else uniform in area.
+    /// By the density if there is one, else uniform in solid angle where the rectangle allows it, else uniform in area.
     pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
         if (reference - self.corner).dot(self.normal) <= 0.0 {
             return None;
+        }
+        if let Some(density) = &self.density {
+            let sample = density.sample(u);
+            let position = self.corner + sample.position.x * self.edge_u + sample.position.y * self.edge_v;
+            return SurfaceSample::from_area(position, self.normal, self.pdf_area * sample.pdf, reference);
         }
         if let Some(seen) = SphericalRectangle::new(self.corner, self.edge_u, self.edge_v, reference) {
             return Some(SurfaceSample {
@@ -62,6 +75,10 @@ impl RectangleLight {
     }
 
     pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
+        if let Some(density) = &self.density {
+            let pdf_area = self.pdf_area * density.pdf(hit.uv);
+            return solid_angle_pdf(pdf_area, hit.position, self.normal, reference);
+        }
         match SphericalRectangle::new(self.corner, self.edge_u, self.edge_v, reference) {
             Some(seen) => seen.pdf_solid_angle(),
             None => solid_angle_pdf(self.pdf_area, hit.position, self.normal, reference),

@@ -1,11 +1,12 @@
 //! A point that shines into a cone along +z, as bright all over the beam and fading out linearly in the angle towards the cutoff.
 
-use std::f32::consts::TAU;
+use glam::{Affine3A, Vec2, Vec3, Vec3A};
 
-use glam::{Affine3A, Vec2, Vec3};
-
+use super::bounds::{LightBounds, NormalCone};
+use super::texture_density::mean_luminance;
 use super::{LightSample, Target};
-use crate::color::Rgb;
+use crate::color::{Rgb, luminance};
+use crate::math::Aabb;
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
 /// A spot light as a scene describes it.
@@ -22,20 +23,25 @@ pub struct Spot {
     pub texture: Parameter<Rgb>,
 }
 
+/// So that rounding leaves no part of the cone without samples (radians).
+const ANGLE_MARGIN: f32 = 1e-3;
+
 #[derive(Clone, Debug)]
 pub(super) struct SpotLight {
     spot: Spot,
     local_from_world: Affine3A,
     cos_cutoff: f32,
     cos_beam: f32,
+    mean_texture: f32,
 }
 
 impl SpotLight {
-    pub fn new(spot: Spot) -> Self {
+    pub fn new(spot: Spot, textures: &TextureTable) -> Self {
         Self {
             local_from_world: spot.world_from_local.inverse(),
             cos_cutoff: spot.cutoff_angle.cos(),
             cos_beam: spot.beam_angle.cos(),
+            mean_texture: mean_luminance(textures, spot.texture),
             spot,
         }
     }
@@ -73,14 +79,13 @@ impl SpotLight {
         }
     }
 
-    /// Radiant flux with a white texture, W: the intensity times the integral of the falloff over all directions.
-    pub fn power(&self) -> Rgb {
-        let (cutoff, beam) = (self.spot.cutoff_angle, self.spot.beam_angle);
-        let ring = if cutoff > beam {
-            (cutoff.sin() - beam.sin()) / (cutoff - beam)
-        } else {
-            cutoff.cos()
-        };
-        TAU * (1.0 - ring) * self.spot.intensity
+    pub fn bounds(&self) -> LightBounds {
+        let axis = Vec3::from(self.spot.world_from_local.transform_vector3a(Vec3A::Z));
+        LightBounds {
+            bounds: Aabb::from_points([self.position()]),
+            cone: NormalCone::single(axis.normalize_or(Vec3::Z)),
+            cos_emission: (self.spot.cutoff_angle + ANGLE_MARGIN).cos().max(0.0),
+            intensity: luminance(self.spot.intensity) * self.mean_texture,
+        }
     }
 }

@@ -46,7 +46,9 @@ impl SunSkyLight {
             })
             .collect();
         let mean = values.iter().sum::<f32>() / values.len() as f32;
-        values.iter_mut().for_each(|value| *value = value.max(DENSITY_FLOOR * mean));
+        values
+            .iter_mut()
+            .for_each(|value| *value = value.max(DENSITY_FLOOR * mean));
         let (sky, sun) = (TAU * mean, luminance(model.sun_irradiance()).max(0.0));
         let sky_share = match (sky > 0.0, sun > 0.0) {
             (true, true) => (sky / (sky + sun)).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE),

@@ -1,6 +1,7 @@
 //! A surface that emits: dispatch over the shapes, each with its own way of choosing a point or a direction.
 
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use glam::{Affine3A, Vec2, Vec3};
 
@@ -8,12 +9,16 @@ use super::bounds::{LightBounds, NormalCone};
 use super::cylinder::CylinderLight;
 use super::rectangle::RectangleLight;
 use super::sphere::{EllipsoidLight, SphereLight};
+use super::texture_density::{self, mean_luminance};
 use super::triangle::TriangleLight;
 use super::{LightSample, Target};
 use crate::accel::{Primitive, Tlas};
 use crate::color::{Rgb, luminance};
+use crate::geometry::mesh::MeshData;
+use crate::geometry::{cylinder, disk, rectangle, sphere};
 use crate::math::{Aabb, offset_origin};
 use crate::sampling::warp;
+use crate::texture::{MeshPoint, Parameter, TexturePoint, TextureTable};
 
 /// A place on a surface as the density of a light needs it, world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +28,9 @@ pub struct SurfaceHit {
     pub normal: Vec3,
     /// The mesh's triangle; zero for other shapes.
     pub primitive: u32,
+    /// Weights of the triangle's corners 1 and 2; zero for other shapes.
+    pub barycentric: Vec2,
+    pub uv: Vec2,
 }
 
 /// A point chosen on an emitter, world space.
@@ -37,10 +45,14 @@ pub(super) struct SurfaceSample {
 
 #[derive(Clone, Debug)]
 pub(super) struct SurfaceLight {
-    radiance: Rgb,
+    radiance: Parameter<Rgb>,
+    /// Average luminance of the radiance: of all of it, or of every part.
+    brightness: Vec<f32>,
     shape: EmitterShape,
     /// Of the whole instance.
     bounds: Aabb,
+    mesh: Option<Arc<MeshData>>,
+    local_from_world: Affine3A,
     /// Bound on the rounding error of its points.
     error: f32,
 }
@@ -66,9 +78,18 @@ struct DiskLight {
 /// Relative rounding error allowed for a point on an emitter: a few roundings of its largest coordinate.
 const POSITION_ROUNDING: f32 = 16.0 * f32::EPSILON;
 
+/// Of the average brightness, what every triangle of a textured mesh has at least.
+const LEAST_BRIGHTNESS: f32 = 0.1;
+
 impl SurfaceLight {
     /// None if there is no such instance.
-    pub fn new(geometry: &Tlas, instance: u32, slot: u32, radiance: Rgb) -> Option<Self> {
+    pub fn new(
+        geometry: &Tlas,
+        instance: u32,
+        slot: u32,
+        radiance: Parameter<Rgb>,
+        textures: &TextureTable,
+    ) -> Option<Self> {
         let instance = geometry.instances().get(instance as usize)?;
         let to_world = instance.world_from_local;
         let side = if instance.flip_normals { -1.0 } else { 1.0 };
@@ -81,7 +102,8 @@ impl SurfaceLight {
         let shape = match &instance.primitive {
             Primitive::Rectangle => {
                 let corner = Vec3::from(to_world.translation) - x - y;
-                EmitterShape::Rectangle(RectangleLight::new(corner, 2.0 * x, 2.0 * y, plane_normal()))
+                let light = RectangleLight::new(corner, 2.0 * x, 2.0 * y, plane_normal());
+                EmitterShape::Rectangle(light.with_density(texture_density::density(textures, radiance)))
             }
             Primitive::Disk => EmitterShape::Disk(DiskLight {
                 world_from_local: to_world,
@@ -99,12 +121,25 @@ impl SurfaceLight {
         };
         let bounds = instance.world_bounds();
         let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
-        Some(Self {
+        let mesh = match &instance.primitive {
+            Primitive::Mesh(blas) => Some(blas.mesh().clone()),
+            _ => None,
+        };
+        let mut light = Self {
             radiance,
+            brightness: vec![mean_luminance(textures, radiance)],
             shape,
             bounds,
+            mesh,
+            local_from_world: instance.local_from_world,
             error: POSITION_ROUNDING * reach,
-        })
+        };
+        if let Parameter::Texture(_) = radiance
+            && let Some(brightness) = light.brightness_of_triangles(textures)
+        {
+            light.brightness = brightness;
+        }
+        Some(light)
     }
 
     /// A mesh has one per triangle.
@@ -143,29 +178,94 @@ impl SurfaceLight {
             bounds,
             cone,
             cos_emission: 0.0,
-            intensity: seen_area * luminance(self.radiance),
+            intensity: seen_area * self.brightness.get(part as usize).unwrap_or(&self.brightness[0]),
         }
     }
 
     /// Radiance sent to the front from a point of this surface.
-    pub fn radiance(&self, _hit: &SurfaceHit) -> Rgb {
-        self.radiance
+    pub fn radiance(&self, hit: &SurfaceHit, textures: &TextureTable) -> Rgb {
+        textures.color(self.radiance, &self.texture_point(hit))
     }
 
-    /// A direction to a part; None where no light can come from (the back, the horizon).
-    pub fn sample(&self, part: u32, reference: Vec3, u: Vec2) -> Option<LightSample> {
-        let point = self.sample_point(part, reference, u)?;
-        let hit = SurfaceHit {
+    fn texture_point(&self, hit: &SurfaceHit) -> TexturePoint<'_> {
+        let Vec2 { x, y } = hit.barycentric;
+        TexturePoint {
+            uv: hit.uv,
+            mesh: self.mesh.as_deref().map(|mesh| MeshPoint {
+                mesh,
+                triangle: hit.primitive,
+                barycentric: Vec3::new(1.0 - x - y, x, y),
+            }),
+        }
+    }
+
+    /// From a few lookups each; None for other shapes. Those that look black keep a little, for lookups may miss what is bright.
+    fn brightness_of_triangles(&self, textures: &TextureTable) -> Option<Vec<f32>> {
+        let (EmitterShape::Mesh(triangles), Some(mesh)) = (&self.shape, &self.mesh) else {
+            return None;
+        };
+        const LOOKUPS: [Vec2; 4] = [
+            Vec2::new(1.0 / 3.0, 1.0 / 3.0),
+            Vec2::new(0.1, 0.1),
+            Vec2::new(0.8, 0.1),
+            Vec2::new(0.1, 0.8),
+        ];
+        let of_triangle = |triangle: &TriangleLight| {
+            let at = |barycentric| {
+                let hit = SurfaceHit {
+                    position: Vec3::ZERO,
+                    normal: Vec3::Z,
+                    primitive: triangle.primitive,
+                    barycentric,
+                    uv: mesh_uv(mesh, triangle.primitive, barycentric),
+                };
+                luminance(self.radiance(&hit, textures)).max(0.0)
+            };
+            LOOKUPS.map(at).iter().sum::<f32>() / LOOKUPS.len() as f32
+        };
+        let mut brightness: Vec<f32> = triangles.iter().map(of_triangle).collect();
+        let mean = brightness.iter().sum::<f32>() / brightness.len() as f32;
+        brightness
+            .iter_mut()
+            .for_each(|value| *value += LEAST_BRIGHTNESS * mean);
+        Some(brightness)
+    }
+
+    /// A point of the surface with what textures want to know, if there are any.
+    fn hit(&self, part: u32, point: &SurfaceSample) -> SurfaceHit {
+        let mut hit = SurfaceHit {
             position: point.position,
             normal: point.normal,
             primitive: self.primitive(part),
+            barycentric: Vec2::ZERO,
+            uv: Vec2::ZERO,
         };
+        if let Parameter::Texture(_) = self.radiance {
+            let local = self.local_from_world.transform_point3(point.position);
+            hit.uv = match (&self.shape, &self.mesh) {
+                (EmitterShape::Rectangle(_), _) => rectangle::surface(local.x, local.y).uv,
+                (EmitterShape::Disk(_), _) => disk::surface(local.x, local.y).uv,
+                (EmitterShape::Sphere(_) | EmitterShape::Ellipsoid(_), _) => sphere::uv(local.normalize_or_zero()),
+                (EmitterShape::Cylinder(_), _) => cylinder::uv(local),
+                (EmitterShape::Mesh(triangles), Some(mesh)) => {
+                    hit.barycentric = triangles[part as usize].barycentric(point.position);
+                    mesh_uv(mesh, hit.primitive, hit.barycentric)
+                }
+                (EmitterShape::Mesh(_), None) => Vec2::ZERO,
+            };
+        }
+        hit
+    }
+
+    /// A direction to a part; None where no light can come from (the back, the horizon).
+    pub fn sample(&self, part: u32, reference: Vec3, u: Vec2, textures: &TextureTable) -> Option<LightSample> {
+        let point = self.sample_point(part, reference, u)?;
         // The shadow ray ends in front of the surface, not on it.
         let end = offset_origin(point.position, self.error, point.normal, reference - point.position);
         Some(LightSample {
             wi: (point.position - reference).try_normalize()?,
             target: Target::Point(end),
-            radiance: self.radiance(&hit),
+            radiance: self.radiance(&self.hit(part, &point), textures),
             pdf: point.pdf_solid_angle,
             is_delta: false,
         })
@@ -227,4 +327,13 @@ pub(super) fn solid_angle_pdf(pdf_area: f32, position: Vec3, normal: Vec3, refer
     let distance_squared = to_reference.length_squared();
     let cos = to_reference.dot(normal).abs() / distance_squared.sqrt();
     pdf_area * distance_squared / cos
+}
+
+/// The texture coordinates that rays find there.
+fn mesh_uv(mesh: &MeshData, triangle: u32, barycentric: Vec2) -> Vec2 {
+    let corners = mesh.triangles[triangle as usize].map(|corner| mesh.uvs.get(corner as usize));
+    match corners {
+        [Some(a), Some(b), Some(c)] => *a + barycentric.x * (*b - *a) + barycentric.y * (*c - *a),
+        _ => barycentric,
+    }
 }

@@ -1,18 +1,25 @@
 //! All lights of a scene.
 
+use std::sync::Arc;
+
 use glam::{Vec2, Vec3};
 
 use super::choice::{Chosen, LightChoice};
 use super::constant::ConstantLight;
 use super::directional::DirectionalLight;
+use super::environment::EnvironmentLight;
 use super::finite::FiniteLight;
 use super::infinite::InfiniteLight;
 use super::point::PointLight;
+use super::projector::ProjectorLight;
+use super::spot::SpotLight;
+use super::sun_sky::SunSkyLight;
 use super::surface::SurfaceLight;
 use super::{LightId, LightReference, LightSample, LightSource, SurfaceHit, WeightedSource};
 use crate::accel::Tlas;
 use crate::color::Rgb;
 use crate::sampling::hash::pcg3d;
+use crate::texture::TextureTable;
 
 /// Where the light of a source is.
 #[derive(Clone, Copy, Debug)]
@@ -42,16 +49,21 @@ pub struct LightTable {
     /// Per part of any finite light, which light it belongs to.
     light_of_part: Vec<u32>,
     choice: LightChoice,
+    textures: Arc<TextureTable>,
     /// Lights that are seen where a ray meets nothing.
     seen_at_infinity: Vec<LightId>,
 }
 
 impl LightTable {
-    pub fn build(sources: &[WeightedSource], geometry: &Tlas) -> Self {
-        let mut table = Self::default();
+    /// Has to be built anew when the geometry of emitting surfaces changes, and for sources that are textured when the textures do.
+    pub fn build(sources: &[WeightedSource], geometry: &Tlas, textures: &Arc<TextureTable>) -> Self {
+        let mut table = Self {
+            textures: textures.clone(),
+            ..Self::default()
+        };
         let (mut part_bounds, mut infinite_weights) = (Vec::new(), Vec::new());
         for (id, weighted) in sources.iter().enumerate() {
-            let place = match Self::light(&weighted.source, geometry) {
+            let place = match Self::light(&weighted.source, geometry, textures) {
                 None => Place::Nowhere,
                 Some(Light::Finite(light)) => {
                     let first_part = table.light_of_part.len() as u32;
@@ -79,14 +91,14 @@ impl LightTable {
     }
 
     /// None for a surface without area.
-    fn light(source: &LightSource, geometry: &Tlas) -> Option<Light> {
+    fn light(source: &LightSource, geometry: &Tlas, textures: &TextureTable) -> Option<Light> {
         Some(match *source {
             LightSource::Surface {
                 instance,
                 slot,
                 radiance,
             } => Light::Finite(FiniteLight::Surface(SurfaceLight::new(
-                geometry, instance, slot, radiance,
+                geometry, instance, slot, radiance, textures,
             )?)),
             LightSource::Point { position, intensity } => {
                 Light::Finite(FiniteLight::Point(PointLight { position, intensity }))
@@ -94,7 +106,27 @@ impl LightTable {
             LightSource::Directional { direction, irradiance } => {
                 Light::Infinite(InfiniteLight::Directional(DirectionalLight { direction, irradiance }))
             }
+            LightSource::Spot(spot) => Light::Finite(FiniteLight::Spot(SpotLight::new(spot, textures))),
+            LightSource::Projector(projector) => {
+                Light::Finite(FiniteLight::Projector(ProjectorLight::new(projector, textures)))
+            }
             LightSource::Constant { radiance } => Light::Infinite(InfiniteLight::Constant(ConstantLight { radiance })),
+            LightSource::Environment {
+                ref map,
+                world_from_local,
+                scale,
+            } => Light::Infinite(InfiniteLight::Environment(EnvironmentLight {
+                map: map.clone(),
+                world_from_local,
+                scale,
+            })),
+            LightSource::SunSky {
+                atmosphere,
+                world_from_local,
+            } => {
+                let light = SunSkyLight::new(atmosphere, world_from_local);
+                Light::Infinite(InfiniteLight::SunSky(Box::new(light)))
+            }
         })
     }
 
@@ -112,9 +144,11 @@ impl LightTable {
         let sample = match chosen {
             Chosen::Part(part) => {
                 let finite = &self.finite[self.light_of_part[part as usize] as usize];
-                finite.light.sample(part - finite.first_part, reference, u)?
+                finite
+                    .light
+                    .sample(part - finite.first_part, reference, u, &self.textures)?
             }
-            Chosen::Infinite(index) => self.infinite[index as usize].sample(u),
+            Chosen::Infinite(index) => self.infinite[index as usize].sample(u)?,
         };
         Some(LightSample {
             pdf: pmf * sample.pdf,
@@ -125,7 +159,7 @@ impl LightTable {
     /// Radiance that light `id` sends along the unit vector `wo` from a point of its surface.
     pub fn emitted(&self, id: LightId, hit: &SurfaceHit, wo: Vec3) -> Rgb {
         self.finite(id)
-            .map_or(Rgb::ZERO, |finite| finite.light.emitted(hit, wo))
+            .map_or(Rgb::ZERO, |finite| finite.light.emitted(hit, wo, &self.textures))
     }
 
     /// The density with which [`Self::sample`] gives the direction from `reference` to this point of light `id`.
@@ -175,6 +209,7 @@ impl LightTable {
 }
 
 /// A light made from its source.
+#[expect(clippy::large_enum_variant, reason = "there is one at a time, for a moment")]
 enum Light {
     Finite(FiniteLight),
     Infinite(InfiniteLight),

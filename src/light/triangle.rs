@@ -74,6 +74,14 @@ impl TriangleLight {
         SurfaceSample::from_area(position, normal, 1.0 / self.area(), reference)
     }
 
+    /// Weights of the corners 1 and 2 at a point of the triangle.
+    pub fn barycentric(&self, position: Vec3) -> Vec2 {
+        let [p0, p1, p2] = self.corners;
+        let normal = (p1 - p0).cross(p2 - p0);
+        let weight = |a: Vec3, b: Vec3| a.cross(b).dot(normal) / normal.length_squared();
+        Vec2::new(weight(position - p0, p2 - p0), weight(p1 - p0, position - p0))
+    }
+
     pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
         match SphericalTriangle::new(self.corners, reference) {
             Some(seen) => seen.pdf_solid_angle(),

@@ -1,7 +1,7 @@
 //! Unidirectional path tracing with next event estimation and multiple importance sampling (Kajiya 1986; Veach 1997, chapters 9
 //! and 10; PBR 4th ed., section 13.4).
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::scene::{RenderScene, SurfaceSlot};
 use super::view::{PathSettings, Strategy};
@@ -75,6 +75,8 @@ pub fn trace_path(scene: &RenderScene, settings: &PathSettings, mut ray: Ray, sa
                 position: point.position,
                 normal: point.geometric_normal,
                 primitive: hit.primitive,
+                barycentric: Vec2::new(hit.u, hit.v),
+                uv: point.uv,
             };
             let emitted = scene.lights.emitted(light, &on_light, -ray.dir);
             if emitted != Rgb::ZERO {

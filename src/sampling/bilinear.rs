@@ -39,7 +39,13 @@ impl PiecewiseBilinear2d {
         if columns < 2 || rows < 2 || values.len() != columns * rows {
             return None;
         }
-        let usable = |value: f32| if value.is_finite() { f64::from(value.max(0.0)) } else { 0.0 };
+        let usable = |value: f32| {
+            if value.is_finite() {
+                f64::from(value.max(0.0))
+            } else {
+                0.0
+            }
+        };
         let step = DVec2::new(1.0 / (columns - 1) as f64, 1.0 / (rows - 1) as f64);
         let row_totals = values.chunks_exact(columns).map(|row| {
             let inner: f64 = row.iter().map(|&value| usable(value)).sum();
@@ -98,7 +104,11 @@ impl PiecewiseBilinear2d {
         let u = u.as_dvec2() + HALF_STEP;
         let row_total = |row: usize| f64::from(self.along_row[row * self.columns + self.columns - 1]);
         let target = u.y * self.up_to_row[self.rows - 1];
-        let row = self.up_to_row.partition_point(|&sum| sum <= target).clamp(1, self.rows - 1) - 1;
+        let row = self
+            .up_to_row
+            .partition_point(|&sum| sum <= target)
+            .clamp(1, self.rows - 1)
+            - 1;
         let (start, end) = (self.up_to_row[row], self.up_to_row[row + 1]);
         let t = invert_linear(row_total(row), row_total(row + 1), (target - start) / (end - start));
 

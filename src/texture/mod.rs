@@ -41,6 +41,13 @@ pub struct TexturePoint<'a> {
     pub mesh: Option<MeshPoint<'a>>,
 }
 
+impl TexturePoint<'_> {
+    /// Where there is no mesh.
+    pub fn of_uv(uv: Vec2) -> Self {
+        Self { uv, mesh: None }
+    }
+}
+
 /// A place on a triangle of a mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshPoint<'a> {

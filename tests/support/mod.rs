@@ -17,7 +17,7 @@ use sunroom::render::scene::{RenderScene, SurfaceSlot, SurfaceTable};
 use sunroom::render::tile::{render_tile, tiles};
 use sunroom::render::view::{Integrator, PathSettings, Strategy, View};
 use sunroom::sampling::SequenceKind;
-use sunroom::texture::TextureTable;
+use sunroom::texture::{Parameter, TextureTable};
 
 /// A scene under construction: every shape brings its own material and, if it shines, its radiance.
 #[derive(Default)]
@@ -26,15 +26,49 @@ pub struct SceneBuilder {
     materials: Vec<Material>,
     slots: Vec<SurfaceSlot>,
     lights: Vec<WeightedSource>,
+    textures: TextureTable,
 }
 
 impl SceneBuilder {
+    pub fn with_textures(textures: TextureTable) -> Self {
+        Self {
+            textures,
+            ..Self::default()
+        }
+    }
+
     pub fn add(
         &mut self,
         primitive: Primitive,
         to_world: Affine3A,
         material: impl Into<Material>,
         radiance: Option<Rgb>,
+    ) -> &mut Instance {
+        self.add_shape(
+            primitive,
+            to_world,
+            material.into(),
+            radiance.map(Parameter::Constant),
+        )
+    }
+
+    /// A shape that shines as a texture of `textures` does.
+    pub fn add_textured(
+        &mut self,
+        primitive: Primitive,
+        to_world: Affine3A,
+        material: impl Into<Material>,
+        radiance: Parameter<Rgb>,
+    ) {
+        self.add_shape(primitive, to_world, material.into(), Some(radiance));
+    }
+
+    fn add_shape(
+        &mut self,
+        primitive: Primitive,
+        to_world: Affine3A,
+        material: Material,
+        radiance: Option<Parameter<Rgb>>,
     ) -> &mut Instance {
         let instance = self.instances.len() as u32;
         self.instances
@@ -52,7 +86,7 @@ impl SceneBuilder {
             material: MaterialId(self.materials.len() as u32),
             light,
         });
-        self.materials.push(material.into());
+        self.materials.push(material);
         self.instances.last_mut().expect("just pushed")
     }
 
@@ -63,14 +97,15 @@ impl SceneBuilder {
 
     pub fn build(self) -> RenderScene {
         let geometry = Arc::new(Tlas::build(self.instances, SplitMethod::Sah));
+        let textures = Arc::new(self.textures);
         RenderScene {
-            lights: Arc::new(LightTable::build(&self.lights, &geometry)),
+            lights: Arc::new(LightTable::build(&self.lights, &geometry, &textures)),
             surfaces: Arc::new(SurfaceTable {
                 first_slot: (0..self.slots.len() as u32).collect(),
                 slots: self.slots,
             }),
             materials: Arc::new(MaterialTable::new(self.materials).expect("materials that are there")),
-            textures: Arc::new(TextureTable::default()),
+            textures,
             geometry,
         }
     }

@@ -17,6 +17,7 @@ use crate::light::{LightId, LightSource, WeightedSource};
 use crate::material::{Material, MaterialId};
 use crate::render::scene::{SurfaceSlot, SurfaceTable};
 use crate::shading::DielectricModel;
+use crate::texture::Parameter;
 
 /// What a shape says of its surface.
 #[derive(Clone, Debug)]
@@ -91,7 +92,7 @@ pub(in crate::engine) fn pack_surfaces(
                 let source = LightSource::Surface {
                     instance: index as u32,
                     slot,
-                    radiance,
+                    radiance: Parameter::Constant(radiance),
                 };
                 packed.lights.push(source.into());
                 LightId(packed.lights.len() as u32 - 1)
