@@ -26,16 +26,17 @@ const RULES: &[(&str, &[&str], bool)] = &[
     ("medium", BELOW_SHADING, false),
     ("render", KERNEL, false),
     ("document", &["math", "color"], false),
+    ("gltf", &["math", "color", "geometry", "document"], false),
     ("scene", &["math", "color", "document"], true),
     (
         "scene/assets",
-        &["math", "color", "document", "geometry", "texture"],
+        &["math", "color", "document", "geometry", "gltf", "texture"],
         true,
     ),
     ("engine", &["KERNEL", "document", "scene"], true),
     ("app", &["KERNEL", "document", "scene", "engine"], true),
     // The program on top of the library: there everything goes.
-    ("cli", &["KERNEL", "document", "scene", "engine", "app"], true),
+    ("cli", &["KERNEL", "document", "gltf", "scene", "engine", "app"], true),
     ("main", &["KERNEL", "document", "scene", "engine", "app", "cli"], true),
 ];
 

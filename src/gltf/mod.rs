@@ -1,0 +1,179 @@
+//! glTF 2.0 files (`.gltf` and `.glb`) as meshes, pictures, and a scene of the format everything else reads.
+//!
+//! [`Gltf::open`] reads the container and the JSON; [`Gltf::mesh`] and [`Gltf::picture`] unpack one thing each, and [`scene`] says in the scene
+//! format how they belong together. Nothing here draws or knows entities. Animations, skins and morph targets are not read: things have
+//! their pose at rest.
+
+mod accessor;
+pub mod files;
+mod material;
+mod mesh;
+mod picture;
+pub mod scene;
+mod schema;
+mod uri;
+
+use std::borrow::Cow;
+
+use self::schema::Root;
+
+/// Reads a file by its name, relative to the glTF file.
+pub type ReadFile<'a> = dyn FnMut(&str) -> std::io::Result<Vec<u8>> + 'a;
+
+/// Why a file could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum GltfError {
+    #[error("{0}")]
+    Container(&'static str),
+    #[error("{0}")]
+    Json(serde_json::Error),
+    #[error("glTF version `{0}` is not supported, only 2.0 is")]
+    Version(String),
+    #[error("the file requires the extension {0}, which is not supported")]
+    Extension(String),
+    /// An index that names nothing.
+    #[error("{what} {index} is not there: the file has {count}")]
+    Index {
+        what: &'static str,
+        index: usize,
+        count: usize,
+    },
+    #[error("accessor {index} {what}")]
+    Accessor { index: usize, what: String },
+    #[error("buffer view {index} reaches beyond its buffer")]
+    View { index: usize },
+    #[error("buffer {index} has {held} bytes where {promised} are promised")]
+    Buffer { index: usize, held: usize, promised: usize },
+    #[error("primitive {index}: {what}")]
+    Primitive { index: usize, what: String },
+    #[error("node {0} is its own ancestor, or the child of two nodes")]
+    Tree(usize),
+    #[error("image {index}: {what}")]
+    Image { index: usize, what: String },
+    #[error("the URI `{uri}` {what}")]
+    Uri { uri: String, what: &'static str },
+    #[error("{name}: {source}")]
+    File { name: String, source: std::io::Error },
+}
+
+/// Extensions that a file may require.
+const SUPPORTED: [&str; 11] = [
+    "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// An opened file with its buffers.
+#[derive(Debug)]
+pub struct Gltf {
+    root: Root,
+    buffers: Vec<Vec<u8>>,
+}
+
+impl Gltf {
+    /// Whether bytes are a glTF file, rather than another kind of mesh or scene.
+    pub fn is_binary(bytes: &[u8]) -> bool {
+        bytes.starts_with(b"glTF")
+    }
+
+    /// `read` brings the files that it names; pictures are left for later.
+    pub fn open(bytes: &[u8], read: &mut ReadFile) -> Result<Self, GltfError> {
+        let (json, binary) = match Self::is_binary(bytes) {
+            true => chunks(bytes)?,
+            false => (bytes, None),
+        };
+        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+        let root: Root = serde_json::from_slice(json).map_err(GltfError::Json)?;
+        if !root.asset.version.starts_with("2.") {
+            return Err(GltfError::Version(root.asset.version));
+        }
+        let unknown = |name: &&String| !SUPPORTED.contains(&name.as_str());
+        if let Some(name) = root.extensions_required.iter().find(unknown) {
+            return Err(GltfError::Extension(name.clone()));
+        }
+        let mut buffers = Vec::with_capacity(root.buffers.len());
+        for (index, buffer) in root.buffers.iter().enumerate() {
+            let content = match (&buffer.uri, binary) {
+                (Some(uri), _) => uri::content(uri, read)?,
+                (None, Some(binary)) if index == 0 => binary.to_vec(),
+                (None, _) => Vec::new(),
+            };
+            if content.len() < buffer.byte_length {
+                return Err(GltfError::Buffer {
+                    index,
+                    held: content.len(),
+                    promised: buffer.byte_length,
+                });
+            }
+            buffers.push(content);
+        }
+        Ok(Self { root, buffers })
+    }
+
+    fn get<'a, T>(&self, what: &'static str, list: &'a [T], index: usize) -> Result<&'a T, GltfError> {
+        let count = list.len();
+        list.get(index).ok_or(GltfError::Index { what, index, count })
+    }
+
+    /// The bytes of a buffer view.
+    fn view(&self, index: usize) -> Result<&[u8], GltfError> {
+        let view = self.get("buffer view", &self.root.buffer_views, index)?;
+        let buffer = self.get("buffer", &self.buffers, view.buffer)?;
+        let end = view.byte_offset.checked_add(view.byte_length);
+        end.and_then(|end| buffer.get(view.byte_offset..end))
+            .ok_or(GltfError::View { index })
+    }
+
+    /// The file of a picture as it is, encoded. `read` as for [`Self::open`].
+    fn image_file(&self, index: usize, read: &mut ReadFile) -> Result<Cow<'_, [u8]>, GltfError> {
+        let image = self.get("image", &self.root.images, index)?;
+        match (&image.uri, image.buffer_view) {
+            (Some(uri), _) => Ok(uri::content(uri, read)?.into()),
+            (None, Some(view)) => Ok(self.view(view)?.into()),
+            (None, None) => Err(GltfError::Image {
+                index,
+                what: "neither a file nor bytes are given".to_owned(),
+            }),
+        }
+    }
+}
+
+/// The JSON and the binary chunk of a GLB container (section 4.4).
+fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), GltfError> {
+    let word = |at: usize| -> Option<usize> {
+        let four = bytes.get(at..at.checked_add(4)?)?;
+        Some(u32::from_le_bytes(four.try_into().ok()?) as usize)
+    };
+    const TRUNCATED: GltfError = GltfError::Container("the file ends before its chunks do");
+    if word(4) != Some(2) {
+        return Err(GltfError::Container("not version 2 of the binary container"));
+    }
+    let length = word(8).filter(|&length| length <= bytes.len()).ok_or(TRUNCATED)?;
+    let (mut json, mut binary) = (None, None);
+    let mut at = 12;
+    while at + 8 <= length {
+        let (Some(size), Some(kind)) = (word(at), word(at + 4)) else {
+            return Err(TRUNCATED);
+        };
+        let chunk = bytes[..length]
+            .get(at + 8..(at + 8).saturating_add(size))
+            .ok_or(TRUNCATED)?;
+        match (kind, &json) {
+            (0x4e4f_534a, None) => json = Some(chunk),
+            (0x004e_4942, _) if binary.is_none() => binary = Some(chunk),
+            _ => {}
+        }
+        // Chunks are padded to whole words.
+        at += 8 + size.next_multiple_of(4);
+    }
+    let json = json.ok_or(GltfError::Container("the container has no JSON"))?;
+    Ok((json, binary))
+}

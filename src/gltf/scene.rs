@@ -1,0 +1,416 @@
+//! The scene of a file in the scene format: what its nodes place, with materials, lights and cameras.
+//!
+//! Where the file has no camera, one looks at everything from the front, a little from above; where it has no light, there is a white sky.
+//! Intensities are taken over as numbers: candela and lux become W/sr and W/m^2.
+
+use std::collections::{BTreeMap, HashSet};
+use std::f32::consts::PI;
+
+use glam::{Affine3A, Mat4, Quat, Vec3};
+
+use super::mesh::VERTEX_COLOR;
+use super::picture::Picture;
+use super::schema::{Camera, Light, Node};
+use super::{Gltf, GltfError};
+use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
+use crate::math::Aabb;
+
+/// How the scene names what stays in the file or goes into others.
+pub trait References {
+    /// The shape for a mesh of the file.
+    fn shape(&mut self, number: u32) -> Result<Object, GltfError>;
+    /// Adds to a `bitmap` where its picture is; `index` numbers the pictures through.
+    fn picture(&mut self, bitmap: Object, index: usize, picture: &Picture) -> Result<Object, GltfError>;
+}
+
+/// A scene as it would stand in a file of the format.
+#[derive(Debug)]
+pub struct Imported {
+    pub root: Object,
+    /// What of the file is not in it, one sentence each.
+    pub warnings: Vec<String>,
+    /// In the order of their indices.
+    pub pictures: Vec<Picture>,
+}
+
+/// Rows of a picture whose camera says nothing of pixels, and its shape if it says nothing of that.
+const ROWS: f32 = 720.0;
+const ASPECT: f32 = 16.0 / 9.0;
+/// Of a camera that sees to infinity, in multiples of its nearest distance.
+const FARTHEST: f32 = 1e7;
+const SAMPLES: i64 = 64;
+/// Where the camera stands if the file has none, seen from the middle of things.
+const VIEWPOINT: Vec3 = Vec3::new(0.5, 0.4, 1.0);
+const VIEW_DEGREES: f32 = 40.0;
+
+pub(super) struct Builder<'a> {
+    pub gltf: &'a Gltf,
+    references: &'a mut dyn References,
+    warnings: Vec<String>,
+    pictures: Vec<Picture>,
+    /// The first trouble of `references`.
+    failure: Option<GltfError>,
+    ids: HashSet<String>,
+    sensors: Vec<Object>,
+    /// The ids of bsdfs by material and whether meshes bring the colours.
+    materials: BTreeMap<(Option<usize>, bool), String>,
+    bsdfs: Vec<Object>,
+    emitters: Vec<Object>,
+    shapes: Vec<Object>,
+    has_area_light: bool,
+    bounds: Aabb,
+}
+
+impl Gltf {
+    /// The file's default scene.
+    pub fn scene(&self, references: &mut dyn References) -> Result<Imported, GltfError> {
+        let mut builder = Builder {
+            gltf: self,
+            references,
+            warnings: Vec::new(),
+            pictures: Vec::new(),
+            failure: None,
+            ids: HashSet::new(),
+            sensors: Vec::new(),
+            materials: BTreeMap::new(),
+            bsdfs: Vec::new(),
+            emitters: Vec::new(),
+            shapes: Vec::new(),
+            has_area_light: false,
+            bounds: Aabb::EMPTY,
+        };
+        if !self.root.animations.is_empty() {
+            builder.warn("animations are not read".to_owned());
+        }
+        for (index, world) in self.placed_nodes()? {
+            builder.node(index, world)?;
+        }
+        builder.finish()
+    }
+
+    /// The nodes of the scene with their world transforms, parents first.
+    fn placed_nodes(&self) -> Result<Vec<(usize, Mat4)>, GltfError> {
+        let nodes = &self.root.nodes;
+        let roots = match (self.root.scene, self.root.scenes.first()) {
+            (None, None) => {
+                let children: HashSet<usize> = nodes.iter().flat_map(|node| node.children.iter().copied()).collect();
+                (0..nodes.len()).filter(|index| !children.contains(index)).collect()
+            }
+            (Some(scene), _) => self.get("scene", &self.root.scenes, scene)?.nodes.clone(),
+            (None, Some(first)) => first.nodes.clone(),
+        };
+        let mut waiting: Vec<(usize, Mat4)> = roots.into_iter().rev().map(|root| (root, Mat4::IDENTITY)).collect();
+        let mut placed = Vec::new();
+        let mut seen = vec![false; nodes.len()];
+        while let Some((index, parent)) = waiting.pop() {
+            let node = self.get("node", nodes, index)?;
+            if std::mem::replace(&mut seen[index], true) {
+                return Err(GltfError::Tree(index));
+            }
+            let world = parent * node.local();
+            placed.push((index, world));
+            waiting.extend(node.children.iter().rev().map(|&child| (child, world)));
+        }
+        Ok(placed)
+    }
+}
+
+impl Node {
+    fn local(&self) -> Mat4 {
+        match self.matrix {
+            Some(matrix) => Mat4::from_cols_array(&matrix),
+            None => Mat4::from_scale_rotation_translation(
+                self.scale.map_or(Vec3::ONE, Vec3::from),
+                self.rotation
+                    .map_or(Quat::IDENTITY, |turn| Quat::from_array(turn).normalize()),
+                self.translation.map_or(Vec3::ZERO, Vec3::from),
+            ),
+        }
+    }
+}
+
+impl Builder<'_> {
+    pub fn warn(&mut self, sentence: String) {
+        if !self.warnings.contains(&sentence) {
+            self.warnings.push(sentence);
+        }
+    }
+
+    /// The bitmap with its picture, which is listed once.
+    pub fn reference_picture(&mut self, bitmap: Object, picture: Picture) -> Object {
+        let known = self.pictures.iter().position(|other| *other == picture);
+        let index = known.unwrap_or_else(|| {
+            self.pictures.push(picture.clone());
+            self.pictures.len() - 1
+        });
+        self.references
+            .picture(bitmap.clone(), index, &picture)
+            .unwrap_or_else(|error| {
+                self.failure.get_or_insert(error);
+                bitmap
+            })
+    }
+
+    fn node(&mut self, index: usize, world: Mat4) -> Result<(), GltfError> {
+        let gltf = self.gltf;
+        let node = gltf.get("node", &gltf.root.nodes, index)?;
+        let world = {
+            let mut affine = world.transpose();
+            affine.w_axis = glam::Vec4::W;
+            affine.transpose()
+        };
+        if let Some(mesh) = node.mesh {
+            if node.skin.is_some() {
+                self.warn("skins are not read: meshes have their pose at rest".to_owned());
+            }
+            self.mesh(node, mesh, world)?;
+        }
+        if let Some(camera) = node.camera {
+            let camera = gltf.get("camera", &gltf.root.cameras, camera)?;
+            let name = node.name.as_deref().or(camera.name.as_deref()).unwrap_or("camera");
+            let id = self.unique(name);
+            self.camera(camera, id, world);
+        }
+        if let Some(light) = &node.extensions.light {
+            let lights = &gltf.root.extensions.lights.lights;
+            let light = gltf.get("light", lights, light.light)?;
+            self.light(light, world);
+        }
+        Ok(())
+    }
+
+    fn mesh(&mut self, node: &Node, mesh: usize, world: Mat4) -> Result<(), GltfError> {
+        let gltf = self.gltf;
+        let about = gltf.get("mesh", &gltf.root.meshes, mesh)?;
+        let name = node.name.as_deref().or(about.name.as_deref()).unwrap_or("mesh");
+        for numbered in gltf.primitives().filter(|numbered| numbered.mesh == mesh) {
+            let primitive = numbered.primitive;
+            if !primitive.has_triangles() {
+                self.warn(format!("points and lines are left out ({name})"));
+                continue;
+            }
+            if !primitive.targets.is_empty() {
+                self.warn("morph targets are not read: meshes have their shape at rest".to_owned());
+            }
+            let mesh = gltf.mesh(numbered.number)?;
+            for warning in mesh.warnings {
+                self.warn(warning);
+            }
+            let mesh = mesh.mesh;
+            let map = Affine3A::from_mat4(world);
+            self.bounds = self.bounds.union(mesh.bounds().transformed(&map));
+            if let Some(material) = primitive.material {
+                gltf.get("material", &gltf.root.materials, material)?;
+            }
+            let has_colors = mesh.attribute(VERTEX_COLOR).is_some();
+            let material = self.material(primitive.material, has_colors);
+            let mut shape = self.references.shape(numbered.number)?;
+            shape.id = Some(self.unique(name));
+            if primitive.is_flat() {
+                shape = with(shape, "face_normals", Value::Boolean(true));
+            }
+            shape = with_world(shape, world);
+            shape.children.push(Child::Reference {
+                name: None,
+                id: material,
+                span: Span::default(),
+            });
+            if let Some(emitter) = self.emitter(primitive.material) {
+                self.has_area_light = true;
+                shape = with_child(shape, emitter);
+            }
+            self.shapes.push(shape);
+        }
+        Ok(())
+    }
+
+    /// The id of a bsdf.
+    fn material(&mut self, index: Option<usize>, vertex_colors: bool) -> String {
+        if let Some(id) = self.materials.get(&(index, vertex_colors)) {
+            return id.clone();
+        }
+        let name = index.and_then(|index| self.gltf.root.materials[index].name.as_deref());
+        let id = self.unique(name.unwrap_or("material"));
+        let mut bsdf = self.bsdf(index, vertex_colors);
+        bsdf.id = Some(id.clone());
+        self.bsdfs.push(bsdf);
+        self.materials.insert((index, vertex_colors), id.clone());
+        id
+    }
+
+    fn camera(&mut self, camera: &Camera, id: String, world: Mat4) {
+        // Cameras of the file look along -z with +x to the right.
+        let pose = world * Mat4::from_rotation_y(PI);
+        let sensor = |plugin: &str, near: f32, far: f32| {
+            let sensor = with_float(object(Category::Sensor, plugin), "near_clip", near);
+            with_float(sensor, "far_clip", far)
+        };
+        let (sensor, pose, aspect) = match (&camera.perspective, &camera.orthographic) {
+            (Some(lens), _) => {
+                let near = lens.znear.max(f32::MIN_POSITIVE);
+                let far = lens.zfar.unwrap_or(FARTHEST * near);
+                let sensor = with_float(sensor("perspective", near, far), "fov", lens.yfov.to_degrees());
+                let sensor = with(sensor, "fov_axis", Value::String("y".into()));
+                (sensor, pose, lens.aspect_ratio.unwrap_or(ASPECT))
+            }
+            (None, Some(lens)) => {
+                let scale = Mat4::from_scale(Vec3::new(lens.xmag.abs(), lens.xmag.abs(), 1.0));
+                let near = lens.znear.max(f32::MIN_POSITIVE);
+                (
+                    sensor("orthographic", near, lens.zfar),
+                    pose * scale,
+                    (lens.xmag / lens.ymag).abs(),
+                )
+            }
+            (None, None) => {
+                self.warn(format!("the camera `{id}` has no projection: it is left out"));
+                return;
+            }
+        };
+        let sensor = with_film(with_world(sensor, pose), aspect);
+        self.sensors.push(Object { id: Some(id), ..sensor });
+    }
+
+    fn light(&mut self, light: &Light, world: Mat4) {
+        let power = Vec3::from(light.color) * light.intensity;
+        let emitter = |plugin: &str| object(Category::Emitter, plugin);
+        let forward = world.transform_vector3(Vec3::NEG_Z);
+        self.emitters.push(match light.kind.as_str() {
+            "directional" => {
+                let emitter = with_color(emitter("directional"), "irradiance", power);
+                with(emitter, "direction", Value::Vector(forward))
+            }
+            "point" => {
+                let emitter = with_color(emitter("point"), "intensity", power);
+                with(emitter, "position", Value::Point(world.w_axis.truncate()))
+            }
+            "spot" => {
+                let outer = light.spot.outer_cone_angle.to_degrees();
+                let emitter = with_color(emitter("spot"), "intensity", power);
+                let emitter = with_float(emitter, "cutoff_angle", outer);
+                let inner = light.spot.inner_cone_angle.to_degrees().min(outer);
+                with_world(
+                    with_float(emitter, "beam_width", inner),
+                    world * Mat4::from_rotation_y(PI),
+                )
+            }
+            other => {
+                let sentence = format!("lights of type `{other}` are not supported: one is left out");
+                return self.warn(sentence);
+            }
+        });
+    }
+
+    /// The name as an id that no other has, of the characters that ids may have.
+    fn unique(&mut self, name: &str) -> String {
+        let plain = |c: char| {
+            if c.is_alphanumeric() || "-_. ".contains(c) {
+                c
+            } else {
+                '_'
+            }
+        };
+        let name: String = name.chars().map(plain).collect();
+        let name = if name.trim().is_empty() {
+            "unnamed".to_owned()
+        } else {
+            name
+        };
+        let mut candidates = std::iter::once(name.clone()).chain((2..).map(|number| format!("{name}-{number}")));
+        let free = candidates.find(|id| !self.ids.contains(id)).unwrap_or(name);
+        self.ids.insert(free.clone());
+        free
+    }
+
+    fn finish(mut self) -> Result<Imported, GltfError> {
+        if let Some(failure) = self.failure {
+            return Err(failure);
+        }
+        if self.sensors.is_empty() && !self.bounds.is_empty() {
+            self.sensors.push(overview(&self.bounds));
+        }
+        if self.emitters.is_empty() && !self.has_area_light {
+            let sky = object(Category::Emitter, "constant");
+            self.emitters.push(with_color(sky, "radiance", Vec3::ONE));
+        }
+        let mut root = object(Category::Scene, "");
+        root.children = std::iter::once(object(Category::Integrator, "path"))
+            .chain(self.sensors)
+            .chain(self.emitters)
+            .chain(self.bsdfs)
+            .chain(self.shapes)
+            .map(Child::Object)
+            .collect();
+        Ok(Imported {
+            root,
+            warnings: self.warnings,
+            pictures: self.pictures,
+        })
+    }
+}
+
+/// A camera that sees the sphere around the box.
+fn overview(bounds: &Aabb) -> Object {
+    let radius = (0.5 * bounds.extent().length()).max(f32::MIN_POSITIVE);
+    let distance = radius / (0.5 * VIEW_DEGREES.to_radians()).sin();
+    let look = TransformOp::LookAt {
+        origin: bounds.center() + distance * VIEWPOINT.normalize(),
+        target: bounds.center(),
+        up: Vec3::Y,
+    };
+    let sensor = with_float(object(Category::Sensor, "perspective"), "fov", VIEW_DEGREES);
+    let sensor = with(sensor, "fov_axis", Value::String("smaller".into()));
+    let sensor = with_float(sensor, "near_clip", 1e-3 * distance);
+    let sensor = with_float(sensor, "far_clip", 1e3 * distance);
+    with_film(with(sensor, "to_world", Value::Transform(vec![look])), ASPECT)
+}
+
+fn with_film(sensor: Object, aspect: f32) -> Object {
+    let aspect = if aspect.is_finite() && aspect > 0.0 {
+        aspect
+    } else {
+        ASPECT
+    };
+    let pixels = |side: f32| Value::Integer(side.round().clamp(1.0, 16.0 * ROWS) as i64);
+    let film = with(object(Category::Film, "hdrfilm"), "width", pixels(ROWS * aspect));
+    let film = with(film, "height", pixels(ROWS));
+    let sampler = with(
+        object(Category::Sampler, "independent"),
+        "sample_count",
+        Value::Integer(SAMPLES),
+    );
+    with_child(with_child(sensor, film), sampler)
+}
+
+pub(super) fn object(category: Category, plugin: &str) -> Object {
+    Object::new(category, plugin)
+}
+
+pub(super) fn with(mut object: Object, name: &str, value: Value) -> Object {
+    object.properties.push(Property {
+        name: name.to_owned(),
+        value,
+        span: Span::default(),
+    });
+    object
+}
+
+pub(super) fn with_float(object: Object, name: &str, number: f32) -> Object {
+    with(object, name, Value::Float(number))
+}
+
+pub(super) fn with_color(object: Object, name: &str, color: Vec3) -> Object {
+    with(object, name, Value::Rgb(color))
+}
+
+pub(super) fn with_child(mut object: Object, child: Object) -> Object {
+    object.children.push(Child::Object(child));
+    object
+}
+
+fn with_world(object: Object, world: Mat4) -> Object {
+    if world == Mat4::IDENTITY {
+        return object;
+    }
+    with(object, "to_world", Value::Transform(vec![TransformOp::Matrix(world)]))
+}

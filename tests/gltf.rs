@@ -1,0 +1,530 @@
+//! glTF files written by hand: what comes out as meshes, pictures and scene, and that broken ones give one error.
+
+use std::io::Cursor;
+
+use glam::{Affine3A, Vec2, Vec3};
+use sunroom::document::{Category, Child, Object, TransformOp, Value};
+use sunroom::geometry::attribute::AttributeValues;
+use sunroom::geometry::mesh::MeshData;
+use sunroom::gltf::files::take_apart;
+use sunroom::gltf::scene::Imported;
+use sunroom::gltf::{Gltf, GltfError};
+
+fn open(text: &str) -> Result<Gltf, GltfError> {
+    Gltf::open(text.as_bytes(), &mut nothing_beside)
+}
+
+fn nothing_beside(name: &str) -> std::io::Result<Vec<u8>> {
+    Err(std::io::Error::new(std::io::ErrorKind::NotFound, format!("no {name}")))
+}
+
+fn base64(bytes: &[u8]) -> String {
+    const SYMBOLS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let group = |three: &[u8]| -> String {
+        let byte = |i: usize| u32::from(three.get(i).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        let symbol = |i: usize| match i <= three.len() {
+            true => char::from(SYMBOLS[(bits >> (18 - 6 * i) & 63) as usize]),
+            false => '=',
+        };
+        (0..4).map(symbol).collect()
+    };
+    bytes.chunks(3).map(group).collect()
+}
+
+/// The parts of a file with one buffer: bytes are added with a view for each piece.
+#[derive(Default)]
+struct Parts {
+    bytes: Vec<u8>,
+    views: Vec<String>,
+    accessors: Vec<String>,
+}
+
+impl Parts {
+    fn view(&mut self, bytes: &[u8], more: &str) -> usize {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        let (offset, length) = (self.bytes.len(), bytes.len());
+        self.bytes.extend_from_slice(bytes);
+        self.views.push(format!(
+            r#"{{"buffer": 0, "byteOffset": {offset}, "byteLength": {length}{more}}}"#
+        ));
+        self.views.len() - 1
+    }
+
+    fn accessor(&mut self, view: usize, component: u32, kind: &str, count: usize, more: &str) -> usize {
+        self.accessors.push(format!(
+            r#"{{"bufferView": {view}, "componentType": {component}, "type": "{kind}", "count": {count}{more}}}"#
+        ));
+        self.accessors.len() - 1
+    }
+
+    fn floats(&mut self, kind: &str, numbers: &[f32]) -> usize {
+        let width = match kind {
+            "VEC4" => 4,
+            "VEC3" => 3,
+            "VEC2" => 2,
+            _ => 1,
+        };
+        let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+        let view = self.view(&bytes, "");
+        self.accessor(view, 5126, kind, numbers.len() / width, "")
+    }
+
+    fn json(&self, buffer: &str, rest: &str) -> String {
+        let (views, accessors, length) = (self.views.join(","), self.accessors.join(","), self.bytes.len());
+        format!(
+            r#"{{"asset": {{"version": "2.0"}}, "bufferViews": [{views}], "accessors": [{accessors}],
+                "buffers": [{{"byteLength": {length}{buffer}}}], {rest}}}"#
+        )
+    }
+
+    fn text(&self, rest: &str) -> String {
+        let uri = format!(
+            r#", "uri": "data:application/octet-stream;base64,{}""#,
+            base64(&self.bytes)
+        );
+        self.json(&uri, rest)
+    }
+
+    fn binary(&self, rest: &str) -> Vec<u8> {
+        let mut json = self.json("", rest).into_bytes();
+        json.resize(json.len().next_multiple_of(4), b' ');
+        let mut data = self.bytes.clone();
+        data.resize(data.len().next_multiple_of(4), 0);
+        let word = |number: usize| (number as u32).to_le_bytes();
+        let total = 12 + 8 + json.len() + 8 + data.len();
+        [
+            b"glTF".as_slice(),
+            &word(2),
+            &word(total),
+            &word(json.len()),
+            b"JSON",
+            &json,
+            &word(data.len()),
+            b"BIN\0",
+            &data,
+        ]
+        .concat()
+    }
+}
+
+const SQUARE: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
+
+/// A square, drawn as `primitive` says beside its positions.
+fn square(primitive: impl FnOnce(&mut Parts) -> String) -> MeshData {
+    let mut parts = Parts::default();
+    let positions = parts.floats("VEC3", &SQUARE);
+    let more = primitive(&mut parts);
+    let (attributes, rest) = more.split_once('|').unwrap_or((&more, ""));
+    let meshes =
+        format!(r#""meshes": [{{"primitives": [{{"attributes": {{"POSITION": {positions}{attributes}}}{rest}}}]}}]"#);
+    open(&parts.text(&meshes))
+        .and_then(|file| file.mesh(0))
+        .expect("a mesh")
+        .mesh
+}
+
+#[test]
+fn indices_come_in_three_sizes_or_not_at_all() {
+    let expected = vec![[0, 1, 2], [0, 2, 3]];
+    let cases: [(u32, &[u8]); 3] = [
+        (5121, &[0, 1, 2, 0, 2, 3]),
+        (5123, &[0, 0, 1, 0, 2, 0, 0, 0, 2, 0, 3, 0]),
+        (
+            5125,
+            &[0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0],
+        ),
+    ];
+    for (component, bytes) in cases {
+        let mesh = square(|parts| {
+            let view = parts.view(bytes, "");
+            let indices = parts.accessor(view, component, "SCALAR", 6, "");
+            format!(r#"|, "indices": {indices}"#)
+        });
+        assert_eq!(mesh.triangles, expected);
+        // No normals are given: flat, which on a square is the same as smooth.
+        assert!(mesh.normals.iter().all(|normal| normal.abs_diff_eq(Vec3::Z, 1e-6)));
+    }
+    assert_eq!(square(|_| String::new()).triangles, vec![[0, 1, 2]]);
+    assert_eq!(
+        square(|_| r#"|, "mode": 6"#.to_owned()).triangles,
+        vec![[1, 2, 0], [2, 3, 0]]
+    );
+    assert_eq!(
+        square(|_| r#"|, "mode": 5"#.to_owned()).triangles,
+        vec![[0, 1, 2], [2, 1, 3]]
+    );
+}
+
+#[test]
+fn whole_numbers_stand_for_shares_and_strides_are_kept() {
+    let mesh = square(|parts| {
+        // Two bytes of coordinates in every four; normals as normalised signed bytes.
+        let view = parts.view(
+            &[0, 0, 9, 9, 255, 0, 9, 9, 255, 255, 9, 9, 0, 51, 9, 9],
+            r#", "byteStride": 4"#,
+        );
+        let uvs = parts.accessor(view, 5121, "VEC2", 4, r#", "normalized": true"#);
+        let view = parts.view(&[0, 0, 129, 0].repeat(4), r#", "byteStride": 4"#);
+        let normals = parts.accessor(view, 5120, "VEC3", 4, r#", "normalized": true"#);
+        let view = parts.view(&[0xff, 0xff, 0, 0, 0x33, 0x33, 0, 0].repeat(4), "");
+        let colors = parts.accessor(view, 5123, "VEC4", 4, r#", "normalized": true"#);
+        format!(r#", "TEXCOORD_0": {uvs}, "NORMAL": {normals}, "COLOR_0": {colors}"#)
+    });
+    assert_eq!(mesh.uvs, [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::new(0.0, 0.2)]);
+    assert_eq!(mesh.normals, [Vec3::NEG_Z; 4]);
+    let AttributeValues::F32(colors) = &mesh.attributes[0].values else {
+        panic!("not floats")
+    };
+    assert_eq!(colors[..3], [1.0, 0.0, 0.2]);
+}
+
+#[test]
+fn sparse_values_replace_others() {
+    let mut parts = Parts::default();
+    parts.floats("VEC3", &SQUARE);
+    let places = parts.view(&[1, 0, 3, 0], "");
+    let values = parts.view(&[5.0f32, 6.0, 7.0, -1.0, -2.0, -3.0].map(f32::to_le_bytes).concat(), "");
+    let sparse = |count| {
+        format!(
+            r#", "sparse": {{"count": {count}, "indices": {{"bufferView": {places}, "componentType": 5123}},
+                "values": {{"bufferView": {values}}}}}"#
+        )
+    };
+    parts.accessors[0] = parts.accessors[0].replace('}', &format!("{}}}", sparse(2)));
+    // Zeros but for the two.
+    parts.accessors.push(format!(
+        r#"{{"componentType": 5126, "type": "VEC3", "count": 4{}}}"#,
+        sparse(2)
+    ));
+    parts.accessors.push(format!(
+        r#"{{"componentType": 5126, "type": "VEC3", "count": 3{}}}"#,
+        sparse(2)
+    ));
+    let meshes = (0..3).map(|a| format!(r#"{{"primitives": [{{"attributes": {{"POSITION": {a}}}}}]}}"#));
+    let text = parts.text(&format!(r#""meshes": [{}]"#, meshes.collect::<Vec<_>>().join(",")));
+    let file = open(&text).expect("opens");
+    let positions = file.mesh(0).expect("a mesh").mesh.positions;
+    assert_eq!(
+        positions,
+        [
+            Vec3::ZERO,
+            Vec3::new(5.0, 6.0, 7.0),
+            Vec3::new(1.0, 1.0, 0.0),
+            Vec3::new(-1.0, -2.0, -3.0)
+        ]
+    );
+    let positions = file.mesh(1).expect("a mesh").mesh.positions;
+    assert_eq!(
+        positions,
+        [
+            Vec3::ZERO,
+            Vec3::new(5.0, 6.0, 7.0),
+            Vec3::ZERO,
+            Vec3::new(-1.0, -2.0, -3.0)
+        ]
+    );
+    let error = file.mesh(2).expect_err("element 3 of 3").to_string();
+    assert!(error.contains("element 3"), "{error}");
+}
+
+/// 2 x 1 pixels: (255, 128, 0) with alpha 51, and (0, 64, 255) with alpha 204.
+fn png() -> Vec<u8> {
+    let image = image::RgbaImage::from_raw(2, 1, vec![255, 128, 0, 51, 0, 64, 255, 204]).expect("fits");
+    let mut bytes = Cursor::new(Vec::new());
+    image
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .expect("can be written");
+    bytes.into_inner()
+}
+
+fn textured_quad(material: &str) -> (Parts, String) {
+    let mut parts = Parts::default();
+    let positions = parts.floats("VEC3", &SQUARE);
+    let uvs = parts.floats("VEC2", &[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+    let image = parts.view(&png(), "");
+    let rest = format!(
+        r#""images": [{{"bufferView": {image}, "mimeType": "image/png"}}], "samplers": [{{"wrapS": 33071, "wrapT": 33071, "magFilter": 9728}}],
+           "textures": [{{"source": 0, "sampler": 0}}], "materials": [{material}],
+           "meshes": [{{"primitives": [{{"attributes": {{"POSITION": {positions}, "TEXCOORD_0": {uvs}}}, "mode": 6, "material": 0}}]}}],
+           "nodes": [{{"mesh": 0}}], "scenes": [{{"nodes": [0]}}], "scene": 0"#
+    );
+    (parts, rest)
+}
+
+fn import(text: &str) -> (Imported, Vec<(String, Vec<u8>)>) {
+    let file = open(text).expect("opens");
+    let (imported, files) = take_apart(&file, "parts", &mut nothing_beside).expect("imports");
+    (
+        imported,
+        files.into_iter().map(|file| (file.name, file.bytes)).collect(),
+    )
+}
+
+fn of(root: &Object, category: Category) -> Vec<&Object> {
+    root.objects().filter(|object| object.category == category).collect()
+}
+
+fn value<'a>(object: &'a Object, name: &str) -> &'a Value {
+    let found = object.properties.iter().find(|property| property.name == name);
+    &found.unwrap_or_else(|| panic!("no {name} in {object:?}")).value
+}
+
+fn inside<'a>(object: &'a Object, plugin: &str) -> &'a Object {
+    object
+        .objects()
+        .find(|child| child.plugin == plugin)
+        .unwrap_or_else(|| panic!("no {plugin} in {object:?}"))
+}
+
+fn child<'a>(object: &'a Object, name: &str) -> &'a Object {
+    let named = |child: &&Object| child.name.as_deref() == Some(name);
+    object
+        .objects()
+        .find(named)
+        .unwrap_or_else(|| panic!("no {name} in {object:?}"))
+}
+
+fn world(object: &Object) -> Affine3A {
+    match value(object, "to_world") {
+        Value::Transform(steps) => TransformOp::compose(steps),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn materials_become_principled() {
+    let material = r#"{"name": "tin", "pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 0.5], "baseColorTexture": {"index": 0,
+          "extensions": {"KHR_texture_transform": {"offset": [0.5, 0], "scale": [2, 3], "rotation": 1.5707963}}},
+          "metallicRoughnessTexture": {"index": 0}, "roughnessFactor": 0.5},
+        "normalTexture": {"index": 0, "scale": 0.5}, "alphaMode": "MASK", "alphaCutoff": 0.25,
+        "emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0},
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 3}, "KHR_materials_ior": {"ior": 1.33},
+          "KHR_materials_clearcoat": {"clearcoatFactor": 0.75, "clearcoatRoughnessFactor": 0.25}}}"#;
+    let (parts, rest) = textured_quad(material);
+    let (imported, files) = import(&parts.text(&rest));
+    assert_eq!(imported.warnings, Vec::<String>::new());
+    let mask = of(&imported.root, Category::Bsdf)[0];
+    assert_eq!((mask.plugin.as_str(), mask.id.as_deref()), ("mask", Some("tin")));
+    let normal_map = inside(inside(mask, "twosided"), "normalmap");
+    let principled = inside(normal_map, "principled");
+    assert_eq!(value(principled, "eta"), &Value::Float(1.33));
+    assert_eq!(value(principled, "clearcoat"), &Value::Float(0.75));
+    assert_eq!(value(principled, "clearcoat_gloss"), &Value::Float(0.75));
+    let color = child(principled, "base_color");
+    assert_eq!(value(color, "wrap_mode"), &Value::String("clamp".into()));
+    assert_eq!(value(color, "filter_type"), &Value::String("nearest".into()));
+    let Value::Transform(steps) = value(color, "to_uv") else {
+        panic!("no transform")
+    };
+    // A quarter turn to the left in the picture, whose v points down: (1, 0) goes up, to (0, -1).
+    let moved = TransformOp::compose(steps).transform_point3(Vec3::X);
+    assert!(moved.abs_diff_eq(Vec3::new(0.5, -2.0, 0.0), 1e-5), "{moved}");
+
+    let picture = |object: &Object| {
+        let Value::String(name) = value(object, "filename") else {
+            panic!("no name")
+        };
+        let bytes = &files.iter().find(|(file, _)| file == name).expect("is written").1;
+        (
+            name.clone(),
+            image::load_from_memory(bytes).expect("a picture").to_rgb32f(),
+        )
+    };
+    let first = |object| picture(object).1.get_pixel(0, 0).0;
+    let close = |a: [f32; 3], b: [f32; 3]| Vec3::from(a).abs_diff_eq(b.into(), 1e-4);
+    // Half of the linear red: 0.735 as sRGB.
+    assert!(
+        close(first(color), [0.735_36, 128.0 / 255.0, 0.0]),
+        "{:?}",
+        first(color)
+    );
+    // Green is roughness, blue metallic, both raw; the metallic factor is 1 by default.
+    for (name, share) in [("roughness", 64.0 / 255.0), ("metallic", 0.0)] {
+        let texture = child(principled, name);
+        assert_eq!(value(texture, "raw"), &Value::Boolean(true));
+        assert!(close(first(texture), [share; 3]), "{name}: {:?}", first(texture));
+    }
+    // 0.2 * 0.5 is below the cutoff, 0.8 * 0.5 above.
+    let opacity = picture(child(mask, "opacity")).1;
+    assert_eq!(
+        (opacity.get_pixel(0, 0).0, opacity.get_pixel(1, 0).0),
+        ([0.0; 3], [1.0; 3])
+    );
+    let normal = Vec3::from(first(child(normal_map, "normalmap"))) * 2.0 - 1.0;
+    let expected = Vec3::new(0.5, -0.5 / 255.0, -1.0).normalize();
+    assert!(normal.abs_diff_eq(expected, 1e-4), "{normal} {expected}");
+    let area = inside(of(&imported.root, Category::Shape)[0], "area");
+    let (name, radiance) = picture(child(area, "radiance"));
+    assert!(
+        name.ends_with(".exr") && close(radiance.get_pixel(0, 0).0, [3.0, 3.0 * 0.215_86, 0.0]),
+        "{name}"
+    );
+}
+
+#[test]
+fn transmission_is_thin_without_a_volume() {
+    let material = |more: &str| {
+        let text =
+            format!(r#"{{"extensions": {{"KHR_materials_transmission": {{"transmissionFactor": 0.9}}{more}}}}}"#);
+        let (parts, rest) = textured_quad(&text);
+        import(&parts.text(&rest)).0
+    };
+    let thin = material("");
+    let bsdf = of(&thin.root, Category::Bsdf)[0];
+    assert_eq!(
+        (bsdf.plugin.as_str(), value(bsdf, "spec_trans")),
+        ("principledthin", &Value::Float(0.9))
+    );
+    let thick = material(r#", "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 2}"#);
+    assert_eq!(of(&thick.root, Category::Bsdf)[0].plugin, "principled");
+    assert!(
+        thick.warnings.len() == 1 && thick.warnings[0].contains("absorbed"),
+        "{:?}",
+        thick.warnings
+    );
+}
+
+#[test]
+fn nodes_place_meshes_cameras_and_lights() {
+    let mut parts = Parts::default();
+    let positions = parts.floats("VEC3", &SQUARE);
+    let text = parts.text(&format!(
+        r#""meshes": [{{"name": "leaf", "primitives": [{{"attributes": {{"POSITION": {positions}}}}}]}}],
+        "cameras": [{{"type": "perspective", "perspective": {{"yfov": 0.5, "aspectRatio": 2, "znear": 0.1}}}},
+            {{"type": "orthographic", "orthographic": {{"xmag": 3, "ymag": 1.5, "znear": 0.1, "zfar": 50}}}}],
+        "extensions": {{"KHR_lights_punctual": {{"lights": [{{"type": "point", "color": [1, 0.5, 0], "intensity": 4}},
+            {{"type": "directional"}}, {{"type": "spot", "spot": {{"innerConeAngle": 0.1, "outerConeAngle": 0.5}}}}]}}}},
+        "nodes": [{{"translation": [1, 2, 3], "rotation": [0, 0.70710678, 0, 0.70710678], "children": [1, 2, 3, 4, 5]}},
+            {{"mesh": 0, "scale": [2, 2, 2]}}, {{"camera": 0}}, {{"camera": 1, "name": "flat/plan"}},
+            {{"extensions": {{"KHR_lights_punctual": {{"light": 0}}}}}},
+            {{"matrix": [1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1], "children": [6, 7]}},
+            {{"extensions": {{"KHR_lights_punctual": {{"light": 1}}}}}}, {{"extensions": {{"KHR_lights_punctual": {{"light": 2}}}}}}]"#
+    ));
+    let (imported, files) = import(&text);
+    let root = &imported.root;
+    // (x, y, z) turns to (z, y, -x).
+    let placed = world(of(root, Category::Shape)[0]).transform_point3(Vec3::new(1.0, 1.0, 0.0));
+    assert!(placed.abs_diff_eq(Vec3::new(1.0, 4.0, 1.0), 1e-5), "{placed}");
+    assert_eq!(
+        value(of(root, Category::Shape)[0], "face_normals"),
+        &Value::Boolean(true)
+    );
+    let cameras = of(root, Category::Sensor);
+    let [perspective, plan] = cameras[..] else {
+        panic!("{cameras:?}")
+    };
+    assert_eq!(
+        (perspective.plugin.as_str(), plan.plugin.as_str()),
+        ("perspective", "orthographic")
+    );
+    assert_eq!(plan.id.as_deref(), Some("flat_plan"));
+    assert_eq!(value(perspective, "fov"), &Value::Float(0.5f32.to_degrees()));
+    assert_eq!(value(inside(perspective, "hdrfilm"), "width"), &Value::Integer(1440));
+    // It looked along -z, which turned to -x; its right was +x, which turned to -z.
+    let pose = world(perspective);
+    assert!(pose.transform_vector3(Vec3::Z).abs_diff_eq(Vec3::NEG_X, 1e-5));
+    assert!(
+        pose.transform_vector3(Vec3::X).abs_diff_eq(Vec3::Z, 1e-5),
+        "+x is to the left"
+    );
+    assert!((world(plan).transform_vector3(Vec3::X).length() - 3.0).abs() < 1e-5);
+    let lights = of(root, Category::Emitter);
+    let [point, sun, spot] = lights[..] else {
+        panic!("{lights:?}")
+    };
+    assert_eq!(value(point, "intensity"), &Value::Rgb(Vec3::new(4.0, 2.0, 0.0)));
+    let Value::Point(place) = value(point, "position") else {
+        panic!()
+    };
+    assert!(place.abs_diff_eq(Vec3::new(1.0, 2.0, 3.0), 1e-5));
+    // -z turns to -y by the matrix, which stays there.
+    let Value::Vector(direction) = value(sun, "direction") else {
+        panic!()
+    };
+    assert!(direction.abs_diff_eq(Vec3::NEG_Y, 1e-5), "{direction}");
+    assert!(world(spot).transform_vector3(Vec3::Z).abs_diff_eq(Vec3::NEG_Y, 1e-5));
+    assert_eq!(value(spot, "cutoff_angle"), &Value::Float(0.5f32.to_degrees()));
+    assert_eq!(files.len(), 1);
+}
+
+#[test]
+fn without_camera_and_light_there_are_some() {
+    let (parts, rest) = textured_quad("{}");
+    let (imported, _) = import(&parts.text(&rest));
+    let sensor = of(&imported.root, Category::Sensor)[0];
+    let pose = world(sensor);
+    let toward = Vec3::new(0.5, 0.5, 0.0) - Vec3::from(pose.translation);
+    assert!(pose.transform_vector3(Vec3::Z).dot(toward.normalize()) > 0.9999);
+    assert_eq!(of(&imported.root, Category::Emitter)[0].plugin, "constant");
+}
+
+#[test]
+fn a_mesh_is_written_as_it_is_read() {
+    let (parts, rest) = textured_quad("{}");
+    let file = Gltf::open(&parts.binary(&rest), &mut nothing_beside).expect("opens");
+    let (imported, files) = take_apart(&file, "parts", &mut nothing_beside).expect("imports");
+    let again = sunroom::geometry::ply::load_ply(&files[0].bytes).expect("a PLY file");
+    assert_eq!(again.warnings, Vec::<String>::new());
+    assert_eq!(again.mesh, file.mesh(0).expect("a mesh").mesh);
+    let Some(Child::Reference { id, .. }) = of(&imported.root, Category::Shape)[0].children.first() else {
+        panic!("no material")
+    };
+    assert_eq!(of(&imported.root, Category::Bsdf)[0].id.as_ref(), Some(id));
+}
+
+#[test]
+fn what_cannot_be_is_one_error() {
+    let (parts, rest) = textured_quad("{}");
+    let good = parts.text(&rest);
+    let table = [
+        (r#""version": "2.0""#, r#""version": "1.0""#, "1.0"),
+        (
+            r#""asset""#,
+            r#""extensionsRequired": ["KHR_draco_mesh_compression"], "asset""#,
+            "KHR_draco",
+        ),
+        (r#""mesh": 0}"#, r#""mesh": 7}"#, "mesh 7"),
+        (r#""nodes": [0]"#, r#""nodes": [3]"#, "node 3"),
+        (r#"{"mesh": 0}"#, r#"{"mesh": 0, "children": [0]}"#, "ancestor"),
+        (r#""count": 4"#, r#""count": 4000000000"#, "elements"),
+        (r#""type": "VEC3""#, r#""type": "MAT4""#, "VEC3"),
+        (r#""byteOffset": 0"#, r#""byteOffset": 18446744073709551615"#, "beyond"),
+        (r#""mode": 6"#, r#""mode": 6, "indices": 1"#, "indices"),
+        (r#""material": 0"#, r#""material": 4"#, "material 4"),
+        (r#""componentType": 5126"#, r#""componentType": 5130"#, "5130"),
+        (";base64,", ";base64,!", "base64"),
+        ("data:application/octet-stream;base64,", "http://a/b?", "fetched"),
+    ];
+    for (old, new, part) in table {
+        let text = good.replacen(old, new, 1);
+        assert_ne!(text, good, "{old} is not there");
+        let opened = open(&text).and_then(|file| take_apart(&file, "parts", &mut nothing_beside).map(|_| ()));
+        let message = opened.expect_err(part).to_string();
+        assert!(message.contains(part), "{message}");
+    }
+    let message = open("{ \"asset\": 1 }").expect_err("not an object").to_string();
+    assert!(message.contains("at line 1 column 12"), "{message}");
+}
+
+#[test]
+fn broken_files_never_panic() {
+    let (parts, rest) = textured_quad(r#"{"pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}}}"#);
+    let good = parts.binary(&rest);
+    let attempt = |bytes: &[u8]| {
+        let file = Gltf::open(bytes, &mut nothing_beside)?;
+        take_apart(&file, "parts", &mut nothing_beside).map(|_| ())
+    };
+    attempt(&good).expect("is good");
+    for length in 0..good.len() {
+        assert!(attempt(&good[..length]).is_err(), "cut at {length}");
+    }
+    // Any one byte may be another; whether the file is still good does not matter.
+    for place in 0..good.len() {
+        for flip in [0x01, 0x80, 0xff] {
+            let mut bad = good.clone();
+            bad[place] ^= flip;
+            let _ = attempt(&bad);
+        }
+    }
+}
