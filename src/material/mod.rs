@@ -10,7 +10,7 @@ mod textured;
 
 pub use nesting::{LARGEST_MIX, MaterialTableError, NestingProblem};
 pub use scattering::{Lobe, ScatterSample, Scattering};
-pub use textured::{TexturedBsdf, TexturedSpecular};
+pub use textured::{TexturedBase, TexturedBsdf, TexturedFacets, TexturedSpecular};
 
 use glam::Vec3;
 

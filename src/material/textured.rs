@@ -2,8 +2,9 @@
 
 use crate::color::Rgb;
 use crate::shading::{
-    Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microfacet, MicrofacetKind,
-    RoughConductor,
+    Bsdf, CoatedBase, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microalbedo,
+    Microfacet, MicrofacetKind, Plastic, RoughCoat, RoughConductor, RoughDielectric, RoughPlastic, SmoothCoat,
+    ThinDielectric,
 };
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
@@ -18,9 +19,8 @@ pub enum TexturedBsdf {
     },
     RoughConductor {
         specular: TexturedSpecular,
-        distribution: MicrofacetKind,
-        alpha_u: Parameter<f32>,
-        alpha_v: Parameter<f32>,
+        facets: TexturedFacets,
+        multiple_scattering: Option<&'static Microalbedo>,
     },
     Dielectric {
         /// Index inside over that outside.
@@ -29,10 +29,51 @@ pub enum TexturedBsdf {
         specular_reflectance: Parameter<Rgb>,
         specular_transmittance: Parameter<Rgb>,
     },
+    RoughDielectric {
+        /// As in [`RoughDielectric::eta`].
+        eta: f32,
+        model: DielectricModel,
+        facets: TexturedFacets,
+        specular_reflectance: Parameter<Rgb>,
+        specular_transmittance: Parameter<Rgb>,
+    },
+    ThinDielectric {
+        /// Index of the pane over that around it.
+        eta: f32,
+        model: DielectricModel,
+        specular_reflectance: Parameter<Rgb>,
+        specular_transmittance: Parameter<Rgb>,
+    },
+    Plastic {
+        coat: SmoothCoat,
+        base: TexturedBase,
+    },
+    RoughPlastic {
+        /// Of the constant roughness, or one for any.
+        coat: &'static RoughCoat,
+        alpha: Parameter<f32>,
+        base: TexturedBase,
+    },
     Metal {
         reflectance: Parameter<Rgb>,
         fuzz: Parameter<f32>,
     },
+}
+
+/// A rough surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TexturedFacets {
+    pub kind: MicrofacetKind,
+    pub alpha_u: Parameter<f32>,
+    pub alpha_v: Parameter<f32>,
+}
+
+/// What is below a coat.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TexturedBase {
+    pub diffuse_reflectance: Parameter<Rgb>,
+    pub specular_reflectance: Parameter<Rgb>,
+    pub nonlinear: bool,
 }
 
 /// A conductor's reflection.
@@ -57,6 +98,18 @@ trait Lookup {
             eta: self.color(specular.eta).max(Rgb::ZERO),
             k: self.color(specular.k).max(Rgb::ZERO),
             specular_reflectance: self.reflectance(specular.specular_reflectance),
+        }
+    }
+
+    fn facets(&mut self, facets: &TexturedFacets) -> Microfacet {
+        Microfacet::new(facets.kind, self.float(facets.alpha_u), self.float(facets.alpha_v))
+    }
+
+    fn base(&mut self, base: &TexturedBase) -> CoatedBase {
+        CoatedBase {
+            diffuse_reflectance: self.reflectance(base.diffuse_reflectance),
+            specular_reflectance: self.reflectance(base.specular_reflectance),
+            nonlinear: base.nonlinear,
         }
     }
 }
@@ -120,7 +173,7 @@ impl TexturedBsdf {
 
     /// Whether light may pass straight through it somewhere.
     pub(super) fn lets_through(&self) -> bool {
-        false
+        matches!(self, Self::ThinDielectric { .. })
     }
 
     fn resolve(&self, lookup: &mut impl Lookup) -> Bsdf {
@@ -133,13 +186,12 @@ impl TexturedBsdf {
             }),
             Self::RoughConductor {
                 specular,
-                distribution,
-                alpha_u,
-                alpha_v,
+                facets,
+                multiple_scattering,
             } => Bsdf::RoughConductor(RoughConductor {
                 specular: lookup.specular(specular),
-                distribution: Microfacet::new(*distribution, lookup.float(*alpha_u), lookup.float(*alpha_v)),
-                multiple_scattering: None,
+                distribution: lookup.facets(facets),
+                multiple_scattering: *multiple_scattering,
             }),
             Self::Dielectric {
                 eta,
@@ -151,6 +203,39 @@ impl TexturedBsdf {
                 model: *model,
                 specular_reflectance: lookup.reflectance(*specular_reflectance),
                 specular_transmittance: lookup.reflectance(*specular_transmittance),
+            }),
+            Self::RoughDielectric {
+                eta,
+                model,
+                facets,
+                specular_reflectance,
+                specular_transmittance,
+            } => Bsdf::RoughDielectric(RoughDielectric {
+                eta: *eta,
+                model: *model,
+                distribution: lookup.facets(facets),
+                specular_reflectance: lookup.reflectance(*specular_reflectance),
+                specular_transmittance: lookup.reflectance(*specular_transmittance),
+            }),
+            Self::ThinDielectric {
+                eta,
+                model,
+                specular_reflectance,
+                specular_transmittance,
+            } => Bsdf::ThinDielectric(ThinDielectric {
+                eta: *eta,
+                model: *model,
+                specular_reflectance: lookup.reflectance(*specular_reflectance),
+                specular_transmittance: lookup.reflectance(*specular_transmittance),
+            }),
+            Self::Plastic { coat, base } => Bsdf::Plastic(Plastic {
+                coat: *coat,
+                base: lookup.base(base),
+            }),
+            Self::RoughPlastic { coat, alpha, base } => Bsdf::RoughPlastic(RoughPlastic {
+                coat,
+                alpha: lookup.float(*alpha),
+                base: lookup.base(base),
             }),
             Self::Metal { reflectance, fuzz } => Bsdf::Metal(Metal {
                 color: lookup.reflectance(*reflectance),

@@ -23,12 +23,46 @@ pub enum Material {
         alpha: Roughness,
         ior: ConductorIor,
         specular_reflectance: Parameter<Rgb>,
+        /// Ours: whether light that bounces between facets counts as well.
+        multiple_scattering: bool,
     },
     Dielectric {
         interior: Ior,
         exterior: Ior,
         specular_reflectance: Parameter<Rgb>,
         specular_transmittance: Parameter<Rgb>,
+    },
+    RoughDielectric {
+        distribution: Distribution,
+        alpha: Roughness,
+        interior: Ior,
+        exterior: Ior,
+        specular_reflectance: Parameter<Rgb>,
+        specular_transmittance: Parameter<Rgb>,
+    },
+    /// A pane.
+    ThinDielectric {
+        interior: Ior,
+        exterior: Ior,
+        specular_reflectance: Parameter<Rgb>,
+        specular_transmittance: Parameter<Rgb>,
+    },
+    Plastic {
+        interior: Ior,
+        exterior: Ior,
+        diffuse_reflectance: Parameter<Rgb>,
+        specular_reflectance: Parameter<Rgb>,
+        nonlinear: bool,
+    },
+    RoughPlastic {
+        distribution: Distribution,
+        /// Isotropic.
+        alpha: Roughness,
+        interior: Ior,
+        exterior: Ior,
+        diffuse_reflectance: Parameter<Rgb>,
+        specular_reflectance: Parameter<Rgb>,
+        nonlinear: bool,
     },
     /// A coloured mirror whose reflected direction is moved by `fuzz` (0 to 1) times a random point of the unit ball.
     Metal {
@@ -66,11 +100,15 @@ impl Default for Material {
 
 impl Material {
     /// The names of all plugins, ours last.
-    pub const PLUGINS: [&'static str; 10] = [
+    pub const PLUGINS: [&'static str; 14] = [
         "diffuse",
         "conductor",
         "roughconductor",
         "dielectric",
+        "roughdielectric",
+        "thindielectric",
+        "plastic",
+        "roughplastic",
         "twosided",
         "blendbsdf",
         "mask",
@@ -83,6 +121,7 @@ impl Material {
     pub fn of_plugin(plugin: &str) -> Option<Self> {
         let white = || Parameter::Constant(Rgb::ONE);
         let mirror = || ConductorIor::Named("none".to_owned());
+        let medium = |name: &str| Ior::Named(name.to_owned());
         Some(match plugin {
             "diffuse" => Self::default(),
             "conductor" => Self::Conductor {
@@ -94,12 +133,43 @@ impl Material {
                 alpha: Roughness::default(),
                 ior: mirror(),
                 specular_reflectance: white(),
+                multiple_scattering: false,
             },
             "dielectric" => Self::Dielectric {
-                interior: Ior::Named("bk7".to_owned()),
-                exterior: Ior::Named("air".to_owned()),
+                interior: medium("bk7"),
+                exterior: medium("air"),
                 specular_reflectance: white(),
                 specular_transmittance: white(),
+            },
+            "roughdielectric" => Self::RoughDielectric {
+                distribution: Distribution::Beckmann,
+                alpha: Roughness::default(),
+                interior: medium("bk7"),
+                exterior: medium("air"),
+                specular_reflectance: white(),
+                specular_transmittance: white(),
+            },
+            "thindielectric" => Self::ThinDielectric {
+                interior: medium("bk7"),
+                exterior: medium("air"),
+                specular_reflectance: white(),
+                specular_transmittance: white(),
+            },
+            "plastic" => Self::Plastic {
+                interior: medium("polypropylene"),
+                exterior: medium("air"),
+                diffuse_reflectance: Rgb::splat(0.5).into(),
+                specular_reflectance: white(),
+                nonlinear: false,
+            },
+            "roughplastic" => Self::RoughPlastic {
+                distribution: Distribution::Beckmann,
+                alpha: Roughness::default(),
+                interior: medium("polypropylene"),
+                exterior: medium("air"),
+                diffuse_reflectance: Rgb::splat(0.5).into(),
+                specular_reflectance: white(),
+                nonlinear: false,
             },
             "metal" => Self::Metal {
                 reflectance: Rgb::splat(0.5).into(),
@@ -125,6 +195,10 @@ impl Material {
             Self::Conductor { .. } => "conductor",
             Self::RoughConductor { .. } => "roughconductor",
             Self::Dielectric { .. } => "dielectric",
+            Self::RoughDielectric { .. } => "roughdielectric",
+            Self::ThinDielectric { .. } => "thindielectric",
+            Self::Plastic { .. } => "plastic",
+            Self::RoughPlastic { .. } => "roughplastic",
             Self::Metal { .. } => "metal",
             Self::TwoSided => "twosided",
             Self::Blend { .. } => "blendbsdf",
@@ -146,7 +220,10 @@ impl Material {
 
     /// Whether it refracts: then it has two sides already.
     pub fn refracts(&self) -> bool {
-        matches!(self, Self::Dielectric { .. })
+        matches!(
+            self,
+            Self::Dielectric { .. } | Self::RoughDielectric { .. } | Self::ThinDielectric { .. }
+        )
     }
 }
 

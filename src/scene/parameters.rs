@@ -15,6 +15,10 @@ pub trait ParameterVisitor {
     fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>);
     fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>);
     fn flag(&mut self, name: &'static str, value: &mut bool);
+    /// A flag of ours, which no other program knows: off by default, and written only where it is on.
+    fn extension(&mut self, name: &'static str, value: &mut bool) {
+        self.flag(name, value);
+    }
     fn ior(&mut self, name: &'static str, value: &mut Ior);
     /// `material`, or `eta` and `k`.
     fn conductor_ior(&mut self, value: &mut ConductorIor);
@@ -43,13 +47,66 @@ impl Material {
                 alpha,
                 ior,
                 specular_reflectance,
+                multiple_scattering,
             } => {
                 visitor.distribution(distribution);
                 visitor.roughness(alpha);
                 visitor.conductor_ior(ior);
                 visitor.reflectance("specular_reflectance", specular_reflectance);
+                visitor.extension("multiple_scattering", multiple_scattering);
+            }
+            Self::RoughDielectric {
+                distribution,
+                alpha,
+                interior,
+                exterior,
+                specular_reflectance,
+                specular_transmittance,
+            } => {
+                visitor.distribution(distribution);
+                visitor.roughness(alpha);
+                visitor.ior("int_ior", interior);
+                visitor.ior("ext_ior", exterior);
+                visitor.reflectance("specular_reflectance", specular_reflectance);
+                visitor.reflectance("specular_transmittance", specular_transmittance);
+            }
+            Self::Plastic {
+                interior,
+                exterior,
+                diffuse_reflectance,
+                specular_reflectance,
+                nonlinear,
+            } => {
+                visitor.ior("int_ior", interior);
+                visitor.ior("ext_ior", exterior);
+                visitor.reflectance("diffuse_reflectance", diffuse_reflectance);
+                visitor.reflectance("specular_reflectance", specular_reflectance);
+                visitor.flag("nonlinear", nonlinear);
+            }
+            Self::RoughPlastic {
+                distribution,
+                alpha,
+                interior,
+                exterior,
+                diffuse_reflectance,
+                specular_reflectance,
+                nonlinear,
+            } => {
+                visitor.distribution(distribution);
+                visitor.roughness(alpha);
+                visitor.ior("int_ior", interior);
+                visitor.ior("ext_ior", exterior);
+                visitor.reflectance("diffuse_reflectance", diffuse_reflectance);
+                visitor.reflectance("specular_reflectance", specular_reflectance);
+                visitor.flag("nonlinear", nonlinear);
             }
             Self::Dielectric {
+                interior,
+                exterior,
+                specular_reflectance,
+                specular_transmittance,
+            }
+            | Self::ThinDielectric {
                 interior,
                 exterior,
                 specular_reflectance,

@@ -7,9 +7,9 @@ use bevy::prelude::*;
 use super::Checker;
 use super::texture::TexturePacker;
 use crate::color::Rgb;
-use crate::material::{self, BumpOptions, MaterialId, TexturedBsdf, TexturedSpecular};
+use crate::material::{self, BumpOptions, MaterialId, TexturedBase, TexturedBsdf, TexturedFacets, TexturedSpecular};
 use crate::scene::{ConductorIor, Distribution, Ior, Material, Parameter, Roughness};
-use crate::shading::{Bsdf, DielectricModel, Diffuse, MicrofacetKind, ior};
+use crate::shading::{Bsdf, DielectricModel, Diffuse, Microalbedo, MicrofacetKind, RoughCoat, SmoothCoat, ior};
 use crate::texture;
 
 /// What has no material, or one that makes no sense, looks like this: the format's default.
@@ -138,30 +138,98 @@ impl MaterialPacker<'_, '_> {
                 alpha,
                 ior,
                 specular_reflectance,
-            } => {
-                let [alpha_u, alpha_v] = self.roughness(alpha);
-                TexturedBsdf::RoughConductor {
-                    specular: self.conductor(ior, specular_reflectance),
-                    distribution: match distribution {
-                        Distribution::Beckmann => MicrofacetKind::Beckmann,
-                        Distribution::Ggx => MicrofacetKind::Ggx,
-                    },
-                    alpha_u,
-                    alpha_v,
-                }
-            }
+                multiple_scattering,
+            } => TexturedBsdf::RoughConductor {
+                specular: self.conductor(ior, specular_reflectance),
+                facets: self.facets(*distribution, alpha),
+                multiple_scattering: multiple_scattering.then(|| Microalbedo::of(kind(*distribution))),
+            },
             Material::Dielectric {
                 interior,
                 exterior,
                 specular_reflectance,
                 specular_transmittance,
             } => TexturedBsdf::Dielectric {
-                eta: index("int_ior", interior, "bk7", &mut self.check)
-                    / index("ext_ior", exterior, "air", &mut self.check),
+                eta: self.eta(interior, "bk7", exterior),
                 model: self.model,
                 specular_reflectance: self.reflectance("specular_reflectance", specular_reflectance),
                 specular_transmittance: self.reflectance("specular_transmittance", specular_transmittance),
             },
+            Material::RoughDielectric {
+                distribution,
+                alpha,
+                interior,
+                exterior,
+                specular_reflectance,
+                specular_transmittance,
+            } => {
+                let eta = self.eta(interior, "bk7", exterior);
+                let model = self.model;
+                let facets = self.facets(*distribution, alpha);
+                let specular_reflectance = self.reflectance("specular_reflectance", specular_reflectance);
+                let specular_transmittance = self.reflectance("specular_transmittance", specular_transmittance);
+                // Light goes straight through where nothing refracts it, however rough: there is no density.
+                if eta == 1.0 {
+                    TexturedBsdf::Dielectric {
+                        eta,
+                        model,
+                        specular_reflectance,
+                        specular_transmittance,
+                    }
+                } else {
+                    TexturedBsdf::RoughDielectric {
+                        eta,
+                        model,
+                        facets,
+                        specular_reflectance,
+                        specular_transmittance,
+                    }
+                }
+            }
+            Material::ThinDielectric {
+                interior,
+                exterior,
+                specular_reflectance,
+                specular_transmittance,
+            } => TexturedBsdf::ThinDielectric {
+                eta: self.eta(interior, "bk7", exterior),
+                model: self.model,
+                specular_reflectance: self.reflectance("specular_reflectance", specular_reflectance),
+                specular_transmittance: self.reflectance("specular_transmittance", specular_transmittance),
+            },
+            Material::Plastic {
+                interior,
+                exterior,
+                diffuse_reflectance,
+                specular_reflectance,
+                nonlinear,
+            } => TexturedBsdf::Plastic {
+                coat: SmoothCoat::new(self.eta(interior, "polypropylene", exterior)),
+                base: self.base(diffuse_reflectance, specular_reflectance, *nonlinear),
+            },
+            Material::RoughPlastic {
+                distribution,
+                alpha,
+                interior,
+                exterior,
+                diffuse_reflectance,
+                specular_reflectance,
+                nonlinear,
+            } => {
+                if let Roughness::Anisotropic { .. } = alpha {
+                    self.check.report("`roughplastic` has one `alpha`: `alpha_u` is taken");
+                }
+                let TexturedFacets { kind, alpha_u, .. } = self.facets(*distribution, alpha);
+                let eta = self.eta(interior, "polypropylene", exterior);
+                TexturedBsdf::RoughPlastic {
+                    coat: match alpha_u {
+                        texture::Parameter::Constant(alpha) => RoughCoat::uniform(kind, eta, alpha),
+                        texture::Parameter::Texture(_) => RoughCoat::varying(kind, eta),
+                    },
+                    alpha: alpha_u,
+                    base: self.base(diffuse_reflectance, specular_reflectance, *nonlinear),
+                }
+            }
             Material::Metal { reflectance, fuzz } => TexturedBsdf::Metal {
                 reflectance: self.reflectance("reflectance", reflectance),
                 fuzz: self.float("fuzz", fuzz, 0.0, 1.0, 0.0),
@@ -231,13 +299,30 @@ impl MaterialPacker<'_, '_> {
         }
     }
 
-    /// Along the two tangents.
-    fn roughness(&mut self, alpha: &Roughness) -> [texture::Parameter<f32>; 2] {
+    fn facets(&mut self, distribution: Distribution, alpha: &Roughness) -> TexturedFacets {
         let mut one = |name, alpha: &_| self.float(name, alpha, 1e-4, 100.0, 0.1);
-        match alpha {
+        let [alpha_u, alpha_v] = match alpha {
             Roughness::Isotropic(alpha) => [one("alpha", alpha); 2],
             Roughness::Anisotropic { u, v } => [one("alpha_u", u), one("alpha_v", v)],
+        };
+        TexturedFacets {
+            kind: kind(distribution),
+            alpha_u,
+            alpha_v,
         }
+    }
+
+    fn base(&mut self, diffuse: &Parameter<Rgb>, specular: &Parameter<Rgb>, nonlinear: bool) -> TexturedBase {
+        TexturedBase {
+            diffuse_reflectance: self.reflectance("diffuse_reflectance", diffuse),
+            specular_reflectance: self.reflectance("specular_reflectance", specular),
+            nonlinear,
+        }
+    }
+
+    /// The index inside, or else that of `otherwise`, over that outside, or else that of air.
+    fn eta(&mut self, interior: &Ior, otherwise: &str, exterior: &Ior) -> f32 {
+        index("int_ior", interior, otherwise, &mut self.check) / index("ext_ior", exterior, "air", &mut self.check)
     }
 
     fn conductor(&mut self, ior: &ConductorIor, specular_reflectance: &Parameter<Rgb>) -> TexturedSpecular {
@@ -263,6 +348,13 @@ impl MaterialPacker<'_, '_> {
 
 /// Complex index of a conductor that reflects everything.
 pub(super) const PERFECT_MIRROR: (Rgb, Rgb) = (Rgb::ZERO, Rgb::ONE);
+
+fn kind(distribution: Distribution) -> MicrofacetKind {
+    match distribution {
+        Distribution::Beckmann => MicrofacetKind::Beckmann,
+        Distribution::Ggx => MicrofacetKind::Ggx,
+    }
+}
 
 fn index(what: &str, ior: &Ior, otherwise: &str, check: &mut Checker) -> f32 {
     let fallback = ior::dielectric_ior(otherwise).unwrap_or(1.0);
@@ -322,6 +414,7 @@ mod tests {
                 specular_reflectance: wild.into(),
                 alpha: Roughness::Isotropic(nan.into()),
                 distribution: Distribution::Ggx,
+                multiple_scattering: true,
             },
             Material::Dielectric {
                 interior: Ior::Number(nan),

@@ -86,6 +86,12 @@ impl ParameterVisitor for IntoObject {
         self.put(name, Value::Boolean(*value));
     }
 
+    fn extension(&mut self, name: &'static str, value: &mut bool) {
+        if *value {
+            self.flag(name, value);
+        }
+    }
+
     fn ior(&mut self, name: &'static str, value: &mut Ior) {
         let value = match value {
             Ior::Named(name) => Value::String(name.clone()),

@@ -22,8 +22,11 @@ const METALS: [(&str, &str); 7] = [
 ];
 
 /// What plugins are called in lists, where not by their own name.
-const KINDS: [(&str, &str); 6] = [
+const KINDS: [(&str, &str); 9] = [
     ("roughconductor", "rough conductor"),
+    ("roughdielectric", "rough dielectric"),
+    ("thindielectric", "thin dielectric"),
+    ("roughplastic", "rough plastic"),
     ("twosided", "two-sided"),
     ("blendbsdf", "blend"),
     ("normalmap", "normal map"),
@@ -32,9 +35,11 @@ const KINDS: [(&str, &str); 6] = [
 ];
 
 /// What parameters are called, where not by their own name.
-const LABELS: [(&str, &str); 7] = [
+const LABELS: [(&str, &str); 9] = [
     ("alpha", "Roughness"),
+    ("diffuse_reflectance", "Base"),
     ("specular_reflectance", "Reflection"),
+    ("multiple_scattering", "All bounces"),
     ("specular_transmittance", "Transmission"),
     ("int_ior", "Inside"),
     ("ext_ior", "Outside"),
