@@ -6,7 +6,7 @@ use bevy::math::{Affine3A, Mat3, Vec3};
 use sunroom::document::{self, Diagnostics, Severity};
 use sunroom::scene::description::MaterialDescription;
 use sunroom::scene::read::read;
-use sunroom::scene::write::{SaveError, files, write_anew};
+use sunroom::scene::write::{Extensions, SaveError, files, write_anew};
 use sunroom::scene::{Emitter, FovAxis, Ior, Material, ReconstructionFilter, SceneDescription, Shape, ShapeKind};
 
 fn read_text(text: &str, path: &Path, defines: &[(String, String)]) -> (SceneDescription, Diagnostics) {
@@ -408,7 +408,7 @@ fn every_scene_opens_and_comes_through_conversion() {
             path.display()
         );
         let target = folder.path().join(path.file_name().unwrap());
-        write_anew(&scene, &target).unwrap();
+        write_anew(&scene, &target, Extensions::Keep).unwrap();
         let (again, diagnostics) = read_file(&target);
         assert!(!diagnostics.has_errors(), "{diagnostics}");
         assert_eq!(shapes(&again), shapes(&scene), "{}", path.display());
@@ -429,6 +429,39 @@ fn every_scene_opens_and_comes_through_conversion() {
         assert_eq!(again.materials.len(), scene.materials.len());
         // Its own text is not replaced by another format without being asked.
         assert!(matches!(files(&scene, &path), Err(SaveError::Foreign { .. })));
-        assert!(matches!(write_anew(&scene, &path), Err(SaveError::Foreign { .. })));
+        assert!(matches!(
+            write_anew(&scene, &path, Extensions::Keep),
+            Err(SaveError::Foreign { .. })
+        ));
     }
+}
+
+#[test]
+fn metal_is_written_in_words_of_mitsuba_where_there_are_some() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = describe(
+        "<Metal name='sharp'><Color r='1' g='.5' b='0'/></Metal><Metal name='fuzzy'><Fuzz value='0.5'/></Metal>",
+        "",
+    );
+    let written = |extensions| {
+        let target = folder.path().join("new.xml");
+        write_anew(&scene, &target, extensions).unwrap();
+        std::fs::read_to_string(target).unwrap()
+    };
+    let kept = written(Extensions::Keep);
+    assert_eq!(kept.matches("\"conductor\"").count(), 1, "{kept}");
+    assert_eq!(kept.matches("\"metal\"").count(), 1, "{kept}");
+    assert!(
+        kept.contains("<rgb name=\"specular_reflectance\" value=\"1, 0.5, 0\"/>"),
+        "{kept}"
+    );
+    let portable = written(Extensions::Approximate);
+    assert!(
+        !portable.contains("metal") && portable.contains("\"roughconductor\""),
+        "{portable}"
+    );
+    assert!(
+        portable.contains("<float name=\"alpha\" value=\"0.15811388\"/>"),
+        "{portable}"
+    );
 }

@@ -395,7 +395,7 @@ fn removed_shapes_leave_no_ghosts() {
         let scene = room.app.world().resource::<CurrentScene>();
         (
             scene.scene.as_ref().map(|scene| scene.geometry.instances().len()),
-            scene.entity_of_instance.clone(),
+            scene.entity_of_instance.to_vec(),
         )
     };
     assert_eq!(count(&room), (Some(3), vec![room.floor, room.ball, room.lamp]));
@@ -432,7 +432,7 @@ fn order_in_tables_is_the_documents() {
     room.get_mut::<DocumentOrder>(room.lamp).0 = 0;
     room.finish();
     let scene = room.app.world().resource::<CurrentScene>();
-    assert_eq!(scene.entity_of_instance, [room.lamp, room.floor, room.ball]);
+    assert_eq!(*scene.entity_of_instance, [room.lamp, room.floor, room.ball]);
 }
 
 #[test]
@@ -664,6 +664,7 @@ fn meshes_bring_their_own_materials_and_lights_unless_told_otherwise() {
         illum: None,
         pr: None,
         pm,
+        maps: Default::default(),
     };
     let mut data = unit_cube();
     data.material_of_triangle = (0..12).map(|triangle| triangle / 6).collect();

@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use bevy::math::{Affine3A, Vec3};
+use bevy::prelude::{Entity, With, World};
 use sunroom::document;
 use sunroom::scene::description::{DeclarationPlace, Identity, MaterialDescription, ShapeDescription};
 use sunroom::scene::read::read;
-use sunroom::scene::write::{files, save_description};
-use sunroom::scene::{Emitter, Material, SceneDescription, Shape, ShapeKind};
+use sunroom::scene::spawn;
+use sunroom::scene::write::{files, save, save_description};
+use sunroom::scene::{DocumentOrder, Emitter, Material, SceneDescription, SceneId, Shape, ShapeKind, UsesMaterial};
 use tempfile::TempDir;
 
 /// A folder with scene files in it.
@@ -323,6 +325,9 @@ fn what_is_new_looks_like_its_neighbours() {
         to_world: Affine3A::IDENTITY,
         material: None,
         area_light: None,
+        member_of: None,
+        instance_of: None,
+        placements: None,
     };
     let text = "\u{feff}<?xml version='1.0'?>\r\n<scene version='3.0.0'>\r\n\t<sensor type='perspective'/>\r\n\t<shape type='disk'/> <!-- d -->\r\n\r\n\t<!-- end -->\r\n</scene>\r\n";
     let folder = Folder::with(&[("main.xml", text)]);
@@ -506,4 +511,87 @@ fn what_is_not_understood_stays_where_it_is() {
     );
     let (gone, come) = changes(body, moved(Vec3::X));
     assert!(gone.is_empty() && come.len() == 3, "{gone:?} {come:?}");
+}
+
+/// Moves every shape and light and paints every diffuse material.
+fn edit_everything(scene: &mut SceneDescription) {
+    for (index, shape) in scene.shapes.iter_mut().enumerate() {
+        shape.to_world.translation.x += 1.0 + index as f32;
+    }
+    for (index, material) in scene.materials.iter_mut().enumerate() {
+        if matches!(material.material, Material::Diffuse { .. }) {
+            set_reflectance(&mut material.material, Vec3::new(0.5, 0.25, 1.0 / (1.0 + index as f32)));
+        }
+    }
+    for sensor in &mut scene.sensors {
+        sensor.to_world.translation.y += 0.5;
+        sensor.film.width += 7;
+    }
+}
+
+#[test]
+fn everything_edited_and_saved_elsewhere_is_there_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut count = 0;
+    for (index, path) in scenes_at_hand().into_iter().enumerate() {
+        let Some(mut scene) = try_describe(&path) else { continue };
+        edit_everything(&mut scene);
+        let target = folder.path().join(format!("{index}/new.xml"));
+        std::fs::create_dir_all(target.parent().unwrap()).unwrap();
+        save_description(&scene, &target).unwrap();
+        assert_eq!(std::fs::read_dir(target.parent().unwrap()).unwrap().count(), 1);
+        let again = describe(&target);
+        let what = path.display();
+        assert_eq!(again.shapes.len(), scene.shapes.len(), "{what}");
+        for (now, wanted) in again.shapes.iter().zip(&scene.shapes) {
+            let size = wanted
+                .to_world
+                .to_cols_array()
+                .iter()
+                .fold(1.0f32, |most, number| most.max(number.abs()));
+            assert!(now.to_world.abs_diff_eq(wanted.to_world, 1e-4 * size), "{what}");
+            assert_eq!(now.material, wanted.material, "{what}");
+            assert_eq!(
+                (&now.shape, now.area_light),
+                (&wanted.shape, wanted.area_light),
+                "{what}"
+            );
+        }
+        let looks = |scene: &SceneDescription| scene.materials.iter().map(|m| m.material.clone()).collect::<Vec<_>>();
+        assert_eq!(looks(&again), looks(&scene), "{what}");
+        let films = |scene: &SceneDescription| scene.sensors.iter().map(|s| s.film).collect::<Vec<_>>();
+        assert_eq!(films(&again), films(&scene), "{what}");
+        // Nothing is left to change.
+        let text = std::fs::read_to_string(&target).unwrap();
+        assert_eq!(
+            files(&again, &target).unwrap(),
+            [(target.canonicalize().unwrap(), text)],
+            "{what}"
+        );
+        count += 1;
+    }
+    println!("{count} scenes");
+    assert!(count >= 4);
+}
+
+#[test]
+fn what_was_made_in_the_editor_belongs_to_the_file_once_it_is_saved() {
+    let text = "<scene version='3.0.0'>\n  <sensor type='perspective'/>\n  <shape type='disk' id='a'/>\n</scene>\n";
+    let folder = Folder::with(&[("main.xml", text)]);
+    let path = folder.path("main.xml");
+    let mut world = World::new();
+    spawn::update(&mut world, &describe(&path));
+    let shape = world.query_filtered::<Entity, With<Shape>>().single(&world).unwrap();
+    let made = world.spawn((Material::default(), DocumentOrder(100))).id();
+    world.entity_mut(shape).insert(UsesMaterial(made));
+
+    save(&mut world, &path).unwrap();
+    let saved = folder.text("main.xml");
+    assert_eq!(world.get::<SceneId>(made), Some(&SceneId("material-1".to_owned())));
+    // As the watch over the file does.
+    spawn::update(&mut world, &describe(&path));
+    assert_eq!(world.query::<&Material>().iter(&world).count(), 1);
+    assert_eq!(world.get::<UsesMaterial>(shape), Some(&UsesMaterial(made)));
+    save(&mut world, &path).unwrap();
+    assert_eq!(folder.text("main.xml"), saved);
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::build::{LeafShape, SplitMethod};
 use super::bvh::{Bvh, BvhStats};
-use super::instance::Instance;
+use super::instance::{Instance, Primitive};
 use super::placement::Placement;
 use super::traverse::Steps;
 use crate::math::{Aabb, Ray};
@@ -93,6 +93,20 @@ impl Tlas {
     /// World bounds of everything; empty if there is nothing.
     pub fn bounds(&self) -> Aabb {
         self.bvh.bounds()
+    }
+
+    /// Triangles of all meshes, those of groups as often as they are placed.
+    pub fn triangles(&self) -> u64 {
+        let of_shape = |instance: &Instance| match &instance.primitive {
+            Primitive::Mesh(blas) => blas.mesh().triangles.len() as u64,
+            _ => 0,
+        };
+        let of_groups: Vec<u64> = self.groups.iter().map(|group| group.triangles()).collect();
+        let placed = self
+            .placements
+            .iter()
+            .filter_map(|placement| of_groups.get(placement.group as usize));
+        self.instances.iter().map(of_shape).sum::<u64>() + placed.sum::<u64>()
     }
 
     /// World bounds of what [`Hit::instance`] names.

@@ -58,6 +58,9 @@ pub fn report_scene(status: &SceneStatus, strict: bool) -> bool {
     for problem in &status.mesh_errors {
         report::line(format_args!("error: {}", problem.message));
     }
-    let meshes_are_clean = status.mesh_warnings.is_empty() || !strict;
-    report::acceptable(&status.diagnostics, strict) && meshes_are_clean && !status.has_errors()
+    for problem in &status.picture_problems {
+        report::line(format_args!("warning: {problem}"));
+    }
+    let files_are_clean = status.mesh_warnings.is_empty() && status.picture_problems.is_empty();
+    report::acceptable(&status.diagnostics, strict) && (files_are_clean || !strict) && !status.has_errors()
 }

@@ -8,7 +8,8 @@ use sunroom::document::source::check_file;
 use sunroom::document::{self, Document};
 use sunroom::gltf::Gltf;
 use sunroom::gltf::files::take_apart;
-use sunroom::scene::{read, write};
+use sunroom::scene::read;
+use sunroom::scene::write::{self, Extensions};
 
 use super::{SceneArgs, report};
 
@@ -19,6 +20,9 @@ pub struct ConvertArgs {
     /// Scene file to write
     #[arg(value_name = "OUT.xml")]
     output: PathBuf,
+    /// Write nothing that Mitsuba does not know: of fuzzy `metal` the nearest `roughconductor`
+    #[arg(long)]
+    portable: bool,
     /// Treat warnings as errors
     #[arg(long)]
     strict: bool,
@@ -40,7 +44,11 @@ pub fn run(args: ConvertArgs) -> ExitCode {
     if !report::acceptable(&document.diagnostics, args.strict) {
         return ExitCode::FAILURE;
     }
-    match write::write_anew(&scene, &args.output) {
+    let extensions = match args.portable {
+        true => Extensions::Approximate,
+        false => Extensions::Keep,
+    };
+    match write::write_anew(&scene, &args.output, extensions) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => report::error(error),
     }

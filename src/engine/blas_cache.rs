@@ -21,7 +21,11 @@ const SMALL: usize = 4096;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum MeshKey {
-    Asset(AssetId<TriangleMesh>),
+    Asset {
+        id: AssetId<TriangleMesh>,
+        /// With the texture coordinates of the asset turned over.
+        upside_down: bool,
+    },
     Cube,
     Triangle,
 }
@@ -172,7 +176,10 @@ impl BlasCache {
             failure: None,
             used: true,
         };
-        let (data, method) = (data.clone(), policy.method);
+        let (mut data, method) = (data.clone(), policy.method);
+        if matches!(key, MeshKey::Asset { upside_down: true, .. }) {
+            Arc::make_mut(&mut data).flip_tex_coords();
+        }
         if data.triangles.len() <= SMALL {
             entry.finish(build(data, method));
         } else {

@@ -85,7 +85,7 @@ pub fn load_to_completion(app: &mut App, limits: &Limits) -> Result<bool, Render
         );
         match scene.state {
             SceneState::Failed => break Err(RenderError::SceneFailed),
-            SceneState::Empty | SceneState::Ready if scene.meshes_loading == 0 && status.meshes_loading == 0 => {
+            SceneState::Empty | SceneState::Ready if scene.files_loading() == 0 && status.meshes_loading == 0 => {
                 break Ok(true);
             }
             _ if begin.elapsed() > limits.loading => break Err(RenderError::LoadingTooLong(limits.loading)),

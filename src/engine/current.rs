@@ -1,5 +1,7 @@
 //! The scene as it was last packed, for those who want to ask it something: what is under the mouse, which boxes to draw.
 
+use std::sync::Arc;
+
 use bevy::prelude::*;
 
 use crate::render::scene::RenderScene;
@@ -9,8 +11,8 @@ use crate::render::view::View;
 #[derive(Resource, Default)]
 pub struct CurrentScene {
     pub scene: Option<RenderScene>,
-    /// The shape behind each instance of `scene.geometry`.
-    pub entity_of_instance: Vec<Entity>,
+    /// The shape behind each instance of `scene.geometry`, then behind each placement.
+    pub entity_of_instance: Arc<[Entity]>,
     /// None until there has been a camera.
     pub view: Option<View>,
 }

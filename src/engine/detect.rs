@@ -9,8 +9,9 @@ use bevy::prelude::*;
 
 use super::control::{InputStamp, RenderControl};
 use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, IntegratorSettings, Material,
-    MeshHandle, SamplerSettings, SecondNested, Sensor, Shape, ToWorld, TriangleMesh, UsesMaterial,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, InstanceOf, IntegratorSettings,
+    Material, MemberOf, MeshHandle, Placements, SamplerSettings, SecondNested, Sensor, Shape, ShapeGroup, TextureMap,
+    ToWorld, TriangleMesh, UsesMaterial,
 };
 
 /// The tables to be packed again. Flags stay until that is done.
@@ -68,9 +69,13 @@ pub(super) struct ShapeChanges<'w, 's> {
                 Changed<ToWorld>,
                 Changed<DocumentOrder>,
                 Changed<MeshHandle>,
+                Changed<MemberOf>,
+                Changed<InstanceOf>,
+                Changed<Placements>,
             )>,
         ),
     >,
+    groups_gone: RemovedComponents<'w, 's, ShapeGroup>,
     clad: Query<'w, 's, (), (With<Shape>, Or<(Changed<UsesMaterial>, Changed<AreaLight>)>)>,
     shapes_gone: RemovedComponents<'w, 's, Shape>,
     poses_gone: RemovedComponents<'w, 's, ToWorld>,
@@ -98,6 +103,7 @@ pub(super) struct MaterialChanges<'w, 's> {
             )>,
         ),
     >,
+    pictures: MessageReader<'w, 's, AssetEvent<TextureMap>>,
     gone: RemovedComponents<'w, 's, Material>,
     first_gone: RemovedComponents<'w, 's, FirstNested>,
     second_gone: RemovedComponents<'w, 's, SecondNested>,
@@ -137,6 +143,7 @@ pub(super) fn detect_changes(
 ) {
     let instances = !shapes.placed.is_empty()
         | (shapes.shapes_gone.read().count() > 0)
+        | (shapes.groups_gone.read().count() > 0)
         | (shapes.meshes_gone.read().count() > 0)
         | (shapes.meshes.read().count() > 0)
         | (shapes.failed.read().count() > 0)
@@ -146,6 +153,7 @@ pub(super) fn detect_changes(
     let surfaces =
         !shapes.clad.is_empty() | (shapes.uses_gone.read().count() > 0) | (shapes.lights_gone.read().count() > 0);
     let materials = !materials.changed.is_empty()
+        | (materials.pictures.read().count() > 0)
         | (materials.gone.read().count() > 0)
         | (materials.first_gone.read().count() > 0)
         | (materials.second_gone.read().count() > 0)

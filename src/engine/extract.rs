@@ -1,6 +1,8 @@
 //! The exact half of noticing change: packs the tables that may be out of date, compares them with what is there, and replaces only
 //! those that differ. Entities, handles and names end here.
 
+use std::collections::HashMap;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -14,7 +16,8 @@ use super::current::CurrentScene;
 use super::detect::Dirty;
 use super::dispatch::Renderer;
 use super::pack::Checker;
-use super::pack::instance::{InstanceRecord, pack_instance};
+use super::pack::group::{Layout, PlacedGroup};
+use super::pack::instance::pack_instance;
 use super::pack::light::pack_emitter;
 use super::pack::material::{MaterialSource, PackedMaterials, STAND_IN, pack_materials};
 use super::pack::surface::{SurfaceSource, pack_surfaces};
@@ -27,8 +30,9 @@ use crate::material::{self, MaterialTable};
 use crate::render::scene::{RenderScene, SurfaceTable};
 use crate::render::view::View;
 use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, IntegratorSettings, Material,
-    MeshHandle, SamplerSettings, SceneId, SecondNested, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, InstanceOf, IntegratorSettings,
+    Material, MemberOf, MeshHandle, Pictures, Placements, SamplerSettings, SceneId, SecondNested, Sensor, Shape,
+    ShapeGroup, ShapeKind, TextureMap, ToWorld, TriangleMesh, UsesMaterial,
 };
 use crate::shading::DielectricModel;
 use crate::texture::TextureTable;
@@ -49,7 +53,8 @@ pub(super) struct Extracted {
     pub meshes_loading: u32,
     pub triangles: u64,
     pub bvh: BvhStatus,
-    instances: Vec<InstanceRecord>,
+    layout: Layout,
+    entity_of_instance: Arc<[Entity]>,
     surface_sources: Vec<SurfaceSource>,
     method: SplitMethod,
     light_sources: Vec<WeightedSource>,
@@ -60,6 +65,8 @@ pub(super) struct Extracted {
 #[derive(Default)]
 struct Errors {
     instances: Vec<String>,
+    /// Of groups; found when the hierarchy is built.
+    placements: Vec<String>,
     surfaces: Vec<String>,
     emitters: Vec<String>,
     view: Vec<String>,
@@ -82,7 +89,8 @@ impl Default for Extracted {
             meshes_loading: 0,
             triangles: 0,
             bvh: BvhStatus::default(),
-            instances: Vec::new(),
+            layout: Layout::default(),
+            entity_of_instance: Arc::from([]),
             surface_sources: Vec::new(),
             method: SplitMethod::default(),
             light_sources: Vec::new(),
@@ -95,11 +103,12 @@ impl Extracted {
     pub fn errors(&self) -> impl Iterator<Item = &String> {
         let Errors {
             instances,
+            placements,
             surfaces,
             emitters,
             view,
         } = &self.errors;
-        [view, instances, surfaces, emitters].into_iter().flatten()
+        [view, instances, placements, surfaces, emitters].into_iter().flatten()
     }
 }
 
@@ -115,8 +124,11 @@ pub(super) struct Authored<'w, 's> {
             &'static Shape,
             &'static ToWorld,
             Option<&'static MeshHandle>,
+            Option<&'static MemberOf>,
+            Option<(&'static InstanceOf, Option<&'static Placements>)>,
         ),
     >,
+    groups: Query<'w, 's, (Entity, &'static DocumentOrder), With<ShapeGroup>>,
     clothes: Query<
         'w,
         's,
@@ -167,6 +179,8 @@ pub(super) struct Authored<'w, 's> {
     sampler: Res<'w, SamplerSettings>,
     method: Res<'w, AccelMethod>,
     meshes: Res<'w, Assets<TriangleMesh>>,
+    pictures: Res<'w, Pictures>,
+    texture_maps: Res<'w, Assets<TextureMap>>,
     asset_server: Option<Res<'w, AssetServer>>,
 }
 
@@ -218,7 +232,7 @@ pub(super) fn extract_scene(
     }
     *current = CurrentScene {
         scene: Some(extracted.scene.clone()),
-        entity_of_instance: extracted.instances.iter().map(|record| record.entity).collect(),
+        entity_of_instance: extracted.entity_of_instance.clone(),
         view: extracted.view.clone(),
     };
     *dirty = Dirty::NOTHING;
@@ -232,8 +246,24 @@ impl Extracted {
         self.errors.instances.clear();
         self.meshes_loading = 0;
         cache.begin_use();
-        let mut records = Vec::with_capacity(shapes.len());
-        for (entity, order, id, shape, to_world, handle) in shapes {
+        let mut groups: Vec<_> = authored.groups.iter().map(|(entity, &order)| (order, entity)).collect();
+        groups.sort();
+        let groups: HashMap<Entity, usize> = groups.into_iter().zip(0..).map(|((_, group), i)| (group, i)).collect();
+        let mut in_world = Vec::with_capacity(shapes.len());
+        let mut members = vec![Vec::new(); groups.len()];
+        let mut placed = Vec::new();
+        for (entity, order, id, shape, to_world, handle, member_of, instance_of) in shapes {
+            if let Some((InstanceOf(group), placements)) = instance_of
+                && let Some(&group) = groups.get(group)
+            {
+                placed.push(PlacedGroup {
+                    entity,
+                    name: name_of("shape", *order, id),
+                    group,
+                    places: placements.map_or_else(|| Arc::from([to_world.0]), |many| many.places.clone()),
+                });
+                continue;
+            }
             let built = match (&shape.kind, handle) {
                 (ShapeKind::Cube, _) => {
                     let cube = cache.cube();
@@ -243,8 +273,14 @@ impl Extracted {
                     let triangle = cache.triangle();
                     cache.get(MeshKey::Triangle, &triangle, policy)
                 }
-                (ShapeKind::Mesh(_), Some(MeshHandle(handle))) => match authored.meshes.get(handle) {
-                    Some(mesh) => cache.get(MeshKey::Asset(handle.id()), &mesh.data, policy),
+                (ShapeKind::Mesh(file), Some(MeshHandle(handle))) => match authored.meshes.get(handle) {
+                    Some(mesh) => {
+                        let key = MeshKey::Asset {
+                            id: handle.id(),
+                            upside_down: file.flip_tex_coords != file.format.flips_tex_coords(),
+                        };
+                        cache.get(key, &mesh.data, policy)
+                    }
                     None => {
                         let failed = |server: &AssetServer| server.load_state(handle).is_failed();
                         let failed = authored.asset_server.as_deref().is_some_and(failed);
@@ -263,17 +299,26 @@ impl Extracted {
                 name: &name,
                 errors: &mut self.errors.instances,
             };
-            records.extend(pack_instance(entity, shape, to_world.0, built, &mut check));
+            let record = pack_instance(entity, shape, to_world.0, built, &mut check);
+            match member_of.and_then(|MemberOf(group)| groups.get(group)) {
+                Some(&group) => members[group].extend(record),
+                None => in_world.extend(record),
+            }
         }
         cache.end_use();
         self.errors.instances.extend(cache.failures().map(str::to_owned));
 
-        let old = std::mem::replace(&mut self.instances, records);
-        let same = |(i, record): (usize, &InstanceRecord)| old.get(i).is_some_and(|old| record.same_geometry(old));
-        let moved: Vec<bool> = self.instances.iter().enumerate().map(|pair| !same(pair)).collect();
-        if moved.contains(&true) || old.len() != self.instances.len() || self.method != policy.method {
-            let instances = self.instances.iter().map(|record| record.instance.clone()).collect();
-            self.scene.geometry = Arc::new(Tlas::build(instances, policy.method));
+        let old = std::mem::replace(&mut self.layout, Layout::new(in_world, members, placed));
+        let moved = self.layout.moved_since(&old);
+        if moved.contains(&true)
+            || old.shapes.len() != self.layout.shapes.len()
+            || !self.layout.placed_as(&old)
+            || self.method != policy.method
+        {
+            self.errors.placements.clear();
+            let (geometry, entities) = self.layout.build(policy.method, &mut self.errors.placements);
+            self.scene.geometry = Arc::new(geometry);
+            self.entity_of_instance = entities.into();
             self.method = policy.method;
             self.update_figures(cache);
         }
@@ -281,11 +326,7 @@ impl Extracted {
     }
 
     fn update_figures(&mut self, cache: &BlasCache) {
-        let of_instance = |record: &InstanceRecord| match &record.instance.primitive {
-            crate::accel::Primitive::Mesh(blas) => blas.mesh().triangles.len() as u64,
-            _ => 0,
-        };
-        self.triangles = self.instances.iter().map(of_instance).sum();
+        self.triangles = self.scene.geometry.triangles();
         let top = self.scene.geometry.stats();
         let largest = cache.in_use().max_by_key(|mesh| mesh.stats.nodes);
         let sum = |of: fn(&crate::accel::BvhStats) -> usize| -> u64 {
@@ -309,10 +350,14 @@ impl Extracted {
         } else {
             DielectricModel::Exact
         };
-        let mut textures = TexturePacker::default();
+        let picture = |path: &Path| {
+            let asset = authored.texture_maps.get(authored.pictures.get(path)?)?;
+            Some(asset.image.clone())
+        };
+        let mut textures = TexturePacker::new(&picture);
         let materials = authored.pack_materials(model, &mut textures, &mut self.errors.surfaces);
         self.surface_sources.clear();
-        self.surface_sources.extend(self.instances.iter().map(|record| {
+        self.surface_sources.extend(self.layout.shapes.iter().map(|record| {
             // A shape that has just gone has made the instances dirty: it is not among them.
             let clothes = authored.clothes.get(record.entity).ok();
             SurfaceSource {
@@ -322,10 +367,11 @@ impl Extracted {
             }
         }));
         let packed = pack_surfaces(
-            &self.instances,
+            &self.layout,
             &self.surface_sources,
             &materials,
             model,
+            &mut textures,
             &mut self.errors.surfaces,
         );
         if *self.scene.surfaces != packed.table {

@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::attribute::MeshAttribute;
+use super::mtl_map::MtlMaps;
 use super::vertex_normals::angle_weighted_normals;
 use crate::math::Aabb;
 
@@ -49,6 +50,7 @@ pub struct MtlMaterial {
     /// PBR extension: roughness and metallic in [0, 1], where given.
     pub pr: Option<f32>,
     pub pm: Option<f32>,
+    pub maps: MtlMaps,
 }
 
 impl MeshData {

@@ -7,6 +7,7 @@ pub mod local;
 pub mod mesh;
 pub mod mesh_file;
 mod mtl;
+pub mod mtl_map;
 pub mod obj;
 mod obj_lines;
 pub mod ply;

@@ -4,11 +4,13 @@
 //! numbers, which the format allows), so each line is looked at first: what is sound goes to it in canonical form, the rest is a warning.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use glam::Vec3;
 
 use super::mesh::MtlMaterial;
 use super::mesh_file::{Warnings, decode, excerpt};
+use super::mtl_map::{MtlMaps, parse_map};
 
 /// The material of triangles whose `usemtl` names none that exists: the grey that Mitsuba gives shapes without a bsdf.
 pub fn default_material(name: &str) -> MtlMaterial {
@@ -23,16 +25,26 @@ pub fn default_material(name: &str) -> MtlMaterial {
         illum: None,
         pr: None,
         pm: None,
+        maps: MtlMaps::default(),
     }
 }
 
 /// The materials of one library, in the order of the file. `library` names it in the warnings.
 ///
-/// Absent values: Ks, Ke black; Kd black if the material has another colour, otherwise 0.5; Ns 1; Ni 1.5; d 1.
+/// Pictures are named from the folder of the mesh. Absent values: Ks, Ke black; Kd black if the material has another colour, otherwise 0.5; Ns 1; Ni 1.5; d 1.
 pub fn read_mtl(bytes: &[u8], library: &str, warnings: &mut Warnings) -> Vec<MtlMaterial> {
-    let text = sound_statements(&decode(bytes), library, warnings);
+    let Statements { text, mut maps } = sound_statements(&decode(bytes), library, warnings);
+    let library_name = library.replace('\\', "/");
+    let folder = Path::new(&library_name).parent().unwrap_or(Path::new(""));
+    for map in maps.iter_mut().flat_map(MtlMaps::iter_mut) {
+        map.file = folder.join(&map.file);
+    }
     match tobj::load_mtl_buf(&mut text.as_bytes()) {
-        Ok((materials, _)) => materials.iter().map(convert).collect(),
+        Ok((materials, _)) => materials
+            .iter()
+            .zip(maps)
+            .map(|(material, maps)| convert(material, maps))
+            .collect(),
         Err(error) => {
             warnings.add(library, &format!("the material library is ignored: {error}"));
             Vec::new()
@@ -40,9 +52,17 @@ pub fn read_mtl(bytes: &[u8], library: &str, warnings: &mut Warnings) -> Vec<Mtl
     }
 }
 
-/// The statements that make sense, one per line, every number finite and in range.
-fn sound_statements(text: &str, library: &str, warnings: &mut Warnings) -> String {
+struct Statements {
+    /// One per line, every number finite and in range.
+    text: String,
+    /// Of each material in turn.
+    maps: Vec<MtlMaps>,
+}
+
+/// The statements that make sense.
+fn sound_statements(text: &str, library: &str, warnings: &mut Warnings) -> Statements {
     let mut sound = String::with_capacity(text.len());
+    let mut all_maps: Vec<MtlMaps> = Vec::new();
     let mut has_material = false;
     for (number, line) in (1u64..).zip(text.trim_start_matches('\u{feff}').lines()) {
         let mut warn = |message: &str| warnings.add(format_args!("{library} line {number}"), message);
@@ -52,6 +72,7 @@ fn sound_statements(text: &str, library: &str, warnings: &mut Warnings) -> Strin
             has_material = !rest.trim().is_empty();
             if has_material {
                 let _ = writeln!(sound, "newmtl {}", rest.trim());
+                all_maps.push(MtlMaps::default());
             } else {
                 warn("a material without a name is ignored");
             }
@@ -61,7 +82,10 @@ fn sound_statements(text: &str, library: &str, warnings: &mut Warnings) -> Strin
             continue;
         }
         if is_texture(keyword) {
-            warn(&format!("the texture statement `{keyword}` is ignored"));
+            match (all_maps.last_mut().and_then(|maps| maps.slot(keyword)), parse_map(rest)) {
+                (Some(slot), Some(map)) => *slot = Some(map),
+                _ => warn(&format!("the texture statement `{keyword}` is ignored")),
+            }
             continue;
         }
         let values: Vec<&str> = rest
@@ -84,7 +108,10 @@ fn sound_statements(text: &str, library: &str, warnings: &mut Warnings) -> Strin
             warn(&format!("{} is not understood and ignored", excerpt(line.as_bytes())));
         }
     }
-    sound
+    Statements {
+        text: sound,
+        maps: all_maps,
+    }
 }
 
 fn is_texture(keyword: &str) -> bool {
@@ -107,7 +134,7 @@ fn number_in(values: &[&str], least: f32, most: f32) -> Option<f32> {
     (least..=most).contains(&value).then_some(value)
 }
 
-fn convert(material: &tobj::Material) -> MtlMaterial {
+fn convert(material: &tobj::Material, maps: MtlMaps) -> MtlMaterial {
     let absent = default_material(&material.name);
     let extension = |name: &str| {
         material
@@ -134,6 +161,7 @@ fn convert(material: &tobj::Material) -> MtlMaterial {
         illum: material.illumination_model,
         pr: extension("Pr"),
         pm: extension("Pm"),
+        maps,
         ..absent
     }
 }
@@ -165,6 +193,7 @@ mod tests {
             illum: Some(2),
             pr: Some(0.3),
             pm: Some(1.0),
+            maps: MtlMaps::default(),
         };
         assert_eq!(materials, [expected]);
     }
@@ -180,7 +209,7 @@ mod tests {
     #[test]
     fn bad_statements_are_warnings_and_the_rest_is_kept() {
         let (materials, warnings) = read(
-            b"Kd 1 0 0\nnewmtl\nKd 1 0 0\nnewmtl a\nKd 0.5\nKs 1 2\nKe nan 0 0\nNs -1\nNi 0\nd 7\nillum many\nmap_Kd -s 1 a.png\nmap_Kd b.png\nKd spectral x.rfl\nTf 1 1 1\n\xff\xfe\n",
+            b"Kd 1 0 0\nnewmtl\nKd 1 0 0\nnewmtl a\nKd 0.5\nKs 1 2\nKe nan 0 0\nNs -1\nNi 0\nd 7\nillum many\nmap_Ks -s 1 a.png\nmap_Ks b.png\nmap_Kd -clamp on\nKd spectral x.rfl\nTf 1 1 1\n\xff\xfe\n",
         );
         assert_eq!(
             materials,
@@ -199,10 +228,22 @@ mod tests {
                 "a.mtl line 9: `Ni 0` is not understood and ignored",
                 "a.mtl line 10: `d 7` is not understood and ignored",
                 "a.mtl line 11: `illum many` is not understood and ignored",
-                "a.mtl line 12: the texture statement `map_Kd` is ignored (and 1 times more)",
-                "a.mtl line 14: `Kd spectral x.rfl` is not understood and ignored",
+                "a.mtl line 12: the texture statement `map_Ks` is ignored (and 1 times more)",
+                "a.mtl line 14: the texture statement `map_Kd` is ignored",
+                "a.mtl line 15: `Kd spectral x.rfl` is not understood and ignored",
             ]
         );
+    }
+
+    #[test]
+    fn pictures_are_named_from_the_folder_of_the_mesh() {
+        let text = b"newmtl a\nnewmtl b\nmap_Kd -s 2 wood 1.png\nmap_D h.png\nnewmtl c\nnorm n.png\n";
+        let materials = read_mtl(text, "lib/b.mtl", &mut Warnings::default());
+        assert_eq!(materials[0].maps, MtlMaps::default());
+        let kd = materials[1].maps.kd.as_ref().unwrap();
+        assert_eq!((&*kd.file, kd.scale.x), (Path::new("lib/wood 1.png"), 2.0));
+        assert_eq!(materials[1].maps.d.as_ref().unwrap().file, Path::new("lib/h.png"));
+        assert_eq!(materials[2].maps.norm.as_ref().unwrap().file, Path::new("lib/n.png"));
     }
 
     #[test]

@@ -23,6 +23,11 @@ const HAS_TEXTURE_COORDINATES: u32 = 0x2;
 const HAS_COLORS: u32 = 0x8;
 const DOUBLE_PRECISION: u32 = 0x2000;
 
+/// Whether a file says of itself that it is one.
+pub fn is_serialized(bytes: &[u8]) -> bool {
+    bytes.starts_with(&MAGIC.to_le_bytes())
+}
+
 /// Where the shapes begin, in the order of the file's table.
 pub struct SerializedFile<'a> {
     bytes: &'a [u8],

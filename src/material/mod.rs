@@ -5,10 +5,12 @@
 
 mod bump;
 mod nesting;
+mod principled;
 mod scattering;
 mod textured;
 
 pub use nesting::{LARGEST_MIX, MaterialTableError, NestingProblem};
+pub use principled::{TexturedPrincipled, TexturedPrincipledThin};
 pub use scattering::{Lobe, ScatterSample, Scattering};
 pub use textured::{TexturedBase, TexturedBsdf, TexturedFacets, TexturedSpecular};
 

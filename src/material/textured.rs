@@ -1,5 +1,6 @@
 //! Scattering models with textured parameters, and their numbers at a place.
 
+use super::principled::{TexturedPrincipled, TexturedPrincipledThin};
 use crate::color::Rgb;
 use crate::shading::{
     Bsdf, CoatedBase, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microalbedo,
@@ -58,6 +59,8 @@ pub enum TexturedBsdf {
         reflectance: Parameter<Rgb>,
         fuzz: Parameter<f32>,
     },
+    Principled(TexturedPrincipled),
+    PrincipledThin(TexturedPrincipledThin),
 }
 
 /// A rough surface.
@@ -85,12 +88,17 @@ pub struct TexturedSpecular {
 }
 
 /// Gives the numbers of parameters.
-trait Lookup {
+pub(super) trait Lookup {
     fn color(&mut self, parameter: Parameter<Rgb>) -> Rgb;
     fn float(&mut self, parameter: Parameter<f32>) -> f32;
 
     fn reflectance(&mut self, parameter: Parameter<Rgb>) -> Rgb {
         self.color(parameter).clamp(Rgb::ZERO, Rgb::ONE)
+    }
+
+    /// A number in [0, 1].
+    fn share(&mut self, parameter: Parameter<f32>) -> f32 {
+        self.float(parameter).clamp(0.0, 1.0)
     }
 
     fn specular(&mut self, specular: &TexturedSpecular) -> ConductorSpecular {
@@ -239,8 +247,10 @@ impl TexturedBsdf {
             }),
             Self::Metal { reflectance, fuzz } => Bsdf::Metal(Metal {
                 color: lookup.reflectance(*reflectance),
-                fuzz: lookup.float(*fuzz).clamp(0.0, 1.0),
+                fuzz: lookup.share(*fuzz),
             }),
+            Self::Principled(principled) => Bsdf::Principled(principled.resolve(lookup)),
+            Self::PrincipledThin(thin) => Bsdf::PrincipledThin(thin.resolve(lookup)),
         }
     }
 }

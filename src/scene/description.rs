@@ -6,7 +6,10 @@ use std::path::PathBuf;
 
 use bevy::math::Affine3A;
 
-use super::{AreaLight, Authored, AuthoredScene, Emitter, Film, IntegratorSettings, Material, Sensor, Shape};
+use super::pictures::PicturePlaces;
+use super::{
+    AreaLight, Authored, AuthoredScene, Emitter, Film, IntegratorSettings, Material, Placements, Sensor, Shape,
+};
 use crate::document::Span;
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,6 +22,8 @@ pub struct SceneDescription {
     pub sensors: Vec<SensorDescription>,
     /// Every bsdf, nested ones too.
     pub materials: Vec<MaterialDescription>,
+    pub groups: Vec<GroupDescription>,
+    /// The members of groups among them.
     pub shapes: Vec<ShapeDescription>,
     pub emitters: Vec<EmitterDescription>,
     /// What became none of these.
@@ -27,6 +32,8 @@ pub struct SceneDescription {
     pub sources: Vec<PathBuf>,
     /// Places where a mesh was looked for in vain; the scene can be read again when one appears.
     pub missing: Vec<PathBuf>,
+    /// Where each picture is named first.
+    pub picture_places: PicturePlaces,
 }
 
 /// What all things of a scene have in common.
@@ -79,6 +86,17 @@ pub struct ShapeDescription {
     /// None: the file names none; the mesh's own materials apply, or else the default.
     pub material: Option<usize>,
     pub area_light: Option<AreaLight>,
+    /// Of members and instances of groups, which: indices into [`SceneDescription::groups`].
+    pub member_of: Option<usize>,
+    pub instance_of: Option<usize>,
+    /// Of instances, if these are very many.
+    pub placements: Option<Placements>,
+}
+
+/// Shapes that are seen only where instances are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupDescription {
+    pub identity: Identity,
 }
 
 #[derive(Clone, Debug, PartialEq)]

@@ -11,7 +11,7 @@ use crate::math::Aabb;
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct FrameWhenLoaded;
 
-/// World bounds of one shape; None while its mesh is not there.
+/// World bounds of one shape; None while its mesh is not there, and for instances of groups.
 pub fn world_bounds(shape: &Shape, to_world: &Affine3A, mesh: Option<&TriangleMesh>) -> Option<Aabb> {
     let local = match &shape.kind {
         ShapeKind::Sphere { center, radius } => Aabb::from_points([*center - *radius, *center + *radius]),
@@ -20,6 +20,14 @@ pub fn world_bounds(shape: &Shape, to_world: &Affine3A, mesh: Option<&TriangleMe
         }
         ShapeKind::Triangle { corners } => Aabb::from_points(*corners),
         ShapeKind::Cube => Aabb::from_points([Vec3::NEG_ONE, Vec3::ONE]),
+        ShapeKind::Cylinder { p0, p1, radius } => {
+            // Around an axis of this direction, a circle reaches so far along each axis of the space.
+            let along = (*p1 - *p0).normalize_or_zero();
+            let reach =
+                *radius * Vec3::from_array((Vec3::ONE - along * along).to_array().map(|part| part.max(0.0).sqrt()));
+            Aabb::from_points([p0.min(*p1) - reach, p0.max(*p1) + reach])
+        }
+        ShapeKind::Instance => return None,
         ShapeKind::Mesh(_) => mesh?.data.bounds(),
     };
     Some(local.transformed(to_world))

@@ -1,6 +1,6 @@
 //! Scene files: asked for, read by the asset server, turned into entities.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bevy::asset::{AssetLoadFailedEvent, AssetPath};
@@ -9,10 +9,12 @@ use bevy::prelude::*;
 
 use super::assets::scene_asset::one_error;
 use super::assets::{SceneAsset, SceneDefines, cause};
+use super::pictures::PicturePlaces;
 use super::read::settle;
 use super::{OpenScene, SceneState, SceneStatus, spawn};
 use crate::document::Diagnostics;
 use crate::document::source::check_file;
+
 /// The scene file asked for last, and the one the entities are from.
 #[derive(Resource, Debug, Default)]
 pub struct SceneFile {
@@ -23,6 +25,19 @@ pub struct SceneFile {
     opens: bool,
     /// What the spans of the entities' sources point into.
     pub(super) good_diagnostics: Arc<Diagnostics>,
+    /// Into the same.
+    picture_places: PicturePlaces,
+}
+
+impl SceneFile {
+    /// `file:line:column: ` of where a picture is named first; empty for one that the file does not name.
+    pub(super) fn place_of_picture(&self, path: &Path) -> String {
+        let span = self.picture_places.get(path);
+        match span.and_then(|&span| self.good_diagnostics.locate(span)) {
+            Some((path, line, column)) => format!("{}:{line}:{column}: ", path.display()),
+            None => String::new(),
+        }
+    }
 }
 
 pub(super) fn open_scenes(
@@ -101,7 +116,9 @@ pub(super) fn apply_scenes(
     } else {
         spawn::update(world, &asset.description);
     }
-    world.resource_mut::<SceneFile>().good_diagnostics = asset.diagnostics.clone();
+    let mut file = world.resource_mut::<SceneFile>();
+    file.good_diagnostics = asset.diagnostics.clone();
+    file.picture_places.clone_from(&asset.description.picture_places);
     let mut status = world.resource_mut::<SceneStatus>();
     status.state = SceneState::Ready;
     status.diagnostics = asset.diagnostics;

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use super::DocumentOrder;
+use super::principled::{Principled, PrincipledThin};
 use super::texture::Parameter;
 use crate::color::Rgb;
 
@@ -69,6 +70,8 @@ pub enum Material {
         reflectance: Parameter<Rgb>,
         fuzz: Parameter<f32>,
     },
+    Principled(Principled),
+    PrincipledThin(PrincipledThin),
     /// Shows [`FirstNested`] to the front and [`SecondNested`], or else the same, to the back.
     TwoSided,
     /// [`SecondNested`] with the share `weight`, [`FirstNested`] with the rest.
@@ -100,7 +103,7 @@ impl Default for Material {
 
 impl Material {
     /// The names of all plugins, ours last.
-    pub const PLUGINS: [&'static str; 14] = [
+    pub const PLUGINS: [&'static str; 16] = [
         "diffuse",
         "conductor",
         "roughconductor",
@@ -109,6 +112,8 @@ impl Material {
         "thindielectric",
         "plastic",
         "roughplastic",
+        "principled",
+        "principledthin",
         "twosided",
         "blendbsdf",
         "mask",
@@ -175,6 +180,8 @@ impl Material {
                 reflectance: Rgb::splat(0.5).into(),
                 fuzz: 0.0.into(),
             },
+            "principled" => Self::Principled(Principled::default()),
+            "principledthin" => Self::PrincipledThin(PrincipledThin::default()),
             "twosided" => Self::TwoSided,
             "blendbsdf" => Self::Blend { weight: 0.5.into() },
             "mask" => Self::Mask { opacity: 0.5.into() },
@@ -200,6 +207,8 @@ impl Material {
             Self::Plastic { .. } => "plastic",
             Self::RoughPlastic { .. } => "roughplastic",
             Self::Metal { .. } => "metal",
+            Self::Principled(_) => "principled",
+            Self::PrincipledThin(_) => "principledthin",
             Self::TwoSided => "twosided",
             Self::Blend { .. } => "blendbsdf",
             Self::Mask { .. } => "mask",
@@ -220,10 +229,14 @@ impl Material {
 
     /// Whether it refracts: then it has two sides already.
     pub fn refracts(&self) -> bool {
-        matches!(
-            self,
-            Self::Dielectric { .. } | Self::RoughDielectric { .. } | Self::ThinDielectric { .. }
-        )
+        match self {
+            Self::Dielectric { .. }
+            | Self::RoughDielectric { .. }
+            | Self::ThinDielectric { .. }
+            | Self::PrincipledThin(_) => true,
+            Self::Principled(principled) => principled.refracts(),
+            _ => false,
+        }
     }
 }
 

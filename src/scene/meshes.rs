@@ -7,7 +7,7 @@ use bevy::prelude::*;
 
 use super::assets::cause;
 use super::loading::SceneFile;
-use super::{Authored, DocumentOrder, MeshHandle, MeshProblem, SceneStatus, Shape, ShapeKind, TriangleMesh};
+use super::{Authored, DocumentOrder, MeshFile, MeshHandle, MeshProblem, SceneStatus, Shape, ShapeKind, TriangleMesh};
 use crate::document::Diagnostics;
 
 pub(super) fn follow_mesh_files(
@@ -20,7 +20,7 @@ pub(super) fn follow_mesh_files(
             // Without a file the mesh is one that the program has made.
             ShapeKind::Mesh(file) if file.path.as_os_str().is_empty() => {}
             ShapeKind::Mesh(file) => {
-                let handle = MeshHandle(server.load(AssetPath::from_path_buf(file.path.clone())));
+                let handle = MeshHandle(server.load(asset_path(file)));
                 if current != Some(&handle) {
                     commands.entity(entity).insert(handle);
                 }
@@ -30,6 +30,15 @@ pub(super) fn follow_mesh_files(
             }
             _ => {}
         }
+    }
+}
+
+/// What the loader of meshes calls this one: the first shape of a file is the file, others are labelled with their numbers.
+fn asset_path(mesh: &MeshFile) -> AssetPath<'static> {
+    let path = AssetPath::from_path_buf(mesh.path.clone());
+    match mesh.shape_index {
+        0 => path,
+        index => path.with_label(index.to_string()),
     }
 }
 

@@ -7,12 +7,15 @@ pub mod authored;
 pub mod description;
 pub mod emitter;
 mod framing;
+pub mod group;
 pub mod identity;
 mod loading;
 pub mod material;
 mod meshes;
 mod parameters;
+mod pictures;
 pub mod plugin;
+mod principled;
 pub mod read;
 pub mod sensor;
 pub mod settings;
@@ -23,21 +26,24 @@ pub mod texture;
 pub mod watch;
 pub mod write;
 
-pub use assets::{MeshHandle, TriangleMesh};
+pub use assets::{MeshHandle, TextureMap, TriangleMesh};
 pub use authored::{Authored, AuthoredScene, DeclaredIn, Declares};
 pub use description::SceneDescription;
 pub use emitter::{AreaLight, Emitter};
 pub use framing::{FrameWhenLoaded, world_bounds};
+pub use group::{InstanceOf, MemberOf, Placements, ShapeGroup};
 pub use identity::{DocumentOrder, SceneId, ToWorld};
 pub use material::{
     ConductorIor, Distribution, FirstNested, FirstNestedIn, Ior, Material, MaterialUsers, Roughness, SecondNested,
     SecondNestedIn, UsesMaterial,
 };
 pub use parameters::ParameterVisitor;
+pub use pictures::Pictures;
 pub use plugin::{ScenePlugin, SceneSystems, asset_plugin};
+pub use principled::{Principled, PrincipledIndex, PrincipledThin};
 pub use sensor::{Crop, Film, FovAxis, Lens, NoSuchCamera, ReconstructionFilter, Sensor, cameras, find_camera};
 pub use settings::{AccelMethod, IntegratorSettings, SamplerSettings, Sequence, Strategy};
 pub use shape::{MeshFile, MeshFormat, Shape, ShapeKind};
 pub use status::{ActiveSensor, MeshProblem, OpenScene, SceneState, SceneStatus};
-pub use texture::{Parameter, Texture};
+pub use texture::{Bitmap, Parameter, Texture, TextureFilter, TextureWrap};
 pub use watch::SceneWatch;

@@ -3,7 +3,8 @@
 use std::ops::RangeInclusive;
 
 use super::material::{ConductorIor, Distribution, Ior, Material, Roughness};
-use super::texture::Parameter;
+use super::principled::PrincipledIndex;
+use super::texture::{Parameter, Texture};
 use crate::color::Rgb;
 
 /// Meets the parameters of a material in turn; names are those of the file. A parameter that a visitor leaves alone keeps its value,
@@ -14,6 +15,8 @@ pub trait ParameterVisitor {
     /// A colour that is no direction's business: not negative, without upper bound.
     fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>);
     fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>);
+    /// A number that is the same everywhere.
+    fn number(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>);
     fn flag(&mut self, name: &'static str, value: &mut bool);
     /// A flag of ours, which no other program knows: off by default, and written only where it is on.
     fn extension(&mut self, name: &'static str, value: &mut bool) {
@@ -26,6 +29,8 @@ pub trait ParameterVisitor {
     fn distribution(&mut self, value: &mut Distribution);
     /// `alpha`, or `alpha_u` and `alpha_v`.
     fn roughness(&mut self, value: &mut Roughness);
+    /// `specular` or `eta`.
+    fn principled_index(&mut self, value: &mut PrincipledIndex);
 }
 
 const UNIT: RangeInclusive<f32> = 0.0..=1.0;
@@ -121,6 +126,8 @@ impl Material {
                 visitor.reflectance("reflectance", reflectance);
                 visitor.float("fuzz", fuzz, UNIT);
             }
+            Self::Principled(principled) => principled.visit(visitor),
+            Self::PrincipledThin(thin) => thin.visit(visitor),
             Self::TwoSided | Self::Null => {}
             Self::Blend { weight } => visitor.float("weight", weight, UNIT),
             Self::Mask { opacity } => visitor.float("opacity", opacity, UNIT),
@@ -132,6 +139,64 @@ impl Material {
                 visitor.reflectance("normalmap", normals);
                 visitor.flag("flip_invalid_normals", flip_invalid_normals);
                 visitor.flag("use_shadowing_function", use_shadowing_function);
+            }
+        }
+    }
+}
+
+impl Material {
+    /// Shows `meet` every texture among the parameters, with the parameter's name.
+    pub fn visit_textures(&mut self, meet: impl FnMut(&'static str, &mut Texture)) {
+        self.visit(&mut Textures(meet));
+    }
+}
+
+struct Textures<F>(F);
+
+impl<F: FnMut(&'static str, &mut Texture)> Textures<F> {
+    fn parameter<T>(&mut self, name: &'static str, value: &mut Parameter<T>) {
+        if let Parameter::Texture(texture) = value {
+            self.0(name, texture);
+        }
+    }
+}
+
+impl<F: FnMut(&'static str, &mut Texture)> ParameterVisitor for Textures<F> {
+    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        self.parameter(name, value);
+    }
+
+    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        self.parameter(name, value);
+    }
+
+    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, _range: RangeInclusive<f32>) {
+        self.parameter(name, value);
+    }
+
+    fn number(&mut self, _name: &'static str, _value: &mut f32, _range: RangeInclusive<f32>) {}
+
+    fn flag(&mut self, _name: &'static str, _value: &mut bool) {}
+
+    fn principled_index(&mut self, _value: &mut PrincipledIndex) {}
+
+    fn ior(&mut self, _name: &'static str, _value: &mut Ior) {}
+
+    fn conductor_ior(&mut self, value: &mut ConductorIor) {
+        if let ConductorIor::Given { eta, k } = value {
+            self.parameter("eta", eta);
+            self.parameter("k", k);
+        }
+    }
+
+    fn distribution(&mut self, _value: &mut Distribution) {}
+
+    fn roughness(&mut self, value: &mut Roughness) {
+        match value {
+            Roughness::Isotropic(alpha) => self.parameter("alpha", alpha),
+            Roughness::Anisotropic { u, v } => {
+                self.parameter("alpha_u", u);
+                self.parameter("alpha_v", v);
             }
         }
     }

@@ -3,9 +3,12 @@
 use bevy::asset::{AssetApp, AssetTrackingSystems};
 use bevy::prelude::*;
 
-use super::assets::{MeshHandle, MeshLoader, SceneAsset, SceneDefines, SceneLoader, TriangleMesh};
+use super::assets::{
+    MeshHandle, MeshLoader, SceneAsset, SceneDefines, SceneLoader, TextureMap, TextureMapLoader, TriangleMesh,
+};
 use super::loading::{SceneFile, apply_scenes, open_scenes};
 use super::meshes::{follow_mesh_files, report_meshes};
+use super::pictures::{Pictures, follow_pictures, report_pictures};
 use super::watch::{SceneWatch, list_files, reload_changed_files};
 use super::*;
 
@@ -34,7 +37,7 @@ pub enum SceneSystems {
     Request,
     /// What it has read becomes entities.
     Apply,
-    /// Mesh handles follow the shapes; the status is brought up to date.
+    /// Handles of meshes and pictures follow who names them; the status is brought up to date.
     Follow,
 }
 
@@ -42,8 +45,10 @@ impl Plugin for ScenePlugin {
     fn build(&self, app: &mut App) {
         let defines = SceneDefines::default();
         app.init_asset::<TriangleMesh>()
+            .init_asset::<TextureMap>()
             .init_asset::<SceneAsset>()
             .register_asset_loader(MeshLoader)
+            .register_asset_loader(TextureMapLoader)
             .register_asset_loader(SceneLoader {
                 defines: defines.clone(),
             })
@@ -51,6 +56,7 @@ impl Plugin for ScenePlugin {
             .insert_resource(defines)
             .init_resource::<SceneFile>()
             .init_resource::<SceneWatch>()
+            .init_resource::<Pictures>()
             .init_resource::<SceneStatus>()
             .init_resource::<ActiveSensor>()
             .init_resource::<AuthoredScene>()
@@ -84,7 +90,14 @@ impl Plugin for ScenePlugin {
                     .chain()
                     .in_set(SceneSystems::Request),
                 apply_scenes.in_set(SceneSystems::Apply),
-                (follow_mesh_files, report_meshes, list_files, framing::frame_scene)
+                (
+                    follow_mesh_files,
+                    report_meshes,
+                    follow_pictures,
+                    report_pictures,
+                    list_files,
+                    framing::frame_scene,
+                )
                     .chain()
                     .in_set(SceneSystems::Follow),
             ),

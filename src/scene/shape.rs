@@ -34,7 +34,15 @@ pub enum ShapeKind {
     Triangle {
         corners: [Vec3; 3],
     },
+    /// Open, without caps; the ends' centres in local space. The normals point outwards.
+    Cylinder {
+        p0: Vec3,
+        p1: Vec3,
+        radius: f32,
+    },
     Mesh(MeshFile),
+    /// The shapes of the group that [`super::InstanceOf`] names.
+    Instance,
 }
 
 /// A mesh by its file.
@@ -43,8 +51,12 @@ pub struct MeshFile {
     /// Absolute path.
     pub path: PathBuf,
     pub format: MeshFormat,
+    /// Which of a serialized file's shapes, from 0.
+    pub shape_index: u32,
     /// Shade with the triangles' own normals, not the vertices'.
     pub face_normals: bool,
+    /// Turns the file's v upside down. Unless the scene says otherwise so for OBJ, where v counts from the bottom up.
+    pub flip_tex_coords: bool,
 }
 
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,4 +64,13 @@ pub enum MeshFormat {
     #[default]
     Obj,
     Ply,
+    /// Mitsuba's own, several shapes to a file.
+    Serialized,
+}
+
+impl MeshFormat {
+    /// What `flip_tex_coords` is where the scene does not say it.
+    pub fn flips_tex_coords(self) -> bool {
+        self == Self::Obj
+    }
 }

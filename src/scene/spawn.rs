@@ -11,9 +11,11 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use super::description::{DeclarationPlace, Identity, SceneDescription};
+use super::write::gather::Entities;
 use super::{
     ActiveSensor, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, FrameWhenLoaded,
-    IntegratorSettings, Material, SceneId, SecondNested, Sensor, Shape, ToWorld, UsesMaterial,
+    InstanceOf, IntegratorSettings, Material, MemberOf, SceneId, SecondNested, Sensor, Shape, ShapeGroup, ToWorld,
+    UsesMaterial,
 };
 
 /// What the file said of a sensor when it was last read. The user moves the camera; a reload moves it back only if the file moved it.
@@ -32,6 +34,7 @@ struct IntegratorOfFile(IntegratorSettings);
 enum Kind {
     Sensor,
     Material,
+    Group,
     Shape,
     Emitter,
 }
@@ -45,7 +48,13 @@ enum Key {
 /// Replaces whatever scene was there.
 pub fn spawn_fresh(world: &mut World, scene: &SceneDescription) {
     let old: Vec<Entity> = world
-        .query_filtered::<Entity, Or<(With<Sensor>, With<Material>, With<Shape>, With<Emitter>)>>()
+        .query_filtered::<Entity, Or<(
+            With<Sensor>,
+            With<Material>,
+            With<ShapeGroup>,
+            With<Shape>,
+            With<Emitter>,
+        )>>()
         .iter(world)
         .collect();
     for entity in old {
@@ -54,6 +63,37 @@ pub fn spawn_fresh(world: &mut World, scene: &SceneDescription) {
     world.remove_resource::<IntegratorOfFile>();
     world.insert_resource(ActiveSensor::default());
     update(world, scene);
+}
+
+/// Gives the entities made in the editor their places in the file they were written to, so that they are recognised when it is read again.
+/// `written` is what that file says now, `scene` what was written, of these entities.
+pub fn adopt(world: &mut World, scene: &SceneDescription, entities: &Entities, written: &SceneDescription) {
+    let materials = scene.materials.iter().zip(&written.materials);
+    if scene.materials.len() == written.materials.len() {
+        for ((old, new), &entity) in materials.zip(&entities.materials) {
+            adopt_one(world, entity, &old.identity, &new.identity);
+        }
+    }
+    let shapes = scene.shapes.iter().zip(&written.shapes);
+    if scene.shapes.len() == written.shapes.len() {
+        for ((old, new), &entity) in shapes.zip(&entities.shapes) {
+            adopt_one(world, entity, &old.identity, &new.identity);
+        }
+    }
+    let emitters = scene.emitters.iter().zip(&written.emitters);
+    if scene.emitters.len() == written.emitters.len() {
+        for ((old, new), &entity) in emitters.zip(&entities.emitters) {
+            adopt_one(world, entity, &old.identity, &new.identity);
+        }
+    }
+}
+
+fn adopt_one(world: &mut World, entity: Entity, old: &Identity, new: &Identity) {
+    if old.authored.is_none() {
+        set(world, entity, DocumentOrder(new.order));
+        set_or_remove(world, entity, new.id.clone().map(SceneId));
+        set_or_remove(world, entity, new.authored.clone());
+    }
 }
 
 /// Makes the entities what the description says.
@@ -66,6 +106,12 @@ pub fn update(world: &mut World, scene: &SceneDescription) {
         set(world, entity, material.material.clone());
         materials.push(entity);
     }
+    let mut groups = Vec::with_capacity(scene.groups.len());
+    for group in &scene.groups {
+        let entity = known.entity(world, Kind::Group, &group.identity);
+        set(world, entity, ShapeGroup);
+        groups.push(entity);
+    }
     let mut shapes = Vec::with_capacity(scene.shapes.len());
     for shape in &scene.shapes {
         let entity = known.entity(world, Kind::Shape, &shape.identity);
@@ -77,6 +123,9 @@ pub fn update(world: &mut World, scene: &SceneDescription) {
             entity,
             shape.material.map(|index| UsesMaterial(materials[index])),
         );
+        relate(world, entity, shape.member_of.map(|index| MemberOf(groups[index])));
+        relate(world, entity, shape.instance_of.map(|index| InstanceOf(groups[index])));
+        set_or_remove(world, entity, shape.placements.clone());
         shapes.push(entity);
     }
     for (material, &entity) in scene.materials.iter().zip(&materials) {
@@ -197,13 +246,15 @@ impl Known {
                 Has<Sensor>,
                 Has<Material>,
                 Has<Shape>,
+                Has<ShapeGroup>,
             )>()
             .iter(world)
-            .map(|(entity, order, authored, id, sensor, material, shape)| {
-                let kind = match (sensor, material, shape) {
+            .map(|(entity, order, authored, id, sensor, material, shape, group)| {
+                let kind = match (sensor, material, shape, group) {
                     (true, ..) => Kind::Sensor,
-                    (_, true, _) => Kind::Material,
-                    (.., true) => Kind::Shape,
+                    (_, true, ..) => Kind::Material,
+                    (_, _, true, _) => Kind::Shape,
+                    (.., true) => Kind::Group,
                     _ => Kind::Emitter,
                 };
                 (*order, entity, kind, id.cloned(), authored.object.plugin.clone())

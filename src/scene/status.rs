@@ -51,6 +51,11 @@ pub struct SceneStatus {
     pub mesh_warnings: Vec<String>,
     /// Meshes whose first load is not over.
     pub meshes_loading: usize,
+    /// Pictures that could not be read, one sentence each that begins with their place in the scene file; a grey takes their place, or what
+    /// the last good file held.
+    pub picture_problems: Vec<String>,
+    /// Pictures whose first load is not over.
+    pub pictures_loading: usize,
     /// Counts successful loads and reloads.
     pub revision: u64,
     /// The last successful load was of a scene newly opened, not a reload of the one that was there.
@@ -58,12 +63,17 @@ pub struct SceneStatus {
 }
 
 impl SceneStatus {
-    /// Every entity is there and every mesh has arrived or failed.
-    pub fn is_complete(&self) -> bool {
-        self.state == SceneState::Ready && self.meshes_loading == 0
+    /// Files that textures and shapes wait for.
+    pub fn files_loading(&self) -> usize {
+        self.meshes_loading + self.pictures_loading
     }
 
-    /// Something keeps the picture from being what the files ask for.
+    /// Every entity is there and every mesh and picture has arrived or failed.
+    pub fn is_complete(&self) -> bool {
+        self.state == SceneState::Ready && self.files_loading() == 0
+    }
+
+    /// Something is missing that the files ask for. Pictures that cannot be read do not count: the rest is worth seeing.
     pub fn has_errors(&self) -> bool {
         self.state == SceneState::Failed || self.diagnostics.has_errors() || !self.mesh_errors.is_empty()
     }

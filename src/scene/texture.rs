@@ -1,6 +1,8 @@
 //! Textures as the user knows them, and parameters that may be one. They are values: a texture that several materials share is simply
 //! the same in each.
 
+use std::path::PathBuf;
+
 use bevy::math::Affine2;
 use bevy::prelude::*;
 
@@ -40,19 +42,72 @@ impl From<f32> for Parameter<f32> {
 #[reflect(opaque)]
 #[reflect(Clone, PartialEq)]
 pub enum Texture {
+    /// A picture over uv.
+    Bitmap(Bitmap),
     /// Squares of two colours, two by two per unit of uv.
     Checkerboard {
         color0: Box<Parameter<Rgb>>,
         color1: Box<Parameter<Rgb>>,
         to_uv: Affine2,
     },
+    /// A value that the mesh itself has per vertex or face.
+    MeshAttribute {
+        /// `vertex_color`, `face_...`: what the mesh's loader calls it.
+        name: String,
+        scale: f32,
+    },
+}
+
+/// A picture and how it is looked at.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bitmap {
+    /// Absolute path.
+    pub path: PathBuf,
+    pub filter: TextureFilter,
+    pub wrap: TextureWrap,
+    /// Numbers as they stand in the file, not decoded to linear.
+    pub raw: bool,
+    pub to_uv: Affine2,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TextureFilter {
+    Nearest,
+    #[default]
+    Bilinear,
+}
+
+/// What lies outside of the unit square.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TextureWrap {
+    #[default]
+    Repeat,
+    Mirror,
+    Clamp,
 }
 
 impl Texture {
     /// The plugin's name in the file.
     pub fn plugin(&self) -> &'static str {
         match self {
+            Self::Bitmap(_) => "bitmap",
             Self::Checkerboard { .. } => "checkerboard",
+            Self::MeshAttribute { .. } => "mesh_attribute",
+        }
+    }
+
+    /// Calls `meet` with every picture, also of textures inside this one.
+    pub fn for_each_bitmap(&self, meet: &mut impl FnMut(&Bitmap)) {
+        match self {
+            Self::Bitmap(bitmap) => meet(bitmap),
+            Self::Checkerboard { color0, color1, .. } => {
+                for color in [color0, color1] {
+                    if let Parameter::Texture(texture) = &**color {
+                        texture.for_each_bitmap(meet);
+                    }
+                }
+            }
+            Self::MeshAttribute { .. } => {}
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Files of the open scene that change on disk are read again: the scene with its includes, meshes, material libraries.
+//! Files of the open scene that change on disk are read again: the scene with its includes, meshes, material libraries, pictures.
 //!
 //! Bevy watches only its own asset root, so this watch is ours; it only tells the asset server what to reload. Folders are watched, not
 //! files: editors replace files by renaming others over them. A file that is half written fails to load, which keeps the old content;
@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use bevy::asset::{AssetLoadFailedEvent, AssetPath};
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use crossbeam_channel::{Receiver, unbounded};
 use notify_debouncer_full::notify::event::{AccessKind, AccessMode};
@@ -17,8 +18,9 @@ use notify_debouncer_full::{DebounceEventResult, Debouncer, NoCache, new_debounc
 
 use super::assets::SceneAsset;
 use super::loading::SceneFile;
+use super::pictures::Pictures;
 use super::read::settle;
-use super::{MeshHandle, SceneStatus, Shape, ShapeKind, TriangleMesh};
+use super::{MeshHandle, SceneStatus, Shape, ShapeKind, TextureMap, TriangleMesh};
 
 /// Events are held back so long: one save is one event.
 const DEBOUNCE: Duration = Duration::from_millis(100);
@@ -100,12 +102,15 @@ pub(super) fn list_files(
     status: Res<SceneStatus>,
     scenes: Res<Assets<SceneAsset>>,
     meshes: Res<Assets<TriangleMesh>>,
+    pictures: Res<Pictures>,
     shapes: Query<(&Shape, &MeshHandle)>,
     mut mesh_events: MessageReader<AssetEvent<TriangleMesh>>,
     changed: Query<(), Changed<MeshHandle>>,
 ) {
     let news = mesh_events.read().count() + changed.iter().count();
-    if file.path.as_os_str().is_empty() || (news == 0 && !status.is_changed() && !file.is_changed()) {
+    if file.path.as_os_str().is_empty()
+        || (news == 0 && !status.is_changed() && !file.is_changed() && !pictures.is_changed())
+    {
         return;
     }
     let mut reloads: HashMap<PathBuf, Vec<PathBuf>> = HashMap::new();
@@ -130,6 +135,9 @@ pub(super) fn list_files(
             add(&settle(library), &mesh.path);
         }
     }
+    for picture in pictures.paths() {
+        add(picture, picture);
+    }
     if watch.reloads != reloads {
         watch.reloads = reloads;
         watch.start();
@@ -137,32 +145,39 @@ pub(super) fn list_files(
     }
 }
 
+/// What the asset server tells of one kind of asset.
+#[derive(SystemParam)]
+pub(super) struct Arrivals<'w, 's, A: Asset> {
+    events: MessageReader<'w, 's, AssetEvent<A>>,
+    failures: MessageReader<'w, 's, AssetLoadFailedEvent<A>>,
+}
+
+impl<A: Asset> Arrivals<'_, '_, A> {
+    /// What has arrived or failed is not on its way any more.
+    fn take_in(&mut self, watch: &mut SceneWatch, server: &AssetServer) {
+        for event in self.events.read() {
+            if let AssetEvent::Added { id } | AssetEvent::Modified { id } = event
+                && let Some(path) = server.get_path(*id)
+            {
+                watch.on_their_way.remove(path.path());
+            }
+        }
+        for failure in self.failures.read() {
+            watch.on_their_way.remove(failure.path.path());
+        }
+    }
+}
+
 pub(super) fn reload_changed_files(
     mut watch: ResMut<SceneWatch>,
     server: Res<AssetServer>,
-    mut scene_events: MessageReader<AssetEvent<SceneAsset>>,
-    mut mesh_events: MessageReader<AssetEvent<TriangleMesh>>,
-    mut scene_failures: MessageReader<AssetLoadFailedEvent<SceneAsset>>,
-    mut mesh_failures: MessageReader<AssetLoadFailedEvent<TriangleMesh>>,
+    mut scenes: Arrivals<SceneAsset>,
+    mut meshes: Arrivals<TriangleMesh>,
+    mut pictures: Arrivals<TextureMap>,
 ) {
-    let arrived = scene_events.read().filter_map(|event| match event {
-        AssetEvent::Added { id } | AssetEvent::Modified { id } => server.get_path(*id),
-        _ => None,
-    });
-    let arrived_meshes = mesh_events.read().filter_map(|event| match event {
-        AssetEvent::Added { id } | AssetEvent::Modified { id } => server.get_path(*id),
-        _ => None,
-    });
-    let failed = scene_failures.read().map(|event| event.path.clone());
-    let failed_meshes = mesh_failures.read().map(|event| event.path.clone());
-    let over: Vec<AssetPath> = arrived
-        .chain(arrived_meshes)
-        .chain(failed)
-        .chain(failed_meshes)
-        .collect();
-    for path in over {
-        watch.on_their_way.remove(path.path());
-    }
+    scenes.take_in(&mut watch, &server);
+    meshes.take_in(&mut watch, &server);
+    pictures.take_in(&mut watch, &server);
 
     take_events(&mut watch);
     let ready: Vec<PathBuf> = watch

@@ -64,6 +64,18 @@ impl Image {
         })
     }
 
+    /// One pixel of one linear value.
+    pub fn uniform(value: f32) -> Self {
+        Self {
+            width: 1,
+            height: 1,
+            channels: 1,
+            samples: Samples::F32(vec![value]),
+            transfer: Transfer::Linear,
+            means: Default::default(),
+        }
+    }
+
     pub fn width(&self) -> u32 {
         self.width
     }

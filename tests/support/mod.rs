@@ -44,12 +44,7 @@ impl SceneBuilder {
         material: impl Into<Material>,
         radiance: Option<Rgb>,
     ) -> &mut Instance {
-        self.add_shape(
-            primitive,
-            to_world,
-            material.into(),
-            radiance.map(Parameter::Constant),
-        )
+        self.add_shape(primitive, to_world, material.into(), radiance.map(Parameter::Constant))
     }
 
     /// A shape that shines as a texture of `textures` does.

@@ -41,6 +41,12 @@ pub enum Command {
     SetToWorld(Entity, Affine3A),
     SetShape(Entity, Shape),
     SetMaterial(Entity, Box<Material>),
+    /// Another picture for a texture of a material.
+    SetPicture {
+        material: Entity,
+        parameter: &'static str,
+        path: PathBuf,
+    },
     UseMaterial {
         shape: Entity,
         material: Option<Entity>,
@@ -81,6 +87,7 @@ impl Command {
             | Self::SetToWorld(..)
             | Self::SetShape(..)
             | Self::SetMaterial(..)
+            | Self::SetPicture { .. }
             | Self::UseMaterial { .. }
             | Self::GiveMaterial { .. }
             | Self::SetAreaLight(..)
@@ -117,4 +124,9 @@ pub enum FileDialogKind {
     OpenScene,
     SaveScene,
     SaveImage,
+    /// The picture of the texture that this parameter of the material is.
+    OpenPicture {
+        material: Entity,
+        parameter: &'static str,
+    },
 }

@@ -20,8 +20,8 @@ use crate::engine::{CurrentScene, InputStamp, RenderControl, RenderFilm, RenderS
 use crate::math::Aabb;
 use crate::render::image_io::{ImageRgb, write_image};
 use crate::scene::{
-    AccelMethod, ActiveSensor, DocumentOrder, IntegratorSettings, Lens, Material, OpenScene, SamplerSettings,
-    SceneStatus, Sensor, ToWorld, UsesMaterial, write,
+    AccelMethod, ActiveSensor, Bitmap, DocumentOrder, IntegratorSettings, Lens, Material, OpenScene, SamplerSettings,
+    SceneStatus, Sensor, Texture, ToWorld, UsesMaterial, write,
 };
 
 /// Applies this frame's commands in order.
@@ -92,6 +92,11 @@ fn apply(world: &mut World, command: Command) -> Result<(), String> {
         Command::SetToWorld(entity, to_world) => set(world, entity, ToWorld(to_world)),
         Command::SetShape(entity, shape) => set(world, entity, shape),
         Command::SetMaterial(entity, material) => set(world, entity, *material),
+        Command::SetPicture {
+            material,
+            parameter,
+            path,
+        } => set_picture(world, material, parameter, &path),
         Command::UseMaterial { shape, material } => match material {
             Some(material) => set(world, shape, UsesMaterial(material)),
             None => remove::<UsesMaterial>(world, shape),
@@ -127,6 +132,25 @@ fn apply(world: &mut World, command: Command) -> Result<(), String> {
         Command::ShowPanels(shown) => world.resource_mut::<EditorState>().panels_shown = shown,
     }
     Ok(())
+}
+
+/// Looked at as the picture before it; other textures become a plain picture.
+fn set_picture(world: &mut World, material: Entity, parameter: &str, path: &Path) {
+    let Some(mut edited) = world.get::<Material>(material).cloned() else {
+        return;
+    };
+    edited.visit_textures(|name, texture| {
+        if name == parameter {
+            *texture = Texture::Bitmap(Bitmap {
+                path: path.to_owned(),
+                ..match &*texture {
+                    Texture::Bitmap(bitmap) => bitmap.clone(),
+                    _ => Bitmap::default(),
+                }
+            });
+        }
+    });
+    set(world, material, edited);
 }
 
 /// Writes a component if it differs.

@@ -15,6 +15,8 @@ pub struct Dialogs {
     open: Option<(FileDialogKind, FileDialog)>,
     /// Where a picture was last saved.
     image_folder: Option<PathBuf>,
+    /// Where a picture was last taken from.
+    picture_folder: Option<PathBuf>,
 }
 
 impl Dialogs {
@@ -31,7 +33,15 @@ impl Dialogs {
             return;
         };
         if self.open.as_ref().is_none_or(|(kind, _)| *kind != wanted) {
-            self.open = Some((wanted, opened(wanted, scene, self.image_folder.as_deref())));
+            let start = match wanted {
+                FileDialogKind::SaveImage => self.image_folder.as_deref(),
+                FileDialogKind::OpenPicture { .. } => self.picture_folder.as_deref().or(scene.and_then(Path::parent)),
+                FileDialogKind::OpenScene | FileDialogKind::SaveScene => {
+                    Some(Path::new("scenes")).filter(|folder| folder.is_dir())
+                }
+            };
+            let dialog = opened(wanted, scene, start.unwrap_or(Path::new(".")));
+            self.open = Some((wanted, dialog));
         }
         let Some((kind, dialog)) = &mut self.open else {
             return;
@@ -44,8 +54,11 @@ impl Dialogs {
         }
         dialog.update(context);
         if let Some(path) = dialog.take_picked() {
-            if *kind == FileDialogKind::SaveImage {
-                self.image_folder = path.parent().map(Path::to_path_buf);
+            let folder = path.parent().map(Path::to_path_buf);
+            match kind {
+                FileDialogKind::SaveImage => self.image_folder = folder,
+                FileDialogKind::OpenPicture { .. } => self.picture_folder = folder,
+                FileDialogKind::OpenScene | FileDialogKind::SaveScene => {}
             }
             commands.push(picked(*kind, path));
             state.dialog = None;
@@ -55,13 +68,9 @@ impl Dialogs {
     }
 }
 
-fn opened(kind: FileDialogKind, scene: Option<&Path>, image_folder: Option<&Path>) -> FileDialog {
-    let scenes = Path::new("scenes");
-    let start = match kind {
-        FileDialogKind::SaveImage => image_folder.unwrap_or(Path::new(".")),
-        FileDialogKind::OpenScene | FileDialogKind::SaveScene if scenes.is_dir() => scenes,
-        FileDialogKind::OpenScene | FileDialogKind::SaveScene => Path::new("."),
-    };
+const PICTURES: [&str; 10] = ["png", "jpg", "jpeg", "exr", "hdr", "pfm", "bmp", "tga", "ppm", "pgm"];
+
+fn opened(kind: FileDialogKind, scene: Option<&Path>, start: &Path) -> FileDialog {
     let start = std::path::absolute(start).unwrap_or_else(|_| start.to_path_buf());
     let dialog = FileDialog::new()
         .default_size([720.0, 460.0])
@@ -73,6 +82,14 @@ fn opened(kind: FileDialogKind, scene: Option<&Path>, image_folder: Option<&Path
                 .title("Open a scene")
                 .add_file_filter_extensions("Scenes (xml)", vec!["xml"])
                 .default_file_filter("Scenes (xml)");
+            dialog.pick_file();
+            dialog
+        }
+        FileDialogKind::OpenPicture { .. } => {
+            let mut dialog = dialog
+                .title("Choose a picture")
+                .add_file_filter_extensions("Pictures", PICTURES.to_vec())
+                .default_file_filter("Pictures");
             dialog.pick_file();
             dialog
         }

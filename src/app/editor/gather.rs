@@ -129,6 +129,8 @@ fn shape_kind(shape: &Shape) -> &'static str {
         ShapeKind::Cube => "cube",
         ShapeKind::Disk => "disk",
         ShapeKind::Triangle { .. } => "triangle",
+        ShapeKind::Cylinder { .. } => "cylinder",
+        ShapeKind::Instance => "instance",
         ShapeKind::Mesh(_) => "mesh",
     }
 }
@@ -324,6 +326,7 @@ fn notices(scene: &SceneStatus, engine_errors: &[String]) -> Vec<Notice> {
             .iter()
             .map(|diagnostic| notice(diagnostics, diagnostic)),
     );
+    notices.extend(scene.picture_problems.iter().map(|problem| plain(true, problem)));
     notices.extend(scene.mesh_warnings.iter().map(|warning| plain(false, warning)));
     notices.sort_by_key(|notice| !notice.is_error);
     notices

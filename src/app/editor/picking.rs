@@ -32,8 +32,11 @@ pub fn scene_bounds(current: &CurrentScene) -> Option<Aabb> {
 /// World bounds of one shape; None if it is not in the picture.
 pub fn bounds_of(current: &CurrentScene, entity: Entity) -> Option<Aabb> {
     let geometry = &current.scene.as_ref()?.geometry;
-    let place = current.entity_of_instance.iter().position(|&other| other == entity)?;
-    let bounds = geometry.instances().get(place)?.world_bounds();
+    let of_entity = (0..)
+        .zip(current.entity_of_instance.iter())
+        .filter(|&(_, &other)| other == entity);
+    let bounds = of_entity.filter_map(|(item, _)| geometry.bounds_of(item));
+    let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
     (!bounds.is_empty()).then_some(bounds)
 }
 

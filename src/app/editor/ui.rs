@@ -186,5 +186,10 @@ pub fn picked(kind: FileDialogKind, path: std::path::PathBuf) -> Command {
         FileDialogKind::OpenScene => Command::OpenScene(path),
         FileDialogKind::SaveScene => Command::SaveScene(path),
         FileDialogKind::SaveImage => Command::SaveImage(path),
+        FileDialogKind::OpenPicture { material, parameter } => Command::SetPicture {
+            material,
+            parameter,
+            path,
+        },
     }
 }

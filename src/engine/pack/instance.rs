@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Mat3};
 use bevy::prelude::*;
 
 use super::super::blas_cache::BuiltMesh;
 use super::Checker;
 use crate::accel::{Instance, Primitive};
+use crate::math::Frame;
 use crate::scene::{Shape, ShapeKind};
 
 /// A shape of the scene whose geometry is there.
@@ -27,7 +28,8 @@ impl InstanceRecord {
             (Primitive::Mesh(a), Primitive::Mesh(b)) => Arc::ptr_eq(a, b),
             (Primitive::Sphere, Primitive::Sphere)
             | (Primitive::Rectangle, Primitive::Rectangle)
-            | (Primitive::Disk, Primitive::Disk) => true,
+            | (Primitive::Disk, Primitive::Disk)
+            | (Primitive::Cylinder, Primitive::Cylinder) => true,
             _ => false,
         };
         same_primitive
@@ -59,6 +61,26 @@ pub(in crate::engine) fn pack_instance(
         }
         ShapeKind::Rectangle => (Primitive::Rectangle, to_world, false),
         ShapeKind::Disk => (Primitive::Disk, to_world, false),
+        ShapeKind::Cylinder { p0, p1, radius } => {
+            let axis = *p1 - *p0;
+            let (length, direction) = (axis.length(), axis.try_normalize());
+            let (Some(direction), true) = (direction, *radius > 0.0) else {
+                check.report(format_args!(
+                    "a cylinder of radius {radius} and length {length} is left out"
+                ));
+                return None;
+            };
+            // Where the angle begins is Mitsuba's choice as well.
+            let Frame { s, t, n } = Frame::from_normal(direction);
+            let axes = Mat3::from_cols(s * *radius, t * *radius, n * length);
+            (
+                Primitive::Cylinder,
+                to_world * Affine3A::from_mat3_translation(axes, *p0),
+                false,
+            )
+        }
+        // Becomes no shape of its own.
+        ShapeKind::Instance => return None,
         ShapeKind::Cube => (mesh_primitive()?, to_world, false),
         ShapeKind::Triangle { corners: [a, b, c] } => {
             let (u, v) = (*b - *a, *c - *a);
@@ -105,6 +127,29 @@ mod tests {
         }
     }
 
+    fn cylinder(p0: Vec3, p1: Vec3, radius: f32) -> Shape {
+        Shape {
+            kind: ShapeKind::Cylinder { p0, p1, radius },
+            flip_normals: false,
+        }
+    }
+
+    #[test]
+    fn a_cylinders_ends_and_radius_go_into_its_transform() {
+        let (p0, p1) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(-4.0, 0.5, 7.0));
+        let (record, errors) = pack(&cylinder(p0, p1, 2.0), Affine3A::IDENTITY);
+        let map = record.expect("a good cylinder").instance.world_from_local;
+        // Rounding of numbers up to 10, a few times.
+        assert!(map.transform_point3(Vec3::ZERO).abs_diff_eq(p0, 1e-5));
+        assert!(map.transform_point3(Vec3::Z).abs_diff_eq(p1, 1e-5));
+        for around in [Vec3::X, Vec3::Y] {
+            let radius = map.transform_vector3(around);
+            assert!((radius.length() - 2.0).abs() < 1e-5 && radius.dot(p1 - p0).abs() < 1e-5);
+        }
+        assert!(map.matrix3.determinant() > 0.0);
+        assert_eq!(errors, [""; 0]);
+    }
+
     #[test]
     fn a_spheres_center_and_radius_go_into_its_transform() {
         let to_world = Affine3A::from_rotation_z(0.5) * Affine3A::from_scale(Vec3::new(1.0, 2.0, 3.0));
@@ -126,6 +171,8 @@ mod tests {
             (sphere(Vec3::ZERO, 0.0), Affine3A::IDENTITY),
             (sphere(Vec3::ZERO, f32::NAN), Affine3A::IDENTITY),
             (sphere(Vec3::NAN, 1.0), Affine3A::IDENTITY),
+            (cylinder(Vec3::ONE, Vec3::ONE, 1.0), Affine3A::IDENTITY),
+            (cylinder(Vec3::ZERO, Vec3::ONE, -1.0), Affine3A::IDENTITY),
             (good.clone(), flat),
             (good, nowhere),
         ];

@@ -21,8 +21,8 @@ pub(in crate::engine) const STAND_IN: material::Material = material::Material::P
 pub(in crate::engine) const STAND_IN_ID: MaterialId = MaterialId(0);
 
 /// Largest refractive index or extinction; the highest measured ones in the visible range are below 10.
-const HIGHEST_IOR: f32 = 100.0;
-const LOWEST_IOR: f32 = 0.01;
+pub(super) const HIGHEST_IOR: f32 = 100.0;
+pub(super) const LOWEST_IOR: f32 = 0.01;
 
 /// A material entity as extraction finds it.
 #[derive(Clone, Debug)]
@@ -108,13 +108,13 @@ fn contains_itself(start: usize, sources: &[MaterialSource], places: &HashMap<En
 }
 
 /// Packs one material.
-struct MaterialPacker<'a, 'e> {
+pub(super) struct MaterialPacker<'a, 'e, 't> {
     model: DielectricModel,
-    textures: &'a mut TexturePacker,
-    check: Checker<'e>,
+    textures: &'a mut TexturePacker<'t>,
+    pub(super) check: Checker<'e>,
 }
 
-impl MaterialPacker<'_, '_> {
+impl MaterialPacker<'_, '_, '_> {
     fn pack(&mut self, material: &Material, nested: [Option<MaterialId>; 2]) -> material::Material {
         let first = |packer: &mut Self| {
             nested[0].unwrap_or_else(|| {
@@ -234,6 +234,8 @@ impl MaterialPacker<'_, '_> {
                 reflectance: self.reflectance("reflectance", reflectance),
                 fuzz: self.float("fuzz", fuzz, 0.0, 1.0, 0.0),
             },
+            Material::Principled(principled) => TexturedBsdf::Principled(self.principled(principled)),
+            Material::PrincipledThin(thin) => TexturedBsdf::PrincipledThin(self.principled_thin(thin)),
             Material::TwoSided => {
                 let front = first(self);
                 let back = nested[1].unwrap_or(front);
@@ -272,7 +274,7 @@ impl MaterialPacker<'_, '_> {
         material::Material::Textured(textured)
     }
 
-    fn reflectance(&mut self, name: &str, value: &Parameter<Rgb>) -> texture::Parameter<Rgb> {
+    pub(super) fn reflectance(&mut self, name: &str, value: &Parameter<Rgb>) -> texture::Parameter<Rgb> {
         self.color(name, value, 1.0)
     }
 
@@ -283,7 +285,7 @@ impl MaterialPacker<'_, '_> {
         }
     }
 
-    fn float(
+    pub(super) fn float(
         &mut self,
         name: &str,
         value: &Parameter<f32>,
@@ -437,7 +439,7 @@ mod tests {
         let packed = pack_materials(
             &sources,
             DielectricModel::Exact,
-            &mut TexturePacker::default(),
+            &mut TexturePacker::new(&|_| None),
             &mut errors,
         );
         let text = format!("{:?}", packed.materials);
@@ -466,7 +468,7 @@ mod tests {
         let packed = pack_materials(
             &[source(entity, &glass, None, None)],
             DielectricModel::Schlick,
-            &mut TexturePacker::default(),
+            &mut TexturePacker::new(&|_| None),
             &mut errors,
         );
         let material::Material::Textured(TexturedBsdf::Dielectric { eta, model, .. }) = packed.materials[1] else {
@@ -490,7 +492,7 @@ mod tests {
         let packed = pack_materials(
             &sources,
             DielectricModel::Exact,
-            &mut TexturePacker::default(),
+            &mut TexturePacker::new(&|_| None),
             &mut errors,
         );
         let (a, b) = (packed.ids[&a], packed.ids[&b]);
@@ -519,7 +521,7 @@ mod tests {
         let packed = pack_materials(
             &sources,
             DielectricModel::Exact,
-            &mut TexturePacker::default(),
+            &mut TexturePacker::new(&|_| None),
             &mut errors,
         );
         let grey = material::Material::TwoSided {

@@ -1,10 +1,12 @@
 //! From components to the renderer's records: plain functions, one file per kind of record. Every check of a range and every change of
 //! unit is made here; what is right of this (`render` and below) trusts its numbers.
 
+pub(super) mod group;
 pub(super) mod instance;
 pub(super) mod light;
 pub(super) mod material;
 pub(super) mod mtl;
+mod principled;
 pub(super) mod surface;
 pub(super) mod texture;
 pub(super) mod view;

@@ -7,14 +7,22 @@
 //! | `illum` 3 or 5 with a `Kd` as good as black | a mirror in the colour `Ks` |
 //! | anything else | diffuse `Kd` |
 //! | `Ke` above 0 | emits that radiance as well |
+//! | `map_Kd` | diffuse in the colours of the picture |
+//! | `norm` | shaded about the normals of the picture |
+//! | `map_d` | opaque as far as the picture is bright |
 //!
 //! All but glass are seen from both sides: such files say nothing of sides, and many have their triangles turned at random.
 
+use bevy::math::{Affine2, Vec2};
+
 use super::Checker;
 use super::material::PERFECT_MIRROR;
+use super::texture::TexturePacker;
 use crate::color::Rgb;
 use crate::geometry::mesh::MtlMaterial;
-use crate::material::{Material, MaterialId};
+use crate::geometry::mtl_map::MtlMap;
+use crate::material::{BumpOptions, Material, MaterialId, TexturedBsdf};
+use crate::scene::{Bitmap, Texture, TextureFilter, TextureWrap};
 use crate::shading::{
     Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Microfacet, MicrofacetKind,
     RoughConductor,
@@ -29,6 +37,7 @@ const ROUGHNESS_FLOOR: f32 = 0.03;
 pub(in crate::engine) fn push_mtl(
     mtl: &MtlMaterial,
     model: DielectricModel,
+    textures: &mut TexturePacker,
     materials: &mut Vec<Material>,
     errors: &mut Vec<String>,
 ) -> MaterialId {
@@ -41,11 +50,50 @@ pub(in crate::engine) fn push_mtl(
         MaterialId(materials.len() as u32 - 1)
     };
     let bsdf = one_sided(mtl, model, &mut check);
-    let id = push(bsdf.into());
+    let mut id = match (&mtl.maps.kd, bsdf) {
+        (Some(map), Bsdf::Diffuse(_)) => push(Material::Textured(TexturedBsdf::Diffuse {
+            reflectance: textures.parameter(&picture(map, false)),
+        })),
+        _ => push(bsdf.into()),
+    };
     if matches!(bsdf, Bsdf::Dielectric(_)) {
         return id;
     }
-    push(Material::TwoSided { front: id, back: id })
+    if let Some(map) = &mtl.maps.norm {
+        id = push(Material::NormalMap {
+            nested: id,
+            normals: textures.parameter(&picture(map, true)),
+            options: BumpOptions {
+                flip_invalid_normals: true,
+                use_shadowing_function: true,
+            },
+        });
+    }
+    id = push(Material::TwoSided { front: id, back: id });
+    match &mtl.maps.d {
+        Some(map) => push(Material::Mask {
+            nested: id,
+            opacity: textures.parameter(&picture(map, true)),
+        }),
+        None => id,
+    }
+}
+
+/// Meshes of such files have v turned upside down already, which the numbers of the library do not know.
+fn picture(map: &MtlMap, raw: bool) -> Texture {
+    let (scale, offset) = (map.scale, map.offset);
+    let offset = Vec2::new(offset.x, 1.0 - scale.y - offset.y);
+    Texture::Bitmap(Bitmap {
+        path: map.file.clone(),
+        filter: TextureFilter::Bilinear,
+        wrap: if map.clamp {
+            TextureWrap::Clamp
+        } else {
+            TextureWrap::Repeat
+        },
+        raw,
+        to_uv: Affine2::from_scale_angle_translation(scale, 0.0, offset),
+    })
 }
 
 fn one_sided(mtl: &MtlMaterial, model: DielectricModel, check: &mut Checker) -> Bsdf {
@@ -100,12 +148,14 @@ mod tests {
             illum: Some(2),
             pr: None,
             pm: None,
+            maps: Default::default(),
         }
     }
 
     fn packed(mtl: MtlMaterial) -> (Bsdf, bool) {
         let (mut materials, mut errors) = (Vec::new(), Vec::new());
-        let id = push_mtl(&mtl, DielectricModel::Exact, &mut materials, &mut errors);
+        let mut textures = TexturePacker::new(&|_| None);
+        let id = push_mtl(&mtl, DielectricModel::Exact, &mut textures, &mut materials, &mut errors);
         assert_eq!(errors, [""; 0]);
         let Material::Plain(bsdf) = materials[0] else {
             panic!("{materials:?}")

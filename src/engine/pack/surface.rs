@@ -6,9 +6,10 @@ use std::sync::Arc;
 use bevy::prelude::*;
 
 use super::Checker;
-use super::instance::InstanceRecord;
+use super::group::Layout;
 use super::material::{PackedMaterials, STAND_IN_ID};
 use super::mtl::push_mtl;
+use super::texture::TexturePacker;
 use super::{BRIGHTEST, light::emission};
 use crate::accel::Primitive;
 use crate::color::Rgb;
@@ -39,12 +40,13 @@ pub(in crate::engine) struct PackedSurfaces {
     pub lights: Vec<WeightedSource>,
 }
 
-/// `sources` runs parallel to `instances`.
+/// `sources` runs parallel to the shapes of `layout`.
 pub(in crate::engine) fn pack_surfaces(
-    instances: &[InstanceRecord],
+    layout: &Layout,
     sources: &[SurfaceSource],
     materials: &PackedMaterials,
     model: DielectricModel,
+    textures: &mut TexturePacker,
     errors: &mut Vec<String>,
 ) -> PackedSurfaces {
     let mut packed = PackedSurfaces {
@@ -52,7 +54,7 @@ pub(in crate::engine) fn pack_surfaces(
         ..PackedSurfaces::default()
     };
     let mut of_file: HashMap<*const MeshData, Vec<MaterialId>> = HashMap::new();
-    for (index, (record, source)) in instances.iter().zip(sources).enumerate() {
+    for (index, (record, source)) in layout.shapes.iter().zip(sources).enumerate() {
         let mesh = match (&record.instance.primitive, source.material) {
             (Primitive::Mesh(blas), None) => Some(blas.mesh()),
             _ => None,
@@ -70,11 +72,14 @@ pub(in crate::engine) fn pack_surfaces(
         let own_radiance = source
             .radiance
             .map(|radiance| emission("radiance", radiance, &mut check));
+        if own_radiance.is_some() && layout.is_member(index) {
+            check.report("a shape of a group cannot be a light");
+        }
         let from_file = mesh.map_or(&[][..], |mesh| {
             of_file.entry(Arc::as_ptr(mesh)).or_insert_with(|| {
                 let of_mesh = mesh.materials.iter();
                 of_mesh
-                    .map(|mtl| push_mtl(mtl, model, &mut packed.materials, errors))
+                    .map(|mtl| push_mtl(mtl, model, textures, &mut packed.materials, errors))
                     .collect()
             })
         });
@@ -88,7 +93,8 @@ pub(in crate::engine) fn pack_surfaces(
                 // A library's odd colours have been reported with its other parameters or do not matter: black is no light.
                 in_file().map_or(Rgb::ZERO, |mtl| mtl.ke.max(Rgb::ZERO).min(Rgb::splat(BRIGHTEST)))
             });
-            let light = (radiance.is_finite() && radiance != Rgb::ZERO).then(|| {
+            let shines = radiance.is_finite() && radiance != Rgb::ZERO && !layout.is_member(index);
+            let light = shines.then(|| {
                 let source = LightSource::Surface {
                     instance: index as u32,
                     slot,

@@ -1,17 +1,32 @@
 //! Textures of the scene as those of the renderer, each once however often it is used.
 
+use std::path::Path;
+use std::sync::{Arc, LazyLock};
+
 use crate::color::Rgb;
-use crate::scene::{Parameter, Texture};
-use crate::texture::{self, Checkerboard, TextureId};
+use crate::scene::{Bitmap, Parameter, Texture, TextureFilter, TextureWrap};
+use crate::texture::{self, Checkerboard, Filter, Image, TextureId, Wrap};
 
 /// The textures met so far.
-#[derive(Default)]
-pub(in crate::engine) struct TexturePacker {
+pub(in crate::engine) struct TexturePacker<'a> {
+    /// The pictures that are there, by absolute path.
+    pictures: &'a dyn Fn(&Path) -> Option<Arc<Image>>,
     known: Vec<Texture>,
     packed: Vec<texture::Texture>,
 }
 
-impl TexturePacker {
+/// In place of a picture that is not there (yet): grey, neither black nor white.
+static NO_PICTURE: LazyLock<Arc<Image>> = LazyLock::new(|| Arc::new(Image::uniform(0.5)));
+
+impl<'a> TexturePacker<'a> {
+    pub fn new(pictures: &'a dyn Fn(&Path) -> Option<Arc<Image>>) -> Self {
+        Self {
+            pictures,
+            known: Vec::new(),
+            packed: Vec::new(),
+        }
+    }
+
     /// What a parameter that is this texture becomes.
     pub fn parameter<T>(&mut self, texture: &Texture) -> texture::Parameter<T> {
         if let Some(place) = self.known.iter().position(|known| known == texture) {
@@ -19,14 +34,36 @@ impl TexturePacker {
         }
         // Those inside come before the one that refers to them.
         let packed = match texture {
+            Texture::Bitmap(bitmap) => texture::Texture::Bitmap(self.bitmap(bitmap)),
             Texture::Checkerboard { color0, color1, to_uv } => texture::Texture::Checkerboard(Checkerboard {
                 colors: [self.color(color0), self.color(color1)],
                 to_uv: *to_uv,
+            }),
+            Texture::MeshAttribute { name, scale } => texture::Texture::MeshAttribute(texture::MeshAttribute {
+                name: name.as_str().into(),
+                scale: *scale,
             }),
         };
         self.known.push(texture.clone());
         self.packed.push(packed);
         texture::Parameter::Texture(TextureId(self.packed.len() as u32 - 1))
+    }
+
+    fn bitmap(&self, bitmap: &Bitmap) -> texture::Bitmap {
+        texture::Bitmap {
+            image: (self.pictures)(&bitmap.path).unwrap_or_else(|| NO_PICTURE.clone()),
+            filter: match bitmap.filter {
+                TextureFilter::Nearest => Filter::Nearest,
+                TextureFilter::Bilinear => Filter::Bilinear,
+            },
+            wrap: match bitmap.wrap {
+                TextureWrap::Repeat => Wrap::Repeat,
+                TextureWrap::Mirror => Wrap::Mirror,
+                TextureWrap::Clamp => Wrap::Clamp,
+            },
+            raw: bitmap.raw,
+            to_uv: bitmap.to_uv,
+        }
     }
 
     fn color(&mut self, color: &Parameter<Rgb>) -> texture::Parameter<Rgb> {

@@ -1,4 +1,4 @@
-//! A triangle mesh loaded from an OBJ or PLY file.
+//! A triangle mesh loaded from an OBJ, PLY or serialized file.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -7,11 +7,13 @@ use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 
+use crate::document::paths::settle;
 use crate::geometry::mesh::MeshData;
-use crate::geometry::mesh_file::MeshError;
+use crate::geometry::mesh_file::{LoadedMesh, MeshError};
+use crate::geometry::serialized::{self, SerializedFile};
 use crate::geometry::{obj, ply};
 
-/// A mesh in its own space. `data` is a new `Arc` after each reload.
+/// A mesh in its own space; its texture coordinates are upside down already where the format's default is to flip them. `data` is a new `Arc` after each reload.
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct TriangleMesh {
     pub data: Arc<MeshData>,
@@ -26,7 +28,8 @@ pub struct TriangleMesh {
 #[reflect(Component, PartialEq)]
 pub struct MeshHandle(pub Handle<TriangleMesh>);
 
-/// Reads OBJ and PLY; which it is, the content says.
+/// Reads OBJ, PLY and serialized files; which it is, the content says. The second and later shapes of a file are assets labelled with
+/// their numbers, from 1.
 #[derive(Default, TypePath)]
 pub struct MeshLoader;
 
@@ -51,31 +54,58 @@ impl AssetLoader for MeshLoader {
     ) -> Result<TriangleMesh, MeshLoadError> {
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
+        if serialized::is_serialized(&bytes) {
+            let file = SerializedFile::open(&bytes)?;
+            for shape in 1..file.count() {
+                context.add_labeled_asset(shape.to_string(), TriangleMesh::from(file.load(shape)?));
+            }
+            return Ok(file.load(0)?.into());
+        }
         let path = context.path().path().to_owned();
         read_mesh(&bytes, &path)
     }
 
     fn extensions(&self) -> &[&str] {
-        &["obj", "ply"]
+        &["obj", "ply", "serialized"]
     }
 }
 
-/// `path`: of the file the bytes are from; material libraries are looked for beside it.
+impl From<LoadedMesh> for TriangleMesh {
+    fn from(loaded: LoadedMesh) -> Self {
+        Self {
+            data: Arc::new(loaded.mesh),
+            warnings: loaded.warnings,
+            dependencies: Vec::new(),
+        }
+    }
+}
+
+/// Of an OBJ or PLY file. `path`: of the file the bytes are from; material libraries are looked for beside it, and the names of their
+/// pictures become absolute.
 pub fn read_mesh(bytes: &[u8], path: &Path) -> Result<TriangleMesh, MeshLoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut dependencies = Vec::new();
-    let loaded = if bytes.starts_with(b"ply") {
+    let mut loaded = if bytes.starts_with(b"ply") {
         ply::load_ply(bytes)?
     } else {
-        obj::load_obj(bytes, &mut |name| {
+        let mut loaded = obj::load_obj(bytes, &mut |name| {
             let library = folder.join(name);
             dependencies.push(library.clone());
             std::fs::read(&library)
-        })?
+        })?;
+        loaded.mesh.flip_tex_coords();
+        loaded
     };
+    for map in loaded
+        .mesh
+        .materials
+        .iter_mut()
+        .flat_map(|material| material.maps.iter_mut())
+    {
+        map.file = settle(&folder.join(&map.file));
+    }
     Ok(TriangleMesh {
-        data: Arc::new(loaded.mesh),
-        warnings: loaded.warnings,
         dependencies,
+        ..loaded.into()
     })
 }

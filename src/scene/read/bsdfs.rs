@@ -3,13 +3,16 @@
 use std::ops::RangeInclusive;
 
 use super::parameters::Parameters;
+use super::textures::PictureSearch;
 use super::{SceneReader, address, ior_names};
 use crate::color::Rgb;
 use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Reader, Severity, Value};
 use crate::scene::description::{DeclarationPlace, MaterialDescription};
 use crate::scene::write;
-use crate::scene::{ConductorIor, Distribution, Ior, Material, Parameter, ParameterVisitor, Roughness};
+use crate::scene::{
+    ConductorIor, Distribution, Ior, Material, Parameter, ParameterVisitor, PrincipledIndex, Roughness,
+};
 
 /// Materials inside materials, followed through references too. Deeper is an error: no scene means it, and the stack is finite.
 const DEEPEST: usize = 32;
@@ -35,7 +38,8 @@ impl<'a> SceneReader<'a> {
             },
         });
 
-        let (material, nested) = read_parameters(self.reader(object));
+        let reader = Reader::new(&self.index, object, &mut self.diagnostics);
+        let (material, nested) = read_parameters(reader, &mut self.pictures);
         let mut inside = [None; 2];
         for (slot, inner) in inside.iter_mut().zip(nested) {
             if depth >= DEEPEST {
@@ -43,10 +47,15 @@ impl<'a> SceneReader<'a> {
                 self.diagnostics.error(object.span, message);
                 break;
             }
-            *slot = Some(self.read_bsdf(inner, DeclarationPlace::Material(index), depth + 1));
+            let read = self.read_bsdf(inner, DeclarationPlace::Material(index), depth + 1);
+            *slot = Some(read);
+            if material == Material::TwoSided && self.description.materials[read].material.refracts() {
+                let message = format!("`{}` has two sides already: `twosided` does not take it", inner.plugin);
+                self.diagnostics.error(inner.span, message);
+            }
         }
 
-        let identity = self.identity(object, write::objects::material(&material));
+        let identity = self.identity(object, write::objects::material(&material, &self.folder));
         let description = &mut self.description.materials[index];
         description.identity = identity;
         description.material = material;
@@ -56,7 +65,7 @@ impl<'a> SceneReader<'a> {
 }
 
 /// The material and the bsdfs nested in it.
-fn read_parameters<'a>(mut reader: Reader<'a, '_>) -> (Material, Vec<&'a Object>) {
+fn read_parameters<'a>(mut reader: Reader<'a, '_>, pictures: &mut PictureSearch) -> (Material, Vec<&'a Object>) {
     let plugin = reader.object().plugin.as_str();
     let Some(mut material) = Material::of_plugin(plugin) else {
         let message = format!("bsdf `{plugin}` is not supported: grey `diffuse` takes its place");
@@ -65,7 +74,11 @@ fn read_parameters<'a>(mut reader: Reader<'a, '_>) -> (Material, Vec<&'a Object>
         reader.diagnostics().push(Severity::Warning, Some(span), message, help);
         return (Material::default(), Vec::new());
     };
-    material.visit(&mut FromFile { reader: &mut reader });
+    let mut values = FromFile {
+        reader: &mut reader,
+        pictures,
+    };
+    material.visit(&mut values);
     let nested = nested(&material, &mut reader);
     reader.finish();
     (material, nested)
@@ -94,12 +107,6 @@ fn nested<'a>(material: &Material, reader: &mut Reader<'a, '_>) -> Vec<&'a Objec
     }
     if *material == Material::TwoSided {
         reader.ignore(&["allow_transmission"]);
-        for object in &inside {
-            if Material::of_plugin(&object.plugin).is_some_and(|material| material.refracts()) {
-                let message = format!("`{}` has two sides already: `twosided` does not take it", object.plugin);
-                reader.diagnostics().error(object.span, message);
-            }
-        }
     }
     inside
 }
@@ -107,25 +114,30 @@ fn nested<'a>(material: &Material, reader: &mut Reader<'a, '_>) -> Vec<&'a Objec
 /// Takes what the file gives.
 struct FromFile<'r, 'a, 'd> {
     reader: &'r mut Reader<'a, 'd>,
+    pictures: &'r mut PictureSearch,
 }
 
 impl ParameterVisitor for FromFile<'_, '_, '_> {
     fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        if let Some(given) = self.reader.reflectance(name) {
+        if let Some(given) = self.reader.reflectance(name, self.pictures) {
             *value = given;
         }
     }
 
     fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        if let Some(given) = self.reader.unbounded_color(name) {
+        if let Some(given) = self.reader.unbounded_color(name, self.pictures) {
             *value = given;
         }
     }
 
     fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>) {
-        if let Some(given) = self.reader.float_parameter(name, range) {
+        if let Some(given) = self.reader.float_parameter(name, range, self.pictures) {
             *value = given;
         }
+    }
+
+    fn number(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>) {
+        *value = self.reader.float_in(name, range).unwrap_or(*value);
     }
 
     fn flag(&mut self, name: &'static str, value: &mut bool) {
@@ -160,7 +172,7 @@ impl ParameterVisitor for FromFile<'_, '_, '_> {
                     .error_at("material", "`material` and `eta`, `k` exclude each other");
             }
             let mut number = |name, default: f32| {
-                let given = self.reader.unbounded_color(name);
+                let given = self.reader.unbounded_color(name, self.pictures);
                 given.unwrap_or(Rgb::splat(default).into())
             };
             *value = ConductorIor::Given {
@@ -195,7 +207,8 @@ impl ParameterVisitor for FromFile<'_, '_, '_> {
 
     fn roughness(&mut self, value: &mut Roughness) {
         // 0 is as smooth as the model can be.
-        let given = ["alpha", "alpha_u", "alpha_v"].map(|name| self.reader.float_parameter(name, 0.0..=f32::MAX));
+        let given = ["alpha", "alpha_u", "alpha_v"]
+            .map(|name| self.reader.float_parameter(name, 0.0..=f32::MAX, self.pictures));
         match given {
             [None, None, None] => {}
             [Some(alpha), None, None] => *value = Roughness::Isotropic(alpha),
@@ -205,6 +218,20 @@ impl ParameterVisitor for FromFile<'_, '_, '_> {
                 self.reader
                     .error_at(given, "`alpha_u` and `alpha_v` go together, and not with `alpha`");
             }
+        }
+    }
+
+    fn principled_index(&mut self, value: &mut PrincipledIndex) {
+        let specular = self.reader.float_in("specular", 0.0..=1.0);
+        let eta = self.reader.float_in("eta", f32::MIN_POSITIVE..);
+        match (specular, eta) {
+            (None, None) => {}
+            (Some(specular), None) => *value = PrincipledIndex::Specular(specular),
+            (None, Some(eta)) => *value = PrincipledIndex::Eta(eta),
+            (Some(_), Some(_)) => self.reader.error_at(
+                "eta",
+                "`specular` and `eta` exclude each other: both say how strongly the surface reflects",
+            ),
         }
     }
 }

@@ -6,6 +6,7 @@
 
 mod bsdfs;
 mod emitters;
+mod groups;
 mod integrator;
 pub mod ior_names;
 pub mod mesh_search;
@@ -13,12 +14,14 @@ mod parameters;
 pub use parameters::frame_along;
 mod sensors;
 mod shapes;
+mod textures;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use self::mesh_search::MeshSearch;
+use self::textures::PictureSearch;
 use super::description::{DeclarationPlace, Identity, SceneDescription};
 use super::{Authored, AuthoredScene};
 pub use crate::document::paths::settle;
@@ -34,8 +37,10 @@ pub fn read(document: &mut Document) -> SceneDescription {
     let SceneReader {
         mut description,
         diagnostics,
+        pictures,
         ..
     } = scene;
+    description.picture_places = pictures.places;
     description.remains.origin = Some(Arc::new(origin));
     sort_materials(&mut description);
     document.diagnostics = diagnostics;
@@ -55,9 +60,11 @@ struct SceneReader<'a> {
     index: Index<'a>,
     diagnostics: Diagnostics,
     meshes: MeshSearch,
+    pictures: PictureSearch,
     folder: PathBuf,
     places: HashMap<usize, Place>,
     material_of: HashMap<usize, usize>,
+    group_of: HashMap<usize, usize>,
     description: SceneDescription,
 }
 
@@ -82,14 +89,20 @@ impl<'a> SceneReader<'a> {
             waiting.extend(object.objects().map(|child| (child, false)));
             waiting[first..].reverse();
         }
+        let meshes = MeshSearch::new(&folder, &document.search_folders);
         Self {
             root: &document.root,
             index: document.index(),
-            meshes: MeshSearch::new(&folder, &document.search_folders),
+            pictures: PictureSearch {
+                folders: meshes.clone(),
+                places: HashMap::new(),
+            },
+            meshes,
             search_folders: &document.search_folders,
             diagnostics,
             places,
             material_of: HashMap::new(),
+            group_of: HashMap::new(),
             description: SceneDescription {
                 path,
                 sources,
@@ -106,8 +119,22 @@ impl<'a> SceneReader<'a> {
             properties: root.properties.clone(),
             ..Default::default()
         };
+        self.list_groups();
         let mut last_order = 0;
-        for child in &root.children {
+        let mut crowd = 0..0;
+        for (place, child) in root.children.iter().enumerate() {
+            if crowd.contains(&place) {
+                continue;
+            }
+            if let Some(instances) = self.read_crowd(place) {
+                crowd = instances;
+                last_order = self
+                    .description
+                    .shapes
+                    .last()
+                    .map_or(last_order, |crowd| crowd.identity.order);
+                continue;
+            }
             let Child::Object(object) = child else {
                 remains.rest.push((last_order, child.clone()));
                 continue;
@@ -120,7 +147,7 @@ impl<'a> SceneReader<'a> {
                     self.read_bsdf(object, DeclarationPlace::TopLevel, 0);
                     true
                 }
-                Category::Shape => self.read_shape(object),
+                Category::Shape => self.read_shape(object, None),
                 Category::Emitter => self.read_emitter(object),
                 // Of use only to those who refer to them, and reported there.
                 _ => false,

@@ -2,9 +2,10 @@
 
 use std::ops::RangeInclusive;
 
-use bevy::math::{Affine2, Affine3A};
+use bevy::math::Affine3A;
 use glam::Vec3;
 
+use super::textures::{PictureSearch, read_texture};
 use crate::color::Rgb;
 use crate::document::{Category, Reader, TransformOp};
 use crate::scene::{Parameter, Texture};
@@ -12,21 +13,26 @@ use crate::scene::{Parameter, Texture};
 /// Reads one kind of parameter. None where the file does not give it or what it gives is unusable; the latter has been reported.
 pub trait Parameters {
     /// A colour between 0 and 1; above is possible but odd, below is an error.
-    fn reflectance(&mut self, name: &str) -> Option<Parameter<Rgb>>;
+    fn reflectance(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>>;
     /// A colour without upper bound.
-    fn unbounded_color(&mut self, name: &str) -> Option<Parameter<Rgb>>;
-    fn float_parameter(&mut self, name: &str, range: RangeInclusive<f32>) -> Option<Parameter<f32>>;
+    fn unbounded_color(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>>;
+    fn float_parameter(
+        &mut self,
+        name: &str,
+        range: RangeInclusive<f32>,
+        pictures: &mut PictureSearch,
+    ) -> Option<Parameter<f32>>;
     /// What a light sends out; not negative. 1 where it is not given.
     fn radiometric(&mut self, name: &str) -> Rgb;
     /// The texture given for a parameter.
-    fn texture(&mut self, name: &str) -> Option<Texture>;
+    fn texture(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Texture>;
     /// `to_world`; the identity if it is absent, None (with an error) if it cannot be undone.
     fn to_world(&mut self) -> Option<Affine3A>;
 }
 
 impl Parameters for Reader<'_, '_> {
-    fn reflectance(&mut self, name: &str) -> Option<Parameter<Rgb>> {
-        let given = self.unbounded_color(name);
+    fn reflectance(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
+        let given = self.unbounded_color(name, pictures);
         if let Some(Parameter::Constant(color)) = given
             && color.max_element() > 1.0
         {
@@ -35,18 +41,23 @@ impl Parameters for Reader<'_, '_> {
         given
     }
 
-    fn unbounded_color(&mut self, name: &str) -> Option<Parameter<Rgb>> {
-        let texture = self.texture(name).map(Parameter::Texture);
+    fn unbounded_color(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
+        let texture = self.texture(name, pictures).map(Parameter::Texture);
         texture.or_else(|| self.rgb_in(name, 0.0..).map(Parameter::Constant))
     }
 
-    fn float_parameter(&mut self, name: &str, range: RangeInclusive<f32>) -> Option<Parameter<f32>> {
-        let texture = self.texture(name).map(Parameter::Texture);
+    fn float_parameter(
+        &mut self,
+        name: &str,
+        range: RangeInclusive<f32>,
+        pictures: &mut PictureSearch,
+    ) -> Option<Parameter<f32>> {
+        let texture = self.texture(name, pictures).map(Parameter::Texture);
         texture.or_else(|| self.float_in(name, range).map(Parameter::Constant))
     }
 
     fn radiometric(&mut self, name: &str) -> Rgb {
-        if self.texture(name).is_some() {
+        if self.child(name).is_some() {
             self.warn_at(
                 name,
                 format!("a texture for `{name}` is not supported yet: 1 takes its place"),
@@ -61,14 +72,14 @@ impl Parameters for Reader<'_, '_> {
         color
     }
 
-    fn texture(&mut self, name: &str) -> Option<Texture> {
+    fn texture(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Texture> {
         let object = self.child(name)?;
         if object.category != Category::Texture {
             let message = format!("`{name}` should be a colour or a texture, found {}", object.title());
             self.diagnostics().error(object.span, message);
             return None;
         }
-        self.nested(object, read_texture)
+        self.nested(object, |reader| read_texture(reader, pictures))
     }
 
     fn to_world(&mut self) -> Option<Affine3A> {
@@ -86,40 +97,6 @@ impl Parameters for Reader<'_, '_> {
         );
         None
     }
-}
-
-fn read_texture(reader: &mut Reader) -> Option<Texture> {
-    let texture = match reader.object().plugin.as_str() {
-        "checkerboard" => {
-            let mut color = |name, default: f32| {
-                let given = reader.unbounded_color(name);
-                Box::new(given.unwrap_or(Rgb::splat(default).into()))
-            };
-            Texture::Checkerboard {
-                color0: color("color0", 0.4),
-                color1: color("color1", 0.2),
-                to_uv: to_uv(reader),
-            }
-        }
-        plugin => {
-            let message = format!("texture `{plugin}` is not supported yet");
-            let span = reader.object().span;
-            reader.diagnostics().warn(span, message);
-            return None;
-        }
-    };
-    Some(texture)
-}
-
-/// `to_uv`: of a transform of space, what it does with the plane.
-fn to_uv(reader: &mut Reader) -> Affine2 {
-    let steps = reader.transform("to_uv").unwrap_or_default();
-    let map = TransformOp::compose(&steps);
-    Affine2::from_cols(
-        Vec3::from(map.matrix3.x_axis).truncate(),
-        Vec3::from(map.matrix3.y_axis).truncate(),
-        Vec3::from(map.translation).truncate(),
-    )
 }
 
 /// Whether the three axes still span a space, whatever their lengths. They do if the volume of the box along their directions is well

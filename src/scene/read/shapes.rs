@@ -1,8 +1,11 @@
-//! Shapes: `sphere`, `rectangle`, `cube`, `disk`, `obj`, `ply`, and our own `triangle`, with their bsdf and their light.
+//! Shapes: primitives, mesh files and instances, with their bsdf and their light.
 
 use std::path::PathBuf;
 
+use glam::Vec3;
+
 use super::SceneReader;
+use super::groups::is_group;
 use super::mesh_search::{Found, advice};
 use super::parameters::Parameters;
 use crate::document::{Category, Object, Severity};
@@ -10,8 +13,11 @@ use crate::scene::description::{DeclarationPlace, ShapeDescription};
 use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind, write};
 
 impl<'a> SceneReader<'a> {
-    /// Whether the shape became part of the description.
-    pub(super) fn read_shape(&mut self, object: &'a Object) -> bool {
+    /// Whether the shape became part of the description; `group`: the one it is written inside of.
+    pub(super) fn read_shape(&mut self, object: &'a Object, group: Option<usize>) -> bool {
+        if is_group(object) {
+            return self.read_group(object);
+        }
         let mut reader = self.reader(object);
         let mut file_name = None;
         let kind = match object.plugin.as_str() {
@@ -31,22 +37,40 @@ impl<'a> SceneReader<'a> {
                 }
                 ShapeKind::Triangle { corners }
             }
-            plugin @ ("obj" | "ply") => {
+            "cylinder" => ShapeKind::Cylinder {
+                p0: reader.point("p0").unwrap_or(Vec3::ZERO),
+                p1: reader.point("p1").unwrap_or(Vec3::Z),
+                radius: reader.float_in("radius", f32::MIN_POSITIVE..).unwrap_or(1.0),
+            },
+            "instance" => ShapeKind::Instance,
+            plugin @ ("obj" | "ply" | "serialized") => {
                 file_name = reader.string("filename");
                 if file_name.is_none() && !reader.has("filename") {
                     let message = format!("{} needs a `filename`", object.title());
                     reader.diagnostics().error(object.span, message);
                 }
                 let face_normals = reader.boolean_or("face_normals", false);
-                reader.ignore(&["flip_tex_coords"]);
+                let format = match plugin {
+                    "obj" => MeshFormat::Obj,
+                    "ply" => MeshFormat::Ply,
+                    _ => MeshFormat::Serialized,
+                };
                 ShapeKind::Mesh(MeshFile {
                     path: PathBuf::new(),
-                    format: if plugin == "obj" {
-                        MeshFormat::Obj
-                    } else {
-                        MeshFormat::Ply
+                    format,
+                    shape_index: match format {
+                        MeshFormat::Serialized => {
+                            reader.integer_in("shape_index", 0..=i64::from(u32::MAX)).unwrap_or(0) as u32
+                        }
+                        MeshFormat::Obj | MeshFormat::Ply => 0,
                     },
                     face_normals,
+                    flip_tex_coords: match format {
+                        MeshFormat::Obj | MeshFormat::Ply => {
+                            reader.boolean_or("flip_tex_coords", format.flips_tex_coords())
+                        }
+                        MeshFormat::Serialized => false,
+                    },
                 })
             }
             other => {
@@ -55,12 +79,25 @@ impl<'a> SceneReader<'a> {
                 return false;
             }
         };
-        let flip_normals = reader.boolean_or("flip_normals", false);
+        let is_instance = kind == ShapeKind::Instance;
+        let flip_normals = !is_instance && reader.boolean_or("flip_normals", false);
         reader.ignore(&["silhouette_sampling_weight"]);
         let to_world = reader.to_world();
-        let bsdfs = reader.children(Category::Bsdf);
-        let emitters = reader.children(Category::Emitter);
+        let (mut bsdfs, mut emitters, mut shapes) = (Vec::new(), Vec::new(), Vec::new());
+        if is_instance {
+            shapes = reader.children(Category::Shape);
+        } else {
+            bsdfs = reader.children(Category::Bsdf);
+            emitters = reader.children(Category::Emitter);
+        }
         reader.finish();
+        let mut instance_of = None;
+        if is_instance {
+            instance_of = self.group_of_instance(object, &shapes);
+            if instance_of.is_none() {
+                return false;
+            }
+        }
 
         let mut shape = Shape { kind, flip_normals };
         if let (ShapeKind::Mesh(mesh), Some(name)) = (&mut shape.kind, file_name) {
@@ -75,7 +112,10 @@ impl<'a> SceneReader<'a> {
         }
         let mut area_light = None;
         for (_, emitter) in emitters {
-            if area_light.is_some() {
+            if group.is_some() {
+                let message = "a shape of a shapegroup cannot be an emitter";
+                self.diagnostics.error(emitter.span, message);
+            } else if area_light.is_some() {
                 let message = format!("{} has an emitter already", object.title());
                 self.diagnostics.error(emitter.span, message);
             } else {
@@ -102,6 +142,9 @@ impl<'a> SceneReader<'a> {
             to_world,
             material,
             area_light,
+            member_of: group,
+            instance_of,
+            placements: None,
         });
         true
     }

@@ -5,12 +5,13 @@ use std::collections::HashMap;
 use bevy::prelude::*;
 
 use crate::scene::description::{
-    DeclarationPlace, EmitterDescription, Identity, MaterialDescription, SceneDescription, SensorDescription,
-    ShapeDescription,
+    DeclarationPlace, EmitterDescription, GroupDescription, Identity, MaterialDescription, SceneDescription,
+    SensorDescription, ShapeDescription,
 };
 use crate::scene::{
-    AreaLight, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, IntegratorSettings,
-    Material, SceneId, SceneStatus, SecondNested, Sensor, Shape, ToWorld, UsesMaterial,
+    AreaLight, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, InstanceOf,
+    IntegratorSettings, Material, MemberOf, Placements, SceneId, SceneStatus, SecondNested, Sensor, Shape, ShapeGroup,
+    ToWorld, UsesMaterial,
 };
 
 /// What every kind of entity has in common.
@@ -22,8 +23,20 @@ type Common = (
     Option<&'static Authored>,
 );
 
+/// The entities of a description, in its order. Sensors are never made in the editor, and not here.
+pub struct Entities {
+    pub materials: Vec<Entity>,
+    pub shapes: Vec<Entity>,
+    pub emitters: Vec<Entity>,
+}
+
 /// All shapes, materials, emitters and sensors, each kind in the order of the file.
 pub fn describe(world: &mut World) -> SceneDescription {
+    describe_entities(world).0
+}
+
+/// The same with the entities they are.
+pub fn describe_entities(world: &mut World) -> (SceneDescription, Entities) {
     let mut scene = SceneDescription::default();
     if let Some(status) = world.get_resource::<SceneStatus>() {
         scene.path = status.path.clone().unwrap_or_default();
@@ -50,6 +63,7 @@ pub fn describe(world: &mut World) -> SceneDescription {
         .collect();
 
     let emitters = in_order(world.query::<(Common, &Emitter, &ToWorld)>().iter(world), |item| item.0);
+    let emitter_entities = emitters.iter().map(|item| item.0.0).collect();
     scene.emitters = emitters
         .into_iter()
         .map(|(common, emitter, to_world)| EmitterDescription {
@@ -59,7 +73,14 @@ pub fn describe(world: &mut World) -> SceneDescription {
         })
         .collect();
 
-    let mut shapes_query = world.query::<(Common, &Shape, &ToWorld, Option<&UsesMaterial>, Option<&AreaLight>)>();
+    let mut shapes_query = world.query::<(
+        Common,
+        &Shape,
+        &ToWorld,
+        Option<&UsesMaterial>,
+        Option<&AreaLight>,
+        (Option<&MemberOf>, Option<&InstanceOf>, Option<&Placements>),
+    )>();
     let mut materials_query = world.query::<(
         Common,
         &Material,
@@ -67,8 +88,16 @@ pub fn describe(world: &mut World) -> SceneDescription {
         Option<&SecondNested>,
         Option<&DeclaredIn>,
     )>();
+    let mut groups_query = world.query_filtered::<Common, With<ShapeGroup>>();
     let shapes = in_order(shapes_query.iter(world), |item| item.0);
+    let groups = in_order(groups_query.iter(world), |item| *item);
+    let group_of: HashMap<Entity, usize> = groups.iter().enumerate().map(|(i, item)| (item.0, i)).collect();
     let materials = in_order(materials_query.iter(world), |item| item.0);
+    let entities = Entities {
+        materials: materials.iter().map(|item| item.0.0).collect(),
+        shapes: shapes.iter().map(|item| item.0.0).collect(),
+        emitters: emitter_entities,
+    };
     let material_of: HashMap<Entity, usize> = materials.iter().enumerate().map(|(i, item)| (item.0.0, i)).collect();
     let shape_of: HashMap<Entity, usize> = shapes.iter().enumerate().map(|(i, item)| (item.0.0, i)).collect();
     let place_of = |declared: Option<&DeclaredIn>| {
@@ -83,12 +112,23 @@ pub fn describe(world: &mut World) -> SceneDescription {
     };
     scene.shapes = shapes
         .into_iter()
-        .map(|(common, shape, to_world, material, area_light)| ShapeDescription {
+        .map(
+            |(common, shape, to_world, material, area_light, (member, instance, placements))| ShapeDescription {
+                identity: identity(common),
+                shape: shape.clone(),
+                to_world: to_world.0,
+                material: material.and_then(|uses| material_of.get(&uses.0).copied()),
+                area_light: area_light.copied(),
+                member_of: member.and_then(|member| group_of.get(&member.0).copied()),
+                instance_of: instance.and_then(|instance| group_of.get(&instance.0).copied()),
+                placements: placements.cloned(),
+            },
+        )
+        .collect();
+    scene.groups = groups
+        .into_iter()
+        .map(|common| GroupDescription {
             identity: identity(common),
-            shape: shape.clone(),
-            to_world: to_world.0,
-            material: material.and_then(|uses| material_of.get(&uses.0).copied()),
-            area_light: area_light.copied(),
         })
         .collect();
     scene.materials = materials
@@ -101,7 +141,7 @@ pub fn describe(world: &mut World) -> SceneDescription {
             declared_in: place_of(declared),
         })
         .collect();
-    scene
+    (scene, entities)
 }
 
 type CommonItem<'w> = (

@@ -16,10 +16,12 @@ use std::path::{Path, PathBuf};
 use bevy::prelude::World;
 
 use self::patch::Draft;
+pub use self::portable::Extensions;
+use super::assets::SceneDefines;
 use super::description::{DeclarationPlace, Identity, SceneDescription};
 use super::read::mesh_search::MeshSearch;
-use super::read::settle;
-use super::{Authored, IntegratorSettings};
+use super::read::{self, settle};
+use super::{Authored, IntegratorSettings, spawn};
 use crate::document::revision::{Destination, move_files, revise};
 use crate::document::{self, Category, Child, Document, Object, Span};
 
@@ -40,9 +42,22 @@ pub enum SaveError {
     File { path: PathBuf, source: std::io::Error },
 }
 
-/// Saves the entities: see [`save_description`].
+/// Saves the entities: see [`save_description`]. Those made in the editor belong to the file from then on if that is the open scene's.
 pub fn save(world: &mut World, path: &Path) -> Result<(), SaveError> {
-    save_description(&gather::describe(world), path)
+    let (scene, entities) = gather::describe_entities(world);
+    save_description(&scene, path)?;
+    let target = settle(path);
+    if home(&scene, Path::new("")) == target && identities(&scene).any(|identity| identity.authored.is_none()) {
+        let defines = world.get_resource::<SceneDefines>().map(|all| all.get(&target));
+        if let Ok(mut document) = document::load(&target, &defines.unwrap_or_default()) {
+            let written = read::read(&mut document);
+            if !document.diagnostics.has_errors() {
+                spawn::adopt(world, &scene, &entities, &written);
+                spawn::update(world, &written);
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Writes a scene over the text that it was read from: see [`files`]. Each file is replaced in one step.
@@ -70,10 +85,10 @@ pub fn files(scene: &SceneDescription, path: &Path) -> Result<Vec<(PathBuf, Stri
 
 /// Writes a scene as one new file, without the comments, includes and `$name`s of the old one, and in words that Mitsuba knows too where there
 /// are such: single triangles become meshes in a file beside it.
-pub fn write_anew(scene: &SceneDescription, path: &Path) -> Result<(), SaveError> {
+pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions) -> Result<(), SaveError> {
     keep_foreign(scene, &settle(path))?;
     let mut document = to_document(scene, path);
-    if let Some((path, text)) = portable::translate(&mut document.root, path) {
+    if let Some((path, text)) = portable::translate(&mut document.root, path, extensions) {
         write_file(&path, text)?;
     }
     write_file(path, &document::to_xml(&document)?)
@@ -246,13 +261,18 @@ impl<'s> Writer<'s> {
                 parts.push((material.identity.order, Child::Object(self.material(index))));
             }
         }
+        for (index, group) in scene.groups.iter().enumerate() {
+            parts.push((group.identity.order, Child::Object(self.group(index))));
+        }
         for (index, shape) in scene.shapes.iter().enumerate() {
-            let area_light = shape.area_light.as_ref();
-            let current = objects::shape(&shape.shape, &shape.to_world, area_light, self.folder);
-            let draft = Draft::new(shape.identity.authored.as_ref(), current);
-            let mut object = draft.set_bsdfs(self.nested(DeclarationPlace::Shape(index), &[shape.material]));
-            object.id.clone_from(&shape.identity.id);
-            parts.push((shape.identity.order, Child::Object(object)));
+            if let Some(placements) = &shape.placements {
+                let origin = scene.remains.origin.as_ref();
+                let read = origin.and_then(|origin| origin.root.children.get(placements.children.clone()));
+                let instances = read.into_iter().flatten().cloned();
+                parts.extend(instances.map(|instance| (shape.identity.order, instance)));
+            } else if shape.member_of.is_none() {
+                parts.push((shape.identity.order, Child::Object(self.shape(index))));
+            }
         }
         for emitter in &scene.emitters {
             let current = objects::emitter(&emitter.emitter, &emitter.to_world);
@@ -265,6 +285,42 @@ impl<'s> Writer<'s> {
         root.properties.clone_from(&scene.remains.properties);
         root.children = parts.into_iter().map(|(_, child)| child).collect();
         root
+    }
+
+    fn shape(&self, index: usize) -> Object {
+        let shape = &self.scene.shapes[index];
+        let current = objects::shape(&shape.shape, &shape.to_world, shape.area_light.as_ref(), self.folder);
+        let draft = Draft::new(shape.identity.authored.as_ref(), current);
+        let mut object = match shape.instance_of {
+            Some(group) => {
+                let id = self.scene.groups[group].identity.id.clone();
+                let reference = id.map(|id| Child::Reference {
+                    name: None,
+                    id,
+                    span: Span::default(),
+                });
+                draft.set_nested(Category::Shape, reference.into_iter().collect())
+            }
+            None => {
+                let bsdf = self.nested(DeclarationPlace::Shape(index), &[shape.material]);
+                draft.set_nested(Category::Bsdf, bsdf)
+            }
+        };
+        object.id.clone_from(&shape.identity.id);
+        object
+    }
+
+    fn group(&self, index: usize) -> Object {
+        let group = &self.scene.groups[index].identity;
+        let current = Object::new(Category::Shape, "shapegroup");
+        let draft = Draft::new(group.authored.as_ref(), current);
+        let members = (0..)
+            .zip(&self.scene.shapes)
+            .filter(|(_, shape)| shape.member_of == Some(index));
+        let members: Vec<Child> = members.map(|(member, _)| Child::Object(self.shape(member))).collect();
+        let mut object = draft.set_nested(Category::Shape, members);
+        object.id.clone_from(&group.id);
+        object
     }
 
     fn integrator(&self) -> Option<(u32, Object)> {
@@ -285,14 +341,14 @@ impl<'s> Writer<'s> {
     fn material(&self, index: usize) -> Object {
         let material = &self.scene.materials[index];
         let authored: Option<&Authored> = material.identity.authored.as_ref();
-        let draft = Draft::new(authored, objects::material(&material.material));
+        let draft = Draft::new(authored, objects::material(&material.material, self.folder));
         // What a stand-in stands for may have bsdfs inside that were never read; they stay.
         let is_stand_in = authored.is_some_and(|authored| authored.object.plugin != authored.as_read.plugin);
         let nested = self.nested(DeclarationPlace::Material(index), &[material.first, material.second]);
         let mut object = if is_stand_in && nested.is_empty() {
             draft.object
         } else {
-            draft.set_bsdfs(nested)
+            draft.set_nested(Category::Bsdf, nested)
         };
         object.id.clone_from(&self.ids[index]);
         object
@@ -321,9 +377,10 @@ impl<'s> Writer<'s> {
 fn identities(scene: &SceneDescription) -> impl Iterator<Item = &Identity> {
     let sensors = scene.sensors.iter().map(|sensor| &sensor.identity);
     let materials = scene.materials.iter().map(|material| &material.identity);
+    let groups = scene.groups.iter().map(|group| &group.identity);
     let shapes = scene.shapes.iter().map(|shape| &shape.identity);
     let emitters = scene.emitters.iter().map(|emitter| &emitter.identity);
-    sensors.chain(materials).chain(shapes).chain(emitters)
+    sensors.chain(materials).chain(groups).chain(shapes).chain(emitters)
 }
 
 fn collect_ids(child: &Child, ids: &mut HashSet<String>) {

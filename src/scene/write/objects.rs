@@ -10,22 +10,30 @@ use crate::color::Rgb;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
 use crate::scene::read::frame_along;
 use crate::scene::{
-    AreaLight, ConductorIor, Distribution, Emitter, Film, FovAxis, IntegratorSettings, Ior, Lens, Material, MeshFormat,
-    Parameter, ParameterVisitor, ReconstructionFilter, Roughness, Sensor, Shape, ShapeKind, Texture,
+    AreaLight, Bitmap, ConductorIor, Distribution, Emitter, Film, FovAxis, IntegratorSettings, Ior, Lens, Material,
+    MeshFormat, Parameter, ParameterVisitor, PrincipledIndex, ReconstructionFilter, Roughness, Sensor, Shape,
+    ShapeKind, Texture, TextureFilter, TextureWrap,
 };
 
-pub fn material(material: &Material) -> Object {
-    let mut writer = IntoObject(Object::new(Category::Bsdf, material.plugin()));
+/// `folder`: of the file that is written; names of pictures are relative to it.
+pub fn material(material: &Material, folder: &Path) -> Object {
+    let mut writer = IntoObject {
+        object: Object::new(Category::Bsdf, material.plugin()),
+        folder,
+    };
     material.clone().visit(&mut writer);
-    writer.0
+    writer.object
 }
 
 /// Writes every parameter it meets.
-struct IntoObject(Object);
+struct IntoObject<'f> {
+    object: Object,
+    folder: &'f Path,
+}
 
-impl IntoObject {
+impl IntoObject<'_> {
     fn put(&mut self, name: &str, value: Value) {
-        self.0.properties.push(property(name, value));
+        self.object.properties.push(property(name, value));
     }
 
     fn put_color(&mut self, name: &str, color: &Parameter<Rgb>) {
@@ -43,16 +51,41 @@ impl IntoObject {
     }
 
     fn put_texture(&mut self, name: &str, texture: &Texture) {
-        let mut object = IntoObject(Object::new(Category::Texture, texture.plugin()));
-        object.0.name = Some(name.to_owned());
+        let mut inside = IntoObject {
+            object: Object::new(Category::Texture, texture.plugin()),
+            folder: self.folder,
+        };
+        inside.object.name = Some(name.to_owned());
         match texture {
+            Texture::Bitmap(bitmap) => inside.put_bitmap(bitmap),
             Texture::Checkerboard { color0, color1, to_uv } => {
-                object.put_color("color0", color0);
-                object.put_color("color1", color1);
-                object.put_to_uv(to_uv);
+                inside.put_color("color0", color0);
+                inside.put_color("color1", color1);
+                inside.put_to_uv(to_uv);
+            }
+            Texture::MeshAttribute { name, scale } => {
+                inside.put("name", Value::String(name.clone()));
+                inside.put("scale", Value::Float(*scale));
             }
         }
-        self.0.children.push(Child::Object(object.0));
+        self.object.children.push(Child::Object(inside.object));
+    }
+
+    fn put_bitmap(&mut self, bitmap: &Bitmap) {
+        let filter = match bitmap.filter {
+            TextureFilter::Nearest => "nearest",
+            TextureFilter::Bilinear => "bilinear",
+        };
+        let wrap = match bitmap.wrap {
+            TextureWrap::Repeat => "repeat",
+            TextureWrap::Mirror => "mirror",
+            TextureWrap::Clamp => "clamp",
+        };
+        self.put("filename", Value::String(file_name(&bitmap.path, self.folder)));
+        self.put("filter_type", Value::String(filter.to_owned()));
+        self.put("wrap_mode", Value::String(wrap.to_owned()));
+        self.put("raw", Value::Boolean(bitmap.raw));
+        self.put_to_uv(&bitmap.to_uv);
     }
 
     fn put_to_uv(&mut self, to_uv: &Affine2) {
@@ -69,7 +102,7 @@ impl IntoObject {
     }
 }
 
-impl ParameterVisitor for IntoObject {
+impl ParameterVisitor for IntoObject<'_> {
     fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
         self.put_color(name, value);
     }
@@ -80,6 +113,10 @@ impl ParameterVisitor for IntoObject {
 
     fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, _range: RangeInclusive<f32>) {
         self.put_float(name, value);
+    }
+
+    fn number(&mut self, name: &'static str, value: &mut f32, _range: RangeInclusive<f32>) {
+        self.put(name, Value::Float(*value));
     }
 
     fn flag(&mut self, name: &'static str, value: &mut bool) {
@@ -125,6 +162,13 @@ impl ParameterVisitor for IntoObject {
                 self.put_float("alpha_u", u);
                 self.put_float("alpha_v", v);
             }
+        }
+    }
+
+    fn principled_index(&mut self, value: &mut PrincipledIndex) {
+        match value {
+            PrincipledIndex::Specular(specular) => self.put("specular", Value::Float(*specular)),
+            PrincipledIndex::Eta(eta) => self.put("eta", Value::Float(*eta)),
         }
     }
 }
@@ -173,12 +217,23 @@ pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folde
             let object = with(object("triangle"), "v0", Value::Point(*a));
             with(with(object, "v1", Value::Point(*b)), "v2", Value::Point(*c))
         }
+        ShapeKind::Cylinder { p0, p1, radius } => {
+            let object = with(object("cylinder"), "p0", Value::Point(*p0));
+            with_float(with(object, "p1", Value::Point(*p1)), "radius", *radius)
+        }
+        // The group it shows is not these functions' business, and it has no other parameters.
+        ShapeKind::Instance => return with_to_world(object("instance"), to_world),
         ShapeKind::Mesh(file) => {
             let plugin = match file.format {
                 MeshFormat::Obj => "obj",
                 MeshFormat::Ply => "ply",
+                MeshFormat::Serialized => "serialized",
             };
             let object = with_string(object(plugin), "filename", &file_name(&file.path, folder));
+            let object = match file.format {
+                MeshFormat::Serialized => with_integer(object, "shape_index", file.shape_index),
+                MeshFormat::Obj | MeshFormat::Ply => with_flag(object, "flip_tex_coords", file.flip_tex_coords),
+            };
             with_flag(object, "face_normals", file.face_normals)
         }
     };

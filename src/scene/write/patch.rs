@@ -75,6 +75,12 @@ impl Draft {
                 self.remove_superseded(&gone.name);
             }
         }
+        for texture in now.objects().filter(|child| child.category == Category::Texture) {
+            let before = before.objects().find(|child| child.name == texture.name);
+            if before != Some(texture) {
+                self.set_texture(before, texture);
+            }
+        }
         for category in [
             Category::Film,
             Category::Sampler,
@@ -165,6 +171,26 @@ impl Draft {
         }
     }
 
+    /// Over the texture given for the same parameter, or instead of the reference to one: others may refer to that as well.
+    fn set_texture(&mut self, before: Option<&Object>, now: &Object) {
+        let name = now.name.as_deref();
+        let place = self.object.children.iter().position(|child| child.name() == name);
+        match place {
+            Some(place) => {
+                let child = &mut self.object.children[place];
+                *child = Child::Object(revised(child, before, now.clone()));
+                self.categories[place] = Some(Category::Texture);
+            }
+            None => {
+                self.object.children.push(Child::Object(now.clone()));
+                self.categories.push(Some(Category::Texture));
+            }
+        }
+        if let Some(name) = name {
+            self.remove_superseded(name);
+        }
+    }
+
     fn remove_child(&mut self, place: usize) {
         self.object.children.remove(place);
         self.categories.remove(place);
@@ -182,31 +208,17 @@ impl Draft {
             }
             (Some(place), Some(now)) => {
                 let child = &mut self.object.children[place];
-                match (&*child, before) {
-                    (Child::Object(authored), Some(before)) => {
-                        let categories = authored.children.iter().map(|child| match child {
-                            Child::Object(object) => Some(object.category),
-                            Child::Reference { .. } => None,
-                        });
-                        let authored = Authored {
-                            child_categories: categories.collect(),
-                            object: authored.clone(),
-                            as_read: before,
-                        };
-                        *child = Child::Object(Self::new(Some(&authored), now).object);
-                    }
-                    _ => *child = Child::Object(now),
-                }
+                *child = Child::Object(revised(child, before.as_ref(), now));
             }
         }
     }
 
-    /// The nested bsdfs, in order, where the old ones stood.
-    pub fn set_bsdfs(mut self, bsdfs: Vec<Child>) -> Object {
-        let mut rest = bsdfs.into_iter();
+    /// The nested plugins of a kind, in order, where the old ones stood.
+    pub fn set_nested(mut self, category: Category, nested: Vec<Child>) -> Object {
+        let mut rest = nested.into_iter();
         let mut place = 0;
         while place < self.object.children.len() {
-            if self.categories[place] == Some(Category::Bsdf) {
+            if self.categories[place] == Some(category) {
                 let Some(next) = rest.next() else {
                     self.remove_child(place);
                     continue;
@@ -219,6 +231,23 @@ impl Draft {
         self.object.children.extend(rest);
         self.object
     }
+}
+
+/// `now` written over the plugin that stands in the file and was read as `before`; over a reference it is written out.
+fn revised(child: &Child, before: Option<&Object>, now: Object) -> Object {
+    let (Child::Object(authored), Some(before)) = (child, before) else {
+        return now;
+    };
+    let categories = authored.children.iter().map(|child| match child {
+        Child::Object(object) => Some(object.category),
+        Child::Reference { .. } => None,
+    });
+    let authored = Authored {
+        child_categories: categories.collect(),
+        object: authored.clone(),
+        as_read: before.clone(),
+    };
+    Draft::new(Some(&authored), now).object
 }
 
 /// `child` in the place of `old`: for the parameter `old` was for, and a reference where a reference was.

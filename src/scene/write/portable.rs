@@ -9,22 +9,31 @@ use crate::document::{Category, Child, Object, TransformOp, Value};
 /// The triangle that all others are made from.
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
+/// What to do with that which only this program knows and which has no equal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extensions {
+    /// It stays: Mitsuba refuses the file.
+    Keep,
+    /// The nearest that Mitsuba has takes its place.
+    Approximate,
+}
+
 /// Translates the scene that will be written to `target`; the further file it needs then, if it needs one.
-pub fn translate(root: &mut Object, target: &Path) -> Option<(PathBuf, &'static str)> {
+pub fn translate(root: &mut Object, target: &Path, extensions: Extensions) -> Option<(PathBuf, &'static str)> {
     let stem = target.file_stem().unwrap_or_default().to_string_lossy();
     let file_name = format!("{stem}.triangle.obj");
-    let has_triangles = translate_inside(root, &file_name);
+    let has_triangles = translate_inside(root, &file_name, extensions);
     has_triangles.then(|| (target.with_file_name(&file_name), TRIANGLE))
 }
 
 /// Whether there are triangles.
-fn translate_inside(object: &mut Object, file_name: &str) -> bool {
+fn translate_inside(object: &mut Object, file_name: &str, extensions: Extensions) -> bool {
     let mut has_triangles = false;
     for child in &mut object.children {
         let Child::Object(inner) = child else { continue };
-        has_triangles |= translate_inside(inner, file_name);
+        has_triangles |= translate_inside(inner, file_name, extensions);
         match (inner.category, inner.plugin.as_str()) {
-            (Category::Bsdf, "metal") => sharp_metal(inner),
+            (Category::Bsdf, "metal") => metal(inner, extensions),
             (Category::Shape, "triangle") => {
                 triangle(inner, file_name);
                 has_triangles = true;
@@ -35,10 +44,16 @@ fn translate_inside(object: &mut Object, file_name: &str) -> bool {
     has_triangles
 }
 
-/// Without fuzz it is a perfect mirror that is tinted.
-fn sharp_metal(object: &mut Object) {
-    let fuzz = value(object, "fuzz").cloned();
-    if !matches!(fuzz, None | Some(Value::Float(0.0) | Value::Integer(0))) {
+/// Without fuzz it is a perfect mirror that is tinted. With it the nearest is a rough one: a random point of a ball of radius f moves the
+/// mirrored direction by f / sqrt(5) along each axis (standard deviation), a facet of Beckmann's distribution by twice its slope, whose deviation is
+/// alpha / sqrt(2); so alpha = f / sqrt(10).
+fn metal(object: &mut Object, extensions: Extensions) {
+    let fuzz = match value(object, "fuzz") {
+        Some(Value::Float(fuzz)) => *fuzz,
+        Some(Value::Integer(fuzz)) => *fuzz as f32,
+        _ => 0.0,
+    };
+    if fuzz > 0.0 && extensions == Extensions::Keep {
         return;
     }
     "conductor".clone_into(&mut object.plugin);
@@ -61,7 +76,13 @@ fn sharp_metal(object: &mut Object) {
         // What `metal` means without a colour.
         whole = whole.with("specular_reflectance", Value::Rgb(Vec3::splat(0.5)));
     }
-    *object = whole.with("material", Value::String("none".to_owned()));
+    whole = whole.with("material", Value::String("none".to_owned()));
+    if fuzz > 0.0 {
+        "roughconductor".clone_into(&mut whole.plugin);
+        whole = whole.with("distribution", Value::String("beckmann".to_owned()));
+        whole = whole.with("alpha", Value::Float(fuzz / 10.0f32.sqrt()));
+    }
+    *object = whole;
 }
 
 /// The unit triangle of a file with the transform that takes it to its corners.

@@ -3,7 +3,7 @@
 use bevy::math::Affine3A;
 use bevy_egui::egui::{self, Ui};
 
-use super::super::command::Command;
+use super::super::command::{Command, FileDialogKind};
 use super::super::model::{Inspected, InspectedMaterial, Item, MaterialPlace};
 use super::{emission, fields, material, sensor, transform};
 use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind};
@@ -125,18 +125,35 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, triangles: Option<usize>) -> bool 
                 changed |= fields::vector(ui, label, corner, 0.01 * size.max(1e-3), "");
             }
         }
+        ShapeKind::Cylinder { p0, p1, radius } => {
+            fields::note(ui, "Type", "cylinder");
+            let speed = 0.01 * radius.abs().max(1e-3);
+            changed |= fields::vector(ui, "From", p0, speed, "");
+            changed |= fields::vector(ui, "To", p1, speed, "");
+            changed |= fields::number(ui, "Radius", radius, speed, 1e-4..=f32::MAX);
+        }
+        ShapeKind::Instance => {
+            fields::note(ui, "Type", "instance");
+            return false;
+        }
         ShapeKind::Mesh(MeshFile {
             path,
             format,
+            shape_index,
             face_normals,
+            ..
         }) => {
             let format = match format {
                 MeshFormat::Obj => "OBJ mesh",
                 MeshFormat::Ply => "PLY mesh",
+                MeshFormat::Serialized => "serialized mesh",
             };
             fields::note(ui, "Type", format);
             let file = path.file_name().unwrap_or_default().to_string_lossy();
             fields::note(ui, "File", file);
+            if *shape_index > 0 {
+                fields::note(ui, "Shape", shape_index.to_string());
+            }
             if let Some(triangles) = triangles {
                 fields::note(ui, "Triangles", triangles.to_string());
             }
@@ -181,8 +198,13 @@ fn material_rows(ui: &mut Ui, inspected: &Inspected, all: &[Item], commands: &mu
             ui.add_space(2.0);
             ui.add(egui::Label::new(egui::RichText::new(title).italics()).truncate());
             let mut edited = given.clone();
-            if material::material(ui, &mut edited) {
+            let edit = material::material(ui, &mut edited);
+            if edit.changed {
                 commands.push(Command::SetMaterial(*entity, Box::new(edited)));
+            }
+            if let Some(parameter) = edit.wants_picture {
+                let material = *entity;
+                commands.push(Command::ShowDialog(FileDialogKind::OpenPicture { material, parameter }));
             }
         });
     }

@@ -7,7 +7,9 @@ use bevy_egui::egui::Ui;
 
 use super::fields;
 use crate::color::Rgb;
-use crate::scene::{ConductorIor, Distribution, Ior, Material, Parameter, ParameterVisitor, Roughness};
+use crate::scene::{
+    ConductorIor, Distribution, Ior, Material, Parameter, ParameterVisitor, PrincipledIndex, Roughness, Texture,
+};
 use crate::shading::ior::{self, CONDUCTORS, DIELECTRICS};
 
 /// What some of the format's conductors are called in words.
@@ -47,8 +49,14 @@ const LABELS: [(&str, &str); 9] = [
     ("use_shadowing_function", "Soft shadows"),
 ];
 
-/// True if `material` was edited.
-pub fn material(ui: &mut Ui, material: &mut Material) -> bool {
+/// What the user did with the rows of a material.
+pub struct MaterialEdit {
+    pub changed: bool,
+    /// The parameter that is to be another picture.
+    pub wants_picture: Option<&'static str>,
+}
+
+pub fn material(ui: &mut Ui, material: &mut Material) -> MaterialEdit {
     let plugin = material.plugin();
     let mut wanted = plugin;
     let mut changed = false;
@@ -65,11 +73,21 @@ pub fn material(ui: &mut Ui, material: &mut Material) -> bool {
     }
     if wanted != plugin {
         *material = turned_into(material, wanted);
-        return true;
+        return MaterialEdit {
+            changed: true,
+            wants_picture: None,
+        };
     }
-    let mut rows = Rows { ui, changed };
+    let mut rows = Rows {
+        ui,
+        changed,
+        wants_picture: None,
+    };
     material.visit(&mut rows);
-    rows.changed
+    MaterialEdit {
+        changed: rows.changed,
+        wants_picture: rows.wants_picture,
+    }
 }
 
 /// The name of the kind, for lists.
@@ -93,11 +111,13 @@ struct Common {
     given: bool,
     colors: Vec<(&'static str, Parameter<Rgb>)>,
     floats: Vec<(&'static str, Parameter<f32>)>,
+    numbers: Vec<(&'static str, f32)>,
     flags: Vec<(&'static str, bool)>,
     iors: Vec<(&'static str, Ior)>,
     conductor: Vec<((), ConductorIor)>,
     distribution: Vec<((), Distribution)>,
     roughness: Vec<((), Roughness)>,
+    principled_index: Vec<((), PrincipledIndex)>,
 }
 
 fn exchange<N: PartialEq, T: Clone>(given: bool, known: &mut Vec<(N, T)>, name: N, value: &mut T) {
@@ -121,6 +141,10 @@ impl ParameterVisitor for Common {
         exchange(self.given, &mut self.floats, name, value);
     }
 
+    fn number(&mut self, name: &'static str, value: &mut f32, _range: RangeInclusive<f32>) {
+        exchange(self.given, &mut self.numbers, name, value);
+    }
+
     fn flag(&mut self, name: &'static str, value: &mut bool) {
         exchange(self.given, &mut self.flags, name, value);
     }
@@ -140,28 +164,51 @@ impl ParameterVisitor for Common {
     fn roughness(&mut self, value: &mut Roughness) {
         exchange(self.given, &mut self.roughness, (), value);
     }
+
+    fn principled_index(&mut self, value: &mut PrincipledIndex) {
+        exchange(self.given, &mut self.principled_index, (), value);
+    }
 }
 
 /// One row, or a few, for each parameter.
 struct Rows<'u> {
     ui: &'u mut Ui,
     changed: bool,
+    wants_picture: Option<&'static str>,
 }
 
 impl Rows<'_> {
-    /// A texture is named; it can be given up for `otherwise`.
-    fn texture<T>(&mut self, label: &str, value: &mut Parameter<T>, otherwise: T) {
+    /// A texture is named, with its picture; it can be given up for `otherwise`, and the picture for another.
+    fn texture<T>(&mut self, name: &'static str, value: &mut Parameter<T>, otherwise: T) {
         let Parameter::Texture(texture) = value else {
             return;
         };
-        let plugin = texture.plugin();
-        let replace = self.ui.horizontal(|ui| {
-            fields::note(ui, label, plugin);
-            ui.small_button("\u{2715}")
-                .on_hover_text("Replace the texture by a constant")
-                .clicked()
-        });
-        if replace.inner {
+        let shown = match texture {
+            Texture::Bitmap(bitmap) => bitmap
+                .path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned(),
+            Texture::Checkerboard { .. } => "checkerboard".to_owned(),
+            Texture::MeshAttribute { name, .. } => name.clone(),
+        };
+        let label = label(name);
+        let (replace, choose) = self
+            .ui
+            .horizontal(|ui| {
+                let replace = ui
+                    .small_button("\u{2715}")
+                    .on_hover_text("Replace the texture by a constant");
+                let choose = ui.small_button("\u{2026}").on_hover_text("Choose a picture");
+                fields::note(ui, &label, shown);
+                (replace.clicked(), choose.clicked())
+            })
+            .inner;
+        if choose {
+            self.wants_picture = Some(name);
+        }
+        if replace {
             *value = Parameter::Constant(otherwise);
             self.changed = true;
         }
@@ -173,7 +220,7 @@ impl ParameterVisitor for Rows<'_> {
         let label = label(name);
         match value {
             Parameter::Constant(color) => self.changed |= fields::color(self.ui, &label, color),
-            Parameter::Texture(_) => self.texture(&label, value, Rgb::splat(0.5)),
+            Parameter::Texture(_) => self.texture(name, value, Rgb::splat(0.5)),
         }
     }
 
@@ -181,7 +228,7 @@ impl ParameterVisitor for Rows<'_> {
         let label = label(name);
         match value {
             Parameter::Constant(color) => self.changed |= positive(self.ui, &label, color),
-            Parameter::Texture(_) => self.texture(&label, value, Rgb::ONE),
+            Parameter::Texture(_) => self.texture(name, value, Rgb::ONE),
         }
     }
 
@@ -189,8 +236,12 @@ impl ParameterVisitor for Rows<'_> {
         let label = label(name);
         match value {
             Parameter::Constant(number) => self.changed |= fields::slider(self.ui, &label, number, range),
-            Parameter::Texture(_) => self.texture(&label, value, 0.5),
+            Parameter::Texture(_) => self.texture(name, value, 0.5),
         }
+    }
+
+    fn number(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>) {
+        self.changed |= fields::number(self.ui, &label(name), value, 0.01, range);
     }
 
     fn flag(&mut self, name: &'static str, value: &mut bool) {
@@ -225,6 +276,13 @@ impl ParameterVisitor for Rows<'_> {
                 self.float("alpha_v", v, RANGE);
             }
         }
+    }
+
+    fn principled_index(&mut self, value: &mut PrincipledIndex) {
+        self.changed |= match value {
+            PrincipledIndex::Specular(specular) => fields::slider(self.ui, "Specular", specular, 0.0..=1.0),
+            PrincipledIndex::Eta(eta) => fields::slider(self.ui, "Index", eta, 1.0..=3.0),
+        };
     }
 }
 

@@ -1,0 +1,102 @@
+//! Shapes sorted into those that stand in the world and those of groups, and the hierarchy over all of them.
+
+use std::sync::Arc;
+
+use bevy::math::Affine3A;
+use bevy::prelude::Entity;
+use rayon::prelude::*;
+
+use super::Checker;
+use super::instance::InstanceRecord;
+use crate::accel::{Instance, Placement, SplitMethod, Tlas};
+
+/// Where a group stands because of one entity.
+#[derive(Clone, Debug)]
+pub(in crate::engine) struct PlacedGroup {
+    pub entity: Entity,
+    pub name: String,
+    /// The place of the group among all groups.
+    pub group: usize,
+    pub places: Arc<[Affine3A]>,
+}
+
+/// All shapes, in the order in which [`Tlas::shape_index`] counts them.
+#[derive(Clone, Debug, Default)]
+pub(in crate::engine) struct Layout {
+    /// Those in the world, then the members of each group.
+    pub shapes: Vec<InstanceRecord>,
+    in_world: usize,
+    /// Per group, the number of its members.
+    members: Vec<usize>,
+    placed: Vec<PlacedGroup>,
+}
+
+impl Layout {
+    /// `members`: per group, in order.
+    pub fn new(in_world: Vec<InstanceRecord>, members: Vec<Vec<InstanceRecord>>, placed: Vec<PlacedGroup>) -> Self {
+        Self {
+            in_world: in_world.len(),
+            members: members.iter().map(Vec::len).collect(),
+            shapes: in_world.into_iter().chain(members.into_iter().flatten()).collect(),
+            placed,
+        }
+    }
+
+    /// Per shape, whether it is not where and what it was; all of them if there are others than before.
+    pub fn moved_since(&self, old: &Self) -> Vec<bool> {
+        let same =
+            |(i, record): (usize, &InstanceRecord)| old.shapes.get(i).is_some_and(|old| record.same_geometry(old));
+        let numbered = self.shapes.iter().enumerate();
+        let regrouped = self.in_world != old.in_world || self.members != old.members;
+        numbered.map(|pair| regrouped || !same(pair)).collect()
+    }
+
+    /// Whether every group stands where it stood.
+    pub fn placed_as(&self, old: &Self) -> bool {
+        let same = |(a, b): (&PlacedGroup, &PlacedGroup)| {
+            let places = Arc::ptr_eq(&a.places, &b.places) || a.places == b.places;
+            (a.entity, a.group) == (b.entity, b.group) && places
+        };
+        self.placed.len() == old.placed.len() && self.placed.iter().zip(&old.placed).all(same)
+    }
+
+    /// Whether the shape is a member of a group, which cannot shine.
+    pub fn is_member(&self, shape: usize) -> bool {
+        shape >= self.in_world
+    }
+
+    /// The hierarchy over everything, and the entity behind each of its items.
+    pub fn build(&self, method: SplitMethod, errors: &mut Vec<String>) -> (Tlas, Vec<Entity>) {
+        let instances = |records: &[InstanceRecord]| -> Vec<Instance> {
+            records.iter().map(|record| record.instance.clone()).collect()
+        };
+        let (in_world, mut rest) = self.shapes.split_at(self.in_world);
+        let mut groups = Vec::with_capacity(self.members.len());
+        for &count in &self.members {
+            let (members, after) = rest.split_at(count);
+            rest = after;
+            groups.push(Arc::new(Tlas::build(instances(members), method)));
+        }
+        let mut entities: Vec<Entity> = in_world.iter().map(|record| record.entity).collect();
+        let mut placements = Vec::new();
+        for placed in &self.placed {
+            let before = placements.len();
+            let places = placed.places.par_iter();
+            placements.par_extend(places.filter_map(|place| Placement::new(placed.group as u32, place)));
+            let left_out = placed.places.len() - (placements.len() - before);
+            if left_out > 0 {
+                let name = &placed.name;
+                let what = match placed.places.len() {
+                    1 => "its transform cannot be inverted, the shape is left out".to_owned(),
+                    _ => format!("the transforms of {left_out} cannot be inverted, they are left out"),
+                };
+                Checker { name, errors }.report(what);
+            }
+            entities.resize(in_world.len() + placements.len(), placed.entity);
+        }
+        (
+            Tlas::with_placements(instances(in_world), groups, placements, method),
+            entities,
+        )
+    }
+}

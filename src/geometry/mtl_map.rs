@@ -1,0 +1,122 @@
+//! Texture statements of MTL: `map_Kd -s 2 2 2 -o 0.5 0 -clamp on wood floor.png`.
+
+use std::path::PathBuf;
+
+use glam::Vec2;
+
+/// A picture over the mesh's own uv, as a library names it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MtlMap {
+    /// From the folder of the mesh, with the way to the library's folder in front.
+    pub file: PathBuf,
+    /// uv times `scale` plus `offset` is where the picture is looked up; v counts from the bottom up, as OBJ has it.
+    pub scale: Vec2,
+    pub offset: Vec2,
+    /// Outside of the unit square lies the edge, not a repetition.
+    pub clamp: bool,
+}
+
+/// The pictures of a material; each takes the place of the number of the same name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MtlMaps {
+    pub kd: Option<MtlMap>,
+    /// Opacity.
+    pub d: Option<MtlMap>,
+    /// Normals in the tangent frame, as colours.
+    pub norm: Option<MtlMap>,
+}
+
+impl MtlMaps {
+    /// The place of what `keyword` names, whatever its case; None if no such picture is kept.
+    pub(super) fn slot(&mut self, keyword: &str) -> Option<&mut Option<MtlMap>> {
+        Some(match &*keyword.to_ascii_lowercase() {
+            "map_kd" => &mut self.kd,
+            "map_d" => &mut self.d,
+            "norm" | "map_norm" => &mut self.norm,
+            _ => return None,
+        })
+    }
+
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut MtlMap> {
+        let Self { kd, d, norm } = self;
+        [kd, d, norm].into_iter().flatten()
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = &MtlMap> {
+        let Self { kd, d, norm } = self;
+        [kd, d, norm].into_iter().flatten()
+    }
+}
+
+/// What follows the keyword: options, then a name that may have blanks. None without a name.
+pub(super) fn parse_map(text: &str) -> Option<MtlMap> {
+    let mut map = MtlMap {
+        file: PathBuf::new(),
+        scale: Vec2::ONE,
+        offset: Vec2::ZERO,
+        clamp: false,
+    };
+    let mut rest = text.trim();
+    while let Some((option, after)) = rest.split_once(char::is_whitespace).filter(|_| rest.starts_with('-')) {
+        // Up to so many numbers, or just as many words.
+        let (numbers, words) = match option {
+            "-s" | "-o" | "-t" => (3, 0),
+            "-mm" => (2, 0),
+            "-bm" | "-boost" | "-texres" => (1, 0),
+            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-imfchan" | "-type" | "-colorspace" => (0, 1),
+            // A name that begins so.
+            _ => break,
+        };
+        let mut values = [None; 3];
+        let mut word = "";
+        rest = after.trim_start();
+        for i in 0..numbers + words {
+            let (first, behind) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+            if i < numbers {
+                let Some(number) = first.parse().ok().filter(|number: &f32| number.is_finite()) else {
+                    break;
+                };
+                values[i] = Some(number);
+            } else {
+                word = first;
+            }
+            rest = behind.trim_start();
+        }
+        let pair = |absent: Vec2| Vec2::new(values[0].unwrap_or(absent.x), values[1].unwrap_or(absent.y));
+        match option {
+            "-s" => map.scale = pair(Vec2::ONE),
+            "-o" => map.offset = pair(Vec2::ZERO),
+            "-clamp" => map.clamp = word == "on",
+            _ => {}
+        }
+    }
+    // Libraries that were made on Windows.
+    map.file = rest.trim_matches('"').replace('\\', "/").into();
+    (!map.file.as_os_str().is_empty()).then_some(map)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_and_names_with_blanks() {
+        let parse = |text: &str| parse_map(text).unwrap();
+        assert_eq!(parse("a b.png").file, PathBuf::from("a b.png"));
+        assert_eq!(parse("  \"tex\\a.png\" ").file, PathBuf::from("tex/a.png"));
+        let map = parse("-s 2 3 4 -o 0.5 -clamp on -bm 0.25 -colorspace sRGB wood 01.png");
+        assert_eq!((map.scale, map.offset), (Vec2::new(2.0, 3.0), Vec2::new(0.5, 0.0)));
+        assert!(map.clamp);
+        assert_eq!(map.file, PathBuf::from("wood 01.png"));
+        // Two numbers, and a name that is none.
+        let map = parse("-s 0.1 0.2 specular.jpg");
+        assert_eq!(
+            (map.scale, map.file),
+            (Vec2::new(0.1, 0.2), PathBuf::from("specular.jpg"))
+        );
+        assert_eq!(parse("-mm 0 1 -imfchan l -odd.png").file, PathBuf::from("-odd.png"));
+        for text in ["", " ", "-s 1 1 1", "-clamp on", "\"\""] {
+            assert_eq!(parse_map(text), None, "{text}");
+        }
+    }
+}

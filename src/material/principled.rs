@@ -1,0 +1,83 @@
+//! The principled models with textured parameters.
+
+use super::textured::Lookup;
+use crate::color::Rgb;
+use crate::shading::{Principled, PrincipledThin, SamplingRates, ThinSamplingRates};
+use crate::texture::Parameter;
+
+/// [`Principled`], textured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TexturedPrincipled {
+    pub base_color: Parameter<Rgb>,
+    pub roughness: Parameter<f32>,
+    pub anisotropic: Parameter<f32>,
+    pub metallic: Parameter<f32>,
+    pub spec_trans: Parameter<f32>,
+    /// Index inside over that outside; not 1 if there may be glass.
+    pub eta: f32,
+    pub spec_tint: Parameter<f32>,
+    pub sheen: Parameter<f32>,
+    pub sheen_tint: Parameter<f32>,
+    pub flatness: Parameter<f32>,
+    pub clearcoat: Parameter<f32>,
+    pub clearcoat_gloss: Parameter<f32>,
+    pub rates: SamplingRates,
+}
+
+impl TexturedPrincipled {
+    pub(super) fn resolve(&self, lookup: &mut impl Lookup) -> Principled {
+        Principled {
+            base_color: lookup.reflectance(self.base_color),
+            roughness: lookup.share(self.roughness),
+            anisotropic: lookup.share(self.anisotropic),
+            metallic: lookup.share(self.metallic),
+            spec_trans: lookup.share(self.spec_trans),
+            eta: self.eta,
+            spec_tint: lookup.share(self.spec_tint),
+            sheen: lookup.share(self.sheen),
+            sheen_tint: lookup.share(self.sheen_tint),
+            flatness: lookup.share(self.flatness),
+            clearcoat: lookup.share(self.clearcoat),
+            clearcoat_gloss: lookup.share(self.clearcoat_gloss),
+            rates: self.rates,
+        }
+    }
+}
+
+/// [`PrincipledThin`], textured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TexturedPrincipledThin {
+    pub base_color: Parameter<Rgb>,
+    pub roughness: Parameter<f32>,
+    pub anisotropic: Parameter<f32>,
+    pub spec_trans: Parameter<f32>,
+    pub diff_trans: Parameter<f32>,
+    pub eta: Parameter<f32>,
+    pub spec_tint: Parameter<f32>,
+    pub sheen: Parameter<f32>,
+    pub sheen_tint: Parameter<f32>,
+    pub flatness: Parameter<f32>,
+    pub rates: ThinSamplingRates,
+}
+
+impl TexturedPrincipledThin {
+    pub(super) fn resolve(&self, lookup: &mut impl Lookup) -> PrincipledThin {
+        PrincipledThin {
+            base_color: lookup.reflectance(self.base_color),
+            roughness: lookup.share(self.roughness),
+            anisotropic: lookup.share(self.anisotropic),
+            spec_trans: lookup.share(self.spec_trans),
+            diff_trans: lookup.float(self.diff_trans).clamp(0.0, 2.0),
+            eta: lookup.float(self.eta).clamp(LOWEST_INDEX, HIGHEST_INDEX),
+            spec_tint: lookup.share(self.spec_tint),
+            sheen: lookup.share(self.sheen),
+            sheen_tint: lookup.share(self.sheen_tint),
+            flatness: lookup.share(self.flatness),
+            rates: self.rates,
+        }
+    }
+}
+
+/// What a texture may say of the index.
+const LOWEST_INDEX: f32 = 0.01;
+const HIGHEST_INDEX: f32 = 100.0;

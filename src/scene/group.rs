@@ -1,0 +1,50 @@
+//! Shapes that stand in the scene many times: a group of them, and the places where it stands.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+
+use super::DocumentOrder;
+
+/// Shapes ([`MemberOf`]) that are not seen themselves, only where an instance of the group stands.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, PartialEq)]
+#[require(DocumentOrder)]
+pub struct ShapeGroup;
+
+/// The group that a shape belongs to; its `ToWorld` leads into the group's space.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Component, PartialEq)]
+#[relationship(relationship_target = Members)]
+pub struct MemberOf(pub Entity);
+
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
+#[relationship_target(relationship = MemberOf)]
+pub struct Members(Vec<Entity>);
+
+/// The group that a [`super::ShapeKind::Instance`] shows.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Component, PartialEq)]
+#[relationship(relationship_target = Instances)]
+pub struct InstanceOf(pub Entity);
+
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
+#[relationship_target(relationship = InstanceOf)]
+pub struct Instances(Vec<Entity>);
+
+/// Very many instances as one: in place of `ToWorld`, which is not asked then. Saved as they were read.
+#[derive(Component, Clone, Debug)]
+pub struct Placements {
+    /// World from group.
+    pub places: Arc<[Affine3A]>,
+    /// The instances among the children of the scene they were read from.
+    pub children: Range<usize>,
+}
+
+impl PartialEq for Placements {
+    fn eq(&self, other: &Self) -> bool {
+        self.children == other.children && (Arc::ptr_eq(&self.places, &other.places) || self.places == other.places)
+    }
+}

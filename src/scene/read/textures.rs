@@ -1,0 +1,129 @@
+//! Textures: `bitmap`, `checkerboard`, `mesh_attribute`.
+
+use std::path::{Path, PathBuf};
+
+use bevy::math::Affine2;
+use glam::Vec3;
+
+use super::mesh_search::{Found, MeshSearch};
+use super::parameters::Parameters;
+use crate::color::Rgb;
+use crate::document::paths::settle;
+use crate::document::{Reader, TransformOp};
+use crate::scene::pictures::PicturePlaces;
+use crate::scene::{Bitmap, Texture, TextureFilter, TextureWrap};
+
+/// Finds the pictures that a scene names, in the folders where its meshes are looked for, and keeps where each was named.
+pub struct PictureSearch {
+    pub folders: MeshSearch,
+    pub places: PicturePlaces,
+}
+
+impl PictureSearch {
+    /// The file; the first place where it was looked for if there is none: it may come later.
+    fn find(&mut self, name: &str, reader: &mut Reader) -> PathBuf {
+        let span = reader.span_of("filename");
+        let source = reader.diagnostics().source(span.source);
+        let file = source.map(|file| settle(&file.path)).unwrap_or_default();
+        let path = match self.folders.find(name, file.parent().unwrap_or(Path::new("/"))) {
+            Found::At(path) => path,
+            Found::Nowhere(places) => places.into_iter().next().unwrap_or_default(),
+        };
+        self.places.entry(path.clone()).or_insert(span);
+        path
+    }
+}
+
+/// None for a texture that is not supported or makes no sense, which is reported.
+pub fn read_texture(reader: &mut Reader, pictures: &mut PictureSearch) -> Option<Texture> {
+    Some(match reader.object().plugin.as_str() {
+        "bitmap" => Texture::Bitmap(bitmap(reader, pictures)?),
+        "checkerboard" => {
+            let mut color = |name, default: f32| {
+                let given = reader.unbounded_color(name, pictures);
+                Box::new(given.unwrap_or(Rgb::splat(default).into()))
+            };
+            Texture::Checkerboard {
+                color0: color("color0", 0.4),
+                color1: color("color1", 0.2),
+                to_uv: to_uv(reader),
+            }
+        }
+        "mesh_attribute" => Texture::MeshAttribute {
+            name: attribute_name(reader)?,
+            scale: reader.float_or("scale", 1.0),
+        },
+        plugin => {
+            let message = format!("texture `{plugin}` is not supported");
+            let span = reader.object().span;
+            reader.diagnostics().warn(span, message);
+            return None;
+        }
+    })
+}
+
+fn bitmap(reader: &mut Reader, pictures: &mut PictureSearch) -> Option<Bitmap> {
+    // How the picture is stored in memory is our business.
+    reader.ignore(&["format", "accel"]);
+    let filter = match reader.string("filter_type") {
+        None | Some("bilinear") => TextureFilter::Bilinear,
+        Some("nearest") => TextureFilter::Nearest,
+        Some(other) => {
+            let message = format!("expected the filter `bilinear` or `nearest`, found `{other}`");
+            reader.error_at("filter_type", message);
+            TextureFilter::default()
+        }
+    };
+    let wrap = match reader.string("wrap_mode") {
+        None | Some("repeat") => TextureWrap::Repeat,
+        Some("mirror") => TextureWrap::Mirror,
+        Some("clamp") => TextureWrap::Clamp,
+        Some(other) => {
+            let message = format!("expected the wrap mode `repeat`, `mirror` or `clamp`, found `{other}`");
+            reader.error_at("wrap_mode", message);
+            TextureWrap::default()
+        }
+    };
+    let raw = reader.boolean_or("raw", false);
+    let to_uv = to_uv(reader);
+    let Some(name) = reader.string("filename") else {
+        if !reader.has("filename") {
+            reader.error_at("filename", "a `bitmap` needs a `filename`");
+        }
+        return None;
+    };
+    Some(Bitmap {
+        path: pictures.find(name, reader),
+        filter,
+        wrap,
+        raw,
+        to_uv,
+    })
+}
+
+fn attribute_name(reader: &mut Reader) -> Option<String> {
+    let name = reader.string("name");
+    match name {
+        Some(name) if name.starts_with("vertex_") || name.starts_with("face_") => Some(name.to_owned()),
+        Some(name) => {
+            let message = format!("names of mesh attributes begin with `vertex_` or `face_`, found `{name}`");
+            reader.error_at("name", message);
+            None
+        }
+        None => {
+            reader.error_at("name", "a `mesh_attribute` needs a `name`");
+            None
+        }
+    }
+}
+
+/// `to_uv`: of a transform of space, what it does with the plane.
+fn to_uv(reader: &mut Reader) -> Affine2 {
+    let steps = reader.transform("to_uv").unwrap_or_default();
+    let map = TransformOp::compose(&steps);
+    Affine2::from_cols(
+        Vec3::from(map.matrix3.x_axis).truncate(),
+        Vec3::from(map.matrix3.y_axis).truncate(),
+        Vec3::from(map.translation).truncate(),
+    )
+}

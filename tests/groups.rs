@@ -1,0 +1,291 @@
+//! Groups of shapes and their instances, from the file to the hierarchy and back; shapes of serialized files.
+
+use std::io::Write;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use sunroom::document;
+use sunroom::engine::{CurrentScene, EnginePlugin, RenderControl};
+use sunroom::math::Ray;
+use sunroom::render::scene::RenderScene;
+use sunroom::scene::read::read;
+use sunroom::scene::write::to_document;
+use sunroom::scene::*;
+
+const GROUP: &str = "<bsdf type='diffuse' id='red'><rgb name='reflectance' value='0.8,0.1,0.1'/></bsdf>
+  <shape type='shapegroup' id='g'>
+    <shape type='sphere'><float name='radius' value='0.5'/><ref id='red'/></shape>
+    <shape type='cylinder'><point name='p0' value='0,0.2,0'/><point name='p1' value='1,0.2,0'/><float name='radius' value='0.3'/>
+      <bsdf type='conductor'/></shape>
+    <shape type='cube'><transform name='to_world'><scale value='0.2'/><translate y='-1'/></transform></shape>
+  </shape>";
+
+fn place(i: usize) -> String {
+    format!(
+        "<transform name='to_world'><rotate x='1' y='2' angle='{}'/><scale value='1,2,0.5'/><translate x='{}' z='{}'/></transform>",
+        37 * i,
+        3 * (i % 40),
+        4 * (i / 40)
+    )
+}
+
+fn instance(i: usize) -> String {
+    format!("<shape type='instance'><ref id='g'/>{}</shape>\n", place(i))
+}
+
+fn read_scene(body: &str) -> (SceneDescription, Vec<String>) {
+    let text = format!("<scene version='3.0.0'>\n<sensor type='perspective'/>\n{body}\n</scene>");
+    let mut document = document::parse_str(&text, &std::env::temp_dir().join("scene.xml"), &[]);
+    let scene = read(&mut document);
+    let messages = document.diagnostics.list.iter();
+    (scene, messages.map(|message| message.message.clone()).collect())
+}
+
+fn clean(body: &str) -> SceneDescription {
+    let (scene, messages) = read_scene(body);
+    assert_eq!(messages, [""; 0]);
+    scene
+}
+
+fn app() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, asset_plugin(), ScenePlugin, EnginePlugin));
+    app.world_mut().resource_mut::<RenderControl>().interactive = false;
+    app.finish();
+    app.cleanup();
+    app
+}
+
+fn packed(scene: &SceneDescription) -> (App, RenderScene) {
+    let mut app = app();
+    spawn::spawn_fresh(app.world_mut(), scene);
+    app.update();
+    let packed = app.world().resource::<CurrentScene>().scene.clone();
+    (app, packed.expect("a scene that was packed"))
+}
+
+#[test]
+fn instances_show_the_group_as_if_its_shapes_were_written_there() {
+    let count = 6;
+    let instances: String = (0..count).map(instance).collect();
+    // One of them before the group it refers to.
+    let grouped = clean(&format!("{}{GROUP}{}<shape type='disk'/>", instance(count), instances));
+    assert_eq!((grouped.groups.len(), grouped.shapes.len()), (1, count + 5));
+    let members = [
+        "<shape type='sphere'><float name='radius' value='0.5'/><ref id='red'/>",
+        "<shape type='cylinder'><point name='p0' value='0,0.2,0'/><point name='p1' value='1,0.2,0'/><float name='radius' value='0.3'/>
+           <ref id='mirror'/>",
+        "<shape type='cube'>",
+    ];
+    let mut flat = "<bsdf type='diffuse' id='red'><rgb name='reflectance' value='0.8,0.1,0.1'/></bsdf><bsdf type='conductor' id='mirror'/>".to_owned();
+    for i in 0..=count {
+        for (m, member) in members.iter().enumerate() {
+            let inner = if m == 2 {
+                "<scale value='0.2'/><translate y='-1'/>"
+            } else {
+                ""
+            };
+            let place = place(i).replace("<rotate", &format!("{inner}<rotate"));
+            flat += &format!("{member}{place}</shape>");
+        }
+    }
+    let flat = clean(&format!("{flat}<shape type='disk'/>"));
+
+    let (_app, grouped) = packed(&grouped);
+    let (_app, flat) = packed(&flat);
+    assert_eq!(grouped.geometry.placements().len(), count + 1);
+    assert_eq!(grouped.geometry.triangles(), flat.geometry.triangles());
+    let mut hits = 0;
+    for i in 0..4000 {
+        // A lattice of rays through the row of instances, from above and slanted.
+        let at = Vec3::new(0.02 * (i % 1000) as f32 - 1.5, 6.0, 0.7 * (i / 1000) as f32 - 1.4);
+        let ray = Ray::new(at, Vec3::new(0.05, -1.0, 0.02));
+        match (grouped.geometry.intersect(&ray), flat.geometry.intersect(&ray)) {
+            (Some(hit), Some(expected)) => {
+                // Rounding of coordinates up to 20, a few times; more at grazing rays, hence not tighter.
+                assert!((hit.t - expected.t).abs() < 1e-3, "{hit:?} {expected:?}");
+                let material = |scene: &RenderScene, hit| scene.slot(hit).material;
+                assert_eq!(material(&grouped, &hit), material(&flat, &expected));
+                hits += 1;
+            }
+            (hit, expected) => assert_eq!(hit.is_some(), expected.is_some()),
+        }
+    }
+    assert!(hits > 1000, "{hits}");
+}
+
+#[test]
+fn very_many_instances_are_one_thing_and_stay_as_they_were_written() {
+    let count = 3000;
+    let instances: String = (0..count).map(instance).collect();
+    let body = format!("{GROUP}{instances}<shape type='disk'/>{}", instance(7));
+    let scene = clean(&body);
+    let crowd = &scene.shapes[3];
+    assert_eq!(crowd.placements.as_ref().map(|many| many.places.len()), Some(count));
+    // Members, crowd, disk and the one on its own.
+    assert_eq!(scene.shapes.len(), 6);
+
+    let (mut app, packed) = packed(&scene);
+    assert_eq!(packed.geometry.placements().len(), count + 1);
+    let current = app.world().resource::<CurrentScene>();
+    assert_eq!(current.entity_of_instance.len(), count + 2);
+    assert_eq!(current.entity_of_instance[1], current.entity_of_instance[count]);
+    assert_ne!(current.entity_of_instance[1], current.entity_of_instance[count + 1]);
+
+    // Written back and read again nothing is different.
+    let gathered = write::gather::describe(app.world_mut());
+    let written = to_document(&gathered, Path::new("/tmp/scene.xml"));
+    assert_eq!(
+        written.root.children.len(),
+        scene.remains.origin.as_ref().unwrap().root.children.len()
+    );
+    let text = document::to_xml(&written).unwrap();
+    let mut again = document::parse_str(&text, Path::new("/tmp/scene.xml"), &[]);
+    let again = read(&mut again);
+    assert_eq!(again.shapes.len(), scene.shapes.len());
+    let (a, b) = (&again.shapes[3].placements, &crowd.placements);
+    assert_eq!(a.as_ref().map(|many| &many.places), b.as_ref().map(|many| &many.places));
+}
+
+#[test]
+fn members_and_instances_that_were_edited_are_saved_where_they_stand() {
+    let mut scene = clean(&format!("{GROUP}{}", instance(1)));
+    let cube = scene
+        .shapes
+        .iter()
+        .position(|shape| shape.shape.kind == ShapeKind::Cube)
+        .unwrap();
+    scene.shapes[cube].to_world = Affine3A::from_translation(Vec3::new(5.0, 6.0, 7.0));
+    let placed = scene
+        .shapes
+        .iter()
+        .position(|shape| shape.shape.kind == ShapeKind::Instance)
+        .unwrap();
+    scene.shapes[placed].to_world = Affine3A::from_translation(Vec3::new(-3.0, 0.0, 2.0));
+    let written = to_document(&scene, Path::new("/tmp/scene.xml"));
+    let mut again = document::parse_str(&document::to_xml(&written).unwrap(), Path::new("/tmp/scene.xml"), &[]);
+    let again = read(&mut again);
+    assert!(
+        again.shapes[cube]
+            .to_world
+            .abs_diff_eq(scene.shapes[cube].to_world, 1e-6)
+    );
+    assert!(
+        again.shapes[placed]
+            .to_world
+            .abs_diff_eq(scene.shapes[placed].to_world, 1e-6)
+    );
+    assert_eq!(again.shapes[placed].instance_of, Some(0));
+    let of_group = again.shapes.iter().filter(|shape| shape.member_of == Some(0));
+    assert_eq!(of_group.count(), 3);
+}
+
+#[test]
+fn what_groups_cannot_hold_is_reported() {
+    let (scene, messages) = read_scene(
+        "<shape type='shapegroup' id='g'><shape type='sphere'><emitter type='area'/></shape>
+           <shape type='shapegroup'/><shape type='instance'><ref id='g'/></shape></shape>
+         <shape type='sphere' id='ball'/><shape type='instance'><ref id='ball'/></shape><shape type='instance'/>
+         <shape type='instance'><ref id='g'/><bsdf type='diffuse'/></shape>",
+    );
+    let expected = [
+        "a shape of a shapegroup cannot be an emitter",
+        "shape `shapegroup` cannot be part of a shapegroup",
+        "shape `instance` cannot be part of a shapegroup",
+        "shape `instance` needs a reference to one shapegroup: it is left out",
+        "shape `instance` needs a reference to one shapegroup: it is left out",
+    ];
+    for text in expected {
+        assert!(messages.iter().any(|message| message == text), "{text}: {messages:#?}");
+    }
+    assert!(
+        messages.len() > expected.len(),
+        "the bsdf of an instance is mentioned: {messages:#?}"
+    );
+    let kinds: Vec<_> = scene
+        .shapes
+        .iter()
+        .map(|shape| (&shape.shape.kind, shape.area_light))
+        .collect();
+    let ball = ShapeKind::Sphere {
+        center: Vec3::ZERO,
+        radius: 1.0,
+    };
+    assert_eq!(kinds, [(&ball, None), (&ball, None), (&ShapeKind::Instance, None)]);
+}
+
+/// A file of serialized shapes, each one triangle of this size.
+fn serialized(sizes: &[f32]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut table = Vec::new();
+    for &size in sizes {
+        table.extend((bytes.len() as u64).to_le_bytes());
+        bytes.extend([0x1c, 4, 4, 0]);
+        let mut content = 0x1000u32.to_le_bytes().to_vec();
+        content.push(0);
+        content.extend(3u64.to_le_bytes());
+        content.extend(1u64.to_le_bytes());
+        for number in [0.0, 0.0, 0.0, size, 0.0, 0.0, 0.0, size, 0.0] {
+            content.extend(f32::to_le_bytes(number));
+        }
+        content.extend([0, 1, 2].map(u32::to_le_bytes).concat());
+        let mut packer = ZlibEncoder::new(&mut bytes, Compression::default());
+        packer.write_all(&content).unwrap();
+        packer.finish().unwrap();
+    }
+    bytes.extend(table);
+    bytes.extend((sizes.len() as u32).to_le_bytes());
+    bytes
+}
+
+#[test]
+fn every_shape_of_a_serialized_file_can_be_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let shape = |index: &str| {
+        format!("<shape type='serialized'><string name='filename' value='three.serialized'/>{index}</shape>")
+    };
+    let body: String = [
+        "",
+        "<integer name='shape_index' value='2'/>",
+        "<integer name='shape_index' value='7'/>",
+    ]
+    .map(shape)
+    .concat();
+    let text = format!("<scene version='3.0.0'><sensor type='perspective'/>{body}</scene>");
+    std::fs::write(folder.path().join("scene.xml"), text).unwrap();
+    std::fs::write(folder.path().join("three.serialized"), serialized(&[1.0, 2.0, 3.0])).unwrap();
+    let mut app = app();
+    app.world_mut().write_message(OpenScene {
+        path: folder.path().join("scene.xml"),
+        defines: Vec::new(),
+    });
+    let deadline = Instant::now() + Duration::from_secs(20);
+    while !app.world().resource::<SceneStatus>().is_complete() {
+        app.update();
+        assert!(Instant::now() < deadline, "{:?}", app.world().resource::<SceneStatus>());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    app.update();
+    let status = app.world().resource::<SceneStatus>();
+    let errors: Vec<&str> = status.mesh_errors.iter().map(|error| error.message.as_str()).collect();
+    assert!(
+        matches!(errors[..], [one] if one.ends_with("there is no shape 7: the file has 3")),
+        "{errors:?}"
+    );
+    let scene = app.world().resource::<CurrentScene>().scene.clone().unwrap();
+    let extents: Vec<f32> = scene
+        .geometry
+        .instances()
+        .iter()
+        .map(|one| one.world_bounds().extent().x)
+        .collect();
+    // The bounds are a little wider than the triangles.
+    assert!(
+        matches!(extents[..], [a, b] if (a - 1.0).abs() < 1e-4 && (b - 3.0).abs() < 1e-4),
+        "{extents:?}"
+    );
+}
