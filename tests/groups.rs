@@ -102,7 +102,7 @@ fn instances_show_the_group_as_if_its_shapes_were_written_there() {
     let mut hits = 0;
     for i in 0..4000 {
         // A lattice of rays through the row of instances, from above and slanted.
-        let at = Vec3::new(0.02 * (i % 1000) as f32 - 1.5, 6.0, 0.7 * (i / 1000) as f32 - 1.4);
+        let at = Vec3::new(0.02 * (i % 1000) as f32 - 1.5, 6.0, 0.15 * (i / 1000) as f32 - 0.4);
         let ray = Ray::new(at, Vec3::new(0.05, -1.0, 0.02));
         match (grouped.geometry.intersect(&ray), flat.geometry.intersect(&ray)) {
             (Some(hit), Some(expected)) => {

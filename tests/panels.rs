@@ -156,6 +156,7 @@ fn awkward() -> Vec<Inspected> {
                 u: 3.3.into(),
                 v: 1e-5.into(),
             },
+            multiple_scattering: true,
         },
         Material::Conductor {
             ior: ConductorIor::Given {

@@ -51,12 +51,19 @@ fn meaning(scene: &SceneDescription) -> SceneDescription {
     let mut scene = scene.clone();
     scene.remains = AuthoredScene::default();
     scene.sources.clear();
+    scene.picture_places.clear();
     scene.path = PathBuf::new();
     let sensors = scene.sensors.iter_mut().map(|item| &mut item.identity);
     let materials = scene.materials.iter_mut().map(|item| &mut item.identity);
     let shapes = scene.shapes.iter_mut().map(|item| &mut item.identity);
     let emitters = scene.emitters.iter_mut().map(|item| &mut item.identity);
-    let mut all: Vec<_> = sensors.chain(materials).chain(shapes).chain(emitters).collect();
+    let groups = scene.groups.iter_mut().map(|item| &mut item.identity);
+    let mut all: Vec<_> = sensors
+        .chain(materials)
+        .chain(shapes)
+        .chain(emitters)
+        .chain(groups)
+        .collect();
     all.sort_by_key(|identity| identity.order);
     for (rank, identity) in (0..).zip(all) {
         identity.order = rank;
@@ -109,7 +116,8 @@ fn defaults_are_those_of_the_format() {
             distribution: Distribution::Ggx,
             ior: ConductorIor::Named("none".into()),
             specular_reflectance: Vec3::ONE.into(),
-            alpha: Roughness::Isotropic(0.1.into())
+            alpha: Roughness::Isotropic(0.1.into()),
+            multiple_scattering: false,
         }
     );
     let scene = clean("<shape type='sphere'/><emitter type='point'/>");
@@ -237,28 +245,24 @@ fn what_is_not_supported_gets_a_stand_in_and_a_warning_with_its_line() {
             "2: warning: bsdf `velvet` is not supported: grey `diffuse` takes its place",
         ),
         (
-            "\n<shape type='cylinder'/>",
-            "3: warning: shape `cylinder` is not supported: it is left out",
+            "\n<shape type='sdfgrid'/>",
+            "3: warning: shape `sdfgrid` is not supported: it is left out",
         ),
         (
-            "<emitter type='spot'/>",
-            "2: warning: emitter `spot` is not supported: it is left out",
+            "<emitter type='glow'/>",
+            "2: warning: emitter `glow` is not supported: it is left out",
         ),
         (
             "<integrator type='bdpt'/>",
             "2: warning: integrator `bdpt` is not supported: `path` takes its place",
         ),
         (
-            "<bsdf type='diffuse'>\n<texture type='checkerboard' name='reflectance'/></bsdf>",
-            "3: warning: texture `checkerboard` for `reflectance` is not supported yet: grey (0.5) takes its place",
+            "<bsdf type='diffuse'>\n<texture type='noise' name='reflectance'/></bsdf>",
+            "3: warning: texture `noise` is not supported",
         ),
         (
             "<bsdf type='diffuse'>\n\n<float name='roughness' value='1'/></bsdf>",
             "4: warning: `roughness` is not a parameter of bsdf `diffuse`",
-        ),
-        (
-            "<bsdf type='roughconductor'/>",
-            "2: warning: without a `distribution` the format means `beckmann`, which is not supported: `ggx` takes its place",
         ),
         (
             "<bsdf type='diffuse'><rgb name='reflectance' value='1.5'/></bsdf>",
@@ -365,7 +369,8 @@ const EVERYTHING: &str = "<integrator type='path'><integer name='max_depth' valu
     <transform name='to_world'><lookat origin='1,2,3' target='0,0,0' up='0,1,0'/></transform></sensor>
   <texture type='bitmap' id='wood'><string name='filename' value='wood.png'/></texture>
   <bsdf type='diffuse' id='planks'><ref id='wood' name='reflectance'/></bsdf>
-  <bsdf type='bumpmap' id='bumpy'><bsdf type='diffuse'/><float name='scale' value='2'/></bsdf>
+  <bsdf type='bumpmap' id='bumpy'><bsdf type='diffuse'/><ref id='wood'/><float name='scale' value='2'/></bsdf>
+  <bsdf type='velvet' id='curtain'><float name='pile' value='3'/></bsdf>
   <bsdf type='roughconductor' id='cu'><string name='material' value='Cu'/><float name='alpha_u' value='0.1'/>
     <float name='alpha_v' value='0.4'/><string name='distribution' value='ggx'/></bsdf>
   <emitter type='area' id='glow'><rgb name='radiance' value='3'/></emitter>
@@ -389,6 +394,8 @@ fn what_was_not_understood_survives_being_saved() {
         "mystery",
         "cylinder",
         "bumpmap",
+        "velvet",
+        "pile",
         "envmap",
         "sky.exr",
         "wood.png",
@@ -597,7 +604,7 @@ fn entities_say_what_the_file_says_and_are_gathered_again() {
         .iter(world)
         .map(|(_, users)| users.iter().count())
         .collect();
-    assert_eq!(users.iter().sum::<usize>(), 4);
+    assert_eq!(users.iter().sum::<usize>(), 5);
 }
 
 #[test]

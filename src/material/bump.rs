@@ -1,8 +1,9 @@
 //! Shading about normals that are not the surface's own.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::BumpOptions;
+use crate::accel::SurfacePoint;
 use crate::math::Frame;
 
 /// A shading frame whose z may be turned to the back of the surface; the frame itself stays upright.
@@ -22,6 +23,19 @@ impl Orientation {
     pub fn to_world(self, v: Vec3) -> Vec3 {
         self.frame.to_world(Vec3::new(v.x, v.y, v.z * self.side))
     }
+}
+
+/// The normal, in `frame`, of the surface at `point` once it is moved along `frame.n` by a height whose derivatives by u and v are
+/// `gradient`. On the side of the geometric normal, not of unit length.
+pub(super) fn displaced_normal(point: &SurfacePoint, frame: Frame, gradient: Vec2) -> Vec3 {
+    let tilted = |derivative: Vec3, slope: f32| derivative + (slope - frame.n.dot(derivative)) * frame.n;
+    let normal = tilted(point.dp_du, gradient.x).cross(tilted(point.dp_dv, gradient.y));
+    let side = if normal.dot(point.geometric_normal) < 0.0 {
+        -1.0
+    } else {
+        1.0
+    };
+    frame.to_local(side * normal)
 }
 
 /// How a bumped surface differs from the one it lies on.

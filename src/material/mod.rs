@@ -53,6 +53,14 @@ pub enum Material {
         normals: Parameter<Rgb>,
         options: BumpOptions,
     },
+    /// `nested` about the normals that the surface has once it is moved by `scale` times a texture along its own (Blinn, Simulation of
+    /// Wrinkled Surfaces, 1978).
+    BumpMap {
+        nested: MaterialId,
+        height: Parameter<f32>,
+        scale: f32,
+        options: BumpOptions,
+    },
     /// Light passes as if nothing were there.
     Null,
 }

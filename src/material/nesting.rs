@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use super::bump::{Bump, Orientation};
+use super::bump::{Bump, Orientation, displaced_normal};
 use super::scattering::{Part, Scattering};
-use super::{Material, MaterialId};
+use super::{BumpOptions, Material, MaterialId};
 use crate::accel::SurfacePoint;
 use crate::shading::Bsdf;
 use crate::texture::{TexturePoint, TextureTable};
@@ -40,7 +40,9 @@ impl Material {
             Self::Plain(_) | Self::Textured(_) | Self::Null => [None, None],
             Self::TwoSided { front, back } => [Some(front), Some(back)],
             Self::Blend { first, second, .. } => [Some(first), Some(second)],
-            Self::Mask { nested, .. } | Self::NormalMap { nested, .. } => [Some(nested), None],
+            Self::Mask { nested, .. } | Self::NormalMap { nested, .. } | Self::BumpMap { nested, .. } => {
+                [Some(nested), None]
+            }
         }
     }
 }
@@ -95,6 +97,7 @@ pub(super) fn resolve(
 ) -> Scattering {
     let mut resolver = Resolver {
         materials,
+        point,
         wo,
         textures,
         at,
@@ -110,6 +113,7 @@ pub(super) fn resolve(
 
 struct Resolver<'a> {
     materials: &'a [Material],
+    point: &'a SurfacePoint,
     wo: Vec3,
     textures: &'a TextureTable,
     at: &'a TexturePoint<'a>,
@@ -159,12 +163,35 @@ impl Resolver<'_> {
                 options,
             } => {
                 let normal = 2.0 * self.textures.color(*normals, self.at) - Vec3::ONE;
-                match Bump::new(normal, orientation, self.wo, *options) {
-                    Some((bumped, bump)) => self.add(*nested, weight, bumped, Some(bump)),
-                    None => self.add(*nested, weight, orientation, bump),
-                }
+                self.add_bumped(*nested, weight, orientation, bump, normal, *options);
+            }
+            Material::BumpMap {
+                nested,
+                height,
+                scale,
+                options,
+            } => {
+                let gradient = *scale * self.textures.gradient(*height, self.at);
+                let normal = displaced_normal(self.point, orientation.frame, gradient);
+                self.add_bumped(*nested, weight, orientation, bump, normal, *options);
             }
             Material::Null => self.scattering.let_through(weight),
+        }
+    }
+
+    /// `normal`: in the frame of `below`, the orientation without it.
+    fn add_bumped(
+        &mut self,
+        nested: MaterialId,
+        weight: f32,
+        below: Orientation,
+        bump: Option<Bump>,
+        normal: Vec3,
+        options: BumpOptions,
+    ) {
+        match Bump::new(normal, below, self.wo, options) {
+            Some((bumped, bump)) => self.add(nested, weight, bumped, Some(bump)),
+            None => self.add(nested, weight, below, bump),
         }
     }
 

@@ -15,7 +15,7 @@ pub struct Authored {
     pub object: Object,
     /// As [`super::write`] would have written it from the components it became. What differs from this at the time of saving was edited.
     pub as_read: Object,
-    /// What each child of `object` is, references followed; None for those that lead nowhere.
+    /// What each child of `object` is, references followed; None for those that lead nowhere or were left out.
     pub child_categories: Vec<Option<Category>>,
 }
 

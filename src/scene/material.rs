@@ -88,6 +88,13 @@ pub enum Material {
         flip_invalid_normals: bool,
         use_shadowing_function: bool,
     },
+    /// [`FirstNested`] about the normals of the surface moved outwards by `scale` times a height; flat without a texture.
+    BumpMap {
+        height: Parameter<f32>,
+        scale: f32,
+        flip_invalid_normals: bool,
+        use_shadowing_function: bool,
+    },
     /// Nothing to be seen.
     Null,
 }
@@ -103,7 +110,7 @@ impl Default for Material {
 
 impl Material {
     /// The names of all plugins, ours last.
-    pub const PLUGINS: [&'static str; 16] = [
+    pub const PLUGINS: [&'static str; 17] = [
         "diffuse",
         "conductor",
         "roughconductor",
@@ -118,6 +125,7 @@ impl Material {
         "blendbsdf",
         "mask",
         "normalmap",
+        "bumpmap",
         "null",
         "metal",
     ];
@@ -190,6 +198,12 @@ impl Material {
                 flip_invalid_normals: true,
                 use_shadowing_function: true,
             },
+            "bumpmap" => Self::BumpMap {
+                height: 0.0.into(),
+                scale: 1.0,
+                flip_invalid_normals: true,
+                use_shadowing_function: true,
+            },
             "null" => Self::Null,
             _ => return None,
         })
@@ -213,6 +227,7 @@ impl Material {
             Self::Blend { .. } => "blendbsdf",
             Self::Mask { .. } => "mask",
             Self::NormalMap { .. } => "normalmap",
+            Self::BumpMap { .. } => "bumpmap",
             Self::Null => "null",
         }
     }
@@ -222,7 +237,7 @@ impl Material {
         match self {
             Self::TwoSided => 1..=2,
             Self::Blend { .. } => 2..=2,
-            Self::Mask { .. } | Self::NormalMap { .. } => 1..=1,
+            Self::Mask { .. } | Self::NormalMap { .. } | Self::BumpMap { .. } => 1..=1,
             _ => 0..=0,
         }
     }

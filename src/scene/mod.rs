@@ -37,7 +37,7 @@ pub use material::{
     ConductorIor, Distribution, FirstNested, FirstNestedIn, Ior, Material, MaterialUsers, Roughness, SecondNested,
     SecondNestedIn, UsesMaterial,
 };
-pub use parameters::ParameterVisitor;
+pub use parameters::{HEIGHT, ParameterVisitor};
 pub use pictures::Pictures;
 pub use plugin::{ScenePlugin, SceneSystems, asset_plugin};
 pub use principled::{Principled, PrincipledIndex, PrincipledThin};

@@ -15,6 +15,10 @@ pub trait ParameterVisitor {
     /// A colour that is no direction's business: not negative, without upper bound.
     fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>);
     fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>);
+    /// A height in units of the scene: a texture, to which the format gives no name ([`HEIGHT`] in files that are written).
+    fn height(&mut self, value: &mut Parameter<f32>) {
+        self.float(HEIGHT, value, -f32::MAX..=f32::MAX);
+    }
     /// A number that is the same everywhere.
     fn number(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>);
     fn flag(&mut self, name: &'static str, value: &mut bool);
@@ -32,6 +36,9 @@ pub trait ParameterVisitor {
     /// `specular` or `eta`.
     fn principled_index(&mut self, value: &mut PrincipledIndex);
 }
+
+/// What the texture of a bump map is called where it has no name.
+pub const HEIGHT: &str = "height";
 
 const UNIT: RangeInclusive<f32> = 0.0..=1.0;
 
@@ -137,6 +144,17 @@ impl Material {
                 use_shadowing_function,
             } => {
                 visitor.reflectance("normalmap", normals);
+                visitor.flag("flip_invalid_normals", flip_invalid_normals);
+                visitor.flag("use_shadowing_function", use_shadowing_function);
+            }
+            Self::BumpMap {
+                height,
+                scale,
+                flip_invalid_normals,
+                use_shadowing_function,
+            } => {
+                visitor.height(height);
+                visitor.number("scale", scale, -f32::MAX..=f32::MAX);
                 visitor.flag("flip_invalid_normals", flip_invalid_normals);
                 visitor.flag("use_shadowing_function", use_shadowing_function);
             }

@@ -269,6 +269,22 @@ impl MaterialPacker<'_, '_, '_> {
                     },
                 };
             }
+            Material::BumpMap {
+                height,
+                scale,
+                flip_invalid_normals,
+                use_shadowing_function,
+            } => {
+                return material::Material::BumpMap {
+                    nested: first(self),
+                    height: self.float("height", height, f32::MIN, f32::MAX, 0.0),
+                    scale: self.check.number("scale", *scale, f32::MIN, f32::MAX, 1.0),
+                    options: BumpOptions {
+                        flip_invalid_normals: *flip_invalid_normals,
+                        use_shadowing_function: *use_shadowing_function,
+                    },
+                };
+            }
             Material::Null => return material::Material::Null,
         };
         material::Material::Textured(textured)

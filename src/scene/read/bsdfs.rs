@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use super::parameters::Parameters;
-use super::textures::PictureSearch;
+use super::textures::{PictureSearch, read_texture};
 use super::{SceneReader, address, ior_names};
 use crate::color::Rgb;
 use crate::document::suggest::did_you_mean;
@@ -133,6 +133,24 @@ impl ParameterVisitor for FromFile<'_, '_, '_> {
     fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>) {
         if let Some(given) = self.reader.float_parameter(name, range, self.pictures) {
             *value = given;
+        }
+    }
+
+    fn height(&mut self, value: &mut Parameter<f32>) {
+        let mut textures = self.reader.children(Category::Texture).into_iter();
+        let Some((_, object)) = textures.next() else {
+            let span = self.reader.object().span;
+            let message = "`bumpmap` needs a texture, its height";
+            self.reader.diagnostics().error(span, message);
+            return;
+        };
+        if let Some((_, extra)) = textures.next() {
+            let message = "`bumpmap` takes one texture";
+            self.reader.diagnostics().error(extra.span, message);
+        }
+        let pictures = &mut *self.pictures;
+        if let Some(texture) = self.reader.nested(object, |reader| read_texture(reader, pictures)) {
+            *value = Parameter::Texture(texture);
         }
     }
 

@@ -35,15 +35,28 @@ impl<'a> SceneReader<'a> {
         let mut reader = self.reader(object);
         let shapes = reader.children(Category::Shape);
         reader.finish();
-        for (_, shape) in shapes {
-            if !object.objects().any(|inside| std::ptr::eq(inside, shape)) {
+        let mut left_out = Vec::new();
+        for (place, (_, shape)) in shapes.into_iter().enumerate() {
+            let is_member = if !object.objects().any(|inside| std::ptr::eq(inside, shape)) {
                 let message = "the shapes of a shapegroup are written inside it: those it refers to are left out";
                 self.diagnostics.warn(object.span, message);
+                false
             } else if is_group(shape) || shape.plugin == "instance" {
                 let message = format!("{} cannot be part of a shapegroup", shape.title());
                 self.diagnostics.error(shape.span, message);
+                false
             } else {
-                self.read_shape(shape, Some(group));
+                self.read_shape(shape, Some(group))
+            };
+            if !is_member {
+                left_out.push(place);
+            }
+        }
+        if let Some(authored) = &mut self.description.groups[group].identity.authored {
+            let children = authored.child_categories.iter_mut();
+            let shapes = children.filter(|category| **category == Some(Category::Shape));
+            for (_, category) in shapes.enumerate().filter(|(place, _)| left_out.contains(place)) {
+                *category = None;
             }
         }
         true

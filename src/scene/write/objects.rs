@@ -10,8 +10,8 @@ use crate::color::Rgb;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
 use crate::scene::read::frame_along;
 use crate::scene::{
-    AreaLight, Bitmap, ConductorIor, Distribution, Emitter, Film, FovAxis, IntegratorSettings, Ior, Lens, Material,
-    MeshFormat, Parameter, ParameterVisitor, PrincipledIndex, ReconstructionFilter, Roughness, Sensor, Shape,
+    AreaLight, Bitmap, ConductorIor, Distribution, Emitter, Film, FovAxis, HEIGHT, IntegratorSettings, Ior, Lens,
+    Material, MeshFormat, Parameter, ParameterVisitor, PrincipledIndex, ReconstructionFilter, Roughness, Sensor, Shape,
     ShapeKind, Texture, TextureFilter, TextureWrap,
 };
 
@@ -113,6 +113,13 @@ impl ParameterVisitor for IntoObject<'_> {
 
     fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, _range: RangeInclusive<f32>) {
         self.put_float(name, value);
+    }
+
+    fn height(&mut self, value: &mut Parameter<f32>) {
+        // A number is no texture, and the format wants one.
+        if let Parameter::Texture(texture) = value {
+            self.put_texture(HEIGHT, texture);
+        }
     }
 
     fn number(&mut self, name: &'static str, value: &mut f32, _range: RangeInclusive<f32>) {

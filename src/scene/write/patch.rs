@@ -5,8 +5,8 @@ use bevy::math::Affine3A;
 use super::objects::as_steps;
 use super::steps;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
-use crate::scene::Authored;
 use crate::scene::read::frame_along;
+use crate::scene::{Authored, HEIGHT};
 
 /// Parameters that say the same thing in another way: writing the first takes the others away.
 const SUPERSEDES: [(&str, &[&str]); 8] = [
@@ -174,11 +174,20 @@ impl Draft {
     /// Over the texture given for the same parameter, or instead of the reference to one: others may refer to that as well.
     fn set_texture(&mut self, before: Option<&Object>, now: &Object) {
         let name = now.name.as_deref();
-        let place = self.object.children.iter().position(|child| child.name() == name);
-        match place {
+        let named = self.object.children.iter().position(|child| child.name() == name);
+        // That of a bump map has any name or none.
+        let only = || match name {
+            Some(HEIGHT) => self
+                .categories
+                .iter()
+                .position(|known| *known == Some(Category::Texture)),
+            _ => None,
+        };
+        match named.or_else(only) {
             Some(place) => {
                 let child = &mut self.object.children[place];
-                *child = Child::Object(revised(child, before, now.clone()));
+                let revised = Child::Object(revised(child, before, now.clone()));
+                *child = in_place_of(child, revised);
                 self.categories[place] = Some(Category::Texture);
             }
             None => {

@@ -8,7 +8,7 @@ use bevy_egui::egui::Ui;
 use super::fields;
 use crate::color::Rgb;
 use crate::scene::{
-    ConductorIor, Distribution, Ior, Material, Parameter, ParameterVisitor, PrincipledIndex, Roughness, Texture,
+    ConductorIor, Distribution, HEIGHT, Ior, Material, Parameter, ParameterVisitor, PrincipledIndex, Roughness, Texture,
 };
 use crate::shading::ior::{self, CONDUCTORS, DIELECTRICS};
 
@@ -24,7 +24,7 @@ const METALS: [(&str, &str); 7] = [
 ];
 
 /// What plugins are called in lists, where not by their own name.
-const KINDS: [(&str, &str); 9] = [
+const KINDS: [(&str, &str); 10] = [
     ("roughconductor", "rough conductor"),
     ("roughdielectric", "rough dielectric"),
     ("thindielectric", "thin dielectric"),
@@ -32,6 +32,7 @@ const KINDS: [(&str, &str); 9] = [
     ("twosided", "two-sided"),
     ("blendbsdf", "blend"),
     ("normalmap", "normal map"),
+    ("bumpmap", "bump map"),
     ("null", "nothing"),
     ("metal", "metal with fuzz"),
 ];
@@ -237,6 +238,13 @@ impl ParameterVisitor for Rows<'_> {
         match value {
             Parameter::Constant(number) => self.changed |= fields::slider(self.ui, &label, number, range),
             Parameter::Texture(_) => self.texture(name, value, 0.5),
+        }
+    }
+
+    fn height(&mut self, value: &mut Parameter<f32>) {
+        match value {
+            Parameter::Constant(_) => fields::note(self.ui, &label(HEIGHT), "flat"),
+            Parameter::Texture(_) => self.texture(HEIGHT, value, 0.0),
         }
     }
 
