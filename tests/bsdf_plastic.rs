@@ -61,6 +61,12 @@ fn cases() -> Vec<Single> {
             add(format!("roughplastic {kind:?} {eta} {alpha} {color} {nonlinear}"), bsdf);
         }
     }
+    let tinted = CoatedBase {
+        specular_reflectance: Rgb::new(0.3, 0.9, 0.0),
+        ..base(COLOR, true)
+    };
+    add("plastic, tinted".to_owned(), plastic(1.6, tinted));
+    add("roughplastic, tinted".to_owned(), rough_plastic(1.6, Ggx, 0.2, tinted));
     cases
 }
 

@@ -10,7 +10,8 @@ mod principled_cases;
 mod principled_figures;
 
 use bsdf_support::{
-    Single, assert_mean_weight, assert_reciprocal, assert_weights, density_p_values, direction, mirror,
+    Single, assert_mean_weight, assert_reciprocal, assert_reciprocal_between, assert_weights, density_p_values,
+    direction, mirror,
 };
 use glam::{Vec2, Vec3};
 use principled_cases::{GOLD, PRINCIPLED, THIN, principled_cases, thin_cases};
@@ -120,9 +121,35 @@ fn layers_make_little_energy() {
 
 #[test]
 fn reflection_is_reciprocal() {
+    let anywhere = |_, _| true;
     for case in cases() {
-        assert_reciprocal(&case);
+        // Inside of glass as well, and through sheets, whose two interfaces undo each other's compression.
+        match case.bsdf {
+            Bsdf::PrincipledThin(sheet) => {
+                // A leaf may let all light through.
+                if sheet.spec_trans > 0.0 || sheet.diff_trans < 2.0 {
+                    assert_reciprocal(&case);
+                    assert_reciprocal_between(&case, [-1.0, -1.0], anywhere);
+                }
+                if sheet.spec_trans > 0.0 || sheet.diff_trans > 0.0 {
+                    assert_reciprocal_between(&case, [1.0, -1.0], goes_through_both_ways);
+                }
+            }
+            Bsdf::Principled(solid) if solid.spec_trans > 0.0 => {
+                assert_reciprocal(&case);
+                assert_reciprocal_between(&case, [-1.0, -1.0], anywhere);
+            }
+            _ => assert_reciprocal(&case),
+        }
     }
+}
+
+/// Light goes through a sheet as if mirrored and turned to the other side. That model has no light where a steep facet would have it come
+/// out on the side it came from, which may be so one way only.
+fn goes_through_both_ways(above: Vec3, below: Vec3) -> bool {
+    let turned = |v: Vec3| v.with_z(-v.z);
+    let facet = (above + turned(below)).normalize();
+    below.dot(facet) < 0.0 && turned(above).dot(facet) < 0.0
 }
 
 #[test]

@@ -4,8 +4,8 @@ mod bsdf_support;
 mod statistics;
 
 use bsdf_support::{
-    Single, assert_figure, assert_finite, assert_lobe_weight, assert_reciprocal, assert_weights, direction, furnace,
-    lobe_p_value, mirror,
+    Single, assert_figure, assert_finite, assert_lobe_weight, assert_reciprocal, assert_reciprocal_between,
+    assert_weights, direction, furnace, lobe_p_value, mirror,
 };
 use glam::{UVec2, Vec3};
 use statistics::{assert_all_plausible, sphere_integral};
@@ -79,6 +79,20 @@ fn cases() -> Vec<Single> {
             add(format!("roughdielectric {kind:?} {eta} {alpha_x} {alpha_y}"), bsdf);
         }
     }
+    let tinted = RoughDielectric {
+        eta: 1.4,
+        model: DielectricModel::Schlick,
+        distribution: Microfacet::new(Ggx, 0.3, 0.2),
+        specular_reflectance: Rgb::new(0.9, 0.2, 0.5),
+        specular_transmittance: Rgb::new(0.1, 1.0, 0.6),
+    };
+    add(
+        "roughdielectric Schlick, tinted".to_owned(),
+        Bsdf::RoughDielectric(tinted),
+    );
+    let mut tinted = rough_conductor("Cu", Beckmann, 0.2, 0.3);
+    tinted.specular.specular_reflectance = Rgb::new(0.9, 0.2, 0.5);
+    add("roughconductor tinted".to_owned(), Bsdf::RoughConductor(tinted));
     cases
 }
 
@@ -187,9 +201,66 @@ fn compensated_mirrors_lose_nothing() {
 
 #[test]
 fn reflection_is_reciprocal() {
-    // Scaling the lobe by what one viewer misses is not.
-    for case in cases().iter().filter(|case| !case.name.starts_with("compensated")) {
-        assert_reciprocal(case);
+    for case in &cases() {
+        match case.bsdf {
+            Bsdf::RoughConductor(compensated) if compensated.multiple_scattering.is_some() => {
+                assert_scaled_by_the_viewer(case, compensated);
+            }
+            Bsdf::RoughDielectric(_) => {
+                assert_reciprocal(case);
+                assert_reciprocal_between(case, [-1.0, -1.0], |_, _| true);
+            }
+            _ => assert_reciprocal(case),
+        }
+    }
+}
+
+/// Compensation is not reciprocal: it scales the lobe, which is, by what each viewer misses of it.
+fn assert_scaled_by_the_viewer(case: &Single, compensated: RoughConductor) {
+    let single = Bsdf::RoughConductor(RoughConductor {
+        multiple_scattering: None,
+        ..compensated
+    });
+    for wo in viewers(case) {
+        let mut samples = (0..100).filter_map(|i| case.sample(wo, i));
+        let gain = |wi| case.eval(wo, wi) / single.eval(wo, wi);
+        let first = samples.next().map(|sample| gain(sample.wi)).expect("a sample");
+        // Smooth mirrors miss nothing, to the precision of the quadrature.
+        assert!(first.min_element() > 1.0 - 1e-4, "{} {wo}: {first}", case.name);
+        for sample in samples {
+            let error = (gain(sample.wi) / first - Rgb::ONE).abs().max_element();
+            assert!(error < 1e-5, "{} {wo}: {error}", case.name);
+        }
+    }
+}
+
+/// What is not white is so much darker, lobe by lobe.
+#[test]
+fn tints_multiply_their_lobes() {
+    let cases = cases();
+    let tinted = cases.iter().filter(|case| case.name.contains("tinted"));
+    for case in tinted {
+        let mut plain = case.bsdf;
+        let tints = match &mut plain {
+            Bsdf::RoughDielectric(glass) => [&mut glass.specular_reflectance, &mut glass.specular_transmittance]
+                .map(|tint| std::mem::replace(tint, Rgb::ONE)),
+            Bsdf::RoughConductor(metal) => [
+                std::mem::replace(&mut metal.specular.specular_reflectance, Rgb::ONE),
+                Rgb::ZERO,
+            ],
+            other => panic!("{other:?} has no tint"),
+        };
+        for wo in viewers(case) {
+            for sample in (0..100).filter_map(|i| case.sample(wo, i)) {
+                let tint = tints[usize::from(sample.wi.z * wo.z < 0.0)];
+                let error = case.eval(wo, sample.wi) - tint * plain.eval(wo, sample.wi);
+                assert!(
+                    error.abs().max_element() <= 1e-5 * plain.eval(wo, sample.wi).x,
+                    "{}",
+                    case.name
+                );
+            }
+        }
     }
 }
 

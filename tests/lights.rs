@@ -6,7 +6,7 @@ mod support;
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use sunroom::accel::Primitive;
 use sunroom::color::Rgb;
-use sunroom::light::{LightId, LightReference, LightSource, LightTable, SurfaceHit, WeightedSource};
+use sunroom::light::{LightId, LightReference, LightSource, LightTable, SurfaceHit, Target, WeightedSource};
 use sunroom::math::Ray;
 use sunroom::render::scene::RenderScene;
 use sunroom::sampling::{Sampler, SequenceKind};
@@ -263,8 +263,8 @@ fn the_choice_between_lights_is_part_of_the_density() {
         };
         let kind = match (sample.is_delta, sample.target) {
             (true, _) => 0,
-            (false, sunroom::light::Target::Point(_)) => 1,
-            (false, sunroom::light::Target::Infinity) => 2,
+            (false, Target::Point(_)) => 1,
+            (false, Target::Infinity) => 2,
         };
         counts[kind] += 1;
         if kind == 0 {
@@ -361,6 +361,70 @@ fn the_sampling_weight_scales_the_probability_only() {
         first.len()
     };
     assert_eq!([0.0, 1.0, 3.0].map(probability_of_first), [0, 50, 75]);
+}
+
+/// Lights that nothing else can find: the whole of a point's intensity over the squared distance, the whole of a direction's irradiance.
+#[test]
+fn lights_without_extent_send_what_they_say() {
+    for (i, color) in [
+        Rgb::ONE,
+        Rgb::X,
+        Rgb::new(0.2, 3.0, 40.0),
+        Rgb::splat(1e-6),
+        Rgb::splat(1e6),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let i = i as f32;
+        let position = Vec3::new(3.0 - i, 0.3 * i * i, -2.0);
+        let direction = Vec3::new(0.3 - i, 1.0, 0.2 * i).normalize();
+        let at = Vec3::new(0.5, -0.1, 0.4 * i);
+        let to_point = position - at;
+        for (source, wi, radiance) in [
+            (
+                LightSource::Point {
+                    position,
+                    intensity: color,
+                },
+                to_point.normalize(),
+                color / to_point.length_squared(),
+            ),
+            (
+                LightSource::Directional {
+                    direction,
+                    irradiance: color,
+                },
+                -direction,
+                color,
+            ),
+        ] {
+            let mut scene = SceneBuilder::default();
+            let is_point = matches!(source, LightSource::Point { .. });
+            scene.light(source.clone());
+            let scene = scene.build();
+            for u in [0.0, 0.3, 0.999] {
+                let sample = scene.lights.sample(&all_around(at), u, Vec2::new(u, 0.5));
+                let sample = sample.unwrap_or_else(|| panic!("{source:?} is seen from everywhere"));
+                assert!(
+                    sample.is_delta && (sample.wi - wi).length() < 1e-6,
+                    "{source:?}: {sample:?}"
+                );
+                assert_eq!(matches!(sample.target, Target::Point(_)), is_point);
+                let error = (sample.radiance / sample.pdf - radiance).abs().max_element();
+                assert!(error <= 1e-5 * radiance.max_element(), "{source:?}: {sample:?}");
+            }
+            // No ray that leaves the scene meets them.
+            let escaping: Rgb = scene
+                .lights
+                .infinite()
+                .iter()
+                .map(|&id| scene.lights.radiance_from(id, wi))
+                .sum();
+            assert_eq!(escaping, Rgb::ZERO);
+            assert_eq!(scene.lights.pdf_of_escape(LightId(0), &all_around(at), wi), 0.0);
+        }
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@
 mod mesh_support;
 
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::{Vec2, Vec3};
 use mesh_support::{Random, assert_sound};
@@ -435,10 +435,12 @@ fn an_obj_arrives_whole() {
     assert_eq!(asked, ["a.mtl"]);
     assert_eq!(
         loaded.warnings,
-        ["12 of 20 vertices: without a usable normal of their own get one computed from the triangles",]
+        ["12 of 20 vertices: without a usable normal of their own get one computed from the triangles"]
     );
     let mesh = loaded.mesh;
     assert_sound(&mesh);
+    let picture = mesh.materials[1].maps.kd.as_ref().map(|map| map.file.as_path());
+    assert_eq!(picture, Some(Path::new("a.png")));
     assert_eq!((mesh.positions.len(), mesh.triangles.len()), (20, 12));
     let names: Vec<&str> = mesh.materials.iter().map(|material| material.name.as_str()).collect();
     assert_eq!(names, ["green", "red"]);
@@ -639,204 +641,6 @@ fn hostile_obj_files_cost_little() {
     assert_eq!(loaded.mesh.triangles.len(), 50_000 + 199_998);
     assert!(asked <= 64, "{asked} libraries were asked for");
     assert!(loaded.warnings.len() <= 33, "{} warnings", loaded.warnings.len());
-}
-
-// ---- Files of other people ----------------------------------------------------------------------------------------------
-
-/// A folder of shared data next to the repository, or `None` with a word about it.
-fn shared(folder: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared/data")
-        .join(folder);
-    if path.is_dir() {
-        Some(path)
-    } else {
-        eprintln!("skipped: there is no {}", path.display());
-        None
-    }
-}
-
-fn load_file(path: &Path) -> Result<LoadedMesh, MeshError> {
-    let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let folder = path.parent().unwrap();
-    let loaded = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("ply") => load_ply(&bytes),
-        _ => load_obj(&bytes, &mut |name| std::fs::read(folder.join(name))),
-    };
-    if let Ok(loaded) = &loaded {
-        assert_sound(&loaded.mesh);
-    }
-    loaded
-}
-
-#[test]
-fn the_models_have_their_triangles() {
-    let Some(folder) = shared("models") else { return };
-    // 1,113 of the bunny's 35,947 vertices belong to no triangle.
-    for (name, vertices, triangles, has_uvs) in [
-        ("bunny.obj", 34_834, 69_451, false),
-        ("dragon.ply", 437_645, 871_414, false),
-        ("dragon_res3.ply", 22_998, 47_794, false),
-        ("dragon_res4.ply", 5_205, 11_102, false),
-        ("teapot.obj", 3_644, 6_320, false),
-        ("suzanne.obj", 507, 968, false),
-        ("spot.obj", 3_225, 5_856, true),
-    ] {
-        let loaded = load_file(&folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let mesh = loaded.mesh;
-        assert_eq!(
-            (mesh.positions.len(), mesh.triangles.len()),
-            (vertices, triangles),
-            "{name}"
-        );
-        assert_eq!(!mesh.uvs.is_empty(), has_uvs, "{name}");
-        assert_eq!(loaded.warnings, [""; 0], "{name}");
-        let least = vertices * 24 + triangles * 12;
-        assert!(
-            (least..2 * least).contains(&mesh.heap_bytes()),
-            "{name}: {} bytes held",
-            mesh.heap_bytes()
-        );
-    }
-}
-
-/// Vertices, triangles, materials and warnings; or the error.
-type Outcome = Result<(usize, usize, usize, usize), &'static str>;
-
-const NO_TRIANGLES: Outcome = Err("the file holds no triangles");
-
-#[test]
-fn every_file_of_other_loaders_loads_or_says_why_not() {
-    let Some(folder) = shared("obj") else { return };
-    let expected: &[(&str, Outcome)] = &[
-        ("assimp/WusonOBJ.obj", Ok((2117, 3732, 0, 0))),
-        ("assimp/box.obj", Ok((8, 12, 0, 1))),
-        // One face is a polygon of 936 corners, round and round the same four.
-        ("assimp/box_longline.obj", Ok((8, 944, 0, 1))),
-        ("assimp/box_mat_with_spaces.obj", Ok((8, 12, 12, 0))),
-        ("assimp/concave_polygon.obj", Ok((64, 64, 1, 0))),
-        ("assimp/cube_usemtl.obj", Ok((24, 12, 3, 1))),
-        ("assimp/cube_with_vertexcolors.obj", Ok((24, 12, 0, 0))),
-        ("assimp/empty.obj", NO_TRIANGLES),
-        (
-            "assimp/malformed.obj",
-            Err("line 28: vertex index 0 is out of range: the file has 8"),
-        ),
-        ("assimp/mtl_different_folder.obj", Ok((8, 12, 1, 0))),
-        ("assimp/multiple_spaces.obj", Ok((3, 1, 0, 0))),
-        ("assimp/regr_3429812.obj", Ok((4, 4, 1, 1))),
-        // Lines only.
-        ("assimp/testline.obj", NO_TRIANGLES),
-        ("tinyobjloader/colorspace-issue-184.obj", Ok((3, 1, 1, 2))),
-        ("tinyobjloader/cornell_box.obj", Ok((72, 36, 5, 0))),
-        ("tinyobjloader/cube-vertexcol.obj", Ok((8, 12, 5, 0))),
-        ("tinyobjloader/cube.obj", Ok((8, 12, 5, 0))),
-        // Faces of one and two corners only.
-        ("tinyobjloader/invalid-face-definition.obj", NO_TRIANGLES),
-        (
-            "tinyobjloader/invalid-relative-vertex-index.obj",
-            Err("line 1: vertex index -4 is out of range: the file has 0"),
-        ),
-        ("tinyobjloader/issue-138.obj", Ok((24, 12, 2, 0))),
-        ("tinyobjloader/issue-161-inconsistent-f.obj", Ok((22, 12, 6, 1))),
-        ("tinyobjloader/issue-235-usemtl-then-o.obj", Ok((6, 2, 2, 0))),
-        ("tinyobjloader/issue-246-usemtl-whitespace.obj", Ok((3, 1, 1, 0))),
-        ("tinyobjloader/issue-295-trianguation-failure.obj", Ok((44, 28, 0, 0))),
-        ("tinyobjloader/issue-319-003.obj", Ok((10, 8, 0, 0))),
-        ("tinyobjloader/issue-92.obj", Ok((3, 1, 1, 0))),
-        ("tinyobjloader/issue-95.obj", Ok((3, 1, 1, 0))),
-        ("tinyobjloader/leading-decimal-dot-issue-201.obj", Ok((3, 1, 1, 0))),
-        ("tinyobjloader/line-prim.obj", NO_TRIANGLES),
-        ("tinyobjloader/map-bump.obj", Ok((676, 400, 2, 1))),
-        ("tinyobjloader/missing_material_file.obj", Ok((72, 36, 0, 1))),
-        ("tinyobjloader/norm-texopt.obj", Ok((3, 1, 1, 1))),
-        ("tinyobjloader/refl.obj", Ok((8, 12, 5, 1))),
-        ("tinyobjloader/smoothing-normal.obj", Ok((8, 6, 5, 0))),
-        ("tinyobjloader/texture-filename-with-whitespace.obj", Ok((8, 12, 5, 2))),
-        // The faces come before any usemtl: they are of a sixth, grey material.
-        ("tinyobjloader/usemtl-issue-104.obj", Ok((12, 6, 6, 0))),
-        // Six textures; a second library that is not there, and three materials that were in it.
-        ("tobj/cornell_box.obj", Ok((72, 36, 5, 10))),
-        ("tobj/empty_name_triangle.obj", Ok((3, 1, 0, 0))),
-        // Some faces with normals, some without.
-        ("tobj/quad.obj", Ok((11, 5, 0, 1))),
-        ("tobj/triangle.obj", Ok((3, 1, 0, 0))),
-    ];
-    let mut wrong = Vec::new();
-    for (name, outcome) in expected {
-        let found = load_file(&folder.join(name));
-        let found = found.as_ref().map(|LoadedMesh { mesh, warnings }| {
-            (
-                mesh.positions.len(),
-                mesh.triangles.len(),
-                mesh.materials.len(),
-                warnings.len(),
-            )
-        });
-        let found = found.map_err(ToString::to_string);
-        if found != outcome.map_err(ToString::to_string) {
-            wrong.push(format!("{name}: {found:?}, expected {outcome:?}"));
-        }
-    }
-    for entry in ["assimp", "tinyobjloader", "tobj"]
-        .iter()
-        .flat_map(|sub| std::fs::read_dir(folder.join(sub)).unwrap())
-    {
-        let path = entry.unwrap().path();
-        let name = path.strip_prefix(&folder).unwrap().to_str().unwrap();
-        if name.ends_with(".obj") && !expected.iter().any(|(known, _)| *known == name) {
-            wrong.push(format!("{name}: nothing is expected of it"));
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-}
-
-#[test]
-fn the_concave_polygon_is_not_covered_twice() {
-    let Some(folder) = shared("obj/assimp") else { return };
-    let mesh = load_file(&folder.join("concave_polygon.obj")).unwrap().mesh;
-    let signed = |i| {
-        let [a, b, c]: [Vec3; 3] = mesh.corners(i);
-        0.5 * (b - a).cross(c - a).x
-    };
-    let sum: f32 = (0..mesh.triangles.len()).map(signed).sum();
-    let absolute: f32 = (0..mesh.triangles.len()).map(|i| mesh.area_of_triangle(i)).sum();
-    // A ring of outer radius 0.7425, planar: its triangles all turn the same way.
-    assert!(
-        absolute > 0.1 && (sum.abs() - absolute).abs() < 1e-4 * absolute,
-        "{sum} of {absolute}"
-    );
-}
-
-#[test]
-fn small_ply_files_of_other_people() {
-    let Some(folder) = shared("ply") else { return };
-    for (name, vertices, triangles, uvs) in [
-        ("cbox_smallbox.ply", 24, 12, 0),
-        ("rectangle_uv.ply", 4, 2, 4),
-        ("triangle.ply", 3, 1, 0),
-    ] {
-        let mesh = load_file(&folder.join(name))
-            .unwrap_or_else(|error| panic!("{name}: {error}"))
-            .mesh;
-        assert_eq!(
-            (mesh.positions.len(), mesh.triangles.len(), mesh.uvs.len()),
-            (vertices, triangles, uvs),
-            "{name}"
-        );
-    }
-}
-
-#[test]
-fn a_material_library_of_another_program() {
-    let Some(folder) = shared("obj/misc") else { return };
-    let library = std::fs::read(folder.join("threejs_male02.mtl")).unwrap();
-    let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl _01_-_Default1noCulli__01_-_Default1noCulli\nf 1 2 3\n";
-    let mesh = load_obj(text.as_bytes(), &mut |_| Ok(library.clone())).unwrap().mesh;
-    assert_eq!(mesh.materials.len(), 2);
-    let used = &mesh.materials[mesh.material_of_triangle[0] as usize];
-    assert_eq!((used.kd, used.ks), (Vec3::splat(0.64), Vec3::splat(0.05)));
-    assert_eq!((used.ns, used.ni, used.d, used.illum), (30.0, 1.0, 1.0, Some(2)));
 }
 
 #[test]

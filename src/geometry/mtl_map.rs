@@ -58,28 +58,29 @@ pub(super) fn parse_map(text: &str) -> Option<MtlMap> {
     };
     let mut rest = text.trim();
     while let Some((option, after)) = rest.split_once(char::is_whitespace).filter(|_| rest.starts_with('-')) {
-        // Up to so many numbers, or just as many words.
-        let (numbers, words) = match option {
-            "-s" | "-o" | "-t" => (3, 0),
-            "-mm" => (2, 0),
-            "-bm" | "-boost" | "-texres" => (1, 0),
-            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-imfchan" | "-type" | "-colorspace" => (0, 1),
+        // Up to so many numbers, or a word.
+        let (numbers, takes_word) = match option {
+            "-s" | "-o" | "-t" => (3, false),
+            "-mm" => (2, false),
+            "-bm" | "-boost" | "-texres" => (1, false),
+            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-imfchan" | "-type" | "-colorspace" => (0, true),
             // A name that begins so.
             _ => break,
         };
         let mut values = [None; 3];
         let mut word = "";
         rest = after.trim_start();
-        for i in 0..numbers + words {
+        for value in values.iter_mut().take(numbers) {
             let (first, behind) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
-            if i < numbers {
-                let Some(number) = first.parse().ok().filter(|number: &f32| number.is_finite()) else {
-                    break;
-                };
-                values[i] = Some(number);
-            } else {
-                word = first;
-            }
+            let Some(number) = first.parse().ok().filter(|number: &f32| number.is_finite()) else {
+                break;
+            };
+            *value = Some(number);
+            rest = behind.trim_start();
+        }
+        if takes_word {
+            let behind;
+            (word, behind) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
             rest = behind.trim_start();
         }
         let pair = |absent: Vec2| Vec2::new(values[0].unwrap_or(absent.x), values[1].unwrap_or(absent.y));

@@ -182,11 +182,8 @@ impl Scattering {
 
     /// What a shadow ray against `wo` finds of the light behind.
     pub fn passing(&self) -> Rgb {
-        let of_parts = self
-            .parts
-            .iter()
-            .map(|part| part.weight * part.bsdf.passing(part.wo(self.wo)));
-        Rgb::splat(self.passing) + of_parts.sum::<Rgb>()
+        let of_part = |part: &Part| part.weight * part.factor(-self.wo) * part.bsdf.passing(part.wo(self.wo));
+        Rgb::splat(self.passing) + self.parts.iter().map(of_part).sum::<Rgb>()
     }
 
     /// Whether some of its light is scattered with a density, so that light sources are worth sampling from here.

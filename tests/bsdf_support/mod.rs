@@ -205,12 +205,27 @@ pub fn assert_mean_weight(case: &Single, viewers: &[Vec3]) {
 
 /// Light reflected from one direction above the surface into another loses as much on the way back.
 pub fn assert_reciprocal(case: &Single) {
+    assert_reciprocal_between(case, [1.0, 1.0], |_, _| true);
+}
+
+/// As [`assert_reciprocal`], between these sides of a surface that compresses no radiance: 1 is above, -1 below. For pairs of directions
+/// that there `is` a way between.
+pub fn assert_reciprocal_between(case: &Single, sides: [f32; 2], is: impl Fn(Vec3, Vec3) -> bool) {
+    let mut seen = 0;
     for i in 0..500 {
         let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::ZERO, i, 2);
-        let mut draw = || direction(89.0 * sampler.next_1d(), 6.3 * sampler.next_1d());
-        let (a, b) = (draw(), draw());
-        let (forth, back) = (case.eval(a, b) / b.z, case.eval(b, a) / a.z);
+        let mut draw = |side| {
+            let above = direction(89.0 * sampler.next_1d(), 6.3 * sampler.next_1d());
+            above.with_z(side * above.z)
+        };
+        let (a, b) = (draw(sides[0]), draw(sides[1]));
+        if !is(a, b) {
+            continue;
+        }
+        let (forth, back) = (case.eval(a, b) / b.z.abs(), case.eval(b, a) / a.z.abs());
         let error = (forth - back).abs().max_element();
         assert!(error <= 1e-4 * forth.max_element(), "{}: {forth} {back}", case.name);
+        seen += u32::from(forth.max_element() > 0.0);
     }
+    assert!(seen > 0, "{}: nothing was compared", case.name);
 }
