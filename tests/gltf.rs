@@ -1,5 +1,7 @@
 //! glTF files written by hand: what comes out as meshes, pictures and scene, and that broken ones give one error.
 
+mod gltf_support;
+
 use std::io::Cursor;
 
 use glam::{Affine3A, Vec2, Vec3};
@@ -10,102 +12,14 @@ use sunroom::gltf::files::take_apart;
 use sunroom::gltf::scene::Imported;
 use sunroom::gltf::{Gltf, GltfError};
 
+use gltf_support::Parts;
+
 fn open(text: &str) -> Result<Gltf, GltfError> {
     Gltf::open(text.as_bytes(), &mut nothing_beside)
 }
 
 fn nothing_beside(name: &str) -> std::io::Result<Vec<u8>> {
     Err(std::io::Error::new(std::io::ErrorKind::NotFound, format!("no {name}")))
-}
-
-fn base64(bytes: &[u8]) -> String {
-    const SYMBOLS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let group = |three: &[u8]| -> String {
-        let byte = |i: usize| u32::from(three.get(i).copied().unwrap_or(0));
-        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
-        let symbol = |i: usize| match i <= three.len() {
-            true => char::from(SYMBOLS[(bits >> (18 - 6 * i) & 63) as usize]),
-            false => '=',
-        };
-        (0..4).map(symbol).collect()
-    };
-    bytes.chunks(3).map(group).collect()
-}
-
-/// The parts of a file with one buffer: bytes are added with a view for each piece.
-#[derive(Default)]
-struct Parts {
-    bytes: Vec<u8>,
-    views: Vec<String>,
-    accessors: Vec<String>,
-}
-
-impl Parts {
-    fn view(&mut self, bytes: &[u8], more: &str) -> usize {
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        let (offset, length) = (self.bytes.len(), bytes.len());
-        self.bytes.extend_from_slice(bytes);
-        self.views.push(format!(
-            r#"{{"buffer": 0, "byteOffset": {offset}, "byteLength": {length}{more}}}"#
-        ));
-        self.views.len() - 1
-    }
-
-    fn accessor(&mut self, view: usize, component: u32, kind: &str, count: usize, more: &str) -> usize {
-        self.accessors.push(format!(
-            r#"{{"bufferView": {view}, "componentType": {component}, "type": "{kind}", "count": {count}{more}}}"#
-        ));
-        self.accessors.len() - 1
-    }
-
-    fn floats(&mut self, kind: &str, numbers: &[f32]) -> usize {
-        let width = match kind {
-            "VEC4" => 4,
-            "VEC3" => 3,
-            "VEC2" => 2,
-            _ => 1,
-        };
-        let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
-        let view = self.view(&bytes, "");
-        self.accessor(view, 5126, kind, numbers.len() / width, "")
-    }
-
-    fn json(&self, buffer: &str, rest: &str) -> String {
-        let (views, accessors, length) = (self.views.join(","), self.accessors.join(","), self.bytes.len());
-        format!(
-            r#"{{"asset": {{"version": "2.0"}}, "bufferViews": [{views}], "accessors": [{accessors}],
-                "buffers": [{{"byteLength": {length}{buffer}}}], {rest}}}"#
-        )
-    }
-
-    fn text(&self, rest: &str) -> String {
-        let uri = format!(
-            r#", "uri": "data:application/octet-stream;base64,{}""#,
-            base64(&self.bytes)
-        );
-        self.json(&uri, rest)
-    }
-
-    fn binary(&self, rest: &str) -> Vec<u8> {
-        let mut json = self.json("", rest).into_bytes();
-        json.resize(json.len().next_multiple_of(4), b' ');
-        let mut data = self.bytes.clone();
-        data.resize(data.len().next_multiple_of(4), 0);
-        let word = |number: usize| (number as u32).to_le_bytes();
-        let total = 12 + 8 + json.len() + 8 + data.len();
-        [
-            b"glTF".as_slice(),
-            &word(2),
-            &word(total),
-            &word(json.len()),
-            b"JSON",
-            &json,
-            &word(data.len()),
-            b"BIN\0",
-            &data,
-        ]
-        .concat()
-    }
 }
 
 const SQUARE: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
@@ -252,13 +166,20 @@ fn textured_quad(material: &str) -> (Parts, String) {
     (parts, rest)
 }
 
-fn import(text: &str) -> (Imported, Vec<(String, Vec<u8>)>) {
-    let file = open(text).expect("opens");
-    let (imported, files) = take_apart(&file, "parts", &mut nothing_beside).expect("imports");
-    (
-        imported,
-        files.into_iter().map(|file| (file.name, file.bytes)).collect(),
-    )
+type Files = Vec<(String, Vec<u8>)>;
+
+fn import(text: &str) -> (Imported, Files) {
+    import_file(&open(text).expect("opens")).expect("imports")
+}
+
+fn import_file(file: &Gltf) -> Result<(Imported, Files), GltfError> {
+    let mut files = Vec::new();
+    let mut keep = |name: &str, bytes: &[u8]| {
+        files.push((name.to_owned(), bytes.to_owned()));
+        Ok(name.to_owned())
+    };
+    let imported = take_apart(file, &mut keep, &mut nothing_beside)?;
+    Ok((imported, files))
 }
 
 fn of(root: &Object, category: Category) -> Vec<&Object> {
@@ -463,14 +384,29 @@ fn without_camera_and_light_there_are_some() {
 fn a_mesh_is_written_as_it_is_read() {
     let (parts, rest) = textured_quad("{}");
     let file = Gltf::open(&parts.binary(&rest), &mut nothing_beside).expect("opens");
-    let (imported, files) = take_apart(&file, "parts", &mut nothing_beside).expect("imports");
-    let again = sunroom::geometry::ply::load_ply(&files[0].bytes).expect("a PLY file");
+    let (imported, files) = import_file(&file).expect("imports");
+    let again = sunroom::geometry::ply::load_ply(&files[0].1).expect("a PLY file");
     assert_eq!(again.warnings, Vec::<String>::new());
     assert_eq!(again.mesh, file.mesh(0).expect("a mesh").mesh);
     let Some(Child::Reference { id, .. }) = of(&imported.root, Category::Shape)[0].children.first() else {
         panic!("no material")
     };
     assert_eq!(of(&imported.root, Category::Bsdf)[0].id.as_ref(), Some(id));
+}
+
+#[test]
+fn what_is_passed_over_is_said() {
+    let material = r#"{"extensions": {"KHR_materials_specular": {"specularColorFactor": [1, 0.5, 0]},
+        "KHR_materials_iridescence": {"iridescenceFactor": 1}}}"#;
+    let (parts, rest) = textured_quad(material);
+    let used = r#""extensionsUsed": ["KHR_materials_specular", "KHR_materials_iridescence"], "animations": [{}], "#;
+    let (imported, _) = import(&parts.text(&format!("{used}{rest}")));
+    let [iridescence, animations, specular] = &imported.warnings[..] else {
+        panic!("{:?}", imported.warnings)
+    };
+    assert!(iridescence.contains("KHR_materials_iridescence"), "{iridescence}");
+    assert!(animations.contains("animations"), "{animations}");
+    assert!(specular.contains("colour"), "{specular}");
 }
 
 #[test]
@@ -499,7 +435,7 @@ fn what_cannot_be_is_one_error() {
     for (old, new, part) in table {
         let text = good.replacen(old, new, 1);
         assert_ne!(text, good, "{old} is not there");
-        let opened = open(&text).and_then(|file| take_apart(&file, "parts", &mut nothing_beside).map(|_| ()));
+        let opened = open(&text).and_then(|file| import_file(&file).map(|_| ()));
         let message = opened.expect_err(part).to_string();
         assert!(message.contains(part), "{message}");
     }
@@ -513,7 +449,7 @@ fn broken_files_never_panic() {
     let good = parts.binary(&rest);
     let attempt = |bytes: &[u8]| {
         let file = Gltf::open(bytes, &mut nothing_beside)?;
-        take_apart(&file, "parts", &mut nothing_beside).map(|_| ())
+        import_file(&file).map(|_| ())
     };
     attempt(&good).expect("is good");
     for length in 0..good.len() {

@@ -1,13 +1,10 @@
-//! `sunroom convert`: loads a scene and writes it back, as the program understands it; of glTF files it makes scenes.
+//! `sunroom convert`: loads a scene of any kind and writes it as the program understands it.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use sunroom::document::source::check_file;
-use sunroom::document::{self, Document};
-use sunroom::gltf::Gltf;
-use sunroom::gltf::files::take_apart;
+use sunroom::scene::assets::scene_asset::load_document;
 use sunroom::scene::read;
 use sunroom::scene::write::{self, Extensions};
 
@@ -29,13 +26,7 @@ pub struct ConvertArgs {
 }
 
 pub fn run(args: ConvertArgs) -> ExitCode {
-    if is_gltf(&args.scene.scene) {
-        return match convert_gltf(&args) {
-            Ok(code) => code,
-            Err(error) => report::error(format_args!("{}: {error}", args.scene.scene.display())),
-        };
-    }
-    let mut document = match document::load(&args.scene.scene, &args.scene.defines.defines) {
+    let mut document = match load_document(&args.scene.scene, &args.scene.defines.defines) {
         Ok(document) => document,
         Err(error) => return report::error(error),
     };
@@ -52,39 +43,4 @@ pub fn run(args: ConvertArgs) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => report::error(error),
     }
-}
-
-fn is_gltf(path: &Path) -> bool {
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    extension == "gltf" || extension == "glb"
-}
-
-/// Writes the scene, and its meshes and pictures into a folder beside it.
-fn convert_gltf(args: &ConvertArgs) -> Result<ExitCode, Box<dyn std::error::Error>> {
-    let source = &args.scene.scene;
-    check_file(source)?;
-    let beside = source.parent().unwrap_or(Path::new(""));
-    let mut read = |name: &str| std::fs::read(beside.join(name));
-    let file = Gltf::open(&std::fs::read(source)?, &mut read)?;
-    let folder = format!(
-        "{}-files",
-        args.output.file_stem().unwrap_or_default().to_string_lossy()
-    );
-    let (imported, files) = take_apart(&file, &folder, &mut read)?;
-    for warning in &imported.warnings {
-        report::line(format_args!("warning: {warning}"));
-    }
-    if args.strict && !imported.warnings.is_empty() {
-        return Ok(ExitCode::FAILURE);
-    }
-    let target = args.output.parent().unwrap_or(Path::new(""));
-    if !files.is_empty() {
-        std::fs::create_dir_all(target.join(&folder))?;
-    }
-    for file in files {
-        std::fs::write(target.join(file.name), file.bytes)?;
-    }
-    let document = Document::new(&args.output, imported.root);
-    document::write_atomically(&args.output, &document::to_xml(&document)?)?;
-    Ok(ExitCode::SUCCESS)
 }

@@ -43,7 +43,7 @@ enum Command {
 /// Which scene, and the values of its parameters.
 #[derive(Args)]
 struct SceneArgs {
-    /// Scene file (Mitsuba 3 XML)
+    /// Scene file (Mitsuba 3 XML, or glTF 2.0)
     scene: PathBuf,
     #[command(flatten)]
     defines: DefineArgs,
@@ -65,7 +65,7 @@ struct ThreadArgs {
 
 #[derive(Args)]
 struct EditArgs {
-    /// Scene file (Mitsuba 3 XML); the Cornell box if there is none
+    /// Scene file (Mitsuba 3 XML, or glTF 2.0); the Cornell box if there is none
     scene: Option<PathBuf>,
     #[command(flatten)]
     defines: DefineArgs,

@@ -36,7 +36,7 @@ pub fn to_xml(document: &Document) -> Result<String, WriteError> {
 }
 
 /// Replaces a file's content in one step: readers see the old text or the new, never half of it.
-pub fn write_atomically(path: &Path, text: &str) -> io::Result<()> {
+pub fn write_atomically(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
     // Through a symbolic link to the file itself, so that the link stays.
     let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let folder = match target.parent() {
@@ -52,7 +52,7 @@ pub fn write_atomically(path: &Path, text: &str) -> io::Result<()> {
     if let Ok(old) = std::fs::metadata(&target) {
         file.as_file().set_permissions(old.permissions())?;
     }
-    file.write_all(text.as_bytes())?;
+    file.write_all(content.as_ref())?;
     file.as_file().sync_all()?;
     file.persist(&target).map_err(|error| error.error)?;
     Ok(())

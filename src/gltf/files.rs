@@ -10,67 +10,35 @@ use crate::document::{Category, Object, Value};
 use crate::geometry::attribute::AttributeValues;
 use crate::geometry::mesh::MeshData;
 
-/// A file to write.
-pub struct NewFile {
-    /// Relative to the scene's folder, with `/`.
-    pub name: String,
-    pub bytes: Vec<u8>,
+/// Keeps a part under a plain name such as `mesh-0.ply`, which is given once; the name by which the scene finds it.
+pub type KeepFile<'a> = dyn FnMut(&str, &[u8]) -> std::io::Result<String> + 'a;
+
+/// The scene, whose meshes and pictures went to `keep`. `read` as for [`Gltf::open`].
+pub fn take_apart(gltf: &Gltf, keep: &mut KeepFile, read: &mut ReadFile) -> Result<Imported, GltfError> {
+    gltf.scene(&mut Parts { gltf, keep, read })
 }
 
-/// The scene with the files that it names. These are in the folder `folder` beside it; `read` as for [`Gltf::open`].
-pub fn take_apart(gltf: &Gltf, folder: &str, read: &mut ReadFile) -> Result<(Imported, Vec<NewFile>), GltfError> {
-    let mut parts = Parts {
-        gltf,
-        folder,
-        read,
-        files: Vec::new(),
-    };
-    let imported = gltf.scene(&mut parts)?;
-    Ok((imported, parts.files))
-}
-
-struct Parts<'a, 'r> {
+struct Parts<'a, 'k, 'r> {
     gltf: &'a Gltf,
-    folder: &'a str,
+    keep: &'a mut KeepFile<'k>,
     read: &'a mut ReadFile<'r>,
-    files: Vec<NewFile>,
 }
 
-impl Parts<'_, '_> {
-    fn has(&self, name: &str) -> bool {
-        self.files.iter().any(|file| file.name == name)
+impl Parts<'_, '_, '_> {
+    fn keep(&mut self, name: String, bytes: &[u8]) -> Result<String, GltfError> {
+        (self.keep)(&name, bytes).map_err(|source| GltfError::File { name, source })
     }
 }
 
-impl References for Parts<'_, '_> {
-    fn shape(&mut self, number: u32) -> Result<Object, GltfError> {
-        let name = format!("{}/mesh-{number}.ply", self.folder);
-        if !self.has(&name) {
-            let bytes = ply(&self.gltf.mesh(number)?.mesh);
-            self.files.push(NewFile {
-                name: name.clone(),
-                bytes,
-            });
-        }
+impl References for Parts<'_, '_, '_> {
+    fn shape(&mut self, number: u32, mesh: &MeshData) -> Result<Object, GltfError> {
+        let name = self.keep(format!("mesh-{number}.ply"), &ply(mesh))?;
         Ok(with(object(Category::Shape, "ply"), "filename", Value::String(name)))
     }
 
-    fn picture(&mut self, bitmap: Object, index: usize, picture: &Picture) -> Result<Object, GltfError> {
-        let stem = format!("{}/picture-{index}", self.folder);
-        let known = ["png", "jpg", "exr"].map(|extension| format!("{stem}.{extension}"));
-        let name = match known.into_iter().find(|name| self.has(name)) {
-            Some(name) => name,
-            None => {
-                let made = self.gltf.picture(picture, self.read)?;
-                let name = format!("{stem}.{}", made.extension);
-                self.files.push(NewFile {
-                    name: name.clone(),
-                    bytes: made.bytes,
-                });
-                name
-            }
-        };
-        Ok(with(bitmap, "filename", Value::String(name)))
+    fn picture(&mut self, index: usize, picture: &Picture) -> Result<String, GltfError> {
+        let made = self.gltf.picture(picture, self.read)?;
+        self.keep(format!("picture-{index}.{}", made.extension), &made.bytes)
     }
 }
 

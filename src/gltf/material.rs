@@ -286,6 +286,13 @@ impl Builder<'_> {
                 "its specular reflection has no texture",
             ),
             (
+                extensions.specular.as_ref().is_some_and(|specular| {
+                    specular.specular_color_factor.is_some_and(|color| color != [1.0; 3])
+                        || specular.specular_color_texture.is_some()
+                }),
+                "its specular reflection has no colour",
+            ),
+            (
                 extensions.unlit.is_some(),
                 "it is unlit: a diffuse surface takes its place",
             ),

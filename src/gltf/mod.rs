@@ -71,6 +71,13 @@ const SUPPORTED: [&str; 11] = [
     "KHR_texture_transform",
 ];
 
+fn is_supported(extension: &str) -> bool {
+    SUPPORTED.contains(&extension)
+}
+
+/// Of UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// An opened file with its buffers.
 #[derive(Debug)]
 pub struct Gltf {
@@ -79,8 +86,13 @@ pub struct Gltf {
 }
 
 impl Gltf {
-    /// Whether bytes are a glTF file, rather than another kind of mesh or scene.
-    pub fn is_binary(bytes: &[u8]) -> bool {
+    /// Whether bytes are a glTF file of one kind or the other, rather than XML.
+    pub fn is_gltf(bytes: &[u8]) -> bool {
+        let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+        Self::is_binary(bytes) || text.trim_ascii_start().starts_with(b"{")
+    }
+
+    fn is_binary(bytes: &[u8]) -> bool {
         bytes.starts_with(b"glTF")
     }
 
@@ -90,13 +102,12 @@ impl Gltf {
             true => chunks(bytes)?,
             false => (bytes, None),
         };
-        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+        let json = json.strip_prefix(BYTE_ORDER_MARK).unwrap_or(json);
         let root: Root = serde_json::from_slice(json).map_err(GltfError::Json)?;
         if !root.asset.version.starts_with("2.") {
             return Err(GltfError::Version(root.asset.version));
         }
-        let unknown = |name: &&String| !SUPPORTED.contains(&name.as_str());
-        if let Some(name) = root.extensions_required.iter().find(unknown) {
+        if let Some(name) = root.extensions_required.iter().find(|name| !is_supported(name)) {
             return Err(GltfError::Extension(name.clone()));
         }
         let mut buffers = Vec::with_capacity(root.buffers.len());

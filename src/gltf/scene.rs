@@ -11,16 +11,17 @@ use glam::{Affine3A, Mat4, Quat, Vec3};
 use super::mesh::VERTEX_COLOR;
 use super::picture::Picture;
 use super::schema::{Camera, Light, Node};
-use super::{Gltf, GltfError};
+use super::{Gltf, GltfError, is_supported};
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
+use crate::geometry::mesh::MeshData;
 use crate::math::Aabb;
 
-/// How the scene names what stays in the file or goes into others.
+/// How the scene names what goes into files of its own; asked once for each.
 pub trait References {
     /// The shape for a mesh of the file.
-    fn shape(&mut self, number: u32) -> Result<Object, GltfError>;
-    /// Adds to a `bitmap` where its picture is; `index` numbers the pictures through.
-    fn picture(&mut self, bitmap: Object, index: usize, picture: &Picture) -> Result<Object, GltfError>;
+    fn shape(&mut self, number: u32, mesh: &MeshData) -> Result<Object, GltfError>;
+    /// The name of a picture's file; `index` numbers the pictures through.
+    fn picture(&mut self, index: usize, picture: &Picture) -> Result<String, GltfError>;
 }
 
 /// A scene as it would stand in a file of the format.
@@ -29,8 +30,6 @@ pub struct Imported {
     pub root: Object,
     /// What of the file is not in it, one sentence each.
     pub warnings: Vec<String>,
-    /// In the order of their indices.
-    pub pictures: Vec<Picture>,
 }
 
 /// Rows of a picture whose camera says nothing of pixels, and its shape if it says nothing of that.
@@ -47,7 +46,9 @@ pub(super) struct Builder<'a> {
     pub gltf: &'a Gltf,
     references: &'a mut dyn References,
     warnings: Vec<String>,
-    pictures: Vec<Picture>,
+    meshes: BTreeMap<u32, KnownMesh>,
+    /// With the names of their files.
+    pictures: Vec<(Picture, String)>,
     /// The first trouble of `references`.
     failure: Option<GltfError>,
     ids: HashSet<String>,
@@ -61,6 +62,14 @@ pub(super) struct Builder<'a> {
     bounds: Aabb,
 }
 
+/// What there is to know of a mesh wherever it stands.
+#[derive(Clone)]
+struct KnownMesh {
+    shape: Object,
+    bounds: Aabb,
+    has_colors: bool,
+}
+
 impl Gltf {
     /// The file's default scene.
     pub fn scene(&self, references: &mut dyn References) -> Result<Imported, GltfError> {
@@ -68,6 +77,7 @@ impl Gltf {
             gltf: self,
             references,
             warnings: Vec::new(),
+            meshes: BTreeMap::new(),
             pictures: Vec::new(),
             failure: None,
             ids: HashSet::new(),
@@ -79,6 +89,9 @@ impl Gltf {
             has_area_light: false,
             bounds: Aabb::EMPTY,
         };
+        for name in self.root.extensions_used.iter().filter(|name| !is_supported(name)) {
+            builder.warn(format!("the extension {name} is not read"));
+        }
         if !self.root.animations.is_empty() {
             builder.warn("animations are not read".to_owned());
         }
@@ -136,19 +149,23 @@ impl Builder<'_> {
         }
     }
 
-    /// The bitmap with its picture, which is listed once.
+    /// The bitmap with the name of its picture.
     pub fn reference_picture(&mut self, bitmap: Object, picture: Picture) -> Object {
-        let known = self.pictures.iter().position(|other| *other == picture);
-        let index = known.unwrap_or_else(|| {
-            self.pictures.push(picture.clone());
-            self.pictures.len() - 1
-        });
-        self.references
-            .picture(bitmap.clone(), index, &picture)
-            .unwrap_or_else(|error| {
-                self.failure.get_or_insert(error);
-                bitmap
-            })
+        let known = self.pictures.iter().find(|(other, _)| *other == picture);
+        let name = match known {
+            Some((_, name)) => name.clone(),
+            None => match self.references.picture(self.pictures.len(), &picture) {
+                Ok(name) => {
+                    self.pictures.push((picture, name.clone()));
+                    name
+                }
+                Err(error) => {
+                    self.failure.get_or_insert(error);
+                    return bitmap;
+                }
+            },
+        };
+        with(bitmap, "filename", Value::String(name))
     }
 
     fn node(&mut self, index: usize, world: Mat4) -> Result<(), GltfError> {
@@ -192,19 +209,14 @@ impl Builder<'_> {
             if !primitive.targets.is_empty() {
                 self.warn("morph targets are not read: meshes have their shape at rest".to_owned());
             }
-            let mesh = gltf.mesh(numbered.number)?;
-            for warning in mesh.warnings {
-                self.warn(warning);
-            }
-            let mesh = mesh.mesh;
+            let mesh = self.known_mesh(numbered.number)?;
             let map = Affine3A::from_mat4(world);
-            self.bounds = self.bounds.union(mesh.bounds().transformed(&map));
+            self.bounds = self.bounds.union(mesh.bounds.transformed(&map));
             if let Some(material) = primitive.material {
                 gltf.get("material", &gltf.root.materials, material)?;
             }
-            let has_colors = mesh.attribute(VERTEX_COLOR).is_some();
-            let material = self.material(primitive.material, has_colors);
-            let mut shape = self.references.shape(numbered.number)?;
+            let material = self.material(primitive.material, mesh.has_colors);
+            let mut shape = mesh.shape;
             shape.id = Some(self.unique(name));
             if primitive.is_flat() {
                 shape = with(shape, "face_normals", Value::Boolean(true));
@@ -222,6 +234,23 @@ impl Builder<'_> {
             self.shapes.push(shape);
         }
         Ok(())
+    }
+
+    fn known_mesh(&mut self, number: u32) -> Result<KnownMesh, GltfError> {
+        if let Some(known) = self.meshes.get(&number) {
+            return Ok(known.clone());
+        }
+        let loaded = self.gltf.mesh(number)?;
+        for warning in loaded.warnings {
+            self.warn(warning);
+        }
+        let known = KnownMesh {
+            shape: self.references.shape(number, &loaded.mesh)?,
+            bounds: loaded.mesh.bounds(),
+            has_colors: loaded.mesh.attribute(VERTEX_COLOR).is_some(),
+        };
+        self.meshes.insert(number, known.clone());
+        Ok(known)
     }
 
     /// The id of a bsdf.
@@ -344,7 +373,6 @@ impl Builder<'_> {
         Ok(Imported {
             root,
             warnings: self.warnings,
-            pictures: self.pictures,
         })
     }
 }

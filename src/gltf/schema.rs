@@ -12,6 +12,7 @@ use serde_json::Value;
 pub struct Root {
     pub asset: Asset,
     pub extensions_required: Vec<String>,
+    pub extensions_used: Vec<String>,
     pub scene: Option<usize>,
     pub scenes: Vec<Scene>,
     pub nodes: Vec<Node>,
@@ -240,6 +241,8 @@ pub struct Specular {
     #[serde(default = "one")]
     pub specular_factor: f32,
     pub specular_texture: Option<TextureInfo>,
+    pub specular_color_factor: Option<[f32; 3]>,
+    pub specular_color_texture: Option<TextureInfo>,
 }
 
 #[derive(Clone, Debug, Deserialize)]

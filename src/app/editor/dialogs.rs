@@ -7,6 +7,7 @@ use bevy_egui::egui;
 use egui_file_dialog::{DialogState, FileDialog};
 
 use super::command::{Command, FileDialogKind};
+use super::gather::SCENE_FILES;
 use super::state::EditorState;
 use super::ui::picked;
 
@@ -80,8 +81,8 @@ fn opened(kind: FileDialogKind, scene: Option<&Path>, start: &Path) -> FileDialo
         FileDialogKind::OpenScene => {
             let mut dialog = dialog
                 .title("Open a scene")
-                .add_file_filter_extensions("Scenes (xml)", vec!["xml"])
-                .default_file_filter("Scenes (xml)");
+                .add_file_filter_extensions("Scenes (xml, glb, gltf)", SCENE_FILES.to_vec())
+                .default_file_filter("Scenes (xml, glb, gltf)");
             dialog.pick_file();
             dialog
         }

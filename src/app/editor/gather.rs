@@ -291,6 +291,9 @@ pub fn gather_status(
     };
 }
 
+/// How names of scenes end.
+pub const SCENE_FILES: [&str; 3] = ["xml", "glb", "gltf"];
+
 /// The scenes in `scenes/` and those beside the open one.
 fn scene_files(open: Option<&Path>) -> Vec<std::path::PathBuf> {
     let mut folders = vec![Path::new("scenes").to_path_buf()];
@@ -301,8 +304,8 @@ fn scene_files(open: Option<&Path>) -> Vec<std::path::PathBuf> {
         .flatten()
         .filter_map(|entry| std::path::absolute(entry.ok()?.path()).ok())
         .filter(|path| {
-            path.extension()
-                .is_some_and(|extension| extension.eq_ignore_ascii_case("xml"))
+            let extension = path.extension().unwrap_or_default();
+            SCENE_FILES.iter().any(|known| extension.eq_ignore_ascii_case(known))
         })
         .collect();
     files.sort();

@@ -1,5 +1,6 @@
 //! Files that become data: meshes, pictures and scenes, each asset beside its loader.
 
+pub mod gltf_scene;
 pub mod scene_asset;
 pub mod texture_map;
 pub mod triangle_mesh;

@@ -8,7 +8,9 @@ use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 
-use crate::document::{self, Diagnostics, Severity, SourceError};
+use super::gltf_scene::{import, is_gltf};
+use crate::document::source::check_file;
+use crate::document::{self, Diagnostics, Document, Severity, SourceError};
 use crate::scene::SceneDescription;
 use crate::scene::read;
 
@@ -37,7 +39,7 @@ impl SceneDefines {
     }
 }
 
-/// Reads scene files with their includes.
+/// Reads scene files with their includes, and glTF files.
 #[derive(TypePath)]
 pub struct SceneLoader {
     pub defines: SceneDefines,
@@ -61,22 +63,39 @@ impl AssetLoader for SceneLoader {
     }
 
     fn extensions(&self) -> &[&str] {
-        &["xml"]
+        &["xml", "gltf", "glb"]
     }
 }
 
 /// `path`: of the file the bytes are from.
 pub fn read_scene(bytes: Vec<u8>, path: &Path, defines: &[(String, String)]) -> SceneAsset {
-    let text = match document::source::decode(bytes, path) {
-        Ok(text) => text,
+    let mut document = match parse(bytes, path, defines) {
+        Ok(document) => document,
         Err(error) => return unreadable(path, &error),
     };
-    let mut document = document::parse_str(&text, path, defines);
     let description = read::read(&mut document);
     SceneAsset {
         description: Arc::new(description),
         diagnostics: Arc::new(document.diagnostics),
     }
+}
+
+/// A scene file of any kind. As for [`document::load`], what is wrong with its content is in the document's diagnostics.
+pub fn load_document(path: &Path, defines: &[(String, String)]) -> Result<Document, SourceError> {
+    check_file(path)?;
+    let bytes = std::fs::read(path).map_err(|source| SourceError::Unreadable {
+        path: path.to_owned(),
+        source,
+    })?;
+    parse(bytes, path, defines)
+}
+
+fn parse(bytes: Vec<u8>, path: &Path, defines: &[(String, String)]) -> Result<Document, SourceError> {
+    if is_gltf(&bytes, path) {
+        return Ok(import(&bytes, path));
+    }
+    let text = document::source::decode(bytes, path)?;
+    Ok(document::parse_str(&text, path, defines))
 }
 
 fn unreadable(path: &Path, error: &SourceError) -> SceneAsset {

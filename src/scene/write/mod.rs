@@ -6,6 +6,7 @@
 
 pub mod gather;
 pub mod objects;
+mod parts;
 mod patch;
 mod portable;
 mod steps;
@@ -15,6 +16,7 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::World;
 
+use self::parts::Moves;
 use self::patch::Draft;
 pub use self::portable::Extensions;
 use super::assets::SceneDefines;
@@ -62,36 +64,45 @@ pub fn save(world: &mut World, path: &Path) -> Result<(), SaveError> {
 
 /// Writes a scene over the text that it was read from: see [`files`]. Each file is replaced in one step.
 pub fn save_description(scene: &SceneDescription, path: &Path) -> Result<(), SaveError> {
-    for (path, text) in files(scene, path)? {
-        write_file(&path, &text)?;
+    let (files, moves) = plan(scene, path)?;
+    copy_parts(&moves)?;
+    for (path, text) in files {
+        write_file(&path, text)?;
     }
     Ok(())
 }
 
-/// The files to write when a scene is saved at `path`, that one last. What nobody changed is as it was written; what changed in an included
+/// The texts to write when a scene is saved at `path`, that one last. What nobody changed is as it was written; what changed in an included
 /// file is written there if the scene stays where it was.
 pub fn files(scene: &SceneDescription, path: &Path) -> Result<Vec<(PathBuf, String)>, SaveError> {
+    Ok(plan(scene, path)?.0)
+}
+
+fn plan(scene: &SceneDescription, path: &Path) -> Result<(Vec<(PathBuf, String)>, Moves), SaveError> {
     let target = settle(path);
     keep_foreign(scene, &target)?;
     let origin = scene.remains.origin.as_ref();
     let Some(origin) = origin.filter(|origin| !origin.imported) else {
-        let text = document::to_xml(&to_document(scene, &target))?;
-        return Ok(vec![(target, text)]);
+        let (document, moves) = whole(scene, &target);
+        let text = document::to_xml(&document)?;
+        return Ok((vec![(target, text)], moves));
     };
     let document = in_place(scene, &target);
     let files = with_destination(scene, &target, |destination| revise(origin, &document, destination))?;
-    Ok(files)
+    Ok((files, Moves::new()))
 }
 
 /// Writes a scene as one new file, without the comments, includes and `$name`s of the old one, and in words that Mitsuba knows too where there
 /// are such: single triangles become meshes in a file beside it.
 pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions) -> Result<(), SaveError> {
-    keep_foreign(scene, &settle(path))?;
-    let mut document = to_document(scene, path);
+    let target = settle(path);
+    keep_foreign(scene, &target)?;
+    let (mut document, moves) = whole(scene, &target);
+    copy_parts(&moves)?;
     if let Some((path, text)) = portable::translate(&mut document.root, path, extensions) {
         write_file(&path, text)?;
     }
-    write_file(path, &document::to_xml(&document)?)
+    write_file(path, document::to_xml(&document)?)
 }
 
 /// An error if this would replace a file of another format.
@@ -99,29 +110,50 @@ fn keep_foreign(scene: &SceneDescription, target: &Path) -> Result<(), SaveError
     match &scene.remains.origin {
         Some(origin) if origin.imported && settle(&origin.path) == *target => Err(SaveError::Foreign {
             path: target.to_owned(),
-            proposal: target.with_extension("native.xml"),
+            proposal: target.with_extension(match target.extension() {
+                Some(extension) if extension == "xml" => "native.xml",
+                _ => "xml",
+            }),
         }),
         _ => Ok(()),
     }
 }
 
-fn write_file(path: &Path, text: &str) -> Result<(), SaveError> {
-    document::write_atomically(path, text).map_err(|source| SaveError::File {
+fn write_file(path: &Path, content: impl AsRef<[u8]>) -> Result<(), SaveError> {
+    document::write_atomically(path, content).map_err(|source| SaveError::File {
         path: path.to_owned(),
         source,
     })
 }
 
+fn copy_parts(moves: &Moves) -> Result<(), SaveError> {
+    for (part, place) in moves {
+        let failed = |path: &Path| {
+            let path = path.to_owned();
+            move |source| SaveError::File { path, source }
+        };
+        let folder = folder(place);
+        std::fs::create_dir_all(folder).map_err(failed(folder))?;
+        write_file(place, std::fs::read(part).map_err(failed(part))?)?;
+    }
+    Ok(())
+}
+
 /// The document of a scene that will be written to `target` as one file; file names in it are relative to that.
 pub fn to_document(scene: &SceneDescription, target: &Path) -> Document {
-    let target = settle(target);
-    let mut document = in_place(scene, &target);
+    whole(scene, &settle(target)).0
+}
+
+/// As [`to_document`], with the files that are to be there besides.
+fn whole(scene: &SceneDescription, target: &Path) -> (Document, Moves) {
+    let mut document = in_place(scene, target);
     if let Some(origin) = &scene.remains.origin {
-        with_destination(scene, &target, |destination| {
+        with_destination(scene, target, |destination| {
             move_files(&mut document.root, origin, destination);
         });
     }
-    document
+    let moves = parts::take_along(&mut document.root, target);
+    (document, moves)
 }
 
 /// The document of a scene as if it was to stay where it was read: names of files are those of the files they were read from, and where they

@@ -1,0 +1,54 @@
+//! Parts of an opened glTF file lie in a cache: a scene that is written takes those it names along, into a folder beside it.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use crate::document::paths::{file_name, settle};
+use crate::document::{Child, Object, Value};
+use crate::scene::assets::gltf_scene::is_part;
+
+/// Where parts are, and where they go to, absolute.
+pub type Moves = BTreeMap<PathBuf, PathBuf>;
+
+/// Renames the parts that are named in a document which will be written to `target` (absolute).
+pub fn take_along(root: &mut Object, target: &Path) -> Moves {
+    let mut moves = Moves::new();
+    rename_inside(root, target, &mut moves);
+    moves
+}
+
+fn rename_inside(object: &mut Object, target: &Path, moves: &mut Moves) {
+    let folder = target.parent().unwrap_or(Path::new("/"));
+    for property in &mut object.properties {
+        let Value::String(name) = &mut property.value else {
+            continue;
+        };
+        let part = settle(&folder.join(&*name));
+        if property.name == "filename" && is_part(&part) {
+            *name = file_name(&place(part, target, moves), folder);
+        }
+    }
+    for child in &mut object.children {
+        if let Child::Object(inner) = child {
+            rename_inside(inner, target, moves);
+        }
+    }
+}
+
+/// In the folder of this scene. Parts of several files may have the same name.
+fn place(part: PathBuf, target: &Path, moves: &mut Moves) -> PathBuf {
+    if let Some(place) = moves.get(&part) {
+        return place.clone();
+    }
+    let stem = target.file_stem().unwrap_or_default().to_string_lossy();
+    let folder = target.with_file_name(format!("{stem}-files"));
+    let name = part.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let numbered = (2..).map(|number| format!("{number}-{name}"));
+    let mut places = std::iter::once(name.clone())
+        .chain(numbered)
+        .map(|name| folder.join(name));
+    let free = places.find(|place| !moves.values().any(|taken| taken == place));
+    let place = free.unwrap_or_else(|| folder.join(&name));
+    moves.insert(part, place.clone());
+    place
+}

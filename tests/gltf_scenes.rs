@@ -1,0 +1,243 @@
+//! glTF files where scenes are expected: rendered, checked, converted, saved and read again when they change.
+
+mod gltf_support;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+use sunroom::scene::assets::scene_asset::read_scene;
+use sunroom::scene::write::{SaveError, save_description};
+use sunroom::scene::*;
+use tempfile::TempDir;
+
+use gltf_support::Parts;
+
+/// Side by side a wall and a smaller one, in their materials, before a camera, in sunlight.
+const REST: &str = r#"
+  "materials": [{"name": "plaster", "pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.2, 0.1, 1], "metallicFactor": 0}},
+    {"name": "tin", "pbrMetallicRoughness": {"roughnessFactor": 0.4}, "doubleSided": true}],
+  "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 6, "material": 0}]},
+    {"primitives": [{"attributes": {"POSITION": 1}, "mode": 6, "material": 1}]}],
+  "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "aspectRatio": 1, "znear": 0.1}}],
+  "extensions": {"KHR_lights_punctual": {"lights": [{"type": "directional", "intensity": 3}]}},
+  "nodes": [{"name": "wall", "mesh": 0, "translation": [-1, 0, 0]}, {"name": "plate", "mesh": 1},
+    {"camera": 0, "translation": [0, 0.5, 3]}, {"extensions": {"KHR_lights_punctual": {"light": 0}}}]"#;
+
+fn squares(size: f32) -> Parts {
+    let mut parts = Parts::default();
+    for side in [1.0, size] {
+        let corners = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]];
+        let numbers: Vec<f32> = corners.iter().flat_map(|[x, y]| [*x, *y, 0.0]).collect();
+        parts.floats("VEC3", &numbers);
+    }
+    parts
+}
+
+struct Workshop(TempDir);
+
+impl Workshop {
+    fn new() -> Self {
+        Self(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Writes a file.
+    fn put(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+        std::fs::write(self.path(name), bytes).expect("the folder can be written to");
+        self.path(name)
+    }
+
+    /// `model.gltf`, with its buffer in `model.bin`.
+    fn put_model(&self, size: f32, rest: &str) -> PathBuf {
+        let parts = squares(size);
+        self.put("model.bin", &parts.bytes);
+        self.put("model.gltf", parts.json(r#", "uri": "model.bin""#, rest))
+    }
+
+    fn sunroom(&self, args: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_sunroom"));
+        command.current_dir(self.0.path()).args(args);
+        // Where the parts of opened files are kept.
+        command.env("XDG_CACHE_HOME", self.path("cache"));
+        command.output().expect("the program starts")
+    }
+
+    #[track_caller]
+    fn done(&self, args: &[&str]) {
+        let output = self.sunroom(args);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+
+    fn read(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.path(name)).expect("the file is there")
+    }
+}
+
+#[test]
+fn a_binary_file_renders_as_the_scene_it_is_converted_to() {
+    let shop = Workshop::new();
+    shop.put("model.glb", squares(0.5).binary(REST));
+    let render = |scene: &str, picture: &str| {
+        shop.done(&[
+            "render", scene, "-o", picture, "--width", "32", "--spp", "4", "--strict", "-q",
+        ]);
+    };
+    shop.done(&["check", "--strict", "model.glb"]);
+    render("model.glb", "direct.exr");
+    shop.done(&["convert", "--strict", "model.glb", "out/scene.xml"]);
+    // What is written stands on its own.
+    std::fs::remove_dir_all(shop.path("cache")).expect("parts were kept here");
+    std::fs::remove_file(shop.path("model.glb")).expect("is there");
+    std::fs::rename(shop.path("out"), shop.path("moved")).expect("can be moved");
+    render("moved/scene.xml", "converted.exr");
+    assert!(shop.read("direct.exr") == shop.read("converted.exr"));
+    for part in ["mesh-0.ply", "mesh-1.ply"] {
+        assert!(shop.path("moved/scene-files").join(part).is_file(), "{part}");
+    }
+    let image = sunroom::texture::load_image(&shop.read("direct.exr")).expect("a picture");
+    // Reddish plaster at the left, dark where nothing is.
+    let plaster = image.pixel(10, 16);
+    assert!(plaster.x > 0.3 && plaster.x > 2.0 * plaster.y, "{plaster}");
+    assert_eq!(image.pixel(1, 1), Vec3::ZERO);
+}
+
+#[test]
+fn what_is_wrong_is_one_error_with_the_name_of_the_file() {
+    let shop = Workshop::new();
+    let good = squares(0.5).binary(REST);
+    shop.put("cut.glb", &good[..good.len() / 2]);
+    let required = r#""extensionsRequired": ["KHR_draco_mesh_compression"], "#;
+    shop.put("draco.gltf", squares(0.5).text(&format!("{required}{REST}")));
+    shop.put("empty.gltf", "");
+    let without_buffer = squares(0.5).json(r#", "uri": "gone.bin""#, REST);
+    shop.put("bare.gltf", without_buffer);
+    for (file, what) in [
+        ("cut.glb", "ends before"),
+        ("draco.gltf", "KHR_draco_mesh_compression"),
+        ("empty.gltf", "line 1"),
+        ("bare.gltf", "gone.bin"),
+    ] {
+        let output = shop.sunroom(&["check", file]);
+        let said = String::from_utf8_lossy(&output.stderr).replace('\n', " ");
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains(file) && said.contains(what), "{file}: {said}");
+        assert_eq!(said.matches('×').count(), 1, "{file}: {said}");
+    }
+}
+
+#[test]
+fn it_is_saved_under_another_name_with_its_parts_beside_it() {
+    let shop = Workshop::new();
+    let path = shop.put("model.glb", squares(0.5).binary(REST));
+    let read = |path: &Path| read_scene(std::fs::read(path).expect("is there"), path, &[]);
+    let opened = read(&path);
+    assert!(!opened.diagnostics.has_errors(), "{}", opened.diagnostics);
+    let Err(SaveError::Foreign { proposal, .. }) = save_description(&opened.description, &path) else {
+        panic!("the model was replaced");
+    };
+    assert_eq!(proposal.file_name(), Some("model.xml".as_ref()));
+    let mut edited = (*opened.description).clone();
+    edited.shapes[1].to_world.translation.x += 0.25;
+    save_description(&edited, &proposal).expect("can be written");
+    let saved = read(&proposal);
+    assert_eq!(saved.diagnostics.list, []);
+    assert_eq!(saved.description.shapes[1].to_world, edited.shapes[1].to_world);
+    for (shape, part) in saved.description.shapes.iter().zip(["mesh-0.ply", "mesh-1.ply"]) {
+        let ShapeKind::Mesh(mesh) = &shape.shape.kind else {
+            panic!("{shape:?}")
+        };
+        let expected = shop.path("model-files").join(part);
+        assert_eq!(mesh.path, expected.canonicalize().expect("is there"));
+    }
+    let names = |scene: &SceneDescription| {
+        let materials = scene.materials.iter();
+        materials
+            .map(|material| (material.identity.id.clone(), material.material.clone()))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(names(&saved.description), names(&edited));
+}
+
+/// An app that has a file open.
+struct Open(App);
+
+impl Open {
+    fn new(path: PathBuf) -> Self {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, asset_plugin(), ScenePlugin));
+        app.finish();
+        app.cleanup();
+        app.world_mut().write_message(OpenScene { path, defines: vec![] });
+        let mut open = Self(app);
+        open.until_revision(1);
+        // The watch needs frames to hear of the files, which no message tells.
+        let end = Instant::now() + Duration::from_millis(500);
+        while Instant::now() < end {
+            open.0.update();
+        }
+        open
+    }
+
+    fn until_revision(&mut self, revision: u64) {
+        let deadline = Instant::now() + Duration::from_secs(20);
+        loop {
+            self.0.update();
+            let status = self.0.world().resource::<SceneStatus>();
+            if status.revision >= revision && status.is_complete() {
+                return;
+            }
+            assert!(Instant::now() < deadline, "not in time: {status:?}");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    fn get<C: Component + Clone>(&mut self, id: &str) -> C {
+        let world = self.0.world_mut();
+        let mut all = world.query::<(&SceneId, &C)>();
+        let found = all.iter(world).find(|(found, _)| found.0 == id);
+        found.unwrap_or_else(|| panic!("no {id}")).1.clone()
+    }
+}
+
+#[test]
+fn of_a_changed_file_only_what_changed_is_loaded_again() {
+    let shop = Workshop::new();
+    let path = shop.put_model(0.5, REST);
+    let mut open = Open::new(path);
+    let [wall, plate] = ["wall", "plate"].map(|id| open.get::<MeshHandle>(id));
+
+    shop.put_model(0.5, &REST.replace("0.8, 0.2, 0.1", "0.1, 0.2, 0.8"));
+    open.until_revision(2);
+    let Material::Principled(principled) = open.nested("plaster") else {
+        panic!("no principled material")
+    };
+    assert_eq!(principled.base_color.constant(), Some(Vec3::new(0.1, 0.2, 0.8)));
+    assert_eq!(
+        ["wall", "plate"].map(|id| open.get::<MeshHandle>(id)),
+        [wall.clone(), plate.clone()]
+    );
+
+    // Of the buffer beside it only the second square changes.
+    let revision = open.0.world().resource::<SceneStatus>().revision;
+    shop.put("model.bin", squares(0.75).bytes);
+    open.until_revision(revision + 1);
+    assert_eq!(open.get::<MeshHandle>("wall"), wall);
+    let plate_now = open.get::<MeshHandle>("plate");
+    assert_ne!(plate_now, plate);
+    let meshes = open.0.world().resource::<Assets<TriangleMesh>>();
+    let extent = meshes.get(&plate_now.0).expect("is loaded").data.bounds().extent();
+    assert_eq!(extent, Vec3::new(0.75, 0.75, 0.0));
+}
+
+impl Open {
+    /// The material inside the two-sided one of this id.
+    fn nested(&mut self, id: &str) -> Material {
+        let inner = self.get::<FirstNested>(id).0;
+        self.0.world().get::<Material>(inner).expect("is a material").clone()
+    }
+}
