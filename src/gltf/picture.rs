@@ -28,9 +28,9 @@ pub enum Made {
 }
 
 impl Made {
-    /// Whether the samples are numbers that are not decoded from sRGB.
+    /// Whether the samples are numbers that are not decoded from sRGB. Colours brighter than white are: Mitsuba warns of them otherwise.
     pub fn is_raw(&self) -> bool {
-        !matches!(self, Self::Color(_))
+        !matches!(self, Self::Color(factor) if factor.iter().all(|&factor| factor <= 1.0))
     }
 }
 
@@ -92,7 +92,7 @@ fn make(image: &DynamicImage, made: Made) -> DynamicImage {
                 }
             }
             // What is brighter than white has no place in a PNG.
-            if factor.iter().any(|&factor| factor > 1.0) {
+            if made.is_raw() {
                 return DynamicImage::ImageRgb32F(linear);
             }
             let encoded = linear

@@ -225,11 +225,12 @@ mod tests {
 
     #[test]
     fn the_index_has_one_of_two_names() {
-        let index = |parameters: &str| match scene(&format!("<bsdf type='principled'>{parameters}</bsdf>")) {
-            (scene, complaints) => match &scene.materials[0].material {
+        let index = |parameters: &str| {
+            let (scene, complaints) = scene(&format!("<bsdf type='principled'>{parameters}</bsdf>"));
+            match &scene.materials[0].material {
                 Material::Principled(principled) => (principled.index, complaints),
                 other => panic!("{other:?}"),
-            },
+            }
         };
         let (specular, eta) = (
             "<float name='specular' value='0.25'/>",
