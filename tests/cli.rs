@@ -426,3 +426,22 @@ fn the_scenes_of_the_project_render() {
     }
     assert!(seen >= 6, "{seen} scenes");
 }
+
+#[test]
+fn converted_scenes_name_files_where_every_program_looks() {
+    let shop = Workshop::new();
+    let mesh =
+        r#"<scene version="3.0.0"><shape type="obj"><string name="filename" value="../assets/a.obj"/></shape></scene>"#;
+    std::fs::create_dir_all(shop.path("assets/models")).expect("can be made");
+    std::fs::write(shop.path("assets/models/a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("can be written");
+    let mut command = sunroom();
+    command
+        .args(["convert"])
+        .arg(shop.scene(mesh))
+        .arg(shop.path("new.xml"));
+    // The file is there only by the variable.
+    command.env("SUNROOM_ASSETS", shop.path("assets/models"));
+    assert_code(&command.output().expect("the program starts"), 0);
+    let written = std::fs::read_to_string(shop.path("new.xml")).expect("is there");
+    assert!(written.contains(r#"value="assets/models/a.obj""#), "{written}");
+}

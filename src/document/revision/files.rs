@@ -80,7 +80,7 @@ impl<'d> FileNames<'d> {
 
     /// Another name for the same file; None if this one will do, or leads nowhere.
     fn moved(&self, name: &str, from: &Path, to: &Path) -> Option<String> {
-        if from == to || Path::new(name).is_absolute() {
+        if Path::new(name).is_absolute() {
             return None;
         }
         let path = (self.destination.find_before)(name, from)?;

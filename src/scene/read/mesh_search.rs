@@ -44,6 +44,14 @@ impl MeshSearch {
         }
     }
 
+    /// Only the places that every reader of the format looks at.
+    pub fn of_format(scene_folder: &Path, search_folders: &[PathBuf]) -> Self {
+        Self {
+            asset_folders: Vec::new(),
+            ..Self::new(scene_folder, search_folders)
+        }
+    }
+
     /// `folder`: of the file that holds the name.
     pub fn find(&self, name: &str, folder: &Path) -> Found {
         let name = Path::new(name);

@@ -88,7 +88,9 @@ fn plan(scene: &SceneDescription, path: &Path) -> Result<(Vec<(PathBuf, String)>
         return Ok((vec![(target, text)], moves));
     };
     let document = in_place(scene, &target);
-    let files = with_destination(scene, &target, |destination| revise(origin, &document, destination))?;
+    let files = with_destination(scene, &target, MeshSearch::new, |destination| {
+        revise(origin, &document, destination)
+    })?;
     Ok((files, Moves::new()))
 }
 
@@ -148,7 +150,8 @@ pub fn to_document(scene: &SceneDescription, target: &Path) -> Document {
 fn whole(scene: &SceneDescription, target: &Path) -> (Document, Moves) {
     let mut document = in_place(scene, target);
     if let Some(origin) = &scene.remains.origin {
-        with_destination(scene, target, |destination| {
+        // Whoever reads a new file may know less places than this program.
+        with_destination(scene, target, MeshSearch::of_format, |destination| {
             move_files(&mut document.root, origin, destination);
         });
     }
@@ -176,9 +179,16 @@ fn folder(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new("/"))
 }
 
-fn with_destination<T>(scene: &SceneDescription, target: &Path, act: impl FnOnce(&Destination) -> T) -> T {
-    let search = |path: &Path| MeshSearch::new(folder(path), &scene.remains.search_folders);
-    let (before, after) = (search(&home(scene, target)), search(target));
+/// `after`: where files are looked for when it will be read again, by folder and `<path>`s.
+fn with_destination<T>(
+    scene: &SceneDescription,
+    target: &Path,
+    after: fn(&Path, &[PathBuf]) -> MeshSearch,
+    act: impl FnOnce(&Destination) -> T,
+) -> T {
+    let search_folders = &scene.remains.search_folders;
+    let before = MeshSearch::new(folder(&home(scene, target)), search_folders);
+    let after = after(folder(target), search_folders);
     act(&Destination {
         path: target,
         find_before: &|name, folder| before.find_file(name, folder),
