@@ -7,7 +7,7 @@ use sunroom::document::{self, Diagnostics, Severity};
 use sunroom::scene::description::MaterialDescription;
 use sunroom::scene::read::read;
 use sunroom::scene::write::{Extensions, SaveError, files, write_anew};
-use sunroom::scene::{Emitter, FovAxis, Ior, Material, ReconstructionFilter, SceneDescription, Shape, ShapeKind};
+use sunroom::scene::{EmitterKind, FovAxis, Ior, Material, ReconstructionFilter, SceneDescription, Shape, ShapeKind};
 
 fn read_text(text: &str, path: &Path, defines: &[(String, String)]) -> (SceneDescription, Diagnostics) {
     let mut document = document::parse_str(text, path, defines);
@@ -117,7 +117,7 @@ fn the_second_variant_has_other_names() {
     );
     assert_eq!((scene.sensors[0].film.width, scene.sensors[0].film.height), (128, 72));
     assert_eq!(scene.sensors[0].sensor.fov, 45.0);
-    let Emitter::Directional { irradiance } = scene.emitters[0].emitter else {
+    let EmitterKind::Directional { irradiance } = scene.emitters[0].emitter.kind else {
         panic!("{:?}", scene.emitters)
     };
     assert_eq!(irradiance, Vec3::splat(1.5));
@@ -168,7 +168,7 @@ fn lights_shine_and_reflect_nothing() {
     let radiance: Vec<Vec3> = scene
         .shapes
         .iter()
-        .map(|shape| shape.area_light.unwrap().radiance)
+        .map(|shape| shape.area_light.as_ref().unwrap().radiance.constant().unwrap())
         .collect();
     assert_eq!(radiance, [Vec3::new(4.0, 2.0, 0.0), Vec3::splat(1.5), Vec3::ONE]);
     let black = Material::Diffuse {
@@ -315,15 +315,15 @@ fn a_dark_sun_gives_no_sky_and_point_lights_are_read_wherever_they_stand() {
     let dark = emitters("0");
     assert_eq!(dark.len(), 1);
     assert_eq!(
-        dark[0].emitter,
-        Emitter::Point {
+        dark[0].emitter.kind,
+        EmitterKind::Point {
             intensity: Vec3::new(30.0, 15.0, 0.0)
         }
     );
     assert_eq!(Vec3::from(dark[0].to_world.translation), Vec3::new(1.0, 2.0, 3.0));
     let half = emitters("0.5");
     assert_eq!(half.len(), 3);
-    let Emitter::Constant { radiance } = half[1].emitter else {
+    let EmitterKind::Constant { radiance } = half[1].emitter.kind else {
         panic!("{half:?}")
     };
     // Half of the mean of the sky, whose red runs from 1 to 0.5 above and below, staying there for half of the way below.
@@ -374,7 +374,7 @@ fn shared_scenes() -> Vec<PathBuf> {
 fn shapes(scene: &SceneDescription) -> Vec<(Option<Shape>, [Vec3; 3], Option<Vec3>, Option<usize>)> {
     let unit = [Vec3::ZERO, Vec3::X, Vec3::Y];
     let each = scene.shapes.iter().map(|shape| {
-        let light = shape.area_light.map(|light| light.radiance);
+        let light = shape.area_light.as_ref().and_then(|light| light.radiance.constant());
         let (kind, corners) = match &shape.shape.kind {
             ShapeKind::Triangle { corners } => (None, *corners),
             ShapeKind::Mesh(file) if file.path.to_string_lossy().ends_with(".triangle.obj") => (None, unit),
@@ -422,7 +422,7 @@ fn every_scene_opens_and_comes_through_conversion() {
             scene
                 .emitters
                 .iter()
-                .map(|e| (e.emitter, e.to_world))
+                .map(|e| (e.emitter.clone(), e.to_world))
                 .collect::<Vec<_>>()
         };
         assert_eq!(emitters(&again), emitters(&scene));

@@ -18,8 +18,8 @@ use sunroom::geometry::primitives::unit_cube;
 use sunroom::material;
 use sunroom::render::scene::RenderScene;
 use sunroom::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, IntegratorSettings, Material, MeshFile,
-    MeshHandle, SamplerSettings, ScenePlugin, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, IntegratorSettings, Material,
+    MeshFile, MeshHandle, SamplerSettings, ScenePlugin, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial,
 };
 
 /// The entities of the little scene that the tests change.
@@ -87,16 +87,17 @@ fn room() -> Room {
             shape(ShapeKind::Rectangle),
             ToWorld(lamp_pose),
             AreaLight {
-                radiance: Rgb::splat(5.0),
+                radiance: Rgb::splat(5.0).into(),
+                ..AreaLight::default()
             },
         ))
         .id();
     let sky = world
         .spawn((
             DocumentOrder(4),
-            Emitter::Constant {
+            Emitter::from(EmitterKind::Constant {
                 radiance: Rgb::splat(0.2),
-            },
+            }),
         ))
         .id();
     let look = Affine3A::look_to_rh(Vec3::new(0.0, 1.5, -6.0), Vec3::NEG_Z, Vec3::Y).inverse();
@@ -330,7 +331,7 @@ fn a_change_rebuilds_what_depends_on_it_and_no_more() {
             "a brighter lamp",
             |room| {
                 let lamp = room.lamp;
-                room.get_mut::<AreaLight>(lamp).radiance *= 2.0;
+                room.get_mut::<AreaLight>(lamp).radiance = Rgb::splat(10.0).into();
             },
             Rebuilt {
                 lights: true,
@@ -550,7 +551,7 @@ fn numbers_that_are_none_do_not_reach_the_picture() {
     *room.get_mut::<Material>(paint) = Material::Diffuse {
         reflectance: Rgb::NAN.into(),
     };
-    room.get_mut::<AreaLight>(lamp).radiance.x = f32::INFINITY;
+    room.get_mut::<AreaLight>(lamp).radiance = Rgb::new(f32::INFINITY, 5.0, 5.0).into();
     room.get_mut::<ToWorld>(ball).0.translation.x = f32::NAN;
     room.finish();
     room.get_mut::<ToWorld>(sensor).0 = Affine3A::ZERO;
@@ -705,7 +706,7 @@ fn meshes_bring_their_own_materials_and_lights_unless_told_otherwise() {
     assert_eq!(models, 2 + 4);
 
     for shape in [cube, twin] {
-        let bundle = (UsesMaterial(room.paint), AreaLight { radiance: Rgb::ONE });
+        let bundle = (UsesMaterial(room.paint), AreaLight::default());
         room.app.world_mut().entity_mut(shape).insert(bundle);
     }
     room.app.update();

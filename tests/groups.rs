@@ -209,7 +209,7 @@ fn what_groups_cannot_hold_is_reported() {
     let kinds: Vec<_> = scene
         .shapes
         .iter()
-        .map(|shape| (&shape.shape.kind, shape.area_light))
+        .map(|shape| (&shape.shape.kind, shape.area_light.clone()))
         .collect();
     let ball = ShapeKind::Sphere {
         center: Vec3::ZERO,

@@ -336,8 +336,8 @@ fn material_libraries_and_includes_are_watched() {
     std::fs::write(open.path("light.xml"), LIGHT.replace("value='1'", "value='2'")).unwrap();
     open.until_revision(2);
     assert_eq!(
-        open.get::<Emitter>("sky"),
-        Emitter::Constant {
+        open.get::<Emitter>("sky").kind,
+        EmitterKind::Constant {
             radiance: Vec3::splat(2.0)
         }
     );

@@ -21,8 +21,9 @@ use sunroom::app::editor::viewport::{ViewportModel, ViewportState, viewport};
 use sunroom::color::Rgb;
 use sunroom::engine::{RenderState, RenderStatus};
 use sunroom::scene::{
-    AreaLight, ConductorIor, Crop, Distribution, Emitter, Film, IntegratorSettings, Ior, Lens, Material,
-    ReconstructionFilter, Roughness, Sensor, Shape, ShapeKind, Strategy,
+    AreaLight, ConductorIor, Crop, Distribution, Emitter, EmitterKind, Film, FovAxis, IntegratorSettings, Ior, Lens,
+    Material, Parameter, PlaceAndTime, ReconstructionFilter, Roughness, Sensor, Shape, ShapeKind, Strategy,
+    SunPosition, SunSky, Texture,
 };
 
 fn entity(index: u32) -> Entity {
@@ -135,6 +136,13 @@ fn only_material(commands: &[Command]) -> &Material {
     }
 }
 
+fn light(radiance: Rgb) -> AreaLight {
+    AreaLight {
+        radiance: radiance.into(),
+        ..AreaLight::default()
+    }
+}
+
 /// Values that no control can show exactly.
 fn awkward() -> Vec<Inspected> {
     let nothing = Inspected::new(entity(7), "it");
@@ -187,9 +195,7 @@ fn awkward() -> Vec<Inspected> {
                 },
                 flip_normals: true,
             }),
-            area_light: Some(AreaLight {
-                radiance: Rgb::new(1e5 / 3.0, 7.0, 0.0),
-            }),
+            area_light: Some(light(Rgb::new(1e5 / 3.0, 7.0, 0.0))),
             uses_material: Some(entity(99)),
             ..nothing.clone()
         },
@@ -197,7 +203,7 @@ fn awkward() -> Vec<Inspected> {
             to_world: Some(
                 Affine3A::from_rotation_x(0.123_456_7) * Affine3A::from_scale(Vec3::new(-1e-3, 3e3, 1.0 / 3.0)),
             ),
-            emitter: Some(Emitter::Point { intensity: Rgb::ZERO }),
+            emitter: Some(EmitterKind::Point { intensity: Rgb::ZERO }.into()),
             ..nothing.clone()
         },
         Inspected {
@@ -224,11 +230,116 @@ fn awkward() -> Vec<Inspected> {
                 filter: ReconstructionFilter::Mitchell { b: 3.0, c: -3.0 },
                 sample_count: 0,
             }),
-            emitter: Some(Emitter::Directional { irradiance: third }),
+            emitter: Some(EmitterKind::Directional { irradiance: third }.into()),
             ..nothing
         },
     ]);
+    cases.extend(awkward_lights().into_iter().map(|emitter| Inspected {
+        to_world: Some(Affine3A::from_rotation_z(0.3)),
+        emitter: Some(emitter),
+        ..Inspected::new(entity(8), "lamp")
+    }));
     cases
+}
+
+/// Out of every range there is.
+fn awkward_lights() -> Vec<Emitter> {
+    let slide = Texture::of_picture("/pictures/slide.png".into(), None);
+    let sky = SunSky {
+        turbidity: 1e3,
+        albedo: Rgb::splat(7.0 / 3.0),
+        sun: SunPosition::Direction(Vec3::new(1e6 / 3.0, 0.0, -1e-6)),
+        sun_aperture: 400.0,
+        ..SunSky::default()
+    };
+    let at = PlaceAndTime {
+        latitude: 123.456_79,
+        month: 77,
+        hour: -1e7 / 3.0,
+        ..PlaceAndTime::default()
+    };
+    let kinds = [
+        EmitterKind::Environment {
+            picture: "/pictures/sky.exr".into(),
+            scale: -1.0 / 3.0,
+            mis_compensation: false,
+        },
+        EmitterKind::Spot {
+            intensity: Rgb::new(1e5 / 3.0, 0.0, 1e-9),
+            cutoff_angle: 179.0,
+            beam_width: 1e3 / 3.0,
+            texture: Some(slide.clone()),
+        },
+        EmitterKind::Projector {
+            irradiance: Parameter::Texture(slide),
+            scale: 1e-7,
+            fov: 179.99,
+            fov_axis: FovAxis::Larger,
+        },
+        EmitterKind::SunSky(sky),
+        EmitterKind::SunSky(SunSky {
+            sun: SunPosition::PlaceAndTime(at),
+            ..sky
+        }),
+    ];
+    let light = |kind| Emitter {
+        kind,
+        sampling_weight: -0.123_456,
+    };
+    kinds.map(light).to_vec()
+}
+
+fn lamp(emitter: Emitter) -> Harness<'static, Shown<(Inspected, Vec<Item>)>> {
+    inspect(Inspected {
+        emitter: Some(emitter),
+        ..Inspected::new(entity(8), "lamp")
+    })
+}
+
+#[test]
+fn a_narrower_cone_takes_its_beam_along() {
+    let mut spot = Emitter::of_plugin("spot").unwrap();
+    if let EmitterKind::Spot {
+        cutoff_angle,
+        beam_width,
+        ..
+    } = &mut spot.kind
+    {
+        (*cutoff_angle, *beam_width) = (80.0, 75.0);
+    }
+    let mut harness = lamp(spot);
+    slide(&mut harness, "Cutoff", 0.2);
+    let Some(Command::SetEmitter(_, spot)) = harness.state().commands.last() else {
+        panic!("no light was set")
+    };
+    assert!(
+        matches!(spot.kind, EmitterKind::Spot { cutoff_angle, beam_width, .. } if cutoff_angle < 75.0 && beam_width == cutoff_angle),
+        "{spot:?}"
+    );
+}
+
+#[test]
+fn pictures_of_lights_are_chosen() {
+    for (plugin, parameter) in [("envmap", "filename"), ("spot", "texture"), ("projector", "irradiance")] {
+        let mut harness = lamp(Emitter::of_plugin(plugin).unwrap());
+        click(&mut harness, "\u{2026}");
+        let owner = entity(8);
+        let dialog = Command::ShowDialog(FileDialogKind::OpenPicture { owner, parameter });
+        assert_eq!(harness.state().commands, [dialog]);
+    }
+}
+
+#[test]
+fn what_is_infinitely_far_away_is_only_turned() {
+    let sky = Inspected {
+        to_world: Some(Affine3A::IDENTITY),
+        emitter: Emitter::of_plugin("sunsky"),
+        ..Inspected::new(entity(8), "sky")
+    };
+    let mut harness = inspect(sky);
+    assert!(harness.query_by_label("Position X").is_none());
+    drag(&mut harness, "Rotation Y", 20.0);
+    assert!(matches!(harness.state().commands.last(), Some(Command::SetToWorld(..))));
 }
 
 #[test]
@@ -317,7 +428,7 @@ fn a_shape_can_be_made_to_emit() {
         ..Inspected::new(entity(5), "wall")
     });
     click(&mut harness, "Emits light");
-    let light = AreaLight { radiance: Rgb::ONE };
+    let light = AreaLight::default();
     assert_eq!(
         harness.state().commands,
         [Command::SetAreaLight(entity(5), Some(light))]
@@ -329,15 +440,16 @@ fn strength_keeps_the_hue() {
     let radiance = Rgb::new(18.4, 9.2, 4.6);
     let mut harness = inspect(Inspected {
         shape: Some(Shape::default()),
-        area_light: Some(AreaLight { radiance }),
+        area_light: Some(light(radiance)),
         ..Inspected::new(entity(5), "lamp")
     });
     slide(&mut harness, "Strength", 0.9);
     let Some(Command::SetAreaLight(_, Some(light))) = harness.state().commands.last() else {
         panic!("no light was set")
     };
-    assert!(light.radiance.x > radiance.x);
-    let (hue, before) = (light.radiance / light.radiance.x, radiance / radiance.x);
+    let stronger = light.radiance.constant().unwrap();
+    assert!(stronger.x > radiance.x);
+    let (hue, before) = (stronger / stronger.x, radiance / radiance.x);
     assert!(hue.abs_diff_eq(before, 1e-4), "{hue} {before}");
 }
 

@@ -130,7 +130,10 @@ fn defaults_are_those_of_the_format() {
     );
     assert_eq!(scene.shapes[0].to_world, Affine3A::IDENTITY);
     assert_eq!(scene.shapes[0].material, None);
-    assert_eq!(scene.emitters[0].emitter, Emitter::Point { intensity: Vec3::ONE });
+    assert_eq!(
+        scene.emitters[0].emitter,
+        EmitterKind::Point { intensity: Vec3::ONE }.into()
+    );
 }
 
 #[test]
@@ -192,7 +195,8 @@ fn parameters_are_read() {
     assert_eq!(
         ball.area_light,
         Some(AreaLight {
-            radiance: Vec3::splat(5.0)
+            radiance: Vec3::splat(5.0).into(),
+            ..AreaLight::default()
         })
     );
     let inside = &scene.materials[ball.material.unwrap()];
@@ -439,7 +443,10 @@ fn an_edit_changes_what_was_edited_and_nothing_else() {
         .iter_mut()
         .find(|s| s.shape.kind == ShapeKind::Cube)
         .unwrap();
-    cube.area_light = Some(AreaLight { radiance: Vec3::X });
+    cube.area_light = Some(AreaLight {
+        radiance: Vec3::X.into(),
+        ..AreaLight::default()
+    });
     let text = round_trip(&scene, &target);
     let lines = |text: &str| text.lines().map(str::trim).map(str::to_owned).collect::<Vec<_>>();
     let (old, new) = (lines(&unedited), lines(&text));

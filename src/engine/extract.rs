@@ -7,19 +7,20 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bevy::asset::AssetServer;
-use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
+use super::authored::{Authored, name_of};
 use super::blas_cache::{BlasCache, BuildPolicy, MeshKey};
 use super::control::{RenderControl, WakeUp};
 use super::current::CurrentScene;
 use super::detect::Dirty;
 use super::dispatch::Renderer;
 use super::pack::Checker;
+use super::pack::environment::Environments;
 use super::pack::group::{Layout, PlacedGroup};
 use super::pack::instance::pack_instance;
-use super::pack::light::pack_emitter;
-use super::pack::material::{MaterialSource, PackedMaterials, STAND_IN, pack_materials};
+use super::pack::light::LightContext;
+use super::pack::material::STAND_IN;
 use super::pack::surface::{SurfaceSource, pack_surfaces};
 use super::pack::texture::TexturePacker;
 use super::pack::view::pack_view;
@@ -29,11 +30,7 @@ use crate::light::{LightSource, LightTable, WeightedSource};
 use crate::material::{self, MaterialTable};
 use crate::render::scene::{RenderScene, SurfaceTable};
 use crate::render::view::View;
-use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, InstanceOf, IntegratorSettings,
-    Material, MemberOf, MeshHandle, Pictures, Placements, SamplerSettings, SceneId, SecondNested, Sensor, Shape,
-    ShapeGroup, ShapeKind, TextureMap, ToWorld, TriangleMesh, UsesMaterial,
-};
+use crate::scene::{AccelMethod, Film, InstanceOf, MemberOf, MeshHandle, ShapeKind};
 use crate::shading::DielectricModel;
 use crate::texture::TextureTable;
 
@@ -58,6 +55,7 @@ pub(super) struct Extracted {
     surface_sources: Vec<SurfaceSource>,
     method: SplitMethod,
     light_sources: Vec<WeightedSource>,
+    environments: Environments,
     errors: Errors,
 }
 
@@ -94,6 +92,7 @@ impl Default for Extracted {
             surface_sources: Vec::new(),
             method: SplitMethod::default(),
             light_sources: Vec::new(),
+            environments: Environments::default(),
             errors: Errors::default(),
         }
     }
@@ -110,78 +109,6 @@ impl Extracted {
         } = &self.errors;
         [view, instances, placements, surfaces, emitters].into_iter().flatten()
     }
-}
-
-#[derive(SystemParam)]
-pub(super) struct Authored<'w, 's> {
-    shapes: Query<
-        'w,
-        's,
-        (
-            Entity,
-            &'static DocumentOrder,
-            Option<&'static SceneId>,
-            &'static Shape,
-            &'static ToWorld,
-            Option<&'static MeshHandle>,
-            Option<&'static MemberOf>,
-            Option<(&'static InstanceOf, Option<&'static Placements>)>,
-        ),
-    >,
-    groups: Query<'w, 's, (Entity, &'static DocumentOrder), With<ShapeGroup>>,
-    clothes: Query<
-        'w,
-        's,
-        (
-            &'static DocumentOrder,
-            Option<&'static SceneId>,
-            Option<&'static UsesMaterial>,
-            Option<&'static AreaLight>,
-        ),
-        With<Shape>,
-    >,
-    materials: Query<
-        'w,
-        's,
-        (
-            Entity,
-            &'static DocumentOrder,
-            Option<&'static SceneId>,
-            &'static Material,
-            Option<&'static FirstNested>,
-            Option<&'static SecondNested>,
-        ),
-    >,
-    emitters: Query<
-        'w,
-        's,
-        (
-            Entity,
-            &'static DocumentOrder,
-            Option<&'static SceneId>,
-            &'static Emitter,
-            &'static ToWorld,
-        ),
-    >,
-    sensors: Query<
-        'w,
-        's,
-        (
-            &'static DocumentOrder,
-            Option<&'static SceneId>,
-            &'static Sensor,
-            &'static Film,
-            &'static ToWorld,
-        ),
-    >,
-    active: Res<'w, ActiveSensor>,
-    integrator: Res<'w, IntegratorSettings>,
-    sampler: Res<'w, SamplerSettings>,
-    method: Res<'w, AccelMethod>,
-    meshes: Res<'w, Assets<TriangleMesh>>,
-    pictures: Res<'w, Pictures>,
-    texture_maps: Res<'w, Assets<TextureMap>>,
-    asset_server: Option<Res<'w, AssetServer>>,
 }
 
 pub(super) fn extract_scene(
@@ -363,7 +290,7 @@ impl Extracted {
             SurfaceSource {
                 name: clothes.map_or_else(String::new, |(order, id, ..)| name_of("shape", *order, id)),
                 material: clothes.and_then(|(_, _, uses, _)| uses.map(|uses| uses.0)),
-                radiance: clothes.and_then(|(_, _, _, light)| light.map(|light| light.radiance)),
+                light: clothes.and_then(|(_, _, _, light)| light.cloned()),
             }
         }));
         let packed = pack_surfaces(
@@ -381,20 +308,38 @@ impl Extracted {
         if *self.scene.materials != table {
             self.scene.materials = Arc::new(table);
         }
-        let textures = TextureTable::new(textures.finish());
-        if *self.scene.textures != textures {
-            self.scene.textures = Arc::new(textures);
-        }
-
         let mut sources = packed.lights;
         self.errors.emitters.clear();
-        authored.pack_emitters(&mut sources, &mut self.errors.emitters);
-        let stale = sources.iter().any(|weighted| match &weighted.source {
+        self.environments.begin_use();
+        let mut context = LightContext {
+            textures: &mut textures,
+            environments: &mut self.environments,
+        };
+        authored.pack_emitters(&mut context, &mut sources, &mut self.errors.emitters);
+        self.environments.end_use();
+        let textures = TextureTable::new(textures.finish());
+        let repainted = *self.scene.textures != textures;
+        if repainted {
+            self.scene.textures = Arc::new(textures);
+        }
+        self.update_lights(sources, repainted, moved);
+    }
+
+    /// `repainted`: the textures are others.
+    fn update_lights(&mut self, sources: Vec<WeightedSource>, repainted: bool, moved: &[bool]) {
+        let is_textured = sources.iter().any(|weighted| weighted.source.is_textured());
+        let has_moved = sources.iter().any(|weighted| match &weighted.source {
             LightSource::Surface { instance, .. } => moved.get(*instance as usize) == Some(&true),
             _ => false,
         });
-        if stale || self.light_sources != sources {
-            self.scene.lights = Arc::new(LightTable::build(&sources, &self.scene.geometry, &Arc::default()));
+        if has_moved || (is_textured && repainted) || self.light_sources != sources {
+            // Lights that need no textures do not keep old ones alive.
+            let textures = if is_textured {
+                self.scene.textures.clone()
+            } else {
+                Arc::default()
+            };
+            self.scene.lights = Arc::new(LightTable::build(&sources, &self.scene.geometry, &textures));
             self.light_sources = sources;
         }
     }
@@ -431,47 +376,6 @@ fn material_table(mut materials: Vec<material::Material>, errors: &mut Vec<Strin
                 materials[error.place] = STAND_IN;
             }
         }
-    }
-}
-
-impl Authored<'_, '_> {
-    fn pack_materials(
-        &self,
-        model: DielectricModel,
-        textures: &mut TexturePacker,
-        errors: &mut Vec<String>,
-    ) -> PackedMaterials {
-        let mut materials: Vec<_> = self.materials.iter().collect();
-        materials.sort_by_key(|&(entity, &order, ..)| (order, entity));
-        let sources: Vec<MaterialSource> = materials
-            .into_iter()
-            .map(|(entity, order, id, material, first, second)| MaterialSource {
-                entity,
-                name: name_of("material", *order, id),
-                material,
-                first: first.map(|first| first.0),
-                second: second.map(|second| second.0),
-            })
-            .collect();
-        pack_materials(&sources, model, textures, errors)
-    }
-
-    fn pack_emitters(&self, lights: &mut Vec<WeightedSource>, errors: &mut Vec<String>) {
-        let mut emitters: Vec<_> = self.emitters.iter().collect();
-        emitters.sort_by_key(|&(entity, &order, ..)| (order, entity));
-        for (_, order, id, emitter, to_world) in emitters {
-            let name = name_of("emitter", *order, id);
-            let mut check = Checker { name: &name, errors };
-            lights.extend(pack_emitter(emitter, to_world.0, &mut check).map(WeightedSource::from));
-        }
-    }
-}
-
-/// What a message calls an entity.
-fn name_of(kind: &str, order: DocumentOrder, id: Option<&SceneId>) -> String {
-    match id {
-        Some(SceneId(id)) => format!("{kind} \"{id}\""),
-        None => format!("{kind} {}", order.0),
     }
 }
 

@@ -1,5 +1,7 @@
 //! A point that shines into a cone along +z, as bright all over the beam and fading out linearly in the angle towards the cutoff.
 
+use std::f32::consts::PI;
+
 use glam::{Affine3A, Vec2, Vec3, Vec3A};
 
 use super::bounds::{LightBounds, NormalCone};
@@ -16,7 +18,7 @@ pub struct Spot {
     pub world_from_local: Affine3A,
     /// Radiant intensity along the axis, W/sr.
     pub intensity: Rgb,
-    /// Half angles, radians: no light beyond the cutoff, all of it within the beam. 0 <= beam <= cutoff < pi / 2.
+    /// Half angles, radians: no light beyond the cutoff, all of it within the beam. 0 <= beam <= cutoff <= pi.
     pub cutoff_angle: f32,
     pub beam_angle: f32,
     /// Factor on the intensity, spanning the square around the cone's cross section.
@@ -81,10 +83,15 @@ impl SpotLight {
 
     pub fn bounds(&self) -> LightBounds {
         let axis = Vec3::from(self.spot.world_from_local.transform_vector3a(Vec3A::Z));
+        let cos_emission = (self.spot.cutoff_angle + ANGLE_MARGIN).min(PI).cos();
         LightBounds {
             bounds: Aabb::from_points([self.position()]),
-            cone: NormalCone::single(axis.normalize_or(Vec3::Z)),
-            cos_emission: (self.spot.cutoff_angle + ANGLE_MARGIN).cos().max(0.0),
+            cone: if cos_emission < 0.0 {
+                NormalCone::ALL
+            } else {
+                NormalCone::single(axis.normalize_or(Vec3::Z))
+            },
+            cos_emission: cos_emission.max(0.0),
             intensity: luminance(self.spot.intensity) * self.mean_texture,
         }
     }

@@ -1,32 +1,258 @@
 //! Lights as the user knows them. Radiometric units; no photometry.
 
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+
 use bevy::prelude::*;
 
-use super::{DocumentOrder, ToWorld};
+use super::sun_sky::{SunPosition, SunSky};
+use super::{DocumentOrder, FovAxis, Parameter, ParameterVisitor, Texture, ToWorld};
 use crate::color::Rgb;
 
-/// Makes a shape emit `radiance` (W/(m^2 sr)) from its front, evenly in all directions.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+/// Makes a shape emit from its front, evenly in all directions.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, PartialEq)]
 pub struct AreaLight {
-    pub radiance: Rgb,
+    /// W/(m^2 sr).
+    pub radiance: Parameter<Rgb>,
+    /// As that of [`Emitter`].
+    pub sampling_weight: f32,
 }
 
-/// A light that is no surface; where and whereto is [`ToWorld`].
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+/// A light that is no surface; where and whereto is [`ToWorld`]. [`Emitter::visit`] lists the parameters with their names.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, PartialEq)]
 #[require(ToWorld, DocumentOrder)]
-pub enum Emitter {
+pub struct Emitter {
+    pub kind: EmitterKind,
+    /// Factor on how often it is chosen when light is looked for; 0 leaves it to be found by chance. The picture does not depend on it.
+    pub sampling_weight: f32,
+}
+
+#[derive(Reflect, Clone, Debug, PartialEq)]
+pub enum EmitterKind {
     /// Radiant intensity, W/sr.
-    Point { intensity: Rgb },
+    Point {
+        intensity: Rgb,
+    },
     /// Irradiance on a surface that faces the light, W/m^2.
-    Directional { irradiance: Rgb },
+    Directional {
+        irradiance: Rgb,
+    },
     /// The same radiance from every direction, W/(m^2 sr).
-    Constant { radiance: Rgb },
+    Constant {
+        radiance: Rgb,
+    },
+    /// `envmap`: a picture of all directions, `scale` times its radiance.
+    Environment {
+        /// Absolute path.
+        picture: PathBuf,
+        scale: f32,
+        /// Whether directions that surfaces find by themselves are sampled less.
+        mis_compensation: bool,
+    },
+    /// Shines along +z.
+    Spot {
+        /// Along the axis, W/sr.
+        intensity: Rgb,
+        /// Angles from the axis in degrees: no light beyond the cutoff, all of it within the beam.
+        cutoff_angle: f32,
+        beam_width: f32,
+        /// Factor on the intensity, across the cone.
+        texture: Option<Texture>,
+    },
+    /// Throws a picture along +z, as a camera would see it.
+    Projector {
+        /// Pi times that on the plane z = 1.
+        irradiance: Parameter<Rgb>,
+        scale: f32,
+        /// As those of a [`super::Sensor`] whose film is the picture.
+        fov: f32,
+        fov_axis: FovAxis,
+    },
+    SunSky(SunSky),
+}
+
+impl Default for AreaLight {
+    fn default() -> Self {
+        Self {
+            radiance: Rgb::ONE.into(),
+            sampling_weight: 1.0,
+        }
+    }
 }
 
 impl Default for Emitter {
     fn default() -> Self {
-        Self::Constant { radiance: Rgb::ONE }
+        EmitterKind::Constant { radiance: Rgb::ONE }.into()
+    }
+}
+
+impl From<EmitterKind> for Emitter {
+    fn from(kind: EmitterKind) -> Self {
+        Self {
+            kind,
+            sampling_weight: 1.0,
+        }
+    }
+}
+
+/// Meets the parameters of a light in turn; names are those of the file. What a visitor leaves alone keeps its value, which in a fresh
+/// light is the format's default.
+pub trait EmitterVisitor: ParameterVisitor {
+    /// What is sent out: not negative, without upper bound.
+    fn emission(&mut self, name: &'static str, value: &mut Rgb);
+    fn textured_emission(&mut self, name: &'static str, value: &mut Parameter<Rgb>);
+    /// A share of the light, 0 to 1, the same everywhere.
+    fn uniform_reflectance(&mut self, name: &'static str, value: &mut Rgb);
+    fn integer(&mut self, name: &'static str, value: &mut i32, range: RangeInclusive<i32>);
+    /// Degrees.
+    fn angle(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>);
+    /// A file.
+    fn picture(&mut self, name: &'static str, value: &mut PathBuf);
+    fn optional_texture(&mut self, name: &'static str, value: &mut Option<Texture>);
+    /// `cutoff_angle` and `beam_width`.
+    fn cone(&mut self, cutoff_angle: &mut f32, beam_width: &mut f32);
+    /// `fov` and `fov_axis`.
+    fn field_of_view(&mut self, fov: &mut f32, axis: &mut FovAxis);
+    /// Which of the two it is, and `sun_direction`.
+    fn sun_position(&mut self, value: &mut SunPosition);
+    fn sampling_weight(&mut self, value: &mut f32);
+}
+
+/// For factors.
+pub(super) const POSITIVE: RangeInclusive<f32> = 0.0..=f32::MAX;
+
+impl AreaLight {
+    /// Shows `visitor` every parameter.
+    pub fn visit(&mut self, visitor: &mut impl EmitterVisitor) {
+        visitor.textured_emission("radiance", &mut self.radiance);
+        visitor.sampling_weight(&mut self.sampling_weight);
+    }
+}
+
+impl Emitter {
+    /// The names of all plugins.
+    pub const PLUGINS: [&'static str; 7] = [
+        "point",
+        "directional",
+        "constant",
+        "envmap",
+        "spot",
+        "projector",
+        "sunsky",
+    ];
+
+    /// The light that a plugin of this name is when its file gives no parameter; None if there is no such plugin.
+    pub fn of_plugin(plugin: &str) -> Option<Self> {
+        let kind = match plugin {
+            "point" => EmitterKind::Point { intensity: Rgb::ONE },
+            "directional" => EmitterKind::Directional { irradiance: Rgb::ONE },
+            "constant" => EmitterKind::Constant { radiance: Rgb::ONE },
+            "envmap" => EmitterKind::Environment {
+                picture: PathBuf::new(),
+                scale: 1.0,
+                mis_compensation: true,
+            },
+            "spot" => EmitterKind::Spot {
+                intensity: Rgb::ONE,
+                cutoff_angle: 20.0,
+                beam_width: 15.0,
+                texture: None,
+            },
+            "projector" => EmitterKind::Projector {
+                irradiance: Rgb::ONE.into(),
+                scale: 1.0,
+                fov: 45.0,
+                fov_axis: FovAxis::X,
+            },
+            "sunsky" => EmitterKind::SunSky(SunSky::default()),
+            _ => return None,
+        };
+        Some(kind.into())
+    }
+
+    /// The plugin's name in the file.
+    pub fn plugin(&self) -> &'static str {
+        match self.kind {
+            EmitterKind::Point { .. } => "point",
+            EmitterKind::Directional { .. } => "directional",
+            EmitterKind::Constant { .. } => "constant",
+            EmitterKind::Environment { .. } => "envmap",
+            EmitterKind::Spot { .. } => "spot",
+            EmitterKind::Projector { .. } => "projector",
+            EmitterKind::SunSky(_) => "sunsky",
+        }
+    }
+
+    /// Shows `visitor` every parameter.
+    pub fn visit(&mut self, visitor: &mut impl EmitterVisitor) {
+        match &mut self.kind {
+            EmitterKind::Point { intensity } => visitor.emission("intensity", intensity),
+            EmitterKind::Directional { irradiance } => visitor.emission("irradiance", irradiance),
+            EmitterKind::Constant { radiance } => visitor.emission("radiance", radiance),
+            EmitterKind::Environment {
+                picture,
+                scale,
+                mis_compensation,
+            } => {
+                visitor.picture("filename", picture);
+                visitor.number("scale", scale, POSITIVE);
+                visitor.flag("mis_compensation", mis_compensation);
+            }
+            EmitterKind::Spot {
+                intensity,
+                cutoff_angle,
+                beam_width,
+                texture,
+            } => {
+                visitor.emission("intensity", intensity);
+                visitor.cone(cutoff_angle, beam_width);
+                visitor.optional_texture("texture", texture);
+            }
+            EmitterKind::Projector {
+                irradiance,
+                scale,
+                fov,
+                fov_axis,
+            } => {
+                visitor.textured_emission("irradiance", irradiance);
+                visitor.number("scale", scale, POSITIVE);
+                visitor.field_of_view(fov, fov_axis);
+            }
+            EmitterKind::SunSky(sky) => sky.visit(visitor),
+        }
+        visitor.sampling_weight(&mut self.sampling_weight);
+    }
+
+    /// Shows `meet` every picture it needs, by absolute path.
+    pub fn for_each_picture(&self, meet: &mut impl FnMut(&PathBuf)) {
+        let texture = match &self.kind {
+            EmitterKind::Environment { picture, .. } => return meet(picture),
+            EmitterKind::Spot { texture, .. } => texture.as_ref(),
+            EmitterKind::Projector {
+                irradiance: Parameter::Texture(texture),
+                ..
+            } => Some(texture),
+            _ => None,
+        };
+        if let Some(texture) = texture {
+            texture.for_each_bitmap(&mut |bitmap| meet(&bitmap.path));
+        }
+    }
+
+    /// The picture at `path` as whatever it has a picture for; other lights stay.
+    pub fn set_picture(&mut self, path: PathBuf) {
+        match &mut self.kind {
+            EmitterKind::Environment { picture, .. } => *picture = path,
+            EmitterKind::Spot { texture, .. } => *texture = Some(Texture::of_picture(path, texture.as_ref())),
+            EmitterKind::Projector { irradiance, .. } => irradiance.set_picture(path),
+            _ => {}
+        }
+    }
+
+    /// Whether it is infinitely far away in many directions: then only how it is turned matters of where it is.
+    pub fn is_environment(&self) -> bool {
+        matches!(self.kind, EmitterKind::Environment { .. } | EmitterKind::SunSky(_))
     }
 }

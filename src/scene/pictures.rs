@@ -1,4 +1,4 @@
-//! Picture files follow the textures that name them: each is loaded once however often it is used, and let go when nobody does.
+//! Picture files follow the textures and environments that name them: each is loaded once however often it is used, and let go when nobody does.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use bevy::prelude::*;
 
 use super::assets::cause;
 use super::loading::SceneFile;
-use super::{Material, MeshHandle, SceneStatus, TextureMap, TriangleMesh, UsesMaterial};
+use super::{AreaLight, Emitter, Material, MeshHandle, Parameter, SceneStatus, TextureMap, TriangleMesh, UsesMaterial};
 use crate::document::Span;
 
 /// Where the scene file first names each picture, by absolute path.
@@ -20,7 +20,7 @@ pub type PicturePlaces = HashMap<PathBuf, Span>;
 pub struct Pictures(BTreeMap<PathBuf, Handle<TextureMap>>);
 
 impl Pictures {
-    /// The picture's asset, which may still be on its way; None for a path that no texture names.
+    /// The picture's asset, which may still be on its way; None for a path that nobody names.
     pub fn get(&self, path: &Path) -> Option<&Handle<TextureMap>> {
         self.0.get(path)
     }
@@ -30,11 +30,21 @@ impl Pictures {
     }
 }
 
+type PictureNamesChanged = Or<(
+    Changed<Material>,
+    Changed<MeshHandle>,
+    Changed<UsesMaterial>,
+    Changed<Emitter>,
+    Changed<AreaLight>,
+)>;
+
 /// What may change which pictures are named.
 #[derive(SystemParam)]
 pub(super) struct PictureNews<'w, 's> {
-    changed: Query<'w, 's, (), Or<(Changed<Material>, Changed<MeshHandle>, Changed<UsesMaterial>)>>,
+    changed: Query<'w, 's, (), PictureNamesChanged>,
     removed: RemovedComponents<'w, 's, Material>,
+    removed_emitters: RemovedComponents<'w, 's, Emitter>,
+    removed_lights: RemovedComponents<'w, 's, AreaLight>,
     bared: RemovedComponents<'w, 's, UsesMaterial>,
     meshes: MessageReader<'w, 's, AssetEvent<TriangleMesh>>,
 }
@@ -45,9 +55,11 @@ impl PictureNews<'_, '_> {
         let counts = [
             self.removed.read().count(),
             self.bared.read().count(),
+            self.removed_emitters.read().count(),
+            self.removed_lights.read().count(),
             self.meshes.read().count(),
         ];
-        counts != [0; 3] || !self.changed.is_empty()
+        counts != [0; 5] || !self.changed.is_empty()
     }
 }
 
@@ -55,6 +67,8 @@ pub(super) fn follow_pictures(
     mut pictures: ResMut<Pictures>,
     server: Res<AssetServer>,
     materials: Query<&Material>,
+    lights: Query<&AreaLight>,
+    emitters: Query<&Emitter>,
     // Those with a material of their own do not look at the library of their file.
     libraries: Query<&MeshHandle, Without<UsesMaterial>>,
     meshes: Res<Assets<TriangleMesh>>,
@@ -69,6 +83,18 @@ pub(super) fn follow_pictures(
             texture.for_each_bitmap(&mut |bitmap| {
                 wanted.insert(bitmap.path.clone());
             });
+        });
+    }
+    for light in &lights {
+        if let Parameter::Texture(texture) = &light.radiance {
+            texture.for_each_bitmap(&mut |bitmap| {
+                wanted.insert(bitmap.path.clone());
+            });
+        }
+    }
+    for emitter in &emitters {
+        emitter.for_each_picture(&mut |path| {
+            wanted.insert(path.clone());
         });
     }
     for mesh in libraries.iter().filter_map(|handle| meshes.get(&handle.0)) {

@@ -117,7 +117,7 @@ pub fn update(world: &mut World, scene: &SceneDescription) {
         let entity = known.entity(world, Kind::Shape, &shape.identity);
         set(world, entity, shape.shape.clone());
         set(world, entity, ToWorld(shape.to_world));
-        set_or_remove(world, entity, shape.area_light);
+        set_or_remove(world, entity, shape.area_light.clone());
         relate(
             world,
             entity,
@@ -144,7 +144,7 @@ pub fn update(world: &mut World, scene: &SceneDescription) {
     }
     for emitter in &scene.emitters {
         let entity = known.entity(world, Kind::Emitter, &emitter.identity);
-        set(world, entity, emitter.emitter);
+        set(world, entity, emitter.emitter.clone());
         set(world, entity, ToWorld(emitter.to_world));
     }
     update_sensors(world, scene, &mut known);

@@ -15,6 +15,17 @@ pub enum Parameter<T> {
     Texture(Texture),
 }
 
+impl<T> Parameter<T> {
+    /// The picture at `path` instead.
+    pub fn set_picture(&mut self, path: PathBuf) {
+        let before = match self {
+            Self::Constant(_) => None,
+            Self::Texture(texture) => Some(&*texture),
+        };
+        *self = Self::Texture(Texture::of_picture(path, before));
+    }
+}
+
 impl<T: Copy> Parameter<T> {
     /// The value, if it is the same everywhere.
     pub fn constant(&self) -> Option<T> {
@@ -87,6 +98,15 @@ pub enum TextureWrap {
 }
 
 impl Texture {
+    /// A picture, looked at as the one before it if there was one.
+    pub fn of_picture(path: PathBuf, before: Option<&Self>) -> Self {
+        let looks = match before {
+            Some(Self::Bitmap(bitmap)) => bitmap.clone(),
+            _ => Bitmap::default(),
+        };
+        Self::Bitmap(Bitmap { path, ..looks })
+    }
+
     /// The plugin's name in the file.
     pub fn plugin(&self) -> &'static str {
         match self {

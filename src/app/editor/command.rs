@@ -41,9 +41,9 @@ pub enum Command {
     SetToWorld(Entity, Affine3A),
     SetShape(Entity, Shape),
     SetMaterial(Entity, Box<Material>),
-    /// Another picture for a texture of a material.
+    /// Another picture for a texture of a material or a light.
     SetPicture {
-        material: Entity,
+        owner: Entity,
         parameter: &'static str,
         path: PathBuf,
     },
@@ -124,9 +124,9 @@ pub enum FileDialogKind {
     OpenScene,
     SaveScene,
     SaveImage,
-    /// The picture of the texture that this parameter of the material is.
+    /// The picture of the texture that this parameter of the material or the light is.
     OpenPicture {
-        material: Entity,
+        owner: Entity,
         parameter: &'static str,
     },
 }

@@ -20,8 +20,8 @@ use crate::engine::{CurrentScene, InputStamp, RenderControl, RenderFilm, RenderS
 use crate::math::Aabb;
 use crate::render::image_io::{ImageRgb, write_image};
 use crate::scene::{
-    AccelMethod, ActiveSensor, Bitmap, DocumentOrder, IntegratorSettings, Lens, Material, OpenScene, SamplerSettings,
-    SceneStatus, Sensor, Texture, ToWorld, UsesMaterial, write,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, IntegratorSettings, Lens, Material, OpenScene,
+    SamplerSettings, SceneStatus, Sensor, Texture, ToWorld, UsesMaterial, write,
 };
 
 /// Applies this frame's commands in order.
@@ -92,11 +92,7 @@ fn apply(world: &mut World, command: Command) -> Result<(), String> {
         Command::SetToWorld(entity, to_world) => set(world, entity, ToWorld(to_world)),
         Command::SetShape(entity, shape) => set(world, entity, shape),
         Command::SetMaterial(entity, material) => set(world, entity, *material),
-        Command::SetPicture {
-            material,
-            parameter,
-            path,
-        } => set_picture(world, material, parameter, &path),
+        Command::SetPicture { owner, parameter, path } => set_picture(world, owner, parameter, &path),
         Command::UseMaterial { shape, material } => match material {
             Some(material) => set(world, shape, UsesMaterial(material)),
             None => remove::<UsesMaterial>(world, shape),
@@ -104,7 +100,7 @@ fn apply(world: &mut World, command: Command) -> Result<(), String> {
         Command::GiveMaterial { shape } => give_material(world, shape),
         Command::SetAreaLight(entity, light) => match light {
             Some(light) => set(world, entity, light),
-            None => remove::<crate::scene::AreaLight>(world, entity),
+            None => remove::<AreaLight>(world, entity),
         },
         Command::SetEmitter(entity, emitter) => set(world, entity, emitter),
         Command::SetSensor(entity, sensor) => set(world, entity, sensor),
@@ -134,23 +130,24 @@ fn apply(world: &mut World, command: Command) -> Result<(), String> {
     Ok(())
 }
 
-/// Looked at as the picture before it; other textures become a plain picture.
-fn set_picture(world: &mut World, material: Entity, parameter: &str, path: &Path) {
-    let Some(mut edited) = world.get::<Material>(material).cloned() else {
-        return;
-    };
-    edited.visit_textures(|name, texture| {
-        if name == parameter {
-            *texture = Texture::Bitmap(Bitmap {
-                path: path.to_owned(),
-                ..match &*texture {
-                    Texture::Bitmap(bitmap) => bitmap.clone(),
-                    _ => Bitmap::default(),
-                }
-            });
-        }
-    });
-    set(world, material, edited);
+/// Looked at as the picture before it; other textures become a plain picture. Lights have one parameter that may be a picture.
+fn set_picture(world: &mut World, owner: Entity, parameter: &str, path: &Path) {
+    if let Some(mut edited) = world.get::<Material>(owner).cloned() {
+        edited.visit_textures(|name, texture| {
+            if name == parameter {
+                *texture = Texture::of_picture(path.to_owned(), Some(texture));
+            }
+        });
+        set(world, owner, edited);
+    }
+    if let Some(mut edited) = world.get::<AreaLight>(owner).cloned() {
+        edited.radiance.set_picture(path.to_owned());
+        set(world, owner, edited);
+    }
+    if let Some(mut edited) = world.get::<Emitter>(owner).cloned() {
+        edited.set_picture(path.to_owned());
+        set(world, owner, edited);
+    }
 }
 
 /// Writes a component if it differs.
@@ -297,7 +294,7 @@ pub fn camera_pose(active: &ActiveSensor, poses: &Query<&ToWorld>) -> Option<Aff
 mod tests {
     use super::*;
     use crate::color::Rgb;
-    use crate::scene::Emitter;
+    use crate::scene::Parameter;
 
     fn world() -> World {
         let mut world = World::new();
@@ -353,6 +350,26 @@ mod tests {
         assert!(used.is_some_and(|material| world.get::<Material>(material).is_some()));
         say(&mut world, Command::UseMaterial { shape, material: None });
         assert!(world.get::<UsesMaterial>(shape).is_none());
+    }
+
+    #[test]
+    fn a_picture_goes_to_whatever_has_one() {
+        let mut world = world();
+        let lamp = world.spawn(AreaLight::default()).id();
+        let sky = world.spawn(Emitter::of_plugin("envmap").expect("a plugin")).id();
+        for owner in [lamp, sky] {
+            let path = PathBuf::from("/pictures/sky.exr");
+            let parameter = "filename";
+            say(&mut world, Command::SetPicture { owner, parameter, path });
+        }
+        let mut found = Vec::new();
+        if let Some(Emitter { kind, .. }) = world.get(sky) {
+            Emitter::from(kind.clone()).for_each_picture(&mut |path| found.push(path.clone()));
+        }
+        if let Some(Parameter::Texture(texture)) = world.get::<AreaLight>(lamp).map(|light| &light.radiance) {
+            texture.for_each_bitmap(&mut |bitmap| found.push(bitmap.path.clone()));
+        }
+        assert_eq!(found, [Path::new("/pictures/sky.exr"); 2]);
     }
 
     #[test]

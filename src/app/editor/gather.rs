@@ -15,9 +15,9 @@ use super::state::EditorState;
 use crate::document::{Diagnostic, Diagnostics, Severity};
 use crate::engine::{RenderControl, RenderStatus};
 use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, IntegratorSettings, Material,
-    MaterialUsers, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNested, Sensor, Shape, ShapeKind, ToWorld,
-    UsesMaterial,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, FirstNested, IntegratorSettings,
+    Material, MaterialUsers, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNested, Sensor, Shape, ShapeKind,
+    ToWorld, UsesMaterial,
 };
 
 #[derive(Resource, Default)]
@@ -191,12 +191,12 @@ fn inspect(entity: Entity, parts: &Query<Parts>, materials: &Query<MaterialParts
         _ => "material",
     };
     // A constant environment is everywhere, its transform means nothing.
-    let has_place = !matches!(emitter, Some(Emitter::Constant { .. }));
+    let has_place = emitter.is_none_or(|emitter| !matches!(emitter.kind, EmitterKind::Constant { .. }));
     let mut inspected = Inspected {
         to_world: to_world.filter(|_| has_place).map(|to_world| to_world.0),
         shape: shape.cloned(),
-        area_light: area_light.copied(),
-        emitter: emitter.copied(),
+        area_light: area_light.cloned(),
+        emitter: emitter.cloned(),
         sensor: sensor.copied(),
         film: film.copied(),
         uses_material: uses.map(|uses| uses.0),

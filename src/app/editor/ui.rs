@@ -186,10 +186,6 @@ pub fn picked(kind: FileDialogKind, path: std::path::PathBuf) -> Command {
         FileDialogKind::OpenScene => Command::OpenScene(path),
         FileDialogKind::SaveScene => Command::SaveScene(path),
         FileDialogKind::SaveImage => Command::SaveImage(path),
-        FileDialogKind::OpenPicture { material, parameter } => Command::SetPicture {
-            material,
-            parameter,
-            path,
-        },
+        FileDialogKind::OpenPicture { owner, parameter } => Command::SetPicture { owner, parameter, path },
     }
 }

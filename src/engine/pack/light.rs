@@ -1,88 +1,302 @@
-//! Emitters that are no surface.
+//! Emitters that are no surface, and the colours of those that are.
 
 use bevy::math::Affine3A;
 
+use super::environment::Environments;
+use super::texture::TexturePacker;
+use super::view::{horizontal_fov, rigid};
 use super::{BRIGHTEST, Checker};
 use crate::color::Rgb;
-use crate::light::LightSource;
-use crate::scene::Emitter;
+use crate::light::{Atmosphere, LightSource, Projector, Spot, WeightedSource};
+use crate::scene::{self, Emitter, EmitterKind, FovAxis, SunPosition, SunSky};
+use crate::texture::Parameter;
+use crate::{light, texture};
 
 /// A colour of light: finite and not negative.
-pub(super) fn emission(what: &str, value: Rgb, check: &mut Checker) -> Rgb {
-    check.color(what, value, BRIGHTEST)
+pub(super) fn emission(
+    what: &str,
+    value: &scene::Parameter<Rgb>,
+    textures: &mut TexturePacker,
+    check: &mut Checker,
+) -> texture::Parameter<Rgb> {
+    match value {
+        scene::Parameter::Constant(color) => Parameter::Constant(check.color(what, *color, BRIGHTEST)),
+        scene::Parameter::Texture(texture) => textures.parameter(texture),
+    }
 }
 
-/// None for a light that cannot be: nowhere, or going nowhere.
+/// A factor on how often a light is chosen.
+pub(super) fn sampling_weight(value: f32, check: &mut Checker) -> f32 {
+    check.number("sampling_weight", value, 0.0, BRIGHTEST, 1.0)
+}
+
+/// What lights need besides themselves.
+pub(in crate::engine) struct LightContext<'c, 'p> {
+    pub textures: &'c mut TexturePacker<'p>,
+    pub environments: &'c mut Environments,
+}
+
+/// None for a light that cannot be: nowhere, or going nowhere; and for one whose picture is not there (yet).
 pub(in crate::engine) fn pack_emitter(
     emitter: &Emitter,
     to_world: Affine3A,
+    context: &mut LightContext,
     check: &mut Checker,
-) -> Option<LightSource> {
-    match *emitter {
-        Emitter::Point { intensity } => {
+) -> Option<WeightedSource> {
+    let source = match &emitter.kind {
+        EmitterKind::Point { intensity } => {
             let position = glam::Vec3::from(to_world.translation);
             if !position.is_finite() {
                 check.report("its position is not finite, the light is left out");
                 return None;
             }
-            Some(LightSource::Point {
+            LightSource::Point {
                 position,
-                intensity: emission("intensity", intensity, check),
-            })
+                intensity: check.color("intensity", *intensity, BRIGHTEST),
+            }
         }
-        Emitter::Directional { irradiance } => {
+        EmitterKind::Directional { irradiance } => {
             let Some(direction) = glam::Vec3::from(to_world.matrix3.z_axis).try_normalize() else {
                 check.report("it has no direction, the light is left out");
                 return None;
             };
-            Some(LightSource::Directional {
+            LightSource::Directional {
                 direction,
-                irradiance: emission("irradiance", irradiance, check),
+                irradiance: check.color("irradiance", *irradiance, BRIGHTEST),
+            }
+        }
+        EmitterKind::Constant { radiance } => LightSource::Constant {
+            radiance: check.color("radiance", *radiance, BRIGHTEST),
+        },
+        EmitterKind::Environment {
+            picture,
+            scale,
+            mis_compensation,
+        } => {
+            let image = context.textures.picture(picture)?;
+            LightSource::Environment {
+                map: context.environments.get(&image, *mis_compensation),
+                world_from_local: turning(to_world, check)?,
+                scale: check.number("scale", *scale, 0.0, BRIGHTEST, 1.0),
+            }
+        }
+        EmitterKind::Spot {
+            intensity,
+            cutoff_angle,
+            beam_width,
+            texture,
+        } => {
+            let cutoff = check.number("cutoff_angle", *cutoff_angle, 0.01, 180.0, 20.0);
+            let white = Parameter::Constant(Rgb::ONE);
+            LightSource::Spot(Spot {
+                world_from_local: invertible(to_world, check)?,
+                intensity: check.color("intensity", *intensity, BRIGHTEST),
+                cutoff_angle: cutoff.to_radians(),
+                // A cutoff that is moved below the beam takes it along.
+                beam_angle: check
+                    .number("beam_width", beam_width.min(cutoff), 0.0, cutoff, cutoff)
+                    .to_radians(),
+                texture: texture
+                    .as_ref()
+                    .map_or(white, |texture| context.textures.parameter(texture)),
             })
         }
-        Emitter::Constant { radiance } => Some(LightSource::Constant {
-            radiance: emission("radiance", radiance, check),
+        EmitterKind::Projector {
+            irradiance,
+            scale,
+            fov,
+            fov_axis,
+        } => LightSource::Projector(Projector {
+            world_from_local: invertible(to_world, check)?,
+            irradiance: emission("irradiance", irradiance, context.textures, check),
+            scale: check.number("scale", *scale, 0.0, BRIGHTEST, 1.0),
+            half_size: half_size(*fov, *fov_axis, context.textures.aspect(irradiance), check),
         }),
+        EmitterKind::SunSky(sky) => {
+            let world_from_local = turning(to_world, check)?;
+            LightSource::SunSky {
+                atmosphere: atmosphere(sky, world_from_local, check)?,
+                world_from_local,
+            }
+        }
+    };
+    Some(WeightedSource {
+        source,
+        sampling_weight: sampling_weight(emitter.sampling_weight, check),
+    })
+}
+
+/// Of a projector's picture on the plane z = 1; `aspect` is width over height.
+fn half_size(fov: f32, axis: FovAxis, aspect: f32, check: &mut Checker) -> glam::Vec2 {
+    let fov = check.number("fov", fov, 1e-3, 179.9, 45.0);
+    let half_width = (0.5 * horizontal_fov(fov, axis, aspect)).to_radians().tan();
+    glam::Vec2::new(half_width, half_width / aspect)
+}
+
+/// None, with a report, for a sun that stands nowhere.
+fn atmosphere(sky: &SunSky, world_from_local: glam::Mat3, check: &mut Checker) -> Option<Atmosphere> {
+    let sun_direction = match sky.sun {
+        SunPosition::Direction(direction) => {
+            let Some(direction) = direction.try_normalize() else {
+                check.report("`sun_direction` has no length, the light is left out");
+                return None;
+            };
+            world_from_local.transpose() * direction
+        }
+        SunPosition::PlaceAndTime(at) => light::PlaceAndTime {
+            latitude: at.latitude.into(),
+            longitude: at.longitude.into(),
+            timezone: at.timezone.into(),
+            year: at.year,
+            month: at.month,
+            day: at.day,
+            hour: at.hour.into(),
+            minute: at.minute.into(),
+            second: at.second.into(),
+        }
+        .sun_direction(),
+    };
+    if !sun_direction.is_finite() {
+        check.report("the sun stands nowhere at such a place and time, the light is left out");
+        return None;
     }
+    Some(Atmosphere {
+        turbidity: check.number("turbidity", sky.turbidity, 1.0, 10.0, 3.0),
+        albedo: check.reflectance("albedo", sky.albedo),
+        sun_direction,
+        sky_scale: check.number("sky_scale", sky.sky_scale, 0.0, BRIGHTEST, 1.0),
+        sun_scale: check.number("sun_scale", sky.sun_scale, 0.0, BRIGHTEST, 1.0),
+        sun_aperture: check
+            .number("sun_aperture", sky.sun_aperture, 0.01, 179.0, 0.5338)
+            .to_radians(),
+        limb_darkening: sky.complex_sun,
+    })
+}
+
+/// How far a map may be from one that only turns and scales evenly, relative to its scale.
+const UNEVEN: f32 = 1e-3;
+
+/// The turning (and mirroring) of something infinitely far away; stretching it is reported, for it has no effect.
+fn turning(to_world: Affine3A, check: &mut Checker) -> Option<glam::Mat3> {
+    let Some(rigid) = rigid(to_world) else {
+        check.report("its transform is degenerate, the light is left out");
+        return None;
+    };
+    let (turned, given) = (glam::Mat3::from(rigid.matrix3), glam::Mat3::from(to_world.matrix3));
+    let scale = given.z_axis.length();
+    if !(given * scale.recip()).abs_diff_eq(turned, UNEVEN) {
+        check.report("its transform stretches it: only the turning has an effect");
+    }
+    Some(turned)
+}
+
+/// None, with a report, for a transform that cannot be undone.
+fn invertible(to_world: Affine3A, check: &mut Checker) -> Option<Affine3A> {
+    if !to_world.is_finite() || !to_world.inverse().is_finite() {
+        check.report("its transform is degenerate, the light is left out");
+        return None;
+    }
+    Some(to_world)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+    use std::sync::Arc;
+
     use bevy::math::Vec3;
 
     use super::*;
+    use crate::texture::Image;
 
-    fn pack(emitter: Emitter, to_world: Affine3A) -> (Option<LightSource>, usize) {
+    fn pack(kind: EmitterKind, to_world: Affine3A) -> (Option<LightSource>, Vec<String>) {
         let mut errors = Vec::new();
         let mut check = Checker {
             name: "lamp",
             errors: &mut errors,
         };
-        (pack_emitter(&emitter, to_world, &mut check), errors.len())
+        let picture = |path: &Path| (path == Path::new("/sky.exr")).then(|| Arc::new(Image::uniform(2.0)));
+        let mut context = LightContext {
+            textures: &mut TexturePacker::new(&picture),
+            environments: &mut Environments::default(),
+        };
+        let light = pack_emitter(&kind.into(), to_world, &mut context, &mut check);
+        (light.map(|light| light.source), errors)
     }
 
     #[test]
     fn a_directional_light_goes_along_z_whatever_the_scale() {
         let to_world = Affine3A::from_rotation_y(90f32.to_radians()) * Affine3A::from_scale(Vec3::splat(5.0));
-        let (light, errors) = pack(Emitter::Directional { irradiance: Rgb::ONE }, to_world);
+        let (light, errors) = pack(EmitterKind::Directional { irradiance: Rgb::ONE }, to_world);
         let Some(LightSource::Directional { direction, .. }) = light else {
             panic!("{light:?}")
         };
         assert!(direction.abs_diff_eq(Vec3::X, 1e-6), "{direction}");
-        assert_eq!(errors, 0);
+        assert!(errors.is_empty());
     }
 
     #[test]
     fn impossible_lights_are_left_out_and_reported() {
-        let intensity = Rgb::ONE;
         let nowhere = Affine3A::from_translation(Vec3::INFINITY);
-        assert_eq!(pack(Emitter::Point { intensity }, nowhere), (None, 1));
-        let (light, errors) = pack(Emitter::Directional { irradiance: Rgb::ONE }, Affine3A::ZERO);
-        assert_eq!((light, errors), (None, 1));
-        let (light, errors) = pack(Emitter::Constant { radiance: Rgb::NAN }, Affine3A::IDENTITY);
-        assert_eq!(
-            (light, errors),
-            (Some(LightSource::Constant { radiance: Rgb::ZERO }), 1)
+        let sky = |sun| {
+            EmitterKind::SunSky(SunSky {
+                sun,
+                ..SunSky::default()
+            })
+        };
+        for (kind, to_world) in [
+            (EmitterKind::Point { intensity: Rgb::ONE }, nowhere),
+            (EmitterKind::Directional { irradiance: Rgb::ONE }, Affine3A::ZERO),
+            (sky(SunPosition::Direction(Vec3::ZERO)), Affine3A::IDENTITY),
+            (sky(SunPosition::Direction(Vec3::Z)), Affine3A::ZERO),
+            (Emitter::of_plugin("spot").unwrap().kind, Affine3A::ZERO),
+            (Emitter::of_plugin("projector").unwrap().kind, nowhere),
+        ] {
+            let (light, errors) = pack(kind, to_world);
+            assert_eq!((light, errors.len()), (None, 1), "{errors:?}");
+        }
+        let (light, errors) = pack(EmitterKind::Constant { radiance: Rgb::NAN }, Affine3A::IDENTITY);
+        let black = LightSource::Constant { radiance: Rgb::ZERO };
+        assert_eq!((light, errors.len()), (Some(black), 1));
+    }
+
+    #[test]
+    fn an_environment_waits_for_its_picture_and_turns_with_its_transform() {
+        let environment = |path: &str| EmitterKind::Environment {
+            picture: path.into(),
+            scale: 1.0,
+            mis_compensation: true,
+        };
+        assert_eq!(pack(environment("/no.exr"), Affine3A::IDENTITY), (None, Vec::new()));
+        // Twice as large, and mirrored: that is a turning.
+        let mirrored = Affine3A::from_rotation_y(0.5) * Affine3A::from_scale(Vec3::new(-2.0, 2.0, 2.0));
+        let (light, errors) = pack(environment("/sky.exr"), mirrored);
+        let Some(LightSource::Environment { world_from_local, .. }) = light else {
+            panic!("{light:?}")
+        };
+        assert!((2.0 * world_from_local).abs_diff_eq(glam::Mat3::from(mirrored.matrix3), 1e-5));
+        assert!(errors.is_empty(), "{errors:?}");
+        let stretched = Affine3A::from_scale(Vec3::new(1.0, 3.0, 1.0));
+        let (light, errors) = pack(environment("/sky.exr"), stretched);
+        assert!(light.is_some() && errors.len() == 1, "{errors:?}");
+    }
+
+    #[test]
+    fn a_sun_stands_in_the_world() {
+        // The sky's z is the world's y.
+        let to_world = Affine3A::from_rotation_x(-90f32.to_radians());
+        let sun = SunPosition::Direction(Vec3::new(0.0, 3.0, 0.0));
+        let (light, _) = pack(
+            EmitterKind::SunSky(SunSky {
+                sun,
+                ..SunSky::default()
+            }),
+            to_world,
         );
+        let Some(LightSource::SunSky { atmosphere, .. }) = light else {
+            panic!("{light:?}")
+        };
+        let sun = atmosphere.sun_direction;
+        assert!(sun.abs_diff_eq(Vec3::Z, 1e-6), "{sun}");
     }
 }

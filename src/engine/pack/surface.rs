@@ -5,18 +5,20 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
+use super::BRIGHTEST;
 use super::Checker;
 use super::group::Layout;
+use super::light::{emission, sampling_weight};
 use super::material::{PackedMaterials, STAND_IN_ID};
 use super::mtl::push_mtl;
 use super::texture::TexturePacker;
-use super::{BRIGHTEST, light::emission};
 use crate::accel::Primitive;
 use crate::color::Rgb;
 use crate::geometry::mesh::MeshData;
 use crate::light::{LightId, LightSource, WeightedSource};
 use crate::material::{Material, MaterialId};
 use crate::render::scene::{SurfaceSlot, SurfaceTable};
+use crate::scene::AreaLight;
 use crate::shading::DielectricModel;
 use crate::texture::Parameter;
 
@@ -27,7 +29,7 @@ pub(in crate::engine) struct SurfaceSource {
     /// None for a shape without one.
     pub material: Option<Entity>,
     /// None for a shape without an area light.
-    pub radiance: Option<Rgb>,
+    pub light: Option<AreaLight>,
 }
 
 /// The surfaces of all instances, the materials they refer to, and the lights they are.
@@ -69,10 +71,11 @@ pub(in crate::engine) fn pack_surfaces(
                 STAND_IN_ID
             })
         });
-        let own_radiance = source
-            .radiance
-            .map(|radiance| emission("radiance", radiance, &mut check));
-        if own_radiance.is_some() && layout.is_member(index) {
+        let own_light = source.light.as_ref().map(|light| {
+            let radiance = emission("radiance", &light.radiance, textures, &mut check);
+            (radiance, sampling_weight(light.sampling_weight, &mut check))
+        });
+        if own_light.is_some() && layout.is_member(index) {
             check.report("a shape of a group cannot be a light");
         }
         let from_file = mesh.map_or(&[][..], |mesh| {
@@ -89,18 +92,26 @@ pub(in crate::engine) fn pack_surfaces(
                 .or_else(|| from_file.get(slot as usize).copied())
                 .unwrap_or(STAND_IN_ID);
             let in_file = || mesh.and_then(|mesh| mesh.materials.get(slot as usize));
-            let radiance = own_radiance.unwrap_or_else(|| {
+            let (radiance, sampling_weight) = own_light.unwrap_or_else(|| {
                 // A library's odd colours have been reported with its other parameters or do not matter: black is no light.
-                in_file().map_or(Rgb::ZERO, |mtl| mtl.ke.max(Rgb::ZERO).min(Rgb::splat(BRIGHTEST)))
+                let radiance = in_file().map_or(Rgb::ZERO, |mtl| mtl.ke.max(Rgb::ZERO).min(Rgb::splat(BRIGHTEST)));
+                (Parameter::Constant(radiance), 1.0)
             });
-            let shines = radiance.is_finite() && radiance != Rgb::ZERO && !layout.is_member(index);
+            let is_bright = match radiance {
+                Parameter::Constant(color) => color.is_finite() && color != Rgb::ZERO,
+                Parameter::Texture(_) => true,
+            };
+            let shines = is_bright && !layout.is_member(index);
             let light = shines.then(|| {
                 let source = LightSource::Surface {
                     instance: index as u32,
                     slot,
-                    radiance: Parameter::Constant(radiance),
+                    radiance,
                 };
-                packed.lights.push(source.into());
+                packed.lights.push(WeightedSource {
+                    source,
+                    sampling_weight,
+                });
                 LightId(packed.lights.len() as u32 - 1)
             });
             packed.table.slots.push(SurfaceSlot { material, light });

@@ -49,6 +49,20 @@ impl<'a> TexturePacker<'a> {
         texture::Parameter::Texture(TextureId(self.packed.len() as u32 - 1))
     }
 
+    /// A picture; None while it is not there.
+    pub fn picture(&self, path: &Path) -> Option<Arc<Image>> {
+        (self.pictures)(path)
+    }
+
+    /// Width over height of a picture; 1 for what is none.
+    pub fn aspect<T>(&self, parameter: &Parameter<T>) -> f32 {
+        let image = match parameter {
+            Parameter::Texture(Texture::Bitmap(bitmap)) => self.picture(&bitmap.path),
+            _ => None,
+        };
+        image.map_or(1.0, |image| image.width() as f32 / image.height() as f32)
+    }
+
     fn bitmap(&self, bitmap: &Bitmap) -> texture::Bitmap {
         texture::Bitmap {
             image: (self.pictures)(&bitmap.path).unwrap_or_else(|| NO_PICTURE.clone()),

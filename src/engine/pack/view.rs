@@ -110,7 +110,7 @@ pub(in crate::engine) fn pack_view(
 }
 
 /// The pose without scale and shear: forward stays, up is made perpendicular to it, and a mirrored pose stays mirrored.
-fn rigid(pose: Affine3A) -> Option<Affine3A> {
+pub(super) fn rigid(pose: Affine3A) -> Option<Affine3A> {
     let [left, up, forward] = columns(pose);
     let position = Vec3::from(pose.translation);
     let forward = forward.try_normalize()?;
@@ -148,7 +148,7 @@ fn pixel_filter(filter: ReconstructionFilter, check: &mut Checker) -> PixelFilte
 }
 
 /// The field of view along x in degrees, from one along `axis`; `aspect` is width over height.
-fn horizontal_fov(fov: f32, axis: FovAxis, aspect: f32) -> f32 {
+pub(super) fn horizontal_fov(fov: f32, axis: FovAxis, aspect: f32) -> f32 {
     let half = (0.5 * fov).to_radians().tan();
     let half_width = match axis {
         FovAxis::X => return fov,

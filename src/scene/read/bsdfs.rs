@@ -112,9 +112,9 @@ fn nested<'a>(material: &Material, reader: &mut Reader<'a, '_>) -> Vec<&'a Objec
 }
 
 /// Takes what the file gives.
-struct FromFile<'r, 'a, 'd> {
-    reader: &'r mut Reader<'a, 'd>,
-    pictures: &'r mut PictureSearch,
+pub(super) struct FromFile<'r, 'a, 'd> {
+    pub reader: &'r mut Reader<'a, 'd>,
+    pub pictures: &'r mut PictureSearch,
 }
 
 impl ParameterVisitor for FromFile<'_, '_, '_> {

@@ -22,8 +22,8 @@ pub trait Parameters {
         range: RangeInclusive<f32>,
         pictures: &mut PictureSearch,
     ) -> Option<Parameter<f32>>;
-    /// What a light sends out; not negative. 1 where it is not given.
-    fn radiometric(&mut self, name: &str) -> Rgb;
+    /// What a light sends out; not negative.
+    fn radiometric(&mut self, name: &str) -> Option<Rgb>;
     /// The texture given for a parameter.
     fn texture(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Texture>;
     /// `to_world`; the identity if it is absent, None (with an error) if it cannot be undone.
@@ -56,20 +56,13 @@ impl Parameters for Reader<'_, '_> {
         texture.or_else(|| self.float_in(name, range).map(Parameter::Constant))
     }
 
-    fn radiometric(&mut self, name: &str) -> Rgb {
-        if self.child(name).is_some() {
-            self.warn_at(
-                name,
-                format!("a texture for `{name}` is not supported yet: 1 takes its place"),
-            );
-            return Rgb::ONE;
-        }
-        let color = self.emission(name).unwrap_or(Rgb::ONE);
+    fn radiometric(&mut self, name: &str) -> Option<Rgb> {
+        let color = self.emission(name)?;
         if color.min_element() < 0.0 {
             self.error_at(name, format!("`{name}` is negative: light cannot be taken away"));
-            return Rgb::ONE;
+            return None;
         }
-        color
+        Some(color)
     }
 
     fn texture(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Texture> {

@@ -180,7 +180,8 @@ fn read_lens(reader: &mut Reader, far_clip: f32) -> Lens {
     }
 }
 
-fn read_fov(reader: &mut Reader) -> (f32, FovAxis) {
+/// `fov` and `fov_axis`, or `focal_length`.
+pub(super) fn read_fov(reader: &mut Reader) -> (f32, FovAxis) {
     let axis = reader.string_or("fov_axis", "x");
     let focal_length = reader.string("focal_length");
     if reader.has("fov") {

@@ -21,7 +21,7 @@ pub struct PictureSearch {
 
 impl PictureSearch {
     /// The file; the first place where it was looked for if there is none: it may come later.
-    fn find(&mut self, name: &str, reader: &mut Reader) -> PathBuf {
+    pub fn find(&mut self, name: &str, reader: &mut Reader) -> PathBuf {
         let span = reader.span_of("filename");
         let source = reader.diagnostics().source(span.source);
         let file = source.map(|file| settle(&file.path)).unwrap_or_default();

@@ -68,7 +68,7 @@ pub fn describe_entities(world: &mut World) -> (SceneDescription, Entities) {
         .into_iter()
         .map(|(common, emitter, to_world)| EmitterDescription {
             identity: identity(common),
-            emitter: *emitter,
+            emitter: emitter.clone(),
             to_world: to_world.0,
         })
         .collect();
@@ -118,7 +118,7 @@ pub fn describe_entities(world: &mut World) -> (SceneDescription, Entities) {
                 shape: shape.clone(),
                 to_world: to_world.0,
                 material: material.and_then(|uses| material_of.get(&uses.0).copied()),
-                area_light: area_light.copied(),
+                area_light: area_light.cloned(),
                 member_of: member.and_then(|member| group_of.get(&member.0).copied()),
                 instance_of: instance.and_then(|instance| group_of.get(&instance.0).copied()),
                 placements: placements.cloned(),

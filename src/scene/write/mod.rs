@@ -5,6 +5,7 @@
 //! old text ([`save`]); without that it makes a new file ([`write_anew`]).
 
 pub mod gather;
+pub mod lights;
 pub mod objects;
 mod parts;
 mod patch;
@@ -317,7 +318,7 @@ impl<'s> Writer<'s> {
             }
         }
         for emitter in &scene.emitters {
-            let current = objects::emitter(&emitter.emitter, &emitter.to_world);
+            let current = lights::emitter(&emitter.emitter, &emitter.to_world, self.folder);
             parts.push(self.finish(&emitter.identity, current));
         }
         parts.extend(scene.remains.rest.iter().cloned());

@@ -6,12 +6,12 @@ use std::path::{Component, Path, PathBuf};
 use bevy::math::{Affine2, Affine3A};
 use glam::{Mat3, Mat4, Quat, Vec3, Vec4};
 
+use super::lights::area_light;
 use crate::color::Rgb;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
-use crate::scene::read::frame_along;
 use crate::scene::{
-    AreaLight, Bitmap, ConductorIor, Distribution, Emitter, Film, FovAxis, HEIGHT, IntegratorSettings, Ior, Lens,
-    Material, MeshFormat, Parameter, ParameterVisitor, PrincipledIndex, ReconstructionFilter, Roughness, Sensor, Shape,
+    AreaLight, Bitmap, ConductorIor, Distribution, Film, FovAxis, HEIGHT, IntegratorSettings, Ior, Lens, Material,
+    MeshFormat, Parameter, ParameterVisitor, PrincipledIndex, ReconstructionFilter, Roughness, Sensor, Shape,
     ShapeKind, Texture, TextureFilter, TextureWrap,
 };
 
@@ -26,17 +26,17 @@ pub fn material(material: &Material, folder: &Path) -> Object {
 }
 
 /// Writes every parameter it meets.
-struct IntoObject<'f> {
-    object: Object,
-    folder: &'f Path,
+pub(super) struct IntoObject<'f> {
+    pub object: Object,
+    pub folder: &'f Path,
 }
 
 impl IntoObject<'_> {
-    fn put(&mut self, name: &str, value: Value) {
+    pub fn put(&mut self, name: &str, value: Value) {
         self.object.properties.push(property(name, value));
     }
 
-    fn put_color(&mut self, name: &str, color: &Parameter<Rgb>) {
+    pub fn put_color(&mut self, name: &str, color: &Parameter<Rgb>) {
         match color {
             Parameter::Constant(color) => self.put(name, Value::Rgb(*color)),
             Parameter::Texture(texture) => self.put_texture(name, texture),
@@ -50,7 +50,7 @@ impl IntoObject<'_> {
         }
     }
 
-    fn put_texture(&mut self, name: &str, texture: &Texture) {
+    pub fn put_texture(&mut self, name: &str, texture: &Texture) {
         let mut inside = IntoObject {
             object: Object::new(Category::Texture, texture.plugin()),
             folder: self.folder,
@@ -180,35 +180,6 @@ impl ParameterVisitor for IntoObject<'_> {
     }
 }
 
-pub fn emitter(emitter: &Emitter, to_world: &Affine3A) -> Object {
-    let object = |plugin: &str| Object::new(Category::Emitter, plugin);
-    match *emitter {
-        Emitter::Point { intensity } => {
-            let object = with_color(object("point"), "intensity", intensity);
-            let position = Vec3::from(to_world.translation);
-            if *to_world == Affine3A::from_translation(position) {
-                with(object, "position", Value::Point(position))
-            } else {
-                with_to_world(object, to_world)
-            }
-        }
-        Emitter::Directional { irradiance } => {
-            let object = with_color(object("directional"), "irradiance", irradiance);
-            let direction = Vec3::from(to_world.matrix3.z_axis);
-            if direction.is_normalized() && to_world.abs_diff_eq(frame_along(direction), 1e-6) {
-                with(object, "direction", Value::Vector(direction))
-            } else {
-                with_to_world(object, to_world)
-            }
-        }
-        Emitter::Constant { radiance } => with_to_world(with_color(object("constant"), "radiance", radiance), to_world),
-    }
-}
-
-pub fn area_light(light: &AreaLight) -> Object {
-    with_color(Object::new(Category::Emitter, "area"), "radiance", light.radiance)
-}
-
 /// `folder`: of the file that is written; the mesh's name is relative to it.
 pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folder: &Path) -> Object {
     let object = |plugin: &str| Object::new(Category::Shape, plugin);
@@ -246,7 +217,7 @@ pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folde
     };
     let object = with_to_world(with_flag(object, "flip_normals", shape.flip_normals), to_world);
     match area {
-        Some(light) => with_child(object, area_light(light)),
+        Some(light) => with_child(object, area_light(light, folder)),
         None => object,
     }
 }
@@ -278,24 +249,25 @@ pub fn sensor(sensor: &Sensor, film: &Film, to_world: &Affine3A) -> Object {
     let offset = sensor.principal_point_offset;
     let object = with_nonzero(object, "principal_point_offset_x", offset.x);
     let object = with_nonzero(object, "principal_point_offset_y", offset.y);
-    let object = match as_look_at(to_world) {
-        Some(step) if *to_world != Affine3A::IDENTITY => with(object, "to_world", Value::Transform(vec![step])),
-        _ => with_to_world(object, to_world),
-    };
+    let object = with_view(object, to_world);
     let sampler = Object::new(Category::Sampler, "independent");
     let sampler = with_integer(sampler, "sample_count", film.sample_count);
     with_child(with_child(object, film_object(film)), sampler)
 }
 
 fn with_fov(object: Object, sensor: &Sensor) -> Object {
-    let axis = match sensor.fov_axis {
+    let object = with_float(object, "fov", sensor.fov);
+    with_string(object, "fov_axis", fov_axis_name(sensor.fov_axis))
+}
+
+pub(super) fn fov_axis_name(axis: FovAxis) -> &'static str {
+    match axis {
         FovAxis::X => "x",
         FovAxis::Y => "y",
         FovAxis::Diagonal => "diagonal",
         FovAxis::Smaller => "smaller",
         FovAxis::Larger => "larger",
-    };
-    with_string(with_float(object, "fov", sensor.fov), "fov_axis", axis)
+    }
 }
 
 fn film_object(film: &Film) -> Object {
@@ -359,7 +331,7 @@ fn property(name: &str, value: Value) -> Property {
     }
 }
 
-fn with(mut object: Object, name: &str, value: Value) -> Object {
+pub(super) fn with(mut object: Object, name: &str, value: Value) -> Object {
     object.properties.push(property(name, value));
     object
 }
@@ -388,19 +360,23 @@ fn with_string(object: Object, name: &str, text: &str) -> Object {
     with(object, name, Value::String(text.to_owned()))
 }
 
-fn with_color(object: Object, name: &str, color: Rgb) -> Object {
-    with(object, name, Value::Rgb(color))
-}
-
 fn with_child(mut object: Object, child: Object) -> Object {
     object.children.push(Child::Object(child));
     object
 }
 
-fn with_to_world(object: Object, to_world: &Affine3A) -> Object {
+pub(super) fn with_to_world(object: Object, to_world: &Affine3A) -> Object {
     match as_steps(to_world) {
         steps if steps.is_empty() => object,
         steps => with(object, "to_world", Value::Transform(steps)),
+    }
+}
+
+/// The pose of what looks along +z, as people write it.
+pub(super) fn with_view(object: Object, to_world: &Affine3A) -> Object {
+    match as_look_at(to_world) {
+        Some(step) if *to_world != Affine3A::IDENTITY => with(object, "to_world", Value::Transform(vec![step])),
+        _ => with_to_world(object, to_world),
     }
 }
 

@@ -21,7 +21,7 @@ const SUPERSEDES: [(&str, &[&str]); 8] = [
 ];
 
 /// Parameters that mean nothing certain without each other: writing one writes the other, if the file does not have it.
-const COMPANIONS: [(&str, &str); 2] = [("fov", "fov_axis"), ("fov_axis", "fov")];
+const COMPANIONS: [(&str, &str); 3] = [("fov", "fov_axis"), ("fov_axis", "fov"), ("cutoff_angle", "beam_width")];
 
 /// A plugin on its way into the file. What each child is, references followed, is known.
 pub struct Draft {
@@ -79,6 +79,14 @@ impl Draft {
             let before = before.objects().find(|child| child.name == texture.name);
             if before != Some(texture) {
                 self.set_texture(before, texture);
+            }
+        }
+        for texture in before.objects().filter(|child| child.category == Category::Texture) {
+            if let Some(name) = &texture.name
+                && value_of(now, name).is_none()
+                && !now.objects().any(|child| child.name == texture.name)
+            {
+                self.remove(name);
             }
         }
         for category in [

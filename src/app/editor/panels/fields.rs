@@ -75,17 +75,23 @@ pub fn integer_slider(ui: &mut Ui, name: &str, value: &mut u32, range: RangeIncl
 
 /// A number that is dragged or typed; `speed` is the change per point of drag.
 pub fn number(ui: &mut Ui, name: &str, value: &mut f32, speed: f32, range: RangeInclusive<f32>) -> bool {
+    quantity(ui, name, value, speed, range, "")
+}
+
+/// The same with a unit.
+pub fn quantity(ui: &mut Ui, name: &str, value: &mut f32, speed: f32, range: RangeInclusive<f32>, unit: &str) -> bool {
     let mut copy = *value;
     let drag = egui::DragValue::new(&mut copy)
         .speed(speed)
         .range(range)
         .clamp_existing_to_range(false)
-        .max_decimals(4);
+        .max_decimals(4)
+        .suffix(unit);
     let changed = row(ui, name, |ui| ui.add(drag)).changed();
     write_back(changed, value, copy)
 }
 
-pub fn integer(ui: &mut Ui, name: &str, value: &mut u32, range: RangeInclusive<u32>) -> bool {
+pub fn integer<N: egui::emath::Numeric>(ui: &mut Ui, name: &str, value: &mut N, range: RangeInclusive<N>) -> bool {
     let mut copy = *value;
     let drag = egui::DragValue::new(&mut copy)
         .range(range)

@@ -1,10 +1,13 @@
 //! Everything about the selected thing that can be edited.
 
 use bevy::math::Affine3A;
+use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
 use super::super::command::{Command, FileDialogKind};
 use super::super::model::{Inspected, InspectedMaterial, Item, MaterialPlace};
+use super::material::Edit;
+use super::transform::Freedom;
 use super::{emission, fields, material, sensor, transform};
 use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind};
 
@@ -49,18 +52,22 @@ pub fn inspector(
     }
     if inspected.shape.is_some() {
         section(ui, "Emission", |ui| {
-            let mut edited = inspected.area_light;
-            if emission::area_light(ui, &mut edited) {
+            let mut edited = inspected.area_light.clone();
+            let edit = emission::area_light(ui, &mut edited);
+            if edit.changed {
                 commands.push(Command::SetAreaLight(inspected.entity, edited));
             }
+            choose_picture(inspected.entity, edit, commands);
         });
     }
-    if let Some(emitter) = inspected.emitter {
+    if let Some(emitter) = &inspected.emitter {
         section(ui, "Light", |ui| {
-            let mut edited = emitter;
-            if emission::emitter(ui, &mut edited) {
+            let mut edited = emitter.clone();
+            let edit = emission::emitter(ui, &mut edited);
+            if edit.changed {
                 commands.push(Command::SetEmitter(inspected.entity, edited));
             }
+            choose_picture(inspected.entity, edit, commands);
         });
     }
     if let Some(given) = inspected.sensor {
@@ -84,6 +91,12 @@ pub fn inspector(
     }
 }
 
+fn choose_picture(owner: Entity, edit: Edit, commands: &mut Vec<Command>) {
+    if let Some(parameter) = edit.wants_picture {
+        commands.push(Command::ShowDialog(FileDialogKind::OpenPicture { owner, parameter }));
+    }
+}
+
 fn section(ui: &mut Ui, title: &str, content: impl FnOnce(&mut Ui)) {
     egui::CollapsingHeader::new(egui::RichText::new(title).strong())
         .default_open(true)
@@ -99,8 +112,12 @@ fn pose(
     commands: &mut Vec<Command>,
 ) {
     let mut edited = to_world;
-    let is_rigid = inspected.shape.is_none();
-    if transform::transform(ui, &mut edited, is_rigid, scene_size, &mut state.angles) && edited.is_finite() {
+    let freedom = match (&inspected.shape, &inspected.emitter) {
+        (Some(_), _) => Freedom::Affine,
+        (None, Some(emitter)) if emitter.is_environment() => Freedom::Turning,
+        (None, _) => Freedom::Rigid,
+    };
+    if transform::transform(ui, &mut edited, freedom, scene_size, &mut state.angles) && edited.is_finite() {
         commands.push(Command::SetToWorld(inspected.entity, edited));
     }
 }
@@ -202,10 +219,7 @@ fn material_rows(ui: &mut Ui, inspected: &Inspected, all: &[Item], commands: &mu
             if edit.changed {
                 commands.push(Command::SetMaterial(*entity, Box::new(edited)));
             }
-            if let Some(parameter) = edit.wants_picture {
-                let material = *entity;
-                commands.push(Command::ShowDialog(FileDialogKind::OpenPicture { material, parameter }));
-            }
+            choose_picture(*entity, edit, commands);
         });
     }
 }

@@ -38,7 +38,7 @@ const KINDS: [(&str, &str); 10] = [
 ];
 
 /// What parameters are called, where not by their own name.
-const LABELS: [(&str, &str); 9] = [
+const LABELS: [(&str, &str); 13] = [
     ("alpha", "Roughness"),
     ("diffuse_reflectance", "Base"),
     ("specular_reflectance", "Reflection"),
@@ -48,16 +48,24 @@ const LABELS: [(&str, &str); 9] = [
     ("ext_ior", "Outside"),
     ("flip_invalid_normals", "Flip invalid"),
     ("use_shadowing_function", "Soft shadows"),
+    ("mis_compensation", "MIS compensation"),
+    ("sampling_weight", "Sampled"),
+    ("sun_aperture", "Sun size"),
+    ("complex_sun", "Dark rim"),
 ];
 
-/// What the user did with the rows of a material.
-pub struct MaterialEdit {
+/// The units of numbers that have one.
+const UNITS: [(&str, &str); 4] = [("timezone", " h"), ("hour", " h"), ("minute", " min"), ("second", " s")];
+
+/// What the user did with the rows of a material or a light.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Edit {
     pub changed: bool,
     /// The parameter that is to be another picture.
     pub wants_picture: Option<&'static str>,
 }
 
-pub fn material(ui: &mut Ui, material: &mut Material) -> MaterialEdit {
+pub fn material(ui: &mut Ui, material: &mut Material) -> Edit {
     let plugin = material.plugin();
     let mut wanted = plugin;
     let mut changed = false;
@@ -74,20 +82,16 @@ pub fn material(ui: &mut Ui, material: &mut Material) -> MaterialEdit {
     }
     if wanted != plugin {
         *material = turned_into(material, wanted);
-        return MaterialEdit {
+        return Edit {
             changed: true,
             wants_picture: None,
         };
     }
-    let mut rows = Rows {
-        ui,
-        changed,
-        wants_picture: None,
-    };
+    let mut rows = Rows::new(ui);
     material.visit(&mut rows);
-    MaterialEdit {
-        changed: rows.changed,
-        wants_picture: rows.wants_picture,
+    Edit {
+        changed: rows.edit.changed || changed,
+        ..rows.edit
     }
 }
 
@@ -172,18 +176,28 @@ impl ParameterVisitor for Common {
 }
 
 /// One row, or a few, for each parameter.
-struct Rows<'u> {
-    ui: &'u mut Ui,
-    changed: bool,
-    wants_picture: Option<&'static str>,
+pub struct Rows<'u> {
+    pub ui: &'u mut Ui,
+    pub edit: Edit,
 }
 
-impl Rows<'_> {
+impl<'u> Rows<'u> {
+    pub fn new(ui: &'u mut Ui) -> Self {
+        let edit = Edit::default();
+        Self { ui, edit }
+    }
+
     /// A texture is named, with its picture; it can be given up for `otherwise`, and the picture for another.
-    fn texture<T>(&mut self, name: &'static str, value: &mut Parameter<T>, otherwise: T) {
-        let Parameter::Texture(texture) = value else {
-            return;
-        };
+    pub fn texture<T>(&mut self, name: &'static str, value: &mut Parameter<T>, otherwise: T) {
+        if let Parameter::Texture(texture) = value
+            && self.texture_row(name, texture)
+        {
+            *value = Parameter::Constant(otherwise);
+        }
+    }
+
+    /// Whether the texture is to go.
+    pub fn texture_row(&mut self, name: &'static str, texture: &Texture) -> bool {
         let shown = match texture {
             Texture::Bitmap(bitmap) => bitmap
                 .path
@@ -207,11 +221,24 @@ impl Rows<'_> {
             })
             .inner;
         if choose {
-            self.wants_picture = Some(name);
+            self.edit.wants_picture = Some(name);
         }
-        if replace {
-            *value = Parameter::Constant(otherwise);
-            self.changed = true;
+        self.edit.changed |= replace;
+        replace
+    }
+
+    /// A picture that is to be had, `shown` as what it is now.
+    pub fn choose_picture(&mut self, name: &'static str, label: &str, shown: &str) {
+        let chosen = self
+            .ui
+            .horizontal(|ui| {
+                let choose = ui.small_button("\u{2026}").on_hover_text("Choose a picture");
+                fields::note(ui, label, shown);
+                choose.clicked()
+            })
+            .inner;
+        if chosen {
+            self.edit.wants_picture = Some(name);
         }
     }
 }
@@ -220,7 +247,7 @@ impl ParameterVisitor for Rows<'_> {
     fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
         let label = label(name);
         match value {
-            Parameter::Constant(color) => self.changed |= fields::color(self.ui, &label, color),
+            Parameter::Constant(color) => self.edit.changed |= fields::color(self.ui, &label, color),
             Parameter::Texture(_) => self.texture(name, value, Rgb::splat(0.5)),
         }
     }
@@ -228,7 +255,7 @@ impl ParameterVisitor for Rows<'_> {
     fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
         let label = label(name);
         match value {
-            Parameter::Constant(color) => self.changed |= positive(self.ui, &label, color),
+            Parameter::Constant(color) => self.edit.changed |= positive(self.ui, &label, color),
             Parameter::Texture(_) => self.texture(name, value, Rgb::ONE),
         }
     }
@@ -236,7 +263,7 @@ impl ParameterVisitor for Rows<'_> {
     fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>) {
         let label = label(name);
         match value {
-            Parameter::Constant(number) => self.changed |= fields::slider(self.ui, &label, number, range),
+            Parameter::Constant(number) => self.edit.changed |= fields::slider(self.ui, &label, number, range),
             Parameter::Texture(_) => self.texture(name, value, 0.5),
         }
     }
@@ -249,20 +276,24 @@ impl ParameterVisitor for Rows<'_> {
     }
 
     fn number(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>) {
-        self.changed |= fields::number(self.ui, &label(name), value, 0.01, range);
+        let unit = UNITS
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map_or("", |(_, unit)| unit);
+        self.edit.changed |= fields::quantity(self.ui, &label(name), value, 0.01, range, unit);
     }
 
     fn flag(&mut self, name: &'static str, value: &mut bool) {
-        self.changed |= fields::checkbox(self.ui, &label(name), value);
+        self.edit.changed |= fields::checkbox(self.ui, &label(name), value);
     }
 
     fn ior(&mut self, name: &'static str, value: &mut Ior) {
-        self.changed |= dielectric_ior(self.ui, &label(name), value);
+        self.edit.changed |= dielectric_ior(self.ui, &label(name), value);
     }
 
     fn conductor_ior(&mut self, value: &mut ConductorIor) {
         let chosen = choose_conductor(self.ui, value);
-        self.changed |= chosen;
+        self.edit.changed |= chosen;
         if let ConductorIor::Given { eta, k } = value {
             self.color("eta", eta);
             self.color("k", k);
@@ -271,7 +302,7 @@ impl ParameterVisitor for Rows<'_> {
 
     fn distribution(&mut self, value: &mut Distribution) {
         let options = [(Distribution::Beckmann, "Beckmann"), (Distribution::Ggx, "GGX")];
-        self.changed |= fields::choice(self.ui, "Facets", value, &options);
+        self.edit.changed |= fields::choice(self.ui, "Facets", value, &options);
     }
 
     fn roughness(&mut self, value: &mut Roughness) {
@@ -287,7 +318,7 @@ impl ParameterVisitor for Rows<'_> {
     }
 
     fn principled_index(&mut self, value: &mut PrincipledIndex) {
-        self.changed |= match value {
+        self.edit.changed |= match value {
             PrincipledIndex::Specular(specular) => fields::slider(self.ui, "Specular", specular, 0.0..=1.0),
             PrincipledIndex::Eta(eta) => fields::slider(self.ui, "Index", eta, 1.0..=3.0),
         };
@@ -295,7 +326,7 @@ impl ParameterVisitor for Rows<'_> {
 }
 
 /// What a parameter is called in the panel.
-fn label(name: &'static str) -> String {
+pub fn label(name: &'static str) -> String {
     if let Some((_, label)) = LABELS.iter().find(|(known, _)| *known == name) {
         return (*label).to_owned();
     }

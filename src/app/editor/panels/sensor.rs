@@ -12,17 +12,7 @@ const LARGEST_EDGE: u32 = 8192;
 pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, scene_size: f32) -> bool {
     let mut changed = lens(ui, &mut sensor.lens, scene_size);
     if sensor.lens != Lens::Orthographic {
-        changed |= fields::slider_with(ui, "Field of view", &mut sensor.fov, 1.0..=170.0, |slider| {
-            slider.suffix("°")
-        });
-        let axes = [
-            (FovAxis::X, "horizontal"),
-            (FovAxis::Y, "vertical"),
-            (FovAxis::Diagonal, "diagonal"),
-            (FovAxis::Smaller, "smaller edge"),
-            (FovAxis::Larger, "larger edge"),
-        ];
-        changed |= fields::choice(ui, "Measured", &mut sensor.fov_axis, &axes);
+        changed |= field_of_view(ui, &mut sensor.fov, &mut sensor.fov_axis);
     }
     changed |= fields::number(ui, "Near clip", &mut sensor.near_clip, 0.001, 1e-6..=sensor.far_clip);
     let nearest = sensor.near_clip;
@@ -30,6 +20,19 @@ pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, scene_size: f32) -> bool {
     let offset = &mut sensor.principal_point_offset;
     changed |= fields::number(ui, "Shift right", &mut offset.x, 0.001, -10.0..=10.0);
     fields::number(ui, "Shift down", &mut offset.y, 0.001, -10.0..=10.0) || changed
+}
+
+/// True if edited.
+pub fn field_of_view(ui: &mut Ui, fov: &mut f32, axis: &mut FovAxis) -> bool {
+    let changed = fields::slider_with(ui, "Field of view", fov, 1.0..=170.0, |slider| slider.suffix("°"));
+    let axes = [
+        (FovAxis::X, "horizontal"),
+        (FovAxis::Y, "vertical"),
+        (FovAxis::Diagonal, "diagonal"),
+        (FovAxis::Smaller, "smaller edge"),
+        (FovAxis::Larger, "larger edge"),
+    ];
+    fields::choice(ui, "Measured", axis, &axes) || changed
 }
 
 fn lens(ui: &mut Ui, lens: &mut Lens, scene_size: f32) -> bool {

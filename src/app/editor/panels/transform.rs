@@ -18,10 +18,20 @@ const SAME_ROTATION: f32 = 1e-5;
 /// How far a matrix may be off translation, rotation, scale and still count as made of them, relative to its size.
 const SHEAR_TOLERANCE: f32 = 1e-4;
 
-/// True if `to_world` was edited. `is_rigid`: cameras have no scale. `size` (world units) sets how fast a drag moves.
-pub fn transform(ui: &mut Ui, to_world: &mut Affine3A, is_rigid: bool, size: f32, shown: &mut ShownAngles) -> bool {
+/// What of a transform can be edited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Freedom {
+    Affine,
+    /// No scale, as of a camera.
+    Rigid,
+    /// The rotation alone, as of what is infinitely far away.
+    Turning,
+}
+
+/// True if `to_world` was edited. `size` (world units) sets how fast a drag moves.
+pub fn transform(ui: &mut Ui, to_world: &mut Affine3A, freedom: Freedom, size: f32, shown: &mut ShownAngles) -> bool {
     let mut translation = Vec3::from(to_world.translation);
-    let moved = fields::vector(ui, "Position", &mut translation, 0.002 * size, "");
+    let moved = freedom != Freedom::Turning && fields::vector(ui, "Position", &mut translation, 0.002 * size, "");
     if moved {
         to_world.translation = translation.into();
     }
@@ -32,7 +42,8 @@ pub fn transform(ui: &mut Ui, to_world: &mut Affine3A, is_rigid: bool, size: f32
     let mut degrees = degrees(rotation, shown);
     let turned = fields::vector(ui, "Rotation", &mut degrees, 0.5, "°");
     let mut edited_scale = scale;
-    let scaled = !is_rigid && fields::vector(ui, "Scale", &mut edited_scale, 0.002 * scale.length().max(1e-3), "");
+    let scaled = freedom == Freedom::Affine
+        && fields::vector(ui, "Scale", &mut edited_scale, 0.002 * scale.length().max(1e-3), "");
     if turned || scaled {
         let rotation = if turned { from_degrees(degrees) } else { rotation };
         *shown = ShownAngles { rotation, degrees };

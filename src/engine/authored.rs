@@ -1,0 +1,135 @@
+//! What extraction reads of the world, and how lists of it are packed in the order of the file.
+
+use bevy::asset::AssetServer;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+use super::pack::Checker;
+use super::pack::light::{LightContext, pack_emitter};
+use super::pack::material::{MaterialSource, PackedMaterials, pack_materials};
+use super::pack::texture::TexturePacker;
+use crate::light::WeightedSource;
+use crate::scene::{
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, InstanceOf, IntegratorSettings,
+    Material, MemberOf, MeshHandle, Pictures, Placements, SamplerSettings, SceneId, SecondNested, Sensor, Shape,
+    ShapeGroup, TextureMap, ToWorld, TriangleMesh, UsesMaterial,
+};
+use crate::shading::DielectricModel;
+
+#[derive(SystemParam)]
+pub(super) struct Authored<'w, 's> {
+    pub shapes: Query<
+        'w,
+        's,
+        (
+            Entity,
+            &'static DocumentOrder,
+            Option<&'static SceneId>,
+            &'static Shape,
+            &'static ToWorld,
+            Option<&'static MeshHandle>,
+            Option<&'static MemberOf>,
+            Option<(&'static InstanceOf, Option<&'static Placements>)>,
+        ),
+    >,
+    pub groups: Query<'w, 's, (Entity, &'static DocumentOrder), With<ShapeGroup>>,
+    pub clothes: Query<
+        'w,
+        's,
+        (
+            &'static DocumentOrder,
+            Option<&'static SceneId>,
+            Option<&'static UsesMaterial>,
+            Option<&'static AreaLight>,
+        ),
+        With<Shape>,
+    >,
+    pub materials: Query<
+        'w,
+        's,
+        (
+            Entity,
+            &'static DocumentOrder,
+            Option<&'static SceneId>,
+            &'static Material,
+            Option<&'static FirstNested>,
+            Option<&'static SecondNested>,
+        ),
+    >,
+    pub emitters: Query<
+        'w,
+        's,
+        (
+            Entity,
+            &'static DocumentOrder,
+            Option<&'static SceneId>,
+            &'static Emitter,
+            &'static ToWorld,
+        ),
+    >,
+    pub sensors: Query<
+        'w,
+        's,
+        (
+            &'static DocumentOrder,
+            Option<&'static SceneId>,
+            &'static Sensor,
+            &'static Film,
+            &'static ToWorld,
+        ),
+    >,
+    pub active: Res<'w, ActiveSensor>,
+    pub integrator: Res<'w, IntegratorSettings>,
+    pub sampler: Res<'w, SamplerSettings>,
+    pub method: Res<'w, AccelMethod>,
+    pub meshes: Res<'w, Assets<TriangleMesh>>,
+    pub pictures: Res<'w, Pictures>,
+    pub texture_maps: Res<'w, Assets<TextureMap>>,
+    pub asset_server: Option<Res<'w, AssetServer>>,
+}
+
+impl Authored<'_, '_> {
+    pub fn pack_materials(
+        &self,
+        model: DielectricModel,
+        textures: &mut TexturePacker,
+        errors: &mut Vec<String>,
+    ) -> PackedMaterials {
+        let mut materials: Vec<_> = self.materials.iter().collect();
+        materials.sort_by_key(|&(entity, &order, ..)| (order, entity));
+        let sources: Vec<MaterialSource> = materials
+            .into_iter()
+            .map(|(entity, order, id, material, first, second)| MaterialSource {
+                entity,
+                name: name_of("material", *order, id),
+                material,
+                first: first.map(|first| first.0),
+                second: second.map(|second| second.0),
+            })
+            .collect();
+        pack_materials(&sources, model, textures, errors)
+    }
+
+    pub fn pack_emitters(
+        &self,
+        context: &mut LightContext,
+        lights: &mut Vec<WeightedSource>,
+        errors: &mut Vec<String>,
+    ) {
+        let mut emitters: Vec<_> = self.emitters.iter().collect();
+        emitters.sort_by_key(|&(entity, &order, ..)| (order, entity));
+        for (_, order, id, emitter, to_world) in emitters {
+            let name = name_of("emitter", *order, id);
+            let mut check = Checker { name: &name, errors };
+            lights.extend(pack_emitter(emitter, to_world.0, context, &mut check));
+        }
+    }
+}
+
+/// What a message calls an entity.
+pub(super) fn name_of(kind: &str, order: DocumentOrder, id: Option<&SceneId>) -> String {
+    match id {
+        Some(SceneId(id)) => format!("{kind} \"{id}\""),
+        None => format!("{kind} {}", order.0),
+    }
+}

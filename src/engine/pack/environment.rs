@@ -1,0 +1,65 @@
+//! Environment pictures with their sampling densities, which take a while to build: kept for as long as they are in use.
+
+use std::sync::Arc;
+
+use crate::light::EnvironmentMap;
+use crate::texture::Image;
+
+#[derive(Default)]
+pub(in crate::engine) struct Environments(Vec<Known>);
+
+struct Known {
+    image: Arc<Image>,
+    compensated: bool,
+    map: Arc<EnvironmentMap>,
+    in_use: bool,
+}
+
+impl Environments {
+    pub fn begin_use(&mut self) {
+        self.0.iter_mut().for_each(|known| known.in_use = false);
+    }
+
+    /// The same for the same picture.
+    pub fn get(&mut self, image: &Arc<Image>, compensated: bool) -> Arc<EnvironmentMap> {
+        let is_it = |known: &&mut Known| Arc::ptr_eq(&known.image, image) && known.compensated == compensated;
+        if let Some(known) = self.0.iter_mut().find(is_it) {
+            known.in_use = true;
+            return known.map.clone();
+        }
+        let map = Arc::new(EnvironmentMap::new(image.clone(), compensated));
+        self.0.push(Known {
+            image: image.clone(),
+            compensated,
+            map: map.clone(),
+            in_use: true,
+        });
+        map
+    }
+
+    /// Forgets those that nobody asked for since [`Self::begin_use`].
+    pub fn end_use(&mut self) {
+        self.0.retain(|known| known.in_use);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_density_lives_as_long_as_it_is_used() {
+        let (grey, white) = (Arc::new(Image::uniform(0.5)), Arc::new(Image::uniform(1.0)));
+        let mut all = Environments::default();
+        all.begin_use();
+        let first = all.get(&grey, true);
+        assert!(Arc::ptr_eq(&first, &all.get(&grey, true)));
+        assert!(!Arc::ptr_eq(&first, &all.get(&grey, false)));
+        assert!(!Arc::ptr_eq(&first, &all.get(&white, true)));
+        all.end_use();
+        all.begin_use();
+        assert!(Arc::ptr_eq(&first, &all.get(&grey, true)));
+        all.end_use();
+        assert_eq!(all.0.len(), 1);
+    }
+}
