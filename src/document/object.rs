@@ -1,6 +1,7 @@
 //! The tree of plugins a scene file describes.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::Vec3;
 
@@ -217,8 +218,8 @@ pub struct Include {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Document {
     pub path: PathBuf,
-    /// The `<scene>`.
-    pub root: Object,
+    /// The `<scene>`; shared, because saving wants what was read, which may be very large.
+    pub root: Arc<Object>,
     /// Where files are looked for besides the folders of the scene's own files: the `<path>`s, absolute, in file order.
     pub search_folders: Vec<PathBuf>,
     pub includes: Vec<Include>,
@@ -232,7 +233,7 @@ impl Document {
     pub fn new(path: impl Into<PathBuf>, root: Object) -> Self {
         Self {
             path: path.into(),
-            root,
+            root: Arc::new(root),
             search_folders: Vec::new(),
             includes: Vec::new(),
             imported: false,

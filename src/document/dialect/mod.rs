@@ -13,6 +13,7 @@ mod tree;
 
 use std::collections::HashSet;
 use std::path::Path;
+use std::sync::Arc;
 
 use quick_xml::Reader;
 use quick_xml::events::Event;
@@ -61,7 +62,7 @@ pub fn import(source: SourceFile, defines: &[(String, String)]) -> Document {
             };
             import.read_defines(defines);
             import.read(tree.root());
-            document.root = import.root;
+            document.root = Arc::new(import.root);
         }
         Err((at, message)) => {
             let at = u32::try_from(at).unwrap_or(u32::MAX);

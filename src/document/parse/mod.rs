@@ -32,8 +32,8 @@ pub const MAX_DEPTH: usize = 256;
 const MAX_INCLUDE_DEPTH: usize = 15;
 /// Includes of a document, each counted as often as it is read.
 const MAX_INCLUDES: usize = 10_000;
-/// All tags of a document, each include counted each time.
-const MAX_ELEMENTS: usize = 4_000_000;
+/// All tags of a document, each include counted each time: a million instances with a few steps each, and then some.
+const MAX_ELEMENTS: usize = 10_000_000;
 /// All text of a document, likewise.
 const MAX_TOTAL_BYTES: u64 = 4 * MAX_FILE_BYTES;
 
@@ -157,7 +157,7 @@ impl Parser {
         }
         Document {
             path: path.to_owned(),
-            root,
+            root: Arc::new(root),
             search_folders: self.search_folders,
             includes: self.includes,
             imported: false,
@@ -329,6 +329,9 @@ impl Parser {
         match level.stack.pop() {
             Some(Frame::Object { mut object, .. }) => {
                 modernize(&mut object);
+                // A million instances have few of either each.
+                object.properties.shrink_to_fit();
+                object.children.shrink_to_fit();
                 match level.stack.last_mut() {
                     Some(Frame::Object { object: parent, .. }) => parent.children.push(Child::Object(object)),
                     _ => level.root = Some(object),
@@ -336,9 +339,10 @@ impl Parser {
             }
             Some(Frame::Transform {
                 name: Some(name),
-                ops,
+                mut ops,
                 span,
             }) => {
+                ops.shrink_to_fit();
                 if let Some(Frame::Object { object, names }) = level.stack.last_mut() {
                     self.add_property(object, names, name, Value::Transform(ops), span);
                 }

@@ -14,6 +14,7 @@ mod steps;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use bevy::prelude::World;
 
@@ -102,7 +103,7 @@ pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions)
     keep_foreign(scene, &target)?;
     let (mut document, moves) = whole(scene, &target);
     copy_parts(&moves)?;
-    if let Some((path, text)) = portable::translate(&mut document.root, path, extensions) {
+    if let Some((path, text)) = portable::translate(Arc::make_mut(&mut document.root), path, extensions) {
         write_file(&path, text)?;
     }
     write_file(path, document::to_xml(&document)?)
@@ -153,10 +154,10 @@ fn whole(scene: &SceneDescription, target: &Path) -> (Document, Moves) {
     if let Some(origin) = &scene.remains.origin {
         // Whoever reads a new file may know less places than this program.
         with_destination(scene, target, MeshSearch::of_format, |destination| {
-            move_files(&mut document.root, origin, destination);
+            move_files(Arc::make_mut(&mut document.root), origin, destination);
         });
     }
-    let moves = parts::take_along(&mut document.root, target);
+    let moves = parts::take_along(Arc::make_mut(&mut document.root), target);
     (document, moves)
 }
 
