@@ -82,6 +82,22 @@ fn a_spot_fades_between_beam_and_cutoff() {
 }
 
 #[test]
+fn a_stretched_spot_lights_all_of_its_cone() {
+    let mut stretched = spot(Parameter::Constant(Rgb::ONE));
+    stretched.world_from_local *= Affine3A::from_scale(Vec3::new(5.0, 5.0, 1.0));
+    let scene = with(LightSource::Spot(stretched));
+    // In the spot's own space the angle is a fifth as steep: well within the beam, far beyond it in the world.
+    let tan = 5.0 * 0.25f32.tan();
+    let at = Vec3::new(2.0 * tan, 2.0, 0.0);
+    let expected = Rgb::new(3.0, 2.0, 1.0) / at.distance_squared(Vec3::Y * 4.0);
+    assert!(
+        (arriving(&scene, at) - expected).abs().max_element() < 1e-4,
+        "{}",
+        arriving(&scene, at)
+    );
+}
+
+#[test]
 fn a_spot_shows_its_texture_around_the_cone() {
     let scene = with(LightSource::Spot(spot(Parameter::Texture(TextureId(0)))));
     let [dark, bright] =

@@ -97,7 +97,16 @@ fn offsets(bytes: &[u8], version: u16) -> Result<Vec<u64>, MeshError> {
         wide[..width].copy_from_slice(entry);
         u64::from_le_bytes(wide)
     };
-    Ok(table.chunks_exact(width).map(offset).collect())
+    let offsets: Vec<u64> = table.chunks_exact(width).map(offset).collect();
+    // Else a small file could hold one shape a million times.
+    if !offsets.is_sorted_by(|before, after| before < after) {
+        return Err(syntax(
+            end,
+            "shapes one after the other",
+            "a table with places out of order",
+        ));
+    }
+    Ok(offsets)
 }
 
 /// The content of one shape, unpacked as it is asked for.

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use glam::{Affine3A, Vec2, Vec3, Vec3A};
+use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 
 use super::bounds::{LightBounds, NormalCone};
 use super::texture_density::mean_luminance;
@@ -84,15 +84,25 @@ impl SpotLight {
     pub fn bounds(&self) -> LightBounds {
         let axis = Vec3::from(self.spot.world_from_local.transform_vector3a(Vec3A::Z));
         let cos_emission = (self.spot.cutoff_angle + ANGLE_MARGIN).min(PI).cos();
+        // Where the map keeps no angles the cone is as wide as it likes.
+        let is_known = cos_emission >= 0.0 && keeps_angles(self.spot.world_from_local.matrix3);
         LightBounds {
             bounds: Aabb::from_points([self.position()]),
-            cone: if cos_emission < 0.0 {
-                NormalCone::ALL
-            } else {
+            cone: if is_known {
                 NormalCone::single(axis.normalize_or(Vec3::Z))
+            } else {
+                NormalCone::ALL
             },
-            cos_emission: cos_emission.max(0.0),
+            cos_emission: if is_known { cos_emission } else { 0.0 },
             intensity: luminance(self.spot.intensity) * self.mean_texture,
         }
     }
+}
+
+/// Whether a map turns, mirrors and scales, but by the same factor everywhere.
+fn keeps_angles(map: Mat3A) -> bool {
+    const TOLERANCE: f32 = 1e-4;
+    let gram = map.transpose() * map;
+    let scale = gram.x_axis.x;
+    gram.abs_diff_eq(Mat3A::from_diagonal(Vec3::splat(scale)), TOLERANCE * scale)
 }

@@ -50,10 +50,22 @@ pub struct Image {
 }
 
 impl Image {
-    /// `None` unless there are 1 or 3 channels and as many samples as the size wants, and some.
-    pub fn new(width: u32, height: u32, channels: usize, samples: Samples, transfer: Transfer) -> Option<Self> {
+    /// `None` unless there are 1 or 3 channels and as many samples as the size wants, and some. What is infinite or no number becomes 0: a
+    /// single such pixel would spoil every average, and a light that is chosen by it.
+    pub fn new(width: u32, height: u32, channels: usize, mut samples: Samples, transfer: Transfer) -> Option<Self> {
         let wanted = (width as usize).checked_mul(height as usize)?.checked_mul(channels)?;
         let is_whole = matches!(channels, 1 | 3) && wanted > 0 && wanted == samples.len();
+        match &mut samples {
+            Samples::U8(_) | Samples::U16(_) => {}
+            Samples::F16(samples) => samples
+                .iter_mut()
+                .filter(|sample| !sample.is_finite())
+                .for_each(|sample| *sample = f16::ZERO),
+            Samples::F32(samples) => samples
+                .iter_mut()
+                .filter(|sample| !sample.is_finite())
+                .for_each(|sample| *sample = 0.0),
+        }
         is_whole.then_some(Self {
             width,
             height,
@@ -170,6 +182,16 @@ mod tests {
 
         let half = Image::new(1, 1, 1, Samples::F16(vec![f16::from_f32(65_504.0)]), Transfer::Linear);
         assert_eq!(half.unwrap().pixel(0, 0), Rgb::splat(65_504.0));
+    }
+
+    #[test]
+    fn what_is_no_number_is_black() {
+        let samples = vec![f32::NAN, 2.0, f32::NEG_INFINITY, f32::INFINITY, 4.0, 6.0];
+        let image = Image::new(2, 1, 3, Samples::F32(samples), Transfer::Linear).unwrap();
+        assert_eq!(image.pixel(0, 0), Rgb::new(0.0, 2.0, 0.0));
+        assert_eq!(image.mean(false), Rgb::new(0.0, 3.0, 3.0));
+        let half = Image::new(1, 1, 1, Samples::F16(vec![f16::INFINITY]), Transfer::Linear);
+        assert_eq!(half.unwrap().pixel(0, 0), Rgb::ZERO);
     }
 
     #[test]

@@ -21,7 +21,7 @@ use crate::math::Aabb;
 use crate::render::image_io::{ImageRgb, write_image};
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, IntegratorSettings, Lens, Material, OpenScene,
-    SamplerSettings, SceneStatus, Sensor, Texture, ToWorld, UsesMaterial, write,
+    Placements, SamplerSettings, SceneStatus, Sensor, Texture, ToWorld, UsesMaterial, write,
 };
 
 /// Applies this frame's commands in order.
@@ -89,6 +89,9 @@ fn apply(world: &mut World, command: Command) -> Result<(), String> {
             state.navigation.speed = speed.clamp(*navigation::SPEED_RANGE.start(), *navigation::SPEED_RANGE.end());
         }
 
+        Command::SetToWorld(entity, _) if world.get::<Placements>(entity).is_some() => {
+            return Err("So many instances stay where the file has them.".into());
+        }
         Command::SetToWorld(entity, to_world) => set(world, entity, ToWorld(to_world)),
         Command::SetShape(entity, shape) => set(world, entity, shape),
         Command::SetMaterial(entity, material) => set(world, entity, *material),

@@ -16,8 +16,8 @@ use crate::document::{Diagnostic, Diagnostics, Severity};
 use crate::engine::{RenderControl, RenderStatus};
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, FirstNested, IntegratorSettings,
-    Material, MaterialUsers, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNested, Sensor, Shape, ShapeKind,
-    ToWorld, UsesMaterial,
+    Material, MaterialUsers, Placements, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNested, Sensor,
+    Shape, ShapeKind, ToWorld, UsesMaterial,
 };
 
 #[derive(Resource, Default)]
@@ -150,6 +150,7 @@ type Parts = (
     Option<&'static Sensor>,
     Option<&'static Film>,
     Option<&'static UsesMaterial>,
+    Has<Placements>,
 );
 
 type MaterialParts = (
@@ -179,7 +180,7 @@ pub fn gather_selection(
 }
 
 fn inspect(entity: Entity, parts: &Query<Parts>, materials: &Query<MaterialParts>) -> Option<Inspected> {
-    let (naming, to_world, shape, area_light, emitter, sensor, film, uses) = parts.get(entity).ok()?;
+    let (naming, to_world, shape, area_light, emitter, sensor, film, uses, is_crowd) = parts.get(entity).ok()?;
     let is_material = materials.contains(entity);
     if shape.is_none() && emitter.is_none() && sensor.is_none() && !is_material {
         return None;
@@ -190,8 +191,8 @@ fn inspect(entity: Entity, parts: &Query<Parts>, materials: &Query<MaterialParts
         (_, _, Some(_)) => "camera",
         _ => "material",
     };
-    // A constant environment is everywhere, its transform means nothing.
-    let has_place = emitter.is_none_or(|emitter| !matches!(emitter.kind, EmitterKind::Constant { .. }));
+    // A constant environment is everywhere, its transform means nothing; that of very many instances is not asked for.
+    let has_place = !is_crowd && emitter.is_none_or(|emitter| !matches!(emitter.kind, EmitterKind::Constant { .. }));
     let mut inspected = Inspected {
         to_world: to_world.filter(|_| has_place).map(|to_world| to_world.0),
         shape: shape.cloned(),

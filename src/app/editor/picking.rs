@@ -3,7 +3,6 @@
 use bevy::math::Vec2;
 use bevy::prelude::Entity;
 
-use super::overlay::WorldBox;
 use crate::engine::CurrentScene;
 use crate::math::Aabb;
 use crate::render::camera::Camera;
@@ -38,11 +37,6 @@ pub fn bounds_of(current: &CurrentScene, entity: Entity) -> Option<Aabb> {
     let bounds = of_entity.filter_map(|(item, _)| geometry.bounds_of(item));
     let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
     (!bounds.is_empty()).then_some(bounds)
-}
-
-/// The box to draw around the selection.
-pub fn selection_box(current: &CurrentScene, selection: Option<Entity>) -> Option<WorldBox> {
-    bounds_of(current, selection?).map(|bounds| WorldBox::of(&bounds))
 }
 
 /// Half the field of view in radians along the picture's narrower side.

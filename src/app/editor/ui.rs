@@ -9,7 +9,7 @@ use super::dialogs::Dialogs;
 use super::gather::EditorModel;
 use super::keys::{KeyContext, KeyEvents};
 use super::model::Model;
-use super::overlay::{self, BoxList, BvhOverlay};
+use super::overlay::{self, BoxList, BvhOverlay, WorldBox};
 use super::panels::menu_bar::{MenuState, menu_bar};
 use super::panels::{diagnostics, inspector, outliner, render, status};
 use super::picking;
@@ -30,6 +30,30 @@ pub struct CollectedBoxes {
     list: BoxList,
 }
 
+/// The selection's box as it was last found.
+#[derive(Default)]
+pub struct SelectionBox {
+    of: Option<(Entity, std::sync::Arc<Tlas>)>,
+    shown: Option<WorldBox>,
+}
+
+impl SelectionBox {
+    fn update(&mut self, current: &CurrentScene, selection: Option<Entity>) -> Option<WorldBox> {
+        let (Some(scene), Some(selection)) = (&current.scene, selection) else {
+            *self = Self::default();
+            return None;
+        };
+        let is_same = |(entity, geometry): &(Entity, _)| {
+            *entity == selection && std::sync::Arc::ptr_eq(geometry, &scene.geometry)
+        };
+        if !self.of.as_ref().is_some_and(is_same) {
+            self.shown = picking::bounds_of(current, selection).map(|bounds| WorldBox::of(&bounds));
+            self.of = Some((selection, scene.geometry.clone()));
+        }
+        self.shown
+    }
+}
+
 #[derive(bevy::ecs::system::SystemParam)]
 pub struct Scene<'w, 's> {
     current: Res<'w, CurrentScene>,
@@ -48,6 +72,7 @@ pub fn show_window(
     scene: Scene,
     mut keys: KeyEvents,
     mut boxes: Local<CollectedBoxes>,
+    mut selection_box: Local<SelectionBox>,
 ) -> Result {
     let presses = keys.presses();
     let context = contexts.ctx_mut()?.clone();
@@ -76,7 +101,7 @@ pub fn show_window(
         pose: camera_pose(&scene.active, &scene.poses),
         camera: scene.current.view.as_ref().map(|view| view.camera),
         boxes: &boxes.list,
-        selection_box: picking::selection_box(&scene.current, state.selection),
+        selection_box: selection_box.update(&scene.current, state.selection),
         navigation: state.navigation,
         keys: KeyContext {
             display: state.display,

@@ -1,5 +1,7 @@
 //! Textures of the scene as those of the renderer, each once however often it is used.
 
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
@@ -12,6 +14,8 @@ pub(in crate::engine) struct TexturePacker<'a> {
     /// The pictures that are there, by absolute path.
     pictures: &'a dyn Fn(&Path) -> Option<Arc<Image>>,
     known: Vec<Texture>,
+    /// Where in `known` those of a hash are.
+    places: HashMap<u64, Vec<u32>>,
     packed: Vec<texture::Texture>,
 }
 
@@ -23,14 +27,17 @@ impl<'a> TexturePacker<'a> {
         Self {
             pictures,
             known: Vec::new(),
+            places: HashMap::new(),
             packed: Vec::new(),
         }
     }
 
     /// What a parameter that is this texture becomes.
     pub fn parameter<T>(&mut self, texture: &Texture) -> texture::Parameter<T> {
-        if let Some(place) = self.known.iter().position(|known| known == texture) {
-            return texture::Parameter::Texture(TextureId(place as u32));
+        let alike = alike(texture);
+        let known = self.places.get(&alike).into_iter().flatten();
+        if let Some(&place) = known.into_iter().find(|&&place| self.known[place as usize] == *texture) {
+            return texture::Parameter::Texture(TextureId(place));
         }
         // Those inside come before the one that refers to them.
         let packed = match texture {
@@ -44,9 +51,11 @@ impl<'a> TexturePacker<'a> {
                 scale: *scale,
             }),
         };
+        let place = self.packed.len() as u32;
         self.known.push(texture.clone());
         self.packed.push(packed);
-        texture::Parameter::Texture(TextureId(self.packed.len() as u32 - 1))
+        self.places.entry(alike).or_default().push(place);
+        texture::Parameter::Texture(TextureId(place))
     }
 
     /// A picture; None while it is not there.
@@ -90,4 +99,16 @@ impl<'a> TexturePacker<'a> {
     pub fn finish(self) -> Vec<texture::Texture> {
         self.packed
     }
+}
+
+/// The same for equal textures, and for few others.
+fn alike(texture: &Texture) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    texture.plugin().hash(&mut hasher);
+    match texture {
+        Texture::Bitmap(bitmap) => bitmap.path.hash(&mut hasher),
+        Texture::MeshAttribute { name, .. } => name.hash(&mut hasher),
+        Texture::Checkerboard { .. } => {}
+    }
+    hasher.finish()
 }
