@@ -11,12 +11,14 @@ use sunroom::color::{Rgb, linear_from_srgb};
 use sunroom::document::{self, Diagnostics};
 use sunroom::engine::{CurrentScene, RenderControl};
 use sunroom::light::{LightId, LightReference, LightSample, SurfaceHit};
+use sunroom::material::Material as Packed;
 use sunroom::render::image_io::{ImageRgb, write_image};
 use sunroom::render::scene::RenderScene;
 use sunroom::render::tonemap::Display;
 use sunroom::scene::read::read;
 use sunroom::scene::write::to_document;
 use sunroom::scene::*;
+use sunroom::shading::Bsdf;
 
 fn describe(body: &str) -> (SceneDescription, Diagnostics) {
     let text = format!("<scene version='3.0.0'>\n{body}\n<sensor type='perspective'/></scene>");
@@ -570,6 +572,26 @@ fn the_sky_is_that_of_the_format() {
             );
         }
     }
+}
+
+#[test]
+fn what_shines_reflects_nothing_unless_it_has_a_bsdf() {
+    let lamp = "<emitter type='area'/>";
+    let body = format!(
+        "<shape type='disk'>{lamp}</shape><shape type='disk'>{lamp}<bsdf type='diffuse'/></shape><shape type='disk'/>"
+    );
+    let scene = Open::new(&body, |_| ()).scene();
+    let reflectance = |shape: usize| {
+        let slot = scene.surfaces.slots[scene.surfaces.first_slot[shape] as usize];
+        match scene.materials.get(slot.material) {
+            Some(Packed::Plain(Bsdf::Diffuse(diffuse))) => diffuse.reflectance,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(
+        [0, 1, 2].map(reflectance),
+        [Rgb::ZERO, Rgb::splat(0.5), Rgb::splat(0.5)]
+    );
 }
 
 #[test]

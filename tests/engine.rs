@@ -702,8 +702,8 @@ fn meshes_bring_their_own_materials_and_lights_unless_told_otherwise() {
         scene.materials.get(*front),
         Some(material::Material::Plain(Bsdf::RoughConductor(_)))
     ));
-    // The stand-in, the paint, and two models for each of the file's.
-    assert_eq!(models, 2 + 4);
+    // The two fixed ones, the paint, and two models for each of the file's.
+    assert_eq!(models, 3 + 4);
 
     for shape in [cube, twin] {
         let bundle = (UsesMaterial(room.paint), AreaLight::default());
@@ -716,7 +716,7 @@ fn meshes_bring_their_own_materials_and_lights_unless_told_otherwise() {
             .iter()
             .all(|slot| slot.material == given[0].material && slot.light.is_some())
     );
-    assert_eq!(models, 2);
+    assert_eq!(models, 3);
 }
 
 #[test]

@@ -17,8 +17,13 @@ pub(in crate::engine) const STAND_IN: material::Material = material::Material::P
     reflectance: Rgb::splat(0.5),
 }));
 
-/// The stand-in's place in every table.
+/// A light that has no material reflects nothing: so the format has it.
+const LAMP: material::Material = material::Material::Plain(Bsdf::Diffuse(Diffuse { reflectance: Rgb::ZERO }));
+
+/// What every table begins with, and the places of these.
+const FIXED: [material::Material; 2] = [STAND_IN, LAMP];
 pub(in crate::engine) const STAND_IN_ID: MaterialId = MaterialId(0);
+pub(in crate::engine) const LAMP_ID: MaterialId = MaterialId(1);
 
 /// Largest refractive index or extinction; the highest measured ones in the visible range are below 10.
 pub(super) const HIGHEST_IOR: f32 = 100.0;
@@ -37,7 +42,7 @@ pub(in crate::engine) struct MaterialSource<'a> {
 /// The renderer's materials, and which is which entity.
 #[derive(Clone, Debug, Default)]
 pub(in crate::engine) struct PackedMaterials {
-    /// The stand-in, then one per source in their order.
+    /// The fixed ones, then one per source in their order.
     pub materials: Vec<material::Material>,
     pub ids: HashMap<Entity, MaterialId>,
 }
@@ -54,8 +59,8 @@ pub(in crate::engine) fn pack_materials(
         .enumerate()
         .map(|(i, source)| (source.entity, i))
         .collect();
-    let id = |place: usize| MaterialId(place as u32 + 1);
-    let mut materials = vec![STAND_IN];
+    let id = |place: usize| MaterialId((place + FIXED.len()) as u32);
+    let mut materials = FIXED.to_vec();
     for source in sources {
         let mut nested = [source.first, source.second]
             .into_iter()
@@ -75,7 +80,7 @@ pub(in crate::engine) fn pack_materials(
     for (place, source) in sources.iter().enumerate() {
         if contains_itself(place, sources, &places) {
             errors.push(format!("{}: materials contain each other", source.name));
-            materials[place + 1] = STAND_IN;
+            materials[place + FIXED.len()] = STAND_IN;
         }
     }
     PackedMaterials {
@@ -487,7 +492,8 @@ mod tests {
             &mut TexturePacker::new(&|_| None),
             &mut errors,
         );
-        let material::Material::Textured(TexturedBsdf::Dielectric { eta, model, .. }) = packed.materials[1] else {
+        let material::Material::Textured(TexturedBsdf::Dielectric { eta, model, .. }) = packed.materials[FIXED.len()]
+        else {
             panic!("{packed:?}")
         };
         assert_eq!((eta, model), (1.333, DielectricModel::Schlick));
@@ -544,7 +550,7 @@ mod tests {
             front: STAND_IN_ID,
             back: STAND_IN_ID,
         };
-        let expected = [&STAND_IN, &STAND_IN, &STAND_IN, &grey, &grey];
+        let expected = [&STAND_IN, &LAMP, &STAND_IN, &STAND_IN, &grey, &grey];
         assert!(packed.materials.iter().eq(expected), "{:?}", packed.materials);
         assert_eq!(errors.len(), 4, "{errors:?}");
     }

@@ -124,7 +124,7 @@ mod tests {
             &mut TexturePacker::new(&|_| None),
             &mut errors,
         );
-        match &packed.materials[1] {
+        match packed.materials.last().expect("one was packed") {
             Packed::Textured(bsdf) => (bsdf.clone(), errors),
             other => panic!("{other:?}"),
         }

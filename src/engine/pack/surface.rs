@@ -9,7 +9,7 @@ use super::BRIGHTEST;
 use super::Checker;
 use super::group::Layout;
 use super::light::{emission, sampling_weight};
-use super::material::{PackedMaterials, STAND_IN_ID};
+use super::material::{LAMP_ID, PackedMaterials, STAND_IN_ID};
 use super::mtl::push_mtl;
 use super::texture::TexturePacker;
 use crate::accel::Primitive;
@@ -90,7 +90,7 @@ pub(in crate::engine) fn pack_surfaces(
         for slot in 0..record.slots {
             let material = own
                 .or_else(|| from_file.get(slot as usize).copied())
-                .unwrap_or(STAND_IN_ID);
+                .unwrap_or(if own_light.is_some() { LAMP_ID } else { STAND_IN_ID });
             let in_file = || mesh.and_then(|mesh| mesh.materials.get(slot as usize));
             let (radiance, sampling_weight) = own_light.unwrap_or_else(|| {
                 // A library's odd colours have been reported with its other parameters or do not matter: black is no light.
