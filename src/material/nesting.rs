@@ -95,20 +95,22 @@ pub(super) fn resolve(
     textures: &TextureTable,
     at: &TexturePoint,
 ) -> Scattering {
+    // It is large: made where it will stay.
+    let mut scattering = Scattering::new(wo);
+    let upright = Orientation {
+        frame: point.shading_frame(),
+        side: 1.0,
+    };
     let mut resolver = Resolver {
         materials,
         point,
         wo,
         textures,
         at,
-        scattering: Scattering::new(wo),
-    };
-    let upright = Orientation {
-        frame: point.shading_frame(),
-        side: 1.0,
+        scattering: &mut scattering,
     };
     resolver.add(id, 1.0, upright, None);
-    resolver.scattering
+    scattering
 }
 
 struct Resolver<'a> {
@@ -117,7 +119,7 @@ struct Resolver<'a> {
     wo: Vec3,
     textures: &'a TextureTable,
     at: &'a TexturePoint<'a>,
-    scattering: Scattering,
+    scattering: &'a mut Scattering,
 }
 
 impl Resolver<'_> {

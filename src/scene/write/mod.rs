@@ -103,6 +103,8 @@ pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions)
     keep_foreign(scene, &target)?;
     let (mut document, moves) = whole(scene, &target);
     copy_parts(&moves)?;
+    // Mitsuba refuses a scene for a folder that is not there.
+    document.search_folders.retain(|folder| folder.is_dir());
     if let Some((path, text)) = portable::translate(Arc::make_mut(&mut document.root), path, extensions) {
         write_file(&path, text)?;
     }
