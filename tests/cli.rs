@@ -327,6 +327,10 @@ fn a_converted_scene_gives_the_same_picture() {
     assert_code(&output, 0);
     assert_code(&render(&scene, &shop.path("a.exr"), &[]), 0);
     assert_code(&render(&converted, &shop.path("b.exr"), &[]), 0);
+    let before = std::fs::read(&scene).unwrap();
+    let onto_itself = sunroom().arg("convert").args([&scene, &scene]).output().unwrap();
+    assert_code(&onto_itself, 1);
+    assert_eq!(std::fs::read(&scene).unwrap(), before);
     assert_eq!(image(&shop.path("a.exr")), image(&shop.path("b.exr")));
 }
 

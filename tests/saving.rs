@@ -8,7 +8,7 @@ use sunroom::document;
 use sunroom::scene::description::{DeclarationPlace, Identity, MaterialDescription, ShapeDescription};
 use sunroom::scene::read::read;
 use sunroom::scene::spawn;
-use sunroom::scene::write::{files, save, save_description};
+use sunroom::scene::write::{Extensions, files, save, save_description, write_anew};
 use sunroom::scene::{DocumentOrder, EmitterKind, Material, SceneDescription, SceneId, Shape, ShapeKind, UsesMaterial};
 use tempfile::TempDir;
 
@@ -594,4 +594,30 @@ fn what_was_made_in_the_editor_belongs_to_the_file_once_it_is_saved() {
     assert_eq!(world.get::<UsesMaterial>(shape), Some(&UsesMaterial(made)));
     save(&mut world, &path).unwrap();
     assert_eq!(folder.text("main.xml"), saved);
+}
+
+#[test]
+fn a_portable_scene_has_no_parameters_of_ours() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "<scene version='3.0.0'>
+        <sensor type='thinlens'><float name='aperture_radius' value='0.1'/><integer name='blades' value='6'/></sensor>
+        <shape type='sphere'><bsdf type='roughconductor'><boolean name='multiple_scattering' value='true'/></bsdf></shape></scene>";
+    let mut document = document::parse_str(text, &folder.path().join("old.xml"), &[]);
+    let scene = read(&mut document);
+    let written = |extensions| {
+        let target = folder.path().join("new.xml");
+        write_anew(&scene, &target, extensions).unwrap();
+        std::fs::read_to_string(target).unwrap()
+    };
+    let kept = written(Extensions::Keep);
+    assert!(
+        kept.contains("blades") && kept.contains("multiple_scattering"),
+        "{kept}"
+    );
+    let portable = written(Extensions::Approximate);
+    assert!(portable.contains("aperture_radius"), "{portable}");
+    assert!(
+        !portable.contains("blade") && !portable.contains("multiple_scattering"),
+        "{portable}"
+    );
 }

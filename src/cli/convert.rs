@@ -1,6 +1,6 @@
 //! `sunroom convert`: loads a scene of any kind and writes it as the program understands it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
@@ -35,6 +35,10 @@ pub fn run(args: ConvertArgs) -> ExitCode {
     if !report::acceptable(&document.diagnostics, args.strict) {
         return ExitCode::FAILURE;
     }
+    // It would lose what only the old file has: comments, includes, `$name`s.
+    if same_file(&args.scene.scene, &args.output) {
+        return report::error("this would replace the scene it is made from; give another name");
+    }
     let extensions = match args.portable {
         true => Extensions::Approximate,
         false => Extensions::Keep,
@@ -43,4 +47,9 @@ pub fn run(args: ConvertArgs) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => report::error(error),
     }
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    let places = [a, b].map(std::fs::canonicalize);
+    matches!(places, [Ok(a), Ok(b)] if a == b)
 }

@@ -15,6 +15,7 @@ use crate::document::{Category, Object, TransformOp, Value};
 const DEFAULT_IOR: f32 = 1.5;
 const MIRROR: u32 = 33648;
 const CLAMP: u32 = 33071;
+const REPEAT: u32 = 10497;
 const NEAREST: u32 = 9728;
 /// Of alpha, where the file does not say it.
 const CUTOFF: f32 = 0.5;
@@ -219,7 +220,8 @@ impl Builder<'_> {
         if made.is_raw() {
             bitmap = with(bitmap, "raw", Value::Boolean(true));
         }
-        let (s, t) = sampler.map_or((None, None), |sampler| (sampler.wrap_s, sampler.wrap_t));
+        let wrap = |given: Option<u32>| given.unwrap_or(REPEAT);
+        let (s, t) = sampler.map_or((REPEAT, REPEAT), |sampler| (wrap(sampler.wrap_s), wrap(sampler.wrap_t)));
         if s != t {
             self.warn(format!(
                 "texture {} repeats otherwise along v than along u: v follows u",
@@ -227,8 +229,8 @@ impl Builder<'_> {
             ));
         }
         let wrap = match s {
-            Some(CLAMP) => Some("clamp"),
-            Some(MIRROR) => Some("mirror"),
+            CLAMP => Some("clamp"),
+            MIRROR => Some("mirror"),
             _ => None,
         };
         if let Some(wrap) = wrap {

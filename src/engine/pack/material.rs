@@ -1,16 +1,16 @@
-//! The one mapping from the scene's materials to the renderer's scattering models: names become numbers, references become ids.
+//! The list of the scene's materials as that of the renderer: references become ids. What each of them becomes says `bsdf.rs`.
 
 use std::collections::HashMap;
 
 use bevy::prelude::*;
 
 use super::Checker;
+use super::bsdf::MaterialPacker;
 use super::texture::TexturePacker;
 use crate::color::Rgb;
-use crate::material::{self, BumpOptions, MaterialId, TexturedBase, TexturedBsdf, TexturedFacets, TexturedSpecular};
-use crate::scene::{ConductorIor, Distribution, Ior, Material, Parameter, Roughness};
-use crate::shading::{Bsdf, DielectricModel, Diffuse, Microalbedo, MicrofacetKind, RoughCoat, SmoothCoat, ior};
-use crate::texture;
+use crate::material::{self, MaterialId};
+use crate::scene::Material;
+use crate::shading::{Bsdf, DielectricModel, Diffuse};
 
 /// What has no material, or one that makes no sense, looks like this: the format's default.
 pub(in crate::engine) const STAND_IN: material::Material = material::Material::Plain(Bsdf::Diffuse(Diffuse {
@@ -24,10 +24,6 @@ const LAMP: material::Material = material::Material::Plain(Bsdf::Diffuse(Diffuse
 const FIXED: [material::Material; 2] = [STAND_IN, LAMP];
 pub(in crate::engine) const STAND_IN_ID: MaterialId = MaterialId(0);
 pub(in crate::engine) const LAMP_ID: MaterialId = MaterialId(1);
-
-/// Largest refractive index or extinction; the highest measured ones in the visible range are below 10.
-pub(super) const HIGHEST_IOR: f32 = 100.0;
-pub(super) const LOWEST_IOR: f32 = 0.01;
 
 /// A material entity as extraction finds it.
 #[derive(Clone, Debug)]
@@ -112,289 +108,11 @@ fn contains_itself(start: usize, sources: &[MaterialSource], places: &HashMap<En
     false
 }
 
-/// Packs one material.
-pub(super) struct MaterialPacker<'a, 'e, 't> {
-    model: DielectricModel,
-    textures: &'a mut TexturePacker<'t>,
-    pub(super) check: Checker<'e>,
-}
-
-impl MaterialPacker<'_, '_, '_> {
-    fn pack(&mut self, material: &Material, nested: [Option<MaterialId>; 2]) -> material::Material {
-        let first = |packer: &mut Self| {
-            nested[0].unwrap_or_else(|| {
-                let plugin = material.plugin();
-                packer.check.report(format_args!("`{plugin}` needs a material inside"));
-                STAND_IN_ID
-            })
-        };
-        let textured = match material {
-            Material::Diffuse { reflectance } => TexturedBsdf::Diffuse {
-                reflectance: self.reflectance("reflectance", reflectance),
-            },
-            Material::Conductor {
-                ior,
-                specular_reflectance,
-            } => TexturedBsdf::Conductor {
-                specular: self.conductor(ior, specular_reflectance),
-            },
-            Material::RoughConductor {
-                distribution,
-                alpha,
-                ior,
-                specular_reflectance,
-                multiple_scattering,
-            } => TexturedBsdf::RoughConductor {
-                specular: self.conductor(ior, specular_reflectance),
-                facets: self.facets(*distribution, alpha),
-                multiple_scattering: multiple_scattering.then(|| Microalbedo::of(kind(*distribution))),
-            },
-            Material::Dielectric {
-                interior,
-                exterior,
-                specular_reflectance,
-                specular_transmittance,
-            } => TexturedBsdf::Dielectric {
-                eta: self.eta(interior, "bk7", exterior),
-                model: self.model,
-                specular_reflectance: self.reflectance("specular_reflectance", specular_reflectance),
-                specular_transmittance: self.reflectance("specular_transmittance", specular_transmittance),
-            },
-            Material::RoughDielectric {
-                distribution,
-                alpha,
-                interior,
-                exterior,
-                specular_reflectance,
-                specular_transmittance,
-            } => {
-                let eta = self.eta(interior, "bk7", exterior);
-                let model = self.model;
-                let facets = self.facets(*distribution, alpha);
-                let specular_reflectance = self.reflectance("specular_reflectance", specular_reflectance);
-                let specular_transmittance = self.reflectance("specular_transmittance", specular_transmittance);
-                // Light goes straight through where nothing refracts it, however rough: there is no density.
-                if eta == 1.0 {
-                    TexturedBsdf::Dielectric {
-                        eta,
-                        model,
-                        specular_reflectance,
-                        specular_transmittance,
-                    }
-                } else {
-                    TexturedBsdf::RoughDielectric {
-                        eta,
-                        model,
-                        facets,
-                        specular_reflectance,
-                        specular_transmittance,
-                    }
-                }
-            }
-            Material::ThinDielectric {
-                interior,
-                exterior,
-                specular_reflectance,
-                specular_transmittance,
-            } => TexturedBsdf::ThinDielectric {
-                eta: self.eta(interior, "bk7", exterior),
-                model: self.model,
-                specular_reflectance: self.reflectance("specular_reflectance", specular_reflectance),
-                specular_transmittance: self.reflectance("specular_transmittance", specular_transmittance),
-            },
-            Material::Plastic {
-                interior,
-                exterior,
-                diffuse_reflectance,
-                specular_reflectance,
-                nonlinear,
-            } => TexturedBsdf::Plastic {
-                coat: SmoothCoat::new(self.eta(interior, "polypropylene", exterior)),
-                base: self.base(diffuse_reflectance, specular_reflectance, *nonlinear),
-            },
-            Material::RoughPlastic {
-                distribution,
-                alpha,
-                interior,
-                exterior,
-                diffuse_reflectance,
-                specular_reflectance,
-                nonlinear,
-            } => {
-                if let Roughness::Anisotropic { .. } = alpha {
-                    self.check.report("`roughplastic` has one `alpha`: `alpha_u` is taken");
-                }
-                let TexturedFacets { kind, alpha_u, .. } = self.facets(*distribution, alpha);
-                let eta = self.eta(interior, "polypropylene", exterior);
-                TexturedBsdf::RoughPlastic {
-                    coat: match alpha_u {
-                        texture::Parameter::Constant(alpha) => RoughCoat::uniform(kind, eta, alpha),
-                        texture::Parameter::Texture(_) => RoughCoat::varying(kind, eta),
-                    },
-                    alpha: alpha_u,
-                    base: self.base(diffuse_reflectance, specular_reflectance, *nonlinear),
-                }
-            }
-            Material::Metal { reflectance, fuzz } => TexturedBsdf::Metal {
-                reflectance: self.reflectance("reflectance", reflectance),
-                fuzz: self.float("fuzz", fuzz, 0.0, 1.0, 0.0),
-            },
-            Material::Principled(principled) => TexturedBsdf::Principled(self.principled(principled)),
-            Material::PrincipledThin(thin) => TexturedBsdf::PrincipledThin(self.principled_thin(thin)),
-            Material::TwoSided => {
-                let front = first(self);
-                let back = nested[1].unwrap_or(front);
-                return material::Material::TwoSided { front, back };
-            }
-            Material::Blend { weight } => {
-                let first = first(self);
-                return material::Material::Blend {
-                    first,
-                    second: nested[1].unwrap_or(first),
-                    weight: self.float("weight", weight, 0.0, 1.0, 0.5),
-                };
-            }
-            Material::Mask { opacity } => {
-                return material::Material::Mask {
-                    nested: first(self),
-                    opacity: self.float("opacity", opacity, 0.0, 1.0, 0.5),
-                };
-            }
-            Material::NormalMap {
-                normals,
-                flip_invalid_normals,
-                use_shadowing_function,
-            } => {
-                return material::Material::NormalMap {
-                    nested: first(self),
-                    normals: self.reflectance("normalmap", normals),
-                    options: BumpOptions {
-                        flip_invalid_normals: *flip_invalid_normals,
-                        use_shadowing_function: *use_shadowing_function,
-                    },
-                };
-            }
-            Material::BumpMap {
-                height,
-                scale,
-                flip_invalid_normals,
-                use_shadowing_function,
-            } => {
-                return material::Material::BumpMap {
-                    nested: first(self),
-                    height: self.float("height", height, f32::MIN, f32::MAX, 0.0),
-                    scale: self.check.number("scale", *scale, f32::MIN, f32::MAX, 1.0),
-                    options: BumpOptions {
-                        flip_invalid_normals: *flip_invalid_normals,
-                        use_shadowing_function: *use_shadowing_function,
-                    },
-                };
-            }
-            Material::Null => return material::Material::Null,
-        };
-        material::Material::Textured(textured)
-    }
-
-    pub(super) fn reflectance(&mut self, name: &str, value: &Parameter<Rgb>) -> texture::Parameter<Rgb> {
-        self.color(name, value, 1.0)
-    }
-
-    fn color(&mut self, name: &str, value: &Parameter<Rgb>, high: f32) -> texture::Parameter<Rgb> {
-        match value {
-            Parameter::Constant(color) => texture::Parameter::Constant(self.check.color(name, *color, high)),
-            Parameter::Texture(texture) => self.textures.parameter(texture),
-        }
-    }
-
-    pub(super) fn float(
-        &mut self,
-        name: &str,
-        value: &Parameter<f32>,
-        low: f32,
-        high: f32,
-        otherwise: f32,
-    ) -> texture::Parameter<f32> {
-        match value {
-            Parameter::Constant(number) => {
-                texture::Parameter::Constant(self.check.number(name, *number, low, high, otherwise))
-            }
-            Parameter::Texture(texture) => self.textures.parameter(texture),
-        }
-    }
-
-    fn facets(&mut self, distribution: Distribution, alpha: &Roughness) -> TexturedFacets {
-        let mut one = |name, alpha: &_| self.float(name, alpha, 1e-4, 100.0, 0.1);
-        let [alpha_u, alpha_v] = match alpha {
-            Roughness::Isotropic(alpha) => [one("alpha", alpha); 2],
-            Roughness::Anisotropic { u, v } => [one("alpha_u", u), one("alpha_v", v)],
-        };
-        TexturedFacets {
-            kind: kind(distribution),
-            alpha_u,
-            alpha_v,
-        }
-    }
-
-    fn base(&mut self, diffuse: &Parameter<Rgb>, specular: &Parameter<Rgb>, nonlinear: bool) -> TexturedBase {
-        TexturedBase {
-            diffuse_reflectance: self.reflectance("diffuse_reflectance", diffuse),
-            specular_reflectance: self.reflectance("specular_reflectance", specular),
-            nonlinear,
-        }
-    }
-
-    /// The index inside, or else that of `otherwise`, over that outside, or else that of air.
-    fn eta(&mut self, interior: &Ior, otherwise: &str, exterior: &Ior) -> f32 {
-        index("int_ior", interior, otherwise, &mut self.check) / index("ext_ior", exterior, "air", &mut self.check)
-    }
-
-    fn conductor(&mut self, ior: &ConductorIor, specular_reflectance: &Parameter<Rgb>) -> TexturedSpecular {
-        let (eta, k) = match ior {
-            ConductorIor::Named(name) => {
-                let (eta, k) = ior::conductor_ior(name).unwrap_or_else(|| {
-                    self.check.report(format_args!(
-                        "there is no conductor named {name:?}, a perfect mirror is used"
-                    ));
-                    PERFECT_MIRROR
-                });
-                (texture::Parameter::Constant(eta), texture::Parameter::Constant(k))
-            }
-            ConductorIor::Given { eta, k } => (self.color("eta", eta, HIGHEST_IOR), self.color("k", k, HIGHEST_IOR)),
-        };
-        TexturedSpecular {
-            eta,
-            k,
-            specular_reflectance: self.reflectance("specular_reflectance", specular_reflectance),
-        }
-    }
-}
-
-/// Complex index of a conductor that reflects everything.
-pub(super) const PERFECT_MIRROR: (Rgb, Rgb) = (Rgb::ZERO, Rgb::ONE);
-
-fn kind(distribution: Distribution) -> MicrofacetKind {
-    match distribution {
-        Distribution::Beckmann => MicrofacetKind::Beckmann,
-        Distribution::Ggx => MicrofacetKind::Ggx,
-    }
-}
-
-fn index(what: &str, ior: &Ior, otherwise: &str, check: &mut Checker) -> f32 {
-    let fallback = ior::dielectric_ior(otherwise).unwrap_or(1.0);
-    match ior {
-        Ior::Named(name) => ior::dielectric_ior(name).unwrap_or_else(|| {
-            check.report(format_args!(
-                "there is no material named {name:?} for {what}, {otherwise} is used"
-            ));
-            fallback
-        }),
-        Ior::Number(number) => check.number(what, *number, LOWEST_IOR, HIGHEST_IOR, fallback),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::material::TexturedBsdf;
+    use crate::scene::{ConductorIor, Distribution, Ior, Roughness};
 
     fn source(
         entity: Entity,

@@ -1,6 +1,7 @@
 //! From components to the renderer's records: plain functions, one file per kind of record. Every check of a range and every change of
 //! unit is made here; what is right of this (`render` and below) trusts its numbers.
 
+mod bsdf;
 pub(super) mod environment;
 pub(super) mod group;
 pub(super) mod instance;

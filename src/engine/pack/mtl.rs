@@ -16,7 +16,7 @@
 use bevy::math::{Affine2, Vec2};
 
 use super::Checker;
-use super::material::PERFECT_MIRROR;
+use super::bsdf::PERFECT_MIRROR;
 use super::texture::TexturePacker;
 use crate::color::Rgb;
 use crate::geometry::mesh::MtlMaterial;

@@ -1,6 +1,6 @@
 //! The principled materials' part of the mapping.
 
-use super::material::{HIGHEST_IOR, LOWEST_IOR, MaterialPacker};
+use super::bsdf::{HIGHEST_IOR, LOWEST_IOR, MaterialPacker};
 use crate::material::{TexturedPrincipled, TexturedPrincipledThin};
 use crate::scene::{Parameter, Principled, PrincipledIndex, PrincipledThin};
 use crate::shading::{SamplingRates, ThinSamplingRates, eta_from_specular};

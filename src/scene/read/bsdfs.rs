@@ -79,6 +79,12 @@ fn read_parameters<'a>(mut reader: Reader<'a, '_>, pictures: &mut PictureSearch)
         pictures,
     };
     material.visit(&mut values);
+    let is_given = reader.has("normalmap") || reader.child("normalmap").is_some();
+    if matches!(material, Material::NormalMap { .. }) && !is_given {
+        let span = reader.object().span;
+        let message = "`normalmap` needs a texture of that name, its normals";
+        reader.diagnostics().error(span, message);
+    }
     let nested = nested(&material, &mut reader);
     reader.finish();
     (material, nested)

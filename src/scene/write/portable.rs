@@ -34,6 +34,14 @@ fn translate_inside(object: &mut Object, file_name: &str, extensions: Extensions
         has_triangles |= translate_inside(inner, file_name, extensions);
         match (inner.category, inner.plugin.as_str()) {
             (Category::Bsdf, "metal") => metal(inner, extensions),
+            (Category::Bsdf, "roughconductor") if extensions == Extensions::Approximate => {
+                inner
+                    .properties
+                    .retain(|property| property.name != "multiple_scattering");
+            }
+            (Category::Sensor, "thinlens") if extensions == Extensions::Approximate => inner
+                .properties
+                .retain(|property| !matches!(property.name.as_str(), "blades" | "blade_rotation")),
             (Category::Shape, "triangle") => {
                 triangle(inner, file_name);
                 has_triangles = true;
