@@ -4,9 +4,11 @@ mod gltf_support;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
+use sunroom::geometry::mesh::MeshData;
 use sunroom::scene::assets::scene_asset::read_scene;
 use sunroom::scene::write::{SaveError, save_description};
 use sunroom::scene::*;
@@ -176,11 +178,23 @@ impl Open {
         let mut open = Self(app);
         open.until_revision(1);
         // The watch needs frames to hear of the files, which no message tells.
+        open.wait();
+        open
+    }
+
+    /// For longer than the watch holds changes back.
+    fn wait(&mut self) {
         let end = Instant::now() + Duration::from_millis(500);
         while Instant::now() < end {
-            open.0.update();
+            self.0.update();
+            std::thread::sleep(Duration::from_millis(5));
         }
-        open
+    }
+
+    fn data(&mut self, id: &str) -> Arc<MeshData> {
+        let handle = self.get::<MeshHandle>(id);
+        let meshes = self.0.world().resource::<Assets<TriangleMesh>>();
+        meshes.get(&handle.0).expect("is loaded").data.clone()
     }
 
     fn until_revision(&mut self, revision: u64) {
@@ -210,6 +224,7 @@ fn of_a_changed_file_only_what_changed_is_loaded_again() {
     let path = shop.put_model(0.5, REST);
     let mut open = Open::new(path);
     let [wall, plate] = ["wall", "plate"].map(|id| open.get::<MeshHandle>(id));
+    let [wall_data, plate_data] = ["wall", "plate"].map(|id| open.data(id));
 
     shop.put_model(0.5, &REST.replace("0.8, 0.2, 0.1", "0.1, 0.2, 0.8"));
     open.until_revision(2);
@@ -221,17 +236,19 @@ fn of_a_changed_file_only_what_changed_is_loaded_again() {
         ["wall", "plate"].map(|id| open.get::<MeshHandle>(id)),
         [wall.clone(), plate.clone()]
     );
+    open.wait();
+    assert!(Arc::ptr_eq(&open.data("wall"), &wall_data));
+    assert!(Arc::ptr_eq(&open.data("plate"), &plate_data));
 
     // Of the buffer beside it only the second square changes.
     let revision = open.0.world().resource::<SceneStatus>().revision;
     shop.put("model.bin", squares(0.75).bytes);
     open.until_revision(revision + 1);
     assert_eq!(open.get::<MeshHandle>("wall"), wall);
-    let plate_now = open.get::<MeshHandle>("plate");
-    assert_ne!(plate_now, plate);
-    let meshes = open.0.world().resource::<Assets<TriangleMesh>>();
-    let extent = meshes.get(&plate_now.0).expect("is loaded").data.bounds().extent();
-    assert_eq!(extent, Vec3::new(0.75, 0.75, 0.0));
+    assert_ne!(open.get::<MeshHandle>("plate"), plate);
+    assert_eq!(open.data("plate").bounds().extent(), Vec3::new(0.75, 0.75, 0.0));
+    open.wait();
+    assert!(Arc::ptr_eq(&open.data("wall"), &wall_data));
 }
 
 impl Open {

@@ -12,7 +12,7 @@ use bevy::asset::{AssetLoadFailedEvent, AssetPath};
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use crossbeam_channel::{Receiver, unbounded};
-use notify_debouncer_full::notify::event::{AccessKind, AccessMode};
+use notify_debouncer_full::notify::event::{AccessKind, AccessMode, MetadataKind, ModifyKind};
 use notify_debouncer_full::notify::{EventKind, RecommendedWatcher, RecursiveMode};
 use notify_debouncer_full::{DebounceEventResult, Debouncer, NoCache, new_debouncer_opt};
 
@@ -217,6 +217,8 @@ fn take_events(watch: &mut SceneWatch) {
         };
         for event in events {
             let is_change = match event.kind {
+                // Times and rights are no content; only systems that are polled tell of new content by its time.
+                EventKind::Modify(ModifyKind::Metadata(kind)) => kind == MetadataKind::WriteTime,
                 EventKind::Create(_) | EventKind::Modify(_) => true,
                 EventKind::Access(kind) => kind == AccessKind::Close(AccessMode::Write),
                 // A file that is gone: its content stays until another takes its place.
