@@ -423,12 +423,6 @@ fn what_cannot_be_is_one_error() {
         (r#""mesh": 0}"#, r#""mesh": 7}"#, "mesh 7"),
         (r#""nodes": [0]"#, r#""nodes": [3]"#, "node 3"),
         (r#"{"mesh": 0}"#, r#"{"mesh": 0, "children": [0]}"#, "ancestor"),
-        (r#""count": 4"#, r#""count": 4000000000"#, "elements"),
-        (r#""type": "VEC3""#, r#""type": "MAT4""#, "VEC3"),
-        (r#""byteOffset": 0"#, r#""byteOffset": 18446744073709551615"#, "beyond"),
-        (r#""mode": 6"#, r#""mode": 6, "indices": 1"#, "indices"),
-        (r#""material": 0"#, r#""material": 4"#, "material 4"),
-        (r#""componentType": 5126"#, r#""componentType": 5130"#, "5130"),
         (";base64,", ";base64,!", "base64"),
         ("data:application/octet-stream;base64,", "http://a/b?", "fetched"),
     ];
@@ -441,6 +435,130 @@ fn what_cannot_be_is_one_error() {
     }
     let message = open("{ \"asset\": 1 }").expect_err("not an object").to_string();
     assert!(message.contains("at line 1 column 12"), "{message}");
+}
+
+#[test]
+fn what_cannot_be_read_of_a_mesh_is_left_out_and_said() {
+    let (mut parts, rest) = textured_quad("{}");
+    // Beside the square of the file a second one, which is good.
+    let rest = rest
+        .replace(
+            r#""meshes": ["#,
+            r#""meshes": [{"primitives": [{"attributes": {"POSITION": 2}}]}, "#,
+        )
+        .replace(
+            r#""nodes": [{"mesh": 0}]"#,
+            r#""nodes": [{"mesh": 1, "name": "flag"}, {"mesh": 0}]"#,
+        )
+        .replace(r#""nodes": [0]"#, r#""nodes": [0, 1]"#);
+    parts.floats("VEC3", &SQUARE);
+    let good = parts.text(&rest);
+    assert_eq!(import(&good).0.warnings, Vec::<String>::new());
+    let table = [
+        (r#""count": 4"#, r#""count": 4000000000"#, "elements"),
+        (r#""type": "VEC3""#, r#""type": "MAT4""#, "VEC3"),
+        (r#""byteOffset": 0"#, r#""byteOffset": 18446744073709551615"#, "beyond"),
+        (r#""mode": 6"#, r#""mode": 6, "indices": 1"#, "indices"),
+        (r#""componentType": 5126"#, r#""componentType": 5130"#, "5130"),
+        (r#""POSITION": 0"#, r#""POSITIONS": 0"#, "no positions"),
+        (r#""POSITION": 0"#, r#""POSITION": 9"#, "accessor 9"),
+    ];
+    for (old, new, part) in table {
+        let text = good.replacen(old, new, 1);
+        assert_ne!(text, good, "{old} is not there");
+        let (imported, files) = import(&text);
+        let [warning] = &imported.warnings[..] else {
+            panic!("{part}: {:?}", imported.warnings)
+        };
+        assert!(warning.contains("flag") && warning.contains(part), "{warning}");
+        assert_eq!(of(&imported.root, Category::Shape).len(), 1, "{part}");
+        assert_eq!(files.len(), 1, "{part}");
+    }
+    let (imported, _) = import(&good.replacen(r#""material": 0"#, r#""material": 4"#, 1));
+    assert!(imported.warnings.len() == 1 && imported.warnings[0].contains("material 4"));
+    assert_eq!(of(&imported.root, Category::Shape).len(), 2);
+}
+
+#[test]
+fn of_pictures_that_cannot_be_read_the_factors_stay() {
+    let material = r#"{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1], "baseColorTexture": {"index": 0},
+          "metallicRoughnessTexture": {"index": 0}, "roughnessFactor": 0.25},
+        "normalTexture": {"index": 0}, "emissiveFactor": [1, 2, 3], "emissiveTexture": {"index": 0}}"#;
+    let (parts, rest) = textured_quad(material);
+    let good = parts.text(&rest);
+    for (image, part) in [
+        (r#"{"name": "bark", "uri": "gone.png"}"#, "gone.png"),
+        (r#"{"name": "bark", "bufferView": 0}"#, "format"),
+        (r#"{"name": "bark", "bufferView": 9}"#, "buffer view 9"),
+        (r#"{"name": "bark"}"#, "neither"),
+    ] {
+        let text = good.replacen(r#"{"bufferView": 2, "mimeType": "image/png"}"#, image, 1);
+        assert_ne!(text, good);
+        let (imported, files) = import(&text);
+        let [warning] = &imported.warnings[..] else {
+            panic!("{:?}", imported.warnings)
+        };
+        assert!(warning.contains("bark") && warning.contains(part), "{warning}");
+        assert_eq!(files.len(), 1, "only the mesh");
+        let principled = inside(of(&imported.root, Category::Bsdf)[0], "principled");
+        assert_eq!(value(principled, "base_color"), &Value::Rgb(Vec3::new(0.5, 1.0, 1.0)));
+        assert_eq!(value(principled, "roughness"), &Value::Float(0.25));
+        let area = inside(of(&imported.root, Category::Shape)[0], "area");
+        assert_eq!(value(area, "radiance"), &Value::Rgb(Vec3::new(1.0, 2.0, 3.0)));
+    }
+}
+
+#[test]
+fn what_cannot_be_kept_is_an_error() {
+    let (parts, rest) = textured_quad(r#"{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}"#);
+    let file = open(&parts.text(&rest)).expect("opens");
+    for kind in ["mesh", "picture"] {
+        let mut keep = |name: &str, _: &[u8]| match name.starts_with(kind) {
+            true => Err(std::io::Error::other("the disk is full")),
+            false => Ok(name.to_owned()),
+        };
+        let error = take_apart(&file, &mut keep, &mut nothing_beside)
+            .expect_err(kind)
+            .to_string();
+        assert!(error.contains(kind) && error.contains("full"), "{error}");
+    }
+}
+
+#[test]
+fn nodes_stand_at_finite_places() {
+    let (parts, rest) = textured_quad("{}");
+    let nodes = r#""nodes": [{"mesh": 0, "rotation": [0, 0, 0, 0], "translation": [1, 2, 3]},
+        {"mesh": 0, "name": "lost", "translation": [1e39, 0, 0], "children": [2]}, {"mesh": 0}]"#;
+    let rest = rest
+        .replace(r#""nodes": [{"mesh": 0}]"#, nodes)
+        .replace(r#""nodes": [0]"#, r#""nodes": [0, 1]"#);
+    let (imported, _) = import(&parts.text(&rest));
+    let shapes = of(&imported.root, Category::Shape);
+    assert_eq!(shapes.len(), 1);
+    assert_eq!(world(shapes[0]), Affine3A::from_translation(Vec3::new(1.0, 2.0, 3.0)));
+    assert!(imported.warnings.len() == 1 && imported.warnings[0].contains("lost"));
+}
+
+#[test]
+fn equal_names_are_numbered() {
+    let (parts, rest) = textured_quad("{}");
+    let names = ["leaf", "leaf-2", "leaf", "leaf", "leaf-2"];
+    let nodes: Vec<String> = names
+        .iter()
+        .map(|name| format!(r#"{{"mesh": 0, "name": "{name}"}}"#))
+        .collect();
+    let rest = rest
+        .replace(
+            r#""nodes": [{"mesh": 0}]"#,
+            &format!(r#""nodes": [{}]"#, nodes.join(",")),
+        )
+        .replace(r#""nodes": [0]"#, r#""nodes": [0, 1, 2, 3, 4]"#);
+    let (imported, _) = import(&parts.text(&rest));
+    let ids: Vec<&str> = of(&imported.root, Category::Shape)
+        .iter()
+        .filter_map(|shape| shape.id.as_deref())
+        .collect();
+    assert_eq!(ids, ["leaf", "leaf-2", "leaf-3", "leaf-4", "leaf-2-2"]);
 }
 
 #[test]

@@ -26,7 +26,7 @@ struct Parts<'a, 'k, 'r> {
 
 impl Parts<'_, '_, '_> {
     fn keep(&mut self, name: String, bytes: &[u8]) -> Result<String, GltfError> {
-        (self.keep)(&name, bytes).map_err(|source| GltfError::File { name, source })
+        (self.keep)(&name, bytes).map_err(|source| GltfError::Keep { name, source })
     }
 }
 

@@ -216,7 +216,8 @@ impl Builder<'_> {
         };
         let sampler = texture.sampler.and_then(|sampler| gltf.root.samplers.get(sampler));
         let picture = Picture { image, made };
-        let mut bitmap = self.reference_picture(object(Category::Texture, "bitmap"), picture);
+        let file = self.reference_picture(picture)?;
+        let mut bitmap = with(object(Category::Texture, "bitmap"), "filename", Value::String(file));
         if made.is_raw() {
             bitmap = with(bitmap, "raw", Value::Boolean(true));
         }

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::schema::Primitive;
+use super::schema::{Mesh, Primitive};
 use super::{Gltf, GltfError};
 use crate::geometry::attribute::{AttributeDomain, AttributeValues, MeshAttribute};
 use crate::geometry::mesh::MeshData;
@@ -15,24 +15,20 @@ const TRIANGLES: u32 = 4;
 const STRIP: u32 = 5;
 const FAN: u32 = 6;
 
-/// A primitive with its number among all.
-#[derive(Clone, Copy)]
-pub(super) struct Numbered<'a> {
-    pub number: u32,
-    pub mesh: usize,
-    pub primitive: &'a Primitive,
-}
-
 impl Gltf {
     /// Every primitive; points and lines are numbered as well, but have no triangles.
-    pub(super) fn primitives(&self) -> impl Iterator<Item = Numbered<'_>> {
-        let meshes = self.root.meshes.iter().enumerate();
-        let all = meshes.flat_map(|(mesh, about)| about.primitives.iter().map(move |primitive| (mesh, primitive)));
-        all.zip(0..).map(|((mesh, primitive), number)| Numbered {
-            number,
-            mesh,
-            primitive,
-        })
+    fn primitives(&self) -> impl Iterator<Item = &Primitive> {
+        self.root.meshes.iter().flat_map(|mesh| &mesh.primitives)
+    }
+
+    /// For each mesh of the file the number of its first primitive.
+    pub(super) fn first_primitives(&self) -> Vec<u32> {
+        let first = |next: &mut u32, mesh: &Mesh| {
+            let first = *next;
+            *next += mesh.primitives.len() as u32;
+            Some(first)
+        };
+        self.root.meshes.iter().scan(0, first).collect()
     }
 
     /// How many meshes [`Self::mesh`] has.
@@ -48,10 +44,12 @@ impl Gltf {
             index: number as usize,
             count,
         })?;
-        self.read_primitive(number as usize, found.primitive)
+        self.read_primitive(number, found)
     }
 
-    fn read_primitive(&self, index: usize, primitive: &Primitive) -> Result<LoadedMesh, GltfError> {
+    /// One mesh whose number is known.
+    pub(super) fn read_primitive(&self, number: u32, primitive: &Primitive) -> Result<LoadedMesh, GltfError> {
+        let index = number as usize;
         let bad = |what: String| GltfError::Primitive { index, what };
         let mut warnings = Vec::new();
         let attribute = |name: &str| primitive.attributes.get(name).copied();

@@ -8,6 +8,7 @@ mod accessor;
 pub mod files;
 mod material;
 mod mesh;
+mod nodes;
 mod picture;
 pub mod scene;
 mod schema;
@@ -54,6 +55,9 @@ pub enum GltfError {
     Uri { uri: String, what: &'static str },
     #[error("{name}: {source}")]
     File { name: String, source: std::io::Error },
+    /// A part that cannot be written.
+    #[error("{name} cannot be kept: {source}")]
+    Keep { name: String, source: std::io::Error },
 }
 
 /// Extensions that a file may require.

@@ -3,14 +3,14 @@
 //! Where the file has no camera, one looks at everything from the front, a little from above; where it has no light, there is a white sky.
 //! Intensities are taken over as numbers: candela and lux become W/sr and W/m^2.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::f32::consts::PI;
 
-use glam::{Affine3A, Mat4, Quat, Vec3};
+use glam::{Affine3A, Mat4, Vec3};
 
 use super::mesh::VERTEX_COLOR;
 use super::picture::Picture;
-use super::schema::{Camera, Light, Node};
+use super::schema::{Camera, Light, Node, Primitive};
 use super::{Gltf, GltfError, is_supported};
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
 use crate::geometry::mesh::MeshData;
@@ -46,12 +46,18 @@ pub(super) struct Builder<'a> {
     pub gltf: &'a Gltf,
     references: &'a mut dyn References,
     warnings: Vec<String>,
-    meshes: BTreeMap<u32, KnownMesh>,
-    /// With the names of their files.
-    pictures: Vec<(Picture, String)>,
-    /// The first trouble of `references`.
+    warned: HashSet<String>,
+    /// The number of each mesh's first primitive among all.
+    first_primitives: Vec<u32>,
+    /// By the number of the primitive; None for those that cannot be read.
+    meshes: BTreeMap<u32, Option<KnownMesh>>,
+    /// With the names of their files; None for those that cannot be read.
+    pictures: Vec<(Picture, Option<String>)>,
+    /// Why the first picture could not be kept.
     failure: Option<GltfError>,
     ids: HashSet<String>,
+    /// By name the number that the next thing of this name may get.
+    next_numbers: HashMap<String, u32>,
     sensors: Vec<Object>,
     /// The ids of bsdfs by material and whether meshes bring the colours.
     materials: BTreeMap<(Option<usize>, bool), String>,
@@ -77,10 +83,13 @@ impl Gltf {
             gltf: self,
             references,
             warnings: Vec::new(),
+            warned: HashSet::new(),
+            first_primitives: self.first_primitives(),
             meshes: BTreeMap::new(),
             pictures: Vec::new(),
             failure: None,
             ids: HashSet::new(),
+            next_numbers: HashMap::new(),
             sensors: Vec::new(),
             materials: BTreeMap::new(),
             bsdfs: Vec::new(),
@@ -95,77 +104,45 @@ impl Gltf {
         if !self.root.animations.is_empty() {
             builder.warn("animations are not read".to_owned());
         }
-        for (index, world) in self.placed_nodes()? {
+        let placed = self.placed_nodes()?;
+        placed.warnings.into_iter().for_each(|warning| builder.warn(warning));
+        for (index, world) in placed.nodes {
             builder.node(index, world)?;
         }
         builder.finish()
-    }
-
-    /// The nodes of the scene with their world transforms, parents first.
-    fn placed_nodes(&self) -> Result<Vec<(usize, Mat4)>, GltfError> {
-        let nodes = &self.root.nodes;
-        let roots = match (self.root.scene, self.root.scenes.first()) {
-            (None, None) => {
-                let children: HashSet<usize> = nodes.iter().flat_map(|node| node.children.iter().copied()).collect();
-                (0..nodes.len()).filter(|index| !children.contains(index)).collect()
-            }
-            (Some(scene), _) => self.get("scene", &self.root.scenes, scene)?.nodes.clone(),
-            (None, Some(first)) => first.nodes.clone(),
-        };
-        let mut waiting: Vec<(usize, Mat4)> = roots.into_iter().rev().map(|root| (root, Mat4::IDENTITY)).collect();
-        let mut placed = Vec::new();
-        let mut seen = vec![false; nodes.len()];
-        while let Some((index, parent)) = waiting.pop() {
-            let node = self.get("node", nodes, index)?;
-            if std::mem::replace(&mut seen[index], true) {
-                return Err(GltfError::Tree(index));
-            }
-            let world = parent * node.local();
-            placed.push((index, world));
-            waiting.extend(node.children.iter().rev().map(|&child| (child, world)));
-        }
-        Ok(placed)
-    }
-}
-
-impl Node {
-    fn local(&self) -> Mat4 {
-        match self.matrix {
-            Some(matrix) => Mat4::from_cols_array(&matrix),
-            None => Mat4::from_scale_rotation_translation(
-                self.scale.map_or(Vec3::ONE, Vec3::from),
-                self.rotation
-                    .map_or(Quat::IDENTITY, |turn| Quat::from_array(turn).normalize()),
-                self.translation.map_or(Vec3::ZERO, Vec3::from),
-            ),
-        }
     }
 }
 
 impl Builder<'_> {
     pub fn warn(&mut self, sentence: String) {
-        if !self.warnings.contains(&sentence) {
+        if self.warned.insert(sentence.clone()) {
             self.warnings.push(sentence);
         }
     }
 
-    /// The bitmap with the name of its picture.
-    pub fn reference_picture(&mut self, bitmap: Object, picture: Picture) -> Object {
-        let known = self.pictures.iter().find(|(other, _)| *other == picture);
-        let name = match known {
-            Some((_, name)) => name.clone(),
-            None => match self.references.picture(self.pictures.len(), &picture) {
-                Ok(name) => {
-                    self.pictures.push((picture, name.clone()));
-                    name
-                }
-                Err(error) => {
-                    self.failure.get_or_insert(error);
-                    return bitmap;
-                }
-            },
+    /// The name of the picture's file; None (reported) if the picture cannot be read.
+    pub fn reference_picture(&mut self, picture: Picture) -> Option<String> {
+        if let Some((_, name)) = self.pictures.iter().find(|(other, _)| *other == picture) {
+            return name.clone();
+        }
+        let name = match self.references.picture(self.pictures.len(), &picture) {
+            Ok(name) => Some(name),
+            Err(error @ GltfError::Keep { .. }) => {
+                self.failure.get_or_insert(error);
+                None
+            }
+            Err(error) => {
+                let image = self.gltf.root.images.get(picture.image);
+                let title = match image.and_then(|image| image.name.as_deref()) {
+                    Some(name) => format!("picture {} ({name})", picture.image),
+                    None => format!("picture {}", picture.image),
+                };
+                self.warn(format!("{title} is left out: {error}"));
+                None
+            }
         };
-        with(bitmap, "filename", Value::String(name))
+        self.pictures.push((picture, name.clone()));
+        name
     }
 
     fn node(&mut self, index: usize, world: Mat4) -> Result<(), GltfError> {
@@ -200,8 +177,8 @@ impl Builder<'_> {
         let gltf = self.gltf;
         let about = gltf.get("mesh", &gltf.root.meshes, mesh)?;
         let name = node.name.as_deref().or(about.name.as_deref()).unwrap_or("mesh");
-        for numbered in gltf.primitives().filter(|numbered| numbered.mesh == mesh) {
-            let primitive = numbered.primitive;
+        let first = self.first_primitives[mesh];
+        for (number, primitive) in (first..).zip(&about.primitives) {
             if !primitive.has_triangles() {
                 self.warn(format!("points and lines are left out ({name})"));
                 continue;
@@ -209,13 +186,16 @@ impl Builder<'_> {
             if !primitive.targets.is_empty() {
                 self.warn("morph targets are not read: meshes have their shape at rest".to_owned());
             }
-            let mesh = self.known_mesh(numbered.number)?;
+            let Some(mesh) = self.known_mesh(number, primitive, name)? else {
+                continue;
+            };
             let map = Affine3A::from_mat4(world);
             self.bounds = self.bounds.union(mesh.bounds.transformed(&map));
-            if let Some(material) = primitive.material {
-                gltf.get("material", &gltf.root.materials, material)?;
+            let given = primitive.material;
+            let material = given.filter(|&material| material < gltf.root.materials.len());
+            if let Some(missing) = given.filter(|_| material.is_none()) {
+                self.warn(format!("material {missing} is not there: `{name}` has the default one"));
             }
-            let material = self.material(primitive.material, mesh.has_colors);
             let mut shape = mesh.shape;
             shape.id = Some(self.unique(name));
             if primitive.is_flat() {
@@ -224,10 +204,10 @@ impl Builder<'_> {
             shape = with_world(shape, world);
             shape.children.push(Child::Reference {
                 name: None,
-                id: material,
+                id: self.material(material, mesh.has_colors),
                 span: Span::default(),
             });
-            if let Some(emitter) = self.emitter(primitive.material) {
+            if let Some(emitter) = self.emitter(material) {
                 self.has_area_light = true;
                 shape = with_child(shape, emitter);
             }
@@ -236,18 +216,24 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn known_mesh(&mut self, number: u32) -> Result<KnownMesh, GltfError> {
+    /// None (reported, with the name) for a primitive that cannot be read.
+    fn known_mesh(&mut self, number: u32, primitive: &Primitive, name: &str) -> Result<Option<KnownMesh>, GltfError> {
         if let Some(known) = self.meshes.get(&number) {
             return Ok(known.clone());
         }
-        let loaded = self.gltf.mesh(number)?;
-        for warning in loaded.warnings {
-            self.warn(warning);
-        }
-        let known = KnownMesh {
-            shape: self.references.shape(number, &loaded.mesh)?,
-            bounds: loaded.mesh.bounds(),
-            has_colors: loaded.mesh.attribute(VERTEX_COLOR).is_some(),
+        let known = match self.gltf.read_primitive(number, primitive) {
+            Ok(loaded) => {
+                loaded.warnings.into_iter().for_each(|warning| self.warn(warning));
+                Some(KnownMesh {
+                    shape: self.references.shape(number, &loaded.mesh)?,
+                    bounds: loaded.mesh.bounds(),
+                    has_colors: loaded.mesh.attribute(VERTEX_COLOR).is_some(),
+                })
+            }
+            Err(error) => {
+                self.warn(format!("primitive {number} of `{name}` is left out: {error}"));
+                None
+            }
         };
         self.meshes.insert(number, known.clone());
         Ok(known)
@@ -345,10 +331,17 @@ impl Builder<'_> {
         } else {
             name
         };
-        let mut candidates = std::iter::once(name.clone()).chain((2..).map(|number| format!("{name}-{number}")));
-        let free = candidates.find(|id| !self.ids.contains(id)).unwrap_or(name);
-        self.ids.insert(free.clone());
-        free
+        let next = self.next_numbers.entry(name.clone()).or_insert(1);
+        loop {
+            let id = match *next {
+                1 => name.clone(),
+                number => format!("{name}-{number}"),
+            };
+            *next += 1;
+            if self.ids.insert(id.clone()) {
+                return id;
+            }
+        }
     }
 
     fn finish(mut self) -> Result<Imported, GltfError> {
