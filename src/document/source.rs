@@ -16,8 +16,8 @@ pub enum SourceError {
     Folder { path: PathBuf },
     #[error("{}: is a device or a pipe, not a scene file", path.display())]
     NoFile { path: PathBuf },
-    #[error("{}: larger than {} MiB, which no scene file should be", path.display(), MAX_FILE_BYTES >> 20)]
-    TooLarge { path: PathBuf },
+    #[error("{}: larger than {} MiB, which no file of its kind should be", path.display(), limit >> 20)]
+    TooLarge { path: PathBuf, limit: u64 },
     #[error("{}: is UTF-16 text; save it as UTF-8", path.display())]
     Utf16 { path: PathBuf },
     #[error("{}:{line}:{column}: is not UTF-8 text from here on; save the file as UTF-8", path.display())]
@@ -25,14 +25,17 @@ pub enum SourceError {
 }
 
 /// Whether reading this file to its end would end, and in time: neither devices nor pipes nor overlong files may be opened. One that
-/// is not there is left to whoever opens it.
-pub fn check_file(path: &Path) -> Result<(), SourceError> {
+/// is not there is left to whoever opens it. `limit`: in bytes.
+pub fn check_file(path: &Path, limit: u64) -> Result<(), SourceError> {
     let path_owned = || path.to_owned();
     match path.metadata() {
         Err(_) => Ok(()),
         Ok(about) if about.is_dir() => Err(SourceError::Folder { path: path_owned() }),
         Ok(about) if !about.is_file() => Err(SourceError::NoFile { path: path_owned() }),
-        Ok(about) if about.len() > MAX_FILE_BYTES => Err(SourceError::TooLarge { path: path_owned() }),
+        Ok(about) if about.len() > limit => Err(SourceError::TooLarge {
+            path: path_owned(),
+            limit,
+        }),
         Ok(_) => Ok(()),
     }
 }
@@ -43,7 +46,7 @@ pub fn read_text(path: &Path) -> Result<String, SourceError> {
         path: path.to_owned(),
         source,
     };
-    check_file(path)?;
+    check_file(path, MAX_FILE_BYTES)?;
     let mut file = File::open(path).map_err(unreadable)?;
     let mut bytes = Vec::new();
     let mut bounded = (&mut file).take(MAX_FILE_BYTES + 1);
@@ -54,7 +57,10 @@ pub fn read_text(path: &Path) -> Result<String, SourceError> {
 /// The text in a file's bytes, with its byte order mark if it has one; `path` is for the message.
 pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<String, SourceError> {
     if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(SourceError::TooLarge { path: path.to_owned() });
+        return Err(SourceError::TooLarge {
+            path: path.to_owned(),
+            limit: MAX_FILE_BYTES,
+        });
     }
     if matches!(
         bytes[..],

@@ -7,13 +7,13 @@ use bevy::asset::{AssetLoadFailedEvent, AssetPath};
 use bevy::ecs::message::{MessageCursor, Messages};
 use bevy::prelude::*;
 
+use super::assets::gltf_scene::check_scene_file;
 use super::assets::scene_asset::one_error;
 use super::assets::{SceneAsset, SceneDefines, cause};
 use super::pictures::PicturePlaces;
 use super::read::settle;
 use super::{OpenScene, SceneState, SceneStatus, spawn};
 use crate::document::Diagnostics;
-use crate::document::source::check_file;
 
 /// The scene file asked for last, and the one the entities are from.
 #[derive(Resource, Debug, Default)]
@@ -52,7 +52,7 @@ pub(super) fn open_scenes(
         return;
     };
     let path = settle(&request.path);
-    if let Err(error) = check_file(&path) {
+    if let Err(error) = check_scene_file(&path) {
         status.path = Some(path);
         status.state = SceneState::Failed;
         status.diagnostics = Arc::new(one_error(error.to_string()));

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::Import;
 use crate::document::paths::settle;
-use crate::document::source::check_file;
+use crate::document::source::{MAX_FILE_BYTES, check_file};
 
 /// A search by file name looks at so many files.
 const MOST_FILES: usize = 5000;
@@ -82,7 +82,7 @@ fn search(name: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
 
 /// Whether an OBJ uses materials of a library that is there.
 pub fn has_own_materials(path: &Path) -> bool {
-    if check_file(path).is_err() {
+    if check_file(path, MAX_FILE_BYTES).is_err() {
         return false;
     }
     let Ok(file) = File::open(path) else { return false };

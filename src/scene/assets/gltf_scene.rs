@@ -12,7 +12,7 @@ use std::time::{Duration, SystemTime};
 
 use tempfile::NamedTempFile;
 
-use crate::document::source::check_file;
+use crate::document::source::{MAX_FILE_BYTES, SourceError, check_file};
 use crate::document::{Category, Diagnostics, Document, Object, Severity, SourceFile};
 use crate::gltf::files::take_apart;
 use crate::gltf::scene::Imported;
@@ -21,10 +21,27 @@ use crate::gltf::{Gltf, GltfError};
 /// Parts that nobody opened for so long are removed.
 const KEPT: Duration = Duration::from_secs(30 * 24 * 3600);
 
+/// Of a glTF file, and of each file that it names: the length of the binary container is 32 bits wide.
+const MAX_GLTF_BYTES: u64 = 4 << 30;
+
 /// Whether a file is opened by [`import`]: its content or else its name says so.
 pub fn is_gltf(bytes: &[u8], path: &Path) -> bool {
+    Gltf::is_gltf(bytes) || is_called_gltf(path)
+}
+
+fn is_called_gltf(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    Gltf::is_gltf(bytes) || extension == "gltf" || extension == "glb"
+    extension == "gltf" || extension == "glb"
+}
+
+/// Whether a scene file of either kind may be read to its end. Before it is read only its name tells of which kind it is.
+pub fn check_scene_file(path: &Path) -> Result<(), SourceError> {
+    let limit = if is_called_gltf(path) {
+        MAX_GLTF_BYTES
+    } else {
+        MAX_FILE_BYTES
+    };
+    check_file(path, limit)
 }
 
 /// The scene in a file of these bytes. The files it is read from are the diagnostics' sources, without their text.
@@ -36,7 +53,7 @@ pub fn import(bytes: &[u8], path: &Path) -> Document {
         if !sources.contains(&file) {
             sources.push(file.clone());
         }
-        check_file(&file).map_err(io::Error::other)?;
+        check_file(&file, MAX_GLTF_BYTES).map_err(io::Error::other)?;
         fs::read(file)
     };
     let taken = Gltf::open(bytes, &mut read).and_then(|gltf| {
@@ -206,6 +223,27 @@ mod tests {
             let before = modified();
             cache.keep("part", b"bytes").expect("can be kept");
             assert_eq!(modified() != before, is_touched, "{days} days");
+        }
+    }
+
+    #[test]
+    fn models_may_be_larger_than_text() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        for (name, limit) in [
+            ("a.glb", MAX_GLTF_BYTES),
+            ("a.GLTF", MAX_GLTF_BYTES),
+            ("a.xml", MAX_FILE_BYTES),
+        ] {
+            let path = folder.path().join(name);
+            let file = fs::File::create(&path).expect(name);
+            // Without content, which takes no place on the disk.
+            file.set_len(limit).expect(name);
+            check_scene_file(&path).expect(name);
+            file.set_len(limit + 1).expect(name);
+            assert!(
+                matches!(check_scene_file(&path), Err(SourceError::TooLarge { .. })),
+                "{name}"
+            );
         }
     }
 

@@ -8,8 +8,7 @@ use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 
-use super::gltf_scene::{import, is_gltf};
-use crate::document::source::check_file;
+use super::gltf_scene::{check_scene_file, import, is_gltf};
 use crate::document::{self, Diagnostics, Document, Severity, SourceError};
 use crate::scene::SceneDescription;
 use crate::scene::read;
@@ -56,9 +55,10 @@ impl AssetLoader for SceneLoader {
         _settings: &(),
         context: &mut LoadContext<'_>,
     ) -> Result<SceneAsset, std::io::Error> {
+        let path = context.path().path().to_owned();
+        check_scene_file(&path).map_err(std::io::Error::other)?;
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
-        let path = context.path().path().to_owned();
         Ok(read_scene(bytes, &path, &self.defines.get(&path)))
     }
 
@@ -82,7 +82,7 @@ pub fn read_scene(bytes: Vec<u8>, path: &Path, defines: &[(String, String)]) -> 
 
 /// A scene file of any kind. As for [`document::load`], what is wrong with its content is in the document's diagnostics.
 pub fn load_document(path: &Path, defines: &[(String, String)]) -> Result<Document, SourceError> {
-    check_file(path)?;
+    check_scene_file(path)?;
     let bytes = std::fs::read(path).map_err(|source| SourceError::Unreadable {
         path: path.to_owned(),
         source,
