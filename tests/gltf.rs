@@ -142,6 +142,80 @@ fn sparse_values_replace_others() {
     assert!(error.contains("element 3"), "{error}");
 }
 
+#[test]
+fn of_shared_vertices_a_mesh_has_those_it_uses() {
+    let mut parts = Parts::default();
+    // Two squares beside each other, and a vertex of neither that is nowhere.
+    let mut corners: Vec<f32> = SQUARE.to_vec();
+    corners.extend([f32::NAN; 3]);
+    corners.extend(
+        SQUARE
+            .chunks(3)
+            .flat_map(|corner| [corner[0] + 5.0, corner[1], corner[2]]),
+    );
+    let positions = parts.floats("VEC3", &corners);
+    let normals = parts.floats("VEC3", &[[0.0, 0.0, 1.0]; 9].concat());
+    let uvs: Vec<f32> = (0..9).flat_map(|vertex| [vertex as f32, 0.5]).collect();
+    let uvs = parts.floats("VEC2", &uvs);
+    let colors: Vec<f32> = (0..9).flat_map(|vertex| [vertex as f32, 1.0, 0.0]).collect();
+    let colors = parts.floats("VEC3", &colors);
+    // One position is replaced.
+    let places = parts.view(&[7, 0], "");
+    let values = parts.view(&[9.0f32, 9.0, 9.0].map(f32::to_le_bytes).concat(), "");
+    let sparse = format!(
+        r#", "sparse": {{"count": 1, "indices": {{"bufferView": {places}, "componentType": 5123}},
+            "values": {{"bufferView": {values}}}}}}}"#
+    );
+    parts.accessors[positions] = parts.accessors[positions].replace('}', &sparse);
+    let primitives = [[0, 1, 2, 0, 2, 3], [8, 7, 5, 7, 6, 5], [0, 4, 1, 0, 1, 2], [0, 1, 9, 0, 1, 2]].map(|triangles: [u8; 6]| {
+        let view = parts.view(&triangles, "");
+        let indices = parts.accessor(view, 5121, "SCALAR", 6, "");
+        format!(
+            r#"{{"attributes": {{"POSITION": {positions}, "NORMAL": {normals}, "TEXCOORD_0": {uvs}, "COLOR_0": {colors}}}, "indices": {indices}}}"#
+        )
+    });
+    let file =
+        open(&parts.text(&format!(r#""meshes": [{{"primitives": [{}]}}]"#, primitives.join(",")))).expect("opens");
+    let first = file.mesh(0).expect("a mesh").mesh;
+    assert_eq!(
+        (first.positions.len(), first.triangles),
+        (4, vec![[0, 1, 2], [0, 2, 3]])
+    );
+    let second = file.mesh(1).expect("a mesh").mesh;
+    assert_eq!(second.triangles, [[3, 2, 0], [2, 1, 0]]);
+    assert_eq!(
+        second.positions[..3],
+        [Vec3::new(5.0, 0.0, 0.0), Vec3::new(6.0, 0.0, 0.0), Vec3::splat(9.0)]
+    );
+    assert_eq!(second.normals, [Vec3::Z; 4]);
+    assert_eq!(second.uvs, [5.0, 6.0, 7.0, 8.0].map(|u| Vec2::new(u, 0.5)));
+    let AttributeValues::F32(colors) = &second.attributes[0].values else {
+        panic!("not floats")
+    };
+    assert_eq!(colors[..], [5.0, 1.0, 0.0, 6.0, 1.0, 0.0, 7.0, 1.0, 0.0, 8.0, 1.0, 0.0]);
+    for (number, part) in [(2, "vertex 4"), (3, "number 9")] {
+        let error = file.mesh(number).expect_err(part).to_string();
+        assert!(error.contains(part), "{error}");
+    }
+}
+
+#[test]
+fn elements_without_bytes_have_a_limit_for_all_together() {
+    let zeros = |primitives: usize| {
+        let primitive = r#"{"attributes": {"POSITION": 0}}"#;
+        let text = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "accessors": [{{"componentType": 5126, "type": "VEC3", "count": 30000}}],
+                "meshes": [{{"primitives": [{}]}}]}}"#,
+            vec![primitive; primitives].join(",")
+        );
+        open(&text).expect("opens").mesh(0)
+    };
+    // Around 2^26 / 30000 = 2236.96.
+    assert_eq!(zeros(2236).expect("few enough").mesh.positions.len(), 30000);
+    let error = zeros(2237).expect_err("too many").to_string();
+    assert!(error.contains("without a buffer"), "{error}");
+}
+
 /// 2 x 1 pixels: (255, 128, 0) with alpha 51, and (0, 64, 255) with alpha 204.
 fn png() -> Vec<u8> {
     let image = image::RgbaImage::from_raw(2, 1, vec![255, 128, 0, 51, 0, 64, 255, 204]).expect("fits");

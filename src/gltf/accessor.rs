@@ -1,11 +1,21 @@
 //! Accessors: typed, strided, sparse views of buffers, read as numbers (glTF 2.0, section 3.6.2). Every range is checked.
 
-use super::schema::Accessor;
+use super::schema::{Accessor, Root};
 use super::{Gltf, GltfError};
 
-/// Elements without bytes of their own behind them (an accessor that is all zeros but for sparse values) have a limit: nothing else in
-/// the file bounds them.
+/// Elements without bytes of their own behind them (accessors that are all zeros but for sparse values) have a limit for all meshes
+/// together: nothing else in the file bounds them.
 const MOST_ZEROS: usize = 1 << 26;
+
+/// How many such elements the meshes of a file have.
+pub(super) fn count_zeros(root: &Root) -> usize {
+    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let accessors = primitives.flat_map(|primitive| primitive.attributes.values());
+    let zeros = accessors
+        .filter_map(|&index| root.accessors.get(index))
+        .filter(|accessor| accessor.buffer_view.is_none());
+    zeros.fold(0, |sum, accessor| sum.saturating_add(accessor.count))
+}
 
 /// The type of one number.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -80,14 +90,25 @@ struct Strided<'a> {
 }
 
 impl<'a> Strided<'a> {
+    /// One that is there.
+    fn element(&self, i: usize) -> &'a [u8] {
+        &self.bytes[i * self.stride..i * self.stride + self.size]
+    }
+
     fn elements(self) -> impl Iterator<Item = &'a [u8]> {
-        (0..self.count).map(move |i| &self.bytes[i * self.stride..i * self.stride + self.size])
+        (0..self.count).map(move |i| self.element(i))
     }
 }
 
 impl Gltf {
-    /// The elements as vectors of `N` numbers; `kind` is the accessor type this must be, such as `VEC3`.
-    pub(super) fn vectors<const N: usize>(&self, index: usize, kind: &str) -> Result<Vec<[f32; N]>, GltfError> {
+    /// Elements as vectors of `N` numbers; `kind` is the accessor type this must be, such as `VEC3`. `used`: which elements, in ascending
+    /// order; None for all.
+    pub(super) fn vectors<const N: usize>(
+        &self,
+        index: usize,
+        kind: &str,
+        used: Option<&[u32]>,
+    ) -> Result<Vec<[f32; N]>, GltfError> {
         let accessor = self.accessor(index)?;
         let component = component(index, accessor.component_type)?;
         if accessor.kind != kind {
@@ -97,28 +118,44 @@ impl Gltf {
         let element = |bytes: &[u8]| -> [f32; N] {
             std::array::from_fn(|i| component.float(&bytes[i * component.size()..], accessor.normalized))
         };
+        let count = accessor.count;
+        if let Some(&last) = used.and_then(<[u32]>::last)
+            && last as usize >= count
+        {
+            return Err(bad(index, format!("has {count} elements, but number {last} is used")));
+        }
         let mut result: Vec<[f32; N]> = match accessor.buffer_view {
             Some(view) => {
                 let size = N * component.size();
                 let place = (view, accessor.byte_offset);
-                self.strided(index, place, size, accessor.count, true)?
-                    .elements()
-                    .map(element)
-                    .collect()
+                let all = self.strided(index, place, size, count, true)?;
+                match used {
+                    Some(used) => used.iter().map(|&i| element(all.element(i as usize))).collect(),
+                    None => all.elements().map(element).collect(),
+                }
             }
-            None if accessor.count <= MOST_ZEROS => vec![[0.0; N]; accessor.count],
-            None => return Err(bad(index, format!("has {} elements without a buffer", accessor.count))),
+            None if self.zeros <= MOST_ZEROS => vec![[0.0; N]; used.map_or(count, <[u32]>::len)],
+            None => {
+                let zeros = self.zeros;
+                let what = format!("has {count} of {zeros} elements without a buffer, which are too many");
+                return Err(bad(index, what));
+            }
         };
         if let Some(sparse) = &accessor.sparse {
             let place = (sparse.values.buffer_view, sparse.values.byte_offset);
             let values = self.strided(index, place, N * component.size(), sparse.count, false)?;
             let places = self.sparse_places(index, accessor)?;
             for (place, value) in places.into_iter().zip(values.elements()) {
-                let count = result.len();
-                let slot = result
-                    .get_mut(place as usize)
-                    .ok_or_else(|| bad(index, format!("replaces element {place} of {count}")))?;
-                *slot = element(value);
+                if place as usize >= count {
+                    return Err(bad(index, format!("replaces element {place} of {count}")));
+                }
+                let slot = match used {
+                    Some(used) => used.binary_search(&place).ok(),
+                    None => Some(place as usize),
+                };
+                if let Some(slot) = slot.and_then(|slot| result.get_mut(slot)) {
+                    *slot = element(value);
+                }
             }
         }
         Ok(result)
@@ -161,12 +198,7 @@ impl Gltf {
         elements.elements().map(whole).collect()
     }
 
-    /// How many components the elements have: 3 for `VEC3`.
-    pub(super) fn accessor_kind(&self, index: usize) -> Result<&str, GltfError> {
-        Ok(self.accessor(index)?.kind.as_str())
-    }
-
-    fn accessor(&self, index: usize) -> Result<&Accessor, GltfError> {
+    pub(super) fn accessor(&self, index: usize) -> Result<&Accessor, GltfError> {
         self.get("accessor", &self.root.accessors, index)
     }
 

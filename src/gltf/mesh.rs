@@ -53,76 +53,67 @@ impl Gltf {
         let bad = |what: String| GltfError::Primitive { index, what };
         let mut warnings = Vec::new();
         let attribute = |name: &str| primitive.attributes.get(name).copied();
-        let positions = attribute("POSITION").ok_or_else(|| bad("has no positions".into()))?;
-        let positions: Vec<Vec3> = self
-            .vectors::<3>(positions, "VEC3")?
-            .into_iter()
-            .map(Vec3::from)
-            .collect();
-        if let Some(vertex) = positions.iter().position(|position| !position.is_finite()) {
+        let place = attribute("POSITION").ok_or_else(|| bad("has no positions".into()))?;
+        let vertices = self.accessor(place)?.count;
+        let no_triangles = || bad("holds no triangles".into());
+        let indexed = match primitive.indices {
+            Some(accessor) => Some(triangles(primitive.mode, &self.indices(accessor)?).ok_or_else(no_triangles)?),
+            None => None,
+        };
+        // Primitives may share their vertices with others, of which each has its part.
+        let used = indexed.as_deref().map(used_vertices);
+        let used = used.as_deref();
+        let positions: Vec<Vec3> = into_vectors(self.vectors::<3>(place, "VEC3", used)?);
+        if let Some(slot) = positions.iter().position(|position| !position.is_finite()) {
+            let vertex = used.map_or(slot, |used| used[slot] as usize);
             return Err(bad(format!("the position of vertex {vertex} is not finite")));
         }
-        let vertices = positions.len();
-        // Values that are not one per vertex are of no use.
-        let mut matches_vertices = |name: &str, count: usize| {
+        let triangles = match (indexed, used) {
+            (Some(indexed), Some(used)) => renumbered(indexed, used),
+            _ => {
+                let all: Vec<u32> = (0..positions.len() as u32).collect();
+                triangles(primitive.mode, &all).ok_or_else(no_triangles)?
+            }
+        };
+        // The accessor, unless its values are not one per vertex and so of no use.
+        let mut per_vertex = |name: &str| -> Result<Option<usize>, GltfError> {
+            let Some(accessor) = attribute(name) else {
+                return Ok(None);
+            };
+            let count = self.accessor(accessor)?.count;
             if count != vertices {
                 warnings.push(format!(
                     "primitive {index}: {count} values {name} for {vertices} vertices are left out"
                 ));
             }
-            count == vertices
+            Ok(Some(accessor).filter(|_| count == vertices))
         };
-        let mut normals: Vec<Vec3> = match attribute("NORMAL") {
-            Some(accessor) => self
-                .vectors::<3>(accessor, "VEC3")?
-                .into_iter()
-                .map(Vec3::from)
-                .collect(),
+        let normals: Vec<Vec3> = match per_vertex("NORMAL")? {
+            Some(accessor) => into_vectors(self.vectors::<3>(accessor, "VEC3", used)?),
             None => Vec::new(),
         };
-        if !normals.is_empty() && !matches_vertices("NORMAL", normals.len()) {
-            normals.clear();
-        }
-        let set = format!("TEXCOORD_{}", self.uv_set(primitive));
-        let mut uvs: Vec<Vec2> = match attribute(&set) {
-            Some(accessor) => self
-                .vectors::<2>(accessor, "VEC2")?
-                .into_iter()
-                .map(Vec2::from)
-                .collect(),
+        let uvs: Vec<Vec2> = match per_vertex(&format!("TEXCOORD_{}", self.uv_set(primitive)))? {
+            Some(accessor) => into_vectors(self.vectors::<2>(accessor, "VEC2", used)?),
             None => Vec::new(),
         };
-        if !uvs.is_empty() && !matches_vertices(&set, uvs.len()) {
-            uvs.clear();
-        }
         let mut attributes = Vec::new();
-        if let Some(accessor) = attribute("COLOR_0") {
-            let colors = self.colors(accessor)?;
-            if matches_vertices("COLOR_0", colors.len()) {
-                // Of a material without a picture the colour is this product; there is no other place for it.
-                let factor = self.base_color(primitive);
-                attributes.push(MeshAttribute {
-                    name: VERTEX_COLOR.to_owned(),
-                    domain: AttributeDomain::Vertex,
-                    channels: 3,
-                    values: AttributeValues::F32(
-                        colors
-                            .into_iter()
-                            .flat_map(|color| (Vec3::from(color) * factor).to_array())
-                            .collect(),
-                    ),
-                });
-            }
-        }
-        let indices = match primitive.indices {
-            Some(accessor) => self.indices(accessor)?,
-            None => (0..vertices as u32).collect(),
-        };
-        if let Some(vertex) = indices.iter().find(|&&vertex| vertex as usize >= vertices) {
-            return Err(bad(format!("vertex {vertex} is not there: it has {vertices}")));
+        if let Some(accessor) = per_vertex("COLOR_0")? {
+            // Of a material without a picture the colour is this product; there is no other place for it.
+            let factor = self.base_color(primitive);
+            let colors = self.colors(accessor, used)?.into_iter();
+            attributes.push(MeshAttribute {
+                name: VERTEX_COLOR.to_owned(),
+                domain: AttributeDomain::Vertex,
+                channels: 3,
+                values: AttributeValues::F32(
+                    colors
+                        .flat_map(|color| (Vec3::from(color) * factor).to_array())
+                        .collect(),
+                ),
+            });
         }
         let mut mesh = MeshData {
-            triangles: triangles(primitive.mode, &indices).ok_or_else(|| bad("holds no triangles".into()))?,
+            triangles,
             positions,
             normals,
             uvs,
@@ -139,14 +130,14 @@ impl Gltf {
     }
 
     /// Linear RGB; alpha is not kept.
-    fn colors(&self, accessor: usize) -> Result<Vec<[f32; 3]>, GltfError> {
-        match self.accessor_kind(accessor)? {
+    fn colors(&self, accessor: usize, used: Option<&[u32]>) -> Result<Vec<[f32; 3]>, GltfError> {
+        match self.accessor(accessor)?.kind.as_str() {
             "VEC4" => Ok(self
-                .vectors::<4>(accessor, "VEC4")?
+                .vectors::<4>(accessor, "VEC4", used)?
                 .into_iter()
                 .map(|[r, g, b, _]| [r, g, b])
                 .collect()),
-            _ => self.vectors::<3>(accessor, "VEC3"),
+            _ => self.vectors::<3>(accessor, "VEC3", used),
         }
     }
 
@@ -155,6 +146,30 @@ impl Gltf {
         let factor = material.map_or([1.0; 4], |material| material.pbr_metallic_roughness.base_color_factor);
         Vec3::new(factor[0], factor[1], factor[2])
     }
+}
+
+fn into_vectors<const N: usize, V: From<[f32; N]>>(numbers: Vec<[f32; N]>) -> Vec<V> {
+    numbers.into_iter().map(V::from).collect()
+}
+
+/// The vertices that triangles stand on, ascending.
+fn used_vertices(triangles: &[[u32; 3]]) -> Vec<u32> {
+    let mut used = triangles.as_flattened().to_vec();
+    used.sort_unstable();
+    used.dedup();
+    used.shrink_to_fit();
+    used
+}
+
+/// The triangles with the places of their vertices in `used`, which has them all.
+fn renumbered(mut triangles: Vec<[u32; 3]>, used: &[u32]) -> Vec<[u32; 3]> {
+    // Mostly the vertices are those from zero on, and have their numbers already.
+    if used.last().is_some_and(|&last| last as usize + 1 != used.len()) {
+        for vertex in triangles.as_flattened_mut() {
+            *vertex = used.partition_point(|other| other < vertex) as u32;
+        }
+    }
+    triangles
 }
 
 /// Three vertices each; None for points, lines and what is unknown.

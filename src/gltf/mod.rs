@@ -87,6 +87,8 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 pub struct Gltf {
     root: Root,
     buffers: Vec<Vec<u8>>,
+    /// How many elements of meshes no buffer holds.
+    zeros: usize,
 }
 
 impl Gltf {
@@ -130,7 +132,8 @@ impl Gltf {
             }
             buffers.push(content);
         }
-        Ok(Self { root, buffers })
+        let zeros = accessor::count_zeros(&root);
+        Ok(Self { root, buffers, zeros })
     }
 
     fn get<'a, T>(&self, what: &'static str, list: &'a [T], index: usize) -> Result<&'a T, GltfError> {
