@@ -75,6 +75,9 @@ impl Gltf {
                 triangles(primitive.mode, &all).ok_or_else(no_triangles)?
             }
         };
+        if triangles.is_empty() {
+            return Err(no_triangles());
+        }
         // The accessor, unless its values are not one per vertex and so of no use.
         let mut per_vertex = |name: &str| -> Result<Option<usize>, GltfError> {
             let Some(accessor) = attribute(name) else {

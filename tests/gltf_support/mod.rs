@@ -1,6 +1,8 @@
 //! glTF files written by hand.
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
+use sunroom::gltf::{Gltf, GltfError};
+
 fn base64(bytes: &[u8]) -> String {
     const SYMBOLS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let group = |three: &[u8]| -> String {
@@ -90,3 +92,15 @@ impl Parts {
         .concat()
     }
 }
+
+/// A file that names no others.
+pub fn open(text: &str) -> Result<Gltf, GltfError> {
+    Gltf::open(text.as_bytes(), &mut nothing_beside)
+}
+
+pub fn nothing_beside(name: &str) -> std::io::Result<Vec<u8>> {
+    Err(std::io::Error::new(std::io::ErrorKind::NotFound, format!("no {name}")))
+}
+
+/// Corners.
+pub const SQUARE: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
