@@ -1,4 +1,4 @@
-//! Materials in world space: textured parameters, two sides, blends, masks, normal maps and nothing at all, against the contract of
+//! Materials in world space: textured parameters, two sides, blends, masks, normal and bump maps and nothing at all, against the contract of
 //! `shading`, and against what the test makes of the plain models itself.
 
 #[path = "material_support/mod.rs"]

@@ -7,7 +7,7 @@ pub use textured::{pictures, texel_uv, textured_models};
 
 use std::rc::Rc;
 
-use glam::{UVec2, Vec2, Vec3};
+use glam::{Mat2, UVec2, Vec2, Vec3};
 use sunroom::accel::SurfacePoint;
 use sunroom::color::Rgb;
 use sunroom::material::{BumpOptions, Material, MaterialId, MaterialTable, ScatterSample, Scattering};
@@ -204,11 +204,46 @@ impl Made {
     }
 
     fn normal_map(self, (normals, color): (Parameter<Rgb>, Rgb), flip: bool, shadow: bool) -> Self {
+        let upright = (2.0 * color - Vec3::ONE).normalize();
+        self.about_normal(upright, flip, shadow, move |nested, options| Material::NormalMap {
+            nested,
+            normals,
+            options,
+        })
+    }
+
+    /// The surface moved by `scale` times the smooth picture.
+    fn bump_map(self, scale: f32, flip: bool, shadow: bool) -> Self {
+        let height = Parameter::Texture(TextureId(2));
+        // The slope along the surface that gives the heights their derivatives by u and v; the steps stay between the same texels.
+        let (uv, step) = (texel_uv(2, 1), 0.25 / 64.0);
+        let at = |uv| pictures().float(height, &TexturePoint::of_uv(uv));
+        let by_uv = Vec2::new(at(uv + step * Vec2::X) - at(uv), at(uv + step * Vec2::Y) - at(uv)) / step;
+        let surface = Placed::new(vec![Material::Null]).surface();
+        let [du, dv] = [surface.dp_du, surface.dp_dv].map(|tangent| frame().to_local(tangent).truncate());
+        let slope = scale * (Mat2::from_cols(du, dv).transpose().inverse() * by_uv);
+        assert!(slope.length() > 0.1, "{slope}: hardly a bump");
+        let upright = (Vec3::Z - slope.extend(0.0)).normalize();
+        self.about_normal(upright, flip, shadow, move |nested, options| Material::BumpMap {
+            nested,
+            height,
+            scale,
+            options,
+        })
+    }
+
+    /// About a normal of the local frame; `around` is the material that has it.
+    fn about_normal(
+        self,
+        upright: Vec3,
+        flip: bool,
+        shadow: bool,
+        around: impl Fn(MaterialId, BumpOptions) -> Material + 'static,
+    ) -> Self {
         let options = BumpOptions {
             flip_invalid_normals: flip,
             use_shadowing_function: shadow,
         };
-        let upright = (2.0 * color - Vec3::ONE).normalize();
         let tan_squared = (1.0 - upright.z * upright.z) / (upright.z * upright.z);
         let about = About {
             normal: upright,
@@ -230,12 +265,8 @@ impl Made {
         };
         Self {
             add: Rc::new(move |list| {
-                let material = Material::NormalMap {
-                    nested: (self.add)(list),
-                    normals,
-                    options,
-                };
-                push(list, material)
+                let nested = (self.add)(list);
+                push(list, around(nested, options))
             }),
             value: Rc::new(move |wo, wi| {
                 let n = normal(wo);
@@ -431,6 +462,29 @@ pub fn all_cases() -> Vec<Case> {
         add(
             &format!("bumped pane{name}"),
             plain(pane(Rgb::ONE)).normal_map(steep(), flip, shadow),
+            false,
+        );
+    }
+    for (name, scale, flip, shadow) in [
+        ("", 0.1, false, false),
+        (", inwards", -0.1, false, false),
+        (", flipped", 0.1, true, false),
+        (", shadowed", 0.2, false, true),
+        (", both", -0.3, true, true),
+    ] {
+        add(
+            &format!("white of heights{name}"),
+            white.clone().bump_map(scale, flip, shadow),
+            false,
+        );
+        add(
+            &format!("gold of heights{name}"),
+            gold.clone().bump_map(scale, flip, shadow),
+            false,
+        );
+        add(
+            &format!("glass of heights{name}"),
+            frosted.clone().bump_map(scale, flip, shadow),
             false,
         );
     }

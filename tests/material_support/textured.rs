@@ -31,7 +31,7 @@ fn number_at(x: u32, y: u32) -> f32 {
     luminance(Rgb::splat(noise(x, y, 3)))
 }
 
-fn bitmap(channels: u32, value: impl Fn(u32, u32, u32) -> f32) -> Texture {
+fn bitmap(channels: u32, filter: Filter, value: impl Fn(u32, u32, u32) -> f32) -> Texture {
     let samples = (0..SIZE * SIZE * channels).map(|i| {
         let pixel = i / channels;
         value(pixel % SIZE, pixel / SIZE, i % channels)
@@ -39,16 +39,21 @@ fn bitmap(channels: u32, value: impl Fn(u32, u32, u32) -> f32) -> Texture {
     let samples = Samples::F32(samples.collect());
     Texture::Bitmap(Bitmap {
         image: Arc::new(Image::new(SIZE, SIZE, channels as usize, samples, Transfer::Linear).expect("a picture")),
-        filter: Filter::Nearest,
+        filter,
         wrap: Wrap::Repeat,
         raw: false,
         to_uv: Affine2::IDENTITY,
     })
 }
 
-/// Texture 0 is coloured, texture 1 grey.
+/// Texture 0 is coloured, texture 1 grey, texture 2 grey and smooth between texels.
 pub fn pictures() -> TextureTable {
-    TextureTable::new(vec![bitmap(3, noise), bitmap(1, |x, y, _| noise(x, y, 3))])
+    let grey = |filter| bitmap(1, filter, |x, y, _| noise(x, y, 3));
+    TextureTable::new(vec![
+        bitmap(3, Filter::Nearest, noise),
+        grey(Filter::Nearest),
+        grey(Filter::Bilinear),
+    ])
 }
 
 /// The middle of a texel.

@@ -213,7 +213,7 @@ impl<'u> Rows<'u> {
             .ui
             .horizontal(|ui| {
                 let replace = ui
-                    .small_button("\u{2715}")
+                    .small_button("\u{d7}")
                     .on_hover_text("Replace the texture by a constant");
                 let choose = ui.small_button("\u{2026}").on_hover_text("Choose a picture");
                 fields::note(ui, &label, shown);
