@@ -32,3 +32,16 @@ pub fn settle(path: &Path) -> PathBuf {
         _ => absolute,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_relative_where_that_helps() {
+        let name = |path: &str, folder: &str| file_name(Path::new(path), Path::new(folder));
+        assert_eq!(name("/a/b/c.obj", "/a/b"), "c.obj");
+        assert_eq!(name("/a/models/c.obj", "/a/scenes"), "../models/c.obj");
+        assert_eq!(name("/x/c.obj", "/a/scenes"), "/x/c.obj");
+    }
+}

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use bevy::math::Affine3A;
 use glam::Vec3;
 
-use super::objects::{IntoObject, file_name, fov_axis_name, with, with_to_world, with_view};
+use super::objects::{IntoObject, fov_axis_name, with, with_to_world, with_view};
 use crate::color::Rgb;
+use crate::document::paths::file_name;
 use crate::document::{Category, Object, Value};
 use crate::scene::read::frame_along;
 use crate::scene::{AreaLight, Emitter, EmitterKind, EmitterVisitor, FovAxis, Parameter, SunPosition, Texture};

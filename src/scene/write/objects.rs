@@ -1,13 +1,14 @@
 //! Components as plugins of the file, every parameter spelled out. References to materials are not these functions' business.
 
 use std::ops::RangeInclusive;
-use std::path::{Component, Path, PathBuf};
+use std::path::Path;
 
 use bevy::math::{Affine2, Affine3A};
 use glam::{Mat3, Mat4, Quat, Vec3, Vec4};
 
 use super::lights::area_light;
 use crate::color::Rgb;
+use crate::document::paths::file_name;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
 use crate::scene::{
     AreaLight, Bitmap, ConductorIor, Distribution, Film, FovAxis, HEIGHT, IntegratorSettings, Ior, Lens, Material,
@@ -302,27 +303,6 @@ pub fn integrator(settings: &IntegratorSettings) -> Object {
     with_flag(object, "hide_emitters", settings.hide_emitters)
 }
 
-/// `path` as seen from `folder`, with `/` between folders; absolute when they have only the root in common. Both are absolute.
-pub fn file_name(path: &Path, folder: &Path) -> String {
-    let common = path
-        .components()
-        .zip(folder.components())
-        .take_while(|(a, b)| a == b)
-        .filter(|(part, _)| matches!(part, Component::Normal(_)))
-        .count();
-    if common == 0 {
-        return path.to_string_lossy().into_owned();
-    }
-    let names = |path: &Path| -> Vec<PathBuf> {
-        let normal = path.components().filter(|part| matches!(part, Component::Normal(_)));
-        normal.map(|part| PathBuf::from(part.as_os_str())).collect()
-    };
-    let (path, folder) = (names(path), names(folder));
-    let up = std::iter::repeat_n("..".into(), folder.len() - common);
-    let down = path[common..].iter().map(|part| part.to_string_lossy().into_owned());
-    up.chain(down).collect::<Vec<String>>().join("/")
-}
-
 fn property(name: &str, value: Value) -> Property {
     Property {
         name: name.to_owned(),
@@ -429,14 +409,6 @@ fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn names_are_relative_where_that_helps() {
-        let name = |path: &str, folder: &str| file_name(Path::new(path), Path::new(folder));
-        assert_eq!(name("/a/b/c.obj", "/a/b"), "c.obj");
-        assert_eq!(name("/a/models/c.obj", "/a/scenes"), "../models/c.obj");
-        assert_eq!(name("/x/c.obj", "/a/scenes"), "/x/c.obj");
-    }
 
     #[test]
     fn maps_without_shear_become_steps() {
