@@ -150,6 +150,7 @@ mod tests {
                 tile,
                 samples,
                 pixels: Vec::new(),
+                first_hits: Vec::new(),
                 rays: 0,
                 invalid: 0,
             },

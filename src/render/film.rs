@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::scene::FirstHit;
 use super::tile::{PixelSum, Tile, TilePreview, TileSamples};
 use crate::color::{Rgb, luminance};
 
@@ -13,6 +14,7 @@ pub struct Film {
     sums: Vec<PixelSum>,
     counts: Vec<u32>,
     has_preview: Vec<bool>,
+    first_hits: Vec<Option<FirstHit>>,
 }
 
 impl Film {
@@ -24,6 +26,7 @@ impl Film {
             sums: vec![PixelSum::default(); pixels],
             counts: vec![0; pixels],
             has_preview: vec![false; pixels],
+            first_hits: vec![None; pixels],
         }
     }
 
@@ -45,6 +48,9 @@ impl Film {
     pub fn add(&mut self, result: &TileSamples) {
         let count = result.samples.len() as u32;
         let indices = self.indices(result.tile);
+        for (index, &hit) in indices.clone().zip(&result.first_hits) {
+            self.first_hits[index] = hit;
+        }
         for (index, sum) in indices.zip(&result.pixels) {
             if self.counts[index] == 0 {
                 self.sums[index] = PixelSum::default();
@@ -65,11 +71,12 @@ impl Film {
             let (x, y) = (place as u32 % tile.width, place as u32 / tile.width);
             let block = (y / preview.step) * blocks_per_row + x / preview.step;
             self.sums[index] = preview.blocks[block as usize];
+            self.first_hits[index] = preview.first_hits[block as usize];
             self.has_preview[index] = true;
         }
     }
 
-    fn indices(&self, tile: Tile) -> impl Iterator<Item = usize> + use<> {
+    fn indices(&self, tile: Tile) -> impl Iterator<Item = usize> + Clone + use<> {
         let width = self.width as usize;
         (tile.y..tile.y + tile.height)
             .flat_map(move |y| (tile.x..tile.x + tile.width).map(move |x| y as usize * width + x as usize))
@@ -97,6 +104,13 @@ impl Film {
             0 => None,
             count => Some(mean(&self.sums[index], count)),
         }
+    }
+
+    /// What a pixel's sample 0, or until that is there its preview, met first; None where that is nothing or there is none yet.
+    pub fn first_hit(&self, x: u32, y: u32) -> Option<FirstHit> {
+        let index = self.index(x, y);
+        let has_any = self.counts[index] > 0 || self.has_preview[index];
+        self.first_hits[index].filter(|_| has_any)
     }
 
     /// Mean radiance; black where there is none yet.
@@ -153,8 +167,19 @@ fn mean(sum: &PixelSum, count: u32) -> PixelSum {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec2;
+
     use super::*;
+    use crate::material::MaterialId;
     use crate::render::tile::tiles;
+
+    fn hit(instance: u32) -> FirstHit {
+        FirstHit {
+            instance,
+            material: MaterialId(0),
+            uv: Vec2::ZERO,
+        }
+    }
 
     fn samples(tile: Tile, range: std::ops::Range<u32>, value: f32) -> TileSamples {
         let sum = PixelSum {
@@ -163,8 +188,12 @@ mod tests {
         };
         TileSamples {
             tile,
-            samples: range,
+            samples: range.clone(),
             pixels: vec![sum; (tile.width * tile.height) as usize],
+            first_hits: match range.start {
+                0 => vec![Some(hit(1)); (tile.width * tile.height) as usize],
+                _ => Vec::new(),
+            },
             rays: 0,
             invalid: 0,
         }
@@ -198,17 +227,24 @@ mod tests {
             tile: left,
             step: 4,
             blocks: vec![block; 16],
+            first_hits: (0..16).map(|i| (i != 15).then(|| hit(7))).collect(),
             rays: 0,
         });
         assert_eq!(film.pixel(31, 7).map(|p| p.radiance), Some(Rgb::splat(9.0)));
+        assert_eq!((film.first_hit(0, 0), film.first_hit(31, 7)), (Some(hit(7)), None));
         film.add(&samples(left, 0..1, 1.0));
         film.add(&samples(left, 1..4, 3.0));
+        assert_eq!(
+            (film.first_hit(0, 0), film.first_hit(31, 7)),
+            (Some(hit(1)), Some(hit(1)))
+        );
         assert_eq!(film.pixel(0, 0).map(|p| p.radiance), Some(Rgb::splat(2.5)));
         assert_eq!((film.samples(0, 0), film.sample_count()), (4, 0));
         film.add(&samples(right, 0..4, 1.0));
         assert_eq!(film.sample_count(), 4);
         film.clear();
         assert_eq!((film.pixel(0, 0), film.sample_count()), (None, 0));
+        assert_eq!(film.first_hit(0, 0), None);
         assert!(film.radiance().iter().all(|&radiance| radiance == Rgb::ZERO));
     }
 }

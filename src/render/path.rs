@@ -3,7 +3,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::scene::{RenderScene, SurfaceSlot};
+use super::scene::{FirstHit, RenderScene, SurfaceSlot};
 use super::view::{PathSettings, Strategy};
 use crate::accel::SurfacePoint;
 use crate::color::Rgb;
@@ -21,6 +21,8 @@ pub struct PathSample {
     pub normal: Vec3,
     /// Distance from the camera ray's origin to the first surface; 0 where there is none.
     pub depth: f32,
+    /// None where the camera ray meets nothing.
+    pub first_hit: Option<FirstHit>,
     /// Rays traced, shadow rays included.
     pub rays: u32,
 }
@@ -66,6 +68,11 @@ pub fn trace_path(scene: &RenderScene, settings: &PathSettings, mut ray: Ray, sa
         let slot = scene.slot(&hit);
         if depth == 0 {
             result.depth = hit.t;
+            result.first_hit = Some(FirstHit {
+                instance: hit.instance,
+                material: slot.material,
+                uv: point.uv,
+            });
         }
 
         if let Some(light) = slot.light

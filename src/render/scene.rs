@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use crate::accel::{Hit, Primitive, SurfacePoint, Tlas};
 use crate::light::{LightId, LightTable};
 use crate::material::{MaterialId, MaterialTable, Scattering};
+use crate::math::Ray;
 use crate::texture::{MeshPoint, TexturePoint, TextureTable};
 
 /// Everything light transport needs to know of a scene; cloning clones five pointers.
@@ -24,6 +25,15 @@ pub struct RenderScene {
 pub struct SurfaceSlot {
     pub material: MaterialId,
     pub light: Option<LightId>,
+}
+
+/// What a camera ray meets first, whether light passes through it or not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstHit {
+    /// As [`Hit::instance`] counts them.
+    pub instance: u32,
+    pub material: MaterialId,
+    pub uv: Vec2,
 }
 
 /// The slots of every shape. A shape has one slot, or one per material of its mesh file.
@@ -63,6 +73,15 @@ impl RenderScene {
             _ => 0,
         };
         self.surfaces.slots[(first + offset) as usize]
+    }
+
+    /// What is remembered of the hit of a camera ray.
+    pub fn first_hit(&self, ray: &Ray, hit: &Hit) -> FirstHit {
+        FirstHit {
+            instance: hit.instance,
+            material: self.slot(hit).material,
+            uv: self.geometry.surface(ray, hit).uv,
+        }
     }
 
     /// How the surface at `hit` scatters light to `wo`, a unit vector in world space.

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::{UVec2, Vec3};
 
 use super::path::{PathSample, trace_path};
-use super::scene::RenderScene;
+use super::scene::{FirstHit, RenderScene};
 use super::view::{Integrator, View};
 use crate::accel::Steps;
 use crate::color::{Rgb, luminance};
@@ -78,6 +78,8 @@ pub struct TileSamples {
     pub samples: Range<u32>,
     /// Row by row.
     pub pixels: Vec<PixelSum>,
+    /// What sample 0 of every pixel met first; empty if that is not among the samples.
+    pub first_hits: Vec<Option<FirstHit>>,
     pub rays: u64,
     /// Samples that were not finite; they count as black.
     pub invalid: u32,
@@ -90,6 +92,8 @@ pub struct TilePreview {
     pub step: u32,
     /// Row by row, ceil(width / step) x ceil(height / step).
     pub blocks: Vec<PixelSum>,
+    /// What each block's sample met first.
+    pub first_hits: Vec<Option<FirstHit>>,
     pub rays: u64,
 }
 
@@ -105,6 +109,7 @@ pub fn render_tile(
         tile,
         samples: samples.clone(),
         pixels: Vec::with_capacity((tile.width * tile.height) as usize),
+        first_hits: Vec::new(),
         rays: 0,
         invalid: 0,
     };
@@ -117,6 +122,9 @@ pub fn render_tile(
             for index in samples.clone() {
                 let (mut sample, weight) = render_sample(scene, view, UVec2::new(x, y), index);
                 result.rays += u64::from(sample.rays);
+                if index == 0 {
+                    result.first_hits.push(sample.first_hit);
+                }
                 if is_finite(&sample) {
                     // The guides are not weighted: they are to be free of noise and within their range before they are sharp.
                     sample.radiance *= weight;
@@ -144,6 +152,7 @@ pub fn render_preview(
         tile,
         step,
         blocks: Vec::new(),
+        first_hits: Vec::new(),
         rays: 0,
     };
     let (right, bottom) = (tile.x + tile.width, tile.y + tile.height);
@@ -155,6 +164,7 @@ pub fn render_preview(
             // Of a single sample the filter's weight would only change the brightness.
             let (sample, _) = render_sample(scene, view, UVec2::new(middle(x, right), middle(y, bottom)), 0);
             result.rays += u64::from(sample.rays);
+            result.first_hits.push(sample.first_hit);
             result.blocks.push(if is_finite(&sample) {
                 sample.into()
             } else {
@@ -172,9 +182,10 @@ fn render_sample(scene: &RenderScene, view: &View, pixel: UVec2, index: u32) -> 
         Integrator::Path(settings) => trace_path(scene, settings, camera.ray, &mut camera.sampler),
         Integrator::BvhSteps => {
             let mut steps = Steps::default();
-            scene.geometry.intersect_counting(&camera.ray, &mut steps);
+            let hit = scene.geometry.intersect_counting(&camera.ray, &mut steps);
             PathSample {
                 radiance: Rgb::splat(steps.total() as f32),
+                first_hit: hit.map(|hit| scene.first_hit(&camera.ray, &hit)),
                 rays: 1,
                 ..PathSample::default()
             }

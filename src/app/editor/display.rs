@@ -183,6 +183,7 @@ mod tests {
                 radiance: Rgb::splat(100.0),
                 ..PixelSum::default()
             }],
+            first_hits: vec![None],
             rays: 0,
         });
         let mut rgba = vec![7; 4 * 64 * 32];
