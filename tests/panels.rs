@@ -6,9 +6,10 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, Ui};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use sunroom::app::editor::actions::ActionContext;
 use sunroom::app::editor::command::{Command, FileDialogKind};
 use sunroom::app::editor::display::{DisplayMode, DisplaySettings};
-use sunroom::app::editor::keys::{KeyContext, Press};
+use sunroom::app::editor::keys::Press;
 use sunroom::app::editor::model::{
     DenoiserState, Inspected, InspectedMaterial, Item, MaterialPlace, Model, Notice, Outline, RenderModel, StatusModel,
 };
@@ -17,6 +18,7 @@ use sunroom::app::editor::overlay::{BoxList, BvhOverlay};
 use sunroom::app::editor::panels::inspector::{InspectorState, inspector};
 use sunroom::app::editor::panels::menu_bar::{MenuState, menu_bar};
 use sunroom::app::editor::panels::{diagnostics, outliner, render, status};
+use sunroom::app::editor::selection::{Extend, Selection};
 use sunroom::app::editor::viewport::{ViewportModel, ViewportState, viewport};
 use sunroom::color::Rgb;
 use sunroom::engine::{RenderState, RenderStatus};
@@ -339,7 +341,7 @@ fn what_is_infinitely_far_away_is_only_turned() {
     let mut harness = inspect(sky);
     assert!(harness.query_by_label("Position X").is_none());
     drag(&mut harness, "Rotation Y", 20.0);
-    assert!(matches!(harness.state().commands.last(), Some(Command::SetToWorld(..))));
+    assert!(matches!(harness.state().commands.last(), Some(Command::Transform(_))));
 }
 
 #[test]
@@ -412,7 +414,7 @@ fn a_shape_takes_another_material_or_a_new_one() {
     click(&mut harness, "Uses");
     click(&mut harness, "glass");
     let used = Command::UseMaterial {
-        shape: entity(5),
+        shapes: vec![entity(5)],
         material: Some(entity(31)),
     };
     assert_eq!(harness.state().commands, [used]);
@@ -462,10 +464,13 @@ fn position_is_dragged_and_the_rest_of_the_matrix_stays() {
         ..Inspected::new(entity(5), "box")
     });
     drag(&mut harness, "Position Y", 30.0);
-    let Some(Command::SetToWorld(target, moved)) = harness.state().commands.last() else {
+    let Some(Command::Transform(poses)) = harness.state().commands.last() else {
         panic!("not moved")
     };
-    assert_eq!(*target, entity(5));
+    let [(target, moved)] = poses[..] else {
+        panic!("one thing is moved")
+    };
+    assert_eq!(target, entity(5));
     assert_eq!(moved.matrix3, to_world.matrix3);
     assert!(moved.translation.y > 0.0 && moved.translation.x == 0.0);
 }
@@ -480,7 +485,7 @@ fn a_sheared_shape_has_no_rotation_to_edit() {
     );
     assert!(harness.query_by_label("Rotation X").is_none());
     drag(&mut harness, "Position X", 20.0);
-    assert!(matches!(harness.state().commands.last(), Some(Command::SetToWorld(..))));
+    assert!(matches!(harness.state().commands.last(), Some(Command::Transform(_))));
 }
 
 #[test]
@@ -580,13 +585,22 @@ fn the_outliner_selects_and_finds() {
     let mut harness = Harness::builder().with_size(egui::vec2(240.0, 500.0)).build_ui_state(
         move |ui, shown: &mut Shown<Outline>| {
             let mut filter = filter.lock().expect("one thread");
-            outliner::outliner(ui, &shown.given, Some(entity(1)), &mut filter, &mut shown.commands);
+            outliner::outliner(
+                ui,
+                &shown.given,
+                &Selection::of([entity(1)]),
+                &mut filter,
+                &mut shown.commands,
+            );
         },
         shown,
     );
     harness.run_steps(3);
     click(&mut harness, "bunny");
-    assert_eq!(harness.state().commands, [Command::Select(Some(entity(2)))]);
+    assert_eq!(
+        harness.state().commands,
+        [Command::Select(vec![entity(2)], Extend::Replace)]
+    );
     harness.get_by_role(egui::accesskit::Role::TextInput).focus();
     harness.run_steps(2);
     harness.get_by_role(egui::accesskit::Role::TextInput).type_text("LAM");
@@ -614,9 +628,14 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
     };
     show(model, |ui, model, commands| {
         let state = MenuState {
-            display: DisplaySettings::default(),
-            overlay: BvhOverlay::default(),
-            panels_shown: true,
+            context: ActionContext {
+                display: DisplaySettings::default(),
+                overlay: BvhOverlay::default(),
+                paused: model.status.paused,
+                panels_shown: true,
+                selection: &Selection::default(),
+                flying: false,
+            },
             camera: None,
         };
         menu_bar(ui, model, state, commands);
@@ -631,10 +650,10 @@ fn menus_say_commands() {
     harness.get_by_label_contains("Reload").click();
     harness.run_steps(3);
     click(&mut harness, "View");
-    harness.get_by_label_contains("Show BVH boxes").click();
+    harness.get_by_label_contains("BVH boxes").click();
     harness.run_steps(3);
     click(&mut harness, "View");
-    harness.get_by_label_contains("Camera").click();
+    harness.get_by_label_contains("Cameras").click();
     harness.run_steps(4);
     click(&mut harness, "from above");
     click(&mut harness, "Pause");
@@ -715,6 +734,7 @@ fn picture() -> Harness<'static, Picture> {
         pose: Affine3A::IDENTITY,
     };
     let boxes = BoxList::default();
+    let selection = Selection::of([entity(1)]);
     let mut harness = Harness::builder().with_size(egui::vec2(340.0, 240.0)).build_ui_state(
         move |ui, picture: &mut Picture| {
             ui.horizontal(|ui| {
@@ -730,12 +750,12 @@ fn picture() -> Harness<'static, Picture> {
                 boxes: &boxes,
                 selection_box: None,
                 navigation: Navigation::default(),
-                keys: KeyContext {
+                keys: ActionContext {
                     display: DisplaySettings::default(),
                     overlay: BvhOverlay::default(),
                     paused: false,
                     panels_shown: true,
-                    selection: Some(entity(1)),
+                    selection: &selection,
                     flying: false,
                 },
                 presses: &presses(ui),
@@ -765,7 +785,7 @@ fn presses(ui: &egui::Ui) -> Vec<Press> {
 
 fn last_pose(harness: &Harness<Picture>) -> Option<Affine3A> {
     harness.state().commands.iter().rev().find_map(|command| match command {
-        Command::MoveCamera(pose) => Some(*pose),
+        Command::MoveView(pose) => Some(*pose),
         _ => None,
     })
 }
@@ -777,7 +797,7 @@ fn a_click_picks_and_a_drag_looks() {
     let mut harness = picture();
     assert_eq!(harness.state().commands, []);
     press_at(&mut harness, MIDDLE);
-    let [Command::Pick(film)] = harness.state().commands[..] else {
+    let [Command::Pick(film, Extend::Replace)] = harness.state().commands[..] else {
         panic!("{:?}", harness.state().commands)
     };
     assert!(film.abs_diff_eq(Vec2::splat(0.5), 0.1), "{film}");
@@ -800,7 +820,7 @@ fn a_click_picks_and_a_drag_looks() {
             .state()
             .commands
             .iter()
-            .any(|command| matches!(command, Command::Pick(_)))
+            .any(|command| matches!(command, Command::Pick(..)))
     );
 }
 
@@ -882,17 +902,26 @@ fn keys_are_commands() {
         (Key::F, Modifiers::NONE, Command::FrameSelection),
         (Key::Home, Modifiers::NONE, Command::FrameAll),
         (Key::N, Modifiers::NONE, Command::Denoise),
-        (Key::Escape, Modifiers::NONE, Command::Select(None)),
+        (
+            Key::Escape,
+            Modifiers::NONE,
+            Command::Select(Vec::new(), Extend::Replace),
+        ),
         (
             Key::O,
             Modifiers::COMMAND,
             Command::ShowDialog(FileDialogKind::OpenScene),
         ),
+        (Key::S, Modifiers::COMMAND, Command::Save),
         (
             Key::S,
-            Modifiers::COMMAND,
+            Modifiers::COMMAND | Modifiers::SHIFT,
             Command::ShowDialog(FileDialogKind::SaveScene),
         ),
+        (Key::Z, Modifiers::COMMAND, Command::Undo),
+        (Key::Z, Modifiers::COMMAND | Modifiers::SHIFT, Command::Redo),
+        (Key::H, Modifiers::NONE, Command::Hide(vec![entity(1)], true)),
+        (Key::H, Modifiers::ALT, Command::ShowAll),
     ];
     let mut harness = picture();
     for (key, modifiers, expected) in table {

@@ -10,9 +10,9 @@ use super::pack::material::{MaterialSource, PackedMaterials, pack_materials};
 use super::pack::texture::TexturePacker;
 use crate::light::WeightedSource;
 use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, InstanceOf, IntegratorSettings,
-    Material, MemberOf, MeshHandle, Pictures, Placements, SamplerSettings, SceneId, SecondNested, Sensor, Shape,
-    ShapeGroup, TextureMap, ToWorld, TriangleMesh, UsesMaterial,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, FreeView, Hidden, InstanceOf,
+    IntegratorSettings, Material, MemberOf, MeshHandle, Pictures, Placements, SamplerSettings, SceneId, SecondNested,
+    Sensor, Shape, ShapeGroup, TextureMap, ToWorld, TriangleMesh, UsesMaterial,
 };
 use crate::shading::DielectricModel;
 
@@ -31,6 +31,7 @@ pub(super) struct Authored<'w, 's> {
             Option<&'static MemberOf>,
             Option<(&'static InstanceOf, Option<&'static Placements>)>,
         ),
+        Without<Hidden>,
     >,
     pub groups: Query<'w, 's, (Entity, &'static DocumentOrder), With<ShapeGroup>>,
     pub clothes: Query<
@@ -66,6 +67,7 @@ pub(super) struct Authored<'w, 's> {
             &'static Emitter,
             &'static ToWorld,
         ),
+        Without<Hidden>,
     >,
     pub sensors: Query<
         'w,
@@ -79,6 +81,7 @@ pub(super) struct Authored<'w, 's> {
         ),
     >,
     pub active: Res<'w, ActiveSensor>,
+    pub free_view: Res<'w, FreeView>,
     pub integrator: Res<'w, IntegratorSettings>,
     pub sampler: Res<'w, SamplerSettings>,
     pub method: Res<'w, AccelMethod>,

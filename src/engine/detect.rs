@@ -9,9 +9,9 @@ use bevy::prelude::*;
 
 use super::control::{InputStamp, RenderControl};
 use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, InstanceOf, IntegratorSettings,
-    Material, MemberOf, MeshHandle, Placements, SamplerSettings, SecondNested, Sensor, Shape, ShapeGroup, TextureMap,
-    ToWorld, TriangleMesh, UsesMaterial,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNested, FreeView, Hidden, InstanceOf,
+    IntegratorSettings, Material, MemberOf, MeshHandle, Placements, SamplerSettings, SecondNested, Sensor, Shape,
+    ShapeGroup, TextureMap, ToWorld, TriangleMesh, UsesMaterial,
 };
 
 /// The tables to be packed again. Flags stay until that is done.
@@ -72,6 +72,7 @@ pub(super) struct ShapeChanges<'w, 's> {
                 Changed<MemberOf>,
                 Changed<InstanceOf>,
                 Changed<Placements>,
+                Added<Hidden>,
             )>,
         ),
     >,
@@ -82,6 +83,7 @@ pub(super) struct ShapeChanges<'w, 's> {
     meshes_gone: RemovedComponents<'w, 's, MeshHandle>,
     uses_gone: RemovedComponents<'w, 's, UsesMaterial>,
     lights_gone: RemovedComponents<'w, 's, AreaLight>,
+    shown: RemovedComponents<'w, 's, Hidden>,
     meshes: MessageReader<'w, 's, AssetEvent<TriangleMesh>>,
     failed: MessageReader<'w, 's, AssetLoadFailedEvent<TriangleMesh>>,
     method: Res<'w, AccelMethod>,
@@ -117,7 +119,12 @@ pub(super) struct EmitterChanges<'w, 's> {
         (),
         (
             With<Emitter>,
-            Or<(Changed<Emitter>, Changed<ToWorld>, Changed<DocumentOrder>)>,
+            Or<(
+                Changed<Emitter>,
+                Changed<ToWorld>,
+                Changed<DocumentOrder>,
+                Added<Hidden>,
+            )>,
         ),
     >,
     gone: RemovedComponents<'w, 's, Emitter>,
@@ -127,6 +134,7 @@ pub(super) struct EmitterChanges<'w, 's> {
 pub(super) struct ViewChanges<'w, 's> {
     changed: Query<'w, 's, (), (With<Sensor>, Or<(Changed<Sensor>, Changed<Film>, Changed<ToWorld>)>)>,
     active: Res<'w, ActiveSensor>,
+    free_view: Res<'w, FreeView>,
     integrator: Res<'w, IntegratorSettings>,
     sampler: Res<'w, SamplerSettings>,
     control: Res<'w, RenderControl>,
@@ -148,6 +156,8 @@ pub(super) fn detect_changes(
         | (shapes.meshes.read().count() > 0)
         | (shapes.failed.read().count() > 0)
         | shapes.method.is_changed();
+    // Of shapes or emitters, which are told apart no more.
+    let shown = shapes.shown.read().count() > 0;
     // Of a shape, an emitter or a sensor; a rare thing.
     let pose_gone = shapes.poses_gone.read().count() > 0;
     let surfaces =
@@ -159,15 +169,16 @@ pub(super) fn detect_changes(
         | (materials.second_gone.read().count() > 0)
         // Holds the model of glass.
         | view.integrator.is_changed();
-    let lights = !emitters.changed.is_empty() | (emitters.gone.read().count() > 0) | pose_gone;
+    let lights = !emitters.changed.is_empty() | (emitters.gone.read().count() > 0) | pose_gone | shown;
     let view = !view.changed.is_empty()
         | view.active.is_changed()
+        | view.free_view.is_changed()
         | view.integrator.is_changed()
         | view.sampler.is_changed()
         | view.control.is_changed();
     let before = *dirty;
     let after = Dirty {
-        instances: before.instances | instances | pose_gone,
+        instances: before.instances | instances | pose_gone | shown,
         surfaces: before.surfaces | surfaces,
         materials: before.materials | materials,
         lights: before.lights | lights,

@@ -358,7 +358,8 @@ impl Extracted {
             errors: &mut self.errors.view,
         };
         let (integrator, sampler) = (&authored.integrator, &authored.sampler);
-        let view = pack_view(sensor, film, to_world.0, integrator, sampler, control, &mut check);
+        let pose = authored.free_view.0.unwrap_or(to_world.0);
+        let view = pack_view(sensor, film, pose, integrator, sampler, control, &mut check);
         if view.is_some() {
             self.view = view;
         }

@@ -4,12 +4,14 @@
 
 use std::path::PathBuf;
 
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Vec3};
 
 use super::pictures::PicturePlaces;
 use super::{
-    AreaLight, Authored, AuthoredScene, Emitter, Film, IntegratorSettings, Material, Placements, Sensor, Shape,
+    AreaLight, Authored, AuthoredScene, Emitter, EmitterKind, Film, IntegratorSettings, Material, Placements, Sensor,
+    Shape,
 };
+use crate::color::Rgb;
 use crate::document::Span;
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,6 +36,41 @@ pub struct SceneDescription {
     pub missing: Vec<PathBuf>,
     /// Where each picture is named first.
     pub picture_places: PicturePlaces,
+}
+
+impl SceneDescription {
+    /// What a new scene has: a camera that looks at the origin from some units away, and a grey sky.
+    pub fn empty() -> Self {
+        let identity = |name: &str, order| Identity {
+            id: Some(name.to_owned()),
+            name: name.to_owned(),
+            order,
+            ..Identity::default()
+        };
+        let place = Vec3::new(3.0, 2.0, 6.0);
+        let film = Film {
+            sample_count: 256,
+            ..Film::default()
+        };
+        Self {
+            sensors: vec![SensorDescription {
+                identity: identity("camera", 0),
+                sensor: Sensor::default(),
+                film,
+                to_world: Affine3A::look_at_rh(place, Vec3::ZERO, Vec3::Y).inverse()
+                    * Affine3A::from_rotation_y(std::f32::consts::PI),
+            }],
+            emitters: vec![EmitterDescription {
+                identity: identity("sky", 1),
+                emitter: EmitterKind::Constant {
+                    radiance: Rgb::splat(0.5),
+                }
+                .into(),
+                to_world: Affine3A::IDENTITY,
+            }],
+            ..Self::default()
+        }
+    }
 }
 
 /// What all things of a scene have in common.

@@ -18,3 +18,13 @@ pub struct SceneId(pub String);
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, PartialEq)]
 pub struct ToWorld(pub Affine3A);
+
+/// Left out of the picture while one works on the rest. The file knows nothing of it: it is there again when the scene is opened.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, PartialEq)]
+pub struct Hidden;
+
+/// Not to be picked in the picture or moved. The file knows nothing of it.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, PartialEq)]
+pub struct Locked;

@@ -12,7 +12,7 @@ use super::assets::scene_asset::one_error;
 use super::assets::{SceneAsset, SceneDefines, cause};
 use super::pictures::PicturePlaces;
 use super::read::settle;
-use super::{OpenScene, SceneState, SceneStatus, spawn};
+use super::{OpenScene, SceneDescription, SceneState, SceneStatus, spawn};
 use crate::document::Diagnostics;
 
 /// The scene file asked for last, and the one the entities are from.
@@ -124,6 +124,19 @@ pub(super) fn apply_scenes(
     status.diagnostics = asset.diagnostics;
     status.revision += 1;
     status.fresh_load = fresh;
+}
+
+/// An empty scene of no file, in place of what was there: a camera that looks at the origin, and a grey sky.
+pub fn new_scene(world: &mut World) {
+    spawn::spawn_fresh(world, &SceneDescription::empty());
+    world.insert_resource(SceneFile::default());
+    let mut status = world.resource_mut::<SceneStatus>();
+    *status = SceneStatus {
+        state: SceneState::Ready,
+        revision: status.revision + 1,
+        fresh_load: true,
+        ..SceneStatus::default()
+    };
 }
 
 fn fail(world: &mut World, diagnostics: Arc<Diagnostics>) {

@@ -9,9 +9,11 @@ pub mod emitter;
 mod framing;
 pub mod group;
 pub mod identity;
+pub mod insert;
 mod loading;
 pub mod material;
 mod meshes;
+pub mod object_state;
 mod parameters;
 mod pictures;
 pub mod plugin;
@@ -33,11 +35,13 @@ pub use description::SceneDescription;
 pub use emitter::{AreaLight, Emitter, EmitterKind, EmitterVisitor};
 pub use framing::{FrameWhenLoaded, world_bounds};
 pub use group::{InstanceOf, MemberOf, Placements, ShapeGroup};
-pub use identity::{DocumentOrder, SceneId, ToWorld};
+pub use identity::{DocumentOrder, Hidden, Locked, SceneId, ToWorld};
+pub use loading::new_scene;
 pub use material::{
     ConductorIor, Distribution, FirstNested, FirstNestedIn, Ior, Material, MaterialUsers, Roughness, SecondNested,
     SecondNestedIn, UsesMaterial,
 };
+pub use object_state::ObjectState;
 pub use parameters::{HEIGHT, ParameterVisitor};
 pub use pictures::Pictures;
 pub use plugin::{ScenePlugin, SceneSystems, asset_plugin};
@@ -45,7 +49,7 @@ pub use principled::{Principled, PrincipledIndex, PrincipledThin};
 pub use sensor::{Crop, Film, FovAxis, Lens, NoSuchCamera, ReconstructionFilter, Sensor, cameras, find_camera};
 pub use settings::{AccelMethod, IntegratorSettings, SamplerSettings, Sequence, Strategy};
 pub use shape::{MeshFile, MeshFormat, Shape, ShapeKind};
-pub use status::{ActiveSensor, MeshProblem, OpenScene, SceneState, SceneStatus};
+pub use status::{ActiveSensor, FreeView, MeshProblem, OpenScene, SceneState, SceneStatus};
 pub use sun_sky::{PlaceAndTime, SunPosition, SunSky};
 pub use texture::{Bitmap, Parameter, Texture, TextureFilter, TextureWrap};
 pub use watch::SceneWatch;

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use crate::document::Diagnostics;
@@ -82,3 +83,8 @@ impl SceneStatus {
 /// The sensor the picture is taken with; None without a scene.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ActiveSensor(pub Option<Entity>);
+
+/// The camera that was flown away from its sensor: world from camera, as a sensor's [`super::ToWorld`]. None is the sensor's own pose. No part of the
+/// scene.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+pub struct FreeView(pub Option<Affine3A>);

@@ -1,14 +1,15 @@
-//! What the user can do. A panel, a key, a click and a test all say it with these words; `commands` is where they come true.
+//! What the user can do. A panel, a key, a click, a script and a test all say it with these words; `commands` is where they come true.
 //!
 //! Commands that edit the scene carry the whole new value, so that applying one twice is the same as once.
 
 use std::path::PathBuf;
 
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::{Entity, Vec2};
 
 use super::display::DisplaySettings;
 use super::overlay::BvhOverlay;
+use super::selection::Extend;
 use crate::scene::{
     AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, Material, SamplerSettings, Sensor, Shape,
 };
@@ -16,29 +17,70 @@ use crate::scene::{
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     // The file.
+    NewScene,
     OpenScene(PathBuf),
     ReloadScene,
+    /// To the file that is open; asks for one where there is none.
+    Save,
+    /// The scene is that file from then on.
     SaveScene(PathBuf),
     /// The picture as shown for PNG, the linear radiance for EXR and HDR.
     SaveImage(PathBuf),
+    /// Adds what a file holds: a mesh, a scene, a glTF, or a picture as environment.
+    Import(PathBuf),
     ShowDialog(FileDialogKind),
     Quit,
 
-    // What is looked at, and from where.
-    Select(Option<Entity>),
-    /// Selects what is seen at a place of the picture, (0, 0) top left, (1, 1) bottom right.
-    Pick(Vec2),
+    // The history.
+    Undo,
+    Redo,
+    /// Back or forward to where so many steps are done.
+    GoTo(usize),
+
+    // What is selected.
+    Select(Vec<Entity>, Extend),
+    SelectAll,
+    /// What is seen at a place of the picture, (0, 0) top left, (1, 1) bottom right.
+    Pick(Vec2, Extend),
+
+    // From where it is looked at. None of it edits the scene, except `MoveCameraToView`.
     FrameSelection,
     FrameAll,
-    /// The pose of the camera in use: world from camera.
-    MoveCamera(Affine3A),
-    /// Renders from this sensor.
+    /// Flies there: world from camera.
+    MoveView(Affine3A),
+    /// Renders from this sensor, from where it stands.
     LookThrough(Entity),
+    /// Puts the sensor in use to where the view is.
+    MoveCameraToView,
     /// Flying speed as a multiple of the one that suits the scene's size.
     SetSpeed(f32),
 
     // The scene.
-    SetToWorld(Entity, Affine3A),
+    Add(Addition),
+    Delete,
+    Duplicate,
+    /// As XML text, to the clipboard.
+    Copy,
+    Cut,
+    /// Adds the plugins of an XML text.
+    Paste(String),
+    /// An empty name is none.
+    Rename(Entity, String),
+    /// Puts things, in this order, before another of their kind, or last.
+    Reorder {
+        moved: Vec<Entity>,
+        before: Option<Entity>,
+    },
+    /// Puts the selection into a folder of its own.
+    Group,
+    /// Hides these, or shows them again.
+    Hide(Vec<Entity>, bool),
+    /// Hides all shapes and lights but the selected.
+    HideOthers,
+    ShowAll,
+    Lock(Vec<Entity>, bool),
+    /// World from local of several things at once.
+    Transform(Vec<(Entity, Affine3A)>),
     SetShape(Entity, Shape),
     SetMaterial(Entity, Box<Material>),
     /// Another picture for a texture of a material or a light.
@@ -47,8 +89,9 @@ pub enum Command {
         parameter: &'static str,
         path: PathBuf,
     },
+    /// The shapes get this material, or none of their own.
     UseMaterial {
-        shape: Entity,
+        shapes: Vec<Entity>,
         material: Option<Entity>,
     },
     /// A new grey material for this shape alone.
@@ -76,46 +119,201 @@ pub enum Command {
     ShowPanels(bool),
 }
 
-impl Command {
-    /// Whether the picture as a rule is begun anew by it.
-    pub fn restarts_picture(&self) -> bool {
+/// Something new in the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Addition {
+    pub kind: AdditionKind,
+    /// None: named after its kind.
+    pub name: Option<String>,
+    /// World space, where it stands or shines from; None: ahead of the camera, on what is seen there.
+    pub at: Option<Vec3>,
+    /// Half its extent in world units; None: what suits the scene.
+    pub size: Option<f32>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AdditionKind {
+    Sphere,
+    Rectangle,
+    Cube,
+    Disk,
+    Cylinder,
+    /// A rectangle that shines downwards.
+    AreaLight,
+    /// One of [`Emitter::PLUGINS`].
+    Emitter(&'static str),
+    Camera,
+}
+
+impl From<AdditionKind> for Addition {
+    fn from(kind: AdditionKind) -> Self {
+        Self {
+            kind,
+            name: None,
+            at: None,
+            size: None,
+        }
+    }
+}
+
+impl AdditionKind {
+    pub const SHAPES: [Self; 5] = [Self::Sphere, Self::Rectangle, Self::Cube, Self::Disk, Self::Cylinder];
+
+    /// The word for it in names and scripts.
+    pub fn name(self) -> &'static str {
         match self {
-            Self::MoveCamera(_)
-            | Self::FrameSelection
-            | Self::FrameAll
-            | Self::LookThrough(_)
-            | Self::SetToWorld(..)
+            Self::Sphere => "sphere",
+            Self::Rectangle => "rectangle",
+            Self::Cube => "cube",
+            Self::Disk => "disk",
+            Self::Cylinder => "cylinder",
+            Self::AreaLight => "area",
+            Self::Emitter(plugin) => plugin,
+            Self::Camera => "camera",
+        }
+    }
+
+    pub fn of_name(name: &str) -> Option<Self> {
+        let plain = [Self::AreaLight, Self::Camera];
+        let emitters = Emitter::PLUGINS.map(Self::Emitter);
+        let mut all = Self::SHAPES.into_iter().chain(plain).chain(emitters);
+        all.find(|kind| kind.name() == name)
+    }
+}
+
+/// What a command does to the history and the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// Nothing of the scene.
+    None,
+    /// The picture is begun anew, but the scene stays as it is.
+    View,
+    /// A step of the history.
+    Edit,
+    /// A step, but several of one drag are one.
+    Drag,
+}
+
+impl Command {
+    pub fn effect(&self) -> Effect {
+        match self {
+            Self::Transform(_)
             | Self::SetShape(..)
             | Self::SetMaterial(..)
-            | Self::SetPicture { .. }
-            | Self::UseMaterial { .. }
-            | Self::GiveMaterial { .. }
             | Self::SetAreaLight(..)
             | Self::SetEmitter(..)
             | Self::SetSensor(..)
             | Self::SetFilm(..)
             | Self::SetIntegrator(_)
-            | Self::SetSampler(_)
-            | Self::SetAccel(_)
+            | Self::SetSampler(_) => Effect::Drag,
+            Self::Import(_)
+            | Self::MoveCameraToView
+            | Self::Add(_)
+            | Self::Delete
+            | Self::Duplicate
+            | Self::Cut
+            | Self::Paste(_)
+            | Self::Rename(..)
+            | Self::Reorder { .. }
+            | Self::Group
+            | Self::Hide(..)
+            | Self::HideOthers
+            | Self::ShowAll
+            | Self::Lock(..)
+            | Self::SetPicture { .. }
+            | Self::UseMaterial { .. }
+            | Self::GiveMaterial { .. }
+            | Self::SetAccel(_) => Effect::Edit,
+            Self::MoveView(_)
+            | Self::FrameSelection
+            | Self::FrameAll
+            | Self::LookThrough(_)
             | Self::SetResolutionScale(_)
-            | Self::Restart => true,
-            Self::OpenScene(_)
+            | Self::Undo
+            | Self::Redo
+            | Self::GoTo(_)
+            | Self::Restart => Effect::View,
+            Self::NewScene
+            | Self::OpenScene(_)
             | Self::ReloadScene
+            | Self::Save
             | Self::SaveScene(_)
             | Self::SaveImage(_)
             | Self::ShowDialog(_)
             | Self::Quit
-            | Self::Select(_)
-            | Self::Pick(_)
+            | Self::Select(..)
+            | Self::SelectAll
+            | Self::Pick(..)
             | Self::SetSpeed(_)
+            | Self::Copy
             | Self::SetPaused(_)
             | Self::SetTargetSamples(_)
             | Self::SetDisplay(_)
             | Self::SetOverlay(_)
             | Self::Denoise
             | Self::DropDenoised
-            | Self::ShowPanels(_) => false,
+            | Self::ShowPanels(_) => Effect::None,
         }
+    }
+
+    /// What the history calls an edit; the name of what it is about follows where there is one.
+    pub fn label(&self) -> &'static str {
+        match self {
+            Self::Import(_) => "Import",
+            Self::MoveCameraToView => "Move camera to view",
+            Self::Add(_) => "Add",
+            Self::Delete => "Delete",
+            Self::Duplicate => "Duplicate",
+            Self::Cut => "Cut",
+            Self::Paste(_) => "Paste",
+            Self::Rename(..) => "Rename",
+            Self::Reorder { .. } => "Reorder",
+            Self::Group => "Group",
+            Self::Hide(_, true) => "Hide",
+            Self::Hide(_, false) | Self::ShowAll => "Show",
+            Self::HideOthers => "Hide others",
+            Self::Lock(_, true) => "Lock",
+            Self::Lock(_, false) => "Unlock",
+            Self::Transform(_) => "Move",
+            Self::SetShape(..) => "Edit shape",
+            Self::SetMaterial(..) => "Edit material",
+            Self::SetPicture { .. } => "Choose picture",
+            Self::UseMaterial { .. } => "Assign material",
+            Self::GiveMaterial { .. } => "New material",
+            Self::SetAreaLight(..) | Self::SetEmitter(..) => "Edit light",
+            Self::SetSensor(..) => "Edit camera",
+            Self::SetFilm(..) => "Edit film",
+            Self::SetIntegrator(_) => "Edit light transport",
+            Self::SetSampler(_) => "Edit sampler",
+            Self::SetAccel(_) => "Edit hierarchy",
+            _ => "",
+        }
+    }
+
+    /// The entities that an edit names; empty for those that are about the selection or nothing in particular.
+    pub fn targets(&self) -> Vec<Entity> {
+        match self {
+            Self::Transform(poses) => poses.iter().map(|(entity, _)| *entity).collect(),
+            Self::SetShape(entity, _)
+            | Self::SetMaterial(entity, _)
+            | Self::SetAreaLight(entity, _)
+            | Self::SetEmitter(entity, _)
+            | Self::SetSensor(entity, _)
+            | Self::SetFilm(entity, _)
+            | Self::Rename(entity, _)
+            | Self::GiveMaterial { shape: entity }
+            | Self::SetPicture { owner: entity, .. } => vec![*entity],
+            Self::Hide(entities, _)
+            | Self::Lock(entities, _)
+            | Self::UseMaterial { shapes: entities, .. }
+            | Self::Reorder { moved: entities, .. } => entities.clone(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Whether the picture as a rule is begun anew by it.
+    pub fn restarts_picture(&self) -> bool {
+        self.effect() != Effect::None && !matches!(self, Self::Rename(..) | Self::Lock(..))
     }
 }
 
@@ -124,6 +322,7 @@ pub enum FileDialogKind {
     OpenScene,
     SaveScene,
     SaveImage,
+    Import,
     /// The picture of the texture that this parameter of the material or the light is.
     OpenPicture {
         owner: Entity,

@@ -37,7 +37,7 @@ impl Dialogs {
             let start = match wanted {
                 FileDialogKind::SaveImage => self.image_folder.as_deref(),
                 FileDialogKind::OpenPicture { .. } => self.picture_folder.as_deref().or(scene.and_then(Path::parent)),
-                FileDialogKind::OpenScene | FileDialogKind::SaveScene => {
+                FileDialogKind::OpenScene | FileDialogKind::SaveScene | FileDialogKind::Import => {
                     Some(Path::new("scenes")).filter(|folder| folder.is_dir())
                 }
             };
@@ -59,7 +59,7 @@ impl Dialogs {
             match kind {
                 FileDialogKind::SaveImage => self.image_folder = folder,
                 FileDialogKind::OpenPicture { .. } => self.picture_folder = folder,
-                FileDialogKind::OpenScene | FileDialogKind::SaveScene => {}
+                FileDialogKind::OpenScene | FileDialogKind::SaveScene | FileDialogKind::Import => {}
             }
             commands.push(picked(*kind, path));
             state.dialog = None;
@@ -69,6 +69,8 @@ impl Dialogs {
     }
 }
 
+/// Beside scenes.
+const IMPORTS: [&str; 5] = ["obj", "ply", "serialized", "hdr", "exr"];
 const PICTURES: [&str; 10] = ["png", "jpg", "jpeg", "exr", "hdr", "pfm", "bmp", "tga", "ppm", "pgm"];
 
 fn opened(kind: FileDialogKind, scene: Option<&Path>, start: &Path) -> FileDialog {
@@ -83,6 +85,15 @@ fn opened(kind: FileDialogKind, scene: Option<&Path>, start: &Path) -> FileDialo
                 .title("Open a scene")
                 .add_file_filter_extensions("Scenes (xml, glb, gltf)", SCENE_FILES.to_vec())
                 .default_file_filter("Scenes (xml, glb, gltf)");
+            dialog.pick_file();
+            dialog
+        }
+        FileDialogKind::Import => {
+            let known: Vec<&str> = IMPORTS.iter().chain(&SCENE_FILES).copied().collect();
+            let mut dialog = dialog
+                .title("Import a mesh, a scene or an environment")
+                .add_file_filter_extensions("Meshes, scenes, environments", known)
+                .default_file_filter("Meshes, scenes, environments");
             dialog.pick_file();
             dialog
         }

@@ -8,10 +8,13 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::denoiser::Denoiser;
+use super::history::History;
 use super::latency::FrameTimes;
-use super::model::{Inspected, InspectedMaterial, Item, MaterialPlace, Model, Notice, Outline, StatusModel};
+use super::model::{
+    HistoryModel, Inspected, InspectedMaterial, Item, MaterialPlace, Model, Notice, Outline, StatusModel,
+};
 use super::panels::{emission, material};
-use super::state::EditorState;
+use super::selection::Selection;
 use crate::document::{Diagnostic, Diagnostics, Severity};
 use crate::engine::{RenderControl, RenderStatus};
 use crate::scene::{
@@ -166,17 +169,18 @@ const DEEPEST_NESTING: usize = 4;
 
 pub fn gather_selection(
     mut model: ResMut<EditorModel>,
-    mut state: ResMut<EditorState>,
+    mut selection: ResMut<Selection>,
     parts: Query<Parts>,
     materials: Query<MaterialParts>,
 ) {
-    let selection = state.selection;
-    let inspected = selection.and_then(|entity| inspect(entity, &parts, &materials));
-    if selection.is_some() && inspected.is_none() {
-        // A reload took it away.
-        state.selection = None;
+    // A reload may have taken things away.
+    if selection.entities().iter().any(|entity| !parts.contains(*entity)) {
+        selection.retain(|entity| parts.contains(*entity));
     }
-    model.0.inspected = inspected;
+    model.0.inspected = selection
+        .active()
+        .and_then(|entity| inspect(entity, &parts, &materials));
+    model.0.selection = selection.clone();
 }
 
 fn inspect(entity: Entity, parts: &Query<Parts>, materials: &Query<MaterialParts>) -> Option<Inspected> {
@@ -265,6 +269,7 @@ pub fn gather_status(
     scene: Res<SceneStatus>,
     denoiser: Res<Denoiser>,
     frames: Res<FrameTimes>,
+    history: Res<History>,
     mut seen_errors: Local<Vec<String>>,
 ) {
     let model = &mut model.0;
@@ -282,10 +287,19 @@ pub fn gather_status(
         seen_errors.clone_from(&status.errors);
         model.notices = Arc::new(notices(&scene, &status.errors));
     }
+    if history.is_changed() {
+        let (done, undone) = history.labels();
+        let owned = |labels: Vec<&str>| labels.into_iter().map(str::to_owned).collect();
+        model.history = Arc::new(HistoryModel {
+            done: owned(done),
+            undone: owned(undone),
+        });
+    }
     model.status = StatusModel {
         status: status.clone(),
         paused: settings.control.paused,
         scene: scene.path.clone(),
+        unsaved: !history.is_saved(),
         load_failed: scene.state == SceneState::Failed,
         denoiser: denoiser.state(),
         frame_ms: frames.median_ms(),

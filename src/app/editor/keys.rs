@@ -3,28 +3,12 @@
 use bevy::ecs::system::SystemParam;
 use bevy::input::keyboard::{Key as LogicalKey, KeyCode, KeyboardFocusLost, KeyboardInput};
 use bevy::math::Vec3;
-use bevy::prelude::{Entity, Local, MessageReader};
+use bevy::prelude::{Local, MessageReader};
 use bevy_egui::egui::{InputState, Key, Modifiers};
 use bevy_egui::helpers::{bevy_to_egui_key, bevy_to_egui_physical_key};
 
-use super::command::{Command, FileDialogKind};
-use super::display::DisplaySettings;
-use super::overlay::BvhOverlay;
-
-/// What the keys toggle or step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct KeyContext {
-    pub display: DisplaySettings,
-    pub overlay: BvhOverlay,
-    pub paused: bool,
-    pub panels_shown: bool,
-    pub selection: Option<Entity>,
-    /// While flying, Control means slow and is no part of a shortcut.
-    pub flying: bool,
-}
-
-/// Stops per press of a bracket key.
-const EXPOSURE_STEP: f32 = 0.25;
+use super::actions::{ACTIONS, Action, ActionContext};
+use super::command::Command;
 
 /// To the left, up, forward, each -1, 0 or 1.
 pub fn fly_direction(input: &InputState) -> Vec3 {
@@ -106,21 +90,23 @@ impl KeyEvents<'_, '_> {
 }
 
 /// The commands of the keys pressed this frame: each is made from what the one before left.
-pub fn shortcuts(presses: &[Press], context: &KeyContext) -> Vec<Command> {
+pub fn shortcuts(presses: &[Press], context: &ActionContext) -> Vec<Command> {
     let mut context = *context;
     let mut commands = Vec::new();
     for press in presses {
-        let Some(command) = shortcut(*press, &context) else {
+        // While flying, Control means slow.
+        if context.flying && press.modifiers.command {
+            continue;
+        }
+        let is_meant = |action: &&Action| action.keys.iter().any(|key| key.is_pressed(press.key, press.modifiers));
+        let Some(command) = ACTIONS
+            .iter()
+            .find(is_meant)
+            .and_then(|action| (action.command)(&context))
+        else {
             continue;
         };
-        match command {
-            Command::SetDisplay(display) => context.display = display,
-            Command::SetOverlay(overlay) => context.overlay = overlay,
-            Command::SetPaused(paused) => context.paused = paused,
-            Command::ShowPanels(shown) => context.panels_shown = shown,
-            Command::Select(selection) => context.selection = selection,
-            _ => {}
-        }
+        context.follow(&command);
         let opens_dialog = matches!(command, Command::ShowDialog(_));
         commands.push(command);
         if opens_dialog {
@@ -131,57 +117,14 @@ pub fn shortcuts(presses: &[Press], context: &KeyContext) -> Vec<Command> {
     commands
 }
 
-fn shortcut(press: Press, context: &KeyContext) -> Option<Command> {
-    let plain = |key| press.key == key && press.modifiers.is_none();
-    let shift = |key| press.key == key && press.modifiers.matches_exact(Modifiers::SHIFT);
-    let control = |key| press.key == key && press.modifiers.command_only() && !context.flying;
-    let KeyContext { display, overlay, .. } = *context;
-    let exposed = |stops: f32| {
-        Command::SetDisplay(DisplaySettings {
-            exposure: display.exposure + stops,
-            ..display
-        })
-    };
-    let table = [
-        (
-            plain(Key::Tab),
-            Command::SetDisplay(DisplaySettings {
-                mode: display.mode.next(),
-                ..display
-            }),
-        ),
-        (plain(Key::OpenBracket), exposed(-EXPOSURE_STEP)),
-        (plain(Key::CloseBracket), exposed(EXPOSURE_STEP)),
-        (plain(Key::Space), Command::SetPaused(!context.paused)),
-        (shift(Key::R), Command::Restart),
-        (plain(Key::N), Command::Denoise),
-        (
-            plain(Key::B),
-            Command::SetOverlay(BvhOverlay {
-                shown: !overlay.shown,
-                ..overlay
-            }),
-        ),
-        (plain(Key::F), Command::FrameSelection),
-        (plain(Key::Home), Command::FrameAll),
-        (plain(Key::Escape) && context.selection.is_some(), Command::Select(None)),
-        (plain(Key::F5), Command::ReloadScene),
-        (plain(Key::F12), Command::ShowDialog(FileDialogKind::SaveImage)),
-        (control(Key::O), Command::ShowDialog(FileDialogKind::OpenScene)),
-        (control(Key::S), Command::ShowDialog(FileDialogKind::SaveScene)),
-        (control(Key::B), Command::ShowPanels(!context.panels_shown)),
-        (control(Key::Q), Command::Quit),
-    ];
-    table
-        .into_iter()
-        .find_map(|(pressed, command)| pressed.then_some(command))
-}
-
 #[cfg(test)]
 mod tests {
     use bevy::input::ButtonState;
+    use bevy::prelude::Entity;
 
-    use super::super::display::DisplayMode;
+    use super::super::display::{DisplayMode, DisplaySettings};
+    use super::super::overlay::BvhOverlay;
+    use super::super::selection::Selection;
     use super::*;
 
     fn event(key_code: KeyCode, logical_key: LogicalKey, state: ButtonState) -> KeyboardInput {
@@ -199,12 +142,12 @@ mod tests {
         let mut held = HeldModifiers::default();
         let presses: Vec<Press> = events.iter().filter_map(|event| held.follow(event)).collect();
         assert!(held.0.is_empty(), "{held:?}");
-        let context = KeyContext {
+        let context = ActionContext {
             display: DisplaySettings::default(),
             overlay: BvhOverlay::default(),
             paused: false,
             panels_shown: true,
-            selection: None,
+            selection: &Selection::default(),
             flying: false,
         };
         shortcuts(&presses, &context)
@@ -219,7 +162,7 @@ mod tests {
             event(KeyCode::KeyS, s(), ButtonState::Released),
             event(KeyCode::ControlLeft, LogicalKey::Control, ButtonState::Released),
         ];
-        assert_eq!(commands(&events), [Command::ShowDialog(FileDialogKind::SaveScene)]);
+        assert_eq!(commands(&events), [Command::Save]);
     }
 
     #[test]

@@ -8,11 +8,12 @@ use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
 use super::command::Command;
+use super::commands::camera_pose;
 use super::pacing::Pacing;
 use super::picture::Picture;
 use super::state::CommandQueue;
 use crate::engine::{RenderFilm, RenderState, RenderStatus};
-use crate::scene::{ActiveSensor, ToWorld};
+use crate::scene::{ActiveSensor, FreeView, ToWorld};
 
 /// Times between the last frames.
 #[derive(Resource, Default)]
@@ -97,24 +98,25 @@ pub fn move_for_probe(
     picture: Res<Picture>,
     status: Res<RenderStatus>,
     active: Res<ActiveSensor>,
+    free_view: Res<FreeView>,
     poses: Query<&ToWorld>,
 ) {
     let Phase::Rest(since) = probe.phase else {
         return;
     };
     let has_picture = matches!(status.state, RenderState::Rendering | RenderState::Done) && status.samples > 0;
-    let pose = active.0.and_then(|sensor| poses.get(sensor).ok());
+    let pose = camera_pose(&active, &free_view, &poses);
     let (true, Some(pose)) = (has_picture && since.elapsed() >= REST && probe.left > 0, pose) else {
         return;
     };
-    let origin = *probe.origin.get_or_insert(pose.0);
+    let origin = *probe.origin.get_or_insert(pose);
     // To and fro by a hundredth of a radian, so that the view stays what it was.
     let angle = if probe.left.is_multiple_of(2) { 0.01 } else { -0.01 };
     let turned = Affine3A {
         matrix3: origin.matrix3 * bevy::math::Mat3A::from_axis_angle(Vec3::Y, angle),
         translation: origin.translation,
     };
-    queue.0.push(Command::MoveCamera(turned));
+    queue.0.push(Command::MoveView(turned));
     probe.phase = Phase::Waiting {
         since: Instant::now(),
         job: film.job,

@@ -3,13 +3,15 @@
 //! A frame goes one way: the world is gathered into a plain [`model::Model`]; panels show it and say what the user did as
 //! [`command::Command`]s; `commands` writes those to the world; the engine reacts in the same frame; the texture follows the film.
 
+pub mod actions;
 pub mod command;
-mod commands;
+pub mod commands;
 mod denoiser;
 mod dialogs;
 pub mod display;
 mod exit_door;
 mod gather;
+pub mod history;
 pub mod keys;
 mod latency;
 pub mod model;
@@ -21,7 +23,8 @@ pub mod panels;
 mod picking;
 mod picture;
 mod scene_watch;
-mod state;
+pub mod selection;
+pub mod state;
 mod style;
 mod ui;
 pub mod viewport;
@@ -53,6 +56,8 @@ impl Plugin for EditorPlugin {
         let options = &self.0;
         app.add_plugins(EguiPlugin::default())
             .init_resource::<state::EditorState>()
+            .init_resource::<history::History>()
+            .init_resource::<selection::Selection>()
             .init_resource::<state::CommandQueue>()
             .init_resource::<gather::EditorModel>()
             .init_resource::<dialogs::Dialogs>()

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bevy::math::Affine3A;
 use bevy::prelude::Entity;
 
+use super::selection::Selection;
 use crate::engine::RenderStatus;
 use crate::scene::{
     AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, Material, SamplerSettings, Sensor, Shape,
@@ -85,6 +86,13 @@ impl Inspected {
     }
 }
 
+/// What was done, oldest first, and what can be done again, next first.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct HistoryModel {
+    pub done: Vec<String>,
+    pub undone: Vec<String>,
+}
+
 /// The render panel's content.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderModel {
@@ -113,6 +121,8 @@ pub struct StatusModel {
     pub paused: bool,
     /// The open scene.
     pub scene: Option<PathBuf>,
+    /// There are edits that no file has.
+    pub unsaved: bool,
     /// The scene file could not be read; the last good one is shown.
     pub load_failed: bool,
     pub denoiser: DenoiserState,
@@ -138,7 +148,10 @@ pub enum DenoiserState {
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     pub outline: Arc<Outline>,
+    pub selection: Selection,
+    /// The active one of the selection.
     pub inspected: Option<Inspected>,
+    pub history: Arc<HistoryModel>,
     pub render: RenderModel,
     pub notices: Arc<Vec<Notice>>,
     pub status: StatusModel,

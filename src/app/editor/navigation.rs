@@ -65,6 +65,11 @@ impl Navigation {
         self.speed * self.scene_size / SECONDS_ACROSS
     }
 
+    /// Kept within its range.
+    pub fn set_speed(&mut self, speed: f32) {
+        self.speed = speed.clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end());
+    }
+
     /// The speed after turning the wheel by `notches`.
     pub fn speed_after(&self, notches: f32) -> f32 {
         (self.speed * SPEED_PER_NOTCH.powf(notches)).clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end())

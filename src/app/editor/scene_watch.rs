@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
+use super::history::History;
 use super::navigation::up_axis;
 use super::options::WantedCamera;
 use super::picking;
+use super::selection::Selection;
 use super::state::EditorState;
 use crate::engine::CurrentScene;
-use crate::scene::{ActiveSensor, SceneState, SceneStatus, ToWorld, find_camera};
+use crate::scene::{ActiveSensor, FreeView, SceneState, SceneStatus, ToWorld, find_camera};
 
 /// Messages about loading; a freshly opened scene also decides what is up.
 pub fn follow_scene(
@@ -17,6 +19,9 @@ pub fn follow_scene(
     active: Res<ActiveSensor>,
     poses: Query<&ToWorld>,
     mut state: ResMut<EditorState>,
+    mut selection: ResMut<Selection>,
+    mut history: ResMut<History>,
+    mut free_view: ResMut<FreeView>,
     mut seen: Local<(u64, SceneState, Option<PathBuf>)>,
 ) {
     if seen.0 == status.revision && seen.1 == status.state && seen.2 == status.path {
@@ -35,7 +40,9 @@ pub fn follow_scene(
         if status.fresh_load {
             let pose = active.0.and_then(|sensor| poses.get(sensor).ok());
             state.navigation.up = pose.map_or(Vec3::Y, |pose| up_axis(&pose.0));
-            state.selection = None;
+            *selection = Selection::default();
+            *free_view = FreeView::default();
+            history.clear();
             state.say(format!("Opened {file}"));
         } else {
             state.say(format!("Reloaded {file}"));

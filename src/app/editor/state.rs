@@ -1,4 +1,4 @@
-//! What the editor itself remembers: the selection, how the picture is shown, messages, the open dialog. None of it is saved.
+//! What the editor itself remembers: how the picture is shown, messages, the open dialog. None of it is saved.
 
 use std::time::{Duration, Instant};
 
@@ -13,7 +13,6 @@ use super::viewport::ViewportState;
 
 #[derive(Resource)]
 pub struct EditorState {
-    pub selection: Option<Entity>,
     pub display: DisplaySettings,
     pub overlay: BvhOverlay,
     pub navigation: Navigation,
@@ -23,6 +22,10 @@ pub struct EditorState {
     pub inspector: InspectorState,
     pub viewport: ViewportState,
     pub dialog: Option<FileDialogKind>,
+    /// Counts drags, typings and clicks: edits of one kind within one of them are one step of the history.
+    pub interaction: u64,
+    /// A text on its way to the system's clipboard.
+    pub clipboard: Option<String>,
     message: Option<(String, Instant)>,
 }
 
@@ -40,7 +43,6 @@ const MESSAGE_TIME: Duration = Duration::from_secs(5);
 impl Default for EditorState {
     fn default() -> Self {
         Self {
-            selection: None,
             display: DisplaySettings::default(),
             overlay: BvhOverlay::default(),
             navigation: Navigation::default(),
@@ -50,6 +52,8 @@ impl Default for EditorState {
             inspector: InspectorState::default(),
             viewport: ViewportState::default(),
             dialog: None,
+            interaction: 0,
+            clipboard: None,
             message: None,
         }
     }

@@ -3,22 +3,24 @@
 use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
 
+use super::actions::ActionContext;
 use super::command::{Command, FileDialogKind};
 use super::commands::camera_pose;
 use super::dialogs::Dialogs;
 use super::gather::EditorModel;
-use super::keys::{KeyContext, KeyEvents};
+use super::keys::KeyEvents;
 use super::model::Model;
 use super::overlay::{self, BoxList, BvhOverlay, WorldBox};
 use super::panels::menu_bar::{MenuState, menu_bar};
 use super::panels::{diagnostics, inspector, outliner, render, status};
 use super::picking;
 use super::picture::Picture;
+use super::selection::Selection;
 use super::state::{CommandQueue, EditorState, RightTab};
 use super::viewport::{ViewportModel, viewport};
 use crate::accel::Tlas;
 use crate::engine::CurrentScene;
-use crate::scene::{ActiveSensor, SceneState, SceneStatus, ToWorld};
+use crate::scene::{ActiveSensor, FreeView, SceneState, SceneStatus, ToWorld};
 
 const LEFT_WIDTH: f32 = 216.0;
 const RIGHT_WIDTH: f32 = 300.0;
@@ -57,8 +59,10 @@ impl SelectionBox {
 #[derive(bevy::ecs::system::SystemParam)]
 pub struct Scene<'w, 's> {
     current: Res<'w, CurrentScene>,
+    selection: Res<'w, Selection>,
     status: Res<'w, SceneStatus>,
     active: Res<'w, ActiveSensor>,
+    free_view: Res<'w, FreeView>,
     poses: Query<'w, 's, &'static ToWorld>,
     picture: Res<'w, Picture>,
 }
@@ -71,20 +75,28 @@ pub fn show_window(
     mut dialogs: ResMut<Dialogs>,
     scene: Scene,
     mut keys: KeyEvents,
+    mut focus: Local<Option<egui::Id>>,
     mut boxes: Local<CollectedBoxes>,
     mut selection_box: Local<SelectionBox>,
 ) -> Result {
     let presses = keys.presses();
+    count_interactions(contexts.ctx_mut()?, &mut state, &mut focus);
     let context = contexts.ctx_mut()?.clone();
     let builder = egui::UiBuilder::new()
         .layer_id(egui::LayerId::background())
         .max_rect(context.viewport_rect());
     let mut ui = egui::Ui::new(context.clone(), "window".into(), builder);
     let (state, commands, model) = (&mut *state, &mut queue.0, &model.0);
-    let menus = MenuState {
+    let action_context = ActionContext {
         display: state.display,
         overlay: state.overlay,
+        paused: model.status.paused,
         panels_shown: state.panels_shown,
+        selection: &scene.selection,
+        flying: false,
+    };
+    let menus = MenuState {
+        context: action_context,
         camera: scene.active.0,
     };
     egui::Panel::top("menus").show(&mut ui, |ui| menu_bar(ui, model, menus, commands));
@@ -98,25 +110,31 @@ pub fn show_window(
     let shown = ViewportModel {
         picture: scene.picture.texture(),
         placeholder: &placeholder,
-        pose: camera_pose(&scene.active, &scene.poses),
+        pose: camera_pose(&scene.active, &scene.free_view, &scene.poses),
         camera: scene.current.view.as_ref().map(|view| view.camera),
         boxes: &boxes.list,
-        selection_box: selection_box.update(&scene.current, state.selection),
+        selection_box: selection_box.update(&scene.current, scene.selection.active()),
         navigation: state.navigation,
-        keys: KeyContext {
-            display: state.display,
-            overlay: state.overlay,
-            paused: model.status.paused,
-            panels_shown: state.panels_shown,
-            selection: state.selection,
-            flying: false,
-        },
+        keys: action_context,
         presses: &presses,
         enabled: state.dialog.is_none(),
     };
     egui::CentralPanel::no_frame().show(&mut ui, |ui| viewport(ui, &shown, &mut state.viewport, commands));
     dialogs.show(&context, scene.status.path.as_deref(), state, commands);
     Ok(())
+}
+
+/// A press of the mouse, a key without a text field, and another field are the beginning of something new.
+fn count_interactions(context: &egui::Context, state: &mut EditorState, focus: &mut Option<egui::Id>) {
+    let focused = context.memory(|memory| memory.focused());
+    let pressed = context.input(|input| input.pointer.any_pressed());
+    if pressed || focused != *focus {
+        *focus = focused;
+        state.interaction += 1;
+    }
+    if let Some(text) = state.clipboard.take() {
+        context.copy_text(text);
+    }
 }
 
 fn left_panel(ui: &mut egui::Ui, model: &Model, state: &mut EditorState, commands: &mut Vec<Command>) {
@@ -128,7 +146,7 @@ fn left_panel(ui: &mut egui::Ui, model: &Model, state: &mut EditorState, command
             outliner::outliner(
                 ui,
                 &model.outline,
-                state.selection,
+                &model.selection,
                 &mut state.outliner_filter,
                 commands,
             );
@@ -211,6 +229,7 @@ pub fn picked(kind: FileDialogKind, path: std::path::PathBuf) -> Command {
         FileDialogKind::OpenScene => Command::OpenScene(path),
         FileDialogKind::SaveScene => Command::SaveScene(path),
         FileDialogKind::SaveImage => Command::SaveImage(path),
+        FileDialogKind::Import => Command::Import(path),
         FileDialogKind::OpenPicture { owner, parameter } => Command::SetPicture { owner, parameter, path },
     }
 }

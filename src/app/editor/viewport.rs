@@ -8,11 +8,13 @@ use bevy_egui::egui::{
     Stroke, Ui,
 };
 
+use super::actions::ActionContext;
 use super::command::Command;
 use super::display::{DisplayMode, HOTTEST_STEPS, heat};
-use super::keys::{self, KeyContext, Press};
+use super::keys::{self, Press};
 use super::navigation::{FlyInput, Navigation};
 use super::overlay::{BoxList, MAX_BOXES, WorldBox, edges};
+use super::selection::Extend;
 use crate::render::camera::Camera;
 
 /// What the viewport shows.
@@ -29,7 +31,7 @@ pub struct ViewportModel<'a> {
     pub boxes: &'a BoxList,
     pub selection_box: Option<WorldBox>,
     pub navigation: Navigation,
-    pub keys: KeyContext,
+    pub keys: ActionContext<'a>,
     /// The keys pressed since the last frame, in order.
     pub presses: &'a [Press],
     /// False while a dialog is open: then neither keys nor mouse act on the picture.
@@ -98,7 +100,7 @@ fn act(
         && let Some(position) = response.interact_pointer_pos()
     {
         let film = (position - picture.min) / picture.size();
-        commands.push(Command::Pick(Vec2::new(film.x, film.y)));
+        commands.push(Command::Pick(Vec2::new(film.x, film.y), Extend::Replace));
     }
     let was_flying = std::mem::take(&mut state.flying);
     let (fly, notches) = ui.input(|input| {
@@ -139,14 +141,14 @@ fn act(
     };
     state.flying = looking || fly.direction != Vec3::ZERO;
     if let Some(pose) = model.pose.and_then(|pose| model.navigation.fly(pose, &fly)) {
-        commands.push(Command::MoveCamera(pose));
+        commands.push(Command::MoveView(pose));
     }
     if state.flying {
         // Time passes without further events while a key is held.
         ui.ctx().request_repaint_after(Duration::from_millis(16));
     }
     if has_keyboard {
-        let context = KeyContext {
+        let context = ActionContext {
             flying: state.flying || was_flying,
             ..model.keys
         };

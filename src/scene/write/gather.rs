@@ -23,9 +23,12 @@ type Common = (
     Option<&'static Authored>,
 );
 
-/// The entities of a description, in its order. Sensors are never made in the editor, and not here.
+/// The entities of a description, in its order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Entities {
+    pub sensors: Vec<Entity>,
     pub materials: Vec<Entity>,
+    pub groups: Vec<Entity>,
     pub shapes: Vec<Entity>,
     pub emitters: Vec<Entity>,
 }
@@ -52,6 +55,7 @@ pub fn describe_entities(world: &mut World) -> (SceneDescription, Entities) {
         world.query::<(Common, &Sensor, &Film, &ToWorld)>().iter(world),
         |item| item.0,
     );
+    let sensor_entities = sensors.iter().map(|item| item.0.0).collect();
     scene.sensors = sensors
         .into_iter()
         .map(|(common, sensor, film, to_world)| SensorDescription {
@@ -94,6 +98,8 @@ pub fn describe_entities(world: &mut World) -> (SceneDescription, Entities) {
     let group_of: HashMap<Entity, usize> = groups.iter().enumerate().map(|(i, item)| (item.0, i)).collect();
     let materials = in_order(materials_query.iter(world), |item| item.0);
     let entities = Entities {
+        sensors: sensor_entities,
+        groups: groups.iter().map(|item| item.0).collect(),
         materials: materials.iter().map(|item| item.0.0).collect(),
         shapes: shapes.iter().map(|item| item.0.0).collect(),
         emitters: emitter_entities,

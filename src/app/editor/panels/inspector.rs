@@ -118,7 +118,7 @@ fn pose(
         (None, _) => Freedom::Rigid,
     };
     if transform::transform(ui, &mut edited, freedom, scene_size, &mut state.angles) && edited.is_finite() {
-        commands.push(Command::SetToWorld(inspected.entity, edited));
+        commands.push(Command::Transform(vec![(inspected.entity, edited)]));
     }
 }
 
@@ -187,7 +187,7 @@ fn material_rows(ui: &mut Ui, inspected: &Inspected, all: &[Item], commands: &mu
         options.extend(all.iter().map(|item| (Some(item.entity), item.name.as_str())));
         if fields::choice(ui, "Uses", &mut used, &options) {
             commands.push(Command::UseMaterial {
-                shape: inspected.entity,
+                shapes: vec![inspected.entity],
                 material: used,
             });
         }

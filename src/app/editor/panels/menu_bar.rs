@@ -3,26 +3,27 @@
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Button, Ui};
 
-use super::super::command::{Command, FileDialogKind};
+use super::super::actions::{self, ACTIONS, ActionContext, Group, Shortcut};
+use super::super::command::Command;
 use super::super::display::{DisplayMode, DisplaySettings};
 use super::super::model::{DenoiserState, Model};
-use super::super::overlay::BvhOverlay;
 
 /// What the menus tick, beside the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MenuState {
-    pub display: DisplaySettings,
-    pub overlay: BvhOverlay,
-    pub panels_shown: bool,
+pub struct MenuState<'a> {
+    pub context: ActionContext<'a>,
     /// The camera in use.
     pub camera: Option<Entity>,
 }
 
 pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec<Command>) {
     egui::MenuBar::new().ui(ui, |ui| {
-        ui.menu_button("File", |ui| file_menu(ui, model, commands));
-        ui.menu_button("View", |ui| view_menu(ui, model, state, commands));
-        ui.menu_button("Render", |ui| render_menu(ui, model, commands));
+        let context = &state.context;
+        ui.menu_button("File", |ui| file_menu(ui, model, context, commands));
+        ui.menu_button("Edit", |ui| group(ui, Group::Edit, context, commands));
+        ui.menu_button("Add", |ui| group(ui, Group::Add, context, commands));
+        ui.menu_button("View", |ui| view_menu(ui, model, &state, commands));
+        ui.menu_button("Render", |ui| group(ui, Group::Render, context, commands));
         ui.separator();
         let paused = model.status.paused;
         if ui.button(if paused { "Resume" } else { "Pause" }).clicked() {
@@ -33,10 +34,14 @@ pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec
         }
         denoise_button(ui, model.status.denoiser, commands);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let name = match &model.status.scene {
+                Some(scene) => scene.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+                None => "untitled".to_owned(),
+            };
+            let mark = if model.status.unsaved { " •" } else { "" };
+            let label = ui.add(egui::Label::new(egui::RichText::new(name + mark).weak()).truncate());
             if let Some(scene) = &model.status.scene {
-                let name = scene.file_name().unwrap_or_default().to_string_lossy();
-                ui.add(egui::Label::new(egui::RichText::new(name).weak()).truncate())
-                    .on_hover_text(scene.display().to_string());
+                label.on_hover_text(scene.display().to_string());
             }
         });
     });
@@ -68,6 +73,7 @@ fn denoise_button(ui: &mut Ui, state: DenoiserState, commands: &mut Vec<Command>
     }
 }
 
+/// An entry of a menu; true when clicked.
 fn item(ui: &mut Ui, name: &str, keys: &str) -> bool {
     let clicked = ui.add(Button::new(name).shortcut_text(keys)).clicked();
     if clicked {
@@ -76,11 +82,31 @@ fn item(ui: &mut Ui, name: &str, keys: &str) -> bool {
     clicked
 }
 
-fn file_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+/// The action of this name, grey where there is nothing to do it to.
+fn entry(ui: &mut Ui, name: &str, context: &ActionContext, commands: &mut Vec<Command>) {
+    let Some(action) = actions::find(name) else {
+        return;
+    };
+    let keys = action.keys.first().map(Shortcut::text).unwrap_or_default();
+    let command = (action.command)(context);
+    ui.add_enabled_ui(command.is_some(), |ui| {
+        if item(ui, action.label, &keys) {
+            commands.extend(command);
+        }
+    });
+}
+
+fn group(ui: &mut Ui, group: Group, context: &ActionContext, commands: &mut Vec<Command>) {
     ui.set_min_width(220.0);
-    if item(ui, "Open…", "Ctrl+O") {
-        commands.push(Command::ShowDialog(FileDialogKind::OpenScene));
+    for action in ACTIONS.iter().filter(|action| action.group == group) {
+        entry(ui, action.name, context, commands);
     }
+}
+
+fn file_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut Vec<Command>) {
+    ui.set_min_width(220.0);
+    entry(ui, "new", context, commands);
+    entry(ui, "open", context, commands);
     ui.menu_button("Scenes", |ui| {
         egui::ScrollArea::vertical().max_height(400.0).show(ui, |ui| {
             for path in model.scene_files.iter() {
@@ -94,34 +120,30 @@ fn file_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             }
         });
     });
-    if item(ui, "Reload", "F5") {
-        commands.push(Command::ReloadScene);
+    entry(ui, "reload", context, commands);
+    ui.separator();
+    entry(ui, "import", context, commands);
+    ui.separator();
+    for name in ["save", "save-as", "save-image"] {
+        entry(ui, name, context, commands);
     }
     ui.separator();
-    if item(ui, "Save scene as…", "Ctrl+S") {
-        commands.push(Command::ShowDialog(FileDialogKind::SaveScene));
-    }
-    if item(ui, "Save image…", "F12") {
-        commands.push(Command::ShowDialog(FileDialogKind::SaveImage));
-    }
-    ui.separator();
-    if item(ui, "Quit", "Ctrl+Q") {
-        commands.push(Command::Quit);
-    }
+    entry(ui, "quit", context, commands);
 }
 
-fn view_menu(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec<Command>) {
+fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<Command>) {
     ui.set_min_width(220.0);
+    let display = state.context.display;
     for (mode, name) in DisplayMode::ALL {
-        let keys = if mode == state.display.mode.next() { "Tab" } else { "" };
-        let shown = state.display.mode == mode;
+        let keys = if mode == display.mode.next() { "Tab" } else { "" };
+        let shown = display.mode == mode;
         if ui.add(Button::selectable(shown, name).shortcut_text(keys)).clicked() {
-            commands.push(Command::SetDisplay(DisplaySettings { mode, ..state.display }));
+            commands.push(Command::SetDisplay(DisplaySettings { mode, ..display }));
             ui.close();
         }
     }
     ui.separator();
-    ui.menu_button("Camera", |ui| {
+    ui.menu_button("Cameras", |ui| {
         egui::ScrollArea::vertical().max_height(400.0).show(ui, |ui| {
             for camera in &model.outline.sensors {
                 let used = state.camera == Some(camera.entity);
@@ -132,42 +154,7 @@ fn view_menu(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec<Co
             }
         });
     });
-    if item(ui, "Frame selection", "F") {
-        commands.push(Command::FrameSelection);
-    }
-    if item(ui, "Frame everything", "Home") {
-        commands.push(Command::FrameAll);
-    }
-    ui.separator();
-    let boxes = if state.overlay.shown {
-        "Hide BVH boxes"
-    } else {
-        "Show BVH boxes"
-    };
-    if item(ui, boxes, "B") {
-        let shown = !state.overlay.shown;
-        commands.push(Command::SetOverlay(BvhOverlay { shown, ..state.overlay }));
-    }
-    let panels = if state.panels_shown {
-        "Hide panels"
-    } else {
-        "Show panels"
-    };
-    if item(ui, panels, "Ctrl+B") {
-        commands.push(Command::ShowPanels(!state.panels_shown));
-    }
-}
-
-fn render_menu(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    ui.set_min_width(200.0);
-    let paused = model.status.paused;
-    if item(ui, if paused { "Resume rendering" } else { "Pause rendering" }, "Space") {
-        commands.push(Command::SetPaused(!paused));
-    }
-    if item(ui, "Start again", "Shift+R") {
-        commands.push(Command::Restart);
-    }
-    if model.status.denoiser != DenoiserState::Unavailable && item(ui, "Denoise now", "N") {
-        commands.push(Command::Denoise);
+    for name in ["camera-to-view", "frame-selection", "frame-all", "boxes", "panels"] {
+        entry(ui, name, &state.context, commands);
     }
 }

@@ -1,10 +1,10 @@
 //! The list of everything in the scene; a click selects.
 
-use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
 use super::super::command::Command;
 use super::super::model::{Item, Outline};
+use super::super::selection::{Extend, Selection};
 
 /// A line: a group's heading or one of its items.
 enum Line<'a> {
@@ -15,7 +15,7 @@ enum Line<'a> {
 pub fn outliner(
     ui: &mut Ui,
     outline: &Outline,
-    selection: Option<Entity>,
+    selection: &Selection,
     filter: &mut String,
     commands: &mut Vec<Command>,
 ) {
@@ -40,8 +40,8 @@ pub fn outliner(
                         });
                     }
                     Line::Item(item) => {
-                        if item_line(ui, item, selection == Some(item.entity), height) {
-                            commands.push(Command::Select(Some(item.entity)));
+                        if item_line(ui, item, selection.contains(item.entity), height) {
+                            commands.push(Command::Select(vec![item.entity], Extend::Replace));
                         }
                     }
                 }

@@ -1,0 +1,371 @@
+//! Everything that is done by one key, one menu entry or one word: the table that the keyboard, the menus, the palette, the overview of
+//! shortcuts and scripts share.
+
+use bevy_egui::egui::{Key, Modifiers};
+
+use super::command::{AdditionKind, Command, FileDialogKind};
+use super::display::DisplaySettings;
+use super::overlay::BvhOverlay;
+use super::selection::{Extend, Selection};
+
+/// What actions toggle, step or are about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActionContext<'a> {
+    pub display: DisplaySettings,
+    pub overlay: BvhOverlay,
+    pub paused: bool,
+    pub panels_shown: bool,
+    pub selection: &'a Selection,
+    /// While flying, Control means slow and is no part of a shortcut.
+    pub flying: bool,
+}
+
+/// A key with its modifiers; `command` is Control, on a Mac the command key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shortcut {
+    pub key: Key,
+    pub command: bool,
+    pub shift: bool,
+    pub alt: bool,
+}
+
+#[derive(Clone, Copy)]
+pub struct Action {
+    /// In scripts and the palette.
+    pub name: &'static str,
+    /// In menus and the palette.
+    pub label: &'static str,
+    pub group: Group,
+    pub keys: &'static [Shortcut],
+    /// None: there is nothing to do it to.
+    pub command: fn(&ActionContext) -> Option<Command>,
+}
+
+/// Headings of the overview, and menus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    File,
+    Edit,
+    Add,
+    View,
+    Render,
+    Window,
+}
+
+impl Group {
+    pub const ALL: [(Self, &'static str); 6] = [
+        (Self::File, "File"),
+        (Self::Edit, "Edit"),
+        (Self::Add, "Add"),
+        (Self::View, "View"),
+        (Self::Render, "Render"),
+        (Self::Window, "Window"),
+    ];
+}
+
+const fn plain(key: Key) -> Shortcut {
+    Shortcut {
+        key,
+        command: false,
+        shift: false,
+        alt: false,
+    }
+}
+
+const fn command(key: Key) -> Shortcut {
+    Shortcut {
+        command: true,
+        ..plain(key)
+    }
+}
+
+const fn shift(key: Key) -> Shortcut {
+    Shortcut {
+        shift: true,
+        ..plain(key)
+    }
+}
+
+const fn alt(key: Key) -> Shortcut {
+    Shortcut {
+        alt: true,
+        ..plain(key)
+    }
+}
+
+const fn command_shift(key: Key) -> Shortcut {
+    Shortcut {
+        command: true,
+        ..shift(key)
+    }
+}
+
+impl Shortcut {
+    pub fn is_pressed(&self, key: Key, modifiers: Modifiers) -> bool {
+        key == self.key
+            && modifiers.command == self.command
+            && modifiers.shift == self.shift
+            && modifiers.alt == self.alt
+    }
+
+    /// `Ctrl+Shift+Z`.
+    pub fn text(&self) -> String {
+        let modifiers = [(self.command, "Ctrl+"), (self.alt, "Alt+"), (self.shift, "Shift+")];
+        let mut text: String = modifiers
+            .into_iter()
+            .filter(|(held, _)| *held)
+            .map(|(_, name)| name)
+            .collect();
+        text += self.key.symbol_or_name();
+        text
+    }
+}
+
+/// Stops per press of a bracket key.
+const EXPOSURE_STEP: f32 = 0.25;
+
+const fn action(
+    group: Group,
+    name: &'static str,
+    label: &'static str,
+    keys: &'static [Shortcut],
+    command: fn(&ActionContext) -> Option<Command>,
+) -> Action {
+    Action {
+        name,
+        label,
+        group,
+        keys,
+        command,
+    }
+}
+
+/// All of them, in the order of the menus.
+pub const ACTIONS: &[Action] = &[
+    action(Group::File, "new", "New scene", &[command(Key::N)], |_| {
+        Some(Command::NewScene)
+    }),
+    action(Group::File, "open", "Open…", &[command(Key::O)], |_| {
+        Some(Command::ShowDialog(FileDialogKind::OpenScene))
+    }),
+    action(Group::File, "reload", "Reload", &[plain(Key::F5)], |_| {
+        Some(Command::ReloadScene)
+    }),
+    action(Group::File, "import", "Import…", &[command(Key::I)], |_| {
+        Some(Command::ShowDialog(FileDialogKind::Import))
+    }),
+    action(Group::File, "save", "Save", &[command(Key::S)], |_| Some(Command::Save)),
+    action(Group::File, "save-as", "Save as…", &[command_shift(Key::S)], |_| {
+        Some(Command::ShowDialog(FileDialogKind::SaveScene))
+    }),
+    action(Group::File, "save-image", "Save image…", &[plain(Key::F12)], |_| {
+        Some(Command::ShowDialog(FileDialogKind::SaveImage))
+    }),
+    action(Group::File, "quit", "Quit", &[command(Key::Q)], |_| Some(Command::Quit)),
+    action(Group::Edit, "undo", "Undo", &[command(Key::Z)], |_| Some(Command::Undo)),
+    action(
+        Group::Edit,
+        "redo",
+        "Redo",
+        &[command_shift(Key::Z), command(Key::Y)],
+        |_| Some(Command::Redo),
+    ),
+    action(Group::Edit, "duplicate", "Duplicate", &[command(Key::D)], |context| {
+        context.with_selection(Command::Duplicate)
+    }),
+    action(Group::Edit, "delete", "Delete", &[plain(Key::Delete)], |context| {
+        context.with_selection(Command::Delete)
+    }),
+    action(Group::Edit, "group", "Group", &[command(Key::G)], |context| {
+        context.with_selection(Command::Group)
+    }),
+    action(
+        Group::Edit,
+        "select-all",
+        "Select everything",
+        &[command(Key::A)],
+        |_| Some(Command::SelectAll),
+    ),
+    action(
+        Group::Edit,
+        "select-none",
+        "Select nothing",
+        &[plain(Key::Escape)],
+        |context| context.with_selection(Command::Select(Vec::new(), Extend::Replace)),
+    ),
+    action(Group::Edit, "hide", "Hide", &[plain(Key::H)], |context| {
+        context.with_selection(Command::Hide(context.selection.entities().to_vec(), true))
+    }),
+    action(
+        Group::Edit,
+        "hide-others",
+        "Hide the others",
+        &[command(Key::H)],
+        |context| context.with_selection(Command::HideOthers),
+    ),
+    action(Group::Edit, "show-all", "Show everything", &[alt(Key::H)], |_| {
+        Some(Command::ShowAll)
+    }),
+    action(Group::Add, "add-sphere", "Sphere", &[], |_| {
+        Some(addition(AdditionKind::Sphere))
+    }),
+    action(Group::Add, "add-rectangle", "Rectangle", &[], |_| {
+        Some(addition(AdditionKind::Rectangle))
+    }),
+    action(Group::Add, "add-cube", "Cube", &[], |_| {
+        Some(addition(AdditionKind::Cube))
+    }),
+    action(Group::Add, "add-disk", "Disk", &[], |_| {
+        Some(addition(AdditionKind::Disk))
+    }),
+    action(Group::Add, "add-cylinder", "Cylinder", &[], |_| {
+        Some(addition(AdditionKind::Cylinder))
+    }),
+    action(Group::Add, "add-area", "Area light", &[], |_| {
+        Some(addition(AdditionKind::AreaLight))
+    }),
+    action(Group::Add, "add-point", "Point light", &[], |_| {
+        Some(addition(AdditionKind::Emitter("point")))
+    }),
+    action(Group::Add, "add-spot", "Spot light", &[], |_| {
+        Some(addition(AdditionKind::Emitter("spot")))
+    }),
+    action(Group::Add, "add-projector", "Projector", &[], |_| {
+        Some(addition(AdditionKind::Emitter("projector")))
+    }),
+    action(Group::Add, "add-directional", "Directional light", &[], |_| {
+        Some(addition(AdditionKind::Emitter("directional")))
+    }),
+    action(Group::Add, "add-constant", "Constant sky", &[], |_| {
+        Some(addition(AdditionKind::Emitter("constant")))
+    }),
+    action(Group::Add, "add-sunsky", "Sun and sky", &[], |_| {
+        Some(addition(AdditionKind::Emitter("sunsky")))
+    }),
+    action(Group::Add, "add-camera", "Camera at the view", &[], |_| {
+        Some(addition(AdditionKind::Camera))
+    }),
+    action(
+        Group::View,
+        "frame-selection",
+        "Frame the selection",
+        &[plain(Key::F)],
+        |context| context.with_selection(Command::FrameSelection),
+    ),
+    action(
+        Group::View,
+        "frame-all",
+        "Frame everything",
+        &[plain(Key::Home)],
+        |_| Some(Command::FrameAll),
+    ),
+    action(Group::View, "camera-to-view", "Move camera to view", &[], |_| {
+        Some(Command::MoveCameraToView)
+    }),
+    action(
+        Group::View,
+        "next-mode",
+        "Next display mode",
+        &[plain(Key::Tab)],
+        |context| {
+            Some(Command::SetDisplay(DisplaySettings {
+                mode: context.display.mode.next(),
+                ..context.display
+            }))
+        },
+    ),
+    action(Group::View, "darker", "Darker", &[plain(Key::OpenBracket)], |context| {
+        Some(context.exposed(-EXPOSURE_STEP))
+    }),
+    action(
+        Group::View,
+        "brighter",
+        "Brighter",
+        &[plain(Key::CloseBracket)],
+        |context| Some(context.exposed(EXPOSURE_STEP)),
+    ),
+    action(Group::View, "boxes", "BVH boxes", &[plain(Key::B)], |context| {
+        Some(Command::SetOverlay(BvhOverlay {
+            shown: !context.overlay.shown,
+            ..context.overlay
+        }))
+    }),
+    action(
+        Group::Render,
+        "pause",
+        "Pause or go on",
+        &[plain(Key::Space)],
+        |context| Some(Command::SetPaused(!context.paused)),
+    ),
+    action(Group::Render, "restart", "Start again", &[shift(Key::R)], |_| {
+        Some(Command::Restart)
+    }),
+    action(Group::Render, "denoise", "Denoise", &[plain(Key::N)], |_| {
+        Some(Command::Denoise)
+    }),
+    action(
+        Group::Window,
+        "panels",
+        "Show or hide panels",
+        &[command(Key::B)],
+        |context| Some(Command::ShowPanels(!context.panels_shown)),
+    ),
+];
+
+/// The action of this name.
+pub fn find(name: &str) -> Option<&'static Action> {
+    ACTIONS.iter().find(|action| action.name == name)
+}
+
+fn addition(kind: AdditionKind) -> Command {
+    Command::Add(kind.into())
+}
+
+impl ActionContext<'_> {
+    fn with_selection(&self, command: Command) -> Option<Command> {
+        (!self.selection.is_empty()).then_some(command)
+    }
+
+    fn exposed(&self, stops: f32) -> Command {
+        Command::SetDisplay(DisplaySettings {
+            exposure: self.display.exposure + stops,
+            ..self.display
+        })
+    }
+
+    /// What a command leaves for the next one.
+    pub fn follow(&mut self, command: &Command) {
+        match command {
+            Command::SetDisplay(display) => self.display = *display,
+            Command::SetOverlay(overlay) => self.overlay = *overlay,
+            Command::SetPaused(paused) => self.paused = *paused,
+            Command::ShowPanels(shown) => self.panels_shown = *shown,
+            _ => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_name_and_no_key_means_two_things() {
+        for (place, action) in ACTIONS.iter().enumerate() {
+            for other in &ACTIONS[..place] {
+                assert_ne!(action.name, other.name);
+                assert!(
+                    !action.keys.iter().any(|key| other.keys.contains(key)),
+                    "{}",
+                    action.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn keys_are_named_as_people_do() {
+        assert_eq!(command_shift(Key::Z).text(), "Ctrl+Shift+Z");
+        assert_eq!(alt(Key::H).text(), "Alt+H");
+    }
+}

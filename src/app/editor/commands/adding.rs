@@ -1,0 +1,292 @@
+//! New things: made here, pasted, or from files.
+
+use std::path::{Path, PathBuf};
+
+use bevy::math::{Affine3A, Quat};
+use bevy::prelude::*;
+
+use super::edits::select_new;
+use super::files::CLIPBOARD;
+use super::view;
+use crate::app::editor::command::{Addition, AdditionKind};
+use crate::app::editor::history::Edit;
+use crate::app::editor::picking;
+use crate::app::editor::state::EditorState;
+use crate::color::Rgb;
+use crate::document::{Diagnostics, Severity, parse_str};
+use crate::engine::CurrentScene;
+use crate::scene::assets::scene_asset::load_document;
+use crate::scene::insert::{free_name, insert, names, next_order};
+use crate::scene::{
+    ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, MeshFile, MeshFormat, SceneDescription,
+    SceneId, Sensor, Shape, ShapeKind, ToWorld, read,
+};
+
+/// Of the scene's extent, half the size of something new.
+const SIZE_IN_SCENE: f32 = 0.06;
+
+pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), String> {
+    let state = edit.world.resource::<EditorState>();
+    let up = state.navigation.up;
+    let size = addition
+        .size
+        .unwrap_or_else(|| rounded(SIZE_IN_SCENE * state.navigation.scene_size));
+    let ground = addition.at.unwrap_or_else(|| ahead(edit.world));
+    // A light that is not placed hangs above what it shines on.
+    let above = addition.at.unwrap_or(ground + up * (4.0 * size));
+    let scale = Affine3A::from_scale(Vec3::splat(size));
+    let at = Affine3A::from_translation;
+    let facing = |direction| Affine3A::from_quat(Quat::from_rotation_arc(Vec3::Z, direction));
+    let order = DocumentOrder(next_order(edit.world));
+    let name = addition.name.as_deref().unwrap_or(addition.kind.name());
+    let name = free_name(&names(edit.world), name);
+    let called = (order, SceneId(name.clone()), Name::new(name));
+    let shape = |kind| Shape {
+        kind,
+        ..Shape::default()
+    };
+    let entity = match addition.kind {
+        AdditionKind::Sphere => {
+            let (center, radius) = (Vec3::ZERO, 1.0);
+            let pose = ToWorld(at(ground + up * size) * scale);
+            edit.spawn((called, shape(ShapeKind::Sphere { center, radius }), pose))
+        }
+        AdditionKind::Cube => {
+            let pose = ToWorld(at(ground + up * size) * scale);
+            edit.spawn((called, shape(ShapeKind::Cube), pose))
+        }
+        AdditionKind::Rectangle => {
+            let pose = ToWorld(at(ground) * facing(up) * scale);
+            edit.spawn((called, shape(ShapeKind::Rectangle), pose))
+        }
+        AdditionKind::Disk => {
+            let pose = ToWorld(at(ground) * facing(up) * scale);
+            edit.spawn((called, shape(ShapeKind::Disk), pose))
+        }
+        AdditionKind::Cylinder => {
+            let kind = ShapeKind::Cylinder {
+                p0: Vec3::ZERO,
+                p1: 2.0 * Vec3::Z,
+                radius: 1.0,
+            };
+            let pose = ToWorld(at(ground) * facing(up) * scale);
+            edit.spawn((called, shape(kind), pose))
+        }
+        AdditionKind::AreaLight => {
+            let pose = ToWorld(at(above) * facing(-up) * scale);
+            let light = AreaLight {
+                radiance: Rgb::splat(10.0).into(),
+                ..AreaLight::default()
+            };
+            edit.spawn((called, shape(ShapeKind::Rectangle), pose, light))
+        }
+        AdditionKind::Camera => {
+            let (pose, sensor, film) = camera(edit.world);
+            edit.spawn((called, sensor, film, ToWorld(pose)))
+        }
+        AdditionKind::Emitter(plugin) => {
+            let emitter = emitter(plugin, above.distance(ground).max(size))?;
+            let pose = match emitter.kind {
+                EmitterKind::Constant { .. } => Affine3A::IDENTITY,
+                EmitterKind::Environment { .. } => turned_up(up, Vec3::Y),
+                // Its sky is above its xy plane.
+                EmitterKind::SunSky(_) => turned_up(up, Vec3::Z),
+                EmitterKind::Directional { .. } => {
+                    let aslant = up.any_orthonormal_vector() * 0.5 - up;
+                    facing(aslant.normalize_or(-up))
+                }
+                _ => at(above) * facing(-up),
+            };
+            edit.spawn((called, emitter, ToWorld(pose)))
+        }
+    };
+    select_new(edit, vec![entity]);
+    Ok(())
+}
+
+/// One that lights what is `distance` world units away about as much as a white sky would.
+fn emitter(plugin: &'static str, distance: f32) -> Result<Emitter, String> {
+    let mut emitter = Emitter::of_plugin(plugin).ok_or_else(|| format!("There is no light called \"{plugin}\"."))?;
+    match &mut emitter.kind {
+        EmitterKind::Environment { .. } => {
+            return Err("An environment map comes with its picture: import that.".to_owned());
+        }
+        EmitterKind::Projector { .. } => {}
+        EmitterKind::Point { intensity } | EmitterKind::Spot { intensity, .. } => {
+            *intensity = Rgb::splat(rounded(std::f32::consts::PI * distance * distance));
+        }
+        EmitterKind::Directional { irradiance } => *irradiance = Rgb::splat(2.0),
+        EmitterKind::Constant { .. } | EmitterKind::SunSky(_) => {}
+    }
+    Ok(emitter)
+}
+
+/// The rotation that takes `from` to `up`.
+fn turned_up(up: Vec3, from: Vec3) -> Affine3A {
+    Affine3A::from_quat(Quat::from_rotation_arc(from, up))
+}
+
+/// To one digit.
+fn rounded(size: f32) -> f32 {
+    let size = f64::from(size.max(f32::MIN_POSITIVE));
+    let digit = 10f64.powf(size.log10().floor());
+    (((size / digit).round() * digit) as f32).max(f32::MIN_POSITIVE)
+}
+
+/// What is seen in the middle of the picture, or a point before the camera.
+fn ahead(world: &World) -> Vec3 {
+    let Some(pose) = view::view_pose(world) else {
+        return Vec3::ZERO;
+    };
+    let current = world.get_resource::<CurrentScene>();
+    let size = world.resource::<EditorState>().navigation.scene_size;
+    let distance = current.and_then(picking::distance_ahead).unwrap_or(0.5 * size);
+    let forward = Vec3::from(pose.matrix3.z_axis).normalize_or(Vec3::Z);
+    Vec3::from(pose.translation) + forward * distance
+}
+
+/// Where the view is, as the camera in use.
+fn camera(world: &World) -> (Affine3A, Sensor, Film) {
+    let active = world.resource::<ActiveSensor>().0;
+    let sensor = active
+        .and_then(|active| world.get::<Sensor>(active))
+        .copied()
+        .unwrap_or_default();
+    let film = active
+        .and_then(|active| world.get::<Film>(active))
+        .copied()
+        .unwrap_or_default();
+    (view::view_pose(world).unwrap_or_default(), sensor, film)
+}
+
+/// A file's content joins the scene.
+pub fn import(edit: &mut Edit, path: &Path) -> Result<(), String> {
+    let path = read::settle(path);
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if !path.is_file() {
+        return Err(format!("{}: there is no such file.", path.display()));
+    }
+    match extension.as_str() {
+        "obj" => add_mesh(edit, path, MeshFormat::Obj),
+        "ply" => add_mesh(edit, path, MeshFormat::Ply),
+        "serialized" => add_mesh(edit, path, MeshFormat::Serialized),
+        "hdr" | "exr" | "png" | "jpg" | "jpeg" | "pfm" => set_environment(edit, path),
+        "xml" | "gltf" | "glb" => {
+            let mut document = load_document(&path, &[]).map_err(|error| error.to_string())?;
+            let scene = read::read(&mut document);
+            insert_all(edit, without_cameras(scene), &document.diagnostics)?;
+        }
+        _ => {
+            return Err(format!(
+                "{}: not a file that can be imported (obj, ply, serialized, xml, gltf, glb, hdr, exr, png, jpg, pfm)",
+                path.display()
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The scene that they come into has its own.
+fn without_cameras(scene: SceneDescription) -> SceneDescription {
+    SceneDescription {
+        sensors: Vec::new(),
+        ..scene
+    }
+}
+
+fn add_mesh(edit: &mut Edit, path: PathBuf, format: MeshFormat) {
+    let stem = path
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .replace(['.', '$'], "-");
+    let name = free_name(&names(edit.world), if stem.is_empty() { "mesh" } else { &stem });
+    let mesh = ShapeKind::Mesh(MeshFile {
+        path,
+        format,
+        flip_tex_coords: format.flips_tex_coords(),
+        ..MeshFile::default()
+    });
+    let shape = Shape {
+        kind: mesh,
+        ..Shape::default()
+    };
+    let order = DocumentOrder(next_order(edit.world));
+    let entity = edit.spawn((order, SceneId(name.clone()), Name::new(name), shape));
+    select_new(edit, vec![entity]);
+}
+
+/// In place of the picture of the environment map that there is.
+fn set_environment(edit: &mut Edit, picture: PathBuf) {
+    let mut emitters = edit.world.query::<(Entity, &Emitter)>();
+    let known = emitters
+        .iter(edit.world)
+        .find(|(_, emitter)| matches!(emitter.kind, EmitterKind::Environment { .. }))
+        .map(|(entity, emitter)| (entity, emitter.clone()));
+    let entity = match known {
+        Some((entity, mut emitter)) => {
+            emitter.set_picture(picture);
+            edit.set(entity, emitter);
+            entity
+        }
+        None => {
+            let up = edit.world.resource::<EditorState>().navigation.up;
+            let emitter = Emitter::from(EmitterKind::Environment {
+                picture,
+                scale: 1.0,
+                mis_compensation: true,
+            });
+            let name = free_name(&names(edit.world), "environment");
+            let order = DocumentOrder(next_order(edit.world));
+            let pose = ToWorld(turned_up(up, Vec3::Y));
+            edit.spawn((order, SceneId(name.clone()), Name::new(name), emitter, pose))
+        }
+    };
+    select_new(edit, vec![entity]);
+}
+
+/// Plugins as XML: a whole scene, or single elements.
+pub fn paste(edit: &mut Edit, text: &str) -> Result<(), String> {
+    let text = text.trim();
+    if !text.starts_with('<') {
+        return Err("The clipboard holds no XML.".to_owned());
+    }
+    let is_scene = text.contains("<scene");
+    let text = if is_scene {
+        text.to_owned()
+    } else {
+        format!("<scene version=\"3.0.0\">{text}</scene>")
+    };
+    let mut document = parse_str(&text, Path::new(CLIPBOARD), &[]);
+    let scene = read::read(&mut document);
+    insert_all(edit, scene, &document.diagnostics)
+}
+
+fn insert_all(edit: &mut Edit, scene: SceneDescription, diagnostics: &Diagnostics) -> Result<(), String> {
+    if diagnostics.has_errors() {
+        let first = diagnostics
+            .list
+            .iter()
+            .find(|diagnostic| diagnostic.severity == Severity::Error);
+        return Err(first.map_or_else(String::new, |error| diagnostics.line(error)));
+    }
+    let inserted = insert(edit.world, &scene);
+    if inserted.all.is_empty() {
+        return Err("There is nothing in it.".to_owned());
+    }
+    edit.spawned(inserted.all);
+    select_new(edit, inserted.objects);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_one_digit() {
+        assert_eq!(rounded(0.0537), 0.05);
+        assert!((rounded(2371.0) - 2000.0).abs() < 1e-2);
+        assert!(rounded(0.0) > 0.0);
+    }
+}

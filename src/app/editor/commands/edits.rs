@@ -1,0 +1,331 @@
+//! Edits of the scene. Each goes through an [`Edit`], which remembers what was there.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+
+use super::{adding, view};
+use crate::app::editor::command::Command;
+use crate::app::editor::history::Edit;
+use crate::app::editor::selection::{Extend, Selection};
+use crate::scene::insert::{free_name, names, next_order};
+use crate::scene::{
+    AccelMethod, ActiveSensor, AreaLight, DeclaredIn, Declares, DocumentOrder, Emitter, FirstNested, FreeView, Hidden,
+    IntegratorSettings, Locked, Material, MaterialUsers, MemberOf, ObjectState, Placements, SamplerSettings, SceneId,
+    SecondNested, Sensor, Shape, Texture, ToWorld, UsesMaterial,
+};
+
+/// The error is a sentence for the user; the caller takes back what was done before it.
+pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
+    match command {
+        Command::Import(path) => adding::import(edit, &path)?,
+        Command::Paste(text) => adding::paste(edit, &text)?,
+        Command::Add(addition) => adding::add(edit, addition)?,
+        Command::Delete => delete_selection(edit)?,
+        Command::Cut => {
+            super::files::copy(edit.world)?;
+            delete_selection(edit)?;
+        }
+        Command::Duplicate => duplicate(edit)?,
+        Command::Rename(entity, name) => rename(edit, entity, &name)?,
+        Command::Reorder { moved, before } => reorder(edit, &moved, before),
+        Command::Group => group(edit)?,
+        Command::Hide(entities, hidden) => hide(edit, &entities, hidden),
+        Command::HideOthers => {
+            let selection = edit.world.resource::<Selection>().clone();
+            let others = visible_things(edit.world, |entity| !selection.contains(entity));
+            hide(edit, &others, true);
+        }
+        Command::ShowAll => {
+            let mut hidden = edit.world.query_filtered::<Entity, With<Hidden>>();
+            let hidden: Vec<Entity> = hidden.iter(edit.world).collect();
+            hide(edit, &hidden, false);
+        }
+        Command::Lock(entities, locked) => {
+            for entity in entities {
+                if locked {
+                    edit.set(entity, Locked);
+                } else {
+                    edit.remove::<Locked>(entity);
+                }
+            }
+        }
+        Command::MoveCameraToView => {
+            let sensor = edit.world.resource::<ActiveSensor>().0;
+            let (Some(sensor), Some(pose)) = (sensor, view::view_pose(edit.world)) else {
+                return Err("There is no camera.".to_owned());
+            };
+            edit.set(sensor, ToWorld(pose));
+            edit.world.insert_resource(FreeView(None));
+        }
+        Command::Transform(poses) => transform(edit, poses)?,
+        Command::SetShape(entity, shape) => edit.set(entity, shape),
+        Command::SetMaterial(entity, material) => edit.set(entity, *material),
+        Command::SetPicture { owner, parameter, path } => set_picture(edit, owner, parameter, &path),
+        Command::UseMaterial { shapes, material } => {
+            for shape in shapes {
+                match material {
+                    Some(material) if edit.world.get::<Shape>(shape).is_some() => {
+                        edit.set(shape, UsesMaterial(material))
+                    }
+                    _ => edit.remove::<UsesMaterial>(shape),
+                }
+            }
+        }
+        Command::GiveMaterial { shape } => {
+            let order = DocumentOrder(next_order(edit.world));
+            let name = free_name(&names(edit.world), "material");
+            let material = edit.spawn((Material::default(), order, Name::new(name)));
+            edit.set(shape, UsesMaterial(material));
+        }
+        Command::SetAreaLight(entity, light) => match light {
+            Some(light) => edit.set(entity, light),
+            None => edit.remove::<AreaLight>(entity),
+        },
+        Command::SetEmitter(entity, emitter) => edit.set(entity, emitter),
+        Command::SetSensor(entity, sensor) => edit.set(entity, sensor),
+        Command::SetFilm(entity, film) => edit.set(entity, film),
+        Command::SetIntegrator(settings) => super::set_resource::<IntegratorSettings>(edit.world, settings),
+        Command::SetSampler(settings) => super::set_resource::<SamplerSettings>(edit.world, settings),
+        Command::SetAccel(method) => super::set_resource::<AccelMethod>(edit.world, method),
+        // The others are no edits.
+        _ => {}
+    }
+    Ok(())
+}
+
+fn selected(edit: &Edit) -> Result<Vec<Entity>, String> {
+    let selection = edit.world.resource::<Selection>().entities();
+    let free: Vec<Entity> = selection
+        .iter()
+        .copied()
+        .filter(|entity| edit.world.get::<Locked>(*entity).is_none())
+        .collect();
+    match (selection.is_empty(), free.is_empty()) {
+        (true, _) => Err("Nothing is selected.".to_owned()),
+        (false, true) => Err("What is selected is locked.".to_owned()),
+        (false, false) => Ok(free),
+    }
+}
+
+fn delete_selection(edit: &mut Edit) -> Result<(), String> {
+    for entity in selected(edit)? {
+        delete(edit, entity);
+    }
+    edit.world.insert_resource(Selection::default());
+    Ok(())
+}
+
+/// With the materials that were written inside of it and that nobody else uses; whoever used it uses none then.
+fn delete(edit: &mut Edit, entity: Entity) {
+    let declared: Vec<Entity> = edit
+        .world
+        .get::<Declares>(entity)
+        .map(|declares| declares.iter().collect())
+        .unwrap_or_default();
+    let users: Vec<Entity> = edit
+        .world
+        .get::<MaterialUsers>(entity)
+        .map(|users| users.iter().collect())
+        .unwrap_or_default();
+    for user in users {
+        edit.remove::<UsesMaterial>(user);
+    }
+    for outer in outer_materials(edit.world, entity) {
+        if edit
+            .world
+            .get::<FirstNested>(outer)
+            .is_some_and(|nested| nested.0 == entity)
+        {
+            edit.remove::<FirstNested>(outer);
+        }
+        if edit
+            .world
+            .get::<SecondNested>(outer)
+            .is_some_and(|nested| nested.0 == entity)
+        {
+            edit.remove::<SecondNested>(outer);
+        }
+    }
+    edit.delete(entity);
+    for material in declared {
+        let is_used = edit
+            .world
+            .get::<MaterialUsers>(material)
+            .is_some_and(|users| !users.is_empty())
+            || !outer_materials(edit.world, material).is_empty();
+        if is_used {
+            // It stands for itself from now on.
+            edit.remove::<DeclaredIn>(material);
+        } else {
+            delete(edit, material);
+        }
+    }
+}
+
+/// The materials that this one is nested in.
+fn outer_materials(world: &mut World, material: Entity) -> Vec<Entity> {
+    let mut all = world.query_filtered::<(Entity, Option<&FirstNested>, Option<&SecondNested>), With<Material>>();
+    all.iter(world)
+        .filter(|(_, first, second)| {
+            first.is_some_and(|nested| nested.0 == material) || second.is_some_and(|nested| nested.0 == material)
+        })
+        .map(|(entity, ..)| entity)
+        .collect()
+}
+
+/// Copies use the same materials and groups; they are selected then.
+fn duplicate(edit: &mut Edit) -> Result<(), String> {
+    let mut taken = names(edit.world);
+    let mut order = next_order(edit.world);
+    let mut copies = Vec::new();
+    for original in selected(edit)? {
+        let mut state = ObjectState::of(edit.world, original);
+        if state.placements.is_some() {
+            return Err("So many instances cannot be doubled.".to_owned());
+        }
+        let name = state.name.as_ref().map_or("copy", |name| name.as_str());
+        let name = free_name(&taken, name);
+        taken.insert(name.clone());
+        state.id = Some(SceneId(name.clone()));
+        state.name = Some(Name::new(name));
+        state.order = Some(DocumentOrder(order));
+        state.declared_in = None;
+        order = order.saturating_add(1);
+        let copy = edit.spawn(());
+        state.write(edit.world, copy);
+        copies.push(copy);
+    }
+    edit.world.insert_resource(Selection::of(copies));
+    Ok(())
+}
+
+fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), String> {
+    let name = name.trim();
+    if name.is_empty() {
+        edit.remove::<SceneId>(entity);
+        return Ok(());
+    }
+    if edit
+        .world
+        .get::<Name>(entity)
+        .is_some_and(|known| known.as_str() == name)
+    {
+        return Ok(());
+    }
+    if let Some(wrong) = name.chars().find(|c| c.is_control() || "$.\"<>&".contains(*c)) {
+        return Err(format!("Names cannot have {wrong:?} in them."));
+    }
+    if names(edit.world).contains(name) {
+        return Err(format!("There is something called \"{name}\" already."));
+    }
+    edit.set(entity, SceneId(name.to_owned()));
+    edit.set(entity, Name::new(name.to_owned()));
+    Ok(())
+}
+
+/// Folders are written as the part of names before the last `/`.
+fn group(edit: &mut Edit) -> Result<(), String> {
+    let members = selected(edit)?;
+    let taken = names(edit.world);
+    let folders: HashSet<String> = taken
+        .iter()
+        .filter_map(|name| Some(name.split_once('/')?.0.to_owned()))
+        .collect();
+    let folder = free_name(&folders, "group");
+    for member in members {
+        let name = edit
+            .world
+            .get::<Name>(member)
+            .map_or_else(String::new, |name| name.as_str().to_owned());
+        let leaf = name.rsplit('/').next().unwrap_or_default().to_owned();
+        let name = free_name(&names(edit.world), &format!("{folder}/{leaf}"));
+        edit.set(member, SceneId(name.clone()));
+        edit.set(member, Name::new(name));
+    }
+    Ok(())
+}
+
+/// Only the places between the first and the last of those concerned are dealt out anew.
+fn reorder(edit: &mut Edit, moved: &[Entity], before: Option<Entity>) {
+    let mut all = edit.world.query::<(&DocumentOrder, Entity)>();
+    let mut all: Vec<(DocumentOrder, Entity)> = all.iter(edit.world).map(|(order, entity)| (*order, entity)).collect();
+    all.sort();
+    let places: Vec<DocumentOrder> = all.iter().map(|(order, _)| *order).collect();
+    let mut sequence: Vec<Entity> = all.into_iter().map(|(_, entity)| entity).collect();
+    let old = sequence.clone();
+    let moved: Vec<Entity> = moved
+        .iter()
+        .copied()
+        .filter(|entity| old.contains(entity) && Some(*entity) != before)
+        .collect();
+    sequence.retain(|entity| !moved.contains(entity));
+    let place = before.and_then(|before| sequence.iter().position(|entity| *entity == before));
+    let place = place.unwrap_or(sequence.len());
+    sequence.splice(place..place, moved);
+    for (entity, place) in sequence.into_iter().zip(places) {
+        edit.set(entity, place);
+    }
+}
+
+/// Shapes of the world and lights.
+fn visible_things(world: &mut World, mut wanted: impl FnMut(Entity) -> bool) -> Vec<Entity> {
+    let mut things =
+        world.query_filtered::<Entity, (Or<(With<Shape>, With<Emitter>)>, Without<Hidden>, Without<MemberOf>)>();
+    things.iter(world).filter(|entity| wanted(*entity)).collect()
+}
+
+fn hide(edit: &mut Edit, entities: &[Entity], hidden: bool) {
+    for &entity in entities {
+        let can_be = edit.world.get::<Shape>(entity).is_some() || edit.world.get::<Emitter>(entity).is_some();
+        match (hidden, can_be) {
+            (true, true) => edit.set(entity, Hidden),
+            (true, false) => {}
+            (false, _) => edit.remove::<Hidden>(entity),
+        }
+    }
+}
+
+fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), String> {
+    for (entity, pose) in poses {
+        if edit.world.get::<Placements>(entity).is_some() {
+            return Err("So many instances stay where the file has them.".into());
+        }
+        if !pose.is_finite() || edit.world.get::<Locked>(entity).is_some() {
+            continue;
+        }
+        edit.set(entity, ToWorld(pose));
+        // The one who moves the camera wants to see from there.
+        if edit.world.resource::<ActiveSensor>().0 == Some(entity) && edit.world.get::<Sensor>(entity).is_some() {
+            edit.world.insert_resource(FreeView(None));
+        }
+    }
+    Ok(())
+}
+
+/// Looked at as the picture before it; other textures become a plain picture. Lights have one parameter that may be a picture.
+fn set_picture(edit: &mut Edit, owner: Entity, parameter: &str, path: &Path) {
+    if let Some(mut edited) = edit.world.get::<Material>(owner).cloned() {
+        edited.visit_textures(|name, texture| {
+            if name == parameter {
+                *texture = Texture::of_picture(path.to_owned(), Some(texture));
+            }
+        });
+        edit.set(owner, edited);
+    }
+    if let Some(mut edited) = edit.world.get::<AreaLight>(owner).cloned() {
+        edited.radiance.set_picture(path.to_owned());
+        edit.set(owner, edited);
+    }
+    if let Some(mut edited) = edit.world.get::<Emitter>(owner).cloned() {
+        edited.set_picture(path.to_owned());
+        edit.set(owner, edited);
+    }
+}
+
+/// Selects what an edit has made.
+pub fn select_new(edit: &mut Edit, made: Vec<Entity>) {
+    edit.world.resource_mut::<Selection>().extend(made, Extend::Replace);
+}

@@ -1,0 +1,85 @@
+//! Scenes and pictures to and from files, and the clipboard.
+
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::*;
+
+use crate::app::editor::command::FileDialogKind;
+use crate::app::editor::denoiser::Denoiser;
+use crate::app::editor::history::History;
+use crate::app::editor::options::SceneDefines;
+use crate::app::editor::selection::Selection;
+use crate::app::editor::state::EditorState;
+use crate::document;
+use crate::engine::{RenderFilm, RenderState, RenderStatus};
+use crate::render::image_io::{ImageRgb, write_image};
+use crate::scene::{self, OpenScene, SceneState, SceneStatus, insert, write};
+
+/// Where texts of the clipboard stand: files in them are named in full.
+pub const CLIPBOARD: &str = "/clipboard.xml";
+
+pub fn new_scene(world: &mut World) {
+    scene::new_scene(world);
+    world.resource_mut::<History>().clear();
+}
+
+pub fn open_scene(world: &mut World, path: PathBuf) {
+    let defines = world.resource::<SceneDefines>().0.clone();
+    world.write_message(OpenScene { path, defines });
+}
+
+pub fn save(world: &mut World) -> Result<(), String> {
+    let status = world.resource::<SceneStatus>();
+    match status.path.clone().filter(|_| status.state != SceneState::Failed) {
+        Some(path) => save_scene(world, &path),
+        None => {
+            world.resource_mut::<EditorState>().dialog = Some(FileDialogKind::SaveScene);
+            Ok(())
+        }
+    }
+}
+
+pub fn save_scene(world: &mut World, path: &Path) -> Result<(), String> {
+    write::save(world, path).map_err(|error| error.to_string())?;
+    world.resource_mut::<History>().note_saved();
+    world
+        .resource_mut::<EditorState>()
+        .say(format!("Saved {}", path.display()));
+    Ok(())
+}
+
+/// The denoised picture if that is what is shown.
+pub fn save_image(world: &mut World, path: &Path) -> Result<(), String> {
+    if world.resource::<RenderStatus>().state == RenderState::Idle {
+        return Err("There is no picture to save.".to_owned());
+    }
+    let film = &world.resource::<RenderFilm>().film;
+    let pixels = match world.resource::<Denoiser>().picture() {
+        Some(denoised) => denoised.radiance.clone(),
+        None => film.radiance(),
+    };
+    let image = ImageRgb {
+        width: film.width(),
+        height: film.height(),
+        pixels,
+    };
+    let display = world.resource::<EditorState>().display.tone();
+    write_image(path, &image, &display).map_err(|error| error.to_string())?;
+    world
+        .resource_mut::<EditorState>()
+        .say(format!("Saved {}", path.display()));
+    Ok(())
+}
+
+/// The selection as XML text, handed to the clipboard by the window.
+pub fn copy(world: &mut World) -> Result<(), String> {
+    let selected = world.resource::<Selection>().entities().to_vec();
+    if selected.is_empty() {
+        return Err("Nothing is selected.".to_owned());
+    }
+    let part = insert::describe_part(world, &selected);
+    let document = write::to_document(&part, Path::new(CLIPBOARD));
+    let text = document::to_xml(&document).map_err(|error| error.to_string())?;
+    world.resource_mut::<EditorState>().clipboard = Some(text);
+    Ok(())
+}

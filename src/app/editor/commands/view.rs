@@ -1,0 +1,125 @@
+//! From where the scene is looked at, and how it is shown.
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+
+use super::{control, set_resource};
+use crate::app::editor::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::selection::Selection;
+use crate::app::editor::state::EditorState;
+use crate::app::editor::{navigation, picking};
+use crate::engine::{CurrentScene, ViewMode};
+use crate::math::Aabb;
+use crate::scene::{ActiveSensor, FreeView, Lens, Sensor, ToWorld};
+
+/// The pose of the camera in use, flown away or not: world from camera.
+pub fn camera_pose(active: &ActiveSensor, free: &FreeView, poses: &Query<&ToWorld>) -> Option<Affine3A> {
+    let sensor = poses.get(active.0?).ok()?;
+    Some(free.0.unwrap_or(sensor.0))
+}
+
+/// The same from the world.
+pub fn view_pose(world: &World) -> Option<Affine3A> {
+    let sensor = world.resource::<ActiveSensor>().0?;
+    let own = world.get::<ToWorld>(sensor)?.0;
+    Some(world.resource::<FreeView>().0.unwrap_or(own))
+}
+
+pub fn move_view(world: &mut World, pose: Affine3A) {
+    if let Some(sensor) = world.resource::<ActiveSensor>().0 {
+        let pose = with_extent_of(world, sensor, pose);
+        set_view(world, pose);
+    }
+}
+
+fn set_view(world: &mut World, pose: Affine3A) {
+    set_resource(world, FreeView(Some(pose)));
+}
+
+pub fn look_through(world: &mut World, sensor: Entity) {
+    if world.get::<Sensor>(sensor).is_some() {
+        look_through_first(world, Some(sensor));
+    }
+}
+
+/// As [`look_through`]; None looks through no camera.
+pub fn look_through_first(world: &mut World, sensor: Option<Entity>) {
+    let pose = sensor.and_then(|sensor| world.get::<ToWorld>(sensor)).copied();
+    if let Some(ToWorld(pose)) = pose {
+        world.resource_mut::<EditorState>().navigation.up = navigation::up_axis(&pose);
+    }
+    set_resource(world, ActiveSensor(sensor));
+    set_resource(world, FreeView(None));
+}
+
+pub fn frame_selection(world: &mut World) -> Result<(), String> {
+    let current = world.resource::<CurrentScene>();
+    let selection = world.resource::<Selection>().entities();
+    let bounds = selection.iter().filter_map(|entity| {
+        picking::bounds_of(current, *entity).or_else(|| {
+            // A light or a camera: where it is.
+            let place = Vec3::from(world.get::<ToWorld>(*entity)?.0.translation);
+            let half = 0.05 * world.resource::<EditorState>().navigation.scene_size;
+            Some(Aabb::from_points([place - half, place + half]))
+        })
+    });
+    let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
+    if bounds.is_empty() {
+        return Err("Nothing that is in the picture is selected.".to_owned());
+    }
+    frame(world, bounds);
+    Ok(())
+}
+
+pub fn frame_all(world: &mut World) -> Result<(), String> {
+    let bounds = picking::scene_bounds(world.resource::<CurrentScene>());
+    frame(world, bounds.ok_or("The scene is empty.")?);
+    Ok(())
+}
+
+fn frame(world: &mut World, bounds: Aabb) {
+    let (Some(sensor), Some(pose)) = (world.resource::<ActiveSensor>().0, view_pose(world)) else {
+        return;
+    };
+    let view = world.resource::<CurrentScene>().view.as_ref();
+    let half_fov = view.map_or(0.3, |view| picking::half_fov(&view.camera));
+    let aspect = view.map_or(1.0, |view| view.width as f32 / view.height as f32);
+    let framed = if is_orthographic(world, sensor) {
+        navigation::framing_parallel(pose, &bounds, aspect)
+    } else {
+        navigation::framing(pose, &bounds, half_fov)
+    };
+    if let Some(pose) = framed {
+        set_view(world, pose);
+    }
+}
+
+fn is_orthographic(world: &World, sensor: Entity) -> bool {
+    let lens = world.get::<Sensor>(sensor).map(|sensor| sensor.lens);
+    lens == Some(Lens::Orthographic)
+}
+
+/// The pose with the scale that an orthographic camera has now: flying does not change how much it sees.
+fn with_extent_of(world: &World, sensor: Entity, pose: Affine3A) -> Affine3A {
+    match view_pose(world) {
+        Some(now) if is_orthographic(world, sensor) => {
+            let axes = now.matrix3;
+            let extent = Vec3::new(axes.x_axis.length(), axes.y_axis.length(), axes.z_axis.length());
+            pose * Affine3A::from_scale(extent)
+        }
+        _ => pose,
+    }
+}
+
+pub fn set_display(world: &mut World, display: DisplaySettings) {
+    let display = DisplaySettings {
+        exposure: display.exposure.clamp(-20.0, 20.0),
+        ..display
+    };
+    world.resource_mut::<EditorState>().display = display;
+    let view_mode = match display.mode {
+        DisplayMode::BvhSteps => ViewMode::BvhSteps,
+        _ => ViewMode::Path,
+    };
+    control(world, |control| control.view_mode = view_mode);
+}

@@ -1,0 +1,282 @@
+//! Things that come into a scene that is there: what a description has, as if it had been made in the editor; and descriptions of a part.
+
+use std::collections::HashSet;
+
+use bevy::prelude::*;
+
+use super::description::{DeclarationPlace, Identity, SceneDescription};
+use super::write::gather::describe_entities;
+use super::{
+    DeclaredIn, DocumentOrder, FirstNested, InstanceOf, MemberOf, SceneId, SecondNested, ShapeGroup, ToWorld,
+    UsesMaterial,
+};
+
+/// What [`insert`] has made.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Inserted {
+    /// All of it.
+    pub all: Vec<Entity>,
+    /// What stands for itself: shapes of the world, lights and cameras; materials, if there is nothing else.
+    pub objects: Vec<Entity>,
+}
+
+/// The place after everything that there is.
+pub fn next_order(world: &mut World) -> u32 {
+    let last = world.query::<&DocumentOrder>().iter(world).map(|order| order.0).max();
+    last.map_or(0, |last| last.saturating_add(1))
+}
+
+/// `wanted`, with a number where something is already called that.
+pub fn free_name(taken: &HashSet<String>, wanted: &str) -> String {
+    if !taken.contains(wanted) {
+        return wanted.to_owned();
+    }
+    let (stem, number) = match wanted.rsplit_once('-') {
+        Some((stem, number)) => match number.parse::<u32>() {
+            Ok(number) => (stem, number),
+            Err(_) => (wanted, 1),
+        },
+        None => (wanted, 1),
+    };
+    let mut next = number;
+    loop {
+        next = next.saturating_add(1);
+        let name = format!("{stem}-{next}");
+        if !taken.contains(&name) || next == u32::MAX {
+            return name;
+        }
+    }
+}
+
+/// The names of all that is in the scene.
+pub fn names(world: &mut World) -> HashSet<String> {
+    let mut query = world.query_filtered::<(Option<&SceneId>, Option<&Name>), With<DocumentOrder>>();
+    let mut names = HashSet::new();
+    for (id, name) in query.iter(world) {
+        names.extend(id.map(|id| id.0.clone()));
+        names.extend(name.map(|name| name.as_str().to_owned()));
+    }
+    names
+}
+
+/// Adds everything but settings. Ids that are taken get numbers; of sensors their films come along.
+pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
+    let mut order = next_order(world);
+    let mut taken = names(world);
+    let mut inserted = Inserted::default();
+    let mut spawn = |world: &mut World, identity: &Identity| {
+        let entity = world.spawn(DocumentOrder(order)).id();
+        order = order.saturating_add(1);
+        let name = match &identity.id {
+            Some(id) => {
+                let id = free_name(&taken, id);
+                world.entity_mut(entity).insert(SceneId(id.clone()));
+                id
+            }
+            None => identity.name.clone(),
+        };
+        taken.insert(name.clone());
+        world.entity_mut(entity).insert(Name::new(name));
+        inserted.all.push(entity);
+        entity
+    };
+    let mut materials = Vec::with_capacity(scene.materials.len());
+    for material in &scene.materials {
+        let entity = spawn(world, &material.identity);
+        world.entity_mut(entity).insert(material.material.clone());
+        materials.push(entity);
+    }
+    let mut groups = Vec::with_capacity(scene.groups.len());
+    for group in &scene.groups {
+        let entity = spawn(world, &group.identity);
+        world.entity_mut(entity).insert(ShapeGroup);
+        groups.push(entity);
+    }
+    let mut shapes = Vec::with_capacity(scene.shapes.len());
+    for shape in &scene.shapes {
+        let entity = spawn(world, &shape.identity);
+        let mut shown = world.entity_mut(entity);
+        shown.insert((shape.shape.clone(), ToWorld(shape.to_world)));
+        if let Some(light) = &shape.area_light {
+            shown.insert(light.clone());
+        }
+        if let Some(material) = shape.material {
+            shown.insert(UsesMaterial(materials[material]));
+        }
+        if let Some(group) = shape.member_of {
+            shown.insert(MemberOf(groups[group]));
+        }
+        if let Some(group) = shape.instance_of {
+            shown.insert(InstanceOf(groups[group]));
+        }
+        shapes.push(entity);
+    }
+    for (material, &entity) in scene.materials.iter().zip(&materials) {
+        let mut nesting = world.entity_mut(entity);
+        if let Some(first) = material.first {
+            nesting.insert(FirstNested(materials[first]));
+        }
+        if let Some(second) = material.second {
+            nesting.insert(SecondNested(materials[second]));
+        }
+        let owner = match material.declared_in {
+            DeclarationPlace::TopLevel => None,
+            DeclarationPlace::Shape(index) => shapes.get(index),
+            DeclarationPlace::Material(index) => materials.get(index),
+        };
+        if let Some(owner) = owner {
+            nesting.insert(DeclaredIn(*owner));
+        }
+    }
+    let mut objects: Vec<Entity> = scene
+        .shapes
+        .iter()
+        .zip(&shapes)
+        .filter(|(shape, _)| shape.member_of.is_none())
+        .map(|(_, entity)| *entity)
+        .collect();
+    for emitter in &scene.emitters {
+        let entity = spawn(world, &emitter.identity);
+        let light = (emitter.emitter.clone(), ToWorld(emitter.to_world));
+        world.entity_mut(entity).insert(light);
+        objects.push(entity);
+    }
+    for sensor in &scene.sensors {
+        let entity = spawn(world, &sensor.identity);
+        let camera = (sensor.sensor, sensor.film, ToWorld(sensor.to_world));
+        world.entity_mut(entity).insert(camera);
+        objects.push(entity);
+    }
+    if objects.is_empty() {
+        let is_outermost = |place| place == DeclarationPlace::TopLevel;
+        let outermost = scene.materials.iter().zip(&materials);
+        objects.extend(
+            outermost
+                .filter(|(material, _)| is_outermost(material.declared_in))
+                .map(|(_, entity)| *entity),
+        );
+    }
+    inserted.objects = objects;
+    inserted
+}
+
+/// These things with all that they refer to, and nothing else: of materials, groups and their members only what is needed. What the file said of
+/// them is left behind.
+pub fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescription {
+    let (whole, entities) = describe_entities(world);
+    let is_wanted = |entity: &Entity| wanted.contains(entity);
+    let mut is_group_used = vec![false; whole.groups.len()];
+    for (shape, entity) in whole.shapes.iter().zip(&entities.shapes) {
+        if let Some(group) = shape.instance_of.filter(|_| is_wanted(entity)) {
+            is_group_used[group] = true;
+        }
+    }
+    let is_shape_used: Vec<bool> = whole
+        .shapes
+        .iter()
+        .zip(&entities.shapes)
+        .map(|(shape, entity)| is_wanted(entity) || shape.member_of.is_some_and(|group| is_group_used[group]))
+        .collect();
+    let mut is_material_used: Vec<bool> = entities.materials.iter().map(is_wanted).collect();
+    for (shape, _) in whole.shapes.iter().zip(&is_shape_used).filter(|(_, used)| **used) {
+        if let Some(material) = shape.material {
+            is_material_used[material] = true;
+        }
+    }
+    // Nested materials stand before those they are in, or behind: until nothing is added.
+    loop {
+        let before = is_material_used.clone();
+        for (material, _) in whole.materials.iter().zip(&before).filter(|(_, used)| **used) {
+            for nested in material.first.into_iter().chain(material.second) {
+                is_material_used[nested] = true;
+            }
+        }
+        if is_material_used == before {
+            break;
+        }
+    }
+    let (material_at, group_at, shape_at) = (
+        places(&is_material_used),
+        places(&is_group_used),
+        places(&is_shape_used),
+    );
+    let unwritten = |identity: Identity| Identity {
+        authored: None,
+        ..identity
+    };
+    let mut part = SceneDescription::default();
+    part.materials = kept(whole.materials, &is_material_used)
+        .map(|mut material| {
+            material.identity = unwritten(material.identity);
+            material.first = material.first.and_then(|index| material_at[index]);
+            material.second = material.second.and_then(|index| material_at[index]);
+            let place = match material.declared_in {
+                DeclarationPlace::TopLevel => None,
+                DeclarationPlace::Shape(index) => shape_at[index].map(DeclarationPlace::Shape),
+                DeclarationPlace::Material(index) => material_at[index].map(DeclarationPlace::Material),
+            };
+            material.declared_in = place.unwrap_or(DeclarationPlace::TopLevel);
+            material
+        })
+        .collect();
+    part.groups = kept(whole.groups, &is_group_used)
+        .map(|mut group| {
+            group.identity = unwritten(group.identity);
+            group
+        })
+        .collect();
+    part.shapes = kept(whole.shapes, &is_shape_used)
+        .map(|mut shape| {
+            shape.identity = unwritten(shape.identity);
+            shape.material = shape.material.and_then(|index| material_at[index]);
+            shape.member_of = shape.member_of.and_then(|index| group_at[index]);
+            shape.instance_of = shape.instance_of.and_then(|index| group_at[index]);
+            // Written out, very many instances would be very many elements.
+            shape.placements = None;
+            shape
+        })
+        .collect();
+    let is_emitter_used: Vec<bool> = entities.emitters.iter().map(is_wanted).collect();
+    part.emitters = kept(whole.emitters, &is_emitter_used)
+        .map(|mut emitter| {
+            emitter.identity = unwritten(emitter.identity);
+            emitter
+        })
+        .collect();
+    let is_sensor_used: Vec<bool> = entities.sensors.iter().map(is_wanted).collect();
+    part.sensors = kept(whole.sensors, &is_sensor_used)
+        .map(|mut sensor| {
+            sensor.identity = unwritten(sensor.identity);
+            sensor
+        })
+        .collect();
+    part
+}
+
+fn kept<'a, T: 'a>(all: Vec<T>, is_used: &'a [bool]) -> impl Iterator<Item = T> + 'a {
+    let used = all.into_iter().zip(is_used).filter(|(_, used)| **used);
+    used.map(|(item, _)| item)
+}
+
+/// Where each of the used ones stands among them.
+fn places(is_used: &[bool]) -> Vec<Option<usize>> {
+    let mut next = 0..;
+    is_used
+        .iter()
+        .map(|used| if *used { next.next() } else { None })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_are_taken_get_the_next_number() {
+        let taken = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<HashSet<_>>();
+        assert_eq!(free_name(&taken(&[]), "ball"), "ball");
+        assert_eq!(free_name(&taken(&["ball"]), "ball"), "ball-2");
+        assert_eq!(free_name(&taken(&["ball", "ball-2"]), "ball-2"), "ball-3");
+        assert_eq!(free_name(&taken(&["a-b"]), "a-b"), "a-b-2");
+    }
+}

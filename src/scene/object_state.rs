@@ -1,0 +1,175 @@
+//! All that the scene says of one entity, as one value: what an edit remembers to be taken back, and what a reload compares.
+//!
+//! Handles of meshes and pictures are not part of it (they follow the components that name files), nor is [`super::Authored`]: what the file
+//! says of an entity is no edit of it.
+
+use bevy::prelude::*;
+
+use super::{
+    AreaLight, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, Hidden, InstanceOf, Locked, Material, MemberOf,
+    Placements, SceneId, SecondNested, Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
+};
+
+macro_rules! object_state {
+    ($($field:ident: $component:ty,)*) => {
+        /// The components of an entity; None is the absence of one. All None: the entity is not (or no longer) in the scene.
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub struct ObjectState {
+            $(pub $field: Option<$component>,)*
+        }
+
+        impl ObjectState {
+            /// Empty for an entity that does not exist.
+            pub fn of(world: &World, entity: Entity) -> Self {
+                let Ok(entity) = world.get_entity(entity) else {
+                    return Self::default();
+                };
+                Self {
+                    $($field: entity.get::<$component>().cloned(),)*
+                }
+            }
+
+            /// Gives the entity these components and no others of these types; writes only what differs.
+            pub fn write(&self, world: &mut World, entity: Entity) {
+                $(write_component(world, entity, &self.$field);)*
+            }
+
+            /// Three states into one: what `theirs` changed since `base` is taken over, what they left alone stays as `ours` has it.
+            pub fn merged(base: &Self, theirs: &Self, ours: &Self) -> Merged {
+                let mut merged = Merged {
+                    state: ours.clone(),
+                    ..Merged::default()
+                };
+                $(
+                    if !Self::is_order(stringify!($field)) {
+                        if theirs.$field != base.$field {
+                            merged.replaced |= ours.$field != base.$field && ours.$field != theirs.$field;
+                            merged.state.$field.clone_from(&theirs.$field);
+                        } else {
+                            merged.kept |= ours.$field != base.$field;
+                        }
+                    }
+                )*
+                merged
+            }
+        }
+    };
+}
+
+object_state! {
+    order: DocumentOrder,
+    id: SceneId,
+    name: Name,
+    to_world: ToWorld,
+    shape: Shape,
+    material: Material,
+    emitter: Emitter,
+    sensor: Sensor,
+    film: Film,
+    group: ShapeGroup,
+    uses: UsesMaterial,
+    area_light: AreaLight,
+    first: FirstNested,
+    second: SecondNested,
+    declared_in: DeclaredIn,
+    member_of: MemberOf,
+    instance_of: InstanceOf,
+    placements: Placements,
+    hidden: Hidden,
+    locked: Locked,
+}
+
+/// What came of three states.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Merged {
+    pub state: ObjectState,
+    /// Something is as the editor left it, against the file.
+    pub kept: bool,
+    /// Something was edited on both sides; the file won.
+    pub replaced: bool,
+}
+
+impl ObjectState {
+    fn is_order(field: &str) -> bool {
+        field == "order"
+    }
+
+    /// Whether there is a thing at all.
+    pub fn is_there(&self) -> bool {
+        self.shape.is_some()
+            || self.material.is_some()
+            || self.emitter.is_some()
+            || self.sensor.is_some()
+            || self.group.is_some()
+    }
+}
+
+/// By insertion, since relationships cannot be changed in place.
+fn write_component<C: Component + Clone + PartialEq>(world: &mut World, entity: Entity, value: &Option<C>) {
+    let Ok(mut entity) = world.get_entity_mut(entity) else {
+        return;
+    };
+    if entity.get::<C>() == value.as_ref() {
+        return;
+    }
+    match value {
+        Some(value) => {
+            entity.insert(value.clone());
+        }
+        None => {
+            entity.remove::<C>();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::ShapeKind;
+
+    fn ball(radius: f32) -> Option<Shape> {
+        let kind = ShapeKind::Sphere {
+            center: Vec3::ZERO,
+            radius,
+        };
+        Some(Shape {
+            kind,
+            ..Shape::default()
+        })
+    }
+
+    #[test]
+    fn what_was_taken_away_comes_back() {
+        let mut world = World::new();
+        let material = world.spawn(Material::default()).id();
+        let shape = world
+            .spawn((
+                ball(1.0).unwrap_or_default(),
+                ToWorld::default(),
+                UsesMaterial(material),
+            ))
+            .id();
+        let before = ObjectState::of(&world, shape);
+        ObjectState::default().write(&mut world, shape);
+        assert!(!ObjectState::of(&world, shape).is_there());
+        assert!(world.get::<crate::scene::MaterialUsers>(material).is_none());
+        before.write(&mut world, shape);
+        assert_eq!(ObjectState::of(&world, shape), before);
+        assert!(world.get::<crate::scene::MaterialUsers>(material).is_some());
+    }
+
+    #[test]
+    fn each_side_of_a_merge_keeps_what_it_alone_changed() {
+        let state = |radius, x: f32| ObjectState {
+            shape: ball(radius),
+            to_world: Some(ToWorld(bevy::math::Affine3A::from_translation(Vec3::X * x))),
+            ..ObjectState::default()
+        };
+        let merged = ObjectState::merged(&state(1.0, 0.0), &state(2.0, 0.0), &state(1.0, 5.0));
+        assert_eq!(merged.state, state(2.0, 5.0));
+        assert!(merged.kept && !merged.replaced);
+        let both = ObjectState::merged(&state(1.0, 0.0), &state(2.0, 0.0), &state(3.0, 0.0));
+        assert_eq!(both.state, state(2.0, 0.0));
+        assert!(both.replaced && !both.kept);
+    }
+}
