@@ -41,11 +41,15 @@ struct Shown<T> {
 type Panel<T> = fn(&mut Ui, &T, &mut Vec<Command>);
 
 fn show<T: 'static>(given: T, panel: Panel<T>) -> Harness<'static, Shown<T>> {
+    show_at(340.0, given, panel)
+}
+
+fn show_at<T: 'static>(width: f32, given: T, panel: Panel<T>) -> Harness<'static, Shown<T>> {
     let shown = Shown {
         given,
         commands: Vec::new(),
     };
-    let mut harness = Harness::builder().with_size(egui::vec2(340.0, 900.0)).build_ui_state(
+    let mut harness = Harness::builder().with_size(egui::vec2(width, 900.0)).build_ui_state(
         move |ui, shown: &mut Shown<T>| panel(ui, &shown.given, &mut shown.commands),
         shown,
     );
@@ -626,7 +630,7 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
         }),
         ..Model::default()
     };
-    show(model, |ui, model, commands| {
+    show_at(640.0, model, |ui, model, commands| {
         let state = MenuState {
             context: ActionContext {
                 display: DisplaySettings::default(),

@@ -204,8 +204,7 @@ pub fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescription {
         authored: None,
         ..identity
     };
-    let mut part = SceneDescription::default();
-    part.materials = kept(whole.materials, &is_material_used)
+    let materials = kept(whole.materials, &is_material_used)
         .map(|mut material| {
             material.identity = unwritten(material.identity);
             material.first = material.first.and_then(|index| material_at[index]);
@@ -219,13 +218,13 @@ pub fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescription {
             material
         })
         .collect();
-    part.groups = kept(whole.groups, &is_group_used)
+    let groups = kept(whole.groups, &is_group_used)
         .map(|mut group| {
             group.identity = unwritten(group.identity);
             group
         })
         .collect();
-    part.shapes = kept(whole.shapes, &is_shape_used)
+    let shapes = kept(whole.shapes, &is_shape_used)
         .map(|mut shape| {
             shape.identity = unwritten(shape.identity);
             shape.material = shape.material.and_then(|index| material_at[index]);
@@ -237,20 +236,27 @@ pub fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescription {
         })
         .collect();
     let is_emitter_used: Vec<bool> = entities.emitters.iter().map(is_wanted).collect();
-    part.emitters = kept(whole.emitters, &is_emitter_used)
+    let emitters = kept(whole.emitters, &is_emitter_used)
         .map(|mut emitter| {
             emitter.identity = unwritten(emitter.identity);
             emitter
         })
         .collect();
     let is_sensor_used: Vec<bool> = entities.sensors.iter().map(is_wanted).collect();
-    part.sensors = kept(whole.sensors, &is_sensor_used)
+    let sensors = kept(whole.sensors, &is_sensor_used)
         .map(|mut sensor| {
             sensor.identity = unwritten(sensor.identity);
             sensor
         })
         .collect();
-    part
+    SceneDescription {
+        materials,
+        groups,
+        shapes,
+        emitters,
+        sensors,
+        ..SceneDescription::default()
+    }
 }
 
 fn kept<'a, T: 'a>(all: Vec<T>, is_used: &'a [bool]) -> impl Iterator<Item = T> + 'a {

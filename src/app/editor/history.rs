@@ -258,10 +258,10 @@ impl<'w> Edit<'w> {
     }
 }
 
-/// False if there is nothing to undo.
-pub fn undo(world: &mut World) -> bool {
+/// An error, in words, if there is nothing to undo.
+pub fn undo(world: &mut World) -> Result<(), &'static str> {
     let Some(mut entry) = world.resource_mut::<History>().done.pop() else {
-        return false;
+        return Err("There is nothing to undo.");
     };
     for change in entry.changes.iter().rev() {
         change.before.write(world, change.entity);
@@ -270,13 +270,13 @@ pub fn undo(world: &mut World) -> bool {
     world.insert_resource(entry.selection[0].clone());
     entry.merge = None;
     world.resource_mut::<History>().undone.push(entry);
-    true
+    Ok(())
 }
 
-/// False if there is nothing to do again.
-pub fn redo(world: &mut World) -> bool {
+/// An error, in words, if there is nothing to do again.
+pub fn redo(world: &mut World) -> Result<(), &'static str> {
     let Some(entry) = world.resource_mut::<History>().undone.pop() else {
-        return false;
+        return Err("There is nothing to undo.");
     };
     for change in &entry.changes {
         change.after.write(world, change.entity);
@@ -284,5 +284,5 @@ pub fn redo(world: &mut World) -> bool {
     entry.settings[1].write(world);
     world.insert_resource(entry.selection[1].clone());
     world.resource_mut::<History>().done.push(entry);
-    true
+    Ok(())
 }

@@ -85,19 +85,11 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
         }
         Command::Copy => files::copy(world)?,
 
-        Command::Undo => {
-            if !history::undo(world) {
-                return Err("There is nothing to undo.".to_owned());
-            }
-        }
-        Command::Redo => {
-            if !history::redo(world) {
-                return Err("There is nothing to do again.".to_owned());
-            }
-        }
+        Command::Undo => history::undo(world)?,
+        Command::Redo => history::redo(world)?,
         Command::GoTo(steps) => {
-            while world.resource::<History>().len().0 > steps && history::undo(world) {}
-            while world.resource::<History>().len().0 < steps && history::redo(world) {}
+            while world.resource::<History>().len().0 > steps && history::undo(world).is_ok() {}
+            while world.resource::<History>().len().0 < steps && history::redo(world).is_ok() {}
         }
 
         Command::Select(entities, how) => select(world, &entities, how),
