@@ -136,6 +136,21 @@ impl Camera {
         };
         ((on_plane - self.corner) / self.diagonal, p.z)
     }
+
+    /// The point that [`Self::project`] takes to these film coordinates and this distance along the view axis.
+    pub fn unproject(&self, film: Vec2, depth: f32) -> Vec3 {
+        let on_plane = self.corner + film * self.diagonal;
+        let p = match self.projection {
+            Projection::Orthographic => on_plane.extend(depth),
+            Projection::Perspective { .. } => on_plane.extend(1.0) * depth,
+        };
+        self.world_from_camera.transform_point3(p)
+    }
+
+    /// Whether all rays are parallel.
+    pub fn is_orthographic(&self) -> bool {
+        self.projection == Projection::Orthographic
+    }
 }
 
 #[cfg(test)]
@@ -199,6 +214,11 @@ mod tests {
                 let film = Vec2::new(0.2, 0.9);
                 let (back, depth) = camera.project(camera.ray(film, Vec2::ZERO).at(3.0));
                 assert!(back.abs_diff_eq(film, 1e-5) && depth > 0.0);
+                assert!(
+                    camera
+                        .unproject(back, depth)
+                        .abs_diff_eq(camera.ray(film, Vec2::ZERO).at(3.0), 1e-5)
+                );
             }
         }
     }

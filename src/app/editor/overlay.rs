@@ -116,8 +116,8 @@ pub fn edges(camera: &Camera, world_box: &WorldBox) -> Vec<[Vec2; 2]> {
     edges
 }
 
-/// None if all of it is behind the camera.
-fn segment(camera: &Camera, a: Vec3, b: Vec3) -> Option<[Vec2; 2]> {
+/// A segment of the world as film coordinates; None if all of it is behind the camera.
+pub fn segment(camera: &Camera, a: Vec3, b: Vec3) -> Option<[Vec2; 2]> {
     let ((film_a, depth_a), (film_b, depth_b)) = (camera.project(a), camera.project(b));
     let nearest = 1e-3 * depth_a.abs().max(depth_b.abs());
     match (depth_a > nearest, depth_b > nearest) {

@@ -1,0 +1,121 @@
+//! Numbers typed while dragging: text from key presses, one number per axis with commas between them.
+
+use bevy_egui::egui::Key;
+
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Typed(String);
+
+/// More is a cat on the keyboard.
+const LONGEST: usize = 32;
+
+impl Typed {
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub fn text(&self) -> &str {
+        &self.0
+    }
+
+    /// Whether the key belongs to a number; then it has been taken in. Minus turns the sign of the number being typed over.
+    pub fn press(&mut self, key: Key) -> bool {
+        let typed = match key {
+            Key::Minus => {
+                let start = self.0.rfind(',').map_or(0, |comma| comma + 1);
+                if self.0[start..].starts_with('-') {
+                    self.0.remove(start);
+                } else {
+                    self.0.insert(start, '-');
+                }
+                return true;
+            }
+            Key::Backspace => return self.0.pop().is_some(),
+            Key::Period => '.',
+            Key::Comma | Key::Tab => ',',
+            _ => match digit(key) {
+                Some(digit) => digit,
+                None => return false,
+            },
+        };
+        let is_separator = typed == ',';
+        if is_separator && self.0.is_empty() {
+            return false;
+        }
+        if self.0.len() < LONGEST {
+            self.0.push(typed);
+        }
+        true
+    }
+
+    /// The numbers in order, zero for one that is not complete; None while nothing is typed.
+    pub fn numbers(&self) -> Option<Vec<f32>> {
+        let number = |text: &str| {
+            text.parse()
+                .ok()
+                .filter(|number: &f32| number.is_finite())
+                .unwrap_or(0.0)
+        };
+        (!self.is_empty()).then(|| self.0.split(',').map(number).collect())
+    }
+}
+
+fn digit(key: Key) -> Option<char> {
+    const DIGITS: [Key; 10] = [
+        Key::Num0,
+        Key::Num1,
+        Key::Num2,
+        Key::Num3,
+        Key::Num4,
+        Key::Num5,
+        Key::Num6,
+        Key::Num7,
+        Key::Num8,
+        Key::Num9,
+    ];
+    (0..)
+        .zip(DIGITS)
+        .find(|(_, digit)| *digit == key)
+        .and_then(|(value, _)| char::from_digit(value, 10))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn typed(keys: &[Key]) -> Typed {
+        let mut typed = Typed::default();
+        for &key in keys {
+            typed.press(key);
+        }
+        typed
+    }
+
+    #[test]
+    fn keys_become_numbers() {
+        assert_eq!(typed(&[]).numbers(), None);
+        let keys = [Key::Num1, Key::Period, Key::Num5, Key::Minus];
+        assert_eq!(typed(&keys).numbers(), Some(vec![-1.5]));
+        let keys = [
+            Key::Num2,
+            Key::Comma,
+            Key::Minus,
+            Key::Num3,
+            Key::Tab,
+            Key::Period,
+            Key::Num5,
+        ];
+        assert_eq!(typed(&keys).numbers(), Some(vec![2.0, -3.0, 0.5]));
+        assert_eq!(typed(&[Key::Minus]).numbers(), Some(vec![0.0]));
+        assert_eq!(
+            typed(&[Key::Num7, Key::Minus, Key::Minus, Key::Backspace]).numbers(),
+            None
+        );
+    }
+
+    #[test]
+    fn other_keys_are_left_alone() {
+        let mut empty = Typed::default();
+        assert!(!empty.press(Key::W) && !empty.press(Key::Backspace) && !empty.press(Key::Tab));
+        assert!(empty.is_empty());
+    }
+}
