@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use bevy::asset::AssetId;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
+use sunroom::color::Rgb;
 use sunroom::geometry::mesh::MeshData;
 use sunroom::scene::*;
 
@@ -264,7 +265,7 @@ fn a_removed_shape_is_one_entity_less() {
     .unwrap();
     open.until_revision(2);
     assert_eq!(open.count::<Shape>(), 4);
-    assert!(open.app.world().get_entity(ball).is_err());
+    assert!(open.app.world().get::<Shape>(ball).is_none());
     assert!(open.seen().shapes.is_empty(), "the others are what they were");
 
     std::fs::write(open.path("scene.xml"), SCENE).unwrap();
@@ -365,6 +366,84 @@ fn the_users_camera_stays_until_the_file_moves_its_own() {
         Vec3::new(0.0, 0.0, 9.0).into()
     );
     assert_eq!(open.app.world().resource::<ActiveSensor>().0, Some(eye));
+}
+
+#[test]
+fn edits_stay_where_the_file_did_not_change_the_same() {
+    let mut open = Open::new();
+    let (ball, red, blue) = (open.by_id("ball"), open.by_id("red"), open.by_id("blue"));
+    let grey = Material::Diffuse {
+        reflectance: Rgb::splat(0.3).into(),
+    };
+    let moved = ToWorld(Affine3A::from_translation(Vec3::X));
+    let world = open.app.world_mut();
+    world.entity_mut(ball).insert(moved);
+    world.entity_mut(blue).insert(grey.clone());
+    let made = world
+        .spawn((Shape::default(), DocumentOrder(100), Name::new("made here")))
+        .id();
+
+    let text = SCENE
+        .replace("0.8,0.1,0.1", "0.9,0.2,0.2")
+        .replace("0.1,0.1,0.8", "0.2,0.2,0.9");
+    std::fs::write(open.path("scene.xml"), text).unwrap();
+    open.until_revision(2);
+    let color = |open: &Open, entity| match open.app.world().get::<Material>(entity) {
+        Some(Material::Diffuse { reflectance }) => reflectance.constant(),
+        _ => None,
+    };
+    assert_eq!(color(&open, red), Some(Rgb::new(0.9, 0.2, 0.2)));
+    assert_eq!(
+        color(&open, blue),
+        Some(Rgb::new(0.2, 0.2, 0.9)),
+        "both sides changed it"
+    );
+    assert_eq!(open.app.world().get::<ToWorld>(ball), Some(&moved));
+    assert!(open.app.world().get::<Shape>(made).is_some());
+    let expected = ReloadSummary {
+        changed: 1,
+        replaced: 1,
+        ..ReloadSummary::default()
+    };
+    assert_eq!(open.status().reload, expected);
+
+    // What is gone from the file but was edited here is not lost.
+    let text = SCENE.replace("<shape type='sphere' id='ball'><ref id='red'/></shape>", "");
+    std::fs::write(open.path("scene.xml"), text).unwrap();
+    open.until_revision(3);
+    assert_eq!(open.app.world().get::<ToWorld>(ball), Some(&moved));
+    assert_eq!((open.status().reload.kept, open.status().reload.removed), (1, 0));
+}
+
+#[test]
+fn a_scene_saved_under_another_name_is_that_file_from_then_on() {
+    let mut open = Open::new();
+    let red = open.by_id("red");
+    let grey = Material::Diffuse {
+        reflectance: Rgb::splat(0.3).into(),
+    };
+    open.app.world_mut().entity_mut(red).insert(grey.clone());
+    let other = open.path("other.xml");
+    write::save(open.app.world_mut(), &other).unwrap();
+    open.settle();
+    assert_eq!(open.status().path, Some(other.canonicalize().unwrap()));
+    assert_eq!(std::fs::read_to_string(open.path("scene.xml")).unwrap(), SCENE);
+
+    std::fs::write(open.path("scene.xml"), SCENE.replace("0.8,0.1,0.1", "0.9,0.2,0.2")).unwrap();
+    open.settle();
+    assert_eq!(
+        open.get::<Material>("red"),
+        grey,
+        "the old file is no matter of this scene"
+    );
+
+    let text = std::fs::read_to_string(&other).unwrap();
+    std::fs::write(&other, text.replace("<shape type='disk'/>", "")).unwrap();
+    open.until("the new file is followed", |world| {
+        world.query::<&Shape>().iter(world).count() == 4
+    });
+    assert_eq!(open.get::<Material>("red"), grey);
+    assert_eq!(open.by_id("red"), red);
 }
 
 #[test]

@@ -12,6 +12,7 @@ use super::assets::scene_asset::one_error;
 use super::assets::{SceneAsset, SceneDefines, cause};
 use super::pictures::PicturePlaces;
 use super::read::settle;
+use super::spawn::ReloadSummary;
 use super::{OpenScene, SceneDescription, SceneState, SceneStatus, spawn};
 use crate::document::Diagnostics;
 
@@ -111,11 +112,12 @@ pub(super) fn apply_scenes(
         return;
     }
     let fresh = std::mem::take(&mut world.resource_mut::<SceneFile>().opens);
-    if fresh {
+    let reload = if fresh {
         spawn::spawn_fresh(world, &asset.description);
+        ReloadSummary::default()
     } else {
-        spawn::update(world, &asset.description);
-    }
+        spawn::update(world, &asset.description)
+    };
     let mut file = world.resource_mut::<SceneFile>();
     file.good_diagnostics = asset.diagnostics.clone();
     file.picture_places.clone_from(&asset.description.picture_places);
@@ -124,6 +126,27 @@ pub(super) fn apply_scenes(
     status.diagnostics = asset.diagnostics;
     status.revision += 1;
     status.fresh_load = fresh;
+    status.reload = reload;
+}
+
+/// The entities are the scene of this file, which has just been written and read again.
+pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagnostics>, written: SceneDescription) {
+    let server = world.get_resource::<AssetServer>().cloned();
+    if let Some(mut file) = world.get_resource_mut::<SceneFile>() {
+        if file.path != path {
+            let asset_path = AssetPath::from_path_buf(path.to_owned());
+            file.handle = server.map(|server| server.load(asset_path));
+            file.path = path.to_owned();
+            file.opens = false;
+        }
+        file.good_diagnostics = diagnostics.clone();
+        file.picture_places = written.picture_places;
+    }
+    if let Some(mut status) = world.get_resource_mut::<SceneStatus>() {
+        status.path = Some(path.to_owned());
+        status.state = SceneState::Ready;
+        status.diagnostics = diagnostics;
+    }
 }
 
 /// An empty scene of no file, in place of what was there: a camera that looks at the origin, and a grey sky.

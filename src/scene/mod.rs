@@ -49,6 +49,7 @@ pub use principled::{Principled, PrincipledIndex, PrincipledThin};
 pub use sensor::{Crop, Film, FovAxis, Lens, NoSuchCamera, ReconstructionFilter, Sensor, cameras, find_camera};
 pub use settings::{AccelMethod, IntegratorSettings, SamplerSettings, Sequence, Strategy};
 pub use shape::{MeshFile, MeshFormat, Shape, ShapeKind};
+pub use spawn::ReloadSummary;
 pub use status::{ActiveSensor, FreeView, MeshProblem, OpenScene, SceneState, SceneStatus};
 pub use sun_sky::{PlaceAndTime, SunPosition, SunSky};
 pub use texture::{Bitmap, Parameter, Texture, TextureFilter, TextureWrap};

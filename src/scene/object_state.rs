@@ -41,13 +41,11 @@ macro_rules! object_state {
                     ..Merged::default()
                 };
                 $(
-                    if !Self::is_order(stringify!($field)) {
-                        if theirs.$field != base.$field {
-                            merged.replaced |= ours.$field != base.$field && ours.$field != theirs.$field;
-                            merged.state.$field.clone_from(&theirs.$field);
-                        } else {
-                            merged.kept |= ours.$field != base.$field;
-                        }
+                    if theirs.$field != base.$field {
+                        merged.replaced |= ours.$field != base.$field && ours.$field != theirs.$field;
+                        merged.state.$field.clone_from(&theirs.$field);
+                    } else {
+                        merged.kept |= ours.$field != base.$field;
                     }
                 )*
                 merged
@@ -90,8 +88,12 @@ pub struct Merged {
 }
 
 impl ObjectState {
-    fn is_order(field: &str) -> bool {
-        field == "order"
+    /// The same without its place in the file.
+    pub fn unordered(&self) -> Self {
+        Self {
+            order: None,
+            ..self.clone()
+        }
     }
 
     /// Whether there is a thing at all.

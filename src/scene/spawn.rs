@@ -1,34 +1,68 @@
 //! A description becomes entities, or changes those that are there: only what differs is written, so that a reload of an unchanged file
 //! marks nothing as changed.
 //!
-//! Entities are recognised by kind and id, those without id by kind, plugin and their number among their like. Entities made in the
-//! editor (without [`Authored`]) are left alone by reloads.
+//! Things are recognised by kind and id, those without id by kind, plugin and their number among their like. What the file said of them when it
+//! was last read or written is remembered: of what changed on both sides the file wins, everything else that was edited stays.
 
 use std::collections::{HashMap, HashSet};
 
-use bevy::ecs::component::Mutable;
-use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use super::description::{DeclarationPlace, Identity, SceneDescription};
 use super::write::gather::Entities;
 use super::{
-    ActiveSensor, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, Film, FirstNested, FrameWhenLoaded,
-    InstanceOf, IntegratorSettings, Material, MemberOf, SceneId, SecondNested, Sensor, Shape, ShapeGroup, ToWorld,
-    UsesMaterial,
+    ActiveSensor, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, FirstNested, FrameWhenLoaded, FreeView,
+    InstanceOf, IntegratorSettings, Material, MemberOf, ObjectState, SceneId, SecondNested, Sensor, Shape, ShapeGroup,
+    ToWorld, UsesMaterial,
 };
 
-/// What the file said of a sensor when it was last read. The user moves the camera; a reload moves it back only if the file moved it.
-#[derive(Component, Clone, Debug, PartialEq)]
-struct SensorOfFile {
-    sensor: Sensor,
-    film: Film,
-    to_world: Affine3A,
+/// What the file says, and which entity each thing of it is.
+#[derive(Resource, Clone, Debug, Default)]
+pub(super) struct FileBase {
+    things: HashMap<Key, Thing>,
+    integrator: Option<IntegratorSettings>,
 }
 
-/// What the file said of the integrator when it was last read.
-#[derive(Resource, Clone, Debug, PartialEq)]
-struct IntegratorOfFile(IntegratorSettings);
+#[derive(Clone, Debug)]
+struct Thing {
+    entity: Entity,
+    state: ObjectState,
+}
+
+/// What a reload did, in numbers of things.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ReloadSummary {
+    pub added: usize,
+    pub changed: usize,
+    pub removed: usize,
+    /// Are as they were edited here, though the file says otherwise.
+    pub kept: usize,
+    /// Were edited here and in the file; the file's edit counts.
+    pub replaced: usize,
+}
+
+impl ReloadSummary {
+    /// Whether the entities are as before.
+    pub fn is_unchanged(&self) -> bool {
+        self.added + self.changed + self.removed + self.replaced == 0
+    }
+
+    /// "2 things changed, 1 new, 3 edits kept"; empty if there is nothing to say.
+    pub fn text(&self) -> String {
+        let parts = [
+            (self.changed, "changed"),
+            (self.added, "new"),
+            (self.removed, "gone"),
+            (self.kept, "with edits kept"),
+            (self.replaced, "edited on both sides, the file's edit taken"),
+        ];
+        let parts = parts.iter().filter(|(count, _)| *count > 0);
+        parts
+            .map(|(count, what)| format!("{count} {what}"))
+            .collect::<Vec<_>>()
+            .join(", ")
+    }
+}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Kind {
@@ -45,6 +79,129 @@ enum Key {
     Number(Kind, String, usize),
 }
 
+/// Gives out keys in the order of the file.
+#[derive(Default)]
+struct Keys(HashMap<(Kind, String), usize>);
+
+impl Keys {
+    fn key(&mut self, kind: Kind, identity: &Identity) -> Key {
+        if let Some(id) = &identity.id {
+            return Key::Id(kind, id.clone());
+        }
+        let authored = identity.authored.as_ref();
+        let plugin = authored.map_or(String::new(), |authored| authored.object.plugin.clone());
+        let next = self.0.entry((kind, plugin.clone())).or_default();
+        *next += 1;
+        Key::Number(kind, plugin, *next)
+    }
+}
+
+/// The keys of all that a description has, list by list.
+struct SceneKeys {
+    sensors: Vec<Key>,
+    materials: Vec<Key>,
+    groups: Vec<Key>,
+    shapes: Vec<Key>,
+    emitters: Vec<Key>,
+}
+
+impl SceneKeys {
+    fn of(scene: &SceneDescription) -> Self {
+        let mut keys = Keys::default();
+        let mut list = |kind, identities: &mut dyn Iterator<Item = &Identity>| -> Vec<Key> {
+            identities.map(|identity| keys.key(kind, identity)).collect()
+        };
+        Self {
+            sensors: list(Kind::Sensor, &mut scene.sensors.iter().map(|it| &it.identity)),
+            materials: list(Kind::Material, &mut scene.materials.iter().map(|it| &it.identity)),
+            groups: list(Kind::Group, &mut scene.groups.iter().map(|it| &it.identity)),
+            shapes: list(Kind::Shape, &mut scene.shapes.iter().map(|it| &it.identity)),
+            emitters: list(Kind::Emitter, &mut scene.emitters.iter().map(|it| &it.identity)),
+        }
+    }
+
+    /// Each with the entity it is.
+    fn entities(&self, mut entity: impl FnMut(&Key) -> Entity) -> Entities {
+        let mut all = |keys: &[Key]| keys.iter().map(&mut entity).collect();
+        Entities {
+            sensors: all(&self.sensors),
+            materials: all(&self.materials),
+            groups: all(&self.groups),
+            shapes: all(&self.shapes),
+            emitters: all(&self.emitters),
+        }
+    }
+
+    fn in_order(self) -> impl Iterator<Item = Key> {
+        let lists = [self.materials, self.groups, self.shapes, self.emitters, self.sensors];
+        lists.into_iter().flatten()
+    }
+}
+
+/// What the description says of each entity, in the order of [`SceneKeys::in_order`].
+fn states<'s>(scene: &'s SceneDescription, entities: &Entities) -> Vec<(Entity, ObjectState, Option<&'s Authored>)> {
+    let mut states = Vec::new();
+    let common = |identity: &Identity| ObjectState {
+        order: Some(DocumentOrder(identity.order)),
+        id: identity.id.clone().map(SceneId),
+        name: Some(Name::new(identity.name.clone())),
+        ..ObjectState::default()
+    };
+    for (material, &entity) in scene.materials.iter().zip(&entities.materials) {
+        let owner = match material.declared_in {
+            DeclarationPlace::TopLevel => None,
+            DeclarationPlace::Shape(index) => entities.shapes.get(index),
+            DeclarationPlace::Material(index) => entities.materials.get(index),
+        };
+        let state = ObjectState {
+            material: Some(material.material.clone()),
+            first: material.first.map(|index| FirstNested(entities.materials[index])),
+            second: material.second.map(|index| SecondNested(entities.materials[index])),
+            declared_in: owner.map(|owner| DeclaredIn(*owner)),
+            ..common(&material.identity)
+        };
+        states.push((entity, state, material.identity.authored.as_ref()));
+    }
+    for (group, &entity) in scene.groups.iter().zip(&entities.groups) {
+        let state = ObjectState {
+            group: Some(ShapeGroup),
+            ..common(&group.identity)
+        };
+        states.push((entity, state, group.identity.authored.as_ref()));
+    }
+    for (shape, &entity) in scene.shapes.iter().zip(&entities.shapes) {
+        let state = ObjectState {
+            shape: Some(shape.shape.clone()),
+            to_world: Some(ToWorld(shape.to_world)),
+            area_light: shape.area_light.clone(),
+            uses: shape.material.map(|index| UsesMaterial(entities.materials[index])),
+            member_of: shape.member_of.map(|index| MemberOf(entities.groups[index])),
+            instance_of: shape.instance_of.map(|index| InstanceOf(entities.groups[index])),
+            placements: shape.placements.clone(),
+            ..common(&shape.identity)
+        };
+        states.push((entity, state, shape.identity.authored.as_ref()));
+    }
+    for (emitter, &entity) in scene.emitters.iter().zip(&entities.emitters) {
+        let state = ObjectState {
+            emitter: Some(emitter.emitter.clone()),
+            to_world: Some(ToWorld(emitter.to_world)),
+            ..common(&emitter.identity)
+        };
+        states.push((entity, state, emitter.identity.authored.as_ref()));
+    }
+    for (sensor, &entity) in scene.sensors.iter().zip(&entities.sensors) {
+        let state = ObjectState {
+            sensor: Some(sensor.sensor),
+            film: Some(sensor.film),
+            to_world: Some(ToWorld(sensor.to_world)),
+            ..common(&sensor.identity)
+        };
+        states.push((entity, state, sensor.identity.authored.as_ref()));
+    }
+    states
+}
+
 /// Replaces whatever scene was there.
 pub fn spawn_fresh(world: &mut World, scene: &SceneDescription) {
     let old: Vec<Entity> = world
@@ -54,136 +211,222 @@ pub fn spawn_fresh(world: &mut World, scene: &SceneDescription) {
             With<ShapeGroup>,
             With<Shape>,
             With<Emitter>,
+            With<Authored>,
         )>>()
         .iter(world)
         .collect();
     for entity in old {
         world.despawn(entity);
     }
-    world.remove_resource::<IntegratorOfFile>();
+    world.insert_resource(FileBase::default());
     world.insert_resource(ActiveSensor::default());
+    world.insert_resource(FreeView::default());
     update(world, scene);
 }
 
-/// Gives the entities made in the editor their places in the file they were written to, so that they are recognised when it is read again.
-/// `written` is what that file says now, `scene` what was written, of these entities.
-pub fn adopt(world: &mut World, scene: &SceneDescription, entities: &Entities, written: &SceneDescription) {
-    let materials = scene.materials.iter().zip(&written.materials);
-    if scene.materials.len() == written.materials.len() {
-        for ((old, new), &entity) in materials.zip(&entities.materials) {
-            adopt_one(world, entity, &old.identity, &new.identity);
-        }
-    }
-    let shapes = scene.shapes.iter().zip(&written.shapes);
-    if scene.shapes.len() == written.shapes.len() {
-        for ((old, new), &entity) in shapes.zip(&entities.shapes) {
-            adopt_one(world, entity, &old.identity, &new.identity);
-        }
-    }
-    let emitters = scene.emitters.iter().zip(&written.emitters);
-    if scene.emitters.len() == written.emitters.len() {
-        for ((old, new), &entity) in emitters.zip(&entities.emitters) {
-            adopt_one(world, entity, &old.identity, &new.identity);
-        }
-    }
-}
-
-fn adopt_one(world: &mut World, entity: Entity, old: &Identity, new: &Identity) {
-    if old.authored.is_none() {
-        set(world, entity, DocumentOrder(new.order));
-        set_or_remove(world, entity, new.id.clone().map(SceneId));
-        set_or_remove(world, entity, new.authored.clone());
-    }
-}
-
-/// Makes the entities what the description says.
-pub fn update(world: &mut World, scene: &SceneDescription) {
-    let mut known = Known::new(world);
-
-    let mut materials = Vec::with_capacity(scene.materials.len());
-    for material in &scene.materials {
-        let entity = known.entity(world, Kind::Material, &material.identity);
-        set(world, entity, material.material.clone());
-        materials.push(entity);
-    }
-    let mut groups = Vec::with_capacity(scene.groups.len());
-    for group in &scene.groups {
-        let entity = known.entity(world, Kind::Group, &group.identity);
-        set(world, entity, ShapeGroup);
-        groups.push(entity);
-    }
-    let mut shapes = Vec::with_capacity(scene.shapes.len());
-    for shape in &scene.shapes {
-        let entity = known.entity(world, Kind::Shape, &shape.identity);
-        set(world, entity, shape.shape.clone());
-        set(world, entity, ToWorld(shape.to_world));
-        set_or_remove(world, entity, shape.area_light.clone());
-        relate(
-            world,
-            entity,
-            shape.material.map(|index| UsesMaterial(materials[index])),
-        );
-        relate(world, entity, shape.member_of.map(|index| MemberOf(groups[index])));
-        relate(world, entity, shape.instance_of.map(|index| InstanceOf(groups[index])));
-        set_or_remove(world, entity, shape.placements.clone());
-        shapes.push(entity);
-    }
-    for (material, &entity) in scene.materials.iter().zip(&materials) {
-        relate(world, entity, material.first.map(|index| FirstNested(materials[index])));
-        relate(
-            world,
-            entity,
-            material.second.map(|index| SecondNested(materials[index])),
-        );
-        let owner = match material.declared_in {
-            DeclarationPlace::TopLevel => None,
-            DeclarationPlace::Shape(index) => shapes.get(index),
-            DeclarationPlace::Material(index) => materials.get(index),
+/// Makes the entities what the description says, but for what was edited since it was last read or written.
+pub fn update(world: &mut World, scene: &SceneDescription) -> ReloadSummary {
+    let base = world.remove_resource::<FileBase>().unwrap_or_default();
+    let mut summary = ReloadSummary::default();
+    let keys = SceneKeys::of(scene);
+    let entities = keys.entities(|key| match base.things.get(key) {
+        Some(thing) if world.get_entity(thing.entity).is_ok() => thing.entity,
+        _ => world.spawn_empty().id(),
+    });
+    let watched = looked_from(world);
+    let mut things = HashMap::new();
+    for (key, (entity, theirs, authored)) in keys.in_order().zip(states(scene, &entities)) {
+        let ours = ObjectState::of(world, entity);
+        let now = match base.things.get(&key).filter(|thing| thing.entity == entity) {
+            None => {
+                summary.added += 1;
+                theirs.clone()
+            }
+            Some(Thing { state: before, .. }) => taken_over(before, &theirs, &ours, &mut summary),
         };
-        relate(world, entity, owner.map(|owner| DeclaredIn(*owner)));
+        now.write(world, entity);
+        set_authored(world, entity, authored.cloned());
+        let state = theirs;
+        things.insert(key, Thing { entity, state });
     }
-    for emitter in &scene.emitters {
-        let entity = known.entity(world, Kind::Emitter, &emitter.identity);
-        set(world, entity, emitter.emitter.clone());
-        set(world, entity, ToWorld(emitter.to_world));
+    let claimed: HashSet<Entity> = things.values().map(|thing| thing.entity).collect();
+    for thing in base.things.values().filter(|thing| !claimed.contains(&thing.entity)) {
+        let ours = ObjectState::of(world, thing.entity);
+        set_authored(world, thing.entity, None);
+        if !ours.is_there() {
+            continue;
+        }
+        if ours.unordered() == thing.state.unordered() {
+            // Without components it can come back when an edit of it is taken back.
+            ObjectState::default().write(world, thing.entity);
+            summary.removed += 1;
+        } else {
+            summary.kept += 1;
+        }
     }
-    update_sensors(world, scene, &mut known);
-    known.despawn_the_rest(world);
-
+    world.insert_resource(FileBase {
+        things,
+        integrator: base.integrator,
+    });
+    update_cameras(world, &entities.sensors);
+    if watched.is_some() && looked_from(world) != watched {
+        // Whoever moves the camera in the file wants to see from there.
+        world.insert_resource(FreeView::default());
+    }
     if world.get_resource::<AuthoredScene>() != Some(&scene.remains) {
         world.insert_resource(scene.remains.clone());
     }
     update_integrator(world, &scene.integrator);
+    summary
 }
 
-fn update_sensors(world: &mut World, scene: &SceneDescription, known: &mut Known) {
-    let mut first = None;
-    for description in &scene.sensors {
-        let entity = known.entity(world, Kind::Sensor, &description.identity);
-        first.get_or_insert(entity);
-        let now = SensorOfFile {
-            sensor: description.sensor,
-            film: description.film,
-            to_world: description.to_world,
-        };
-        let before = world.get::<SensorOfFile>(entity).cloned();
-        let moved =
-            |same: fn(&SensorOfFile, &SensorOfFile) -> bool| before.as_ref().is_none_or(|before| !same(before, &now));
-        if moved(|before, now| before.sensor == now.sensor) {
-            set(world, entity, now.sensor);
+/// What a thing is after the file said `theirs`, where it said `before`, and it is `ours` here.
+fn taken_over(
+    before: &ObjectState,
+    theirs: &ObjectState,
+    ours: &ObjectState,
+    summary: &mut ReloadSummary,
+) -> ObjectState {
+    let (before, new) = (before.unordered(), theirs.unordered());
+    if !ours.is_there() {
+        // Deleted here: it comes back only if the file has something new to say of it.
+        if before == new {
+            return ours.clone();
         }
-        if moved(|before, now| before.film == now.film) {
-            set(world, entity, now.film);
-        }
-        if moved(|before, now| before.to_world == now.to_world) {
-            set(world, entity, ToWorld(now.to_world));
-        }
-        set(world, entity, now);
+        summary.replaced += 1;
+        return theirs.clone();
     }
+    let merged = ObjectState::merged(&before, &new, &ours.unordered());
+    summary.kept += usize::from(merged.kept && before != new);
+    summary.replaced += usize::from(merged.replaced);
+    let state = ObjectState {
+        order: theirs.order,
+        ..merged.state
+    };
+    summary.changed += usize::from(state.unordered() != ours.unordered() && !merged.replaced);
+    state
+}
+
+/// The camera in use and where it stands.
+fn looked_from(world: &World) -> Option<(Entity, ToWorld)> {
+    let active = world.get_resource::<ActiveSensor>()?.0?;
+    Some((active, *world.get::<ToWorld>(active)?))
+}
+
+fn set_authored(world: &mut World, entity: Entity, authored: Option<Authored>) {
+    if world.get::<Authored>(entity) == authored.as_ref() {
+        return;
+    }
+    match authored {
+        Some(authored) => {
+            world.entity_mut(entity).insert(authored);
+        }
+        None => {
+            world.entity_mut(entity).remove::<Authored>();
+        }
+    }
+}
+
+/// The file now says what `written` says, which was made of `scene`, of these entities: what was made in the editor belongs to it from now on.
+pub(super) fn rebase(world: &mut World, scene: &SceneDescription, entities: &Entities, written: &SceneDescription) {
+    let keys = SceneKeys::of(written);
+    let mut paired = |known: &[Entity], pairs: Vec<Option<usize>>| {
+        let pairs = pairs.into_iter().map(|index| index.map(|index| known[index]));
+        pairs
+            .map(|entity| entity.unwrap_or_else(|| world.spawn_empty().id()))
+            .collect()
+    };
+    let now = Entities {
+        sensors: paired(
+            &entities.sensors,
+            pairs(&scene.sensors, &written.sensors, |it| &it.identity, |_, _| true),
+        ),
+        materials: paired(
+            &entities.materials,
+            pairs(
+                &scene.materials,
+                &written.materials,
+                |it| &it.identity,
+                |a, b| a.material.plugin() == b.material.plugin(),
+            ),
+        ),
+        groups: paired(
+            &entities.groups,
+            pairs(&scene.groups, &written.groups, |it| &it.identity, |_, _| true),
+        ),
+        shapes: paired(
+            &entities.shapes,
+            pairs(
+                &scene.shapes,
+                &written.shapes,
+                |it| &it.identity,
+                |a, b| std::mem::discriminant(&a.shape.kind) == std::mem::discriminant(&b.shape.kind),
+            ),
+        ),
+        emitters: paired(
+            &entities.emitters,
+            pairs(
+                &scene.emitters,
+                &written.emitters,
+                |it| &it.identity,
+                |a, b| a.emitter.plugin() == b.emitter.plugin(),
+            ),
+        ),
+    };
+    let mut things = HashMap::new();
+    for (key, (entity, state, authored)) in keys.in_order().zip(states(written, &now)) {
+        set_authored(world, entity, authored.cloned());
+        if ObjectState::of(world, entity).is_there()
+            && let Some(id) = &state.id
+            && world.get::<SceneId>(entity) != Some(id)
+        {
+            world.entity_mut(entity).insert((id.clone(), Name::new(id.0.clone())));
+        }
+        things.insert(key, Thing { entity, state });
+    }
+    world.insert_resource(FileBase {
+        things,
+        integrator: Some(written.integrator),
+    });
+    world.insert_resource(written.remains.clone());
+}
+
+/// For each of the written things which of the known ones it is: of the same id, or else the next without one that is alike.
+fn pairs<T>(
+    known: &[T],
+    written: &[T],
+    identity: fn(&T) -> &Identity,
+    is_alike: fn(&T, &T) -> bool,
+) -> Vec<Option<usize>> {
+    fn id<T>(thing: &T, identity: fn(&T) -> &Identity) -> Option<&String> {
+        identity(thing).id.as_ref()
+    }
+    let by_id: HashMap<&String, usize> = known
+        .iter()
+        .zip(0..)
+        .filter_map(|(it, index)| Some((id(it, identity)?, index)))
+        .collect();
+    let mut next = 0;
+    let partner = |thing: &T| {
+        if let Some(&same) = id(thing, identity).and_then(|id| by_id.get(id)) {
+            return Some(same);
+        }
+        let nameless = |index: &usize| id(&known[*index], identity).is_none() && is_alike(&known[*index], thing);
+        let found = (next..known.len()).find(nameless)?;
+        next = found + 1;
+        Some(found)
+    };
+    written.iter().map(partner).collect()
+}
+
+/// A scene without a camera gets one until it has its own, and something is looked through.
+fn update_cameras(world: &mut World, of_file: &[Entity]) {
+    let is_camera = |world: &World, entity: &Entity| world.get::<Sensor>(*entity).is_some();
     let stand_ins: Vec<Entity> = world
         .query_filtered::<Entity, With<StandInSensor>>()
         .iter(world)
         .collect();
+    let mut first = of_file.iter().copied().find(|entity| is_camera(world, entity));
     if first.is_some() {
         for entity in stand_ins {
             world.despawn(entity);
@@ -199,8 +442,7 @@ fn update_sensors(world: &mut World, scene: &SceneDescription, known: &mut Known
         });
     }
     let active = world.get_resource::<ActiveSensor>().and_then(|active| active.0);
-    let is_alive = active.is_some_and(|entity| world.get::<Sensor>(entity).is_some() && !known.is_unclaimed(entity));
-    if !is_alive {
+    if !active.is_some_and(|active| is_camera(world, &active)) {
         world.insert_resource(ActiveSensor(first));
     }
 }
@@ -212,8 +454,8 @@ struct StandInSensor;
 /// The command line and the panels may have changed the settings; only what the file changed is taken over. What is not the file's
 /// business is kept.
 fn update_integrator(world: &mut World, now: &IntegratorSettings) {
-    let before = world.get_resource::<IntegratorOfFile>().map(|before| before.0);
-    if before == Some(*now) {
+    let mut base = world.get_resource_or_init::<FileBase>();
+    if base.integrator.replace(*now) == Some(*now) {
         return;
     }
     let current = world.get_resource::<IntegratorSettings>().copied().unwrap_or_default();
@@ -224,131 +466,5 @@ fn update_integrator(world: &mut World, now: &IntegratorSettings) {
     };
     if world.get_resource::<IntegratorSettings>() != Some(&merged) {
         world.insert_resource(merged);
-    }
-    world.insert_resource(IntegratorOfFile(*now));
-}
-
-/// The entities of the file as it was, and which of them the new one has claimed.
-struct Known {
-    entities: HashMap<Key, Entity>,
-    unclaimed: HashSet<Entity>,
-    numbers: HashMap<(Kind, String), usize>,
-}
-
-impl Known {
-    fn new(world: &mut World) -> Self {
-        let mut items: Vec<_> = world
-            .query::<(
-                Entity,
-                &DocumentOrder,
-                &Authored,
-                Option<&SceneId>,
-                Has<Sensor>,
-                Has<Material>,
-                Has<Shape>,
-                Has<ShapeGroup>,
-            )>()
-            .iter(world)
-            .map(|(entity, order, authored, id, sensor, material, shape, group)| {
-                let kind = match (sensor, material, shape, group) {
-                    (true, ..) => Kind::Sensor,
-                    (_, true, ..) => Kind::Material,
-                    (_, _, true, _) => Kind::Shape,
-                    (.., true) => Kind::Group,
-                    _ => Kind::Emitter,
-                };
-                (*order, entity, kind, id.cloned(), authored.object.plugin.clone())
-            })
-            .collect();
-        items.sort_by_key(|(order, entity, ..)| (*order, *entity));
-        let mut known = Self {
-            entities: HashMap::new(),
-            unclaimed: HashSet::new(),
-            numbers: HashMap::new(),
-        };
-        for (_, entity, kind, id, plugin) in items {
-            let key = known.key(kind, id.as_ref().map(|id| id.0.as_str()), &plugin);
-            known.entities.insert(key, entity);
-            known.unclaimed.insert(entity);
-        }
-        known.numbers.clear();
-        known
-    }
-
-    fn key(&mut self, kind: Kind, id: Option<&str>, plugin: &str) -> Key {
-        if let Some(id) = id {
-            return Key::Id(kind, id.to_owned());
-        }
-        let next = self.numbers.entry((kind, plugin.to_owned())).or_default();
-        *next += 1;
-        Key::Number(kind, plugin.to_owned(), *next)
-    }
-
-    /// The entity of this object, new if there was none, with what all kinds have in common up to date.
-    fn entity(&mut self, world: &mut World, kind: Kind, identity: &Identity) -> Entity {
-        let plugin = identity
-            .authored
-            .as_ref()
-            .map_or("", |authored| &authored.object.plugin);
-        let key = self.key(kind, identity.id.as_deref(), plugin);
-        let entity = match self.entities.get(&key) {
-            Some(&entity) if self.unclaimed.remove(&entity) => entity,
-            _ => world.spawn_empty().id(),
-        };
-        set(world, entity, DocumentOrder(identity.order));
-        set_or_remove(world, entity, identity.id.clone().map(SceneId));
-        set_or_remove(world, entity, identity.authored.clone());
-        if world.get::<Name>(entity).map(Name::as_str) != Some(&identity.name) {
-            world.entity_mut(entity).insert(Name::new(identity.name.clone()));
-        }
-        entity
-    }
-
-    fn is_unclaimed(&self, entity: Entity) -> bool {
-        self.unclaimed.contains(&entity)
-    }
-
-    fn despawn_the_rest(self, world: &mut World) {
-        for entity in self.unclaimed {
-            world.despawn(entity);
-        }
-    }
-}
-
-/// Writes a component only if it differs.
-fn set<C: Component<Mutability = Mutable> + PartialEq>(world: &mut World, entity: Entity, value: C) {
-    match world.get_mut::<C>(entity) {
-        Some(mut current) => {
-            current.set_if_neq(value);
-        }
-        None => {
-            world.entity_mut(entity).insert(value);
-        }
-    }
-}
-
-fn set_or_remove<C: Component<Mutability = Mutable> + PartialEq>(world: &mut World, entity: Entity, value: Option<C>) {
-    match value {
-        Some(value) => set(world, entity, value),
-        None => {
-            if world.get::<C>(entity).is_some() {
-                world.entity_mut(entity).remove::<C>();
-            }
-        }
-    }
-}
-
-/// The same for relationships, which cannot be changed in place.
-fn relate<C: Component + PartialEq>(world: &mut World, entity: Entity, value: Option<C>) {
-    if world.get::<C>(entity) == value.as_ref() {
-        return;
-    }
-    match value {
-        Some(value) => {
-            world.entity_mut(entity).insert(value);
-        }
-        None => {
-            world.entity_mut(entity).remove::<C>();
-        }
     }
 }

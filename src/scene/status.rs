@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
+use super::spawn::ReloadSummary;
 use crate::document::Diagnostics;
 
 /// Asks for a scene file; what was open before is replaced once the new one is read.
@@ -61,6 +62,8 @@ pub struct SceneStatus {
     pub revision: u64,
     /// The last successful load was of a scene newly opened, not a reload of the one that was there.
     pub fresh_load: bool,
+    /// What the last reload did.
+    pub reload: ReloadSummary,
 }
 
 impl SceneStatus {

@@ -258,13 +258,23 @@ impl<'w> Edit<'w> {
     }
 }
 
+/// Back to what it was, where the edit changed it: what the file changed meanwhile stays.
+fn revert(world: &mut World, entity: Entity, from: &ObjectState, to: &ObjectState) {
+    let now = ObjectState::of(world, entity);
+    if from.is_there() && !now.is_there() {
+        // The file took it away since.
+        return;
+    }
+    ObjectState::merged(from, to, &now).state.write(world, entity);
+}
+
 /// An error, in words, if there is nothing to undo.
 pub fn undo(world: &mut World) -> Result<(), &'static str> {
     let Some(mut entry) = world.resource_mut::<History>().done.pop() else {
         return Err("There is nothing to undo.");
     };
     for change in entry.changes.iter().rev() {
-        change.before.write(world, change.entity);
+        revert(world, change.entity, &change.after, &change.before);
     }
     entry.settings[0].write(world);
     world.insert_resource(entry.selection[0].clone());
@@ -279,7 +289,7 @@ pub fn redo(world: &mut World) -> Result<(), &'static str> {
         return Err("There is nothing to undo.");
     };
     for change in &entry.changes {
-        change.after.write(world, change.entity);
+        revert(world, change.entity, &change.before, &change.after);
     }
     entry.settings[1].write(world);
     world.insert_resource(entry.selection[1].clone());

@@ -44,8 +44,8 @@ pub fn follow_scene(
             *free_view = FreeView::default();
             history.clear();
             state.say(format!("Opened {file}"));
-        } else {
-            state.say(format!("Reloaded {file}"));
+        } else if !status.reload.is_unchanged() {
+            state.say(format!("Reloaded {file}: {}", status.reload.text()));
         }
     } else if status.state == SceneState::Failed {
         let path = status.path.as_deref().unwrap_or(Path::new(""));

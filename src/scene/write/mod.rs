@@ -25,7 +25,7 @@ use super::assets::SceneDefines;
 use super::description::{DeclarationPlace, Identity, SceneDescription};
 use super::read::mesh_search::MeshSearch;
 use super::read::{self, settle};
-use super::{Authored, IntegratorSettings, spawn};
+use super::{Authored, IntegratorSettings, loading, spawn};
 use crate::document::revision::{Destination, move_files, revise};
 use crate::document::{self, Category, Child, Document, Object, Span};
 
@@ -46,19 +46,21 @@ pub enum SaveError {
     File { path: PathBuf, source: std::io::Error },
 }
 
-/// Saves the entities: see [`save_description`]. Those made in the editor belong to the file from then on if that is the open scene's.
+/// Saves the entities: see [`save_description`]. From then on they are the scene of that file.
 pub fn save(world: &mut World, path: &Path) -> Result<(), SaveError> {
     let (scene, entities) = gather::describe_entities(world);
     save_description(&scene, path)?;
     let target = settle(path);
-    if home(&scene, Path::new("")) == target && identities(&scene).any(|identity| identity.authored.is_none()) {
-        let defines = world.get_resource::<SceneDefines>().map(|all| all.get(&target));
-        if let Ok(mut document) = document::load(&target, &defines.unwrap_or_default()) {
-            let written = read::read(&mut document);
-            if !document.diagnostics.has_errors() {
-                spawn::adopt(world, &scene, &entities, &written);
-                spawn::update(world, &written);
-            }
+    let defines = world.get_resource::<SceneDefines>().map(|all| {
+        let of_old = all.get(&home(&scene, &target));
+        all.set(target.clone(), of_old.clone());
+        of_old
+    });
+    if let Ok(mut document) = document::load(&target, &defines.unwrap_or_default()) {
+        let written = read::read(&mut document);
+        if !document.diagnostics.has_errors() {
+            spawn::rebase(world, &scene, &entities, &written);
+            loading::follow_file(world, &target, document.diagnostics.into(), written);
         }
     }
     Ok(())
