@@ -21,6 +21,7 @@ pub fn run(args: EditArgs) -> ExitCode {
         size: args.window.into(),
         threads: args.threads.threads,
         screenshot: args.screenshot,
+        script: args.script,
         after_spp: args.after_spp,
         exit: args.exit,
         measure_latency: args.measure_latency,

@@ -80,6 +80,9 @@ struct EditArgs {
     /// Save the whole window as PNG once the picture has --after-spp samples
     #[arg(long, value_name = "OUT.png")]
     screenshot: Option<PathBuf>,
+    /// Do the commands of a file, one a line, as a user would
+    #[arg(long, value_name = "FILE")]
+    script: Option<PathBuf>,
     /// Samples per pixel before the screenshot
     #[arg(long, value_name = "N", default_value_t = 1)]
     after_spp: u32,

@@ -22,7 +22,7 @@ pub mod spectrum;
 pub mod suggest;
 mod tag;
 pub mod transform;
-mod value;
+pub mod value;
 pub mod write;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile, SourceId, Span};

@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
 use super::latency::{FrameTimes, LatencyProbe};
+use super::script::Script;
 use crate::engine::{RenderState, RenderStatus};
 use crate::render::image_io::write_atomically;
 use crate::scene::{SceneState, SceneStatus};
@@ -53,6 +54,7 @@ pub fn drive_exit_door(
     status: Res<RenderStatus>,
     scene: Res<SceneStatus>,
     probe: Option<Res<LatencyProbe>>,
+    script: Option<Res<Script>>,
 ) {
     if door.exit && door.step != Step::Done && door.started.elapsed() > door.timeout {
         error!(
@@ -74,7 +76,8 @@ pub fn drive_exit_door(
             }
             let enough =
                 status.samples >= door.after_spp.max(1) || (status.state == RenderState::Done && status.samples > 0);
-            if enough && probe.is_none_or(|probe| probe.done) {
+            let is_scripted = script.is_some_and(|script| !script.is_done());
+            if enough && !is_scripted && probe.is_none_or(|probe| probe.done) {
                 door.step = Step::Settling(SETTLING_FRAMES);
             }
         }
@@ -85,7 +88,7 @@ pub fn drive_exit_door(
                     move |captured: On<ScreenshotCaptured>,
                           mut door: ResMut<ExitDoor>,
                           mut exit: MessageWriter<AppExit>| {
-                        let outcome = save(&captured.image, &path);
+                        let outcome = save_window(&captured.image, &path);
                         door.step = Step::Done;
                         match outcome {
                             Ok(()) => info!("Saved {}", path.display()),
@@ -113,7 +116,8 @@ pub fn drive_exit_door(
     }
 }
 
-fn save(image: &Image, path: &std::path::Path) -> Result<(), String> {
+/// A captured window as PNG.
+pub fn save_window(image: &Image, path: &std::path::Path) -> Result<(), String> {
     let picture = image.clone().try_into_dynamic().map_err(|error| error.to_string())?;
     let mut png = std::io::Cursor::new(Vec::new());
     picture

@@ -120,6 +120,9 @@ impl History {
     }
 
     fn push(&mut self, entry: Entry) {
+        if entry.is_empty() {
+            return;
+        }
         if let Some(saved) = self.saved_at {
             self.saved_is_lost |= self.undone.iter().any(|entry| entry.number == saved);
         }
@@ -132,9 +135,6 @@ impl History {
             if last.is_empty() {
                 self.done.pop();
             }
-            return;
-        }
-        if entry.is_empty() {
             return;
         }
         self.done.push(entry);

@@ -25,6 +25,7 @@ mod picking;
 mod picture;
 mod scene_watch;
 pub mod screen;
+pub mod script;
 pub mod selection;
 pub mod state;
 mod style;
@@ -138,6 +139,24 @@ impl Plugin for EditorPlugin {
                     latency::watch_probe.after(EditorSystems::Show),
                 ),
             );
+        }
+        if let Some(path) = &options.script {
+            match script::Script::read(path) {
+                Ok(script) => {
+                    app.insert_resource(script).add_systems(
+                        PostUpdate,
+                        script::run_script
+                            .before(EditorSystems::Apply)
+                            .after(EguiPostUpdateSet::EndPass),
+                    );
+                }
+                Err(error) => {
+                    eprintln!("error: {}: {error}", path.display());
+                    app.add_systems(Startup, |mut exit: MessageWriter<AppExit>| {
+                        exit.write(AppExit::error());
+                    });
+                }
+            }
         }
         if let Some(path) = &options.scene {
             let request = OpenScene {

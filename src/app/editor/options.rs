@@ -20,6 +20,8 @@ pub struct WindowOptions {
     pub threads: Option<i32>,
     /// Saves the whole window as PNG once the picture has `after_spp` samples.
     pub screenshot: Option<PathBuf>,
+    /// Commands to do, one a line: see [`super::script`].
+    pub script: Option<PathBuf>,
     /// For `screenshot` and `exit`.
     pub after_spp: u32,
     /// Ends the program after the screenshot or the measurement, or else after `after_spp` samples.
@@ -39,6 +41,7 @@ impl Default for WindowOptions {
             size: UVec2::new(1280, 720),
             threads: None,
             screenshot: None,
+            script: None,
             after_spp: 1,
             exit: false,
             measure_latency: None,

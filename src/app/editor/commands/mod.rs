@@ -28,16 +28,25 @@ pub fn apply_commands(world: &mut World) {
     if commands.is_empty() {
         return;
     }
-    // Input is taken in at the start of the frame.
-    let arrived = world.resource::<FrameTimes>().frame_started();
-    world.insert_resource(InputStamp(arrived));
-    let restarts = commands.iter().any(Command::restarts_picture);
-    world.resource_mut::<Pacing>().note_commands(restarts);
+    note_input(world, commands.iter().any(Command::restarts_picture));
     for command in commands {
         if let Err(message) = apply(world, command) {
             world.resource_mut::<EditorState>().say(message);
         }
     }
+}
+
+/// As a command of this frame, but the error is handed back.
+pub fn apply_now(world: &mut World, command: Command) -> Result<(), String> {
+    note_input(world, command.restarts_picture());
+    apply(world, command)
+}
+
+fn note_input(world: &mut World, restarts: bool) {
+    // Input is taken in at the start of the frame.
+    let arrived = world.resource::<FrameTimes>().frame_started();
+    world.insert_resource(InputStamp(arrived));
+    world.resource_mut::<Pacing>().note_commands(restarts);
 }
 
 /// Does what the command says. The error is a sentence for the user; nothing is changed then.

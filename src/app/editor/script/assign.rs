@@ -1,0 +1,272 @@
+//! A parameter by its name in the file, set from a text.
+
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+
+use bevy::math::Affine3A;
+
+use crate::color::Rgb;
+use crate::document::paths::settle;
+use crate::document::value::{parse_boolean, parse_float, parse_integer, parse_rgb, parse_vec3};
+use crate::scene::{
+    AreaLight, ConductorIor, Distribution, Emitter, EmitterVisitor, Film, FovAxis, Ior, Lens, Material, Parameter,
+    ParameterVisitor, PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SunPosition, Texture,
+};
+
+/// The parameter that is looked for, and whether it was there.
+struct Assign<'t> {
+    wanted: &'t str,
+    text: &'t str,
+    known: Vec<&'static str>,
+    outcome: Option<Result<(), String>>,
+}
+
+/// The error names the parameters that there are, or says what is wrong with the value.
+pub fn material(material: &mut Material, parameter: &str, text: &str) -> Result<(), String> {
+    assign(parameter, text, |visitor| material.visit(visitor))
+}
+
+pub fn area_light(light: &mut AreaLight, parameter: &str, text: &str) -> Result<(), String> {
+    assign(parameter, text, |visitor| light.visit(visitor))
+}
+
+pub fn emitter(emitter: &mut Emitter, parameter: &str, text: &str) -> Result<(), String> {
+    assign(parameter, text, |visitor| emitter.visit(visitor))
+}
+
+pub fn shape(shape: &mut Shape, parameter: &str, text: &str) -> Result<(), String> {
+    assign(parameter, text, |visitor| {
+        visitor.value("flip_normals", &mut shape.flip_normals, parse_boolean);
+        match &mut shape.kind {
+            ShapeKind::Sphere { center, radius } => {
+                visitor.value("center", center, parse_vec3);
+                visitor.bounded("radius", radius, f32::MIN_POSITIVE..=f32::MAX);
+            }
+            ShapeKind::Cylinder { p0, p1, radius } => {
+                visitor.value("p0", p0, parse_vec3);
+                visitor.value("p1", p1, parse_vec3);
+                visitor.bounded("radius", radius, f32::MIN_POSITIVE..=f32::MAX);
+            }
+            ShapeKind::Mesh(mesh) => visitor.value("face_normals", &mut mesh.face_normals, parse_boolean),
+            ShapeKind::Rectangle
+            | ShapeKind::Cube
+            | ShapeKind::Disk
+            | ShapeKind::Triangle { .. }
+            | ShapeKind::Instance => {}
+        }
+    })
+}
+
+pub fn sensor(sensor: &mut Sensor, parameter: &str, text: &str) -> Result<(), String> {
+    assign(parameter, text, |visitor| {
+        visitor.bounded("fov", &mut sensor.fov, 0.1..=179.0);
+        visitor.bounded("near_clip", &mut sensor.near_clip, 1e-6..=f32::MAX);
+        visitor.bounded("far_clip", &mut sensor.far_clip, 1e-6..=f32::MAX);
+        if let Lens::Thin {
+            aperture_radius,
+            focus_distance,
+            ..
+        } = &mut sensor.lens
+        {
+            visitor.bounded("aperture_radius", aperture_radius, 0.0..=f32::MAX);
+            visitor.bounded("focus_distance", focus_distance, f32::MIN_POSITIVE..=f32::MAX);
+        }
+    })
+}
+
+pub fn film(film: &mut Film, parameter: &str, text: &str) -> Result<(), String> {
+    let pixels = |text: &str| match parse_integer(text)? {
+        number @ 1..=65536 => Ok(number as u32),
+        other => Err(format!("expected 1 to 65536, found {other}")),
+    };
+    assign(parameter, text, |visitor| {
+        visitor.value("width", &mut film.width, pixels);
+        visitor.value("height", &mut film.height, pixels);
+        visitor.value("sample_count", &mut film.sample_count, pixels);
+    })
+}
+
+/// Position, rotation (degrees about x, then y, then z) or scale of a pose without shear.
+pub fn pose(pose: &mut Affine3A, parameter: &str, text: &str) -> Result<(), String> {
+    let (mut scale, rotation, mut position) = pose.to_scale_rotation_translation();
+    let (z, y, x) = rotation.to_euler(bevy::math::EulerRot::ZYX);
+    let mut degrees = bevy::math::Vec3::new(x, y, z).map(f32::to_degrees);
+    assign(parameter, text, |visitor| {
+        visitor.value("position", &mut position, parse_vec3);
+        visitor.value("rotation", &mut degrees, parse_vec3);
+        visitor.value("scale", &mut scale, crate::document::value::parse_vec3_or_splat);
+    })?;
+    let [x, y, z] = degrees.map(f32::to_radians).to_array();
+    let rotation = bevy::math::Quat::from_euler(bevy::math::EulerRot::ZYX, z, y, x);
+    *pose = match parameter {
+        // The others keep their bits.
+        "position" => Affine3A {
+            translation: position.into(),
+            ..*pose
+        },
+        _ => Affine3A::from_scale_rotation_translation(scale, rotation, position),
+    };
+    Ok(())
+}
+
+fn assign(wanted: &str, text: &str, visit: impl FnOnce(&mut Assign)) -> Result<(), String> {
+    let mut visitor = Assign {
+        wanted,
+        text,
+        known: Vec::new(),
+        outcome: None,
+    };
+    visit(&mut visitor);
+    visitor.outcome.unwrap_or_else(|| match &visitor.known[..] {
+        [] => Err(format!("`{wanted}` cannot be set")),
+        known => Err(format!("there is no `{wanted}`, only {}", known.join(", "))),
+    })
+}
+
+impl Assign<'_> {
+    fn value<T>(&mut self, name: &'static str, value: &mut T, parse: impl FnOnce(&str) -> Result<T, String>) {
+        self.known.push(name);
+        if name == self.wanted {
+            let parsed = parse(self.text).map(|parsed| *value = parsed);
+            self.outcome = Some(parsed);
+        }
+    }
+
+    fn bounded(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>) {
+        self.value(name, value, |text| within(parse_float(text)?, &range));
+    }
+}
+
+fn within(number: f32, range: &RangeInclusive<f32>) -> Result<f32, String> {
+    if range.contains(&number) {
+        Ok(number)
+    } else {
+        Err(format!("expected {} to {}, found {number}", range.start(), range.end()))
+    }
+}
+
+fn color(most: f32) -> impl Fn(&str) -> Result<Rgb, String> {
+    move |text| {
+        let color = parse_rgb(text)?;
+        let fits = color.min_element() >= 0.0 && color.max_element() <= most;
+        fits.then_some(color)
+            .ok_or_else(|| format!("expected a colour within 0 to {most}, found `{text}`"))
+    }
+}
+
+impl ParameterVisitor for Assign<'_> {
+    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        self.value(name, value, |text| Ok(color(1.0)(text)?.into()));
+    }
+
+    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        self.value(name, value, |text| Ok(color(f32::MAX)(text)?.into()));
+    }
+
+    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>) {
+        self.value(name, value, |text| Ok(within(parse_float(text)?, &range)?.into()));
+    }
+
+    fn number(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>) {
+        self.bounded(name, value, range);
+    }
+
+    fn flag(&mut self, name: &'static str, value: &mut bool) {
+        self.value(name, value, parse_boolean);
+    }
+
+    fn ior(&mut self, name: &'static str, value: &mut Ior) {
+        self.value(name, value, |text| match parse_float(text) {
+            Ok(index) => Ok(Ior::Number(within(index, &(0.1..=10.0))?)),
+            Err(_) => crate::shading::ior::dielectric_ior(text)
+                .map(|_| Ior::Named(text.to_owned()))
+                .ok_or_else(|| format!("`{text}` is neither a number nor a known dielectric")),
+        });
+    }
+
+    fn conductor_ior(&mut self, value: &mut ConductorIor) {
+        self.value("material", value, |text| {
+            let is_known = text == "none" || crate::shading::ior::CONDUCTORS.iter().any(|metal| metal.0 == text);
+            is_known
+                .then(|| ConductorIor::Named(text.to_owned()))
+                .ok_or_else(|| format!("`{text}` is no known metal"))
+        });
+    }
+
+    fn distribution(&mut self, value: &mut Distribution) {
+        self.value("distribution", value, |text| match text {
+            "ggx" => Ok(Distribution::Ggx),
+            "beckmann" => Ok(Distribution::Beckmann),
+            other => Err(format!("expected ggx or beckmann, found `{other}`")),
+        });
+    }
+
+    fn roughness(&mut self, value: &mut Roughness) {
+        self.value("alpha", value, |text| {
+            Ok(Roughness::Isotropic(within(parse_float(text)?, &(1e-4..=1.0))?.into()))
+        });
+    }
+
+    fn principled_index(&mut self, value: &mut PrincipledIndex) {
+        self.value("specular", value, |text| {
+            Ok(PrincipledIndex::Specular(within(parse_float(text)?, &(0.0..=1.0))?))
+        });
+    }
+}
+
+impl EmitterVisitor for Assign<'_> {
+    fn emission(&mut self, name: &'static str, value: &mut Rgb) {
+        self.value(name, value, color(f32::MAX));
+    }
+
+    fn textured_emission(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        ParameterVisitor::color(self, name, value);
+    }
+
+    fn uniform_reflectance(&mut self, name: &'static str, value: &mut Rgb) {
+        self.value(name, value, color(1.0));
+    }
+
+    fn integer(&mut self, name: &'static str, value: &mut i32, range: RangeInclusive<i32>) {
+        self.value(name, value, |text| {
+            let number = i32::try_from(parse_integer(text)?)
+                .ok()
+                .filter(|number| range.contains(number));
+            number.ok_or_else(|| format!("expected {} to {}, found {text}", range.start(), range.end()))
+        });
+    }
+
+    fn angle(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>) {
+        self.bounded(name, value, range);
+    }
+
+    fn picture(&mut self, name: &'static str, value: &mut PathBuf) {
+        self.value(name, value, |text| Ok(settle(text.as_ref())));
+    }
+
+    fn optional_texture(&mut self, name: &'static str, value: &mut Option<Texture>) {
+        self.value(name, value, |text| {
+            let before = None;
+            Ok(Some(Texture::of_picture(settle(text.as_ref()), before)))
+        });
+    }
+
+    fn cone(&mut self, cutoff_angle: &mut f32, beam_width: &mut f32) {
+        self.bounded("cutoff_angle", cutoff_angle, 0.1..=90.0);
+        self.bounded("beam_width", beam_width, 0.0..=*cutoff_angle);
+    }
+
+    fn field_of_view(&mut self, fov: &mut f32, _axis: &mut FovAxis) {
+        self.bounded("fov", fov, 0.1..=179.0);
+    }
+
+    fn sun_position(&mut self, value: &mut SunPosition) {
+        self.value("sun_direction", value, |text| {
+            Ok(SunPosition::Direction(parse_vec3(text)?))
+        });
+    }
+
+    fn sampling_weight(&mut self, value: &mut f32) {
+        self.bounded("sampling_weight", value, 0.0..=f32::MAX);
+    }
+}

@@ -1,0 +1,133 @@
+//! The replay door: a file of named commands, one a line, done one after the other as a user would.
+//!
+//! A line begins when what the one before asked for is loaded. The first that fails ends the run.
+
+mod assign;
+pub mod parse;
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::*;
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
+
+use super::commands;
+use super::exit_door::save_window;
+use super::state::EditorState;
+use crate::engine::{RenderState, RenderStatus};
+use crate::scene::{SceneState, SceneStatus};
+use parse::Step;
+
+/// Frames after which what a command has led to has begun: it is applied in one, noticed in the next.
+const FRAMES_TO_BEGIN: u32 = 3;
+
+#[derive(Resource, Debug)]
+pub struct Script {
+    path: PathBuf,
+    /// With their numbers from 1 on.
+    lines: VecDeque<(usize, String)>,
+    /// Frames since the last command.
+    frames: u32,
+    samples_awaited: Option<u32>,
+    screenshot_awaited: bool,
+    failed: bool,
+}
+
+impl Script {
+    pub fn read(path: &Path) -> std::io::Result<Self> {
+        let text = std::fs::read_to_string(path)?;
+        Ok(Self {
+            path: path.to_owned(),
+            lines: (1..).zip(text.lines().map(str::to_owned)).collect(),
+            frames: 0,
+            samples_awaited: None,
+            screenshot_awaited: false,
+            failed: false,
+        })
+    }
+
+    /// All lines are done, and their pictures saved.
+    pub fn is_done(&self) -> bool {
+        self.lines.is_empty()
+            && self.samples_awaited.is_none()
+            && !self.screenshot_awaited
+            && self.frames >= FRAMES_TO_BEGIN
+    }
+}
+
+/// Does the next line when its time has come.
+pub fn run_script(world: &mut World) {
+    let Some(mut script) = world.remove_resource::<Script>() else {
+        return;
+    };
+    script.frames += 1;
+    if !script.failed && is_ready(world, &mut script) {
+        script.next(world);
+    }
+    world.insert_resource(script);
+}
+
+fn is_ready(world: &World, script: &mut Script) -> bool {
+    if script.frames < FRAMES_TO_BEGIN || script.screenshot_awaited {
+        return false;
+    }
+    let scene = world.resource::<SceneStatus>();
+    if scene.state == SceneState::Loading || scene.files_loading() > 0 {
+        return false;
+    }
+    let status = world.resource::<RenderStatus>();
+    if let Some(samples) = script.samples_awaited {
+        let busy = matches!(status.state, RenderState::Loading | RenderState::Building);
+        let enough = status.samples >= samples || status.state == RenderState::Done;
+        if busy || !enough {
+            return false;
+        }
+        script.samples_awaited = None;
+    }
+    true
+}
+
+impl Script {
+    fn next(&mut self, world: &mut World) {
+        while let Some((number, text)) = self.lines.pop_front() {
+            let outcome = match parse::line(world, &text) {
+                Ok(None) => continue,
+                Ok(Some(step)) => self.begin(world, step),
+                Err(error) => Err(error),
+            };
+            if let Err(error) = outcome {
+                eprintln!("error: {}:{number}: {error}", self.path.display());
+                self.lines.clear();
+                self.failed = true;
+                world.write_message(AppExit::error());
+            }
+            return;
+        }
+    }
+
+    fn begin(&mut self, world: &mut World, step: Step) -> Result<(), String> {
+        self.frames = 0;
+        match step {
+            Step::Do(command) => {
+                world.resource_mut::<EditorState>().interaction += 1;
+                commands::apply_now(world, command)?;
+            }
+            Step::WaitForSamples(samples) => self.samples_awaited = Some(samples),
+            Step::Screenshot(path) => {
+                self.screenshot_awaited = true;
+                world.spawn(Screenshot::primary_window()).observe(
+                    move |captured: On<ScreenshotCaptured>,
+                          mut script: ResMut<Script>,
+                          mut exit: MessageWriter<AppExit>| {
+                        script.screenshot_awaited = false;
+                        if let Err(message) = save_window(&captured.image, &path) {
+                            eprintln!("error: {}: {message}", path.display());
+                            exit.write(AppExit::error());
+                        }
+                    },
+                );
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,348 @@
+//! One line of a script as commands. Things are called by their names, parameters by those of the file.
+
+use std::path::PathBuf;
+
+use bevy::math::{Affine3A, Quat};
+use bevy::prelude::*;
+
+use super::assign;
+use crate::app::editor::actions::{self, ActionContext};
+use crate::app::editor::command::{Addition, AdditionKind, Command};
+use crate::app::editor::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::selection::{Extend, Selection};
+use crate::app::editor::state::EditorState;
+use crate::document::suggest::did_you_mean;
+use crate::document::value::{parse_float, parse_integer, parse_vec3};
+use crate::engine::RenderControl;
+use crate::render::tonemap::ToneMap;
+use crate::scene::{AreaLight, DocumentOrder, Emitter, Film, Material, SceneId, Sensor, Shape, ToWorld, UsesMaterial};
+
+/// What a line asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Step {
+    Do(Command),
+    /// Until the picture has so many samples per pixel, and everything is loaded.
+    WaitForSamples(u32),
+    /// The whole window, as PNG.
+    Screenshot(PathBuf),
+}
+
+/// What there is beside the actions; for messages and the README.
+pub const VERBS: [(&str, &str); 28] = [
+    ("open", "FILE"),
+    ("save-to", "FILE"),
+    ("save-image-to", "FILE"),
+    ("import-file", "FILE"),
+    ("select", "NAME..."),
+    ("select-also", "NAME..."),
+    ("pick", "X,Y (0 to 1 from the upper left)"),
+    ("add", "KIND [name=NAME] [at=X,Y,Z] [size=S]"),
+    ("move", "NAME X,Y,Z (by)"),
+    ("rotate", "NAME X,Y,Z DEGREES (about its origin)"),
+    ("scale", "NAME FACTOR (about its origin)"),
+    ("set", "NAME PARAMETER VALUE"),
+    ("material-of", "SHAPE (a new one of its own)"),
+    ("make", "MATERIAL PLUGIN"),
+    ("assign", "MATERIAL SHAPE..."),
+    ("emit", "SHAPE RADIANCE|none"),
+    ("rename", "NAME NAME"),
+    ("hide-thing", "NAME..."),
+    ("put-before", "NAME OTHER"),
+    ("look", "FROM AT (each X,Y,Z)"),
+    ("look-through", "CAMERA"),
+    ("go-to", "STEP (of the history)"),
+    ("samples", "N"),
+    ("show", "MODE"),
+    ("exposure", "STOPS"),
+    ("tone-map", "NAME"),
+    ("wait", "SAMPLES"),
+    ("screenshot", "FILE"),
+];
+
+/// The error says what was expected, without the place of the line.
+pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, String> {
+    let text = text.trim();
+    if text.is_empty() || text.starts_with('#') {
+        return Ok(None);
+    }
+    // XML is not taken apart.
+    if let Some(xml) = text.strip_prefix("paste ") {
+        return Ok(Some(Step::Do(Command::Paste(xml.to_owned()))));
+    }
+    let words = words(text)?;
+    let (verb, arguments) = words.split_first().ok_or("expected a command")?;
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    if let Some(action) = actions::find(verb)
+        && arguments.is_empty()
+    {
+        let selection = world.resource::<Selection>().clone();
+        let command = (action.command)(&context(world, &selection));
+        let command = command.ok_or_else(|| format!("`{verb}`: nothing is selected"))?;
+        return Ok(Some(Step::Do(command)));
+    }
+    let step = verb_step(world, verb, &arguments);
+    step.map(Some).map_err(|error| {
+        let usage = VERBS.iter().find(|(name, _)| name == verb);
+        usage.map_or(error.clone(), |(name, usage)| {
+            format!("{error} (usage: {name} {usage})")
+        })
+    })
+}
+
+fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
+    let state = world.resource::<EditorState>();
+    ActionContext {
+        display: state.display,
+        overlay: state.overlay,
+        paused: world.resource::<RenderControl>().paused,
+        panels_shown: state.panels_shown,
+        selection,
+        flying: false,
+    }
+}
+
+fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, String> {
+    let command = match (verb, arguments) {
+        ("open", [path]) => Command::OpenScene(path.into()),
+        ("save-to", [path]) => Command::SaveScene(path.into()),
+        ("save-image-to", [path]) => Command::SaveImage(path.into()),
+        ("import-file", [path]) => Command::Import(path.into()),
+        ("select", names) => Command::Select(all_named(world, names)?, Extend::Replace),
+        ("select-also", names) => Command::Select(all_named(world, names)?, Extend::Add),
+        ("pick", [place]) => match crate::document::value::parse_floats(place)?[..] {
+            [x, y] => Command::Pick(Vec2::new(x, y), Extend::Replace),
+            _ => return Err("expected two numbers".to_owned()),
+        },
+        ("add", [kind, options @ ..]) => Command::Add(addition(kind, options)?),
+        ("move", [name, by]) => {
+            let by = parse_vec3(by)?;
+            transformed(world, name, |pose| Affine3A::from_translation(by) * pose)?
+        }
+        ("rotate", [name, axis, degrees]) => {
+            let axis = parse_vec3(axis)?.try_normalize().ok_or("the axis has no length")?;
+            let turn = Affine3A::from_quat(Quat::from_axis_angle(axis, parse_float(degrees)?.to_radians()));
+            transformed(world, name, |pose| about_origin(turn, pose))?
+        }
+        ("scale", [name, factor]) => {
+            let factor = Affine3A::from_scale(Vec3::splat(parse_float(factor)?));
+            transformed(world, name, |pose| about_origin(factor, pose))?
+        }
+        ("set", [name, parameter, value @ ..]) if !value.is_empty() => {
+            let entity = named(world, name)?;
+            set(world, entity, parameter, &value.join(" "))?
+        }
+        ("material-of", [shape]) => Command::GiveMaterial {
+            shape: named(world, shape)?,
+        },
+        ("make", [name, plugin]) => {
+            let thing = named(world, name)?;
+            let entity = material_of(world, thing).ok_or("it has no material")?;
+            let material = Material::of_plugin(plugin);
+            let material = material.ok_or_else(|| unknown("material", plugin, Material::PLUGINS))?;
+            Command::SetMaterial(entity, Box::new(material))
+        }
+        ("assign", [material, shapes @ ..]) if !shapes.is_empty() => Command::UseMaterial {
+            shapes: all_named(world, shapes)?,
+            material: Some(named(world, material)?),
+        },
+        ("emit", [shape, "none"]) => Command::SetAreaLight(named(world, shape)?, None),
+        ("emit", [shape, radiance]) => {
+            let mut light = AreaLight::default();
+            assign::area_light(&mut light, "radiance", radiance)?;
+            Command::SetAreaLight(named(world, shape)?, Some(light))
+        }
+        ("rename", [name, new]) => Command::Rename(named(world, name)?, (*new).to_owned()),
+        ("hide-thing", names) if !names.is_empty() => Command::Hide(all_named(world, names)?, true),
+        ("put-before", [name, other]) => Command::Reorder {
+            moved: vec![named(world, name)?],
+            before: Some(named(world, other)?),
+        },
+        ("look", [from, at]) => Command::MoveView(looking(parse_vec3(from)?, parse_vec3(at)?)?),
+        ("look-through", [camera]) => Command::LookThrough(named(world, camera)?),
+        ("go-to", [step]) => Command::GoTo(count(step)? as usize),
+        ("samples", [number]) => Command::SetTargetSamples(count(number)?),
+        ("show", [mode]) => {
+            let mode = mode.replace('-', " ");
+            let known = DisplayMode::ALL
+                .iter()
+                .find(|(_, name)| name.eq_ignore_ascii_case(&mode));
+            let known = known.ok_or_else(|| unknown("mode", &mode, DisplayMode::ALL.iter().map(|(_, name)| *name)))?;
+            display(world, |display| display.mode = known.0)
+        }
+        ("exposure", [stops]) => {
+            let stops = parse_float(stops)?;
+            display(world, |display| display.exposure = stops)
+        }
+        ("tone-map", [name]) => {
+            let known = ToneMap::ALL.into_iter().find(|map| map.name() == *name);
+            let known = known.ok_or_else(|| unknown("tone map", name, ToneMap::ALL.iter().map(|map| map.name())))?;
+            display(world, |display| display.tone_map = known)
+        }
+        ("wait", [samples]) => return Ok(Step::WaitForSamples(count(samples)?)),
+        ("screenshot", [path]) => return Ok(Step::Screenshot(path.into())),
+        _ if VERBS.iter().any(|(name, _)| *name == verb) => return Err(format!("`{verb}` needs other words")),
+        _ => {
+            let actions = actions::ACTIONS.iter().map(|action| action.name);
+            return Err(unknown(
+                "command",
+                verb,
+                VERBS.iter().map(|(name, _)| *name).chain(actions),
+            ));
+        }
+    };
+    Ok(Step::Do(command))
+}
+
+/// Blanks separate words; quotes keep them together, `key=value` needs none around the whole.
+fn words(text: &str) -> Result<Vec<String>, String> {
+    let mut words = Vec::new();
+    let mut word: Option<String> = None;
+    let mut quoted = false;
+    for c in text.chars() {
+        match c {
+            '"' => {
+                quoted = !quoted;
+                word.get_or_insert_default();
+            }
+            c if c.is_whitespace() && !quoted => words.extend(word.take()),
+            c => word.get_or_insert_default().push(c),
+        }
+    }
+    if quoted {
+        return Err("a quotation mark is not closed".to_owned());
+    }
+    words.extend(word);
+    Ok(words)
+}
+
+fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item = &'c str>) -> String {
+    let help = did_you_mean(name, known).map_or(String::new(), |help| format!("; {help}"));
+    format!("there is no {what} called \"{name}\"{help}")
+}
+
+fn count(text: &str) -> Result<u32, String> {
+    u32::try_from(parse_integer(text)?).map_err(|_| format!("expected a whole number from 0 on, found `{text}`"))
+}
+
+/// Ids first, then names; of several the first in the file.
+fn named(world: &mut World, name: &str) -> Result<Entity, String> {
+    let mut things = world.query::<(&DocumentOrder, Entity, Option<&SceneId>, Option<&Name>)>();
+    let mut found: Vec<_> = things
+        .iter(world)
+        .filter_map(|(order, entity, id, called)| {
+            let is_id = id.is_some_and(|id| id.0 == name);
+            let is_name = called.is_some_and(|called| called.as_str() == name);
+            (is_id || is_name).then_some((!is_id, *order, entity))
+        })
+        .collect();
+    found.sort();
+    if let Some((.., entity)) = found.first() {
+        return Ok(*entity);
+    }
+    let names = crate::scene::insert::names(world);
+    Err(unknown("thing", name, names.iter().map(String::as_str)))
+}
+
+fn all_named(world: &mut World, names: &[&str]) -> Result<Vec<Entity>, String> {
+    names.iter().map(|name| named(world, name)).collect()
+}
+
+fn addition(kind: &str, options: &[&str]) -> Result<Addition, String> {
+    let known = AdditionKind::of_name(kind).ok_or_else(|| format!("\"{kind}\" cannot be added"))?;
+    let mut addition = Addition::from(known);
+    for option in options {
+        match option.split_once('=') {
+            Some(("name", name)) => addition.name = Some(name.to_owned()),
+            Some(("at", place)) => addition.at = Some(parse_vec3(place)?),
+            Some(("size", size)) => addition.size = Some(parse_float(size)?),
+            _ => return Err(format!("`{option}` is not understood")),
+        }
+    }
+    // The same whatever the camera sees.
+    if addition.at.is_some() {
+        addition.size.get_or_insert(1.0);
+    }
+    Ok(addition)
+}
+
+fn transformed(world: &mut World, name: &str, change: impl FnOnce(Affine3A) -> Affine3A) -> Result<Command, String> {
+    let entity = named(world, name)?;
+    let pose = world.get::<ToWorld>(entity).ok_or("it has no place")?.0;
+    Ok(Command::Transform(vec![(entity, change(pose))]))
+}
+
+fn about_origin(change: Affine3A, pose: Affine3A) -> Affine3A {
+    let to_origin = Affine3A::from_translation(pose.translation.into());
+    to_origin * change * to_origin.inverse() * pose
+}
+
+fn looking(from: Vec3, at: Vec3) -> Result<Affine3A, String> {
+    let forward = (at - from).try_normalize().ok_or("the two places are the same")?;
+    let up = if forward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
+    let left = up.cross(forward).normalize();
+    let axes = bevy::math::Mat3::from_cols(left, forward.cross(left), forward);
+    Ok(Affine3A::from_mat3_translation(axes, from))
+}
+
+fn display(world: &World, change: impl FnOnce(&mut DisplaySettings)) -> Command {
+    let mut display = world.resource::<EditorState>().display;
+    change(&mut display);
+    Command::SetDisplay(display)
+}
+
+/// A material itself, or that of a shape.
+fn material_of(world: &World, entity: Entity) -> Option<Entity> {
+    match world.get::<Material>(entity) {
+        Some(_) => Some(entity),
+        None => world.get::<UsesMaterial>(entity).map(|uses| uses.0),
+    }
+}
+
+/// Looks for the parameter among all that the thing is; what is not found anywhere is an error that names what there is.
+fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Result<Command, String> {
+    if let ("position" | "rotation" | "scale", Some(pose)) = (parameter, world.get::<ToWorld>(entity)) {
+        // An environment map has a factor of this name.
+        if !(parameter == "scale" && world.get::<Emitter>(entity).is_some()) {
+            let mut pose = pose.0;
+            assign::pose(&mut pose, parameter, value)?;
+            return Ok(Command::Transform(vec![(entity, pose)]));
+        }
+    }
+    let mut first_error = None;
+    macro_rules! attempt {
+        ($component:ty, $assign:path, $command:expr) => {
+            if let Some(mut edited) = world.get::<$component>(entity).cloned() {
+                match $assign(&mut edited, parameter, value) {
+                    Ok(()) => return Ok($command(edited)),
+                    Err(error) => first_error = Some(better(first_error.take(), error)),
+                }
+            }
+        };
+    }
+    attempt!(Shape, assign::shape, |edited| Command::SetShape(entity, edited));
+    attempt!(AreaLight, assign::area_light, |edited| Command::SetAreaLight(
+        entity,
+        Some(edited)
+    ));
+    attempt!(Emitter, assign::emitter, |edited| Command::SetEmitter(entity, edited));
+    attempt!(Sensor, assign::sensor, |edited| Command::SetSensor(entity, edited));
+    attempt!(Film, assign::film, |edited| Command::SetFilm(entity, edited));
+    if let Some(material) = material_of(world, entity)
+        && let Some(mut edited) = world.get::<Material>(material).cloned()
+    {
+        match assign::material(&mut edited, parameter, value) {
+            Ok(()) => return Ok(Command::SetMaterial(material, Box::new(edited))),
+            Err(error) => first_error = Some(better(first_error, error)),
+        }
+    }
+    Err(first_error.unwrap_or_else(|| "it has nothing to set".to_owned()))
+}
+
+/// An error about the value tells more than one about the name.
+fn better(known: Option<String>, new: String) -> String {
+    match known {
+        Some(known) if !known.starts_with("there is no `") => known,
+        Some(known) if new.starts_with("there is no `") || new.ends_with("cannot be set") => known,
+        _ => new,
+    }
+}

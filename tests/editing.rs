@@ -1,0 +1,293 @@
+//! Edits of a scene without a window: what is undone, redone and replayed.
+#![cfg(feature = "window")]
+
+use bevy::prelude::*;
+use numbers::Random;
+use sunroom::app::editor::command::Command;
+use sunroom::app::editor::commands::apply;
+use sunroom::app::editor::history::History;
+use sunroom::app::editor::script::parse::{self, Step};
+use sunroom::app::editor::selection::Selection;
+use sunroom::app::editor::state::{CommandQueue, EditorState};
+use sunroom::engine::{CurrentScene, RenderControl};
+use sunroom::scene::write::gather;
+use sunroom::scene::*;
+
+/// A world that has what edits need, and nothing that draws.
+fn world() -> World {
+    let mut world = World::new();
+    world.init_resource::<EditorState>();
+    world.init_resource::<CommandQueue>();
+    world.init_resource::<RenderControl>();
+    world.init_resource::<CurrentScene>();
+    world.init_resource::<ActiveSensor>();
+    world.init_resource::<FreeView>();
+    world.init_resource::<Selection>();
+    world.init_resource::<History>();
+    world.init_resource::<SceneStatus>();
+    world
+}
+
+/// One line of a script; false if it could not be done.
+fn say(world: &mut World, line: &str) -> bool {
+    match parse::line(world, line) {
+        Ok(Some(Step::Do(command))) => apply(world, command).is_ok(),
+        Err(_) => false,
+        other => panic!("{line}: {other:?}"),
+    }
+}
+
+type State = (description::SceneDescription, Vec<(String, bool, bool)>);
+
+/// Everything of the scene, free of entities: equal if and only if the scenes are.
+fn state(world: &mut World) -> State {
+    let mut marks: Vec<(String, bool, bool)> = world
+        .query_filtered::<(&Name, Has<Hidden>, Has<Locked>), With<DocumentOrder>>()
+        .iter(world)
+        .map(|(name, hidden, locked)| (name.to_string(), hidden, locked))
+        .collect();
+    marks.sort();
+    (gather::describe(world), marks)
+}
+
+/// Says what differs, for the whole would fill pages.
+fn assert_same(one: &State, other: &State) {
+    for (a, b) in one.0.shapes.iter().zip(&other.0.shapes) {
+        assert_eq!(a, b);
+    }
+    for (a, b) in one.0.materials.iter().zip(&other.0.materials) {
+        assert_eq!(a, b);
+    }
+    for (a, b) in one.0.emitters.iter().zip(&other.0.emitters) {
+        assert_eq!(a, b);
+    }
+    assert_eq!(one.1, other.1);
+    assert!(one == other);
+}
+
+/// The names of all things, or of one kind.
+fn names<F: bevy::ecs::query::QueryFilter>(world: &mut World) -> Vec<String> {
+    let mut names: Vec<String> = world
+        .query_filtered::<&Name, F>()
+        .iter(world)
+        .map(|name| name.to_string())
+        .collect();
+    names.sort();
+    names
+}
+
+/// Numbers that look random, the same in every run (xorshift; Marsaglia 2003).
+mod numbers {
+    pub struct Random(pub u64);
+
+    impl Random {
+        pub fn below(&mut self, bound: usize) -> usize {
+            self.0 ^= self.0 << 13;
+            self.0 ^= self.0 >> 7;
+            self.0 ^= self.0 << 17;
+            ((self.0 >> 16) % bound as u64) as usize
+        }
+
+        pub fn one_of<'a, T>(&mut self, list: &'a [T]) -> Option<&'a T> {
+            (!list.is_empty()).then(|| &list[self.below(list.len())])
+        }
+
+        pub fn number(&mut self) -> f32 {
+            self.below(2001) as f32 * 0.01 - 10.0
+        }
+
+        pub fn vector(&mut self) -> String {
+            format!("{},{},{}", self.number(), self.number(), self.number())
+        }
+    }
+}
+
+/// A step as the lines that make it, the last of them the edit.
+fn random_step(world: &mut World, random: &mut Random) -> Option<Vec<String>> {
+    let shapes = names::<With<Shape>>(world);
+    let materials = names::<With<Material>>(world);
+    let lights = names::<With<Emitter>>(world);
+    let all: Vec<String> = [&shapes[..], &materials, &lights].concat();
+    // About sixty things: few enough to be quick, enough to have several of each kind.
+    if all.len() > 60 {
+        let victims: Vec<String> = (0..3).filter_map(|_| random.one_of(&all).cloned()).collect();
+        return Some(vec![format!("select {}", victims.join(" ")), "delete".to_owned()]);
+    }
+    let shape = random.one_of(&shapes).cloned();
+    let material = random.one_of(&materials).cloned();
+    let anything = random.one_of(&all).cloned();
+    let kinds = [
+        "sphere",
+        "rectangle",
+        "cube",
+        "disk",
+        "cylinder",
+        "area",
+        "point",
+        "spot",
+        "constant",
+        "directional",
+    ];
+    let one = |line: String| Some(vec![line]);
+    match random.below(18) {
+        0..3 => one(format!(
+            "add {} at={} size=0.5",
+            kinds[random.below(kinds.len())],
+            random.vector()
+        )),
+        3 => one(format!("move {} {}", shape?, random.vector())),
+        4 => one(format!("rotate {} 0,1,0.5 {}", shape?, random.number())),
+        5 => one(format!("set {} position {}", random.one_of(&lights)?, random.vector())),
+        6 => one(format!("material-of {}", shape?)),
+        7 => one(format!("make {} {}", material?, Material::PLUGINS[random.below(6)])),
+        8 => one(format!("set {} alpha 0.{}", material?, 1 + random.below(9))),
+        9 => one(format!("assign {} {}", material?, shape?)),
+        10 => one(format!("emit {} {}", shape?, 1 + random.below(20))),
+        11 => one(format!("emit {} none", shape?)),
+        12 => one(format!("rename {} thing-{}", anything?, random.below(200))),
+        13 => Some(vec![
+            format!("select {} {}", shape?, random.one_of(&shapes)?),
+            "duplicate".to_owned(),
+        ]),
+        14 => Some(vec![format!("select {}", anything?), "delete".to_owned()]),
+        15 => match random.below(4) {
+            0 => Some(vec![format!("select {}", shape?), "hide-others".to_owned()]),
+            1 => one("show-all".to_owned()),
+            2 => one(format!("hide-thing {}", shape?)),
+            _ => Some(vec![
+                format!("select {} {}", shape?, random.one_of(&shapes)?),
+                "group".to_owned(),
+            ]),
+        },
+        16 => one(format!("put-before {} {}", anything?, random.one_of(&all)?)),
+        _ => one(format!(
+            "paste <shape type=\"sphere\" id=\"pasted\"><float name=\"radius\" value=\"{}\"/><bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf></shape>",
+            1 + random.below(5)
+        )),
+    }
+}
+
+#[test]
+fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
+    let mut world = world();
+    let mut random = Random(0x5eed_1234_9abc_def1);
+    // What a replay would have to do, and what could be done again, each a step of the history.
+    let (mut done, mut undone): (Vec<Vec<String>>, Vec<Vec<String>>) = (Vec::new(), Vec::new());
+    let mut refused = 0;
+    for number in 0..10_000 {
+        match random.below(4) {
+            0 if world.resource::<History>().len().0 > 0 => {
+                assert!(say(&mut world, "undo"));
+                undone.extend(done.pop());
+            }
+            1 if world.resource::<History>().len().1 > 0 => {
+                assert!(say(&mut world, "redo"));
+                done.extend(undone.pop());
+            }
+            _ => {
+                let Some(step) = random_step(&mut world, &mut random) else {
+                    continue;
+                };
+                world.resource_mut::<EditorState>().interaction += 1;
+                let before = world.resource::<History>().position();
+                for line in &step {
+                    refused += usize::from(!say(&mut world, line));
+                }
+                // What changes nothing is no step.
+                if world.resource::<History>().position() != before {
+                    done.push(step);
+                    undone.clear();
+                }
+            }
+        }
+        let known = world.resource::<History>().len();
+        assert!(
+            known.0 == done.len().min(1000) || done.len() > 1000,
+            "step {number}: {known:?}"
+        );
+        assert_eq!(known.1, undone.len(), "step {number}");
+    }
+    let edited = state(&mut world);
+
+    let mut replayed = self::world();
+    for line in done.iter().flatten() {
+        replayed.resource_mut::<EditorState>().interaction += 1;
+        say(&mut replayed, line);
+    }
+    assert_same(&state(&mut replayed), &edited);
+
+    let (steps, _) = world.resource::<History>().len();
+    assert!(say(&mut world, "go-to 0"));
+    assert_eq!(world.resource::<History>().len().0, 0);
+    assert!(say(&mut world, &format!("go-to {steps}")));
+    assert_same(&state(&mut world), &edited);
+    println!(
+        "{} steps in effect, {steps} in the history, {} things, {refused} refused",
+        done.len(),
+        edited.1.len()
+    );
+    assert!(steps > 500 && edited.1.len() > 20 && refused < 2000);
+}
+
+#[test]
+fn several_edits_of_one_drag_are_one_step() {
+    let mut world = world();
+    say(&mut world, "add sphere at=0,0,0");
+    let steps = |world: &World| world.resource::<History>().len().0;
+    let before = state(&mut world);
+    for x in 1..9 {
+        assert!(say(&mut world, &format!("set sphere position {x},0,0")));
+    }
+    assert_eq!(steps(&world), 2);
+    // Back to where it began: nothing has happened.
+    let x = 0;
+    assert!(say(&mut world, &format!("set sphere position {x},1,0")));
+    assert_eq!(steps(&world), 1);
+    assert_eq!(state(&mut world), before);
+}
+
+#[test]
+fn the_history_knows_what_is_saved() {
+    let mut world = world();
+    let is_saved = |world: &World| world.resource::<History>().is_saved();
+    assert!(is_saved(&world));
+    say(&mut world, "add sphere at=0,0,0");
+    assert!(!is_saved(&world));
+    world.resource_mut::<History>().note_saved();
+    say(&mut world, "move sphere 1,0,0");
+    assert!(!is_saved(&world));
+    say(&mut world, "undo");
+    assert!(is_saved(&world));
+    say(&mut world, "undo");
+    say(&mut world, "add cube at=0,0,0");
+    // The state that was saved can never come back.
+    for line in ["undo", "redo"] {
+        say(&mut world, line);
+        assert!(!is_saved(&world), "{line}");
+    }
+}
+
+#[test]
+fn lines_that_cannot_be_done_say_why() {
+    let mut world = world();
+    say(&mut world, "add sphere at=0,0,0 name=ball");
+    say(&mut world, "material-of ball");
+    let cases = [
+        ("move bal 1,0,0", "no thing called \"bal\"; did you mean `ball`"),
+        ("moove ball 1,0,0", "did you mean `move`"),
+        ("set ball radius -1", "expected"),
+        ("set ball roughness 1", "there is no `roughness`, only"),
+        ("set ball reflectance 2", "within 0 to 1"),
+        ("make ball difuse", "did you mean `diffuse`"),
+        ("add teapot", "\"teapot\" cannot be added"),
+        ("move ball", "usage: move NAME X,Y,Z"),
+        ("select \"ball", "not closed"),
+        ("duplicate", "nothing is selected"),
+        ("show albdo", "did you mean"),
+    ];
+    for (line, part) in cases {
+        let _ = apply(&mut world, Command::Select(Vec::new(), Default::default()));
+        let error = parse::line(&mut world, line).expect_err(line);
+        assert!(error.contains(part), "{line}: {error}");
+    }
+}
