@@ -103,14 +103,68 @@ fn the_window_shows_the_scene_between_its_panels() {
         "4",
         "--exit",
     ]);
+    show_at(&mut command, &display, &driver, &runtime);
+    assert_eq!(outcome_within(&mut command, Duration::from_secs(180)), Some(0));
+    check(&shot);
+}
+
+fn show_at(command: &mut Command, display: &str, driver: &Path, runtime: &str) {
     command
         .env("DISPLAY", display)
         .env("XDG_RUNTIME_DIR", runtime)
         .env("WGPU_BACKEND", "vulkan")
-        .env("VK_ICD_FILENAMES", &driver)
-        .env("VK_DRIVER_FILES", &driver);
-    assert_eq!(outcome_within(&mut command, Duration::from_secs(180)), Some(0));
-    check(&shot);
+        .env("VK_ICD_FILENAMES", driver)
+        .env("VK_DRIVER_FILES", driver);
+}
+
+/// Thirty edits from an empty scene on, undone and redone: the file is the same to the byte, the picture to the bit, and the command line
+/// renders the same room.
+#[test]
+fn a_room_is_built_undone_and_redone() {
+    let (Some(driver), Some((_server, display))) = (software_vulkan(), virtual_display()) else {
+        println!("skipped: needs Xvfb and Mesa's software Vulkan driver");
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let room = include_str!("scripts/room.txt");
+    let ending = format!(
+        "save-to {0}\nwait 8\nsave-image-to {1}\ngo-to 0\nscreenshot {4}\ngo-to 1000\nwait 8\nsave-image-to {2}\nsave-to {3}\n",
+        file("before.xml"),
+        file("before.exr"),
+        file("after.exr"),
+        file("after.xml"),
+        file("undone.png"),
+    );
+    std::fs::write(file("script.txt"), format!("{room}\n{ending}")).expect("a script");
+    let mut command = editor(&["scenes/cornell-box.xml", "--script", &file("script.txt"), "--exit"]);
+    show_at(&mut command, &display, &driver, &file(""));
+    assert_eq!(outcome_within(&mut command, Duration::from_secs(300)), Some(0));
+
+    let bytes = |name: &str| std::fs::read(file(name)).expect(name);
+    let (before, after) = (bytes("before.xml"), bytes("after.xml"));
+    assert!(
+        before.len() > 2000 && before == after,
+        "the file is another after undo and redo"
+    );
+    assert!(bytes("before.exr") == bytes("after.exr"), "the picture is another");
+
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sunroom"));
+    command.args(["render", &file("after.xml"), "-o", &file("rendered.exr"), "--spp", "8"]);
+    assert_eq!(outcome_within(&mut command, Duration::from_secs(100)), Some(0));
+    let picture = |name: &str| image::open(file(name)).expect(name).to_rgb32f();
+    let (shown, rendered) = (picture("after.exr"), picture("rendered.exr"));
+    assert_eq!(shown.dimensions(), (160, 120));
+    let mean = |picture: &image::Rgb32FImage| {
+        picture.as_raw().iter().map(|value| f64::from(*value)).sum::<f64>() / picture.as_raw().len() as f64
+    };
+    // Rotations are written as axis and angle, which moves single rays by an ulp; such a ray may hit something else.
+    let apart = (mean(&shown) / mean(&rendered) - 1.0).abs();
+    assert!(apart < 0.01, "the means differ by {apart}");
+    let same = shown.pixels().zip(rendered.pixels());
+    let same = same.filter(|(a, b)| a.0.iter().zip(&b.0).all(|(a, b)| (a - b).abs() <= 1e-2 * (a + b)));
+    let same = same.count() as f64 / (160.0 * 120.0);
+    assert!(same > 0.9, "only {same} of the pixels are the same");
 }
 
 /// Panels are at least this wide, menus and the status line this high, at the default size of the window.

@@ -43,7 +43,9 @@ pub fn follow_scene(
             *selection = Selection::default();
             *free_view = FreeView::default();
             history.clear();
-            state.say(format!("Opened {file}"));
+            if status.path.is_some() {
+                state.say(format!("Opened {file}"));
+            }
         } else if !status.reload.is_unchanged() {
             state.say(format!("Reloaded {file}: {}", status.reload.text()));
         }

@@ -363,6 +363,37 @@ pub(super) fn with_view(object: Object, to_world: &Affine3A) -> Object {
 /// How far a map taken apart and put together again may be from itself, relative to its largest element.
 const RECOMPOSED: f32 = 1e-5;
 
+/// What shortening the numbers of a transform may change, relative to its largest element: some units in the last place.
+const SHORTENED: f32 = 4e-7;
+
+/// The step with numbers of six digits: people write 3 and 90, arithmetic makes 2.9999998 and 90.00001 of them.
+fn shortened(step: &TransformOp) -> TransformOp {
+    match *step {
+        TransformOp::Scale(factors) => TransformOp::Scale(short(factors)),
+        TransformOp::Translate(by) => TransformOp::Translate(short(by)),
+        TransformOp::Rotate { axis, degrees } => TransformOp::Rotate {
+            axis: axis.map(|part| {
+                if (part - part.round()).abs() < 1e-6 {
+                    part.round()
+                } else {
+                    part
+                }
+            }),
+            degrees: short(Vec3::splat(degrees)).x,
+        },
+        other => other,
+    }
+}
+
+fn short(numbers: Vec3) -> Vec3 {
+    let largest = f64::from(numbers.abs().max_element());
+    if largest == 0.0 {
+        return numbers;
+    }
+    let unit = 10f64.powf(largest.log10().floor() - 5.0);
+    numbers.map(|number| ((f64::from(number) / unit).round() * unit) as f32)
+}
+
 /// The map as scale, rotation and translation, each only where it does something; as a matrix when it has shear.
 pub fn as_steps(map: &Affine3A) -> Vec<TransformOp> {
     let (scale, rotation, translation) = map.to_scale_rotation_translation();
@@ -380,12 +411,16 @@ pub fn as_steps(map: &Affine3A) -> Vec<TransformOp> {
     if translation != Vec3::ZERO {
         steps.push(TransformOp::Translate(translation));
     }
-    let recomposed = TransformOp::compose(&steps);
     let largest = map
         .to_cols_array()
         .iter()
         .fold(0.0f32, |most, element| most.max(element.abs()));
-    if recomposed.abs_diff_eq(*map, RECOMPOSED * largest) {
+    let is_same =
+        |steps: &[TransformOp], tolerance: f32| TransformOp::compose(steps).abs_diff_eq(*map, tolerance * largest);
+    let short: Vec<TransformOp> = steps.iter().map(shortened).collect();
+    if is_same(&short, SHORTENED) {
+        short
+    } else if is_same(&steps, RECOMPOSED) {
         steps
     } else {
         vec![TransformOp::Matrix(Mat4::from(*map))]

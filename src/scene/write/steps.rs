@@ -41,7 +41,9 @@ fn moved(old: &[TransformOp], map: &Affine3A) -> Option<Vec<TransformOp>> {
     let before = TransformOp::compose(&steps);
     let by = Vec3::from(map.translation - before.translation);
     let by = last.map_or(by, |last| snap(last, by, largest(&map.translation.to_array())));
-    steps.push(TransformOp::Translate(by));
+    if last.is_some() || by != Vec3::ZERO {
+        steps.push(TransformOp::Translate(by));
+    }
     Some(steps)
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use bevy::math::{Affine3A, Quat};
+use bevy::math::{Affine3A, Mat3, Quat};
 use bevy::prelude::*;
 
 use super::edits::select_new;
@@ -36,7 +36,11 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), String> {
     let above = addition.at.unwrap_or(ground + up * (4.0 * size));
     let scale = Affine3A::from_scale(Vec3::splat(size));
     let at = Affine3A::from_translation;
-    let facing = |direction| Affine3A::from_quat(Quat::from_rotation_arc(Vec3::Z, direction));
+    // Of axes that are the world's this makes exact zeros and ones.
+    let facing = |direction: Vec3| {
+        let (x, y) = direction.any_orthonormal_pair();
+        Affine3A::from_mat3(Mat3::from_cols(x, y, direction))
+    };
     let order = DocumentOrder(next_order(edit.world));
     let name = addition.name.as_deref().unwrap_or(addition.kind.name());
     let name = free_name(&names(edit.world), name);
