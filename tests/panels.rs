@@ -17,6 +17,7 @@ use sunroom::app::editor::navigation::Navigation;
 use sunroom::app::editor::overlay::{BoxList, BvhOverlay};
 use sunroom::app::editor::panels::inspector::{InspectorState, inspector};
 use sunroom::app::editor::panels::menu_bar::{MenuState, menu_bar};
+use sunroom::app::editor::panels::outliner::OutlinerState;
 use sunroom::app::editor::panels::{diagnostics, outliner, render, status};
 use sunroom::app::editor::selection::{Extend, Selection};
 use sunroom::app::editor::viewport::{ViewportModel, ViewportState, viewport};
@@ -119,6 +120,9 @@ fn item(index: u32, name: &str) -> Item {
         entity: entity(index),
         name: name.to_owned(),
         kind: "diffuse",
+        hidden: false,
+        locked: false,
+        can_hide: true,
     }
 }
 
@@ -581,19 +585,19 @@ fn the_outliner_selects_and_finds() {
         lights: vec![item(3, "lamp")],
         ..Outline::default()
     };
-    let filter = std::sync::Mutex::new(String::new());
+    let state = std::sync::Mutex::new(OutlinerState::default());
     let shown = Shown {
         given: outline,
         commands: Vec::new(),
     };
     let mut harness = Harness::builder().with_size(egui::vec2(240.0, 500.0)).build_ui_state(
         move |ui, shown: &mut Shown<Outline>| {
-            let mut filter = filter.lock().expect("one thread");
+            let mut state = state.lock().expect("one thread");
             outliner::outliner(
                 ui,
                 &shown.given,
                 &Selection::of([entity(1)]),
-                &mut filter,
+                &mut state,
                 &mut shown.commands,
             );
         },
@@ -621,11 +625,7 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
         },
         scene_files: std::sync::Arc::new(vec!["/there/cornell-box.xml".into()]),
         outline: std::sync::Arc::new(Outline {
-            sensors: vec![Item {
-                entity: entity(9),
-                name: "from above".to_owned(),
-                kind: "camera",
-            }],
+            sensors: vec![item(9, "from above")],
             ..Outline::default()
         }),
         ..Model::default()
@@ -960,4 +960,82 @@ fn the_wheel_dollies_and_with_the_right_button_sets_the_speed() {
     harness.event(wheel());
     harness.run_steps(1);
     assert!(matches!(harness.state().commands[..], [Command::SetSpeed(speed)] if speed > 1.0));
+}
+
+#[test]
+fn the_outliner_hides_renames_and_puts_into_folders() {
+    let outline = Outline {
+        shapes: vec![item(1, "table/leg"), item(2, "bunny"), item(3, "floor")],
+        ..Outline::default()
+    };
+    let state = std::sync::Mutex::new(OutlinerState::default());
+    let shown = Shown {
+        given: outline,
+        commands: Vec::new(),
+    };
+    let mut harness = Harness::builder().with_size(egui::vec2(260.0, 400.0)).build_ui_state(
+        move |ui, shown: &mut Shown<Outline>| {
+            let mut state = state.lock().expect("one thread");
+            let selection = Selection::of([entity(3)]);
+            outliner::outliner(ui, &shown.given, &selection, &mut state, &mut shown.commands);
+        },
+        shown,
+    );
+    harness.run_steps(3);
+    // Of what is selected all is hidden, of anything else only that.
+    let eyes: Vec<Pos2> = harness
+        .query_all_by_label("Hide (H)")
+        .map(|eye| eye.rect().center())
+        .collect();
+    assert_eq!(eyes.len(), 3);
+    press_at(&mut harness, eyes[0]);
+    assert_eq!(
+        harness.state().commands.last(),
+        Some(&Command::Hide(vec![entity(1)], true))
+    );
+
+    let bunny = harness.get_by_label("bunny").rect().center();
+    let leg = harness.get_by_label("leg").rect().center();
+    drag_between(&mut harness, bunny, leg);
+    let moved = vec![entity(2)];
+    let before = Some(entity(1));
+    assert_eq!(
+        harness.state().commands.last(),
+        Some(&Command::Reorder { moved, before })
+    );
+    let folder = harness.get_by_label("table  (1)").rect().center();
+    drag_between(&mut harness, bunny, folder);
+    let (things, folder) = (vec![entity(2)], Some("table".to_owned()));
+    assert_eq!(
+        harness.state().commands.last(),
+        Some(&Command::PutInto { things, folder })
+    );
+
+    harness.key_press(Key::F2);
+    harness.run_steps(3);
+    let field = || egui::accesskit::Role::TextInput;
+    let name = harness
+        .get_all_by_role(field())
+        .find(|it| it.value().as_deref() == Some("floor"));
+    name.expect("a field with the name").type_text("2");
+    harness.run_steps(2);
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(
+        harness.state().commands.last(),
+        Some(&Command::Rename(entity(3), "floor2".to_owned()))
+    );
+}
+
+fn drag_between<T>(harness: &mut Harness<T>, from: Pos2, to: Pos2) {
+    harness.hover_at(from);
+    harness.run_steps(2);
+    harness.drag_at(from);
+    harness.run_steps(2);
+    for part in 1..=4 {
+        harness.hover_at(from + (to - from) * (part as f32 / 4.0));
+        harness.run_steps(1);
+    }
+    harness.drop_at(to);
+    harness.run_steps(3);
 }

@@ -73,6 +73,11 @@ pub enum Command {
     },
     /// Puts the selection into a folder of its own.
     Group,
+    /// Into the folder of this path, or out of all.
+    PutInto {
+        things: Vec<Entity>,
+        folder: Option<String>,
+    },
     /// Hides these, or shows them again.
     Hide(Vec<Entity>, bool),
     /// Hides all shapes and lights but the selected.
@@ -216,6 +221,7 @@ impl Command {
             | Self::Rename(..)
             | Self::Reorder { .. }
             | Self::Group
+            | Self::PutInto { .. }
             | Self::Hide(..)
             | Self::HideOthers
             | Self::ShowAll
@@ -269,6 +275,7 @@ impl Command {
             Self::Rename(..) => "Rename",
             Self::Reorder { .. } => "Reorder",
             Self::Group => "Group",
+            Self::PutInto { .. } => "Put into folder",
             Self::Hide(_, true) => "Hide",
             Self::Hide(_, false) | Self::ShowAll => "Show",
             Self::HideOthers => "Hide others",
@@ -306,6 +313,7 @@ impl Command {
             Self::Hide(entities, _)
             | Self::Lock(entities, _)
             | Self::UseMaterial { shapes: entities, .. }
+            | Self::PutInto { things: entities, .. }
             | Self::Reorder { moved: entities, .. } => entities.clone(),
             _ => Vec::new(),
         }
@@ -313,7 +321,11 @@ impl Command {
 
     /// Whether the picture as a rule is begun anew by it.
     pub fn restarts_picture(&self) -> bool {
-        self.effect() != Effect::None && !matches!(self, Self::Rename(..) | Self::Lock(..))
+        self.effect() != Effect::None
+            && !matches!(
+                self,
+                Self::Rename(..) | Self::PutInto { .. } | Self::Group | Self::Lock(..)
+            )
     }
 }
 

@@ -18,9 +18,9 @@ use super::selection::Selection;
 use crate::document::{Diagnostic, Diagnostics, Severity};
 use crate::engine::{RenderControl, RenderStatus};
 use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, FirstNested, IntegratorSettings,
-    Material, MaterialUsers, Placements, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNested, Sensor,
-    Shape, ShapeKind, ToWorld, UsesMaterial,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, FirstNested, Hidden,
+    IntegratorSettings, Locked, Material, MaterialUsers, Placements, SamplerSettings, SceneId, SceneState, SceneStatus,
+    SecondNested, Sensor, Shape, ShapeKind, ToWorld, UsesMaterial,
 };
 
 #[derive(Resource, Default)]
@@ -33,6 +33,10 @@ pub struct Naming {
     order: Option<&'static DocumentOrder>,
     name: Option<&'static Name>,
     id: Option<&'static SceneId>,
+    hidden: Has<Hidden>,
+    locked: Has<Locked>,
+    is_shape: Has<Shape>,
+    is_emitter: Has<Emitter>,
 }
 
 impl NamingItem<'_, '_> {
@@ -50,6 +54,9 @@ impl NamingItem<'_, '_> {
             entity: self.entity,
             name: self.name(kind),
             kind,
+            hidden: self.hidden,
+            locked: self.locked,
+            can_hide: self.is_shape || self.is_emitter,
         };
         (order, item)
     }
@@ -64,6 +71,8 @@ type OutlineChanged = Or<(
     Changed<Emitter>,
     Added<AreaLight>,
     Added<Sensor>,
+    Added<Hidden>,
+    Added<Locked>,
 )>;
 
 #[derive(SystemParam)]
@@ -74,6 +83,8 @@ pub struct OutlineSources<'w, 's> {
     removed_emitters: RemovedComponents<'w, 's, Emitter>,
     removed_lights: RemovedComponents<'w, 's, AreaLight>,
     removed_sensors: RemovedComponents<'w, 's, Sensor>,
+    shown: RemovedComponents<'w, 's, Hidden>,
+    unlocked: RemovedComponents<'w, 's, Locked>,
     shapes: Query<'w, 's, (Naming, &'static Shape, Has<AreaLight>)>,
     materials: Query<'w, 's, (Naming, &'static Material)>,
     emitters: Query<'w, 's, (Naming, &'static Emitter)>,
@@ -86,7 +97,9 @@ impl OutlineSources<'_, '_> {
             + self.removed_materials.read().count()
             + self.removed_emitters.read().count()
             + self.removed_lights.read().count()
-            + self.removed_sensors.read().count();
+            + self.removed_sensors.read().count()
+            + self.shown.read().count()
+            + self.unlocked.read().count();
         removed > 0 || !self.changed.is_empty()
     }
 

@@ -19,6 +19,10 @@ pub struct Item {
     pub name: String,
     /// What it is, in a word.
     pub kind: &'static str,
+    pub hidden: bool,
+    pub locked: bool,
+    /// A shape or a light, which may be left out of the picture.
+    pub can_hide: bool,
 }
 
 /// Everything in the scene, by kind, in the order of the file.
@@ -28,6 +32,18 @@ pub struct Outline {
     pub materials: Vec<Item>,
     pub lights: Vec<Item>,
     pub sensors: Vec<Item>,
+}
+
+impl Outline {
+    /// With their headings.
+    pub fn groups(&self) -> [(&'static str, &[Item]); 4] {
+        [
+            ("Shapes", &self.shapes),
+            ("Materials", &self.materials),
+            ("Lights", &self.lights),
+            ("Cameras", &self.sensors),
+        ]
+    }
 }
 
 /// A material of the selection.

@@ -9,6 +9,7 @@ use super::display::DisplaySettings;
 use super::navigation::Navigation;
 use super::overlay::BvhOverlay;
 use super::panels::inspector::InspectorState;
+use super::panels::outliner::OutlinerState;
 use super::viewport::ViewportState;
 
 #[derive(Resource)]
@@ -18,7 +19,7 @@ pub struct EditorState {
     pub navigation: Navigation,
     pub panels_shown: bool,
     pub right_tab: RightTab,
-    pub outliner_filter: String,
+    pub outliner: OutlinerState,
     pub inspector: InspectorState,
     pub viewport: ViewportState,
     pub dialog: Option<FileDialogKind>,
@@ -48,7 +49,7 @@ impl Default for EditorState {
             navigation: Navigation::default(),
             panels_shown: true,
             right_tab: RightTab::default(),
-            outliner_filter: String::new(),
+            outliner: OutlinerState::default(),
             inspector: InspectorState::default(),
             viewport: ViewportState::default(),
             dialog: None,

@@ -143,13 +143,7 @@ fn left_panel(ui: &mut egui::Ui, model: &Model, state: &mut EditorState, command
         .size_range(140.0..=400.0)
         .show(ui, |ui| {
             ui.add_space(4.0);
-            outliner::outliner(
-                ui,
-                &model.outline,
-                &model.selection,
-                &mut state.outliner_filter,
-                commands,
-            );
+            outliner::outliner(ui, &model.outline, &model.selection, &mut state.outliner, commands);
         });
 }
 

@@ -32,6 +32,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
         Command::Rename(entity, name) => rename(edit, entity, &name)?,
         Command::Reorder { moved, before } => reorder(edit, &moved, before),
         Command::Group => group(edit)?,
+        Command::PutInto { things, folder } => put_into(edit, things, folder.as_deref())?,
         Command::Hide(entities, hidden) => hide(edit, &entities, hidden),
         Command::HideOthers => {
             let selection = edit.world.resource::<Selection>().clone();
@@ -226,24 +227,30 @@ fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Folders are written as the part of names before the last `/`.
 fn group(edit: &mut Edit) -> Result<(), String> {
     let members = selected(edit)?;
     let taken = names(edit.world);
-    let folders: HashSet<String> = taken
-        .iter()
-        .filter_map(|name| Some(name.split_once('/')?.0.to_owned()))
-        .collect();
-    let folder = free_name(&folders, "group");
-    for member in members {
+    let folders = taken.iter().filter_map(|name| Some(name.split_once('/')?.0.to_owned()));
+    let folder = free_name(&folders.collect::<HashSet<_>>(), "group");
+    put_into(edit, members, Some(&folder))
+}
+
+/// Folders are written as the part of names before the last `/`.
+fn put_into(edit: &mut Edit, things: Vec<Entity>, folder: Option<&str>) -> Result<(), String> {
+    for thing in things {
         let name = edit
             .world
-            .get::<Name>(member)
+            .get::<Name>(thing)
             .map_or_else(String::new, |name| name.as_str().to_owned());
-        let leaf = name.rsplit('/').next().unwrap_or_default().to_owned();
-        let name = free_name(&names(edit.world), &format!("{folder}/{leaf}"));
-        edit.set(member, SceneId(name.clone()));
-        edit.set(member, Name::new(name));
+        let leaf = name.rsplit('/').next().unwrap_or_default();
+        let wanted = match folder {
+            Some(folder) => format!("{folder}/{leaf}"),
+            None => leaf.to_owned(),
+        };
+        if wanted != name {
+            let free = free_name(&names(edit.world), &wanted);
+            rename(edit, thing, &free)?;
+        }
     }
     Ok(())
 }
