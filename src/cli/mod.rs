@@ -89,7 +89,7 @@ struct EditArgs {
     /// Quit after the screenshot (or the measurement, or else the samples)
     #[arg(long)]
     exit: bool,
-    /// Move the camera N times and print how long the picture took to follow
+    /// Fly, drag a mesh, change a material and a light, undo: N times each, and print how long the picture took to follow
     #[arg(long, value_name = "N")]
     measure_latency: Option<u32>,
     /// With --exit: fail if it is not done after this time

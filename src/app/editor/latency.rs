@@ -1,4 +1,4 @@
-//! How quickly the window answers: frame times, and the time from a camera command to the first changed pixels in the texture.
+//! How quickly the window answers: frame times, and the time from a command to the first changed pixels in the texture.
 
 use std::collections::VecDeque;
 use std::io::Write;
@@ -8,12 +8,14 @@ use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
 use super::command::Command;
-use super::commands::camera_pose;
+use super::commands::view_pose;
+use super::history::History;
 use super::pacing::Pacing;
 use super::picture::Picture;
-use super::state::CommandQueue;
+use super::script::assign;
+use super::state::{CommandQueue, EditorState};
 use crate::engine::{RenderFilm, RenderState, RenderStatus};
-use crate::scene::{ActiveSensor, FreeView, ToWorld};
+use crate::scene::{AreaLight, Emitter, Material, MeshHandle, Shape, ToWorld, TriangleMesh, UsesMaterial};
 
 /// Times between the last frames.
 #[derive(Resource, Default)]
@@ -54,19 +56,21 @@ fn median(mut values: Vec<f32>, q: f32) -> Option<f32> {
     values.get(rank.saturating_sub(1)).copied()
 }
 
-/// The measurement asked for on the command line.
+/// The measurement asked for on the command line: so many edits of each kind, one after the other.
 #[derive(Resource)]
 pub struct LatencyProbe {
-    left: u32,
+    /// Edits of each kind.
+    count: usize,
     phase: Phase,
+    kind: usize,
     results: Vec<f32>,
-    origin: Option<Affine3A>,
+    frames: Vec<f32>,
     pub done: bool,
 }
 
 #[derive(Clone, Copy, PartialEq)]
 enum Phase {
-    /// Lets the picture run so that the move interrupts real work.
+    /// Lets the picture run so that the edit interrupts real work.
     Rest(Instant),
     Waiting {
         since: Instant,
@@ -75,53 +79,66 @@ enum Phase {
     },
 }
 
-/// Between two moves.
+/// Between two edits.
 const REST: Duration = Duration::from_millis(400);
 
+/// What is measured, and the command that does it the given time; None where the scene has nothing to do it to.
+const KINDS: [(&str, fn(&mut World, usize) -> Option<Command>); 5] = [
+    ("fly", fly),
+    ("drag a mesh", drag),
+    ("material slider", change_material),
+    ("light slider", change_light),
+    ("undo and redo", undo),
+];
+
 impl LatencyProbe {
-    pub fn new(moves: u32) -> Self {
+    pub fn new(count: u32) -> Self {
         Self {
-            left: moves,
+            count: count as usize,
             phase: Phase::Rest(Instant::now()),
+            kind: 0,
             results: Vec::new(),
-            origin: None,
-            done: false,
+            frames: Vec::new(),
+            done: count == 0,
         }
+    }
+
+    fn next_kind(&mut self) {
+        self.results.clear();
+        self.frames.clear();
+        self.kind += 1;
+        self.done = self.kind >= KINDS.len();
     }
 }
 
-/// Says the next move, as a key would.
-pub fn move_for_probe(
-    mut probe: ResMut<LatencyProbe>,
-    mut queue: ResMut<CommandQueue>,
-    film: Res<RenderFilm>,
-    picture: Res<Picture>,
-    status: Res<RenderStatus>,
-    active: Res<ActiveSensor>,
-    free_view: Res<FreeView>,
-    poses: Query<&ToWorld>,
-) {
-    let Phase::Rest(since) = probe.phase else {
+/// Says the next command, as a panel would.
+pub fn act_for_probe(world: &mut World) {
+    let Some(mut probe) = world.remove_resource::<LatencyProbe>() else {
         return;
     };
+    let status = world.resource::<RenderStatus>();
     let has_picture = matches!(status.state, RenderState::Rendering | RenderState::Done) && status.samples > 0;
-    let pose = camera_pose(&active, &free_view, &poses);
-    let (true, Some(pose)) = (has_picture && since.elapsed() >= REST && probe.left > 0, pose) else {
-        return;
-    };
-    let origin = *probe.origin.get_or_insert(pose);
-    // To and fro by a hundredth of a radian, so that the view stays what it was.
-    let angle = if probe.left.is_multiple_of(2) { 0.01 } else { -0.01 };
-    let turned = Affine3A {
-        matrix3: origin.matrix3 * bevy::math::Mat3A::from_axis_angle(Vec3::Y, angle),
-        translation: origin.translation,
-    };
-    queue.0.push(Command::MoveView(turned));
-    probe.phase = Phase::Waiting {
-        since: Instant::now(),
-        job: film.job,
-        revision: picture.revision,
-    };
+    if let Phase::Rest(since) = probe.phase
+        && has_picture
+        && !probe.done
+        && since.elapsed() >= REST
+    {
+        match KINDS[probe.kind].1(world, probe.results.len()) {
+            Some(command) => {
+                world.resource_mut::<CommandQueue>().0.push(command);
+                probe.phase = Phase::Waiting {
+                    since: Instant::now(),
+                    job: world.resource::<RenderFilm>().job,
+                    revision: world.resource::<Picture>().revision,
+                };
+            }
+            None => {
+                say(format_args!("{}: the scene has nothing for it", KINDS[probe.kind].0));
+                probe.next_kind();
+            }
+        }
+    }
+    world.insert_resource(probe);
 }
 
 /// Stops the clock when the new picture's first pixels are in the texture.
@@ -135,30 +152,118 @@ pub fn watch_probe(
     let Phase::Waiting { since, job, revision } = probe.phase else {
         return;
     };
+    probe.frames.extend(frames.recent.back());
     if film.job == job || picture.revision == revision {
         return;
     }
-    let elapsed = 1e3 * since.elapsed().as_secs_f32();
-    probe.results.push(elapsed);
-    probe.left -= 1;
+    probe.results.push(1e3 * since.elapsed().as_secs_f32());
     probe.phase = Phase::Rest(Instant::now());
-    if probe.left == 0 {
-        probe.done = true;
-        let at = |q| median(probe.results.clone(), q).unwrap_or(f32::NAN);
-        let line = format!(
-            "camera command to first changed pixels: median {:.1} ms, 95 % {:.1} ms, worst {:.1} ms, {} moves, {}x{} pixels\n\
-             of which until the first tile was rendered: median {:.1} ms, 95 % {:.1} ms; the rest waits for the window's frames: median {:.1} ms each",
-            at(0.5),
-            at(0.95),
-            at(1.0),
-            probe.results.len(),
-            status.size.x,
-            status.size.y,
-            status.response.median_ms().unwrap_or(f32::NAN),
-            status.response.p95_ms().unwrap_or(f32::NAN),
-            frames.median_ms().unwrap_or(f32::NAN),
-        );
-        // A closed pipe is no reason to fail.
-        let _ = writeln!(std::io::stdout(), "{line}");
+    if probe.results.len() < probe.count {
+        return;
     }
+    let of = |values: &[f32], q| median(values.to_vec(), q).unwrap_or(f32::NAN);
+    say(format_args!(
+        "{}: command to first changed pixel: median {:.1} ms, 95 % {:.1} ms, worst {:.1} ms, {} times, {}x{} pixels; frames: median {:.1} ms",
+        KINDS[probe.kind].0,
+        of(&probe.results, 0.5),
+        of(&probe.results, 0.95),
+        of(&probe.results, 1.0),
+        probe.results.len(),
+        status.size.x,
+        status.size.y,
+        of(&probe.frames, 0.5),
+    ));
+    probe.next_kind();
+}
+
+/// A closed pipe is no reason to fail.
+fn say(line: std::fmt::Arguments) {
+    let _ = writeln!(std::io::stdout(), "{line}");
+}
+
+/// -1 and 1 in turn: the scene stays about what it was.
+fn sign(time: usize) -> f32 {
+    if time.is_multiple_of(2) { 1.0 } else { -1.0 }
+}
+
+fn fly(world: &mut World, time: usize) -> Option<Command> {
+    let pose = view_pose(world)?;
+    let turned = Affine3A {
+        matrix3: pose.matrix3 * bevy::math::Mat3A::from_axis_angle(Vec3::Y, 0.01 * sign(time)),
+        translation: pose.translation,
+    };
+    Some(Command::MoveView(turned))
+}
+
+/// The mesh of the most triangles, by a hundredth of the scene.
+fn drag(world: &mut World, time: usize) -> Option<Command> {
+    let (entity, pose) = largest_mesh(world)?;
+    let by = 0.01 * world.resource::<EditorState>().navigation.scene_size * sign(time);
+    Some(Command::Transform(vec![(
+        entity,
+        Affine3A::from_translation(Vec3::X * by) * pose,
+    )]))
+}
+
+fn largest_mesh(world: &mut World) -> Option<(Entity, Affine3A)> {
+    let mut shapes = world.query_filtered::<(Entity, &ToWorld, Option<&MeshHandle>), With<Shape>>();
+    let meshes = world.get_resource::<Assets<TriangleMesh>>();
+    let triangles = |handle: Option<&MeshHandle>| {
+        let mesh = meshes.zip(handle).and_then(|(meshes, handle)| meshes.get(&handle.0));
+        mesh.map_or(0, |mesh| mesh.data.triangles.len())
+    };
+    let largest = shapes.iter(world).max_by_key(|(_, _, handle)| triangles(*handle));
+    largest.map(|(entity, pose, _)| (entity, pose.0))
+}
+
+/// Of the material of that mesh, or any, the first colour that can be set.
+fn change_material(world: &mut World, time: usize) -> Option<Command> {
+    let of_mesh = largest_mesh(world).and_then(|(entity, _)| world.get::<UsesMaterial>(entity).map(|uses| uses.0));
+    let mut all: Vec<Entity> = of_mesh.into_iter().collect();
+    all.extend(world.query_filtered::<Entity, With<Material>>().iter(world));
+    let color = format!("{}", 0.5 + 0.1 * sign(time));
+    all.into_iter().find_map(|entity| {
+        let mut material = world.get::<Material>(entity)?.clone();
+        let names = [
+            "reflectance",
+            "base_color",
+            "diffuse_reflectance",
+            "specular_reflectance",
+        ];
+        names
+            .iter()
+            .find(|name| assign::material(&mut material, name, &color).is_ok())?;
+        Some(Command::SetMaterial(entity, Box::new(material)))
+    })
+}
+
+fn change_light(world: &mut World, time: usize) -> Option<Command> {
+    let color = format!("{}", 5.0 + sign(time));
+    let mut lights = world.query::<(Entity, &AreaLight)>();
+    if let Some((entity, light)) = lights.iter(world).next() {
+        let mut light = light.clone();
+        assign::area_light(&mut light, "radiance", &color).ok()?;
+        return Some(Command::SetAreaLight(entity, Some(light)));
+    }
+    let mut emitters = world.query::<(Entity, &Emitter)>();
+    emitters.iter(world).find_map(|(entity, emitter)| {
+        let mut emitter = emitter.clone();
+        let names = ["radiance", "intensity", "irradiance", "scale"];
+        names
+            .iter()
+            .find(|name| assign::emitter(&mut emitter, name, &color).is_ok())?;
+        Some(Command::SetEmitter(entity, emitter))
+    })
+}
+
+/// What the edits before have left in the history.
+fn undo(world: &mut World, time: usize) -> Option<Command> {
+    if world.resource::<History>().len() == (0, 0) {
+        return None;
+    }
+    Some(if time.is_multiple_of(2) {
+        Command::Undo
+    } else {
+        Command::Redo
+    })
 }

@@ -133,7 +133,7 @@ impl Plugin for EditorPlugin {
             app.insert_resource(latency::LatencyProbe::new(moves)).add_systems(
                 PostUpdate,
                 (
-                    latency::move_for_probe
+                    latency::act_for_probe
                         .before(EditorSystems::Apply)
                         .after(EguiPostUpdateSet::EndPass),
                     latency::watch_probe.after(EditorSystems::Show),

@@ -26,7 +26,7 @@ pub struct WindowOptions {
     pub after_spp: u32,
     /// Ends the program after the screenshot or the measurement, or else after `after_spp` samples.
     pub exit: bool,
-    /// Moves the camera this many times and prints how long it took until the picture followed.
+    /// Does edits of several kinds this many times each and prints how long it took until the picture followed.
     pub measure_latency: Option<u32>,
     /// With `exit`: the program fails if it is not done after this time.
     pub timeout: Duration,

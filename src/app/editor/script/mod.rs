@@ -2,7 +2,7 @@
 //!
 //! A line begins when what the one before asked for is loaded. The first that fails ends the run.
 
-mod assign;
+pub mod assign;
 pub mod parse;
 
 use std::collections::VecDeque;
