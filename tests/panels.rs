@@ -1,15 +1,17 @@
 //! Drives the editor's panels without a window: what the user does comes out as commands, and showing a panel changes nothing.
 #![cfg(feature = "window")]
 
-use bevy::math::{Affine3A, Mat3A, Vec2, Vec3};
+use bevy::math::{Affine2, Affine3A, Mat3A, Vec2, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, Ui};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use sunroom::app::editor::actions::ActionContext;
 use sunroom::app::editor::command::{Command, FileDialogKind};
 use sunroom::app::editor::display::{DisplayMode, DisplaySettings};
 use sunroom::app::editor::keys::Press;
+use sunroom::app::editor::material_drop::drop_target;
+use sunroom::app::editor::material_tree::MaterialTree;
 use sunroom::app::editor::model::{
     DenoiserState, Inspected, InspectedMaterial, Item, MaterialPlace, Model, Notice, Outline, RenderModel, StatusModel,
 };
@@ -19,13 +21,14 @@ use sunroom::app::editor::panels::inspector::{InspectorState, inspector};
 use sunroom::app::editor::panels::menu_bar::{MenuState, menu_bar};
 use sunroom::app::editor::panels::outliner::OutlinerState;
 use sunroom::app::editor::panels::{diagnostics, outliner, render, status};
+use sunroom::app::editor::presets;
 use sunroom::app::editor::selection::{Extend, Selection};
 use sunroom::app::editor::viewport::{ViewportModel, ViewportState, viewport};
 use sunroom::color::Rgb;
 use sunroom::engine::{RenderState, RenderStatus};
 use sunroom::scene::{
     AreaLight, ConductorIor, Crop, Distribution, Emitter, EmitterKind, Film, FovAxis, IntegratorSettings, Ior, Lens,
-    Material, Parameter, PlaceAndTime, ReconstructionFilter, Roughness, Sensor, Shape, ShapeKind, Strategy,
+    Material, Parameter, PlaceAndTime, ReconstructionFilter, Roughness, Sensor, Shape, ShapeKind, SquarePath, Strategy,
     SunPosition, SunSky, Texture,
 };
 
@@ -96,18 +99,31 @@ fn drag<T>(harness: &mut Harness<T>, name: &str, points: f32) {
     harness.run_steps(2);
 }
 
-fn inspect(inspected: Inspected) -> Harness<'static, Shown<(Inspected, Vec<Item>)>> {
-    let choices = vec![item(30, "red wall"), item(31, "glass")];
+fn inspect(inspected: Inspected) -> Harness<'static, Shown<Model>> {
+    inspect_in(INSPECTOR_WIDTH, inspected)
+}
+
+/// What the window gives it at first.
+const INSPECTOR_WIDTH: f32 = 300.0;
+
+fn inspect_in(width: f32, inspected: Inspected) -> Harness<'static, Shown<Model>> {
+    let model = Model {
+        inspected: Some(inspected),
+        outline: std::sync::Arc::new(Outline {
+            materials: vec![item(30, "red wall"), item(31, "glass")],
+            ..Outline::default()
+        }),
+        ..Model::default()
+    };
     let state = std::sync::Mutex::new(InspectorState::default());
     let shown = Shown {
-        given: (inspected, choices),
+        given: model,
         commands: Vec::new(),
     };
-    let mut harness = Harness::builder().with_size(egui::vec2(340.0, 900.0)).build_ui_state(
-        move |ui, shown: &mut Shown<(Inspected, Vec<Item>)>| {
+    let mut harness = Harness::builder().with_size(egui::vec2(width, 1200.0)).build_ui_state(
+        move |ui, shown: &mut Shown<Model>| {
             let mut state = state.lock().expect("one thread");
-            let (inspected, choices) = &shown.given;
-            inspector(ui, Some(inspected), choices, 10.0, &mut state, &mut shown.commands);
+            inspector(ui, &shown.given, 10.0, &mut state, &mut shown.commands);
         },
         shown,
     );
@@ -134,6 +150,7 @@ fn with_material(material: Material) -> Inspected {
             material,
             place: MaterialPlace::Whole,
             users: 1,
+            inside: Vec::new(),
         }],
         ..Inspected::new(entity(7), "paint")
     }
@@ -299,7 +316,7 @@ fn awkward_lights() -> Vec<Emitter> {
     kinds.map(light).to_vec()
 }
 
-fn lamp(emitter: Emitter) -> Harness<'static, Shown<(Inspected, Vec<Item>)>> {
+fn lamp(emitter: Emitter) -> Harness<'static, Shown<Model>> {
     inspect(Inspected {
         emitter: Some(emitter),
         ..Inspected::new(entity(8), "lamp")
@@ -330,12 +347,308 @@ fn a_narrower_cone_takes_its_beam_along() {
 
 #[test]
 fn pictures_of_lights_are_chosen() {
-    for (plugin, parameter) in [("envmap", "filename"), ("spot", "texture"), ("projector", "irradiance")] {
+    let ways: [(&str, &str, &[&str]); 3] = [
+        ("envmap", "filename", &["Picture"]),
+        ("spot", "texture", &["Slide source", "picture\u{2026}"]),
+        ("projector", "irradiance", &["Picture source", "picture\u{2026}"]),
+    ];
+    for (plugin, parameter, clicks) in ways {
         let mut harness = lamp(Emitter::of_plugin(plugin).unwrap());
-        click(&mut harness, "\u{2026}");
-        let owner = entity(8);
-        let dialog = Command::ShowDialog(FileDialogKind::OpenPicture { owner, parameter });
+        for name in clicks {
+            click(&mut harness, name);
+        }
+        let dialog = Command::ShowDialog(FileDialogKind::OpenPicture {
+            owner: entity(8),
+            parameter,
+            place: SquarePath::WHOLE,
+        });
         assert_eq!(harness.state().commands, [dialog]);
+    }
+}
+
+#[test]
+fn a_light_of_another_kind_keeps_its_colour() {
+    let warm = Rgb::new(30.0, 20.0, 10.0);
+    let mut harness = lamp(EmitterKind::Point { intensity: warm }.into());
+    click(&mut harness, "Type");
+    click(&mut harness, "directional");
+    let sun = Emitter::from(EmitterKind::Directional { irradiance: warm });
+    assert_eq!(harness.state().commands, [Command::SetEmitter(entity(8), sun)]);
+}
+
+fn textured(texture: Texture) -> Material {
+    Material::Diffuse {
+        reflectance: Parameter::Texture(texture),
+    }
+}
+
+fn checkerboard() -> Texture {
+    Texture::Checkerboard {
+        color0: Box::new(Rgb::splat(0.4).into()),
+        color1: Box::new(Parameter::Texture(Texture::of_picture("/pictures/a.png".into(), None))),
+        to_uv: Affine2::IDENTITY,
+    }
+}
+
+#[test]
+fn a_constant_becomes_a_texture_and_back() {
+    let red = Rgb::new(0.6, 0.1, 0.1);
+    let mut harness = inspect(with_material(Material::Diffuse {
+        reflectance: red.into(),
+    }));
+    click(&mut harness, "Reflectance source");
+    click(&mut harness, "checkerboard");
+    let Material::Diffuse {
+        reflectance: Parameter::Texture(Texture::Checkerboard { color0, .. }),
+    } = only_material(&harness.state().commands)
+    else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert_eq!(**color0, red.into());
+
+    let mut harness = inspect(with_material(textured(checkerboard())));
+    click(&mut harness, "Reflectance source");
+    click(&mut harness, "colour");
+    let grey = Material::Diffuse {
+        reflectance: Rgb::splat(0.4).into(),
+    };
+    assert_eq!(only_material(&harness.state().commands), &grey);
+}
+
+#[test]
+fn a_texture_opens_and_is_edited_in_place() {
+    let mut harness = inspect(with_material(textured(checkerboard())));
+    assert!(harness.query_by_label("Colour 1 R").is_none());
+    click(&mut harness, "Reflectance");
+    drag(&mut harness, "Repeats U", 30.0);
+    let Material::Diffuse {
+        reflectance: Parameter::Texture(Texture::Checkerboard { to_uv, color1, .. }),
+    } = only_material(&harness.state().commands)
+    else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert!(
+        to_uv.matrix2.x_axis.x > 1.0 && to_uv.matrix2.y_axis.y == 1.0,
+        "{to_uv:?}"
+    );
+    assert!(color1.constant().is_none(), "what is inside stays");
+    // A picture within the checkerboard.
+    harness.state_mut().commands.clear();
+    click(&mut harness, "Colour 1 source");
+    click(&mut harness, "picture\u{2026}");
+    let dialog = Command::ShowDialog(FileDialogKind::OpenPicture {
+        owner: entity(7),
+        parameter: "reflectance",
+        place: SquarePath::WHOLE.within(0),
+    });
+    assert_eq!(harness.state().commands, [dialog]);
+}
+
+#[test]
+fn colours_are_typed_as_srgb_too() {
+    let mut harness = inspect(with_material(Material::Diffuse {
+        reflectance: Rgb::splat(0.5).into(),
+    }));
+    click(&mut harness, "lin");
+    assert_eq!(harness.state().commands, [], "another notation is the same colour");
+    harness.get_by_label("Reflectance hex").focus();
+    harness.run_steps(2);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.event(egui::Event::Text("#ff0080".into()));
+    harness.run_steps(3);
+    let Material::Diffuse { reflectance } = only_material(&harness.state().commands) else {
+        panic!("another kind")
+    };
+    let color = reflectance.constant().expect("no texture");
+    // 0x80 is 21.6 % of the light, see IEC 61966-2-1.
+    assert!(color.abs_diff_eq(Rgb::new(1.0, 0.0, 0.2159), 1e-3), "{color}");
+}
+
+#[test]
+fn names_are_explained_where_the_pointer_rests() {
+    let mut harness = inspect(with_material(Material::of_plugin("roughconductor").unwrap()));
+    let name = harness.get_all_by_label("Roughness").next().expect("a row").rect();
+    // The control has the name; what is explained is the text at the left of it.
+    harness.hover_at(Pos2::new(20.0, name.center().y));
+    harness.run_steps(30);
+    assert!(harness.query_by_label("In the file: alpha").is_some());
+}
+
+fn shown_tree(commands: &[Command]) -> (&[Entity], &MaterialTree) {
+    match commands {
+        [Command::BuildMaterial { targets, tree }] => (targets, tree),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn presets_go_to_all_that_is_selected() {
+    let mut harness = inspect(with_material(Material::default()));
+    harness.state_mut().given.presets = std::sync::Arc::new(presets::load().0);
+    harness.state_mut().given.selection = Selection::of([entity(5), entity(7)]);
+    click(&mut harness, "Presets");
+    harness.get_by_label_contains("Metal").click();
+    harness.run_steps(4);
+    click(&mut harness, "gold");
+    let (targets, tree) = shown_tree(&harness.state().commands);
+    assert_eq!(targets, [entity(5), entity(7)]);
+    let Material::Conductor { ior, .. } = &tree.material else {
+        panic!("{tree:?}")
+    };
+    assert_eq!(*ior, ConductorIor::Named("Au".into()));
+}
+
+#[test]
+fn a_material_is_put_into_another_and_taken_out() {
+    let mut harness = inspect(with_material(Material::default()));
+    click(&mut harness, "Layers");
+    harness.get_by_label_contains("Put it into").click();
+    harness.run_steps(4);
+    click(&mut harness, "bump map");
+    let (targets, tree) = shown_tree(&harness.state().commands);
+    assert_eq!(targets, [entity(7)]);
+    assert_eq!(*tree, MaterialTree::from(Material::default()).wrapped("bumpmap"));
+
+    let mut wrapped = with_material(Material::of_plugin("bumpmap").unwrap());
+    wrapped.materials[0].inside = vec![entity(9)];
+    wrapped.materials.push(InspectedMaterial {
+        entity: entity(9),
+        name: "clay".into(),
+        material: Material::default(),
+        place: MaterialPlace::Inside,
+        users: 0,
+        inside: Vec::new(),
+    });
+    let mut harness = inspect(wrapped);
+    harness
+        .get_all_by_label("Layers")
+        .next()
+        .expect("that of the bump map")
+        .click();
+    harness.run_steps(4);
+    click(&mut harness, "Take the bump map off");
+    let (targets, tree) = shown_tree(&harness.state().commands);
+    assert_eq!((targets, tree.clone()), (&[entity(7)][..], Material::default().into()));
+}
+
+#[test]
+fn an_environment_turns_about_its_upward_axis() {
+    let mut harness = inspect(Inspected {
+        to_world: Some(Affine3A::IDENTITY),
+        emitter: Emitter::of_plugin("envmap"),
+        ..Inspected::new(entity(8), "sky")
+    });
+    slide(&mut harness, "Turned", 0.75);
+    let Some(Command::Transform(poses)) = harness.state().commands.last() else {
+        panic!("{:?}", harness.state().commands)
+    };
+    let up = poses[0].1.transform_vector3(Vec3::Y);
+    assert!(
+        up.abs_diff_eq(Vec3::Y, 1e-5) && poses[0].1 != Affine3A::IDENTITY,
+        "{up}"
+    );
+}
+
+/// Every plugin with its parameters constant, and once as textures.
+fn every_inspected() -> Vec<Inspected> {
+    let long = Texture::of_picture(
+        "/pictures/a-picture-whose-name-is-much-too-long-for-the-panel.png".into(),
+        None,
+    );
+    let mut cases: Vec<Inspected> = Vec::new();
+    for plugin in Material::PLUGINS {
+        let material = Material::of_plugin(plugin).expect("a plugin");
+        let mut pictured = material.clone();
+        for parameter in [
+            "reflectance",
+            "base_color",
+            "roughness",
+            "alpha",
+            "height",
+            "normalmap",
+            "weight",
+        ] {
+            pictured.set_picture(
+                parameter,
+                SquarePath::WHOLE,
+                "/pictures/a-long-name-of-a-file.exr".as_ref(),
+            );
+        }
+        cases.extend([with_material(material), with_material(pictured)]);
+    }
+    cases.push(with_material(textured(long.clone())));
+    cases.push(with_material(textured(checkerboard())));
+    for plugin in Emitter::PLUGINS {
+        let mut emitter = Emitter::of_plugin(plugin).expect("a plugin");
+        let case = |emitter: &Emitter| Inspected {
+            to_world: Some(Affine3A::from_rotation_y(0.5)),
+            emitter: Some(emitter.clone()),
+            ..Inspected::new(entity(8), "lamp")
+        };
+        cases.push(case(&emitter));
+        emitter.set_picture(SquarePath::WHOLE, "/pictures/a-long-name-of-a-file.exr".into());
+        cases.push(case(&emitter));
+    }
+    cases.push(Inspected {
+        shape: Some(Shape::default()),
+        area_light: Some(light(Rgb::new(1234.5, 7.0, 0.125))),
+        ..Inspected::new(entity(5), "lamp")
+    });
+    cases
+}
+
+/// Controls and texts with the places they are drawn at.
+fn widgets<T>(harness: &Harness<T>) -> Vec<(String, egui::Rect)> {
+    use egui::accesskit::Role;
+    let roles = [
+        Role::Button,
+        Role::CheckBox,
+        Role::ComboBox,
+        Role::ColorWell,
+        Role::Label,
+        Role::Slider,
+        Role::SpinButton,
+        Role::TextInput,
+    ];
+    let nodes = roles.into_iter().flat_map(|role| harness.query_all_by_role(role));
+    nodes
+        .map(|node| {
+            (
+                format!("{:?} {:?}", node.accesskit_node().role(), node.accesskit_node().label()),
+                node.rect(),
+            )
+        })
+        .collect()
+}
+
+#[test]
+fn nothing_of_the_inspector_is_cut_off_or_lies_over_something_else() {
+    for inspected in every_inspected() {
+        let mut harness = inspect(inspected.clone());
+        let textured = ["Reflectance", "Base colour", "Height", "Normals", "Slide"];
+        for name in textured {
+            let role = egui::accesskit::Role::Button;
+            let row = harness.query_all_by_role_and_label(role, name).next();
+            if let Some(row) = row {
+                row.click();
+            }
+            harness.run_steps(4);
+        }
+        let widgets = widgets(&harness);
+        assert!(widgets.len() > 2);
+        for (index, (name, rect)) in widgets.iter().enumerate() {
+            let right = INSPECTOR_WIDTH + 0.5;
+            assert!(
+                rect.left() >= -0.5 && rect.right() <= right,
+                "{name} at {rect} of {inspected:?}"
+            );
+            for (other, place) in &widgets[index + 1..] {
+                let shared = rect.intersect(*place);
+                // Neighbours may touch.
+                let overlap = shared.width().min(shared.height());
+                assert!(overlap <= 1.0, "{name} {rect} over {other} {place} of {inspected:?}");
+            }
+        }
     }
 }
 
@@ -453,7 +766,7 @@ fn strength_keeps_the_hue() {
         area_light: Some(light(radiance)),
         ..Inspected::new(entity(5), "lamp")
     });
-    slide(&mut harness, "Strength", 0.9);
+    slide(&mut harness, "Radiance", 0.9);
     let Some(Command::SetAreaLight(_, Some(light))) = harness.state().commands.last() else {
         panic!("no light was set")
     };
@@ -795,6 +1108,50 @@ fn last_pose(harness: &Harness<Picture>) -> Option<Affine3A> {
 }
 
 const MIDDLE: Pos2 = Pos2::new(170.0, 130.0);
+
+#[test]
+fn a_material_is_dragged_from_the_list_onto_the_picture() {
+    let outline = Outline {
+        materials: vec![item(31, "glass")],
+        ..Outline::default()
+    };
+    let state = std::sync::Mutex::new(OutlinerState::default());
+    let shown = Shown {
+        given: outline,
+        commands: Vec::new(),
+    };
+    let mut harness = Harness::builder().with_size(egui::vec2(540.0, 240.0)).build_ui_state(
+        move |ui, shown: &mut Shown<Outline>| {
+            let mut state = state.lock().expect("one thread");
+            let Shown { given, commands } = shown;
+            egui::Panel::left("list").exact_size(200.0).show(ui, |ui| {
+                outliner::outliner(ui, given, &Selection::default(), &mut state, commands);
+            });
+            let picture = ui.available_rect_before_wrap();
+            let response = ui.interact(picture, egui::Id::new("picture"), egui::Sense::click_and_drag());
+            drop_target(ui, &response, picture, commands);
+        },
+        shown,
+    );
+    harness.run_steps(3);
+    let line = harness.get_by_label("glass").rect().center();
+    let target = Pos2::new(380.0, 120.0);
+    harness.hover_at(line);
+    harness.run_steps(1);
+    harness.drag_at(line);
+    harness.run_steps(1);
+    for step in 1..=6 {
+        harness.hover_at(line.lerp(target, step as f32 / 6.0));
+        harness.run_steps(1);
+    }
+    harness.drop_at(target);
+    harness.run_steps(2);
+    let [Command::DropMaterial { material, at }] = harness.state().commands[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert_eq!(material, entity(31));
+    assert!(at.min_element() > 0.2 && at.max_element() < 0.8, "{at}");
+}
 
 #[test]
 fn a_click_picks_and_a_drag_looks() {

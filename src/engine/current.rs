@@ -1,9 +1,11 @@
 //! The scene as it was last packed, for those who want to ask it something: what is under the mouse, which boxes to draw.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use bevy::prelude::*;
 
+use crate::material::MaterialId;
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
 
@@ -13,6 +15,8 @@ pub struct CurrentScene {
     pub scene: Option<RenderScene>,
     /// The shape behind each instance of `scene.geometry`, then behind each placement.
     pub entity_of_instance: Arc<[Entity]>,
+    /// Where each material is in `scene.materials`.
+    pub material_of_entity: Arc<HashMap<Entity, MaterialId>>,
     /// None until there has been a camera.
     pub view: Option<View>,
 }

@@ -27,7 +27,7 @@ use super::pack::view::pack_view;
 use super::status::BvhStatus;
 use crate::accel::{SplitMethod, Tlas};
 use crate::light::{LightSource, LightTable, WeightedSource};
-use crate::material::{self, MaterialTable};
+use crate::material::{self, MaterialId, MaterialTable};
 use crate::render::scene::{RenderScene, SurfaceTable};
 use crate::render::view::View;
 use crate::scene::{AccelMethod, Film, InstanceOf, MemberOf, MeshHandle, ShapeKind};
@@ -52,6 +52,7 @@ pub(super) struct Extracted {
     pub bvh: BvhStatus,
     layout: Layout,
     entity_of_instance: Arc<[Entity]>,
+    material_of_entity: Arc<HashMap<Entity, MaterialId>>,
     surface_sources: Vec<SurfaceSource>,
     method: SplitMethod,
     light_sources: Vec<WeightedSource>,
@@ -89,6 +90,7 @@ impl Default for Extracted {
             bvh: BvhStatus::default(),
             layout: Layout::default(),
             entity_of_instance: Arc::from([]),
+            material_of_entity: Arc::default(),
             surface_sources: Vec::new(),
             method: SplitMethod::default(),
             light_sources: Vec::new(),
@@ -160,6 +162,7 @@ pub(super) fn extract_scene(
     *current = CurrentScene {
         scene: Some(extracted.scene.clone()),
         entity_of_instance: extracted.entity_of_instance.clone(),
+        material_of_entity: extracted.material_of_entity.clone(),
         view: extracted.view.clone(),
     };
     *dirty = Dirty::NOTHING;
@@ -303,6 +306,9 @@ impl Extracted {
         );
         if *self.scene.surfaces != packed.table {
             self.scene.surfaces = Arc::new(packed.table);
+        }
+        if *self.material_of_entity != materials.ids {
+            self.material_of_entity = Arc::new(materials.ids);
         }
         let table = material_table(packed.materials, &mut self.errors.surfaces);
         if *self.scene.materials != table {

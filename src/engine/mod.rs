@@ -27,6 +27,7 @@ pub use blocking::{Limits, Outcome, RenderError, load_to_completion, render_to_c
 pub use control::{InputStamp, RenderControl, ViewMode, WakeUp};
 pub use current::CurrentScene;
 pub use film::RenderFilm;
+pub use priority::yield_to_all;
 pub use status::{BvhStatus, LatencyStats, RenderState, RenderStatus};
 
 /// The steps of a frame, in this order, in `PostUpdate`.

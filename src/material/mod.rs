@@ -112,6 +112,11 @@ impl MaterialTable {
         })
     }
 
+    /// The same table with more materials, whose ids go on from [`Self::len`].
+    pub fn with(&self, more: impl IntoIterator<Item = Material>) -> Result<Self, MaterialTableError> {
+        Self::new(self.materials.iter().cloned().chain(more).collect())
+    }
+
     pub fn len(&self) -> usize {
         self.materials.len()
     }

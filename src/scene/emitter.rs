@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use bevy::prelude::*;
 
 use super::sun_sky::{SunPosition, SunSky};
-use super::{DocumentOrder, FovAxis, Parameter, ParameterVisitor, Texture, ToWorld};
+use super::{DocumentOrder, FovAxis, Parameter, ParameterVisitor, SquarePath, Texture, ToWorld};
 use crate::color::Rgb;
 
 /// Makes a shape emit from its front, evenly in all directions.
@@ -241,12 +241,21 @@ impl Emitter {
         }
     }
 
-    /// The picture at `path` as whatever it has a picture for; other lights stay.
-    pub fn set_picture(&mut self, path: PathBuf) {
+    /// The picture at `path` as whatever it has a picture for, or at a place within that; other lights stay.
+    pub fn set_picture(&mut self, place: SquarePath, path: PathBuf) {
         match &mut self.kind {
             EmitterKind::Environment { picture, .. } => *picture = path,
-            EmitterKind::Spot { texture, .. } => *texture = Some(Texture::of_picture(path, texture.as_ref())),
-            EmitterKind::Projector { irradiance, .. } => irradiance.set_picture(path),
+            EmitterKind::Spot { texture, .. } => {
+                let mut slide = match texture.take() {
+                    Some(texture) => Parameter::Texture(texture),
+                    None => Parameter::Constant(Rgb::ONE),
+                };
+                slide.set_picture_at(place, path);
+                if let Parameter::Texture(slide) = slide {
+                    *texture = Some(slide);
+                }
+            }
+            EmitterKind::Projector { irradiance, .. } => irradiance.set_picture_at(place, path),
             _ => {}
         }
     }

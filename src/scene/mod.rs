@@ -42,7 +42,7 @@ pub use material::{
     SecondNestedIn, UsesMaterial,
 };
 pub use object_state::ObjectState;
-pub use parameters::{HEIGHT, ParameterVisitor};
+pub use parameters::{HEIGHT, NORMALS, ParameterVisitor};
 pub use pictures::Pictures;
 pub use plugin::{ScenePlugin, SceneSystems, asset_plugin};
 pub use principled::{Principled, PrincipledIndex, PrincipledThin};
@@ -52,5 +52,5 @@ pub use shape::{MeshFile, MeshFormat, Shape, ShapeKind};
 pub use spawn::ReloadSummary;
 pub use status::{ActiveSensor, FreeView, MeshProblem, OpenScene, SceneState, SceneStatus};
 pub use sun_sky::{PlaceAndTime, SunPosition, SunSky};
-pub use texture::{Bitmap, Parameter, Texture, TextureFilter, TextureWrap};
+pub use texture::{Bitmap, Parameter, SquarePath, Texture, TextureFilter, TextureWrap};
 pub use watch::SceneWatch;

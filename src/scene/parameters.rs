@@ -1,10 +1,11 @@
 //! The list of every material's parameters, written down once: who reads, writes, shows or compares them visits that list.
 
 use std::ops::RangeInclusive;
+use std::path::Path;
 
 use super::material::{ConductorIor, Distribution, Ior, Material, Roughness};
 use super::principled::PrincipledIndex;
-use super::texture::{Parameter, Texture};
+use super::texture::{Parameter, SquarePath, Texture};
 use crate::color::Rgb;
 
 /// Meets the parameters of a material in turn; names are those of the file. A parameter that a visitor leaves alone keeps its value,
@@ -39,6 +40,8 @@ pub trait ParameterVisitor {
 
 /// What the texture of a bump map is called where it has no name.
 pub const HEIGHT: &str = "height";
+/// The texture of a normal map.
+pub const NORMALS: &str = "normalmap";
 
 const UNIT: RangeInclusive<f32> = 0.0..=1.0;
 
@@ -143,7 +146,7 @@ impl Material {
                 flip_invalid_normals,
                 use_shadowing_function,
             } => {
-                visitor.reflectance("normalmap", normals);
+                visitor.reflectance(NORMALS, normals);
                 visitor.flag("flip_invalid_normals", flip_invalid_normals);
                 visitor.flag("use_shadowing_function", use_shadowing_function);
             }
@@ -166,6 +169,76 @@ impl Material {
     /// Shows `meet` every texture among the parameters, with the parameter's name.
     pub fn visit_textures(&mut self, meet: impl FnMut(&'static str, &mut Texture)) {
         self.visit(&mut Textures(meet));
+    }
+}
+
+impl Material {
+    /// The picture at `path` at a place of the parameter of this name. Where there was no texture before, a picture of anything but colours
+    /// is looked at raw.
+    pub fn set_picture(&mut self, parameter: &str, place: SquarePath, path: &Path) {
+        self.visit(&mut PictureSetter { parameter, place, path });
+    }
+}
+
+struct PictureSetter<'a> {
+    parameter: &'a str,
+    place: SquarePath,
+    path: &'a Path,
+}
+
+impl PictureSetter<'_> {
+    fn set<T>(&self, name: &str, value: &mut Parameter<T>, raw: bool) {
+        if name != self.parameter {
+            return;
+        }
+        let was_plain = matches!(value, Parameter::Constant(_));
+        value.set_picture_at(self.place, self.path.to_owned());
+        if let Parameter::Texture(Texture::Bitmap(bitmap)) = value
+            && was_plain
+        {
+            bitmap.raw = raw;
+        }
+    }
+}
+
+impl ParameterVisitor for PictureSetter<'_> {
+    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        self.set(name, value, name == NORMALS);
+    }
+
+    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        self.set(name, value, true);
+    }
+
+    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, _range: RangeInclusive<f32>) {
+        self.set(name, value, true);
+    }
+
+    fn number(&mut self, _name: &'static str, _value: &mut f32, _range: RangeInclusive<f32>) {}
+
+    fn flag(&mut self, _name: &'static str, _value: &mut bool) {}
+
+    fn principled_index(&mut self, _value: &mut PrincipledIndex) {}
+
+    fn ior(&mut self, _name: &'static str, _value: &mut Ior) {}
+
+    fn conductor_ior(&mut self, value: &mut ConductorIor) {
+        if let ConductorIor::Given { eta, k } = value {
+            self.color("eta", eta);
+            self.color("k", k);
+        }
+    }
+
+    fn distribution(&mut self, _value: &mut Distribution) {}
+
+    fn roughness(&mut self, value: &mut Roughness) {
+        match value {
+            Roughness::Isotropic(alpha) => self.set("alpha", alpha, true),
+            Roughness::Anisotropic { u, v } => {
+                self.set("alpha_u", u, true);
+                self.set("alpha_v", v, true);
+            }
+        }
     }
 }
 

@@ -24,6 +24,38 @@ impl<T> Parameter<T> {
         };
         *self = Self::Texture(Texture::of_picture(path, before));
     }
+
+    /// The picture at `path` instead of what is at a place within; one that is not there changes nothing.
+    pub fn set_picture_at(&mut self, place: SquarePath, path: PathBuf) {
+        let Some((square, rest)) = place.split() else {
+            return self.set_picture(path);
+        };
+        if let Self::Texture(Texture::Checkerboard { color0, color1, .. }) = self {
+            let inside = if square == 0 { color0 } else { color1 };
+            inside.set_picture_at(rest, path);
+        }
+    }
+}
+
+/// A place within nested checkerboards: which of the two colours, from the outermost in, as binary digits below a leading one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SquarePath(u32);
+
+impl SquarePath {
+    /// The parameter itself.
+    pub const WHOLE: Self = Self(1);
+
+    /// The first (0) or the second (1) colour of the checkerboard that is there. Places beyond 31 checkerboards are not told apart.
+    pub fn within(self, square: u32) -> Self {
+        self.0.checked_mul(2).map_or(self, |place| Self(place | square))
+    }
+
+    /// The outermost colour, and the place from there; None for the parameter itself.
+    fn split(self) -> Option<(u32, Self)> {
+        let digits = self.0.checked_ilog2()?.checked_sub(1)?;
+        let leading = 1 << digits;
+        Some(((self.0 >> digits) & 1, Self((self.0 & (leading - 1)) | leading)))
+    }
 }
 
 impl<T: Copy> Parameter<T> {
@@ -129,5 +161,33 @@ impl Texture {
             }
             Self::MeshAttribute { .. } => {}
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_get_into_nested_checkerboards() {
+        let board = |color0: Parameter<Rgb>, color1: Parameter<Rgb>| Texture::Checkerboard {
+            color0: Box::new(color0),
+            color1: Box::new(color1),
+            to_uv: Affine2::IDENTITY,
+        };
+        let grey = || Parameter::Constant(Rgb::ONE);
+        let inner = board(grey(), grey());
+        let mut outer = Parameter::<f32>::Texture(board(grey(), Parameter::Texture(inner)));
+        let place = SquarePath::WHOLE.within(1).within(0);
+        outer.set_picture_at(place, "/a.png".into());
+        let picture = Parameter::Texture(Texture::of_picture("/a.png".into(), None));
+        let expected = board(grey(), Parameter::Texture(board(picture.clone(), grey())));
+        assert_eq!(outer, Parameter::Texture(expected.clone()));
+        // A place that is not there.
+        outer.set_picture_at(SquarePath::WHOLE.within(0).within(0), "/b.png".into());
+        assert_eq!(outer, Parameter::Texture(expected));
+        let mut whole = grey();
+        whole.set_picture_at(SquarePath::WHOLE, "/a.png".into());
+        assert_eq!(whole, picture);
     }
 }

@@ -77,6 +77,13 @@ impl TextureTable {
         Self { textures }
     }
 
+    /// The same table with one more texture, and the id of that.
+    pub fn with(&self, texture: Texture) -> (Self, TextureId) {
+        let id = TextureId(self.textures.len() as u32);
+        let textures = self.textures.iter().cloned().chain([texture]).collect();
+        (Self { textures }, id)
+    }
+
     pub fn get(&self, id: TextureId) -> Option<&Texture> {
         self.textures.get(id.0 as usize)
     }

@@ -8,10 +8,11 @@ use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::{Entity, Vec2};
 
 use super::display::DisplaySettings;
+use super::material_tree::MaterialTree;
 use super::overlay::BvhOverlay;
 use super::selection::Extend;
 use crate::scene::{
-    AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, Material, SamplerSettings, Sensor, Shape,
+    AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, Material, SamplerSettings, Sensor, Shape, SquarePath,
 };
 
 #[derive(Clone, Debug, PartialEq)]
@@ -88,10 +89,11 @@ pub enum Command {
     Transform(Vec<(Entity, Affine3A)>),
     SetShape(Entity, Shape),
     SetMaterial(Entity, Box<Material>),
-    /// Another picture for a texture of a material or a light.
+    /// Another picture for a texture of a material or a light, or a picture where there is none.
     SetPicture {
         owner: Entity,
         parameter: &'static str,
+        place: SquarePath,
         path: PathBuf,
     },
     /// The shapes get this material, or none of their own.
@@ -99,9 +101,19 @@ pub enum Command {
         shapes: Vec<Entity>,
         material: Option<Entity>,
     },
+    /// The shape that is seen at a place of the picture, as [`Command::Pick`] has it, gets the material.
+    DropMaterial {
+        material: Entity,
+        at: Vec2,
+    },
     /// A new grey material for this shape alone.
     GiveMaterial {
         shape: Entity,
+    },
+    /// Materials, or those of shapes, become the tree.
+    BuildMaterial {
+        targets: Vec<Entity>,
+        tree: Box<MaterialTree>,
     },
     SetAreaLight(Entity, Option<AreaLight>),
     SetEmitter(Entity, Emitter),
@@ -229,6 +241,8 @@ impl Command {
             | Self::SetPicture { .. }
             | Self::UseMaterial { .. }
             | Self::GiveMaterial { .. }
+            | Self::BuildMaterial { .. }
+            | Self::DropMaterial { .. }
             | Self::SetAccel(_) => Effect::Edit,
             Self::MoveView(_)
             | Self::FrameSelection
@@ -285,8 +299,9 @@ impl Command {
             Self::SetShape(..) => "Edit shape",
             Self::SetMaterial(..) => "Edit material",
             Self::SetPicture { .. } => "Choose picture",
-            Self::UseMaterial { .. } => "Assign material",
+            Self::UseMaterial { .. } | Self::DropMaterial { .. } => "Assign material",
             Self::GiveMaterial { .. } => "New material",
+            Self::BuildMaterial { .. } => "Make material",
             Self::SetAreaLight(..) | Self::SetEmitter(..) => "Edit light",
             Self::SetSensor(..) => "Edit camera",
             Self::SetFilm(..) => "Edit film",
@@ -309,11 +324,13 @@ impl Command {
             | Self::SetFilm(entity, _)
             | Self::Rename(entity, _)
             | Self::GiveMaterial { shape: entity }
+            | Self::DropMaterial { material: entity, .. }
             | Self::SetPicture { owner: entity, .. } => vec![*entity],
             Self::Hide(entities, _)
             | Self::Lock(entities, _)
             | Self::UseMaterial { shapes: entities, .. }
             | Self::PutInto { things: entities, .. }
+            | Self::BuildMaterial { targets: entities, .. }
             | Self::Reorder { moved: entities, .. } => entities.clone(),
             _ => Vec::new(),
         }
@@ -335,9 +352,10 @@ pub enum FileDialogKind {
     SaveScene,
     SaveImage,
     Import,
-    /// The picture of the texture that this parameter of the material or the light is.
+    /// The picture of the texture that this parameter of the material or the light is, or that is at a place within it.
     OpenPicture {
         owner: Entity,
         parameter: &'static str,
+        place: SquarePath,
     },
 }

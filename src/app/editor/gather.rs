@@ -14,6 +14,7 @@ use super::model::{
     HistoryModel, Inspected, InspectedMaterial, Item, MaterialPlace, Model, Notice, Outline, StatusModel,
 };
 use super::panels::{emission, material};
+use super::presets;
 use super::selection::Selection;
 use crate::document::{Diagnostic, Diagnostics, Severity};
 use crate::engine::{RenderControl, RenderStatus};
@@ -247,22 +248,37 @@ fn collect_materials(
     let Ok((naming, material, users, first, second)) = materials.get(entity) else {
         return;
     };
+    let nested = [first.map(|first| first.0), second.map(|second| second.0)];
     found.push(InspectedMaterial {
         entity,
         name: naming.name(material::kind_name(material)),
         material: material.clone(),
         place,
         users: users.map_or(0, |users| users.iter().count()),
+        inside: nested.into_iter().flatten().collect(),
     });
     if depth == 0 {
         return;
     }
-    if let Some(first) = first {
-        collect_materials(first.0, MaterialPlace::Front, depth - 1, materials, found);
+    let places = match material {
+        Material::TwoSided => [MaterialPlace::Front, MaterialPlace::Back],
+        Material::Blend { .. } => [MaterialPlace::First, MaterialPlace::Second],
+        _ => [MaterialPlace::Inside; 2],
+    };
+    for (inner, place) in nested.into_iter().zip(places) {
+        if let Some(inner) = inner {
+            collect_materials(inner, place, depth - 1, materials, found);
+        }
     }
-    if let Some(second) = second {
-        collect_materials(second.0, MaterialPlace::Back, depth - 1, materials, found);
+}
+
+/// The library, once.
+pub fn load_presets(mut model: ResMut<EditorModel>) {
+    let (presets, complaints) = presets::load();
+    for complaint in complaints {
+        warn!("{complaint}");
     }
+    model.0.presets = Arc::new(presets);
 }
 
 #[derive(SystemParam)]

@@ -15,6 +15,9 @@ pub mod gizmo;
 pub mod history;
 pub mod keys;
 mod latency;
+pub mod looks;
+pub mod material_drop;
+pub mod material_tree;
 pub mod model;
 pub mod navigation;
 pub mod options;
@@ -23,11 +26,14 @@ mod pacing;
 pub mod panels;
 mod picking;
 mod picture;
+pub mod presets;
+mod preview;
 mod scene_watch;
 pub mod screen;
 pub mod script;
 pub mod selection;
 pub mod state;
+mod studio;
 mod style;
 mod ui;
 pub mod viewport;
@@ -63,6 +69,8 @@ impl Plugin for EditorPlugin {
             .init_resource::<selection::Selection>()
             .init_resource::<state::CommandQueue>()
             .init_resource::<gather::EditorModel>()
+            .init_resource::<looks::Thumbnails>()
+            .init_resource::<preview::Previews>()
             .init_resource::<dialogs::Dialogs>()
             .init_resource::<latency::FrameTimes>()
             .init_resource::<pacing::Pacing>()
@@ -89,7 +97,12 @@ impl Plugin for EditorPlugin {
             )
             .add_systems(
                 Startup,
-                (spawn_camera, picture::create_picture, pacing::connect_wake_up),
+                (
+                    spawn_camera,
+                    picture::create_picture,
+                    pacing::connect_wake_up,
+                    gather::load_presets,
+                ),
             )
             .add_systems(
                 PreUpdate,
@@ -107,6 +120,7 @@ impl Plugin for EditorPlugin {
                         scene_watch::measure_scene,
                         gather::gather_outline,
                         gather::gather_selection,
+                        looks::update_thumbnails,
                         gather::gather_status,
                     )
                         .chain()
@@ -117,6 +131,7 @@ impl Plugin for EditorPlugin {
                     (
                         denoiser::collect_denoised,
                         picture::update_picture,
+                        preview::update_previews,
                         pacing::hold_back_frame,
                     )
                         .chain()

@@ -6,6 +6,8 @@ use std::sync::Arc;
 use bevy::math::Affine3A;
 use bevy::prelude::Entity;
 
+use super::looks::Looks;
+use super::presets::Preset;
 use super::selection::Selection;
 use crate::engine::RenderStatus;
 use crate::scene::{
@@ -52,17 +54,25 @@ pub struct InspectedMaterial {
     pub entity: Entity,
     pub name: String,
     pub material: Material,
-    /// What it is within a two-sided one.
+    /// What it is within another.
     pub place: MaterialPlace,
     /// Shapes that use it.
     pub users: usize,
+    /// Those in it.
+    pub inside: Vec<Entity>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MaterialPlace {
     Whole,
+    /// Of a two-sided one.
     Front,
     Back,
+    /// Of a blend.
+    First,
+    Second,
+    /// Of one that takes a single one.
+    Inside,
 }
 
 /// The selected entity with everything that can be edited on it.
@@ -168,6 +178,8 @@ pub struct Model {
     /// The active one of the selection.
     pub inspected: Option<Inspected>,
     pub history: Arc<HistoryModel>,
+    pub looks: Looks,
+    pub presets: Arc<Vec<Preset>>,
     pub render: RenderModel,
     pub notices: Arc<Vec<Notice>>,
     pub status: StatusModel,

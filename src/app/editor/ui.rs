@@ -176,14 +176,9 @@ fn right_panel(ui: &mut egui::Ui, model: &Model, state: &mut EditorState, comman
             egui::ScrollArea::vertical()
                 .auto_shrink(false)
                 .show(ui, |ui| match state.right_tab {
-                    RightTab::Inspector => inspector::inspector(
-                        ui,
-                        model.inspected.as_ref(),
-                        &model.outline.materials,
-                        state.navigation.scene_size,
-                        &mut state.inspector,
-                        commands,
-                    ),
+                    RightTab::Inspector => {
+                        inspector::inspector(ui, model, state.navigation.scene_size, &mut state.inspector, commands)
+                    }
                     RightTab::Render => render::render(ui, &model.render, state.display, state.overlay, commands),
                     RightTab::Diagnostics => diagnostics::diagnostics(ui, &model.notices),
                 });
@@ -224,6 +219,15 @@ pub fn picked(kind: FileDialogKind, path: std::path::PathBuf) -> Command {
         FileDialogKind::SaveScene => Command::SaveScene(path),
         FileDialogKind::SaveImage => Command::SaveImage(path),
         FileDialogKind::Import => Command::Import(path),
-        FileDialogKind::OpenPicture { owner, parameter } => Command::SetPicture { owner, parameter, path },
+        FileDialogKind::OpenPicture {
+            owner,
+            parameter,
+            place,
+        } => Command::SetPicture {
+            owner,
+            parameter,
+            place,
+            path,
+        },
     }
 }

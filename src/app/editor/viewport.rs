@@ -12,6 +12,7 @@ use super::actions::ActionContext;
 use super::command::Command;
 use super::display::{DisplayMode, HOTTEST_STEPS, heat};
 use super::keys::{self, Press};
+use super::material_drop::drop_target;
 use super::navigation::{FlyInput, Navigation};
 use super::overlay::{BoxList, MAX_BOXES, WorldBox, edges};
 use super::selection::Extend;
@@ -73,6 +74,7 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     }
     paint_over(ui, picture, model);
     act(ui, &response, picture, model, state, commands);
+    drop_target(ui, &response, picture, commands);
     ui.advance_cursor_after_rect(panel);
 }
 

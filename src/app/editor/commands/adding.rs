@@ -19,7 +19,7 @@ use crate::scene::assets::scene_asset::load_document;
 use crate::scene::insert::{free_name, insert, names, next_order};
 use crate::scene::{
     ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, MeshFile, MeshFormat, SceneDescription,
-    SceneId, Sensor, Shape, ShapeKind, ToWorld, read,
+    SceneId, Sensor, Shape, ShapeKind, SquarePath, ToWorld, read,
 };
 
 /// Of the scene's extent, half the size of something new.
@@ -229,7 +229,7 @@ fn set_environment(edit: &mut Edit, picture: PathBuf) {
         .map(|(entity, emitter)| (entity, emitter.clone()));
     let entity = match known {
         Some((entity, mut emitter)) => {
-            emitter.set_picture(picture);
+            emitter.set_picture(SquarePath::WHOLE, picture);
             edit.set(entity, emitter);
             entity
         }

@@ -1,12 +1,12 @@
 //! Edits of the scene. Each goes through an [`Edit`], which remembers what was there.
 
 use std::collections::HashSet;
-use std::path::Path;
+use std::path::PathBuf;
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use super::{adding, view};
+use super::{adding, materials, view};
 use crate::app::editor::command::Command;
 use crate::app::editor::history::Edit;
 use crate::app::editor::selection::{Extend, Selection};
@@ -14,7 +14,7 @@ use crate::scene::insert::{free_name, names, next_order};
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DeclaredIn, Declares, DocumentOrder, Emitter, FirstNested, FreeView, Hidden,
     IntegratorSettings, Locked, Material, MaterialUsers, MemberOf, ObjectState, Placements, SamplerSettings, SceneId,
-    SecondNested, Sensor, Shape, Texture, ToWorld, UsesMaterial,
+    SecondNested, Sensor, Shape, SquarePath, ToWorld, UsesMaterial,
 };
 
 /// The error is a sentence for the user; the caller takes back what was done before it.
@@ -64,7 +64,12 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
         Command::Transform(poses) => transform(edit, poses)?,
         Command::SetShape(entity, shape) => edit.set(entity, shape),
         Command::SetMaterial(entity, material) => edit.set(entity, *material),
-        Command::SetPicture { owner, parameter, path } => set_picture(edit, owner, parameter, &path),
+        Command::SetPicture {
+            owner,
+            parameter,
+            place,
+            path,
+        } => set_picture(edit, owner, parameter, place, path),
         Command::UseMaterial { shapes, material } => {
             for shape in shapes {
                 match material {
@@ -81,6 +86,8 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
             let material = edit.spawn((Material::default(), order, Name::new(name)));
             edit.set(shape, UsesMaterial(material));
         }
+        Command::DropMaterial { material, at } => materials::drop_at(edit, material, at)?,
+        Command::BuildMaterial { targets, tree } => materials::build(edit, &targets, &tree),
         Command::SetAreaLight(entity, light) => match light {
             Some(light) => edit.set(entity, light),
             None => edit.remove::<AreaLight>(entity),
@@ -120,7 +127,7 @@ fn delete_selection(edit: &mut Edit) -> Result<(), String> {
 }
 
 /// With the materials that were written inside of it and that nobody else uses; whoever used it uses none then.
-fn delete(edit: &mut Edit, entity: Entity) {
+pub(super) fn delete(edit: &mut Edit, entity: Entity) {
     let declared: Vec<Entity> = edit
         .world
         .get::<Declares>(entity)
@@ -167,7 +174,7 @@ fn delete(edit: &mut Edit, entity: Entity) {
 }
 
 /// The materials that this one is nested in.
-fn outer_materials(world: &mut World, material: Entity) -> Vec<Entity> {
+pub(super) fn outer_materials(world: &mut World, material: Entity) -> Vec<Entity> {
     let mut all = world.query_filtered::<(Entity, Option<&FirstNested>, Option<&SecondNested>), With<Material>>();
     all.iter(world)
         .filter(|(_, first, second)| {
@@ -313,21 +320,17 @@ fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), Stri
 }
 
 /// Looked at as the picture before it; other textures become a plain picture. Lights have one parameter that may be a picture.
-fn set_picture(edit: &mut Edit, owner: Entity, parameter: &str, path: &Path) {
+fn set_picture(edit: &mut Edit, owner: Entity, parameter: &str, place: SquarePath, path: PathBuf) {
     if let Some(mut edited) = edit.world.get::<Material>(owner).cloned() {
-        edited.visit_textures(|name, texture| {
-            if name == parameter {
-                *texture = Texture::of_picture(path.to_owned(), Some(texture));
-            }
-        });
+        edited.set_picture(parameter, place, &path);
         edit.set(owner, edited);
     }
     if let Some(mut edited) = edit.world.get::<AreaLight>(owner).cloned() {
-        edited.radiance.set_picture(path.to_owned());
+        edited.radiance.set_picture_at(place, path.clone());
         edit.set(owner, edited);
     }
     if let Some(mut edited) = edit.world.get::<Emitter>(owner).cloned() {
-        edited.set_picture(path.to_owned());
+        edited.set_picture(place, path);
         edit.set(owner, edited);
     }
 }

@@ -6,6 +6,7 @@
 mod adding;
 mod edits;
 mod files;
+mod materials;
 mod view;
 
 use bevy::prelude::*;
@@ -211,7 +212,7 @@ mod tests {
     use crate::app::editor::display::{DisplayMode, DisplaySettings};
     use crate::color::Rgb;
     use crate::engine::ViewMode;
-    use crate::scene::{AreaLight, FreeView, Material, Parameter, ToWorld, UsesMaterial};
+    use crate::scene::{AreaLight, FreeView, Material, Parameter, SquarePath, ToWorld, UsesMaterial};
 
     fn world() -> World {
         let mut world = World::new();
@@ -286,7 +287,14 @@ mod tests {
         for owner in [lamp, sky] {
             let path = PathBuf::from("/pictures/sky.exr");
             let parameter = "filename";
-            say(&mut world, Command::SetPicture { owner, parameter, path });
+            let place = SquarePath::WHOLE;
+            let command = Command::SetPicture {
+                owner,
+                parameter,
+                place,
+                path,
+            };
+            say(&mut world, command);
         }
         let mut found = Vec::new();
         if let Some(Emitter { kind, .. }) = world.get(sky) {

@@ -6,23 +6,28 @@ use std::path::PathBuf;
 use bevy::math::Vec3;
 use bevy_egui::egui::Ui;
 
-use super::fields;
-use super::material::{Edit, Rows, label};
+use super::super::looks::Looks;
+use super::conversion::emitter_turned_into;
+use super::material::{Edit, Rows, in_words};
 use super::sensor::field_of_view;
+use super::texture_slot::picture_row;
+use super::{color_field, fields};
 use crate::color::Rgb;
-use crate::scene::{AreaLight, Emitter, EmitterVisitor, FovAxis, Parameter, PlaceAndTime, SunPosition, Texture};
+use crate::scene::{
+    AreaLight, Emitter, EmitterVisitor, FovAxis, Parameter, PlaceAndTime, SquarePath, SunPosition, Texture,
+};
 
 /// What plugins are called in lists, where not by their own name.
 const KINDS: [(&str, &str); 2] = [("envmap", "environment map"), ("sunsky", "sun and sky")];
 
 /// The check box makes a shape emit, or not.
-pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>) -> Edit {
+pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, looks: &Looks) -> Edit {
     let mut emits = light.is_some();
     let toggled = fields::checkbox(ui, "Emits light", &mut emits);
     if toggled {
         *light = emits.then(AreaLight::default);
     }
-    let mut rows = Rows::new(ui);
+    let mut rows = Rows::new(ui, "area", looks);
     if let Some(light) = light {
         light.visit(&mut rows);
     }
@@ -32,80 +37,88 @@ pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>) -> Edit {
     }
 }
 
-pub fn emitter(ui: &mut Ui, emitter: &mut Emitter) -> Edit {
-    fields::note(ui, "Type", kind_name(emitter));
-    let mut rows = Rows::new(ui);
+pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, looks: &Looks) -> Edit {
+    let plugin = emitter.plugin();
+    let mut wanted = plugin;
+    let options = Emitter::PLUGINS.map(|plugin| (plugin, in_words(&KINDS, plugin)));
+    if fields::choice(ui, "Type", &mut wanted, &options) {
+        *emitter = emitter_turned_into(emitter, wanted);
+        // An environment is nothing without one.
+        let wants_picture = (wanted == "envmap").then_some(("filename", SquarePath::WHOLE));
+        return Edit {
+            changed: true,
+            wants_picture,
+        };
+    }
+    let mut rows = Rows::new(ui, plugin, looks);
     emitter.visit(&mut rows);
     rows.edit
 }
 
 /// The name of the kind, for lists.
 pub fn kind_name(emitter: &Emitter) -> &'static str {
-    let plugin = emitter.plugin();
-    let known = KINDS.iter().find(|(known, _)| *known == plugin);
-    known.map_or(plugin, |(_, words)| words)
-}
-
-/// Of a radiometric quantity.
-fn unit(name: &str) -> &'static str {
-    match name {
-        "intensity" => " W/sr",
-        "irradiance" => " W/m²",
-        _ => " W/m²sr",
-    }
+    in_words(&KINDS, emitter.plugin())
 }
 
 impl EmitterVisitor for Rows<'_> {
     fn emission(&mut self, name: &'static str, value: &mut Rgb) {
-        self.edit.changed |= fields::emission(self.ui, unit(name), value);
+        self.edit.changed |= color_field::emission(self.ui, self.caption(name), self.unit(name), value);
     }
 
     fn textured_emission(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        match value {
-            Parameter::Constant(color) => {
-                self.emission(name, color);
-                self.choose_picture(name, "Picture", "none");
-            }
-            Parameter::Texture(_) => self.texture(name, value, Rgb::ONE),
-        }
+        let unit = self.unit(name);
+        self.slot(name, "colour", value, Rgb::ONE, |ui, caption, color| {
+            color_field::emission(ui, caption, unit, color)
+        });
     }
 
     fn uniform_reflectance(&mut self, name: &'static str, value: &mut Rgb) {
-        self.edit.changed |= fields::color(self.ui, &label(name), value);
+        self.edit.changed |= color_field::color(self.ui, self.caption(name), value);
     }
 
     fn integer(&mut self, name: &'static str, value: &mut i32, range: RangeInclusive<i32>) {
-        self.edit.changed |= fields::integer(self.ui, &label(name), value, range);
+        self.edit.changed |= fields::integer(self.ui, self.caption(name), value, range);
     }
 
     fn angle(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>) {
-        self.edit.changed |= fields::quantity(self.ui, &label(name), value, 0.1, range, "°");
+        self.edit.changed |= fields::quantity(self.ui, self.caption(name), value, 0.1, range, "°");
     }
 
     fn picture(&mut self, name: &'static str, value: &mut PathBuf) {
-        let file = value.file_name().unwrap_or_default().to_string_lossy();
-        self.choose_picture(name, "Picture", &file);
+        if picture_row(self.ui, self.caption(name), value, self.looks()) {
+            self.edit.wants_picture = Some((name, SquarePath::WHOLE));
+        }
     }
 
     fn optional_texture(&mut self, name: &'static str, value: &mut Option<Texture>) {
-        let Some(texture) = value else {
-            return self.choose_picture(name, "Picture", "none");
+        let mut parameter = match value {
+            Some(texture) => Parameter::Texture(texture.clone()),
+            None => Parameter::Constant(Rgb::ONE),
         };
-        if self.texture_row(name, texture) {
-            *value = None;
+        let before = self.edit.changed;
+        self.slot(name, "none", &mut parameter, Rgb::ONE, |ui, caption, _| {
+            fields::note(ui, caption, "none");
+            false
+        });
+        if self.edit.changed && !before {
+            *value = match parameter {
+                Parameter::Texture(texture) => Some(texture),
+                Parameter::Constant(_) => None,
+            };
         }
     }
 
     fn cone(&mut self, cutoff_angle: &mut f32, beam_width: &mut f32) {
-        let mut angle = |name, value: &mut f32, range| {
-            fields::slider_with(self.ui, name, value, range, |slider| slider.suffix("°"))
+        let captions = ["cutoff_angle", "beam_width"].map(|name| self.caption(name));
+        let mut angle = |caption, value: &mut f32, range| {
+            fields::slider_with(self.ui, caption, value, range, |slider| slider.suffix("°"))
         };
-        let mut changed = angle("Cutoff", cutoff_angle, 0.1..=90.0);
+        let mut changed = angle(captions[0], cutoff_angle, 0.1..=90.0);
         // A narrower cone has a narrower beam.
         if changed {
             *beam_width = beam_width.min(*cutoff_angle);
         }
-        changed |= angle("Beam", beam_width, 0.0..=*cutoff_angle);
+        changed |= angle(captions[1], beam_width, 0.0..=*cutoff_angle);
         self.edit.changed |= changed;
     }
 
@@ -117,7 +130,12 @@ impl EmitterVisitor for Rows<'_> {
         let given = matches!(value, SunPosition::Direction(_));
         let mut wanted = given;
         let ways = [(false, "place and time"), (true, "direction")];
-        if fields::choice(self.ui, "Sun by", &mut wanted, &ways) {
+        if fields::choice(
+            self.ui,
+            self.caption("sun_direction").titled("Sun by"),
+            &mut wanted,
+            &ways,
+        ) {
             *value = if wanted {
                 SunPosition::Direction(Vec3::new(0.0, 1.0, 1.0))
             } else {
@@ -126,11 +144,11 @@ impl EmitterVisitor for Rows<'_> {
             self.edit.changed = true;
         }
         if let SunPosition::Direction(direction) = value {
-            self.edit.changed |= fields::vector(self.ui, "Towards sun", direction, 0.01, "");
+            self.edit.changed |= fields::vector(self.ui, self.caption("sun_direction"), direction, 0.01, "");
         }
     }
 
     fn sampling_weight(&mut self, value: &mut f32) {
-        self.edit.changed |= fields::number(self.ui, &label("sampling_weight"), value, 0.01, 0.0..=f32::MAX);
+        self.edit.changed |= fields::number(self.ui, self.caption("sampling_weight"), value, 0.01, 0.0..=f32::MAX);
     }
 }

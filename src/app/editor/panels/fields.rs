@@ -8,50 +8,109 @@ use std::ops::RangeInclusive;
 use bevy::math::Vec3;
 use bevy_egui::egui::{self, Response, Ui};
 
-use crate::color::Rgb;
+use super::words::Words;
 
 /// Width of the names' column in points.
-const NAME_WIDTH: f32 = 92.0;
+pub const NAME_WIDTH: f32 = 88.0;
+/// Width of a slider's number.
+const VALUE_WIDTH: f32 = 54.0;
+
+/// What a row is called, with what is told of it when the pointer rests there.
+#[derive(Clone, Copy, Debug)]
+pub struct Caption<'a> {
+    pub text: &'a str,
+    words: Option<&'static Words>,
+}
+
+impl<'a> From<&'a str> for Caption<'a> {
+    fn from(text: &'a str) -> Self {
+        Self { text, words: None }
+    }
+}
+
+impl<'a> From<&'a String> for Caption<'a> {
+    fn from(text: &'a String) -> Self {
+        Self::from(text.as_str())
+    }
+}
+
+impl<'a> Caption<'a> {
+    /// The same explanation under another name.
+    pub fn titled(self, text: &'a str) -> Self {
+        Self { text, ..self }
+    }
+}
+
+impl From<&'static Words> for Caption<'_> {
+    fn from(words: &'static Words) -> Self {
+        Self {
+            text: words.label,
+            words: Some(words),
+        }
+    }
+}
 
 /// A row with any control; the control is named for assistive technology (and tests) after the row.
-pub fn row(ui: &mut Ui, name: &str, control: impl FnOnce(&mut Ui) -> Response) -> Response {
+pub fn row<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, control: impl FnOnce(&mut Ui) -> Response) -> Response {
+    let caption = caption.into();
     ui.horizontal(|ui| {
-        let name = name_cell(ui, name);
+        let name = name_cell(ui, caption);
         control(ui).labelled_by(name.id)
     })
     .inner
 }
 
-fn name_cell(ui: &mut Ui, name: &str) -> Response {
+/// The names' column of a row that is under way.
+pub fn name_cell<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>) -> Response {
+    let caption = caption.into();
     let size = egui::vec2(NAME_WIDTH, ui.spacing().interact_size.y);
     let layout = egui::Layout::left_to_right(egui::Align::Center);
-    ui.allocate_ui_with_layout(size, layout, |ui| {
-        ui.set_min_size(size);
-        ui.add(egui::Label::new(name).truncate())
-    })
-    .inner
+    let label = ui
+        .allocate_ui_with_layout(size, layout, |ui| {
+            ui.set_min_size(size);
+            ui.add(egui::Label::new(caption.text).truncate())
+        })
+        .inner;
+    match caption.words {
+        None => label,
+        Some(words) => label.on_hover_ui(|ui| explain(ui, words)),
+    }
+}
+
+/// What is told of a parameter.
+fn explain(ui: &mut Ui, words: &Words) {
+    ui.set_max_width(280.0);
+    ui.label(words.about);
+    ui.weak(words.range);
+    ui.weak(format!("In the file: {}", words.name));
 }
 
 /// A text that cannot be edited.
-pub fn note(ui: &mut Ui, name: &str, text: impl Into<String>) {
+pub fn note<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, text: impl Into<String>) {
+    let caption = caption.into();
     ui.horizontal(|ui| {
-        name_cell(ui, name);
+        name_cell(ui, caption);
         ui.add(egui::Label::new(egui::RichText::new(text).weak()).truncate());
     });
 }
 
-pub fn slider(ui: &mut Ui, name: &str, value: &mut f32, range: RangeInclusive<f32>) -> bool {
-    slider_with(ui, name, value, range, |slider| slider)
+pub fn slider<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut f32, range: RangeInclusive<f32>) -> bool {
+    slider_with(ui, caption, value, range, |slider| slider)
 }
 
 /// A slider whose steps are even in the exponent.
-pub fn log_slider(ui: &mut Ui, name: &str, value: &mut f32, range: RangeInclusive<f32>) -> bool {
-    slider_with(ui, name, value, range, |slider| slider.logarithmic(true))
+pub fn log_slider<'a>(
+    ui: &mut Ui,
+    caption: impl Into<Caption<'a>>,
+    value: &mut f32,
+    range: RangeInclusive<f32>,
+) -> bool {
+    slider_with(ui, caption, value, range, |slider| slider.logarithmic(true))
 }
 
-pub fn slider_with(
+pub fn slider_with<'a>(
     ui: &mut Ui,
-    name: &str,
+    caption: impl Into<Caption<'a>>,
     value: &mut f32,
     range: RangeInclusive<f32>,
     style: impl FnOnce(egui::Slider<'_>) -> egui::Slider<'_>,
@@ -60,26 +119,76 @@ pub fn slider_with(
     let slider = egui::Slider::new(&mut copy, range)
         .clamping(egui::SliderClamping::Edits)
         .max_decimals(3);
-    let changed = row(ui, name, |ui| ui.add(style(slider))).changed();
+    let changed = row(ui, caption, |ui| {
+        fit_slider(ui, VALUE_WIDTH);
+        ui.add(style(slider))
+    })
+    .changed();
     write_back(changed, value, copy)
 }
 
-pub fn integer_slider(ui: &mut Ui, name: &str, value: &mut u32, range: RangeInclusive<u32>, logarithmic: bool) -> bool {
+pub fn integer_slider<'a>(
+    ui: &mut Ui,
+    caption: impl Into<Caption<'a>>,
+    value: &mut u32,
+    range: RangeInclusive<u32>,
+    logarithmic: bool,
+) -> bool {
     let mut copy = *value;
     let slider = egui::Slider::new(&mut copy, range)
         .clamping(egui::SliderClamping::Edits)
         .logarithmic(logarithmic);
-    let changed = row(ui, name, |ui| ui.add(slider)).changed();
+    let changed = row(ui, caption, |ui| {
+        fit_slider(ui, VALUE_WIDTH);
+        ui.add(slider)
+    })
+    .changed();
     write_back(changed, value, copy)
 }
 
+/// An emitted quantity's strength: a slider over many decades, its number with the unit.
+pub fn strength<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut f32, unit: &str) -> bool {
+    let mut copy = *value;
+    let slider = egui::Slider::new(&mut copy, 0.0..=1000.0)
+        .clamping(egui::SliderClamping::Edits)
+        .max_decimals(3)
+        .logarithmic(true)
+        .smallest_positive(0.01)
+        .suffix(unit);
+    let changed = row(ui, caption, |ui| {
+        fit_slider(ui, VALUE_WIDTH + 6.0 * unit.chars().count() as f32);
+        ui.add(slider)
+    })
+    .changed();
+    write_back(changed, value, copy)
+}
+
+/// Leaves room for a number of this width.
+fn fit_slider(ui: &mut Ui, number: f32) {
+    let room = ui.available_width() - number - ui.spacing().item_spacing.x;
+    ui.spacing_mut().slider_width = room.clamp(32.0, 140.0);
+}
+
 /// A number that is dragged or typed; `speed` is the change per point of drag.
-pub fn number(ui: &mut Ui, name: &str, value: &mut f32, speed: f32, range: RangeInclusive<f32>) -> bool {
-    quantity(ui, name, value, speed, range, "")
+pub fn number<'a>(
+    ui: &mut Ui,
+    caption: impl Into<Caption<'a>>,
+    value: &mut f32,
+    speed: f32,
+    range: RangeInclusive<f32>,
+) -> bool {
+    quantity(ui, caption, value, speed, range, "")
 }
 
 /// The same with a unit.
-pub fn quantity(ui: &mut Ui, name: &str, value: &mut f32, speed: f32, range: RangeInclusive<f32>, unit: &str) -> bool {
+pub fn quantity<'a>(
+    ui: &mut Ui,
+    caption: impl Into<Caption<'a>>,
+    value: &mut f32,
+    speed: f32,
+    range: RangeInclusive<f32>,
+    unit: &str,
+) -> bool {
     let mut copy = *value;
     let drag = egui::DragValue::new(&mut copy)
         .speed(speed)
@@ -87,109 +196,126 @@ pub fn quantity(ui: &mut Ui, name: &str, value: &mut f32, speed: f32, range: Ran
         .clamp_existing_to_range(false)
         .max_decimals(4)
         .suffix(unit);
-    let changed = row(ui, name, |ui| ui.add(drag)).changed();
+    let changed = row(ui, caption, |ui| ui.add(drag)).changed();
     write_back(changed, value, copy)
 }
 
-pub fn integer<N: egui::emath::Numeric>(ui: &mut Ui, name: &str, value: &mut N, range: RangeInclusive<N>) -> bool {
+pub fn integer<'a, N: egui::emath::Numeric>(
+    ui: &mut Ui,
+    caption: impl Into<Caption<'a>>,
+    value: &mut N,
+    range: RangeInclusive<N>,
+) -> bool {
     let mut copy = *value;
     let drag = egui::DragValue::new(&mut copy)
         .range(range)
         .clamp_existing_to_range(false);
-    let changed = row(ui, name, |ui| ui.add(drag)).changed();
+    let changed = row(ui, caption, |ui| ui.add(drag)).changed();
     write_back(changed, value, copy)
 }
 
 /// Three numbers; the controls are named "`name` X", "`name` Y", "`name` Z".
-pub fn vector(ui: &mut Ui, name: &str, value: &mut Vec3, speed: f32, suffix: &str) -> bool {
-    let mut copy = *value;
-    let changed = ui
-        .horizontal(|ui| {
-            name_cell(ui, name);
-            let gap = ui.spacing().item_spacing.x;
-            let width = ((ui.available_width() - 2.0 * gap) / 3.0).max(40.0);
-            let mut changed = false;
-            for (axis, letter) in ["X", "Y", "Z"].into_iter().enumerate() {
-                let drag = egui::DragValue::new(&mut copy[axis])
-                    .speed(speed)
-                    .suffix(suffix)
-                    .max_decimals(3);
-                let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
-                response.widget_info(|| {
-                    let mut info = egui::WidgetInfo::drag_value(true, f64::from(value[axis]));
-                    info.label = Some(format!("{name} {letter}"));
-                    info
-                });
-                changed |= response.changed();
-            }
-            changed
-        })
-        .inner;
-    write_back(changed, value, copy)
+pub fn vector<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Vec3, speed: f32, suffix: &str) -> bool {
+    let mut copy = value.to_array();
+    let drags = ["X", "Y", "Z"].map(|letter| NumberStyle {
+        letter,
+        speed,
+        suffix,
+        range: f32::MIN..=f32::MAX,
+    });
+    let changed = numbers(ui, caption, &mut copy, drags);
+    write_back(changed, value, Vec3::from_array(copy))
 }
 
-pub fn checkbox(ui: &mut Ui, name: &str, value: &mut bool) -> bool {
+/// How one of several numbers of a row is shown.
+pub struct NumberStyle<'s> {
+    /// Tells it from its neighbours in names.
+    pub letter: &'s str,
+    pub speed: f32,
+    pub suffix: &'s str,
+    pub range: RangeInclusive<f32>,
+}
+
+/// Several numbers side by side, of equal width; the controls are named after the row and their letters.
+pub fn numbers<'a, const N: usize>(
+    ui: &mut Ui,
+    caption: impl Into<Caption<'a>>,
+    values: &mut [f32; N],
+    styles: [NumberStyle; N],
+) -> bool {
+    let caption = caption.into();
+    ui.horizontal(|ui| {
+        name_cell(ui, caption);
+        let width = ui.available_width();
+        number_cells(ui, caption.text, values, styles, width)
+    })
+    .inner
+}
+
+/// The numbers without a name before them, `width` points wide together.
+pub fn number_cells<const N: usize>(
+    ui: &mut Ui,
+    name: &str,
+    values: &mut [f32; N],
+    styles: [NumberStyle; N],
+    width: f32,
+) -> bool {
+    // Beside each other they need little air.
+    ui.spacing_mut().item_spacing.x = 3.0;
+    ui.spacing_mut().button_padding.x = 1.0;
+    let width = ((width - 3.0 * (N - 1) as f32) / N as f32).max(24.0);
+    ui.spacing_mut().interact_size.x = width;
+    let mut changed = false;
+    for (value, style) in values.iter_mut().zip(styles) {
+        let shown = f64::from(*value);
+        let drag = egui::DragValue::new(value)
+            .speed(style.speed)
+            .suffix(style.suffix)
+            .range(style.range)
+            .clamp_existing_to_range(false)
+            .max_decimals(3);
+        let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
+        response.widget_info(|| {
+            let mut info = egui::WidgetInfo::drag_value(true, shown);
+            info.label = Some(format!("{name} {}", style.letter));
+            info
+        });
+        changed |= response.changed();
+    }
+    changed
+}
+
+pub fn checkbox<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut bool) -> bool {
+    let caption = caption.into();
     let mut copy = *value;
-    let changed = row(ui, name, |ui| {
+    let changed = row(ui, caption, |ui| {
         let response = ui.add(egui::Checkbox::without_text(&mut copy));
         // Its empty text would count as its name.
-        response.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::Checkbox, true, copy, name));
+        response.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::Checkbox, true, copy, caption.text));
         response
     })
     .changed();
     write_back(changed, value, copy)
 }
 
-/// A reflectance: linear, each channel in [0, 1].
-pub fn color(ui: &mut Ui, name: &str, value: &mut Rgb) -> bool {
-    let mut channels = value.to_array();
-    let changed = ui
-        .horizontal(|ui| {
-            let label = name_cell(ui, name);
-            let picker = ui.color_edit_button_rgb(&mut channels).labelled_by(label.id);
-            let mut changed = picker.changed();
-            for (channel, letter) in channels.iter_mut().zip(["R", "G", "B"]) {
-                let drag = egui::DragValue::new(channel)
-                    .range(0.0..=1.0)
-                    .clamp_existing_to_range(false)
-                    .speed(0.005)
-                    .fixed_decimals(2);
-                let response = ui.add_sized([38.0, ui.spacing().interact_size.y], drag);
-                response.widget_info(|| {
-                    let mut info = egui::WidgetInfo::drag_value(true, 0.0);
-                    info.label = Some(format!("{name} {letter}"));
-                    info
-                });
-                changed |= response.changed();
-            }
-            changed
-        })
-        .inner;
-    write_back(changed, value, Rgb::from_array(channels))
-}
-
-/// An emitted quantity: a colour whose largest channel is 1, times a strength.
-pub fn emission(ui: &mut Ui, unit: &str, value: &mut Rgb) -> bool {
-    let mut strength = value.max_element();
-    let mut hue = if strength > 0.0 { *value / strength } else { Rgb::ONE };
-    let recolored = color(ui, "Colour", &mut hue);
-    let scaled = slider_with(ui, "Strength", &mut strength, 0.0..=1000.0, |slider| {
-        slider.logarithmic(true).smallest_positive(0.01).suffix(unit)
-    });
-    write_back(recolored || scaled, value, hue * strength)
-}
-
 /// A choice among a few; `options` are value and name.
-pub fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, options: &[(T, &str)]) -> bool {
+pub fn choice<'a, T: Copy + PartialEq>(
+    ui: &mut Ui,
+    caption: impl Into<Caption<'a>>,
+    value: &mut T,
+    options: &[(T, &str)],
+) -> bool {
+    let caption = caption.into();
     let mut copy = *value;
     let shown = options
         .iter()
         .find(|(option, _)| option == value)
         .map_or("", |(_, name)| name);
-    row(ui, name, |ui| {
-        egui::ComboBox::from_id_salt(name)
+    row(ui, caption, |ui| {
+        egui::ComboBox::from_id_salt(caption.text)
             .selected_text(shown)
-            .width(150.0)
+            .width(ui.available_width().clamp(80.0, 176.0))
+            .truncate()
             .show_ui(ui, |ui| {
                 for (option, name) in options {
                     ui.selectable_value(&mut copy, *option, *name);
@@ -200,7 +326,7 @@ pub fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, optio
     write_back(copy != *value, value, copy)
 }
 
-fn write_back<T>(changed: bool, value: &mut T, copy: T) -> bool {
+pub fn write_back<T>(changed: bool, value: &mut T, copy: T) -> bool {
     if changed {
         *value = copy;
     }

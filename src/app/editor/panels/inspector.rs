@@ -1,15 +1,16 @@
 //! Everything about the selected thing that can be edited.
 
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
 use super::super::command::{Command, FileDialogKind};
-use super::super::model::{Inspected, InspectedMaterial, Item, MaterialPlace};
+use super::super::model::{Inspected, Model};
 use super::material::Edit;
+use super::material_header::material_header;
 use super::transform::Freedom;
 use super::{emission, fields, material, sensor, transform};
-use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind};
+use crate::scene::{EmitterKind, MeshFile, MeshFormat, Shape, ShapeKind};
 
 /// What the panel remembers between frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,16 +18,9 @@ pub struct InspectorState {
     angles: transform::ShownAngles,
 }
 
-/// `materials`: all there are to choose from. `scene_size` in world units.
-pub fn inspector(
-    ui: &mut Ui,
-    inspected: Option<&Inspected>,
-    materials: &[Item],
-    scene_size: f32,
-    state: &mut InspectorState,
-    commands: &mut Vec<Command>,
-) {
-    let Some(inspected) = inspected else {
+/// `scene_size` in world units.
+pub fn inspector(ui: &mut Ui, model: &Model, scene_size: f32, state: &mut InspectorState, commands: &mut Vec<Command>) {
+    let Some(inspected) = &model.inspected else {
         ui.add_space(8.0);
         ui.weak("Nothing is selected. Click in the picture or in the list at the left.");
         return;
@@ -48,12 +42,12 @@ pub fn inspector(
         });
     }
     if inspected.shape.is_some() || !inspected.materials.is_empty() {
-        section(ui, "Material", |ui| material_rows(ui, inspected, materials, commands));
+        section(ui, "Material", |ui| material_rows(ui, inspected, model, commands));
     }
     if inspected.shape.is_some() {
         section(ui, "Emission", |ui| {
             let mut edited = inspected.area_light.clone();
-            let edit = emission::area_light(ui, &mut edited);
+            let edit = emission::area_light(ui, &mut edited, &model.looks);
             if edit.changed {
                 commands.push(Command::SetAreaLight(inspected.entity, edited));
             }
@@ -63,7 +57,7 @@ pub fn inspector(
     if let Some(emitter) = &inspected.emitter {
         section(ui, "Light", |ui| {
             let mut edited = emitter.clone();
-            let edit = emission::emitter(ui, &mut edited);
+            let edit = emission::emitter(ui, &mut edited, &model.looks);
             if edit.changed {
                 commands.push(Command::SetEmitter(inspected.entity, edited));
             }
@@ -92,8 +86,12 @@ pub fn inspector(
 }
 
 fn choose_picture(owner: Entity, edit: Edit, commands: &mut Vec<Command>) {
-    if let Some(parameter) = edit.wants_picture {
-        commands.push(Command::ShowDialog(FileDialogKind::OpenPicture { owner, parameter }));
+    if let Some((parameter, place)) = edit.wants_picture {
+        commands.push(Command::ShowDialog(FileDialogKind::OpenPicture {
+            owner,
+            parameter,
+            place,
+        }));
     }
 }
 
@@ -117,8 +115,21 @@ fn pose(
         (None, Some(emitter)) if emitter.is_environment() => Freedom::Turning,
         (None, _) => Freedom::Rigid,
     };
-    if transform::transform(ui, &mut edited, freedom, scene_size, &mut state.angles) && edited.is_finite() {
+    let spun = match &inspected.emitter {
+        Some(emitter) if emitter.is_environment() => transform::turn(ui, &mut edited, up_axis(&emitter.kind)),
+        _ => false,
+    };
+    let moved = transform::transform(ui, &mut edited, freedom, scene_size, &mut state.angles);
+    if (spun || moved) && edited.is_finite() {
         commands.push(Command::Transform(vec![(inspected.entity, edited)]));
+    }
+}
+
+/// The axis of its own space in which it is up above, as the format has it.
+fn up_axis(kind: &EmitterKind) -> Vec3 {
+    match kind {
+        EmitterKind::SunSky(_) => Vec3::Z,
+        _ => Vec3::Y,
     }
 }
 
@@ -180,11 +191,17 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, triangles: Option<usize>) -> bool 
     fields::checkbox(ui, "Flip normals", &mut shape.flip_normals) || changed
 }
 
-fn material_rows(ui: &mut Ui, inspected: &Inspected, all: &[Item], commands: &mut Vec<Command>) {
+fn material_rows(ui: &mut Ui, inspected: &Inspected, model: &Model, commands: &mut Vec<Command>) {
     if inspected.shape.is_some() {
         let mut used = inspected.uses_material;
         let mut options: Vec<(Option<_>, &str)> = vec![(None, "of the file, or grey")];
-        options.extend(all.iter().map(|item| (Some(item.entity), item.name.as_str())));
+        options.extend(
+            model
+                .outline
+                .materials
+                .iter()
+                .map(|item| (Some(item.entity), item.name.as_str())),
+        );
         if fields::choice(ui, "Uses", &mut used, &options) {
             commands.push(Command::UseMaterial {
                 shapes: vec![inspected.entity],
@@ -197,29 +214,15 @@ fn material_rows(ui: &mut Ui, inspected: &Inspected, all: &[Item], commands: &mu
             });
         }
     }
-    for InspectedMaterial {
-        entity,
-        name,
-        material: given,
-        place,
-        users,
-    } in &inspected.materials
-    {
-        ui.push_id(entity, |ui| {
-            let title = match place {
-                MaterialPlace::Whole if *users > 1 => format!("{name} ({users} shapes)"),
-                MaterialPlace::Whole => name.clone(),
-                MaterialPlace::Front => format!("Front: {name}"),
-                MaterialPlace::Back => format!("Back: {name}"),
-            };
-            ui.add_space(2.0);
-            ui.add(egui::Label::new(egui::RichText::new(title).italics()).truncate());
-            let mut edited = given.clone();
-            let edit = material::material(ui, &mut edited);
+    for entry in &inspected.materials {
+        ui.push_id(entry.entity, |ui| {
+            material_header(ui, entry, model, commands);
+            let mut edited = entry.material.clone();
+            let edit = material::material(ui, &mut edited, &model.looks);
             if edit.changed {
-                commands.push(Command::SetMaterial(*entity, Box::new(edited)));
+                commands.push(Command::SetMaterial(entry.entity, Box::new(edited)));
             }
-            choose_picture(*entity, edit, commands);
+            choose_picture(entry.entity, edit, commands);
         });
     }
 }

@@ -5,10 +5,15 @@ use std::ops::RangeInclusive;
 use bevy::math::Vec3;
 use bevy_egui::egui::Ui;
 
-use super::fields;
+use super::super::looks::Looks;
+use super::conversion::turned_into;
+use super::fields::{self, Caption};
+use super::texture_slot::{PlainValue, Slot};
+use super::{color_field, words};
 use crate::color::Rgb;
 use crate::scene::{
-    ConductorIor, Distribution, HEIGHT, Ior, Material, Parameter, ParameterVisitor, PrincipledIndex, Roughness, Texture,
+    ConductorIor, Distribution, HEIGHT, Ior, Material, NORMALS, Parameter, ParameterVisitor, PrincipledIndex,
+    Roughness, SquarePath,
 };
 use crate::shading::ior::{self, CONDUCTORS, DIELECTRICS};
 
@@ -37,39 +42,18 @@ const KINDS: [(&str, &str); 10] = [
     ("metal", "metal with fuzz"),
 ];
 
-/// What parameters are called, where not by their own name.
-const LABELS: [(&str, &str); 13] = [
-    ("alpha", "Roughness"),
-    ("diffuse_reflectance", "Base"),
-    ("specular_reflectance", "Reflection"),
-    ("multiple_scattering", "All bounces"),
-    ("specular_transmittance", "Transmission"),
-    ("int_ior", "Inside"),
-    ("ext_ior", "Outside"),
-    ("flip_invalid_normals", "Flip invalid"),
-    ("use_shadowing_function", "Soft shadows"),
-    ("mis_compensation", "MIS compensation"),
-    ("sampling_weight", "Sampled"),
-    ("sun_aperture", "Sun size"),
-    ("complex_sun", "Dark rim"),
-];
-
-/// The units of numbers that have one.
-const UNITS: [(&str, &str); 4] = [("timezone", " h"), ("hour", " h"), ("minute", " min"), ("second", " s")];
-
 /// What the user did with the rows of a material or a light.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Edit {
     pub changed: bool,
-    /// The parameter that is to be another picture.
-    pub wants_picture: Option<&'static str>,
+    /// The parameter that is to be another picture, and the place in it.
+    pub wants_picture: Option<(&'static str, SquarePath)>,
 }
 
-pub fn material(ui: &mut Ui, material: &mut Material) -> Edit {
+pub fn material(ui: &mut Ui, material: &mut Material, looks: &Looks) -> Edit {
     let plugin = material.plugin();
     let mut wanted = plugin;
-    let mut changed = false;
-    // What has others inside keeps its kind: the file decides there.
+    // What has others inside keeps its kind here.
     if *material.nested_count().end() > 0 {
         fields::note(ui, "Type", kind_name(material));
     } else {
@@ -78,7 +62,7 @@ pub fn material(ui: &mut Ui, material: &mut Material) -> Edit {
             nested == 0
         });
         let options: Vec<_> = plugins.map(|&plugin| (plugin, in_words(&KINDS, plugin))).collect();
-        changed |= fields::choice(ui, "Type", &mut wanted, &options);
+        fields::choice(ui, "Type", &mut wanted, &options);
     }
     if wanted != plugin {
         *material = turned_into(material, wanted);
@@ -87,212 +71,123 @@ pub fn material(ui: &mut Ui, material: &mut Material) -> Edit {
             wants_picture: None,
         };
     }
-    let mut rows = Rows::new(ui);
+    let mut rows = Rows::new(ui, plugin, looks);
     material.visit(&mut rows);
-    Edit {
-        changed: rows.edit.changed || changed,
-        ..rows.edit
-    }
+    rows.edit
 }
 
 /// The name of the kind, for lists.
 pub fn kind_name(material: &Material) -> &'static str {
-    in_words(&KINDS, material.plugin())
+    plugin_name(material.plugin())
 }
 
-/// A material of another kind that keeps the parameters that the two have in common.
-fn turned_into(material: &Material, plugin: &str) -> Material {
-    let mut turned = Material::of_plugin(plugin).unwrap_or_default();
-    let mut common = Common::default();
-    material.clone().visit(&mut common);
-    common.given = true;
-    turned.visit(&mut common);
-    turned
-}
-
-/// First collects the parameters of one material, then gives them to another.
-#[derive(Default)]
-struct Common {
-    given: bool,
-    colors: Vec<(&'static str, Parameter<Rgb>)>,
-    floats: Vec<(&'static str, Parameter<f32>)>,
-    numbers: Vec<(&'static str, f32)>,
-    flags: Vec<(&'static str, bool)>,
-    iors: Vec<(&'static str, Ior)>,
-    conductor: Vec<((), ConductorIor)>,
-    distribution: Vec<((), Distribution)>,
-    roughness: Vec<((), Roughness)>,
-    principled_index: Vec<((), PrincipledIndex)>,
-}
-
-fn exchange<N: PartialEq, T: Clone>(given: bool, known: &mut Vec<(N, T)>, name: N, value: &mut T) {
-    if !given {
-        known.push((name, value.clone()));
-    } else if let Some((_, common)) = known.iter().find(|(known, _)| *known == name) {
-        *value = common.clone();
-    }
-}
-
-impl ParameterVisitor for Common {
-    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        exchange(self.given, &mut self.colors, name, value);
-    }
-
-    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        exchange(self.given, &mut self.colors, name, value);
-    }
-
-    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, _range: RangeInclusive<f32>) {
-        exchange(self.given, &mut self.floats, name, value);
-    }
-
-    fn number(&mut self, name: &'static str, value: &mut f32, _range: RangeInclusive<f32>) {
-        exchange(self.given, &mut self.numbers, name, value);
-    }
-
-    fn flag(&mut self, name: &'static str, value: &mut bool) {
-        exchange(self.given, &mut self.flags, name, value);
-    }
-
-    fn ior(&mut self, name: &'static str, value: &mut Ior) {
-        exchange(self.given, &mut self.iors, name, value);
-    }
-
-    fn conductor_ior(&mut self, value: &mut ConductorIor) {
-        exchange(self.given, &mut self.conductor, (), value);
-    }
-
-    fn distribution(&mut self, value: &mut Distribution) {
-        exchange(self.given, &mut self.distribution, (), value);
-    }
-
-    fn roughness(&mut self, value: &mut Roughness) {
-        exchange(self.given, &mut self.roughness, (), value);
-    }
-
-    fn principled_index(&mut self, value: &mut PrincipledIndex) {
-        exchange(self.given, &mut self.principled_index, (), value);
-    }
+pub fn plugin_name(plugin: &'static str) -> &'static str {
+    in_words(&KINDS, plugin)
 }
 
 /// One row, or a few, for each parameter.
 pub struct Rows<'u> {
     pub ui: &'u mut Ui,
     pub edit: Edit,
+    plugin: &'static str,
+    looks: &'u Looks,
 }
 
 impl<'u> Rows<'u> {
-    pub fn new(ui: &'u mut Ui) -> Self {
-        let edit = Edit::default();
-        Self { ui, edit }
-    }
-
-    /// A texture is named, with its picture; it can be given up for `otherwise`, and the picture for another.
-    pub fn texture<T>(&mut self, name: &'static str, value: &mut Parameter<T>, otherwise: T) {
-        if let Parameter::Texture(texture) = value
-            && self.texture_row(name, texture)
-        {
-            *value = Parameter::Constant(otherwise);
+    pub fn new(ui: &'u mut Ui, plugin: &'static str, looks: &'u Looks) -> Self {
+        Self {
+            ui,
+            edit: Edit::default(),
+            plugin,
+            looks,
         }
     }
 
-    /// Whether the texture is to go.
-    pub fn texture_row(&mut self, name: &'static str, texture: &Texture) -> bool {
-        let shown = match texture {
-            Texture::Bitmap(bitmap) => bitmap
-                .path
-                .file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned(),
-            Texture::Checkerboard { .. } => "checkerboard".to_owned(),
-            Texture::MeshAttribute { name, .. } => name.clone(),
+    /// What the parameter is called in the panel, with its explanation.
+    pub fn caption(&self, name: &'static str) -> Caption<'static> {
+        words::find(self.plugin, name).map_or(Caption::from(name), Caption::from)
+    }
+
+    /// A parameter that may be a texture; `plain` is what its value is called where it is none, `otherwise` the value if the texture has
+    /// none to give back.
+    pub fn slot<T: PlainValue>(
+        &mut self,
+        name: &'static str,
+        plain: &'static str,
+        value: &mut Parameter<T>,
+        otherwise: T,
+        plain_rows: impl FnOnce(&mut Ui, Caption<'_>, &mut T) -> bool,
+    ) {
+        let slot = Slot {
+            caption: self.caption(name),
+            plain,
+            looks: self.looks,
+            place: SquarePath::WHOLE,
         };
-        let label = label(name);
-        let (replace, choose) = self
-            .ui
-            .horizontal(|ui| {
-                let replace = ui
-                    .small_button("\u{d7}")
-                    .on_hover_text("Replace the texture by a constant");
-                let choose = ui.small_button("\u{2026}").on_hover_text("Choose a picture");
-                fields::note(ui, &label, shown);
-                (replace.clicked(), choose.clicked())
-            })
-            .inner;
-        if choose {
-            self.edit.wants_picture = Some(name);
+        let edit = slot.show(self.ui, value, otherwise, plain_rows);
+        self.edit.changed |= edit.changed;
+        if let Some(place) = edit.wants_picture {
+            self.edit.wants_picture = Some((name, place));
         }
-        self.edit.changed |= replace;
-        replace
     }
 
-    /// A picture that is to be had, `shown` as what it is now.
-    pub fn choose_picture(&mut self, name: &'static str, label: &str, shown: &str) {
-        let chosen = self
-            .ui
-            .horizontal(|ui| {
-                let choose = ui.small_button("\u{2026}").on_hover_text("Choose a picture");
-                fields::note(ui, label, shown);
-                choose.clicked()
-            })
-            .inner;
-        if chosen {
-            self.edit.wants_picture = Some(name);
-        }
+    /// What stands behind the parameter's number.
+    pub fn unit(&self, name: &str) -> &'static str {
+        words::find(self.plugin, name).map_or("", |words| words.suffix)
+    }
+
+    pub fn looks(&self) -> &'u Looks {
+        self.looks
     }
 }
 
 impl ParameterVisitor for Rows<'_> {
     fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        let label = label(name);
-        match value {
-            Parameter::Constant(color) => self.edit.changed |= fields::color(self.ui, &label, color),
-            Parameter::Texture(_) => self.texture(name, value, Rgb::splat(0.5)),
+        if name == NORMALS {
+            // Straight up.
+            let flat = Rgb::new(0.5, 0.5, 1.0);
+            return self.slot(name, "none", value, flat, |ui, caption, _| note(ui, caption, "flat"));
         }
+        self.slot(name, "colour", value, Rgb::splat(0.5), |ui, caption, color| {
+            color_field::color(ui, caption, color)
+        });
     }
 
     fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        let label = label(name);
-        match value {
-            Parameter::Constant(color) => self.edit.changed |= positive(self.ui, &label, color),
-            Parameter::Texture(_) => self.texture(name, value, Rgb::ONE),
-        }
+        self.slot(name, "numbers", value, Rgb::ONE, |ui, caption, color| {
+            positive(ui, caption, color)
+        });
     }
 
     fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>) {
-        let label = label(name);
-        match value {
-            Parameter::Constant(number) => self.edit.changed |= fields::slider(self.ui, &label, number, range),
-            Parameter::Texture(_) => self.texture(name, value, 0.5),
-        }
+        self.slot(name, "number", value, 0.5, |ui, caption, number| {
+            fields::slider(ui, caption, number, range)
+        });
     }
 
     fn height(&mut self, value: &mut Parameter<f32>) {
-        match value {
-            Parameter::Constant(_) => fields::note(self.ui, &label(HEIGHT), "flat"),
-            Parameter::Texture(_) => self.texture(HEIGHT, value, 0.0),
-        }
+        self.slot(HEIGHT, "none", value, 0.0, |ui, caption, _| note(ui, caption, "flat"));
     }
 
     fn number(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>) {
-        let unit = UNITS
-            .iter()
-            .find(|(known, _)| *known == name)
-            .map_or("", |(_, unit)| unit);
-        self.edit.changed |= fields::quantity(self.ui, &label(name), value, 0.01, range, unit);
+        let unit = self.unit(name);
+        if is_light_factor(self.plugin, name) {
+            self.edit.changed |= fields::strength(self.ui, self.caption(name), value, unit);
+            return;
+        }
+        self.edit.changed |= fields::quantity(self.ui, self.caption(name), value, 0.01, range, unit);
     }
 
     fn flag(&mut self, name: &'static str, value: &mut bool) {
-        self.edit.changed |= fields::checkbox(self.ui, &label(name), value);
+        self.edit.changed |= fields::checkbox(self.ui, self.caption(name), value);
     }
 
     fn ior(&mut self, name: &'static str, value: &mut Ior) {
-        self.edit.changed |= dielectric_ior(self.ui, &label(name), value);
+        self.edit.changed |= dielectric_ior(self.ui, self.caption(name), value);
     }
 
     fn conductor_ior(&mut self, value: &mut ConductorIor) {
-        let chosen = choose_conductor(self.ui, value);
+        let chosen = choose_conductor(self.ui, self.caption("material"), value);
         self.edit.changed |= chosen;
         if let ConductorIor::Given { eta, k } = value {
             self.color("eta", eta);
@@ -302,7 +197,7 @@ impl ParameterVisitor for Rows<'_> {
 
     fn distribution(&mut self, value: &mut Distribution) {
         let options = [(Distribution::Beckmann, "Beckmann"), (Distribution::Ggx, "GGX")];
-        self.edit.changed |= fields::choice(self.ui, "Facets", value, &options);
+        self.edit.changed |= fields::choice(self.ui, self.caption("distribution"), value, &options);
     }
 
     fn roughness(&mut self, value: &mut Roughness) {
@@ -315,28 +210,80 @@ impl ParameterVisitor for Rows<'_> {
                 self.float("alpha_v", v, RANGE);
             }
         }
+        // The format's `roughplastic` has one roughness for all directions.
+        if self.plugin != "roughplastic" {
+            let is_brushed = matches!(value, Roughness::Anisotropic { .. });
+            let mut brushed = is_brushed;
+            if fields::checkbox(self.ui, self.caption("alpha_u").titled("Brushed"), &mut brushed) {
+                *value = turned_roughness(value);
+                self.edit.changed = true;
+            }
+        }
     }
 
     fn principled_index(&mut self, value: &mut PrincipledIndex) {
+        let ways = [(false, "share of 0.08"), (true, "index")];
+        let by_index = matches!(value, PrincipledIndex::Eta(_));
+        let mut wanted = by_index;
+        if fields::choice(
+            self.ui,
+            self.caption("specular").titled("Mirrors by"),
+            &mut wanted,
+            &ways,
+        ) {
+            *value = turned_index(*value);
+            self.edit.changed = true;
+        }
         self.edit.changed |= match value {
-            PrincipledIndex::Specular(specular) => fields::slider(self.ui, "Specular", specular, 0.0..=1.0),
-            PrincipledIndex::Eta(eta) => fields::slider(self.ui, "Index", eta, 1.0..=3.0),
+            PrincipledIndex::Specular(specular) => {
+                fields::slider(self.ui, self.caption("specular"), specular, 0.0..=1.0)
+            }
+            PrincipledIndex::Eta(eta) => fields::slider(self.ui, self.caption("eta"), eta, 1.0..=3.0),
         };
     }
 }
 
-/// What a parameter is called in the panel.
-pub fn label(name: &'static str) -> String {
-    if let Some((_, label)) = LABELS.iter().find(|(known, _)| *known == name) {
-        return (*label).to_owned();
-    }
-    let spaced = name.replace('_', " ");
-    let mut letters = spaced.chars();
-    let first = letters.next().map(|letter| letter.to_ascii_uppercase());
-    first.into_iter().chain(letters).collect()
+/// What is turned up and down over decades.
+fn is_light_factor(plugin: &str, name: &str) -> bool {
+    matches!(
+        (plugin, name),
+        ("envmap" | "projector", "scale") | ("sunsky", "sun_scale" | "sky_scale")
+    )
 }
 
-fn choose_conductor(ui: &mut Ui, ior: &mut ConductorIor) -> bool {
+/// One roughness as two, or the first of two as one.
+fn turned_roughness(roughness: &Roughness) -> Roughness {
+    match roughness {
+        Roughness::Isotropic(alpha) => Roughness::Anisotropic {
+            u: alpha.clone(),
+            v: alpha.clone(),
+        },
+        Roughness::Anisotropic { u, .. } => Roughness::Isotropic(u.clone()),
+    }
+}
+
+/// The other way to say how strongly it mirrors head on: 0.08 `specular` = ((eta - 1) / (eta + 1))^2 (Burley, Physically-Based Shading at
+/// Disney, 2012, section 5.5).
+fn turned_index(index: PrincipledIndex) -> PrincipledIndex {
+    match index {
+        PrincipledIndex::Specular(specular) => {
+            let root = (0.08 * specular.clamp(0.0, 1.0)).sqrt();
+            PrincipledIndex::Eta((1.0 + root) / (1.0 - root))
+        }
+        PrincipledIndex::Eta(eta) => {
+            let root = (eta - 1.0) / (eta + 1.0);
+            PrincipledIndex::Specular((root * root / 0.08).clamp(0.0, 1.0))
+        }
+    }
+}
+
+/// A row without anything to edit.
+fn note(ui: &mut Ui, caption: Caption<'_>, text: &str) -> bool {
+    fields::note(ui, caption, text);
+    false
+}
+
+fn choose_conductor(ui: &mut Ui, caption: Caption<'_>, ior: &mut ConductorIor) -> bool {
     const GIVEN: &str = "numbers";
     let current = match ior {
         ConductorIor::Named(name) => name.clone(),
@@ -348,7 +295,7 @@ fn choose_conductor(ui: &mut Ui, ior: &mut ConductorIor) -> bool {
         options.push((&current, &current));
     }
     let mut choice = current.as_str();
-    let changed = fields::choice(ui, "Metal", &mut choice, &options);
+    let changed = fields::choice(ui, caption, &mut choice, &options);
     if changed {
         *ior = match choice {
             GIVEN => {
@@ -364,7 +311,8 @@ fn choose_conductor(ui: &mut Ui, ior: &mut ConductorIor) -> bool {
     changed
 }
 
-fn in_words<'n>(names: &[(&str, &'static str)], name: &'n str) -> &'n str
+/// The words for a name, or the name.
+pub fn in_words<'n>(names: &[(&str, &'static str)], name: &'n str) -> &'n str
 where
     'static: 'n,
 {
@@ -374,15 +322,15 @@ where
         .map_or(name, |(_, words)| words)
 }
 
-fn positive(ui: &mut Ui, name: &str, value: &mut Vec3) -> bool {
-    let changed = fields::vector(ui, name, value, 0.01, "");
+fn positive(ui: &mut Ui, caption: Caption<'_>, value: &mut Vec3) -> bool {
+    let changed = fields::vector(ui, caption, value, 0.01, "");
     if changed {
         *value = value.max(Vec3::splat(1e-3));
     }
     changed
 }
 
-fn dielectric_ior(ui: &mut Ui, side: &str, ior: &mut Ior) -> bool {
+fn dielectric_ior(ui: &mut Ui, caption: Caption<'_>, ior: &mut Ior) -> bool {
     const NUMBER: &str = "number";
     let current = match ior {
         Ior::Named(name) => name.clone(),
@@ -394,7 +342,7 @@ fn dielectric_ior(ui: &mut Ui, side: &str, ior: &mut Ior) -> bool {
         options.push((&current, &current));
     }
     let mut choice = current.as_str();
-    let mut changed = fields::choice(ui, side, &mut choice, &options);
+    let mut changed = fields::choice(ui, caption, &mut choice, &options);
     if changed {
         *ior = match choice {
             NUMBER => Ior::Number(ior::dielectric_ior(&current).unwrap_or(1.5)),
@@ -402,7 +350,8 @@ fn dielectric_ior(ui: &mut Ui, side: &str, ior: &mut Ior) -> bool {
         };
     }
     if let Ior::Number(index) = ior {
-        changed |= fields::slider(ui, &format!("{side} index"), index, 1.0..=3.0);
+        let title = format!("{} index", caption.text);
+        changed |= fields::slider(ui, caption.titled(&title), index, 1.0..=3.0);
     }
     changed
 }
@@ -412,24 +361,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn turning_keeps_what_is_common() {
-        let red = Material::Diffuse {
-            reflectance: Rgb::new(0.6, 0.1, 0.1).into(),
+    fn both_ways_to_say_the_index_agree() {
+        // The default of 0.5 stands for 1.5: ((1.5 - 1) / (1.5 + 1))^2 = 0.04.
+        let PrincipledIndex::Eta(eta) = turned_index(PrincipledIndex::Specular(0.5)) else {
+            panic!("not an index")
         };
-        let metal = turned_into(&red, "metal");
-        assert_eq!(turned_into(&metal, "diffuse"), red);
-        let mut gold = Material::of_plugin("conductor").expect("a plugin");
-        let Material::Conductor { ior, .. } = &mut gold else {
-            panic!("{gold:?}")
+        assert!((eta - 1.5).abs() < 1e-5, "{eta}");
+        let PrincipledIndex::Specular(specular) = turned_index(PrincipledIndex::Eta(eta)) else {
+            panic!("not a share")
         };
-        *ior = ConductorIor::Named("Au".into());
-        let rough = turned_into(&gold, "roughconductor");
-        assert!(matches!(&rough, Material::RoughConductor { ior, .. } if *ior == ConductorIor::Named("Au".into())));
-    }
-
-    #[test]
-    fn labels_are_words() {
-        assert_eq!(label("alpha"), "Roughness");
-        assert_eq!(label("spec_tint"), "Spec tint");
+        assert!((specular - 0.5).abs() < 1e-5, "{specular}");
     }
 }

@@ -3,14 +3,20 @@
 //!
 //! [`Command`]: super::command::Command
 
+pub mod color_field;
+pub mod conversion;
 pub mod diagnostics;
 pub mod emission;
 pub mod fields;
 pub mod inspector;
 pub mod material;
+pub mod material_header;
 pub mod menu_bar;
 pub mod outliner;
 pub mod render;
 pub mod sensor;
 pub mod status;
+pub mod texture;
+pub mod texture_slot;
 pub mod transform;
+pub mod words;

@@ -2,7 +2,8 @@
 
 use bevy_egui::egui::Ui;
 
-use super::fields;
+use super::fields::{self, Caption};
+use super::words;
 use crate::scene::{Film, FovAxis, Lens, ReconstructionFilter, Sensor};
 
 /// Any larger and a single film would fill the memory of a small machine.
@@ -24,7 +25,8 @@ pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, scene_size: f32) -> bool {
 
 /// True if edited.
 pub fn field_of_view(ui: &mut Ui, fov: &mut f32, axis: &mut FovAxis) -> bool {
-    let changed = fields::slider_with(ui, "Field of view", fov, 1.0..=170.0, |slider| slider.suffix("°"));
+    let caption = |name| words::find("projector", name).map_or(Caption::from(name), Caption::from);
+    let changed = fields::slider_with(ui, caption("fov"), fov, 1.0..=170.0, |slider| slider.suffix("°"));
     let axes = [
         (FovAxis::X, "horizontal"),
         (FovAxis::Y, "vertical"),
@@ -32,7 +34,7 @@ pub fn field_of_view(ui: &mut Ui, fov: &mut f32, axis: &mut FovAxis) -> bool {
         (FovAxis::Smaller, "smaller edge"),
         (FovAxis::Larger, "larger edge"),
     ];
-    fields::choice(ui, "Measured", axis, &axes) || changed
+    fields::choice(ui, caption("fov_axis"), axis, &axes) || changed
 }
 
 fn lens(ui: &mut Ui, lens: &mut Lens, scene_size: f32) -> bool {

@@ -53,6 +53,36 @@ pub fn transform(ui: &mut Ui, to_world: &mut Affine3A, freedom: Freedom, size: f
     moved || turned || scaled
 }
 
+/// A turn about the thing's own axis `up`, on a slider; true if edited. Nothing is shown of a sheared map.
+pub fn turn(ui: &mut Ui, to_world: &mut Affine3A, up: Vec3) -> bool {
+    let Some((scale, rotation)) = decompose(&to_world.matrix3) else {
+        return false;
+    };
+    let (swing, mut degrees) = spin_about(rotation, up);
+    let turned = fields::slider_with(ui, "Turned", &mut degrees, -180.0..=180.0, |slider| {
+        slider.suffix("°").max_decimals(1)
+    });
+    if turned {
+        let rotation = swing * Quat::from_axis_angle(up, degrees.to_radians());
+        to_world.matrix3 = Mat3A::from_quat(rotation) * Mat3A::from_diagonal(scale);
+    }
+    turned
+}
+
+/// What remains of the rotation when a turn about its own axis `up` is done first, and the degrees of that turn, -180 to 180.
+fn spin_about(rotation: Quat, up: Vec3) -> (Quat, f32) {
+    let along = Vec3::new(rotation.x, rotation.y, rotation.z).dot(up);
+    // Upside down the turn is no longer told from the rest: then there is none.
+    let angle = if along == 0.0 && rotation.w == 0.0 {
+        0.0
+    } else {
+        2.0 * along.atan2(rotation.w)
+    };
+    let swing = rotation * Quat::from_axis_angle(up, -angle);
+    let degrees = (angle.to_degrees() + 180.0).rem_euclid(360.0) - 180.0;
+    (swing, degrees)
+}
+
 /// Scale and rotation, or None for a sheared matrix.
 fn decompose(matrix: &Mat3A) -> Option<(Vec3, Quat)> {
     let (scale, rotation, _) = Affine3A {
@@ -95,6 +125,19 @@ mod tests {
         let degrees_in = Vec3::new(20.0, -35.0, 110.0);
         let out = degrees(from_degrees(degrees_in), &ShownAngles::default());
         assert!(out.abs_diff_eq(degrees_in, 1e-3), "{out}");
+    }
+
+    #[test]
+    fn a_turn_about_the_upward_axis_is_told_from_the_rest() {
+        for tilt in [Quat::IDENTITY, Quat::from_rotation_x(1.2), Quat::from_rotation_z(-2.0)] {
+            for degrees in [-170.0f32, -30.0, 0.0, 95.0] {
+                let rotation = tilt * Quat::from_rotation_y(degrees.to_radians());
+                let (swing, found) = spin_about(rotation, Vec3::Y);
+                let again = swing * Quat::from_rotation_y(found.to_radians());
+                assert!(again.dot(rotation).abs() > 1.0 - 1e-5);
+                assert!((found - degrees).abs() < 1e-2, "{found} {degrees}");
+            }
+        }
     }
 
     #[test]

@@ -1,0 +1,259 @@
+//! Materials made of others: what is inside comes and goes with them.
+
+use bevy::prelude::*;
+
+use super::edits::{delete, outer_materials};
+use crate::app::editor::history::Edit;
+use crate::app::editor::material_tree::{Inside, MaterialTree};
+use crate::app::editor::picking;
+use crate::engine::CurrentScene;
+use crate::scene::insert::{free_name, names, next_order};
+use crate::scene::{
+    DeclaredIn, DocumentOrder, FirstNested, Locked, Material, MaterialUsers, SecondNested, Shape, UsesMaterial,
+};
+
+/// An error where there is nothing, or nothing that may be changed.
+pub fn drop_at(edit: &mut Edit, material: Entity, at: Vec2) -> Result<(), String> {
+    if edit.world.get::<Material>(material).is_none() {
+        return Err("Only materials can be dropped into the picture.".to_owned());
+    }
+    let found = picking::pick(edit.world.resource::<CurrentScene>(), at);
+    let shape = found.ok_or("There is nothing that could take the material.")?;
+    if edit.world.get::<Locked>(shape).is_some() {
+        return Err("What is there is locked.".to_owned());
+    }
+    edit.set(shape, UsesMaterial(material));
+    Ok(())
+}
+
+/// Makes materials, or those of shapes, become the tree; a shape without one gets a new one. Several shapes that share a material share it on.
+pub fn build(edit: &mut Edit, targets: &[Entity], tree: &MaterialTree) {
+    let mut done = Vec::new();
+    for &target in targets {
+        let material = if edit.world.get::<Material>(target).is_some() {
+            target
+        } else if edit.world.get::<Shape>(target).is_some() {
+            match edit.world.get::<UsesMaterial>(target) {
+                Some(UsesMaterial(material)) => *material,
+                None => {
+                    let material = spawn(edit, "material");
+                    edit.set(target, UsesMaterial(material));
+                    material
+                }
+            }
+        } else {
+            continue;
+        };
+        if !done.contains(&material) {
+            become_tree(edit, material, tree);
+            done.push(material);
+        }
+    }
+}
+
+/// What was inside before and is used by nobody any more goes.
+fn become_tree(edit: &mut Edit, material: Entity, tree: &MaterialTree) {
+    let before = inside(edit.world, material);
+    let mut moves = Vec::new();
+    write_tree(edit, material, tree, &mut moves);
+    for inner in before {
+        remove_unused(edit, inner);
+    }
+    for Move { inner, from, to } in moves {
+        if !inside(edit.world, from).contains(&inner) {
+            edit.set(inner, DeclaredIn(to));
+        }
+    }
+}
+
+/// A material that was written inside of one and may have come to stand inside of another.
+struct Move {
+    inner: Entity,
+    from: Entity,
+    to: Entity,
+}
+
+fn write_tree(edit: &mut Edit, material: Entity, tree: &MaterialTree, moves: &mut Vec<Move>) {
+    let mut nested = Vec::new();
+    for inner in &tree.inside {
+        nested.push(match inner {
+            Inside::Kept(inner) => {
+                let declared = edit.world.get::<DeclaredIn>(*inner).map(|declared| declared.0);
+                moves.extend(
+                    declared
+                        .filter(|from| edit.world.get::<Material>(*from).is_some())
+                        .map(|from| Move {
+                            inner: *inner,
+                            from,
+                            to: material,
+                        }),
+                );
+                *inner
+            }
+            Inside::New(tree) => {
+                let entity = spawn(edit, tree.material.plugin());
+                edit.set(entity, DeclaredIn(material));
+                write_tree(edit, entity, tree, moves);
+                entity
+            }
+        });
+    }
+    edit.set(material, tree.material.clone());
+    match nested.first() {
+        Some(first) => edit.set(material, FirstNested(*first)),
+        None => edit.remove::<FirstNested>(material),
+    }
+    match nested.get(1) {
+        Some(second) => edit.set(material, SecondNested(*second)),
+        None => edit.remove::<SecondNested>(material),
+    }
+}
+
+fn inside(world: &World, material: Entity) -> Vec<Entity> {
+    let first = world.get::<FirstNested>(material).map(|nested| nested.0);
+    let second = world.get::<SecondNested>(material).map(|nested| nested.0);
+    first.into_iter().chain(second).collect()
+}
+
+/// Takes a material out of the scene that stands nowhere but inside of others, and is inside of none. What is in it goes the same way.
+fn remove_unused(edit: &mut Edit, material: Entity) {
+    let is_own = edit.world.get::<DeclaredIn>(material).is_none();
+    let has_users = edit
+        .world
+        .get::<MaterialUsers>(material)
+        .is_some_and(|users| !users.is_empty());
+    if is_own || has_users || !outer_materials(edit.world, material).is_empty() {
+        return;
+    }
+    let before = inside(edit.world, material);
+    delete(edit, material);
+    for inner in before {
+        remove_unused(edit, inner);
+    }
+}
+
+fn spawn(edit: &mut Edit, name: &str) -> Entity {
+    let order = DocumentOrder(next_order(edit.world));
+    let name = free_name(&names(edit.world), name);
+    edit.spawn((Material::default(), order, Name::new(name)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::editor::history::{History, redo, undo};
+    use crate::app::editor::selection::Selection;
+    use crate::color::Rgb;
+    use crate::scene::ObjectState;
+
+    fn world() -> World {
+        let mut world = World::new();
+        world.init_resource::<History>();
+        world.init_resource::<Selection>();
+        world
+    }
+
+    fn apply(world: &mut World, target: Entity, tree: &MaterialTree) {
+        let mut edit = Edit::begin(world);
+        build(&mut edit, &[target], tree);
+        edit.finish("Edit".to_owned(), None);
+    }
+
+    fn tree_of(world: &World, material: Entity) -> MaterialTree {
+        MaterialTree {
+            material: world.get::<Material>(material).cloned().expect("a material"),
+            inside: inside(world, material)
+                .into_iter()
+                .map(|inner| tree_of(world, inner).into())
+                .collect(),
+        }
+    }
+
+    fn materials(world: &mut World) -> usize {
+        world.query::<&Material>().iter(world).count()
+    }
+
+    fn red() -> Material {
+        Material::Diffuse {
+            reflectance: Rgb::X.into(),
+        }
+    }
+
+    #[test]
+    fn a_wrapper_goes_around_a_material_and_off_again() {
+        let mut world = world();
+        let paint = world.spawn((red(), DocumentOrder(3), Name::new("paint"))).id();
+        let shape = world.spawn((Shape::default(), UsesMaterial(paint))).id();
+        let plain = MaterialTree::from(red());
+        for plugin in ["bumpmap", "twosided"] {
+            let tree = MaterialTree::of(world.get(paint).expect("there"), &inside(&world, paint));
+            apply(&mut world, paint, &tree.wrapped(plugin));
+        }
+        assert_eq!(
+            tree_of(&world, paint),
+            plain.clone().wrapped("bumpmap").wrapped("twosided")
+        );
+        assert_eq!(world.get::<UsesMaterial>(shape), Some(&UsesMaterial(paint)));
+        // The bump map is written inside of the two-sided one, the paint inside of the bump map.
+        let bump = inside(&world, paint)[0];
+        let inner = inside(&world, bump)[0];
+        assert_eq!(world.get(bump), Some(&DeclaredIn(paint)));
+        assert_eq!(world.get(inner), Some(&DeclaredIn(bump)));
+        // Off: the bump map takes the place of the two-sided one, around the very same paint.
+        let off = MaterialTree::of(world.get(bump).expect("there"), &[inner]);
+        apply(&mut world, paint, &off);
+        assert_eq!(tree_of(&world, paint), plain.clone().wrapped("bumpmap"));
+        assert_eq!((inside(&world, paint), materials(&mut world)), (vec![inner], 2));
+        assert_eq!(world.get(inner), Some(&DeclaredIn(paint)));
+        for _ in 0..3 {
+            undo(&mut world).expect("three steps");
+        }
+        assert_eq!((tree_of(&world, paint), materials(&mut world)), (plain.clone(), 1));
+        for _ in 0..3 {
+            redo(&mut world).expect("three steps");
+        }
+        assert_eq!(tree_of(&world, paint), plain.wrapped("bumpmap"));
+    }
+
+    #[test]
+    fn a_preset_is_one_step_for_all_that_is_selected() {
+        let mut world = world();
+        let paint = world.spawn((red(), DocumentOrder(3))).id();
+        let [one, two, bare] = [Some(paint), Some(paint), None].map(|used| {
+            let shape = world.spawn(Shape::default()).id();
+            if let Some(used) = used {
+                world.entity_mut(shape).insert(UsesMaterial(used));
+            }
+            shape
+        });
+        let before = [paint, one, two, bare].map(|entity| ObjectState::of(&world, entity));
+        let cloth = MaterialTree::from(Material::of_plugin("principled").expect("a plugin")).wrapped("twosided");
+        let mut edit = Edit::begin(&mut world);
+        build(&mut edit, &[one, two, bare], &cloth);
+        edit.finish("Preset".to_owned(), None);
+        for shape in [one, two, bare] {
+            let used = world.get::<UsesMaterial>(shape).expect("a material").0;
+            assert_eq!(tree_of(&world, used), cloth);
+        }
+        assert_eq!(materials(&mut world), 4);
+        undo(&mut world).expect("one step");
+        assert!(undo(&mut world).is_err());
+        assert_eq!(
+            [paint, one, two, bare].map(|entity| ObjectState::of(&world, entity)),
+            before
+        );
+        assert_eq!(materials(&mut world), 1);
+    }
+
+    #[test]
+    fn a_material_of_its_own_stays_when_it_is_taken_out() {
+        let mut world = world();
+        let own = world.spawn((red(), DocumentOrder(1))).id();
+        let outer = world
+            .spawn((Material::TwoSided, DocumentOrder(2), FirstNested(own)))
+            .id();
+        apply(&mut world, outer, &MaterialTree::from(Material::Null));
+        assert_eq!(materials(&mut world), 2);
+        assert!(inside(&world, outer).is_empty());
+    }
+}

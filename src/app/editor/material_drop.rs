@@ -1,0 +1,31 @@
+//! Materials that are dragged from the list onto an object in the picture.
+
+use bevy::math::Vec2;
+use bevy_egui::egui::{self, Color32, Rect, Response, Ui};
+
+use super::command::Command;
+use super::panels::outliner::Dragged;
+
+/// `picture`: the whole of it on the screen, of which `response` is.
+pub fn drop_target(ui: &Ui, response: &Response, picture: Rect, commands: &mut Vec<Command>) {
+    let Some(pointer) = ui.ctx().pointer_interact_pos() else {
+        return;
+    };
+    if response.dnd_hover_payload::<Dragged>().is_some() {
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        let text = "drop on a shape".to_owned();
+        let text = ui.painter().layout_no_wrap(text, font, Color32::WHITE);
+        let place = Rect::from_min_size(pointer + egui::vec2(14.0, 10.0), text.size());
+        ui.painter()
+            .rect_filled(place.expand(4.0), 3.0, Color32::from_black_alpha(190));
+        ui.painter().galley(place.min, text, Color32::WHITE);
+    }
+    let dragged = response.dnd_release_payload::<Dragged>();
+    if let Some([material]) = dragged.as_ref().map(|dragged| &dragged.0[..]) {
+        let film = (pointer - picture.min) / picture.size();
+        commands.push(Command::DropMaterial {
+            material: *material,
+            at: Vec2::new(film.x, film.y),
+        });
+    }
+}

@@ -1,0 +1,183 @@
+//! Rows for colours. Colours are linear Rec. 709 inside and in files; the panel shows them so, or as sRGB in hexadecimal as drawing
+//! programs do, and says which.
+
+use bevy_egui::egui::{self, Ui};
+
+use super::fields::{self, Caption, NumberStyle, name_cell, number_cells, write_back};
+use crate::color::{Rgb, linear_from_srgb8, srgb_from_linear};
+
+/// How colours are shown: the same in all rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Notation {
+    /// Three linear numbers, as `rgb` in files.
+    #[default]
+    Linear,
+    /// `#rrggbb`, sRGB-encoded.
+    Hex,
+}
+
+const SWATCH: f32 = 24.0;
+const SWITCH: f32 = 28.0;
+
+/// A reflectance: linear, each channel in [0, 1]. The controls are named "`name` R", "`name` G", "`name` B", or "`name` hex".
+pub fn color<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Rgb) -> bool {
+    let caption = caption.into();
+    let mut copy = *value;
+    let changed = ui
+        .horizontal(|ui| {
+            let label = name_cell(ui, caption);
+            ui.spacing_mut().item_spacing.x = 3.0;
+            let mut changed = swatch(ui, label.id, &mut copy);
+            let room = ui.available_width() - SWITCH - 3.0;
+            let notation = notation(ui);
+            changed |= match notation {
+                Notation::Linear => channels(ui, caption.text, &mut copy, room),
+                Notation::Hex => hex_text(ui, caption.text, &mut copy, room),
+            };
+            switch(ui, notation);
+            changed
+        })
+        .inner;
+    write_back(changed, value, copy)
+}
+
+/// An emitted quantity: a colour whose largest channel is 1, times a strength in `unit`.
+pub fn emission<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, unit: &str, value: &mut Rgb) -> bool {
+    let mut strength = value.max_element();
+    let mut hue = if strength > 0.0 { *value / strength } else { Rgb::ONE };
+    let recolored = color(ui, "Colour", &mut hue);
+    let scaled = fields::strength(ui, caption, &mut strength, unit);
+    write_back(recolored || scaled, value, hue * strength)
+}
+
+fn swatch(ui: &mut Ui, label: egui::Id, color: &mut Rgb) -> bool {
+    ui.scope(|ui| {
+        ui.spacing_mut().interact_size.x = SWATCH;
+        let mut channels = color.to_array();
+        let picker = ui.color_edit_button_rgb(&mut channels).labelled_by(label);
+        write_back(picker.changed(), color, Rgb::from_array(channels))
+    })
+    .inner
+}
+
+fn channels(ui: &mut Ui, name: &str, color: &mut Rgb, width: f32) -> bool {
+    let mut values = color.to_array();
+    let styles = ["R", "G", "B"].map(|letter| NumberStyle {
+        letter,
+        speed: 0.005,
+        suffix: "",
+        range: 0.0..=1.0,
+    });
+    let changed = ui.scope(|ui| number_cells(ui, name, &mut values, styles, width)).inner;
+    write_back(changed, color, Rgb::from_array(values))
+}
+
+/// What is being typed is kept as it is until it is a colour, or is left.
+fn hex_text(ui: &mut Ui, name: &str, color: &mut Rgb, width: f32) -> bool {
+    let id = ui.make_persistent_id((name, "hex"));
+    let shown = hex_of(*color);
+    let mut text = ui.data(|data| data.get_temp(id)).unwrap_or_else(|| shown.clone());
+    let edit = egui::TextEdit::singleline(&mut text)
+        .id(id)
+        .char_limit(7)
+        .font(egui::TextStyle::Monospace)
+        .margin(egui::Margin::symmetric(3, 2))
+        .desired_width(width - 6.0);
+    let response = ui.add(edit);
+    response.widget_info(|| {
+        let mut info = egui::WidgetInfo::text_edit(true, &shown, &shown, "");
+        info.label = Some(format!("{name} hex"));
+        info
+    });
+    let typed = response.changed().then(|| color_of(&text)).flatten();
+    let is_typing = response.has_focus();
+    ui.data_mut(|data| {
+        if is_typing {
+            data.insert_temp(id, text);
+        } else {
+            data.remove::<String>(id);
+        }
+    });
+    // What says the same is not to cost the colour its finer digits.
+    let meant = typed.filter(|typed| hex_of(*typed) != shown);
+    write_back(meant.is_some(), color, meant.unwrap_or(*color))
+}
+
+/// Says how the numbers are meant; a click shows all colours the other way.
+fn switch(ui: &mut Ui, notation: Notation) {
+    let (text, about, other) = match notation {
+        Notation::Linear => (
+            "lin",
+            "Linear Rec. 709, as rgb in the file. Click for sRGB in hexadecimal.",
+            Notation::Hex,
+        ),
+        Notation::Hex => (
+            "sRGB",
+            "sRGB in hexadecimal, as in drawing programs and on the web. Click for linear numbers.",
+            Notation::Linear,
+        ),
+    };
+    ui.spacing_mut().button_padding.x = 1.0;
+    let text = egui::RichText::new(text).small();
+    let button = egui::Button::new(text).frame_when_inactive(false);
+    let size = [SWITCH, ui.spacing().interact_size.y];
+    if ui.add_sized(size, button).on_hover_text(about).clicked() {
+        ui.data_mut(|data| data.insert_temp(notation_id(), other));
+    }
+}
+
+fn notation(ui: &Ui) -> Notation {
+    ui.data(|data| data.get_temp(notation_id())).unwrap_or_default()
+}
+
+fn notation_id() -> egui::Id {
+    egui::Id::new("notation of colours")
+}
+
+/// What lies outside of [0, 1] is shown at its end.
+fn hex_of(color: Rgb) -> String {
+    let [red, green, blue] = color
+        .to_array()
+        .map(|linear| (srgb_from_linear(linear.clamp(0.0, 1.0)) * 255.0).round() as u8);
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
+/// `#rrggbb` or `#rgb`, with or without the sign.
+fn color_of(text: &str) -> Option<Rgb> {
+    let digits: Vec<u8> = text
+        .trim()
+        .trim_start_matches('#')
+        .chars()
+        .map(|digit| digit.to_digit(16).map(|digit| digit as u8))
+        .collect::<Option<_>>()?;
+    let bytes = match digits[..] {
+        [r, g, b] => [r * 17, g * 17, b * 17],
+        [r1, r0, g1, g0, b1, b0] => [r1 * 16 + r0, g1 * 16 + g0, b1 * 16 + b0],
+        _ => return None,
+    };
+    Some(Rgb::from_array(bytes.map(linear_from_srgb8)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hexadecimal_comes_back() {
+        for text in ["#000000", "#ffffff", "#bc8040", "#010203"] {
+            let color = color_of(text);
+            assert_eq!(color.map(hex_of).as_deref(), Some(text));
+        }
+        assert_eq!(color_of("f80").map(hex_of).as_deref(), Some("#ff8800"));
+        for text in ["", "#12", "#12345", "#ggg", "#-1-1-1", "1234567"] {
+            assert_eq!(color_of(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn middle_grey_of_a_screen_is_a_fifth_of_the_light() {
+        // IEC 61966-2-1 at 128 / 255.
+        let grey = color_of("#808080").map(|color| color.x);
+        assert!(grey.is_some_and(|grey| (grey - 0.215_86).abs() < 1e-4), "{grey:?}");
+    }
+}

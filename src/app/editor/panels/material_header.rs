@@ -1,0 +1,151 @@
+//! What stands above a material's parameters: a ball of it, its name, the library, and what may go around it.
+
+use bevy::prelude::Entity;
+use bevy_egui::egui::{self, Ui};
+
+use super::super::command::Command;
+use super::super::material_tree::{MaterialTree, WRAPPERS, can_wrap};
+use super::super::model::{InspectedMaterial, MaterialPlace, Model};
+use super::material::{kind_name, plugin_name};
+use crate::scene::Material;
+
+/// Edges of the ball in points: of the material itself, and of those inside it.
+const LARGE: f32 = 80.0;
+const SMALL: f32 = 46.0;
+
+pub fn material_header(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut Vec<Command>) {
+    let edge = match entry.place {
+        MaterialPlace::Whole => LARGE,
+        _ => SMALL,
+    };
+    ui.add_space(4.0);
+    ui.horizontal_top(|ui| {
+        ball(ui, entry.entity, model, edge);
+        ui.vertical(|ui| {
+            let title = egui::RichText::new(title(entry)).italics();
+            ui.add(egui::Label::new(title).truncate());
+            if entry.place == MaterialPlace::Whole && entry.users > 1 {
+                ui.weak(format!("on {} shapes", entry.users));
+            }
+            ui.horizontal(|ui| {
+                ui.menu_button("Presets", |ui| presets(ui, entry, model, commands))
+                    .response
+                    .on_hover_text("Materials of the library");
+                ui.menu_button("Layers", |ui| layers(ui, entry, model, commands))
+                    .response
+                    .on_hover_text("What is around this material, or inside of it");
+            });
+        });
+    });
+}
+
+fn title(entry: &InspectedMaterial) -> String {
+    let name = &entry.name;
+    match entry.place {
+        MaterialPlace::Whole => name.clone(),
+        MaterialPlace::Front => format!("Front: {name}"),
+        MaterialPlace::Back => format!("Back: {name}"),
+        MaterialPlace::First => format!("First: {name}"),
+        MaterialPlace::Second => format!("Second: {name}"),
+        MaterialPlace::Inside => format!("Inside: {name}"),
+    }
+}
+
+/// An empty square as long as there is no picture.
+fn ball(ui: &mut Ui, material: Entity, model: &Model, edge: f32) {
+    let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(edge), egui::Sense::hover());
+    match model.looks.balls.get(&material) {
+        Some(texture) => {
+            let whole = egui::Rect::from_min_max(egui::Pos2::ZERO, egui::pos2(1.0, 1.0));
+            ui.painter().image(*texture, rect, whole, egui::Color32::WHITE);
+        }
+        None => {
+            ui.painter().rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
+        }
+    }
+}
+
+fn presets(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut Vec<Command>) {
+    let mut groups: Vec<&str> = Vec::new();
+    for preset in model.presets.iter() {
+        if !groups.contains(&preset.group.as_str()) {
+            groups.push(&preset.group);
+        }
+    }
+    for group in groups {
+        ui.menu_button(group, |ui| {
+            for preset in model.presets.iter().filter(|preset| preset.group == group) {
+                if ui.button(&preset.name).clicked() {
+                    commands.push(Command::BuildMaterial {
+                        targets: targets(entry, model),
+                        tree: Box::new(preset.tree.clone()),
+                    });
+                }
+            }
+        });
+    }
+}
+
+/// Everything that is selected, if this is the material of it.
+fn targets(entry: &InspectedMaterial, model: &Model) -> Vec<Entity> {
+    let selected = model.selection.entities();
+    if entry.place == MaterialPlace::Whole && selected.len() > 1 {
+        selected.to_vec()
+    } else {
+        vec![entry.entity]
+    }
+}
+
+fn layers(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut Vec<Command>) {
+    let mut become_tree = |tree: MaterialTree| {
+        commands.push(Command::BuildMaterial {
+            targets: vec![entry.entity],
+            tree: Box::new(tree),
+        });
+    };
+    let own = MaterialTree::of(&entry.material, &entry.inside);
+    ui.menu_button("Put it into", |ui| {
+        for plugin in WRAPPERS {
+            let allowed = can_wrap(plugin, &entry.material);
+            let button = egui::Button::new(plugin_name(plugin));
+            if ui.add_enabled(allowed, button).clicked() {
+                become_tree(own.clone().wrapped(plugin));
+            }
+        }
+    });
+    let all = model.inspected.iter().flat_map(|inspected| &inspected.materials);
+    let inside: Vec<&InspectedMaterial> = entry
+        .inside
+        .iter()
+        .filter_map(|inner| all.clone().find(|known| known.entity == *inner))
+        .collect();
+    let kind = kind_name(&entry.material);
+    for inner in &inside {
+        let text = match inside.len() {
+            1 => format!("Take the {kind} off"),
+            _ => format!("Keep only \u{201c}{}\u{201d}", inner.name),
+        };
+        if ui.button(text).clicked() {
+            become_tree(MaterialTree::of(&inner.material, &inner.inside));
+        }
+    }
+    let mut changed = own.clone();
+    let offer = match (&entry.material, entry.inside.len()) {
+        (Material::TwoSided, 1) => {
+            changed.inside.push(MaterialTree::from(Material::default()).into());
+            "Give the back its own"
+        }
+        (Material::TwoSided, 2) => {
+            changed.inside.truncate(1);
+            "Same on both sides"
+        }
+        (Material::Blend { .. }, 2) => {
+            changed.inside.swap(0, 1);
+            "Exchange the two"
+        }
+        _ => return,
+    };
+    if ui.button(offer).clicked() {
+        become_tree(changed);
+    }
+}

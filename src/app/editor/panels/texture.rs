@@ -1,0 +1,163 @@
+//! What a texture is made of, and what stays of it when it becomes another kind.
+
+use bevy::math::{Affine2, Vec2};
+use bevy_egui::egui::{self, Ui};
+
+use super::fields::{self, Caption, NumberStyle};
+use super::texture_slot::PlainValue;
+use crate::color::Rgb;
+use crate::scene::{Bitmap, Parameter, Texture, TextureFilter, TextureWrap};
+
+/// What a parameter can be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TextureKind {
+    /// No texture.
+    Plain,
+    Bitmap,
+    Checkerboard,
+    MeshAttribute,
+}
+
+impl TextureKind {
+    pub const ALL: [Self; 4] = [Self::Plain, Self::Bitmap, Self::Checkerboard, Self::MeshAttribute];
+
+    pub fn of(texture: &Texture) -> Self {
+        match texture {
+            Texture::Bitmap(_) => Self::Bitmap,
+            Texture::Checkerboard { .. } => Self::Checkerboard,
+            Texture::MeshAttribute { .. } => Self::MeshAttribute,
+        }
+    }
+
+    /// For menus.
+    pub fn name(self, plain: &'static str) -> &'static str {
+        match self {
+            Self::Plain => plain,
+            Self::Bitmap => "picture\u{2026}",
+            Self::Checkerboard => "checkerboard",
+            Self::MeshAttribute => "values of the mesh",
+        }
+    }
+}
+
+/// Makes the parameter a texture of another kind, or none. Colours and the placing stay as far as both have them. A bitmap stays what it
+/// was: it needs a file first.
+pub fn switch<T: PlainValue>(value: &mut Parameter<T>, kind: TextureKind, otherwise: T) {
+    let (color, to_uv) = match &*value {
+        Parameter::Constant(plain) => (Some(plain.to_color()), Affine2::IDENTITY),
+        Parameter::Texture(Texture::Bitmap(bitmap)) => (None, bitmap.to_uv),
+        Parameter::Texture(Texture::Checkerboard { color0, to_uv, .. }) => (color0.constant(), *to_uv),
+        Parameter::Texture(Texture::MeshAttribute { .. }) => (None, Affine2::IDENTITY),
+    };
+    match kind {
+        TextureKind::Plain => *value = Parameter::Constant(color.map_or(otherwise, T::of_color)),
+        TextureKind::Bitmap => {}
+        TextureKind::Checkerboard => {
+            *value = Parameter::Texture(Texture::Checkerboard {
+                // The second is the format's own.
+                color0: Box::new(color.unwrap_or(Rgb::splat(0.4)).into()),
+                color1: Box::new(Rgb::splat(0.2).into()),
+                to_uv,
+            });
+        }
+        TextureKind::MeshAttribute => {
+            *value = Parameter::Texture(Texture::MeshAttribute {
+                name: "vertex_color".to_owned(),
+                scale: 1.0,
+            });
+        }
+    }
+}
+
+/// True if edited.
+pub fn bitmap(ui: &mut Ui, bitmap: &mut Bitmap, caption: impl Fn(&'static str) -> Caption<'static>) -> bool {
+    let filters = [
+        (TextureFilter::Bilinear, "bilinear"),
+        (TextureFilter::Nearest, "nearest pixel"),
+    ];
+    let wraps = [
+        (TextureWrap::Repeat, "repeat"),
+        (TextureWrap::Mirror, "mirror"),
+        (TextureWrap::Clamp, "clamp"),
+    ];
+    let mut changed = fields::choice(ui, caption("filter_type"), &mut bitmap.filter, &filters);
+    changed |= fields::choice(ui, caption("wrap_mode"), &mut bitmap.wrap, &wraps);
+    changed |= fields::checkbox(ui, caption("raw"), &mut bitmap.raw);
+    placing(ui, &mut bitmap.to_uv, caption("to_uv")) || changed
+}
+
+/// Scale, rotation and offset of uv; true if edited.
+pub fn placing(ui: &mut Ui, to_uv: &mut Affine2, caption: Caption<'static>) -> bool {
+    let (scale, angle, offset) = to_uv.to_scale_angle_translation();
+    let made = Affine2::from_scale_angle_translation(scale, angle, offset);
+    if !made.is_finite() || !made.abs_diff_eq(*to_uv, 1e-4 * to_uv.matrix2.x_axis.length().max(1.0)) {
+        fields::note(ui, caption, "sheared, as in the file");
+        return false;
+    }
+    let mut scaling = scale.to_array();
+    let mut shift = offset.to_array();
+    let mut degrees = angle.to_degrees();
+    let style = |letter, speed| NumberStyle {
+        letter,
+        speed,
+        suffix: "",
+        range: f32::MIN..=f32::MAX,
+    };
+    let pair = |speed| [style("U", speed), style("V", speed)];
+    let mut changed = fields::numbers(ui, caption.titled("Repeats"), &mut scaling, pair(0.02));
+    changed |= fields::slider_with(ui, caption.titled("Turned"), &mut degrees, -180.0..=180.0, |slider| {
+        slider.suffix("°").max_decimals(1)
+    });
+    changed |= fields::numbers(ui, caption.titled("Offset"), &mut shift, pair(0.005));
+    if changed {
+        // A scale of zero has no way back.
+        let scale = Vec2::from_array(scaling).map(|s| if s.abs() < 1e-4 { 1e-4 } else { s });
+        *to_uv = Affine2::from_scale_angle_translation(scale, degrees.to_radians(), Vec2::from_array(shift));
+    }
+    changed
+}
+
+/// The name of values of the mesh; true if edited.
+pub fn mesh_attribute(ui: &mut Ui, name: &mut String, caption: Caption<'static>) -> bool {
+    let mut copy = name.clone();
+    let changed = fields::row(ui, caption, |ui| {
+        let width = ui.available_width() - 8.0;
+        ui.add(egui::TextEdit::singleline(&mut copy).desired_width(width))
+    })
+    .changed();
+    fields::write_back(changed, name, copy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_texture_of_another_kind_keeps_what_both_have() {
+        let red = Rgb::new(0.6, 0.1, 0.1);
+        let mut value = Parameter::Constant(red);
+        switch(&mut value, TextureKind::Checkerboard, Rgb::ONE);
+        let Parameter::Texture(Texture::Checkerboard { color0, to_uv, .. }) = &mut value else {
+            panic!("{value:?}")
+        };
+        assert_eq!(**color0, red.into());
+        *to_uv = Affine2::from_scale(Vec2::splat(4.0));
+        switch(&mut value, TextureKind::Plain, Rgb::ONE);
+        assert_eq!(value, red.into());
+
+        let placed = Bitmap {
+            to_uv: Affine2::from_angle(0.5),
+            ..Bitmap::default()
+        };
+        let mut roughness = Parameter::<f32>::Texture(Texture::Bitmap(placed));
+        switch(&mut roughness, TextureKind::Checkerboard, 0.3);
+        let Parameter::Texture(Texture::Checkerboard { to_uv, .. }) = &roughness else {
+            panic!("{roughness:?}")
+        };
+        assert_eq!(*to_uv, Affine2::from_angle(0.5));
+        let mut attribute = Parameter::<f32>::Constant(0.1);
+        switch(&mut attribute, TextureKind::MeshAttribute, 0.3);
+        switch(&mut attribute, TextureKind::Plain, 0.3);
+        assert_eq!(attribute, 0.3.into());
+    }
+}

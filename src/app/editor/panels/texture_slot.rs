@@ -1,0 +1,303 @@
+//! A parameter that may be a texture: one row with a menu that switches between the two, and below it, when asked for, the texture's own
+//! parameters.
+
+use std::path::Path;
+
+use bevy_egui::egui::{self, Color32, Ui};
+
+use super::super::looks::Looks;
+use super::color_field;
+use super::fields::{self, Caption, name_cell};
+use super::texture::{self, TextureKind};
+use super::words;
+use crate::color::Rgb;
+use crate::scene::{Parameter, SquarePath, Texture};
+
+/// What the user did with a slot.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SlotEdit {
+    pub changed: bool,
+    /// The place that is to be another picture.
+    pub wants_picture: Option<SquarePath>,
+}
+
+impl SlotEdit {
+    fn add(&mut self, other: Self) {
+        self.changed |= other.changed;
+        self.wants_picture = self.wants_picture.or(other.wants_picture);
+    }
+}
+
+/// A parameter's value where it is the same everywhere, as a colour that textures begin with.
+pub trait PlainValue: Copy {
+    fn of_color(color: Rgb) -> Self;
+    fn to_color(self) -> Rgb;
+}
+
+impl PlainValue for Rgb {
+    fn of_color(color: Rgb) -> Self {
+        color
+    }
+
+    fn to_color(self) -> Rgb {
+        self
+    }
+}
+
+impl PlainValue for f32 {
+    fn of_color(color: Rgb) -> Self {
+        color.x
+    }
+
+    fn to_color(self) -> Rgb {
+        Rgb::splat(self)
+    }
+}
+
+/// A slot: what it is called, what pictures look like, and where in nested textures it is.
+#[derive(Clone, Copy)]
+pub struct Slot<'a> {
+    pub caption: Caption<'a>,
+    /// What the value without a texture is called.
+    pub plain: &'static str,
+    pub looks: &'a Looks,
+    pub place: SquarePath,
+}
+
+const MENU_WIDTH: f32 = 18.0;
+const THUMBNAIL: egui::Vec2 = egui::vec2(28.0, 18.0);
+
+impl Slot<'_> {
+    /// `plain_rows` shows the value where it is no texture; `otherwise` is that value if the texture knows none.
+    pub fn show<T: PlainValue>(
+        &self,
+        ui: &mut Ui,
+        value: &mut Parameter<T>,
+        otherwise: T,
+        plain_rows: impl FnOnce(&mut Ui, Caption<'_>, &mut T) -> bool,
+    ) -> SlotEdit {
+        let mut edit = SlotEdit::default();
+        let id = ui.make_persistent_id((self.caption.text, "opened"));
+        let mut is_open: bool = ui.data(|data| data.get_temp(id)).unwrap_or(false);
+        let kind = match value {
+            Parameter::Constant(_) => TextureKind::Plain,
+            Parameter::Texture(texture) => TextureKind::of(texture),
+        };
+        let mut wanted = None;
+        ui.horizontal_top(|ui| {
+            let spacing = ui.spacing().item_spacing;
+            ui.spacing_mut().item_spacing.x = 3.0;
+            let width = ui.available_width() - MENU_WIDTH - 3.0;
+            let layout = egui::Layout::top_down(egui::Align::Min);
+            ui.allocate_ui_with_layout(egui::vec2(width, 0.0), layout, |ui| {
+                ui.spacing_mut().item_spacing = spacing;
+                ui.set_width(width);
+                match value {
+                    Parameter::Constant(plain) => edit.changed |= plain_rows(ui, self.caption, plain),
+                    Parameter::Texture(texture) => {
+                        if self.texture_row(ui, texture, is_open) {
+                            is_open = !is_open;
+                        }
+                    }
+                }
+            });
+            wanted = self.menu(ui, kind);
+        });
+        match wanted {
+            Some(TextureKind::Bitmap) => edit.wants_picture = Some(self.place),
+            Some(other) if other != kind => {
+                texture::switch(value, other, otherwise);
+                edit.changed = true;
+                is_open = true;
+            }
+            _ => {}
+        }
+        ui.data_mut(|data| data.insert_temp(id, is_open));
+        if let Parameter::Texture(texture) = value
+            && is_open
+        {
+            ui.spacing_mut().indent = 10.0;
+            ui.indent(id, |ui| edit.add(self.parameters(ui, texture)));
+        }
+        edit
+    }
+
+    /// True when it is to be opened, or closed.
+    fn texture_row(&self, ui: &mut Ui, texture: &Texture, is_open: bool) -> bool {
+        ui.horizontal(|ui| {
+            let label = name_cell(ui, self.caption);
+            ui.spacing_mut().item_spacing.x = 4.0;
+            let picture = thumbnail(ui, texture, self.looks);
+            let text = format!(
+                "{} {}",
+                if is_open { "\u{23f7}" } else { "\u{23f5}" },
+                shown_name(texture)
+            );
+            let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+            let name = ui.add(egui::Button::selectable(false, text).truncate().min_size(size));
+            let name = named(name, self.caption, &label);
+            let name = match texture {
+                Texture::Bitmap(bitmap) => name.on_hover_text(bitmap.path.to_string_lossy()),
+                _ => name,
+            };
+            picture.clicked() || name.clicked()
+        })
+        .inner
+    }
+
+    fn menu(&self, ui: &mut Ui, kind: TextureKind) -> Option<TextureKind> {
+        let mut chosen = None;
+        ui.spacing_mut().button_padding.x = 2.0;
+        let menu = ui.menu_button("\u{2630}", |ui| {
+            for option in TextureKind::ALL {
+                let name = option.name(self.plain);
+                if ui.selectable_label(option == kind, name).clicked() {
+                    chosen = Some(option);
+                    ui.close();
+                }
+            }
+        });
+        let name = format!("{} source", self.caption.text);
+        menu.response
+            .on_hover_text("A constant, or a texture")
+            .widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &name));
+        chosen
+    }
+
+    fn parameters(&self, ui: &mut Ui, texture: &mut Texture) -> SlotEdit {
+        let plugin = texture.plugin();
+        let caption = |name: &'static str| words::find(plugin, name).map_or(Caption::from(name), Caption::from);
+        let mut edit = SlotEdit::default();
+        match texture {
+            Texture::Bitmap(bitmap) => {
+                if ui.button("Choose another picture\u{2026}").clicked() {
+                    edit.wants_picture = Some(self.place);
+                }
+                edit.changed |= texture::bitmap(ui, bitmap, caption);
+            }
+            Texture::Checkerboard { color0, color1, to_uv } => {
+                for (square, name, color) in [(0, "color0", color0), (1, "color1", color1)] {
+                    let slot = Slot {
+                        caption: caption(name),
+                        plain: "colour",
+                        looks: self.looks,
+                        place: self.place.within(square),
+                    };
+                    let shown = slot.show(ui, color, Rgb::splat(0.5), |ui, caption, color| {
+                        color_field::color(ui, caption, color)
+                    });
+                    edit.add(shown);
+                }
+                edit.changed |= texture::placing(ui, to_uv, caption("to_uv"));
+            }
+            Texture::MeshAttribute { name, scale } => {
+                edit.changed |= texture::mesh_attribute(ui, name, caption("name"));
+                edit.changed |= fields::number(ui, caption("scale"), scale, 0.01, f32::MIN..=f32::MAX);
+            }
+        }
+        edit
+    }
+}
+
+/// A picture file that is no texture, as that of an environment; true when another is wanted.
+pub fn picture_row(ui: &mut Ui, caption: Caption<'_>, path: &Path, looks: &Looks) -> bool {
+    let texture = Texture::of_picture(path.to_owned(), None);
+    ui.horizontal(|ui| {
+        let label = name_cell(ui, caption);
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let picture = thumbnail(ui, &texture, looks);
+        let name = match shown_name(&texture) {
+            name if name.is_empty() => "Choose\u{2026}".to_owned(),
+            name => name,
+        };
+        let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+        let button = ui
+            .add(egui::Button::new(name).truncate().min_size(size))
+            .on_hover_text("Choose another picture");
+        let button = named(button, caption, &label);
+        picture.clicked() || button.clicked()
+    })
+    .inner
+}
+
+/// Calls a button after its row, not after what it shows.
+fn named(button: egui::Response, caption: Caption<'_>, label: &egui::Response) -> egui::Response {
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, caption.text));
+    button.labelled_by(label.id)
+}
+
+fn shown_name(texture: &Texture) -> String {
+    match texture {
+        Texture::Bitmap(bitmap) => {
+            let file = bitmap.path.file_name().unwrap_or_default();
+            file.to_string_lossy().into_owned()
+        }
+        Texture::Checkerboard { .. } => "checkerboard".to_owned(),
+        Texture::MeshAttribute { name, .. } => name.clone(),
+    }
+}
+
+/// A small picture of the texture; a bitmap that is not there is crossed out.
+fn thumbnail(ui: &mut Ui, texture: &Texture, looks: &Looks) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(THUMBNAIL, egui::Sense::click());
+    paint(ui, rect, texture, looks);
+    match texture {
+        Texture::Bitmap(bitmap) => match looks.picture(&bitmap.path) {
+            Some(picture) => response.on_hover_ui(|ui| {
+                let [width, height] = picture.size;
+                let longer = width.max(height) as f32;
+                let size = egui::vec2(width as f32, height as f32) * (192.0 / longer);
+                ui.image((picture.texture, size));
+                ui.weak(format!("{width} x {height}"));
+            }),
+            None => response.on_hover_text("The picture is not there, or not yet."),
+        },
+        _ => response,
+    }
+}
+
+fn paint(ui: &Ui, rect: egui::Rect, texture: &Texture, looks: &Looks) {
+    let painter = ui.painter();
+    let frame = ui.visuals().widgets.noninteractive.bg_stroke;
+    match texture {
+        Texture::Bitmap(bitmap) => match looks.picture(&bitmap.path) {
+            Some(picture) => {
+                let whole = egui::Rect::from_min_max(egui::Pos2::ZERO, egui::pos2(1.0, 1.0));
+                painter.image(picture.texture, rect, whole, Color32::WHITE);
+            }
+            None => {
+                painter.line_segment([rect.left_top(), rect.right_bottom()], frame);
+                painter.line_segment([rect.left_bottom(), rect.right_top()], frame);
+            }
+        },
+        Texture::Checkerboard { color0, color1, .. } => {
+            let half = 0.5 * rect.size();
+            for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                let color = if row == column { color1 } else { color0 };
+                let corner = rect.min + egui::vec2(column as f32, row as f32) * half;
+                let square = egui::Rect::from_min_size(corner, half);
+                match &**color {
+                    Parameter::Constant(color) => {
+                        let [r, g, b] = color.to_array();
+                        painter.rect_filled(square, 0.0, egui::Rgba::from_rgb(r, g, b));
+                    }
+                    Parameter::Texture(inside) => paint(ui, square, inside, looks),
+                }
+            }
+        }
+        Texture::MeshAttribute { .. } => {
+            let corners = [
+                (rect.left_bottom(), Color32::from_rgb(200, 70, 60)),
+                (rect.right_bottom(), Color32::from_rgb(70, 170, 80)),
+                (rect.center_top(), Color32::from_rgb(70, 100, 210)),
+            ];
+            let mut triangle = egui::Mesh::default();
+            for (corner, color) in corners {
+                triangle.colored_vertex(corner, color);
+            }
+            triangle.add_triangle(0, 1, 2);
+            painter.add(triangle);
+        }
+    }
+    painter.rect_stroke(rect, 1.0, frame, egui::StrokeKind::Inside);
+}
