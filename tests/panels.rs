@@ -499,6 +499,21 @@ fn presets_go_to_all_that_is_selected() {
 }
 
 #[test]
+fn a_shape_without_a_material_takes_a_preset_too() {
+    let mut harness = inspect(Inspected {
+        shape: Some(Shape::default()),
+        ..Inspected::new(entity(5), "wall")
+    });
+    harness.state_mut().given.presets = std::sync::Arc::new(presets::load().0);
+    click(&mut harness, "Presets");
+    harness.get_by_label_contains("Glass").click();
+    harness.run_steps(4);
+    click(&mut harness, "diamond");
+    let (targets, tree) = shown_tree(&harness.state().commands);
+    assert_eq!((targets, tree.material.plugin()), (&[entity(5)][..], "dielectric"));
+}
+
+#[test]
 fn a_material_is_put_into_another_and_taken_out() {
     let mut harness = inspect(with_material(Material::default()));
     click(&mut harness, "Layers");

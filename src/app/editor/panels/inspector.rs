@@ -7,7 +7,7 @@ use bevy_egui::egui::{self, Ui};
 use super::super::command::{Command, FileDialogKind};
 use super::super::model::{Inspected, Model};
 use super::material::Edit;
-use super::material_header::material_header;
+use super::material_header::{material_header, presets};
 use super::transform::Freedom;
 use super::{emission, fields, material, sensor, transform};
 use crate::scene::{EmitterKind, MeshFile, MeshFormat, Shape, ShapeKind};
@@ -208,11 +208,16 @@ fn material_rows(ui: &mut Ui, inspected: &Inspected, model: &Model, commands: &m
                 material: used,
             });
         }
-        if ui.button("New material for this shape").clicked() {
-            commands.push(Command::GiveMaterial {
-                shape: inspected.entity,
-            });
-        }
+        ui.horizontal(|ui| {
+            if ui.button("New material for this shape").clicked() {
+                commands.push(Command::GiveMaterial {
+                    shape: inspected.entity,
+                });
+            }
+            if inspected.materials.is_empty() {
+                presets(ui, inspected.entity, true, model, commands);
+            }
+        });
     }
     for entry in &inspected.materials {
         ui.push_id(entry.entity, |ui| {

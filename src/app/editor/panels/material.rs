@@ -222,7 +222,7 @@ impl ParameterVisitor for Rows<'_> {
     }
 
     fn principled_index(&mut self, value: &mut PrincipledIndex) {
-        let ways = [(false, "share of 0.08"), (true, "index")];
+        let ways = [(false, "reflectance"), (true, "index of refraction")];
         let by_index = matches!(value, PrincipledIndex::Eta(_));
         let mut wanted = by_index;
         if fields::choice(

@@ -28,9 +28,7 @@ pub fn material_header(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, co
                 ui.weak(format!("on {} shapes", entry.users));
             }
             ui.horizontal(|ui| {
-                ui.menu_button("Presets", |ui| presets(ui, entry, model, commands))
-                    .response
-                    .on_hover_text("Materials of the library");
+                presets(ui, entry.entity, entry.place == MaterialPlace::Whole, model, commands);
                 ui.menu_button("Layers", |ui| layers(ui, entry, model, commands))
                     .response
                     .on_hover_text("What is around this material, or inside of it");
@@ -65,7 +63,14 @@ fn ball(ui: &mut Ui, material: Entity, model: &Model, edge: f32) {
     }
 }
 
-fn presets(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut Vec<Command>) {
+/// The library. What is chosen goes to the material or the shape; if it is `whole`, to everything that is selected.
+pub fn presets(ui: &mut Ui, target: Entity, whole: bool, model: &Model, commands: &mut Vec<Command>) {
+    ui.menu_button("Presets", |ui| preset_menu(ui, target, whole, model, commands))
+        .response
+        .on_hover_text("Materials of the library");
+}
+
+fn preset_menu(ui: &mut Ui, target: Entity, whole: bool, model: &Model, commands: &mut Vec<Command>) {
     let mut groups: Vec<&str> = Vec::new();
     for preset in model.presets.iter() {
         if !groups.contains(&preset.group.as_str()) {
@@ -77,7 +82,7 @@ fn presets(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut
             for preset in model.presets.iter().filter(|preset| preset.group == group) {
                 if ui.button(&preset.name).clicked() {
                     commands.push(Command::BuildMaterial {
-                        targets: targets(entry, model),
+                        targets: targets(target, whole, model),
                         tree: Box::new(preset.tree.clone()),
                     });
                 }
@@ -86,13 +91,12 @@ fn presets(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut
     }
 }
 
-/// Everything that is selected, if this is the material of it.
-fn targets(entry: &InspectedMaterial, model: &Model) -> Vec<Entity> {
+fn targets(target: Entity, whole: bool, model: &Model) -> Vec<Entity> {
     let selected = model.selection.entities();
-    if entry.place == MaterialPlace::Whole && selected.len() > 1 {
+    if whole && selected.len() > 1 {
         selected.to_vec()
     } else {
-        vec![entry.entity]
+        vec![target]
     }
 }
 

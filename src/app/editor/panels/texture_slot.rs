@@ -134,7 +134,9 @@ impl Slot<'_> {
                 shown_name(texture)
             );
             let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
-            let name = ui.add(egui::Button::selectable(false, text).truncate().min_size(size));
+            // A text at the right, even an empty one, keeps that at the left there.
+            let button = egui::Button::selectable(false, text).right_text("").truncate();
+            let name = ui.add(button.min_size(size));
             let name = named(name, self.caption, &label);
             let name = match texture {
                 Texture::Bitmap(bitmap) => name.on_hover_text(bitmap.path.to_string_lossy()),
