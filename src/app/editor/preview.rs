@@ -19,6 +19,8 @@ const EDGE: u32 = 160;
 /// Samples of a pixel: of the inspected material, and of those inside it, which are shown smaller.
 const BEST: u32 = 128;
 const ENOUGH: u32 = 32;
+/// Of all of them, before any gets more.
+const ROUGH: u32 = 4;
 /// Pictures that are kept of what is not inspected any more, some 100 kB each.
 const MOST: usize = 64;
 
@@ -85,13 +87,15 @@ pub fn update_previews(
         }
     }
     if previews.work.is_none() {
-        let is_open = |(entity, look, samples): &&(Entity, Look, u32)| {
+        let rough = wanted.iter().map(|(entity, look, _)| (entity, look, ROUGH));
+        let fine = wanted.iter().map(|(entity, look, samples)| (entity, look, *samples));
+        let next = rough.chain(fine).find(|&(entity, look, samples)| {
             let ball = previews.balls.get(entity);
-            ball.is_none_or(|ball| ball.look != *look || ball.samples < *samples)
+            ball.is_none_or(|ball| ball.look != *look || ball.samples < samples)
                 && previews.given_up.as_ref() != Some(look)
-        };
-        if let Some((entity, look, samples)) = wanted.iter().find(is_open) {
-            previews.work = start(*entity, look.clone(), *samples, wake_up.clone());
+        });
+        if let Some((entity, look, samples)) = next {
+            previews.work = start(*entity, look.clone(), samples, wake_up.clone());
         }
     }
     if previews.balls.len() > MOST {
@@ -140,6 +144,8 @@ impl Previews {
         if let Some(Pass { samples, image }) = latest {
             let options = egui::TextureOptions::LINEAR;
             match self.balls.get_mut(&work.entity) {
+                // A picture that is begun anew to become better takes over when it is.
+                Some(ball) if ball.look == work.look && ball.samples >= samples => {}
                 Some(ball) => {
                     ball.texture.set(image, options);
                     ball.look = work.look.clone();

@@ -607,6 +607,8 @@ mod tests {
         emitters.push(crate::scene::EmitterKind::SunSky(by_direction).into());
         for emitter in &mut emitters {
             emitter.set_picture(SquarePath::WHOLE, "/a.png".into());
+            // The usual one is left out.
+            emitter.sampling_weight = 0.5;
             collect(
                 &write::lights::emitter(emitter, &Affine3A::IDENTITY, folder),
                 &mut found,
