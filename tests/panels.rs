@@ -1,6 +1,8 @@
 //! Drives the editor's panels without a window: what the user does comes out as commands, and showing a panel changes nothing.
 #![cfg(feature = "window")]
 
+use std::path::PathBuf;
+
 use bevy::math::{Affine2, Affine3A, Mat3A, Vec2, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, Ui};
@@ -10,19 +12,22 @@ use sunroom::app::editor::actions::ActionContext;
 use sunroom::app::editor::command::{Command, FileDialogKind};
 use sunroom::app::editor::display::{DisplayMode, DisplaySettings};
 use sunroom::app::editor::keys::Press;
+use sunroom::app::editor::layout::{self, Layout};
 use sunroom::app::editor::material_drop::drop_target;
 use sunroom::app::editor::material_tree::MaterialTree;
 use sunroom::app::editor::model::{
-    DenoiserState, Inspected, InspectedMaterial, Item, MaterialPlace, Model, Notice, Outline, RenderModel, StatusModel,
+    DenoiserState, HistoryModel, Inspected, InspectedMaterial, Item, MaterialPlace, Model, Notice, Outline,
+    RenderModel, StatusModel,
 };
 use sunroom::app::editor::navigation::Navigation;
 use sunroom::app::editor::overlay::{BoxList, BvhOverlay};
 use sunroom::app::editor::panels::inspector::{InspectorState, inspector};
 use sunroom::app::editor::panels::menu_bar::{MenuState, menu_bar};
 use sunroom::app::editor::panels::outliner::OutlinerState;
-use sunroom::app::editor::panels::{diagnostics, outliner, render, status};
+use sunroom::app::editor::panels::{diagnostics, history, outliner, render, status};
 use sunroom::app::editor::presets;
 use sunroom::app::editor::selection::{Extend, Selection};
+use sunroom::app::editor::shell::ShellCommand;
 use sunroom::app::editor::viewport::{ViewportModel, ViewportState, viewport};
 use sunroom::color::Rgb;
 use sunroom::engine::{RenderState, RenderStatus};
@@ -969,6 +974,8 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
                 flying: false,
             },
             camera: None,
+            layout: &Layout::default(),
+            recent: &[PathBuf::from("/lately/room.xml")],
         };
         menu_bar(ui, model, state, commands);
     })
@@ -988,6 +995,8 @@ fn menus_say_commands() {
     harness.get_by_label_contains("Cameras").click();
     harness.run_steps(4);
     click(&mut harness, "from above");
+    click(&mut harness, "Window");
+    click(&mut harness, "History");
     click(&mut harness, "Pause");
     click(&mut harness, "Denoise");
     let boxes = BvhOverlay {
@@ -998,6 +1007,7 @@ fn menus_say_commands() {
         Command::ReloadScene,
         Command::SetOverlay(boxes),
         Command::LookThrough(entity(9)),
+        Command::Shell(ShellCommand::ClosePanel(layout::Panel::History)),
         Command::SetPaused(true),
         Command::Denoise,
     ];
@@ -1018,12 +1028,28 @@ fn messages_show_place_and_help() {
         place: Some("box.xml:12:5".into()),
         text: "unknown plugin `glas`".into(),
         help: Some("did you mean `dielectric`?".into()),
+        excerpt: Some("12 | <bsdf type=\"glas\">\n     ^^^^".into()),
     }];
     let harness = show(notices, |ui, notices, _| diagnostics::diagnostics(ui, notices));
     for text in ["error", "box.xml:12:5", "unknown plugin `glas`"] {
         assert!(harness.query_by_label(text).is_some(), "{text}");
     }
     assert!(harness.query_by_label_contains("did you mean").is_some());
+    assert!(harness.query_by_label_contains("^^^^").is_some());
+}
+
+#[test]
+fn a_click_in_the_history_goes_there() {
+    let model = HistoryModel {
+        done: vec!["Add: ball".into(), "Move: ball".into()],
+        undone: vec!["Hide: ball".into()],
+    };
+    let mut harness = show(model, history::history);
+    // Where we are already there is nowhere to go.
+    click(&mut harness, "Move: ball");
+    click(&mut harness, "Hide: ball");
+    click(&mut harness, "As opened");
+    assert_eq!(harness.state().commands, [Command::GoTo(3), Command::GoTo(0)]);
 }
 
 #[test]
@@ -1040,12 +1066,15 @@ fn the_status_line_has_the_figures() {
         status,
         ..StatusModel::default()
     };
-    let harness = show(model, |ui, model, _| {
-        status::status_line(ui, model, Some("Opened box.xml"))
-    });
-    for text in ["Rendering", "2.35 Mrays/s", "871,414 triangles", "Opened box.xml"] {
+    let line: Panel<StatusModel> = |ui, model, _| status::status_line(ui, model);
+    let harness = show_at(1280.0, model.clone(), line);
+    for text in ["Rendering", "2.35 Mrays/s", "871,414 triangles"] {
         assert!(harness.query_by_label(text).is_some(), "{text}");
     }
+    // What has no room is left out, not cut off.
+    let harness = show_at(340.0, model, line);
+    assert!(harness.query_by_label("Rendering").is_some());
+    assert!(harness.query_by_label("871,414 triangles").is_none());
 }
 
 /// The picture in a panel of 340 x 240 points, with a text field and a number above it.

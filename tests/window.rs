@@ -56,6 +56,7 @@ fn editor(arguments: &[&str]) -> Command {
         .env_remove("WAYLAND_DISPLAY")
         .env_remove("WAYLAND_SOCKET")
         .env_remove("DISPLAY")
+        .env_remove("SUNROOM_CONFIG")
         .stdin(Stdio::null());
     command
 }

@@ -49,6 +49,8 @@ pub fn windowed(options: WindowOptions) -> App {
     let plugins = DefaultPlugins
         .set(WindowPlugin {
             primary_window: Some(window),
+            // There may be unsaved edits.
+            close_when_requested: false,
             ..default()
         })
         .set(asset_plugin())

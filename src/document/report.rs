@@ -90,6 +90,25 @@ impl Diagnostics {
         text
     }
 
+    /// The line of the file that a message speaks of, after its number, and marks under the place; None for one without a place.
+    pub fn excerpt(&self, diagnostic: &Diagnostic) -> Option<String> {
+        let span = diagnostic.span?;
+        let source = self.source(span.source)?;
+        let excerpt = Excerpt::new(source, span.start as usize, span.end as usize);
+        let (line, _) = source.line_column(excerpt.mark.offset());
+        let text = excerpt.text.replace('\t', " ");
+        let (before, rest) = text.split_at(excerpt.mark.offset() - excerpt.start);
+        let margin = before.trim_start();
+        let marks = rest[..excerpt.mark.len()].trim_end().chars().count().max(1);
+        let number = format!("{line} | ");
+        let indent = number.chars().count() + margin.chars().count();
+        Some(format!(
+            "{number}{margin}{rest}\n{}{}",
+            " ".repeat(indent),
+            "^".repeat(marks)
+        ))
+    }
+
     /// "2 errors, 1 warning"; empty when there is nothing.
     pub fn summary(&self) -> String {
         let count = |number: usize, what: &str| match number {

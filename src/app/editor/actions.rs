@@ -7,6 +7,7 @@ use super::command::{AdditionKind, Command, FileDialogKind};
 use super::display::DisplaySettings;
 use super::overlay::BvhOverlay;
 use super::selection::{Extend, Selection};
+use super::shell::{Sheet, ShellCommand};
 
 /// What actions toggle, step or are about.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,7 +111,9 @@ impl Shortcut {
 
     /// `Ctrl+Shift+Z`.
     pub fn text(&self) -> String {
-        let modifiers = [(self.command, "Ctrl+"), (self.alt, "Alt+"), (self.shift, "Shift+")];
+        // Nobody thinks of the question mark as a key with Shift.
+        let shift = self.shift && self.key != Key::Questionmark;
+        let modifiers = [(self.command, "Ctrl+"), (self.alt, "Alt+"), (shift, "Shift+")];
         let mut text: String = modifiers
             .into_iter()
             .filter(|(held, _)| *held)
@@ -310,6 +313,29 @@ pub const ACTIONS: &[Action] = &[
         &[command(Key::B)],
         |context| Some(Command::ShowPanels(!context.panels_shown)),
     ),
+    action(Group::Window, "palette", "Commands…", &[command(Key::P)], |_| {
+        Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Palette)))
+    }),
+    action(
+        Group::Window,
+        "shortcuts",
+        "Keys and mouse",
+        &[plain(Key::F1), shift(Key::Questionmark)],
+        |_| Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Shortcuts))),
+    ),
+    action(
+        Group::Window,
+        "preferences",
+        "Preferences…",
+        &[command(Key::Comma)],
+        |_| Some(Command::Shell(ShellCommand::ShowSheet(Sheet::Preferences))),
+    ),
+    action(Group::Window, "reset-layout", "Reset layout", &[], |_| {
+        Some(Command::Shell(ShellCommand::ResetLayout))
+    }),
+    action(Group::Window, "full-screen", "Full screen", &[plain(Key::F11)], |_| {
+        Some(Command::Shell(ShellCommand::ToggleFullScreen))
+    }),
 ];
 
 /// The action of this name.

@@ -11,6 +11,7 @@ use super::display::DisplaySettings;
 use super::material_tree::MaterialTree;
 use super::overlay::BvhOverlay;
 use super::selection::Extend;
+use super::shell::ShellCommand;
 use crate::scene::{
     AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, Material, SamplerSettings, Sensor, Shape, SquarePath,
 };
@@ -134,6 +135,7 @@ pub enum Command {
     /// Back to the picture as sampled.
     DropDenoised,
     ShowPanels(bool),
+    Shell(ShellCommand),
 }
 
 /// Something new in the scene.
@@ -272,7 +274,8 @@ impl Command {
             | Self::SetOverlay(_)
             | Self::Denoise
             | Self::DropDenoised
-            | Self::ShowPanels(_) => Effect::None,
+            | Self::ShowPanels(_)
+            | Self::Shell(_) => Effect::None,
         }
     }
 
@@ -334,6 +337,14 @@ impl Command {
             | Self::Reorder { moved: entities, .. } => entities.clone(),
             _ => Vec::new(),
         }
+    }
+
+    /// Whether it reads or writes a file.
+    pub fn is_about_file(&self) -> bool {
+        matches!(
+            self,
+            Self::Save | Self::SaveScene(_) | Self::SaveImage(_) | Self::Import(_)
+        )
     }
 
     /// Whether the picture as a rule is begun anew by it.

@@ -14,6 +14,7 @@ use super::model::{
     HistoryModel, Inspected, InspectedMaterial, Item, MaterialPlace, Model, Notice, Outline, StatusModel,
 };
 use super::panels::{emission, material};
+use super::preferences::PreferencesFile;
 use super::presets;
 use super::selection::Selection;
 use crate::document::{Diagnostic, Diagnostics, Severity};
@@ -299,6 +300,7 @@ pub fn gather_status(
     denoiser: Res<Denoiser>,
     frames: Res<FrameTimes>,
     history: Res<History>,
+    preferences: Res<PreferencesFile>,
     mut seen_errors: Local<Vec<String>>,
 ) {
     let model = &mut model.0;
@@ -312,9 +314,9 @@ pub fn gather_status(
     if scene.is_changed() && model.status.scene != scene.path {
         model.scene_files = Arc::new(scene_files(scene.path.as_deref()));
     }
-    if scene.is_changed() || status.errors != *seen_errors {
+    if scene.is_changed() || preferences.is_changed() || status.errors != *seen_errors {
         seen_errors.clone_from(&status.errors);
-        model.notices = Arc::new(notices(&scene, &status.errors));
+        model.notices = Arc::new(notices(&scene, &status.errors, &preferences));
     }
     if history.is_changed() {
         let (done, undone) = history.labels();
@@ -357,14 +359,16 @@ fn scene_files(open: Option<&Path>) -> Vec<std::path::PathBuf> {
     files
 }
 
-fn notices(scene: &SceneStatus, engine_errors: &[String]) -> Vec<Notice> {
+fn notices(scene: &SceneStatus, engine_errors: &[String], preferences: &PreferencesFile) -> Vec<Notice> {
     let plain = |is_error: bool, text: &str| Notice {
         is_error,
         place: None,
         text: text.to_owned(),
         help: None,
+        excerpt: None,
     };
     let mut notices: Vec<Notice> = engine_errors.iter().map(|error| plain(true, error)).collect();
+    notices.extend(preferences.problem.iter().map(|problem| plain(true, problem)));
     notices.extend(scene.mesh_errors.iter().map(|problem| plain(true, &problem.message)));
     let diagnostics = &scene.diagnostics;
     notices.extend(
@@ -392,5 +396,6 @@ fn notice(all: &Diagnostics, diagnostic: &Diagnostic) -> Notice {
         place,
         text: diagnostic.message.clone(),
         help: diagnostic.help.clone(),
+        excerpt: all.excerpt(diagnostic),
     }
 }

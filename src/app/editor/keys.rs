@@ -9,6 +9,7 @@ use bevy_egui::helpers::{bevy_to_egui_key, bevy_to_egui_physical_key};
 
 use super::actions::{ACTIONS, Action, ActionContext};
 use super::command::Command;
+use super::shell::ShellCommand;
 
 /// To the left, up, forward, each -1, 0 or 1.
 pub fn fly_direction(input: &InputState) -> Vec3 {
@@ -107,7 +108,10 @@ pub fn shortcuts(presses: &[Press], context: &ActionContext) -> Vec<Command> {
             continue;
         };
         context.follow(&command);
-        let opens_dialog = matches!(command, Command::ShowDialog(_));
+        let opens_dialog = matches!(
+            command,
+            Command::ShowDialog(_) | Command::Shell(ShellCommand::ShowSheet(_))
+        );
         commands.push(command);
         if opens_dialog {
             // What follows is meant for the dialog.

@@ -9,12 +9,16 @@ pub mod commands;
 mod denoiser;
 mod dialogs;
 pub mod display;
+mod docking;
+mod dropping;
 mod exit_door;
 mod gather;
 pub mod gizmo;
+pub mod guard;
 pub mod history;
 pub mod keys;
 mod latency;
+pub mod layout;
 pub mod looks;
 pub mod material_drop;
 pub mod material_tree;
@@ -23,18 +27,25 @@ pub mod navigation;
 pub mod options;
 pub mod overlay;
 mod pacing;
+pub mod palette;
 pub mod panels;
 mod picking;
 mod picture;
+pub mod preferences;
 pub mod presets;
 mod preview;
+pub mod recovery;
 mod scene_watch;
 pub mod screen;
 pub mod script;
 pub mod selection;
+mod sheet;
+pub mod shell;
+pub mod shortcuts;
 pub mod state;
 mod studio;
 mod style;
+pub mod toasts;
 mod ui;
 pub mod viewport;
 
@@ -45,6 +56,8 @@ use bevy_egui::{EguiPlugin, EguiPostUpdateSet, EguiPrimaryContextPass};
 use crate::engine::EngineSystems;
 use crate::scene::{OpenScene, SceneSystems};
 use options::{SceneDefines, WantedCamera, WindowOptions};
+use preferences::PreferencesFile;
+use toasts::Topic;
 
 /// Adds the editor to an app that has a window, a renderer, the scene and the engine.
 pub struct EditorPlugin(pub WindowOptions);
@@ -63,8 +76,20 @@ pub enum EditorSystems {
 impl Plugin for EditorPlugin {
     fn build(&self, app: &mut App) {
         let options = &self.0;
+        let folder = preferences::folder(options.is_attended());
+        let (preferences_file, preferences) = PreferencesFile::open(folder.as_deref());
+        let mut state = state::EditorState::default();
+        state.navigation.set_speed(preferences.speed);
+        if let Some(problem) = &preferences_file.problem {
+            state.complain(Topic::Other, problem, None);
+        }
         app.add_plugins(EguiPlugin::default())
-            .init_resource::<state::EditorState>()
+            .insert_resource(state)
+            .insert_resource(preferences.layout())
+            .insert_resource(preferences)
+            .insert_resource(preferences_file)
+            .insert_resource(recovery::Recovery::new(folder.as_deref()))
+            .init_resource::<dropping::DroppedFiles>()
             .init_resource::<history::History>()
             .init_resource::<selection::Selection>()
             .init_resource::<state::CommandQueue>()
@@ -109,6 +134,9 @@ impl Plugin for EditorPlugin {
                 (
                     scene_watch::choose_camera.run_if(scene_watch::camera_is_wanted),
                     scene_watch::follow_scene,
+                    recovery::follow_scene,
+                    preferences::note_scene,
+                    (dropping::take_dropped_files, shell::note_close_requests),
                 )
                     .chain()
                     .after(SceneSystems::Follow),
@@ -140,10 +168,26 @@ impl Plugin for EditorPlugin {
             )
             .add_systems(
                 EguiPrimaryContextPass,
-                (style::set_style.run_if(run_once), ui::show_window).chain(),
+                (
+                    style::set_styles.run_if(run_once),
+                    style::follow_preferences,
+                    ui::show_window,
+                )
+                    .chain(),
             )
             .add_systems(First, latency::time_frames)
-            .add_systems(Last, (exit_door::drive_exit_door, exit_door::log_at_exit).chain());
+            .add_systems(
+                Last,
+                (
+                    exit_door::drive_exit_door,
+                    exit_door::log_at_exit,
+                    preferences::remember,
+                    recovery::plan_autosave,
+                    recovery::autosave.run_if(recovery::is_due),
+                    recovery::clean_up,
+                )
+                    .chain(),
+            );
         if let Some(moves) = options.measure_latency {
             app.insert_resource(latency::LatencyProbe::new(moves)).add_systems(
                 PostUpdate,

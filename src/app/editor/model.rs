@@ -137,6 +137,8 @@ pub struct Notice {
     pub place: Option<String>,
     pub text: String,
     pub help: Option<String>,
+    /// The line it is about, with marks under the place.
+    pub excerpt: Option<String>,
 }
 
 /// What the status line and the menus tell.

@@ -50,6 +50,13 @@ impl Default for WindowOptions {
     }
 }
 
+impl WindowOptions {
+    /// Somebody sits before it.
+    pub fn is_attended(&self) -> bool {
+        !self.exit && self.script.is_none() && self.measure_latency.is_none()
+    }
+}
+
 /// Kept for reloads.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct SceneDefines(pub Vec<(String, String)>);

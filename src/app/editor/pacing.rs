@@ -89,11 +89,12 @@ pub fn pace(
     pacing.is_lively.store(is_lively, Ordering::Relaxed);
     let wait = if in_use || (busy && !settled) {
         LIVELY
-    } else if busy || denoiser.state() == DenoiserState::Running || state.message().is_some() {
+    } else if busy || denoiser.state() == DenoiserState::Running {
         SPARING
     } else {
         IDLE
     };
+    let wait = state.toasts.wait().map_or(wait, |toast| wait.min(toast));
     let mode = UpdateMode::reactive(wait);
     if settings.focused_mode != mode {
         settings.focused_mode = mode;

@@ -5,11 +5,14 @@ use std::path::{Path, PathBuf};
 use bevy::prelude::*;
 
 use super::history::History;
+use super::layout::Panel;
 use super::navigation::up_axis;
 use super::options::WantedCamera;
 use super::picking;
 use super::selection::Selection;
 use super::state::EditorState;
+use super::toasts::Topic;
+use crate::document::Severity;
 use crate::engine::CurrentScene;
 use crate::scene::{ActiveSensor, FreeView, SceneState, SceneStatus, ToWorld, find_camera};
 
@@ -37,6 +40,7 @@ pub fn follow_scene(
         .to_string_lossy()
         .into_owned();
     if status.revision != before.0 {
+        state.toasts.forget(Topic::SceneFile);
         if status.fresh_load {
             let pose = active.0.and_then(|sensor| poses.get(sensor).ok());
             state.navigation.up = pose.map_or(Vec3::Y, |pose| up_axis(&pose.0));
@@ -51,8 +55,16 @@ pub fn follow_scene(
         }
     } else if status.state == SceneState::Failed {
         let path = status.path.as_deref().unwrap_or(Path::new(""));
-        state.say(failure(path, status.revision > 0));
-        state.right_tab = super::state::RightTab::Diagnostics;
+        let diagnostics = &status.diagnostics;
+        let mut errors = diagnostics.list.iter();
+        let first = errors.find(|diagnostic| diagnostic.severity == Severity::Error);
+        let message = failure(path, status.revision > 0);
+        let (message, excerpt) = match first {
+            Some(first) => (format!("{message}: {}", first.message), diagnostics.excerpt(first)),
+            None => (message, None),
+        };
+        state.complain(Topic::SceneFile, message, excerpt);
+        state.wanted_panel = Some(Panel::Messages);
     }
 }
 

@@ -1,15 +1,18 @@
 //! What the editor itself remembers: how the picture is shown, messages, the open dialog. None of it is saved.
 
-use std::time::{Duration, Instant};
-
 use bevy::prelude::*;
+use bevy_egui::egui::Rect;
 
 use super::command::{Command, FileDialogKind};
 use super::display::DisplaySettings;
+use super::layout::Panel;
 use super::navigation::Navigation;
 use super::overlay::BvhOverlay;
+use super::palette::Palette;
 use super::panels::inspector::InspectorState;
 use super::panels::outliner::OutlinerState;
+use super::shell::Sheet;
+use super::toasts::{Toasts, Tone, Topic};
 use super::viewport::ViewportState;
 
 #[derive(Resource)]
@@ -18,7 +21,8 @@ pub struct EditorState {
     pub overlay: BvhOverlay,
     pub navigation: Navigation,
     pub panels_shown: bool,
-    pub right_tab: RightTab,
+    /// To be brought to the front of its group, unless it is closed.
+    pub wanted_panel: Option<Panel>,
     pub outliner: OutlinerState,
     pub inspector: InspectorState,
     pub viewport: ViewportState,
@@ -27,19 +31,15 @@ pub struct EditorState {
     pub interaction: u64,
     /// A text on its way to the system's clipboard.
     pub clipboard: Option<String>,
-    message: Option<(String, Instant)>,
+    pub toasts: Toasts,
+    /// What lies over the window.
+    pub sheet: Option<Sheet>,
+    pub palette: Palette,
+    /// The user wants to close the window.
+    pub closes: bool,
+    /// Where the picture's panel is, points.
+    pub viewport_place: Rect,
 }
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum RightTab {
-    #[default]
-    Inspector,
-    Render,
-    Diagnostics,
-}
-
-/// How long a message is shown.
-const MESSAGE_TIME: Duration = Duration::from_secs(5);
 
 impl Default for EditorState {
     fn default() -> Self {
@@ -48,29 +48,42 @@ impl Default for EditorState {
             overlay: BvhOverlay::default(),
             navigation: Navigation::default(),
             panels_shown: true,
-            right_tab: RightTab::default(),
+            wanted_panel: None,
             outliner: OutlinerState::default(),
             inspector: InspectorState::default(),
             viewport: ViewportState::default(),
             dialog: None,
             interaction: 0,
             clipboard: None,
-            message: None,
+            toasts: Toasts::default(),
+            sheet: None,
+            palette: Palette::default(),
+            closes: false,
+            viewport_place: Rect::ZERO,
         }
     }
 }
 
 impl EditorState {
-    /// Shows a message for a few seconds.
+    /// Something was done.
     pub fn say(&mut self, message: impl Into<String>) {
         let message = message.into();
         info!("{message}");
-        self.message = Some((message, Instant::now()));
+        self.toasts.add(Tone::Note, Topic::Other, message, None);
     }
 
-    pub fn message(&self) -> Option<&str> {
-        let (message, since) = self.message.as_ref()?;
-        (since.elapsed() < MESSAGE_TIME).then_some(message.as_str())
+    /// Something that was asked for cannot be done.
+    pub fn refuse(&mut self, message: impl Into<String>) {
+        let message = message.into();
+        info!("{message}");
+        self.toasts.add(Tone::Warning, Topic::Other, message, None);
+    }
+
+    /// Something is broken, until it is dismissed or mended. `excerpt`: the lines of a file that it is about.
+    pub fn complain(&mut self, topic: Topic, message: impl Into<String>, excerpt: Option<String>) {
+        let message = message.into();
+        error!("{message}");
+        self.toasts.add(Tone::Error, topic, message, excerpt);
     }
 }
 

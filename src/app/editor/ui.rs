@@ -7,23 +7,26 @@ use super::actions::ActionContext;
 use super::command::{Command, FileDialogKind};
 use super::commands::camera_pose;
 use super::dialogs::Dialogs;
+use super::docking::{Panels, docked_panels};
+use super::dropping::{self, DroppedFiles};
 use super::gather::EditorModel;
-use super::keys::KeyEvents;
-use super::model::Model;
+use super::guard::{Guard, Unsaved};
+use super::keys::{KeyEvents, Press};
+use super::layout::Layout;
 use super::overlay::{self, BoxList, BvhOverlay, WorldBox};
 use super::panels::menu_bar::{MenuState, menu_bar};
-use super::panels::{diagnostics, inspector, outliner, render, status};
+use super::panels::status;
 use super::picking;
 use super::picture::Picture;
+use super::preferences::{Preferences, PreferencesFile};
+use super::recovery::{self, Recovery};
 use super::selection::Selection;
-use super::state::{CommandQueue, EditorState, RightTab};
-use super::viewport::{ViewportModel, viewport};
+use super::sheet::{self, SheetModel};
+use super::state::{CommandQueue, EditorState};
+use super::viewport::{PICTURE, ViewportModel, viewport};
 use crate::accel::Tlas;
 use crate::engine::CurrentScene;
 use crate::scene::{ActiveSensor, FreeView, SceneState, SceneStatus, ToWorld};
-
-const LEFT_WIDTH: f32 = 216.0;
-const RIGHT_WIDTH: f32 = 300.0;
 
 /// The boxes as they were last collected.
 #[derive(Default)]
@@ -67,12 +70,24 @@ pub struct Scene<'w, 's> {
     picture: Res<'w, Picture>,
 }
 
+/// What belongs to the window more than to the scene.
+#[derive(bevy::ecs::system::SystemParam)]
+pub struct Shell<'w, 's> {
+    layout: ResMut<'w, Layout>,
+    preferences: Res<'w, Preferences>,
+    preferences_file: Res<'w, PreferencesFile>,
+    recovery: ResMut<'w, Recovery>,
+    dropped: ResMut<'w, DroppedFiles>,
+    guard: Local<'s, Guard>,
+}
+
 pub fn show_window(
     mut contexts: EguiContexts,
     model: Res<EditorModel>,
     mut state: ResMut<EditorState>,
     mut queue: ResMut<CommandQueue>,
     mut dialogs: ResMut<Dialogs>,
+    mut shell: Shell,
     scene: Scene,
     mut keys: KeyEvents,
     mut focus: Local<Option<egui::Id>>,
@@ -86,7 +101,11 @@ pub fn show_window(
         .layer_id(egui::LayerId::background())
         .max_rect(context.viewport_rect());
     let mut ui = egui::Ui::new(context.clone(), "window".into(), builder);
-    let (state, commands, model) = (&mut *state, &mut queue.0, &model.0);
+    let (state, commands, model) = (&mut *state, &mut Vec::new(), &model.0);
+    let layout = &mut *shell.layout;
+    // A question or a sheet that closes in this frame still had its keys.
+    let is_free =
+        state.dialog.is_none() && state.sheet.is_none() && shell.recovery.offer.is_none() && !shell.guard.is_asking();
     let action_context = ActionContext {
         display: state.display,
         overlay: state.overlay,
@@ -98,13 +117,11 @@ pub fn show_window(
     let menus = MenuState {
         context: action_context,
         camera: scene.active.0,
+        layout,
+        recent: &shell.preferences.recent_files,
     };
     egui::Panel::top("menus").show(&mut ui, |ui| menu_bar(ui, model, menus, commands));
-    egui::Panel::bottom("status").show(&mut ui, |ui| status::status_line(ui, &model.status, state.message()));
-    if state.panels_shown {
-        left_panel(&mut ui, model, state, commands);
-        right_panel(&mut ui, model, state, commands);
-    }
+    egui::Panel::bottom("status").show(&mut ui, |ui| status::status_line(ui, &model.status));
     collect_boxes(&scene.current, &state.overlay, &mut boxes);
     let placeholder = placeholder(&scene.status);
     let shown = ViewportModel {
@@ -117,11 +134,69 @@ pub fn show_window(
         navigation: state.navigation,
         keys: action_context,
         presses: &presses,
-        enabled: state.dialog.is_none(),
+        enabled: is_free,
     };
-    egui::CentralPanel::no_frame().show(&mut ui, |ui| viewport(ui, &shown, &mut state.viewport, commands));
+    if let Some(panel) = state.wanted_panel.take() {
+        layout.bring_to_front(panel);
+    }
+    egui::CentralPanel::no_frame().show(&mut ui, |ui| {
+        if state.panels_shown {
+            docked_panels(ui, layout, Panels::new(model, &shown, state, commands));
+        } else {
+            state.viewport_place = ui.max_rect();
+            viewport(ui, &shown, &mut state.viewport, commands);
+        }
+    });
+    use_clipboard(&context, &presses, commands);
     dialogs.show(&context, scene.status.path.as_deref(), state, commands);
+    let sheets = SheetModel {
+        actions: action_context,
+        preferences: &shell.preferences,
+        problem: shell.preferences_file.problem.as_deref(),
+    };
+    sheet::show(&context, model, sheets, state, commands);
+    recovery::question(&context, &mut shell.recovery.offer, commands);
+    if shell.dropped.hovering > 0 {
+        dropping::hint(&context, state.viewport_place);
+    }
+    let is_untouched = model.status.scene.is_none() && !model.status.unsaved;
+    commands.extend(shell.dropped.commands(is_untouched));
+    if std::mem::take(&mut state.closes) {
+        commands.push(Command::Quit);
+    }
+    let file = model.status.scene.as_deref().and_then(std::path::Path::file_name);
+    let unsaved = Unsaved {
+        name: &file.map_or("the scene".into(), |name| name.to_string_lossy()),
+        edits: model.status.unsaved,
+        dialog_open: state.dialog.is_some(),
+    };
+    shell.guard.hold(commands, unsaved.edits);
+    shell.guard.show(&context, unsaved, commands);
+    state.toasts.show(&context, state.viewport_place, commands);
+    queue.0.append(commands);
     Ok(())
+}
+
+/// Copies, cuts and pastes things while nothing is being typed.
+fn use_clipboard(context: &egui::Context, presses: &[Press], commands: &mut Vec<Command>) {
+    if context.memory(|memory| memory.focused()) != Some(egui::Id::new(PICTURE)) {
+        return;
+    }
+    let pastes = presses
+        .iter()
+        .any(|press| press.key == egui::Key::V && press.modifiers.command);
+    context.input(|input| {
+        for event in &input.events {
+            match event {
+                egui::Event::Copy => commands.push(Command::Copy),
+                egui::Event::Cut => commands.push(Command::Cut),
+                egui::Event::Paste(text) => commands.push(Command::Paste(text.clone())),
+                // As a text that is typed is how the window hands it on.
+                egui::Event::Text(text) if pastes => commands.push(Command::Paste(text.clone())),
+                _ => {}
+            }
+        }
+    });
 }
 
 /// A press of the mouse, a key without a text field, and another field are the beginning of something new.
@@ -135,54 +210,6 @@ fn count_interactions(context: &egui::Context, state: &mut EditorState, focus: &
     if let Some(text) = state.clipboard.take() {
         context.copy_text(text);
     }
-}
-
-fn left_panel(ui: &mut egui::Ui, model: &Model, state: &mut EditorState, commands: &mut Vec<Command>) {
-    egui::Panel::left("outliner")
-        .default_size(LEFT_WIDTH)
-        .size_range(140.0..=400.0)
-        .show(ui, |ui| {
-            ui.add_space(4.0);
-            outliner::outliner(ui, &model.outline, &model.selection, &mut state.outliner, commands);
-        });
-}
-
-fn right_panel(ui: &mut egui::Ui, model: &Model, state: &mut EditorState, commands: &mut Vec<Command>) {
-    egui::Panel::right("properties")
-        .default_size(RIGHT_WIDTH)
-        .size_range(260.0..=460.0)
-        .show(ui, |ui| {
-            ui.add_space(4.0);
-            ui.horizontal(|ui| {
-                ui.selectable_value(&mut state.right_tab, RightTab::Inspector, "Inspector");
-                ui.selectable_value(&mut state.right_tab, RightTab::Render, "Render");
-                let errors = model.notices.iter().filter(|notice| notice.is_error).count();
-                let title = match (errors, model.notices.len()) {
-                    (0, 0) => egui::RichText::new("Messages"),
-                    (0, warnings) => egui::RichText::new(format!("Messages ({warnings})")),
-                    (_, all) => {
-                        let title = egui::RichText::new(format!("Messages ({all})"));
-                        let is_shown = state.right_tab == RightTab::Diagnostics;
-                        if is_shown {
-                            title
-                        } else {
-                            title.color(ui.visuals().error_fg_color)
-                        }
-                    }
-                };
-                ui.selectable_value(&mut state.right_tab, RightTab::Diagnostics, title);
-            });
-            ui.separator();
-            egui::ScrollArea::vertical()
-                .auto_shrink(false)
-                .show(ui, |ui| match state.right_tab {
-                    RightTab::Inspector => {
-                        inspector::inspector(ui, model, state.navigation.scene_size, &mut state.inspector, commands)
-                    }
-                    RightTab::Render => render::render(ui, &model.render, state.display, state.overlay, commands),
-                    RightTab::Diagnostics => diagnostics::diagnostics(ui, &model.notices),
-                });
-        });
 }
 
 fn collect_boxes(current: &CurrentScene, overlay: &BvhOverlay, boxes: &mut CollectedBoxes) {

@@ -45,6 +45,8 @@ pub struct ViewportState {
     flying: bool,
 }
 
+/// The id of the picture: whatever has the keyboard when no other widget wants it.
+pub const PICTURE: &str = "viewport picture";
 /// A point drag of the wheel counts as a notch after so many points.
 const POINTS_PER_NOTCH: f32 = 50.0;
 const SELECTION: Color32 = Color32::from_rgb(255, 160, 40);
@@ -55,7 +57,7 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     let panel = ui.available_rect_before_wrap();
     ui.painter().rect_filled(panel, 0.0, Color32::from_gray(18));
     let picture = model.picture.map_or(panel, |(_, size)| fitted(panel, size));
-    let response = ui.interact(picture, Id::new("viewport picture"), Sense::click_and_drag());
+    let response = ui.interact(picture, Id::new(PICTURE), Sense::click_and_drag());
     match model.picture {
         Some((texture, _)) => {
             let uv = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));

@@ -15,10 +15,13 @@ use super::command::{Command, Effect};
 use super::denoiser::Denoiser;
 use super::history::{self, Edit, History};
 use super::latency::FrameTimes;
+use super::layout::Panel;
 use super::pacing::Pacing;
 use super::picking;
 use super::selection::{Extend, Selection};
-use super::state::{CommandQueue, EditorState, RightTab};
+use super::shell;
+use super::state::{CommandQueue, EditorState};
+use super::toasts::Topic;
 use crate::engine::{CurrentScene, InputStamp, RenderControl, RenderFilm, WakeUp};
 use crate::scene::{ActiveSensor, DocumentOrder, Emitter, Locked, ObjectState, SceneStatus, Sensor, Shape};
 pub use view::{camera_pose, view_pose};
@@ -31,8 +34,14 @@ pub fn apply_commands(world: &mut World) {
     }
     note_input(world, commands.iter().any(Command::restarts_picture));
     for command in commands {
-        if let Err(message) = apply(world, command) {
-            world.resource_mut::<EditorState>().say(message);
+        let is_about_file = command.is_about_file();
+        let outcome = apply(world, command);
+        let mut state = world.resource_mut::<EditorState>();
+        match outcome {
+            Ok(()) if is_about_file => state.toasts.forget(Topic::Saving),
+            Ok(()) => {}
+            Err(message) if is_about_file => state.complain(Topic::Saving, message, None),
+            Err(message) => state.refuse(message),
         }
     }
 }
@@ -142,6 +151,7 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
         }
         Command::DropDenoised => world.resource_mut::<Denoiser>().clear(),
         Command::ShowPanels(shown) => world.resource_mut::<EditorState>().panels_shown = shown,
+        Command::Shell(command) => shell::apply(world, command),
         // The others are edits.
         _ => {}
     }
@@ -163,7 +173,7 @@ fn control(world: &mut World, edit: impl FnOnce(&mut RenderControl)) {
 fn select(world: &mut World, entities: &[Entity], how: Extend) {
     world.resource_mut::<Selection>().extend(entities.iter().copied(), how);
     if !entities.is_empty() {
-        world.resource_mut::<EditorState>().right_tab = RightTab::Inspector;
+        world.resource_mut::<EditorState>().wanted_panel = Some(Panel::Inspector);
     }
 }
 

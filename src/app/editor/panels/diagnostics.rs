@@ -1,8 +1,9 @@
-//! What is wrong with the scene, its meshes or the render.
+//! What is wrong with the scene, its meshes, the render or the preferences.
 
-use bevy_egui::egui::{self, Color32, RichText, Ui};
+use bevy_egui::egui::{self, RichText, Ui};
 
 use super::super::model::Notice;
+use super::super::toasts::excerpt;
 
 pub fn diagnostics(ui: &mut Ui, notices: &[Notice]) {
     if notices.is_empty() {
@@ -10,21 +11,30 @@ pub fn diagnostics(ui: &mut Ui, notices: &[Notice]) {
         ui.weak("The scene has no errors and no warnings.");
         return;
     }
-    for notice in notices {
-        ui.horizontal_wrapped(|ui| {
-            if notice.is_error {
-                ui.label(RichText::new("error").strong().color(ui.visuals().error_fg_color));
-            } else {
-                ui.label(RichText::new("warning").strong().color(ui.visuals().warn_fg_color));
-            }
-            if let Some(place) = &notice.place {
-                ui.label(RichText::new(place).monospace().small().color(Color32::LIGHT_BLUE));
-            }
-        });
-        ui.add(egui::Label::new(&notice.text).wrap());
-        if let Some(help) = &notice.help {
-            ui.add(egui::Label::new(RichText::new(format!("help: {help}")).weak()).wrap());
-        }
+    for (place, notice) in notices.iter().enumerate() {
+        ui.push_id(place, |ui| one(ui, notice));
         ui.separator();
+    }
+}
+
+fn one(ui: &mut Ui, notice: &Notice) {
+    ui.horizontal_wrapped(|ui| {
+        let visuals = ui.visuals();
+        let (word, color) = match notice.is_error {
+            true => ("error", visuals.error_fg_color),
+            false => ("warning", visuals.warn_fg_color),
+        };
+        ui.label(RichText::new(word).strong().color(color));
+        if let Some(place) = &notice.place {
+            let color = ui.visuals().hyperlink_color;
+            ui.label(RichText::new(place).monospace().small().color(color));
+        }
+    });
+    ui.add(egui::Label::new(&notice.text).wrap());
+    if let Some(lines) = &notice.excerpt {
+        excerpt(ui, lines);
+    }
+    if let Some(help) = &notice.help {
+        ui.add(egui::Label::new(RichText::new(format!("help: {help}")).weak()).wrap());
     }
 }

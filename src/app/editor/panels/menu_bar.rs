@@ -1,35 +1,45 @@
 //! The menus at the top.
 
+use std::path::PathBuf;
+
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Button, Ui};
 
 use super::super::actions::{self, ACTIONS, ActionContext, Group, Shortcut};
 use super::super::command::Command;
 use super::super::display::{DisplayMode, DisplaySettings};
+use super::super::layout::{Layout, Panel};
 use super::super::model::{DenoiserState, Model};
+use super::super::shell::ShellCommand;
 
 /// What the menus tick, beside the model.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy)]
 pub struct MenuState<'a> {
     pub context: ActionContext<'a>,
     /// The camera in use.
     pub camera: Option<Entity>,
+    pub layout: &'a Layout,
+    /// Scenes that were opened lately, the newest first.
+    pub recent: &'a [PathBuf],
 }
 
 pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec<Command>) {
     egui::MenuBar::new().ui(ui, |ui| {
         let context = &state.context;
-        ui.menu_button("File", |ui| file_menu(ui, model, context, commands));
+        ui.menu_button("File", |ui| file_menu(ui, model, &state, commands));
         ui.menu_button("Edit", |ui| group(ui, Group::Edit, context, commands));
         ui.menu_button("Add", |ui| group(ui, Group::Add, context, commands));
         ui.menu_button("View", |ui| view_menu(ui, model, &state, commands));
         ui.menu_button("Render", |ui| group(ui, Group::Render, context, commands));
+        ui.menu_button("Window", |ui| window_menu(ui, &state, commands));
         ui.separator();
         let paused = model.status.paused;
-        if ui.button(if paused { "Resume" } else { "Pause" }).clicked() {
+        let pause = ui.button(if paused { "Resume" } else { "Pause" });
+        if pause.on_hover_text("Samples are kept (Space)").clicked() {
             commands.push(Command::SetPaused(!paused));
         }
-        if ui.button("Restart").clicked() {
+        let restart = ui.button("Restart");
+        if restart.on_hover_text("Begin the picture anew (Shift+R)").clicked() {
             commands.push(Command::Restart);
         }
         denoise_button(ui, model.status.denoiser, commands);
@@ -57,16 +67,21 @@ fn denoise_button(ui: &mut Ui, state: DenoiserState, commands: &mut Vec<Command>
             ui.add_enabled(false, Button::new("Denoise"));
             ui.spinner();
         }
-        DenoiserState::Idle => {
-            if ui.button("Denoise").clicked() {
+        DenoiserState::Idle | DenoiserState::Shown { .. } => {
+            let denoise = ui.button("Denoise");
+            if denoise
+                .on_hover_text("Take the noise out of the picture as it is now (N)")
+                .clicked()
+            {
                 commands.push(Command::Denoise);
             }
-        }
-        DenoiserState::Shown { .. } => {
-            if ui.button("Denoise").clicked() {
-                commands.push(Command::Denoise);
-            }
-            if ui.button("Show noisy").clicked() {
+            let is_shown = matches!(state, DenoiserState::Shown { .. });
+            if is_shown
+                && ui
+                    .button("Show noisy")
+                    .on_hover_text("Back to the picture as sampled")
+                    .clicked()
+            {
                 commands.push(Command::DropDenoised);
             }
         }
@@ -103,23 +118,13 @@ fn group(ui: &mut Ui, group: Group, context: &ActionContext, commands: &mut Vec<
     }
 }
 
-fn file_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut Vec<Command>) {
+fn file_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<Command>) {
+    let context = &state.context;
     ui.set_min_width(220.0);
     entry(ui, "new", context, commands);
     entry(ui, "open", context, commands);
-    ui.menu_button("Scenes", |ui| {
-        egui::ScrollArea::vertical().max_height(400.0).show(ui, |ui| {
-            for path in model.scene_files.iter() {
-                let name = path.file_name().unwrap_or_default().to_string_lossy();
-                if item(ui, &name, "") {
-                    commands.push(Command::OpenScene(path.clone()));
-                }
-            }
-            if model.scene_files.is_empty() {
-                ui.weak("no scene files here");
-            }
-        });
-    });
+    ui.menu_button("Recent", |ui| scenes(ui, state.recent, commands));
+    ui.menu_button("Scenes", |ui| scenes(ui, &model.scene_files, commands));
     entry(ui, "reload", context, commands);
     ui.separator();
     entry(ui, "import", context, commands);
@@ -129,6 +134,22 @@ fn file_menu(ui: &mut Ui, model: &Model, context: &ActionContext, commands: &mut
     }
     ui.separator();
     entry(ui, "quit", context, commands);
+}
+
+fn scenes(ui: &mut Ui, files: &[PathBuf], commands: &mut Vec<Command>) {
+    egui::ScrollArea::vertical().max_height(400.0).show(ui, |ui| {
+        for path in files {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let entry = ui.button(name).on_hover_text(path.display().to_string());
+            if entry.clicked() {
+                commands.push(Command::OpenScene(path.clone()));
+                ui.close();
+            }
+        }
+        if files.is_empty() {
+            ui.weak("no scene files here");
+        }
+    });
 }
 
 fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<Command>) {
@@ -154,7 +175,24 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
             }
         });
     });
-    for name in ["camera-to-view", "frame-selection", "frame-all", "boxes", "panels"] {
+    for name in ["camera-to-view", "frame-selection", "frame-all", "boxes"] {
         entry(ui, name, &state.context, commands);
     }
+}
+
+fn window_menu(ui: &mut Ui, state: &MenuState, commands: &mut Vec<Command>) {
+    ui.set_min_width(220.0);
+    for panel in Panel::CLOSEABLE {
+        let mut shown = state.layout.has(panel);
+        if ui.checkbox(&mut shown, panel.title()).clicked() {
+            let command = match shown {
+                true => ShellCommand::ShowPanel(panel),
+                false => ShellCommand::ClosePanel(panel),
+            };
+            commands.push(Command::Shell(command));
+            ui.close();
+        }
+    }
+    ui.separator();
+    group(ui, Group::Window, &state.context, commands);
 }

@@ -5,7 +5,10 @@ use bevy_egui::egui::{self, Ui};
 use super::super::model::{DenoiserState, StatusModel};
 use crate::engine::{RenderState, RenderStatus};
 
-pub fn status_line(ui: &mut Ui, model: &StatusModel, message: Option<&str>) {
+/// Room for the separator before a part.
+const MARGIN: f32 = 22.0;
+
+pub fn status_line(ui: &mut Ui, model: &StatusModel) {
     let status = &model.status;
     ui.horizontal(|ui| {
         ui.set_min_height(20.0);
@@ -15,38 +18,81 @@ pub fn status_line(ui: &mut Ui, model: &StatusModel, message: Option<&str>) {
             .desired_height(14.0)
             .text(format!("{} / {} spp", status.samples, status.target));
         ui.label(state_name(status));
-        ui.add(bar);
-        ui.separator();
-        for part in parts(model) {
-            ui.label(part);
+        ui.add(bar)
+            .on_hover_text("Samples of each pixel that are done, and that are wanted");
+        for (part, hint) in parts(model) {
+            // What is said last matters least: that is left out where there is no room.
+            let font = egui::TextStyle::Body.resolve(ui.style());
+            let color = egui::Color32::PLACEHOLDER;
+            let width = ui.painter().layout_no_wrap(part.clone(), font, color).size().x;
+            if ui.available_width() < width + MARGIN {
+                break;
+            }
             ui.separator();
-        }
-        if let Some(message) = message {
-            ui.add(egui::Label::new(egui::RichText::new(message).strong()).truncate());
+            ui.label(part).on_hover_text(hint);
         }
     });
 }
 
-fn parts(model: &StatusModel) -> Vec<String> {
+/// Texts with what they mean, the most important first.
+fn parts(model: &StatusModel) -> Vec<(String, &'static str)> {
     let status = &model.status;
     let mut parts = vec![
-        format!("{:.2} Mrays/s", status.mrays_per_s),
-        clock(status.seconds),
-        format!("{} triangles", grouped(status.triangles)),
-        format!("{} nodes, {:.1} ms", grouped(status.bvh.nodes), status.bvh.build_ms),
+        (
+            format!("{} × {}", status.size.x, status.size.y),
+            "Pixels of the picture",
+        ),
+        (time(status), "Time spent on the picture, and left"),
+        (
+            format!("{:.2} Mrays/s", status.mrays_per_s),
+            "Millions of rays traced in a second",
+        ),
     ];
-    if let Some(latency) = status.latency.median_ms() {
-        parts.push(format!("latency {latency:.0} ms"));
-    }
     if status.invalid_samples > 0 {
-        parts.push(format!("{} invalid samples", grouped(status.invalid_samples)));
+        parts.push((
+            format!("{} invalid samples", grouped(status.invalid_samples)),
+            "Left out of the picture, as they were no numbers",
+        ));
     }
     match model.denoiser {
-        DenoiserState::Running => parts.push("denoising".to_owned()),
-        DenoiserState::Shown { seconds, samples } => parts.push(format!("denoised at {samples} spp in {seconds:.2} s")),
+        DenoiserState::Running => parts.push(("denoising".to_owned(), "The picture goes on meanwhile")),
+        DenoiserState::Shown { seconds, samples } => parts.push((
+            format!("denoised at {samples} spp in {seconds:.2} s"),
+            "What is shown; the picture behind it goes on",
+        )),
         DenoiserState::Idle | DenoiserState::Unavailable => {}
     }
+    parts.push((
+        format!("{} triangles", grouped(status.triangles)),
+        "Of the scene, each instance counted",
+    ));
+    if let Some(latency) = status.latency.median_ms() {
+        parts.push((
+            format!("latency {latency:.0} ms"),
+            "From an edit to its first pixels, median",
+        ));
+    }
+    if let Some(frame) = model.frame_ms {
+        parts.push((
+            format!("frame {frame:.0} ms"),
+            "Between two pictures of the window, median",
+        ));
+    }
+    parts.push((
+        format!("{} nodes, {:.1} ms", grouped(status.bvh.nodes), status.bvh.build_ms),
+        "Of the bounding volume hierarchy, and how long it took to build",
+    ));
     parts
+}
+
+/// `0:12, 0:48 left`.
+fn time(status: &RenderStatus) -> String {
+    let spent = clock(status.seconds);
+    if status.state != RenderState::Rendering || status.samples == 0 || status.samples >= status.target {
+        return spent;
+    }
+    let left = status.seconds * f64::from(status.target - status.samples) / f64::from(status.samples);
+    format!("{spent}, {} left", clock(left))
 }
 
 pub fn state_name(status: &RenderStatus) -> &'static str {
@@ -88,6 +134,23 @@ pub fn grouped(number: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_time_left_is_as_long_as_the_samples_left() {
+        let status = RenderStatus {
+            state: RenderState::Rendering,
+            samples: 16,
+            target: 64,
+            seconds: 30.0,
+            ..RenderStatus::default()
+        };
+        assert_eq!(time(&status), "30.0 s, 1:30 left");
+        let done = RenderStatus {
+            samples: 64,
+            ..status.clone()
+        };
+        assert_eq!(time(&done), "30.0 s");
+    }
 
     #[test]
     fn numbers_and_times_are_legible() {

@@ -1,0 +1,138 @@
+//! Commands that would lose unsaved edits wait until the user has said what is to become of those.
+
+use bevy_egui::egui::{self, Id, Modal, Ui};
+
+use super::command::Command;
+
+/// What waits, if anything does.
+#[derive(Debug, Default)]
+pub struct Guard(Option<Waiting>);
+
+#[derive(Debug)]
+struct Waiting {
+    command: Command,
+    step: Step,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Step {
+    Asking,
+    /// For the scene to be saved, and for so many frames on its own.
+    Saving(u32),
+}
+
+/// What the guard has to know.
+#[derive(Clone, Copy, Debug)]
+pub struct Unsaved<'a> {
+    /// Of the scene.
+    pub name: &'a str,
+    /// There are edits that no file has.
+    pub edits: bool,
+    /// The user is choosing a file.
+    pub dialog_open: bool,
+}
+
+/// A save is done within the frame; one frame more until the panels know.
+const PATIENCE: u32 = 3;
+
+impl Guard {
+    /// Keys and mouse are for the question.
+    pub fn is_asking(&self) -> bool {
+        self.0.as_ref().is_some_and(|waiting| waiting.step == Step::Asking)
+    }
+
+    /// Holds back what would lose edits, and all that was said after it.
+    pub fn hold(&mut self, commands: &mut Vec<Command>, edits: bool) {
+        let loses = |command: &Command| {
+            matches!(
+                command,
+                Command::NewScene | Command::OpenScene(_) | Command::ReloadScene | Command::Quit
+            )
+        };
+        if !edits {
+            return;
+        }
+        if let Some(place) = commands.iter().position(loses) {
+            let command = commands.swap_remove(place);
+            commands.truncate(place);
+            self.0 = Some(Waiting {
+                command,
+                step: Step::Asking,
+            });
+        }
+    }
+
+    /// Shows the question, and lets the command go once it is answered. To be called after [`Self::hold`].
+    pub fn show(&mut self, context: &egui::Context, unsaved: Unsaved, commands: &mut Vec<Command>) {
+        let Some(waiting) = &mut self.0 else {
+            return;
+        };
+        if !unsaved.edits {
+            commands.extend(self.0.take().map(|waiting| waiting.command));
+            return;
+        }
+        match &mut waiting.step {
+            Step::Saving(frames) => {
+                *frames = if unsaved.dialog_open { 0 } else { *frames + 1 };
+                if *frames > PATIENCE {
+                    // It failed, or the user thought better of it.
+                    self.0 = None;
+                }
+            }
+            Step::Asking => match question(context, unsaved.name, &waiting.command) {
+                Some(Answer::Save) => {
+                    waiting.step = Step::Saving(0);
+                    commands.push(Command::Save);
+                }
+                Some(Answer::Lose) => commands.extend(self.0.take().map(|waiting| waiting.command)),
+                Some(Answer::Cancel) => self.0 = None,
+                None => {}
+            },
+        }
+    }
+}
+
+enum Answer {
+    Save,
+    Lose,
+    Cancel,
+}
+
+fn question(context: &egui::Context, name: &str, command: &Command) -> Option<Answer> {
+    let modal = Modal::new(Id::new("unsaved edits")).show(context, |ui| {
+        ui.set_width(380.0);
+        ui.heading(format!("Save the changes of {name}?"));
+        ui.add_space(4.0);
+        let what = match command {
+            Command::Quit => "closing the window",
+            Command::NewScene => "a new scene",
+            Command::ReloadScene => "reading the file again",
+            _ => "opening another scene",
+        };
+        ui.label(format!(
+            "Otherwise {what} loses what was changed since the scene was saved."
+        ));
+        ui.add_space(8.0);
+        answers(ui)
+    });
+    let closed = modal.should_close();
+    modal.inner.or(closed.then_some(Answer::Cancel))
+}
+
+fn answers(ui: &mut Ui) -> Option<Answer> {
+    let mut answer = None;
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        let accepted = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, egui::Key::Enter));
+        let save = ui.button("Save").on_hover_text("Save, then go on (Enter)");
+        if save.clicked() || accepted {
+            answer = Some(Answer::Save);
+        }
+        if ui.button("Don't save").on_hover_text("Go on without").clicked() {
+            answer = Some(Answer::Lose);
+        }
+        if ui.button("Cancel").on_hover_text("Stay here (Esc)").clicked() {
+            answer = Some(Answer::Cancel);
+        }
+    });
+    answer
+}

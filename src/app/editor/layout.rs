@@ -1,0 +1,200 @@
+//! Which panels there are and where they are docked. No painting: that is `docking`'s.
+
+use bevy::prelude::Resource;
+use bevy_egui::egui::Rect;
+use egui_dock::{DockState, Node, NodeIndex, Split, Surface};
+use serde::{Deserialize, Serialize};
+
+/// A part of the window that can be moved to another place, and closed, except the viewport.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Panel {
+    Viewport,
+    Outliner,
+    Inspector,
+    Render,
+    History,
+    Messages,
+}
+
+impl Panel {
+    /// Those that can be closed and shown again, in the order of the menu.
+    pub const CLOSEABLE: [Self; 5] = [
+        Self::Outliner,
+        Self::Inspector,
+        Self::Render,
+        Self::History,
+        Self::Messages,
+    ];
+    /// Those that stand at the right, one behind the other, until the user moves them.
+    const RIGHT: [Self; 4] = [Self::Inspector, Self::Render, Self::History, Self::Messages];
+
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Viewport => "Viewport",
+            Self::Outliner => "Outliner",
+            Self::Inspector => "Inspector",
+            Self::Render => "Render",
+            Self::History => "History",
+            Self::Messages => "Messages",
+        }
+    }
+}
+
+/// Share of the window's width, and of what that leaves.
+const LEFT_SHARE: f32 = 0.17;
+const RIGHT_SHARE: f32 = 0.29;
+
+/// The docked panels: a tree of splits with groups of panels at its leaves.
+#[derive(Resource, Clone)]
+pub struct Layout(pub DockState<Panel>);
+
+impl Default for Layout {
+    fn default() -> Self {
+        let mut layout = Self(DockState::new(vec![Panel::Viewport]));
+        for panel in Panel::RIGHT.into_iter().chain([Panel::Outliner]) {
+            layout.show(panel);
+        }
+        layout.show(Panel::Inspector);
+        layout
+    }
+}
+
+impl Layout {
+    pub fn has(&self, panel: Panel) -> bool {
+        self.0.find_tab(&panel).is_some()
+    }
+
+    /// In front of its group; back in its usual place if it was closed.
+    pub fn show(&mut self, panel: Panel) {
+        if !self.bring_to_front(panel) {
+            let is_right = Panel::RIGHT.contains(&panel);
+            let group = Panel::RIGHT.iter().filter(|_| is_right);
+            let group = group.filter_map(|neighbour| self.0.find_tab(neighbour)).next();
+            match group.and_then(|place| self.0.leaf_mut(place.node_path()).ok()) {
+                Some(leaf) => leaf.tabs.push(panel),
+                None => {
+                    // The share of what is left of the split.
+                    let (side, share) = match is_right {
+                        true => (Split::Right, 1.0 - RIGHT_SHARE),
+                        false => (Split::Left, LEFT_SHARE),
+                    };
+                    let root = NodeIndex::root();
+                    let tree = self.0.main_surface_mut();
+                    tree.split(root, side, share, Node::leaf(panel));
+                }
+            }
+            self.bring_to_front(panel);
+        }
+    }
+
+    /// In front of its group; false if it is closed.
+    pub fn bring_to_front(&mut self, panel: Panel) -> bool {
+        let place = self.0.find_tab(&panel);
+        place.is_some_and(|place| self.0.set_active_tab(place).is_ok())
+    }
+
+    pub fn close(&mut self, panel: Panel) {
+        if let Some(place) = self.0.find_tab(&panel).filter(|_| panel != Panel::Viewport) {
+            self.0.remove_tab(place);
+        }
+    }
+
+    /// For the preferences: what is where, without its place in points.
+    pub fn to_json(&self) -> serde_json::Value {
+        let mut state = self.0.clone();
+        for (_, node) in state.iter_all_nodes_mut() {
+            node.set_rect(Rect::ZERO);
+            if let Some(leaf) = node.get_leaf_mut() {
+                leaf.viewport = Rect::ZERO;
+                leaf.scroll = 0.0;
+            }
+        }
+        // Plain data always is JSON; nothing is remembered if not.
+        serde_json::to_value(&state).unwrap_or_default()
+    }
+
+    /// None if it is of no layout, or of one that cannot be shown.
+    pub fn from_json(value: &serde_json::Value) -> Option<Self> {
+        let layout = Self(DockState::deserialize(value).ok()?);
+        layout.is_sound().then_some(layout)
+    }
+
+    /// Each panel is there at most once, the viewport is docked, and every split has two sides.
+    fn is_sound(&self) -> bool {
+        let mut surfaces = self.0.iter_surfaces();
+        let is_main = matches!(surfaces.next(), Some(Surface::Main(_)));
+        let others_float = surfaces.all(|surface| !matches!(surface, Surface::Main(_)));
+        let panels: Vec<Panel> = self.0.iter_all_tabs().map(|(_, panel)| *panel).collect();
+        let is_once = |panel: &Panel| panels.iter().filter(|other| *other == panel).count() == 1;
+        let trees = self.0.iter_surfaces().filter_map(Surface::node_tree);
+        let splits = |nodes: &[&Node<Panel>]| {
+            nodes.iter().enumerate().all(|(place, node)| match node {
+                Node::Horizontal(split) | Node::Vertical(split) => {
+                    let sides = [2 * place + 1, 2 * place + 2];
+                    let has_both = sides
+                        .iter()
+                        .all(|side| nodes.get(*side).is_some_and(|node| !node.is_empty()));
+                    has_both && (0.0..=1.0).contains(&split.fraction)
+                }
+                Node::Leaf(leaf) => leaf.active.0 < leaf.tabs.len(),
+                Node::Empty => true,
+            })
+        };
+        is_main
+            && others_float
+            && panels.iter().all(is_once)
+            && self.0.find_main_surface_tab(&Panel::Viewport).is_some()
+            && trees.into_iter().all(|tree| splits(&tree.iter().collect::<Vec<_>>()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn titles(layout: &Layout) -> Vec<&'static str> {
+        layout.0.iter_all_tabs().map(|(_, panel)| panel.title()).collect()
+    }
+
+    #[test]
+    fn what_is_closed_comes_back_and_the_viewport_stays() {
+        let mut layout = Layout::default();
+        for panel in Panel::CLOSEABLE {
+            layout.close(panel);
+            assert!(!layout.has(panel), "{panel:?}");
+        }
+        layout.close(Panel::Viewport);
+        assert_eq!(titles(&layout), ["Viewport"]);
+        for panel in Panel::CLOSEABLE {
+            layout.show(panel);
+            layout.show(panel);
+        }
+        assert_eq!(titles(&layout).len(), 6, "{:?}", titles(&layout));
+    }
+
+    #[test]
+    fn a_layout_is_remembered() {
+        let mut layout = Layout::default();
+        layout.close(Panel::Render);
+        let back = Layout::from_json(&layout.to_json()).expect("it was just written");
+        assert_eq!(titles(&back), titles(&layout));
+        assert_eq!(back.to_json(), layout.to_json());
+    }
+
+    #[test]
+    fn what_could_not_be_shown_is_refused() {
+        let good = Layout::default().to_json().to_string();
+        let with = |from: &str, to: &str| {
+            let changed = good.replacen(from, to, 1);
+            assert_ne!(changed, good, "{from} is not in {good}");
+            Layout::from_json(&serde_json::from_str(&changed).expect("still JSON"))
+        };
+        assert!(with("\"render\"", "\"inspector\"").is_none());
+        assert!(with("\"render\"", "\"of another version\"").is_none());
+        assert!(with("\"viewport\"]", "\"render\"]").is_none());
+        assert!(with("\"fraction\":0.", "\"fraction\":7.").is_none());
+        assert!(with("\"Horizontal\"", "\"Vertical\"").is_some());
+        assert!(Layout::from_json(&serde_json::Value::Null).is_none());
+    }
+}

@@ -1,0 +1,90 @@
+//! What the user can choose about the program itself.
+
+use bevy_egui::egui::{self, DragValue, Grid, Slider, Ui};
+
+use super::super::command::Command;
+use super::super::preferences::{LONGEST_AUTOSAVE, Preferences, ThemeChoice, UI_SCALES};
+use super::super::shell::ShellCommand;
+
+/// `problem`: what is wrong with the file that they are kept in.
+pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, commands: &mut Vec<Command>) {
+    let mut edited = shown.clone();
+    Grid::new("preferences")
+        .num_columns(2)
+        .spacing(egui::vec2(16.0, 8.0))
+        .show(ui, |ui| {
+            ui.label("Colours");
+            ui.horizontal(|ui| {
+                for (choice, name, hint) in [
+                    (ThemeChoice::Dark, "Dark", "Quiet, for judging pictures"),
+                    (ThemeChoice::Light, "Light", "For bright rooms"),
+                    (ThemeChoice::System, "As the system", "Dark or light as other windows are"),
+                ] {
+                    ui.radio_value(&mut edited.theme, choice, name).on_hover_text(hint);
+                }
+            });
+            ui.end_row();
+
+            let label = ui.label("Size of the panels");
+            let percent = |scale: f64, _| format!("{:.0} %", 100.0 * scale);
+            let parse = |text: &str| Some(text.trim_end_matches(['%', ' ']).parse::<f64>().ok()? / 100.0);
+            // What is scaled while it is dragged runs away from the pointer: it follows when let go of.
+            let mut scale = ui.data_mut(|data| *data.get_temp_mut_or(ui.id().with("scale"), shown.ui_scale));
+            let slider = Slider::new(&mut scale, UI_SCALES)
+                .step_by(0.05)
+                .custom_formatter(percent)
+                .custom_parser(parse);
+            let response = ui.add(slider).labelled_by(label.id);
+            let response = response.on_hover_text("Beside the scale of the system; Ctrl and +, - or 0");
+            if response.dragged() {
+                ui.data_mut(|data| data.insert_temp(ui.id().with("scale"), scale));
+            } else {
+                if response.changed() || response.drag_stopped() {
+                    edited.ui_scale = scale;
+                }
+                ui.data_mut(|data| data.insert_temp(ui.id().with("scale"), edited.ui_scale));
+            }
+            ui.end_row();
+
+            let label = ui.label("Autosave");
+            let time = DragValue::new(&mut edited.autosave_seconds)
+                .range(0..=LONGEST_AUTOSAVE)
+                .custom_formatter(|seconds, _| match seconds as u32 {
+                    0 => "never".to_owned(),
+                    seconds => format!("every {seconds} s"),
+                });
+            ui.add(time).labelled_by(label.id).on_hover_text(
+                "Unsaved edits are written aside so often, to be recovered after a crash. The scene's file is left alone.",
+            );
+            ui.end_row();
+
+            ui.label("Recent scenes");
+            let count = edited.recent_files.len();
+            let button = egui::Button::new("Forget them");
+            if ui
+                .add_enabled(count > 0, button)
+                .on_hover_text(format!("The menu File lists {count}"))
+                .clicked()
+            {
+                edited.recent_files.clear();
+            }
+            ui.end_row();
+
+            ui.label("Panels");
+            if ui
+                .button("Reset layout")
+                .on_hover_text("All panels where they were in the beginning")
+                .clicked()
+            {
+                commands.push(Command::Shell(ShellCommand::ResetLayout));
+            }
+            ui.end_row();
+        });
+    if let Some(problem) = problem {
+        ui.separator();
+        ui.colored_label(ui.visuals().error_fg_color, problem);
+    }
+    if edited != *shown {
+        commands.push(Command::Shell(ShellCommand::SetPreferences(Box::new(edited))));
+    }
+}

@@ -1,0 +1,306 @@
+//! What is remembered between runs, in one JSON file of the platform's folder for settings. Nothing of a scene is in it.
+//!
+//! Fields of later versions are kept. A file that cannot be understood is set aside under another name, never overwritten.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+use directories::ProjectDirs;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use super::layout::Layout;
+use super::navigation::SPEED_RANGE;
+use super::state::EditorState;
+use crate::document::write_atomically;
+use crate::scene::{SceneState, SceneStatus};
+
+/// Of the file's format.
+const VERSION: u32 = 1;
+const FILE: &str = "preferences.json";
+/// Instead of the platform's folder.
+const FOLDER_VARIABLE: &str = "SUNROOM_CONFIG";
+const MOST_RECENT_FILES: usize = 10;
+/// Changes are written after so long at the latest.
+const PAUSE: Duration = Duration::from_secs(2);
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ThemeChoice {
+    #[default]
+    Dark,
+    Light,
+    /// As the system's windows are.
+    System,
+}
+
+#[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Preferences {
+    version: u32,
+    pub theme: ThemeChoice,
+    /// How large texts and controls are, beside the scale of the system.
+    pub ui_scale: f32,
+    /// Seconds between; 0 is never.
+    pub autosave_seconds: u32,
+    /// Of flying, see [`super::navigation::Navigation::speed`].
+    pub speed: f32,
+    /// Scenes, absolute, the newest first.
+    pub recent_files: Vec<PathBuf>,
+    /// See [`Layout::to_json`].
+    layout: Value,
+    #[serde(flatten)]
+    unknown: Map<String, Value>,
+}
+
+impl Default for Preferences {
+    fn default() -> Self {
+        Self {
+            version: VERSION,
+            theme: ThemeChoice::default(),
+            ui_scale: 1.0,
+            autosave_seconds: 60,
+            speed: 1.0,
+            recent_files: Vec::new(),
+            layout: Value::Null,
+            unknown: Map::new(),
+        }
+    }
+}
+
+pub const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
+pub const LONGEST_AUTOSAVE: u32 = 3600;
+
+impl Preferences {
+    pub fn layout(&self) -> Layout {
+        Layout::from_json(&self.layout).unwrap_or_default()
+    }
+
+    /// To the top of the list. Names that JSON cannot hold are left out.
+    pub fn note_recent(&mut self, path: &Path) {
+        self.recent_files.retain(|known| known != path);
+        if path.to_str().is_some() {
+            self.recent_files.insert(0, path.to_owned());
+            self.recent_files.truncate(MOST_RECENT_FILES);
+        }
+    }
+
+    /// Without values that no control could set.
+    pub fn within_range(mut self) -> Self {
+        self.ui_scale = self.ui_scale.clamp(*UI_SCALES.start(), *UI_SCALES.end());
+        self.speed = self.speed.clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end());
+        self.autosave_seconds = self.autosave_seconds.min(LONGEST_AUTOSAVE);
+        self.recent_files.truncate(MOST_RECENT_FILES);
+        self
+    }
+}
+
+/// The file that the preferences are kept in.
+#[derive(Resource, Debug)]
+pub struct PreferencesFile {
+    /// None: nothing is remembered.
+    path: Option<PathBuf>,
+    written: Preferences,
+    looked_at: Instant,
+    /// What is wrong with it, in words.
+    pub problem: Option<String>,
+}
+
+/// The folder for settings; None where the platform has none, and for windows without a user, unless one is named.
+pub fn folder(attended: bool) -> Option<PathBuf> {
+    match std::env::var_os(FOLDER_VARIABLE).filter(|folder| !folder.is_empty()) {
+        Some(folder) => Some(folder.into()),
+        None if attended => Some(ProjectDirs::from("", "", "sunroom")?.config_dir().to_owned()),
+        None => None,
+    }
+}
+
+impl PreferencesFile {
+    /// What the file in this folder says; without one, the defaults.
+    pub fn open(folder: Option<&Path>) -> (Self, Preferences) {
+        let mut file = Self {
+            path: folder.map(|folder| folder.join(FILE)),
+            written: Preferences::default(),
+            looked_at: Instant::now(),
+            problem: None,
+        };
+        let text = file.path.as_ref().map(std::fs::read_to_string);
+        let read = match text {
+            None => return (file, Preferences::default()),
+            Some(Err(error)) if error.kind() == std::io::ErrorKind::NotFound => {
+                return (file, Preferences::default());
+            }
+            Some(Err(error)) => Err(error.to_string()),
+            Some(Ok(text)) => serde_json::from_str(&text).map_err(|error| error.to_string()),
+        };
+        match read.map(Preferences::within_range) {
+            Ok(preferences) => file.written = preferences,
+            Err(reason) => file.set_aside(&reason),
+        }
+        let preferences = file.written.clone();
+        (file, preferences)
+    }
+
+    fn set_aside(&mut self, reason: &str) {
+        let Some(path) = &self.path else {
+            return;
+        };
+        let numbered = (2..1000).map(|number| format!("bad-{number}"));
+        let names = std::iter::once("bad".to_owned()).chain(numbered);
+        let free = names.map(|name| path.with_extension(format!("json.{name}")));
+        let outcome = match free.into_iter().find(|place| !place.exists()) {
+            Some(place) => std::fs::rename(path, &place).map(|()| place),
+            None => Err(std::io::ErrorKind::AlreadyExists.into()),
+        };
+        let file = path.display();
+        self.problem = Some(match outcome {
+            Ok(place) => format!(
+                "{file}: {reason}. It is {} now, and the preferences are as in the beginning.",
+                place.display()
+            ),
+            Err(error) => {
+                let problem =
+                    format!("{file}: {reason}. It cannot be set aside ({error}): no preferences are remembered.");
+                self.path = None;
+                problem
+            }
+        });
+    }
+
+    /// Writes them if they are others than those in the file.
+    pub fn store(&mut self, preferences: Preferences) {
+        let Some(path) = self.path.as_ref().filter(|_| preferences != self.written) else {
+            return;
+        };
+        let outcome = serde_json::to_vec_pretty(&preferences)
+            .map_err(std::io::Error::from)
+            .and_then(|text| {
+                std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
+                write_atomically(path, text)
+            });
+        if let Err(error) = outcome {
+            self.problem = Some(format!("{}: {error}", path.display()));
+        }
+        // What failed is not tried again before there is something else to write.
+        self.written = preferences;
+    }
+}
+
+/// A scene that is open, or was saved under this name, is among the recent ones.
+pub fn note_scene(status: Res<SceneStatus>, mut preferences: ResMut<Preferences>) {
+    if !status.is_changed() || status.state != SceneState::Ready {
+        return;
+    }
+    if let Some(path) = &status.path
+        && preferences.recent_files.first() != Some(path)
+    {
+        preferences.note_recent(path);
+    }
+}
+
+/// Writes what has changed, now and then and at the end.
+pub fn remember(
+    mut file: ResMut<PreferencesFile>,
+    preferences: Res<Preferences>,
+    layout: Res<Layout>,
+    state: Res<EditorState>,
+    mut exits: MessageReader<AppExit>,
+) {
+    let ends = exits.read().next().is_some();
+    if file.path.is_none() || (!ends && file.looked_at.elapsed() < PAUSE) {
+        return;
+    }
+    let silent = file.bypass_change_detection();
+    silent.looked_at = Instant::now();
+    let problem = silent.problem.clone();
+    silent.store(Preferences {
+        layout: layout.to_json(),
+        speed: state.navigation.speed,
+        ..preferences.clone()
+    });
+    if silent.problem != problem {
+        file.set_changed();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::layout::Panel;
+    use super::*;
+
+    fn written(folder: &Path, text: &str) -> PathBuf {
+        let path = folder.join(FILE);
+        std::fs::write(&path, text).expect("a temporary folder");
+        path
+    }
+
+    #[test]
+    fn they_come_back_with_what_is_not_understood() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        written(
+            folder.path(),
+            r#"{"theme": "light", "of tomorrow": [1, 2], "ui_scale": 99.0}"#,
+        );
+        let (mut file, preferences) = PreferencesFile::open(Some(folder.path()));
+        assert_eq!((preferences.theme, preferences.ui_scale), (ThemeChoice::Light, 3.0));
+        assert_eq!(preferences.autosave_seconds, 60);
+        let mut layout = Layout::default();
+        layout.close(Panel::History);
+        let mut changed = Preferences {
+            layout: layout.to_json(),
+            speed: 2.5,
+            ..preferences
+        };
+        changed.note_recent(Path::new("/a.xml"));
+        file.store(changed.clone());
+        let (file, back) = PreferencesFile::open(Some(folder.path()));
+        assert_eq!((back.clone(), file.problem), (changed, None));
+        assert!(!back.layout().has(Panel::History) && back.layout().has(Panel::Render));
+        let text = std::fs::read_to_string(folder.path().join(FILE)).expect("just written");
+        assert!(text.contains("of tomorrow"), "{text}");
+    }
+
+    #[test]
+    fn a_broken_file_is_set_aside_and_said() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        for (text, name) in [
+            ("{\"theme\": \"dark\"", "preferences.json.bad"),
+            ("{\"theme\": 7}", "preferences.json.bad-2"),
+        ] {
+            let path = written(folder.path(), text);
+            let (mut file, preferences) = PreferencesFile::open(Some(folder.path()));
+            assert_eq!(preferences, Preferences::default());
+            assert!(file.problem.as_ref().is_some_and(|problem| problem.contains(name)));
+            assert!(!path.exists());
+            let kept = std::fs::read_to_string(folder.path().join(name)).expect("set aside");
+            assert_eq!(kept, text);
+            file.store(Preferences {
+                speed: 2.0,
+                ..preferences
+            });
+            assert!(path.exists());
+        }
+    }
+
+    #[test]
+    fn without_a_folder_nothing_is_remembered() {
+        let (mut file, preferences) = PreferencesFile::open(None);
+        file.store(Preferences {
+            speed: 2.0,
+            ..preferences
+        });
+        assert_eq!(file.problem, None);
+    }
+
+    #[test]
+    fn recent_files_are_few_and_each_is_there_once() {
+        let mut preferences = Preferences::default();
+        for number in (0..15).chain([12]) {
+            preferences.note_recent(Path::new(&format!("/{number}.xml")));
+        }
+        let files: Vec<_> = preferences.recent_files.iter().map(|path| path.to_str()).collect();
+        assert_eq!(files.len(), MOST_RECENT_FILES);
+        assert_eq!(files[..3], [Some("/12.xml"), Some("/14.xml"), Some("/13.xml")]);
+    }
+}

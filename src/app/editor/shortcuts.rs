@@ -1,0 +1,141 @@
+//! The overview of keys and of what the mouse does.
+
+use bevy_egui::egui::{self, Id, Key, Modal, Modifiers, RichText, Ui};
+
+use super::actions::{ACTIONS, Group, Shortcut};
+
+/// What is no action: held keys, and the mouse.
+const CONTROLS: [(&str, &str); 13] = [
+    ("W A S D", "Fly"),
+    ("Q E", "Fly down and up"),
+    ("Shift, Ctrl", "while flying: fast, slow"),
+    ("Right drag", "Look around"),
+    ("Left drag", "Look around, on empty space"),
+    ("Alt+Left drag", "Orbit the selection"),
+    ("Middle drag", "Pan"),
+    ("Wheel", "Dolly"),
+    ("Right+Wheel", "Flying speed"),
+    ("Click", "Select"),
+    ("Shift+Click", "Add to the selection"),
+    ("Ctrl+Click", "Add or take away"),
+    ("Ctrl +, -, 0", "Size of the panels"),
+];
+
+/// Beyond so many lines the next group begins a new column.
+const COLUMN: usize = 27;
+const COLUMN_WIDTH: f32 = 320.0;
+
+type Lines = Vec<(String, &'static str)>;
+
+/// Headings with their lines, a list per column.
+fn columns() -> Vec<Vec<(&'static str, Lines)>> {
+    let controls = CONTROLS.iter().map(|(keys, what)| ((*keys).to_owned(), *what));
+    let mut groups: Vec<(&str, Lines)> = vec![("Mouse and flying", controls.collect())];
+    groups.extend(Group::ALL.into_iter().map(|(group, name)| {
+        let actions = ACTIONS
+            .iter()
+            .filter(|action| action.group == group && !action.keys.is_empty());
+        let lines = actions.map(|action| {
+            let keys: Vec<String> = action.keys.iter().map(Shortcut::text).collect();
+            (keys.join(", "), action.label)
+        });
+        (name, lines.collect())
+    }));
+    groups.push(("Clipboard", clipboard()));
+    let mut columns: Vec<Vec<(&str, Lines)>> = vec![Vec::new()];
+    let mut height = 0;
+    for group in groups.into_iter().filter(|(_, lines)| !lines.is_empty()) {
+        let lines = group.1.len() + 2;
+        if height > 0 && height + lines > COLUMN {
+            columns.push(Vec::new());
+            height = 0;
+        }
+        height += lines;
+        if let Some(column) = columns.last_mut() {
+            column.push(group);
+        }
+    }
+    columns
+}
+
+fn clipboard() -> Lines {
+    [("Ctrl+C", "Copy"), ("Ctrl+X", "Cut"), ("Ctrl+V", "Paste")]
+        .map(|(keys, what)| (keys.to_owned(), what))
+        .into()
+}
+
+/// False when it is to be closed.
+pub fn shortcuts(context: &egui::Context) -> bool {
+    let closing = [
+        (Modifiers::NONE, Key::F1),
+        (Modifiers::NONE, Key::Questionmark),
+        (Modifiers::SHIFT, Key::Questionmark),
+    ];
+    let closes = context.input_mut(|input| {
+        closing
+            .iter()
+            .any(|(modifiers, key)| input.consume_key(*modifiers, *key))
+    });
+    let modal = Modal::new(Id::new("shortcuts")).show(context, |ui| {
+        let columns = columns();
+        let room = ui.ctx().content_rect().size() - egui::vec2(60.0, 100.0);
+        let gap = ui.spacing().item_spacing.x;
+        ui.set_width(room.x.min(columns.len() as f32 * (COLUMN_WIDTH + gap)));
+        egui::ScrollArea::both()
+            .max_width(room.x)
+            .max_height(room.y)
+            .show(ui, |ui| {
+                ui.horizontal_top(|ui| {
+                    for (place, groups) in columns.iter().enumerate() {
+                        ui.push_id(place, |ui| column(ui, groups));
+                    }
+                });
+            });
+        ui.separator();
+        ui.weak("Everything else is found by name with Ctrl+P. Esc closes this.");
+    });
+    !(closes || modal.should_close())
+}
+
+fn column(ui: &mut Ui, groups: &[(&str, Lines)]) {
+    ui.vertical(|ui| {
+        ui.set_width(COLUMN_WIDTH);
+        for (name, lines) in groups {
+            ui.strong(*name);
+            egui::Grid::new(name)
+                .num_columns(2)
+                .min_col_width(112.0)
+                .spacing(egui::vec2(10.0, 3.0))
+                .show(ui, |ui| {
+                    for (keys, what) in lines {
+                        ui.label(RichText::new(keys).monospace());
+                        ui.label(*what);
+                        ui.end_row();
+                    }
+                });
+            ui.add_space(10.0);
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_key_is_in_it() {
+        let shown: Vec<String> = columns()
+            .into_iter()
+            .flatten()
+            .flat_map(|(_, lines)| lines)
+            .map(|(keys, _)| keys)
+            .collect();
+        for key in ACTIONS.iter().flat_map(|action| action.keys) {
+            let text = key.text();
+            assert!(
+                shown.iter().any(|keys| keys.split(", ").any(|key| key == text)),
+                "{text}"
+            );
+        }
+    }
+}

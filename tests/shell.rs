@@ -1,0 +1,337 @@
+//! Drives what belongs to the window more than to the scene, without a window: the palette, the overview of keys, the preferences and the
+//! questions before something is lost.
+#![cfg(feature = "window")]
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use bevy::prelude::Entity;
+use bevy_egui::egui::{self, Context, Key};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use sunroom::app::editor::actions::{ACTIONS, ActionContext};
+use sunroom::app::editor::command::Command;
+use sunroom::app::editor::display::DisplaySettings;
+use sunroom::app::editor::guard::{Guard, Unsaved};
+use sunroom::app::editor::layout::Panel;
+use sunroom::app::editor::model::{Item, Model, Outline};
+use sunroom::app::editor::overlay::BvhOverlay;
+use sunroom::app::editor::palette::Palette;
+use sunroom::app::editor::panels::preferences::preferences;
+use sunroom::app::editor::preferences::{Preferences, ThemeChoice};
+use sunroom::app::editor::recovery::{self, Offer};
+use sunroom::app::editor::selection::{Extend, Selection};
+use sunroom::app::editor::shell::ShellCommand;
+use sunroom::app::editor::shortcuts::shortcuts;
+use sunroom::app::editor::toasts::{Toasts, Tone, Topic};
+
+/// What is shown, what came of it, and whether it is still there.
+struct Shown<T> {
+    it: T,
+    commands: Vec<Command>,
+    is_open: bool,
+}
+
+type Show<T> = fn(&Context, &mut Shown<T>);
+
+fn show<T: 'static>(it: T, show: Show<T>) -> Harness<'static, Shown<T>> {
+    let shown = Shown {
+        it,
+        commands: Vec::new(),
+        is_open: true,
+    };
+    let mut harness = Harness::builder()
+        .with_size(egui::vec2(1280.0, 720.0))
+        .build_ui_state(move |ui, shown: &mut Shown<T>| show(&ui.ctx().clone(), shown), shown);
+    harness.run_steps(3);
+    harness
+}
+
+fn press<T>(harness: &mut Harness<T>, key: Key) {
+    harness.key_press(key);
+    harness.run_steps(3);
+}
+
+fn click<T>(harness: &mut Harness<T>, name: &str) {
+    harness.get_by_label(name).click();
+    harness.run_steps(3);
+}
+
+fn context(selection: &Selection) -> ActionContext<'_> {
+    ActionContext {
+        display: DisplaySettings::default(),
+        overlay: BvhOverlay::default(),
+        paused: false,
+        panels_shown: true,
+        selection,
+        flying: false,
+    }
+}
+
+fn bunny() -> Entity {
+    Entity::from_raw_u32(7).expect("a small index is valid")
+}
+
+fn palette() -> Harness<'static, Shown<(Palette, Model)>> {
+    let model = Model {
+        outline: Arc::new(Outline {
+            shapes: vec![Item {
+                entity: bunny(),
+                name: "bunny".to_owned(),
+                kind: "mesh",
+                can_hide: true,
+                hidden: false,
+                locked: false,
+            }],
+            ..Outline::default()
+        }),
+        scene_files: Arc::new(vec!["/there/cornell-box.xml".into()]),
+        ..Model::default()
+    };
+    show((Palette::default(), model), |egui, shown| {
+        if shown.is_open {
+            let (palette, model) = &mut shown.it;
+            let selection = Selection::default();
+            shown.is_open = palette.show(egui, model, &context(&selection), &[], &mut shown.commands);
+        }
+    })
+}
+
+fn type_text<T>(harness: &mut Harness<T>, text: &str) {
+    harness.get_by_role(egui::accesskit::Role::TextInput).type_text(text);
+    harness.run_steps(3);
+}
+
+#[test]
+fn the_palette_runs_what_a_few_letters_find() {
+    for (text, expected) in [
+        ("undo", Command::Undo),
+        ("cornell", Command::OpenScene("/there/cornell-box.xml".into())),
+        ("bunny", Command::Select(vec![bunny()], Extend::Replace)),
+    ] {
+        let mut harness = palette();
+        type_text(&mut harness, text);
+        press(&mut harness, Key::Enter);
+        assert_eq!(
+            (harness.state().commands.as_slice(), harness.state().is_open),
+            (&[expected][..], false)
+        );
+    }
+}
+
+#[test]
+fn the_palette_is_walked_with_the_arrows_and_left_with_escape() {
+    let mut harness = palette();
+    press(&mut harness, Key::ArrowDown);
+    press(&mut harness, Key::ArrowDown);
+    press(&mut harness, Key::ArrowUp);
+    press(&mut harness, Key::Enter);
+    let selection = Selection::default();
+    let second = (ACTIONS[1].command)(&context(&selection)).expect("it needs no selection");
+    assert_eq!(harness.state().commands, [second]);
+    let mut harness = palette();
+    type_text(&mut harness, "quit");
+    press(&mut harness, Key::Escape);
+    assert_eq!((harness.state().commands.len(), harness.state().is_open), (0, false));
+}
+
+#[test]
+fn what_there_is_nothing_to_do_to_stays_in_the_palette() {
+    let mut harness = palette();
+    // Nothing is selected.
+    type_text(&mut harness, "duplicate");
+    press(&mut harness, Key::Enter);
+    assert_eq!((harness.state().commands.len(), harness.state().is_open), (0, true));
+}
+
+#[test]
+fn the_overview_has_every_key_and_closes_by_its_own() {
+    for key in [Key::Escape, Key::F1, Key::Questionmark] {
+        let mut harness = show((), |egui, shown| {
+            if shown.is_open {
+                shown.is_open = shortcuts(egui);
+            }
+        });
+        for text in [
+            "Ctrl+Shift+Z, Ctrl+Y",
+            "Frame the selection",
+            "Alt+H",
+            "W A S D",
+            "F1, ?",
+        ] {
+            assert!(harness.query_by_label(text).is_some(), "{text}");
+        }
+        assert!(harness.state().is_open);
+        press(&mut harness, key);
+        assert!(!harness.state().is_open, "{key:?}");
+    }
+}
+
+/// A window whose scene has edits until it is saved.
+struct Window {
+    guard: Guard,
+    edits: bool,
+    dialog_open: bool,
+    said: Vec<Command>,
+}
+
+fn window(said: Command) -> Harness<'static, Shown<Window>> {
+    let window = Window {
+        guard: Guard::default(),
+        edits: true,
+        dialog_open: false,
+        said: vec![said],
+    };
+    show(window, |egui, shown| {
+        let window = &mut shown.it;
+        let mut commands = std::mem::take(&mut window.said);
+        let unsaved = Unsaved {
+            name: "box.xml",
+            edits: window.edits,
+            dialog_open: window.dialog_open,
+        };
+        window.guard.hold(&mut commands, window.edits);
+        window.guard.show(egui, unsaved, &mut commands);
+        shown.commands.append(&mut commands);
+    })
+}
+
+#[test]
+fn unsaved_edits_are_asked_about() {
+    let losing = [
+        Command::Quit,
+        Command::NewScene,
+        Command::OpenScene(PathBuf::from("/a.xml")),
+    ];
+    for command in losing {
+        let mut harness = window(command.clone());
+        assert_eq!(harness.state().commands, []);
+        assert!(harness.query_by_label_contains("box.xml").is_some());
+        click(&mut harness, "Don't save");
+        assert_eq!(harness.state().commands.as_slice(), std::slice::from_ref(&command));
+
+        let mut harness = window(command.clone());
+        click(&mut harness, "Cancel");
+        assert!(harness.query_by_label("Save").is_none());
+        harness.state_mut().it.edits = false;
+        harness.run_steps(10);
+        assert_eq!(harness.state().commands, []);
+
+        let mut harness = window(command.clone());
+        click(&mut harness, "Save");
+        assert_eq!(harness.state().commands, [Command::Save]);
+        harness.state_mut().it.edits = false;
+        harness.run_steps(2);
+        assert_eq!(harness.state().commands, [Command::Save, command]);
+    }
+    assert_eq!(window(Command::Undo).state().commands, [Command::Undo]);
+}
+
+#[test]
+fn a_save_that_needs_a_name_is_waited_for_and_one_that_fails_loses_nothing() {
+    let mut harness = window(Command::Quit);
+    press(&mut harness, Key::Enter);
+    harness.state_mut().it.dialog_open = true;
+    harness.run_steps(30);
+    harness.state_mut().it.dialog_open = false;
+    harness.state_mut().it.edits = false;
+    harness.run_steps(1);
+    assert_eq!(harness.state().commands, [Command::Save, Command::Quit]);
+
+    let mut harness = window(Command::Quit);
+    click(&mut harness, "Save");
+    harness.run_steps(30);
+    // Saved at another time, for another reason.
+    harness.state_mut().it.edits = false;
+    harness.run_steps(5);
+    assert_eq!(harness.state().commands, [Command::Save]);
+}
+
+fn offer() -> Offer {
+    let note = r#"{"scene": "/there/box.xml", "time": 0, "process": 1}"#;
+    Offer {
+        folder: "/recovery/box".into(),
+        note: serde_json::from_str(note).expect("a note"),
+    }
+}
+
+#[test]
+fn recovery_is_offered_once() {
+    let ask = || {
+        show(Some(offer()), |egui, shown| {
+            recovery::question(egui, &mut shown.it, &mut shown.commands);
+        })
+    };
+    let mut harness = ask();
+    assert!(harness.query_by_label_contains("/there/box.xml").is_some());
+    click(&mut harness, "Recover");
+    assert_eq!(
+        harness.state().commands,
+        [Command::Shell(ShellCommand::Recover(offer()))]
+    );
+    assert_eq!(harness.state().it, None);
+    let mut harness = ask();
+    click(&mut harness, "Discard");
+    assert_eq!(
+        harness.state().commands,
+        [Command::Shell(ShellCommand::DiscardRecovery(offer()))]
+    );
+    for later in [Key::Escape, Key::Enter] {
+        let mut harness = ask();
+        press(&mut harness, later);
+        // Only Escape is an answer: what Enter would do is too easily done unread.
+        assert_eq!(harness.state().it.is_none(), later == Key::Escape);
+        assert_eq!(harness.state().commands, []);
+    }
+}
+
+#[test]
+fn preferences_are_said_when_they_change_and_only_then() {
+    let mut harness = show(Preferences::default(), |egui, shown| {
+        egui::Window::new("preferences").show(egui, |ui| {
+            preferences(ui, &shown.it, Some("it is broken"), &mut shown.commands);
+        });
+    });
+    assert_eq!(harness.state().commands, []);
+    assert!(harness.query_by_label("it is broken").is_some());
+    click(&mut harness, "Light");
+    match harness.state().commands.first() {
+        Some(Command::Shell(ShellCommand::SetPreferences(changed))) => {
+            let mut expected = Preferences::default();
+            expected.theme = ThemeChoice::Light;
+            assert_eq!(**changed, expected);
+        }
+        other => panic!("{other:?}"),
+    }
+    click(&mut harness, "Reset layout");
+    assert_eq!(
+        harness.state().commands.last(),
+        Some(&Command::Shell(ShellCommand::ResetLayout))
+    );
+}
+
+#[test]
+fn an_error_stays_shows_its_line_and_leads_to_the_messages() {
+    let mut toasts = Toasts::default();
+    let line = "12 | <bsdf type=\"glas\">\n     ^^^^";
+    toasts.add(
+        Tone::Error,
+        Topic::SceneFile,
+        "box.xml is broken".into(),
+        Some(line.into()),
+    );
+    toasts.add(Tone::Note, Topic::Other, "Saved".into(), None);
+    let mut harness = show(toasts, |egui, shown| {
+        shown.it.show(egui, egui.content_rect(), &mut shown.commands);
+    });
+    assert!(harness.query_by_label(line).is_some());
+    click(&mut harness, "Messages");
+    assert_eq!(
+        harness.state().commands,
+        [Command::Shell(ShellCommand::ShowPanel(Panel::Messages))]
+    );
+    // The newest is on top.
+    harness.get_all_by_label("×").next().expect("a button").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().it.texts().collect::<Vec<_>>(), ["box.xml is broken"]);
+}
