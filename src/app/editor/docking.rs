@@ -1,6 +1,6 @@
 //! The panels in their places: tabs that can be dragged, and what each of them shows.
 
-use bevy_egui::egui::{self, Id, Margin, RichText, Ui, WidgetText};
+use bevy_egui::egui::{self, Color32, Id, Margin, RichText, Ui, WidgetText};
 use egui_dock::{DockArea, Style, TabStyle, TabViewer};
 
 use super::command::Command;
@@ -18,6 +18,8 @@ pub struct Panels<'a> {
     commands: &'a mut Vec<Command>,
     /// Those in front of their groups: only they have a button to close them.
     fronts: Vec<Panel>,
+    /// Of the title of the messages while there are errors.
+    error_color: Color32,
 }
 
 impl<'a> Panels<'a> {
@@ -33,6 +35,7 @@ impl<'a> Panels<'a> {
             state,
             commands,
             fronts: Vec::new(),
+            error_color: Color32::PLACEHOLDER,
         }
     }
 }
@@ -40,6 +43,7 @@ impl<'a> Panels<'a> {
 pub fn docked_panels(ui: &mut Ui, layout: &mut Layout, mut panels: Panels) {
     hide_lonely_bar(layout);
     let leaves = layout.0.iter_leaves();
+    panels.error_color = ui.visuals().error_fg_color;
     panels.fronts = leaves
         .filter_map(|(_, leaf)| leaf.tabs.get(leaf.active.0).copied())
         .collect();
@@ -84,7 +88,7 @@ impl TabViewer for Panels<'_> {
         }
         let title = RichText::new(format!("{} ({})", panel.title(), notices.len()));
         if notices.iter().any(|notice| notice.is_error) {
-            title.strong().into()
+            title.color(self.error_color).into()
         } else {
             title.into()
         }

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use bevy_egui::egui::{self, Align2, Area, Color32, Frame, Id, Order, Rect, RichText, Ui};
+use bevy_egui::egui::{self, Align2, Area, Color32, FontId, Frame, Id, Order, Rect, RichText, Ui};
 
 use super::command::Command;
 use super::layout::Panel;
@@ -177,7 +177,7 @@ fn content(ui: &mut Ui, toast: &Toast, edge: Color32, commands: &mut Vec<Command
 /// Lines of a file as they stand there; those that are too long can be scrolled.
 pub fn excerpt(ui: &mut Ui, lines: &str) {
     egui::ScrollArea::horizontal().show(ui, |ui| {
-        let text = RichText::new(lines).monospace().small();
+        let text = RichText::new(lines).font(FontId::monospace(11.0));
         ui.add(egui::Label::new(text).extend());
     });
 }
