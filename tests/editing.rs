@@ -189,12 +189,12 @@ fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
                     continue;
                 };
                 world.resource_mut::<EditorState>().interaction += 1;
-                let before = world.resource::<History>().position();
+                let before = world.resource::<History>().last_step();
                 for line in &step {
                     refused += usize::from(!say(&mut world, line));
                 }
                 // What changes nothing is no step.
-                if world.resource::<History>().position() != before {
+                if world.resource::<History>().last_step() != before {
                     done.push(step);
                     undone.clear();
                 }
@@ -290,4 +290,121 @@ fn lines_that_cannot_be_done_say_why() {
         let error = parse::line(&mut world, line).expect_err(line);
         assert!(error.contains(part), "{line}: {error}");
     }
+}
+
+#[test]
+fn hiding_is_undone_but_is_no_change_of_the_file() {
+    let mut world = world();
+    say(&mut world, "add sphere at=0,0,0");
+    world.resource_mut::<History>().note_saved();
+    say(&mut world, "hide-thing sphere");
+    assert!(world.resource::<History>().is_saved());
+    assert_eq!(names::<With<Hidden>>(&mut world), ["sphere"]);
+    say(&mut world, "undo");
+    assert!(names::<With<Hidden>>(&mut world).is_empty());
+}
+
+#[test]
+fn what_was_deleted_does_not_come_back_by_a_late_command() {
+    let mut world = world();
+    say(&mut world, "add sphere at=0,0,0");
+    let ball = world.resource::<Selection>().active().expect("the ball");
+    say(&mut world, "delete");
+    let before = state(&mut world);
+    let late = [
+        Command::SetShape(ball, Shape::default()),
+        Command::Transform(vec![(ball, Default::default())]),
+        Command::GiveMaterial { shape: ball },
+        Command::Rename(ball, "ghost".to_owned()),
+        Command::Hide(vec![ball], true),
+    ];
+    for command in late {
+        let _ = apply(&mut world, command);
+    }
+    assert_same(&state(&mut world), &before);
+    say(&mut world, "undo");
+    assert_eq!(names::<With<Shape>>(&mut world), ["sphere"]);
+}
+
+#[test]
+fn a_material_deleted_inside_another_leaves_one_in_its_place() {
+    let mut world = world();
+    say(
+        &mut world,
+        "paste <shape type=\"cube\"><bsdf type=\"twosided\"><bsdf type=\"conductor\" id=\"inner\"/></bsdf></shape>",
+    );
+    say(&mut world, "select inner");
+    assert!(say(&mut world, "delete"));
+    let scene = gather::describe(&mut world);
+    let outer = scene
+        .materials
+        .iter()
+        .find(|it| it.material.plugin() == "twosided")
+        .expect("it");
+    let inner = outer.first.map(|index| scene.materials[index].material.plugin());
+    assert_eq!(inner, Some("diffuse"));
+}
+
+#[test]
+fn a_saved_scene_without_a_camera_of_its_own_keeps_the_one_it_got() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.xml");
+    std::fs::write(&path, "<scene version='3.0.0'><shape type='sphere' id='ball'/></scene>").expect("a file");
+    let read = || {
+        let mut document = sunroom::document::load(&path, &[]).expect("a scene");
+        sunroom::scene::read::read(&mut document)
+    };
+    let mut world = world();
+    spawn::spawn_fresh(&mut world, &read());
+    let camera = world.resource::<ActiveSensor>().0.expect("a stand-in");
+    assert_eq!(write::save(&mut world, &path).expect("saved"), None);
+    spawn::update(&mut world, &read());
+    assert_eq!(world.resource::<ActiveSensor>().0, Some(camera));
+    assert!(world.get::<Sensor>(camera).is_some());
+}
+
+#[test]
+fn after_a_save_the_file_and_the_things_still_belong_together() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.xml");
+    let bsdf = |value: &str| format!("<bsdf type='diffuse'><rgb name='reflectance' value='{value}'/></bsdf>");
+    let text = format!(
+        "<scene version='3.0.0'>\n<sensor type='perspective'/>\n<bsdf type='conductor' id='metal'/>\n\
+         <shape type='sphere' id='a'>{}</shape>\n<shape type='sphere' id='b'>{}</shape>\n</scene>\n",
+        bsdf("0.1"),
+        bsdf("0.2")
+    );
+    std::fs::write(&path, &text).expect("a file");
+    let read = || {
+        let mut document = sunroom::document::load(&path, &[]).expect("a scene");
+        sunroom::scene::read::read(&mut document)
+    };
+    let mut world = world();
+    spawn::spawn_fresh(&mut world, &read());
+    // The material written inside of a is nobody's any more, and is not written.
+    say(&mut world, "assign metal a");
+    say(&mut world, "rotate b 0,1,0 33");
+    write::save(&mut world, &path).expect("saved");
+    let saved = std::fs::read_to_string(&path).expect("a file");
+    // The other changes in the file, and b is gone from it.
+    std::fs::write(&path, saved.replace("0.2", "0.7")).expect("a file");
+    spawn::update(&mut world, &read());
+    let color = |world: &mut World, name: &str| {
+        let scene = gather::describe(world);
+        let shape = scene
+            .shapes
+            .iter()
+            .find(|shape| shape.identity.id.as_deref() == Some(name))?;
+        match &scene.materials[shape.material?].material {
+            Material::Diffuse { reflectance } => reflectance.constant().map(|color| color.x),
+            _ => None,
+        }
+    };
+    assert_eq!(color(&mut world, "b"), Some(0.7));
+    let start = saved.find("<shape type='sphere' id='b'>").expect("b");
+    let end = start + saved[start..].find("</shape>").expect("its end") + "</shape>".len();
+    std::fs::write(&path, [&saved[..start], &saved[end..]].concat()).expect("a file");
+    let summary = spawn::update(&mut world, &read());
+    assert_eq!((summary.removed > 0, summary.kept), (true, 0), "{summary:?}");
+    assert_eq!(names::<With<Shape>>(&mut world), ["a"]);
 }

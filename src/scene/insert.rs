@@ -7,9 +7,10 @@ use bevy::prelude::*;
 use super::description::{DeclarationPlace, Identity, SceneDescription};
 use super::write::gather::describe_entities;
 use super::{
-    DeclaredIn, DocumentOrder, FirstNested, InstanceOf, MemberOf, SceneId, SecondNested, ShapeGroup, ToWorld,
-    UsesMaterial,
+    Authored, AuthoredScene, DeclaredIn, DocumentOrder, FirstNested, InstanceOf, MemberOf, SceneId, SecondNested,
+    ShapeGroup, ToWorld, UsesMaterial,
 };
+use crate::document::Object;
 
 /// What [`insert`] has made.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -50,13 +51,31 @@ pub fn free_name(taken: &HashSet<String>, wanted: &str) -> String {
 
 /// The names of all that is in the scene.
 pub fn names(world: &mut World) -> HashSet<String> {
-    let mut query = world.query_filtered::<(Option<&SceneId>, Option<&Name>), With<DocumentOrder>>();
+    // Of the file: also textures and plugins that became no entities have ids.
     let mut names = HashSet::new();
+    let origin = world
+        .get_resource::<AuthoredScene>()
+        .and_then(|scene| scene.origin.clone());
+    if let Some(origin) = origin {
+        collect_ids(&origin.root, &mut names);
+    }
+    let mut known = world.query::<&Authored>();
+    for authored in known.iter(world) {
+        if let Some(id) = &authored.object.id {
+            names.remove(id);
+        }
+    }
+    let mut query = world.query_filtered::<(Option<&SceneId>, Option<&Name>), With<DocumentOrder>>();
     for (id, name) in query.iter(world) {
         names.extend(id.map(|id| id.0.clone()));
         names.extend(name.map(|name| name.as_str().to_owned()));
     }
     names
+}
+
+fn collect_ids(object: &Object, ids: &mut HashSet<String>) {
+    ids.extend(object.id.clone());
+    object.objects().for_each(|inner| collect_ids(inner, ids));
 }
 
 /// Adds everything but settings. Ids that are taken get numbers; of sensors their films come along.
@@ -110,6 +129,19 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
             shown.insert(InstanceOf(groups[group]));
         }
         shapes.push(entity);
+        // Of very many instances each stands for itself here.
+        let mut places = shape.placements.iter().flat_map(|many| many.places.iter());
+        if let Some(first) = places.next() {
+            world.entity_mut(entity).insert(ToWorld(*first));
+        }
+        for place in places {
+            let another = spawn(world, &shape.identity);
+            let parts = (shape.shape.clone(), ToWorld(*place));
+            world.entity_mut(another).insert(parts);
+            if let Some(group) = shape.instance_of {
+                world.entity_mut(another).insert(InstanceOf(groups[group]));
+            }
+        }
     }
     for (material, &entity) in scene.materials.iter().zip(&materials) {
         let mut nesting = world.entity_mut(entity);

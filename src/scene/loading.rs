@@ -121,7 +121,10 @@ pub(super) fn apply_scenes(
     let mut file = world.resource_mut::<SceneFile>();
     file.good_diagnostics = asset.diagnostics.clone();
     file.picture_places.clone_from(&asset.description.picture_places);
+    let path = file.path.clone();
     let mut status = world.resource_mut::<SceneStatus>();
+    // A request that failed since may have put another there.
+    status.path = Some(path);
     status.state = SceneState::Ready;
     status.diagnostics = asset.diagnostics;
     status.revision += 1;

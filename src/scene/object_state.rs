@@ -36,16 +36,21 @@ macro_rules! object_state {
 
             /// Three states into one: what `theirs` changed since `base` is taken over, what they left alone stays as `ours` has it.
             pub fn merged(base: &Self, theirs: &Self, ours: &Self) -> Merged {
+                Self::merged_since(base, theirs, base, ours)
+            }
+
+            /// The same where our side began as `start`, which may be written otherwise than `base` and mean the same.
+            pub fn merged_since(base: &Self, theirs: &Self, start: &Self, ours: &Self) -> Merged {
                 let mut merged = Merged {
                     state: ours.clone(),
                     ..Merged::default()
                 };
                 $(
                     if theirs.$field != base.$field {
-                        merged.replaced |= ours.$field != base.$field && ours.$field != theirs.$field;
+                        merged.replaced |= ours.$field != start.$field && ours.$field != theirs.$field;
                         merged.state.$field.clone_from(&theirs.$field);
                     } else {
-                        merged.kept |= ours.$field != base.$field;
+                        merged.kept |= ours.$field != start.$field;
                     }
                 )*
                 merged
@@ -94,6 +99,26 @@ impl ObjectState {
             order: None,
             ..self.clone()
         }
+    }
+
+    /// The same without what no file says.
+    pub fn for_file(&self) -> Self {
+        Self {
+            hidden: None,
+            locked: None,
+            ..self.clone()
+        }
+    }
+
+    /// As [`Self::is_there`], of an entity.
+    pub fn is_in_scene(world: &World, entity: Entity) -> bool {
+        world.get_entity(entity).is_ok_and(|entity| {
+            entity.contains::<Shape>()
+                || entity.contains::<Material>()
+                || entity.contains::<Emitter>()
+                || entity.contains::<Sensor>()
+                || entity.contains::<ShapeGroup>()
+        })
     }
 
     /// Whether there is a thing at all.

@@ -11,9 +11,9 @@ use bevy::prelude::*;
 use super::description::{DeclarationPlace, Identity, SceneDescription};
 use super::write::gather::Entities;
 use super::{
-    ActiveSensor, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, FirstNested, FrameWhenLoaded, FreeView,
-    InstanceOf, IntegratorSettings, Material, MemberOf, ObjectState, SceneId, SecondNested, Sensor, Shape, ShapeGroup,
-    ToWorld, UsesMaterial,
+    ActiveSensor, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, FirstNested, FirstNestedIn,
+    FrameWhenLoaded, FreeView, InstanceOf, IntegratorSettings, Material, MaterialUsers, MemberOf, ObjectState,
+    Placements, SceneId, SecondNested, SecondNestedIn, Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
 };
 
 /// What the file says, and which entity each thing of it is.
@@ -26,7 +26,10 @@ pub(super) struct FileBase {
 #[derive(Clone, Debug)]
 struct Thing {
     entity: Entity,
+    /// As the file has it.
     state: ObjectState,
+    /// As the entity was then; the same, but numbers that were written may have been shortened.
+    here: ObjectState,
 }
 
 /// What a reload did, in numbers of things.
@@ -233,30 +236,49 @@ pub fn update(world: &mut World, scene: &SceneDescription) -> ReloadSummary {
         Some(thing) if world.get_entity(thing.entity).is_ok() => thing.entity,
         _ => world.spawn_empty().id(),
     });
+    let states = states(scene, &entities);
+    let keeps_order = is_in_order(world, &states);
     let watched = looked_from(world);
     let mut things = HashMap::new();
-    for (key, (entity, theirs, authored)) in keys.in_order().zip(states(scene, &entities)) {
+    for (key, (entity, theirs, authored)) in keys.in_order().zip(states) {
         let ours = ObjectState::of(world, entity);
         let now = match base.things.get(&key).filter(|thing| thing.entity == entity) {
             None => {
                 summary.added += 1;
                 theirs.clone()
             }
-            Some(Thing { state: before, .. }) => taken_over(before, &theirs, &ours, &mut summary),
+            Some(thing) => taken_over(thing, &theirs, &ours, &mut summary),
+        };
+        let now = ObjectState {
+            order: if keeps_order { ours.order } else { theirs.order },
+            ..now
         };
         now.write(world, entity);
         set_authored(world, entity, authored.cloned());
+        // What was edited since stays an edit.
+        let here = base
+            .things
+            .get(&key)
+            .filter(|_| ours == now)
+            .map_or(now, |thing| thing.here.clone());
         let state = theirs;
-        things.insert(key, Thing { entity, state });
+        things.insert(key, Thing { entity, state, here });
     }
     let claimed: HashSet<Entity> = things.values().map(|thing| thing.entity).collect();
-    for thing in base.things.values().filter(|thing| !claimed.contains(&thing.entity)) {
+    let gone: Vec<&Thing> = base
+        .things
+        .values()
+        .filter(|thing| !claimed.contains(&thing.entity))
+        .collect();
+    let is_gone: HashSet<Entity> = gone.iter().map(|thing| thing.entity).collect();
+    for thing in gone {
         let ours = ObjectState::of(world, thing.entity);
         set_authored(world, thing.entity, None);
         if !ours.is_there() {
             continue;
         }
-        if ours.unordered() == thing.state.unordered() {
+        let is_untouched = ours.for_file().unordered() == thing.here.for_file().unordered();
+        if is_untouched && !is_needed(world, thing.entity, &is_gone) {
             // Without components it can come back when an edit of it is taken back.
             ObjectState::default().write(world, thing.entity);
             summary.removed += 1;
@@ -280,14 +302,35 @@ pub fn update(world: &mut World, scene: &SceneDescription) -> ReloadSummary {
     summary
 }
 
-/// What a thing is after the file said `theirs`, where it said `before`, and it is `ours` here.
-fn taken_over(
-    before: &ObjectState,
-    theirs: &ObjectState,
-    ours: &ObjectState,
-    summary: &mut ReloadSummary,
-) -> ObjectState {
-    let (before, new) = (before.unordered(), theirs.unordered());
+/// Whether something that stays uses this material.
+fn is_needed(world: &World, material: Entity, is_gone: &HashSet<Entity>) -> bool {
+    let stays = |user: Entity| !is_gone.contains(&user) && ObjectState::is_in_scene(world, user);
+    let users = world
+        .get::<MaterialUsers>(material)
+        .is_some_and(|users| users.iter().any(stays));
+    let first = world
+        .get::<FirstNestedIn>(material)
+        .is_some_and(|outer| outer.iter().any(stays));
+    users
+        || first
+        || world
+            .get::<SecondNestedIn>(material)
+            .is_some_and(|outer| outer.iter().any(stays))
+}
+
+/// Whether the entities stand in the order of the file already, whatever their numbers; numbers are not changed then.
+fn is_in_order(world: &World, states: &[(Entity, ObjectState, Option<&Authored>)]) -> bool {
+    let mut places: Vec<(Option<DocumentOrder>, Option<DocumentOrder>)> = states
+        .iter()
+        .map(|(entity, state, _)| (state.order, world.get::<DocumentOrder>(*entity).copied()))
+        .collect();
+    places.sort();
+    places.iter().all(|(_, here)| here.is_some()) && places.is_sorted_by(|a, b| a.1 < b.1)
+}
+
+/// What a thing is after the file said `theirs`, and it is `ours` here.
+fn taken_over(thing: &Thing, theirs: &ObjectState, ours: &ObjectState, summary: &mut ReloadSummary) -> ObjectState {
+    let (before, new) = (thing.state.unordered(), theirs.unordered());
     if !ours.is_there() {
         // Deleted here: it comes back only if the file has something new to say of it.
         if before == new {
@@ -296,15 +339,16 @@ fn taken_over(
         summary.replaced += 1;
         return theirs.clone();
     }
-    let merged = ObjectState::merged(&before, &new, &ours.unordered());
+    let marks = ObjectState {
+        hidden: ours.hidden,
+        locked: ours.locked,
+        ..thing.here.unordered()
+    };
+    let merged = ObjectState::merged_since(&before, &new, &marks, &ours.unordered());
     summary.kept += usize::from(merged.kept && before != new);
     summary.replaced += usize::from(merged.replaced);
-    let state = ObjectState {
-        order: theirs.order,
-        ..merged.state
-    };
-    summary.changed += usize::from(state.unordered() != ours.unordered() && !merged.replaced);
-    state
+    summary.changed += usize::from(merged.state != ours.unordered() && !merged.replaced);
+    merged.state
 }
 
 /// The camera in use and where it stands.
@@ -336,32 +380,26 @@ pub(super) fn rebase(world: &mut World, scene: &SceneDescription, entities: &Ent
             .map(|entity| entity.unwrap_or_else(|| world.spawn_empty().id()))
             .collect()
     };
+    let shapes = pairs(
+        &scene.shapes,
+        &written.shapes,
+        |it| &it.identity,
+        |a, b| {
+            std::mem::discriminant(&a.shape.kind) == std::mem::discriminant(&b.shape.kind)
+                && a.member_of.is_some() == b.member_of.is_some()
+                && a.instance_of.is_some() == b.instance_of.is_some()
+        },
+    );
     let now = Entities {
+        materials: paired(&entities.materials, material_pairs(scene, written, &shapes)),
+        shapes: paired(&entities.shapes, shapes),
         sensors: paired(
             &entities.sensors,
             pairs(&scene.sensors, &written.sensors, |it| &it.identity, |_, _| true),
         ),
-        materials: paired(
-            &entities.materials,
-            pairs(
-                &scene.materials,
-                &written.materials,
-                |it| &it.identity,
-                |a, b| a.material.plugin() == b.material.plugin(),
-            ),
-        ),
         groups: paired(
             &entities.groups,
             pairs(&scene.groups, &written.groups, |it| &it.identity, |_, _| true),
-        ),
-        shapes: paired(
-            &entities.shapes,
-            pairs(
-                &scene.shapes,
-                &written.shapes,
-                |it| &it.identity,
-                |a, b| std::mem::discriminant(&a.shape.kind) == std::mem::discriminant(&b.shape.kind),
-            ),
         ),
         emitters: paired(
             &entities.emitters,
@@ -382,7 +420,25 @@ pub(super) fn rebase(world: &mut World, scene: &SceneDescription, entities: &Ent
         {
             world.entity_mut(entity).insert((id.clone(), Name::new(id.0.clone())));
         }
-        things.insert(key, Thing { entity, state });
+        // They stand elsewhere in this text.
+        if let Some(placements) = state
+            .placements
+            .clone()
+            .filter(|_| world.get::<Placements>(entity).is_some())
+        {
+            world.entity_mut(entity).insert(placements);
+        }
+        let here = ObjectState::of(world, entity);
+        things.insert(key, Thing { entity, state, here });
+    }
+    let claimed: HashSet<Entity> = things.values().map(|thing| thing.entity).collect();
+    let mut others = world.query_filtered::<Entity, With<Authored>>();
+    let others: Vec<Entity> = others.iter(world).filter(|entity| !claimed.contains(entity)).collect();
+    for entity in others {
+        set_authored(world, entity, None);
+    }
+    for &camera in &now.sensors {
+        world.entity_mut(camera).remove::<StandInSensor>();
     }
     world.insert_resource(FileBase {
         things,
@@ -419,14 +475,62 @@ fn pairs<T>(
     written.iter().map(partner).collect()
 }
 
+/// Which of the known materials each written one is: by who uses it, outermost first, or else as [`pairs`] finds it.
+fn material_pairs(
+    scene: &SceneDescription,
+    written: &SceneDescription,
+    shapes: &[Option<usize>],
+) -> Vec<Option<usize>> {
+    let mut pairs = vec![None; written.materials.len()];
+    let mut is_taken = vec![false; scene.materials.len()];
+    let mut waiting: Vec<(usize, usize)> = Vec::new();
+    for (shape, known) in written.shapes.iter().zip(shapes) {
+        let known = known.and_then(|known| scene.shapes[known].material);
+        waiting.extend(shape.material.zip(known));
+    }
+    let is_alike = |known: usize, new: usize| {
+        let (known, new) = (&scene.materials[known], &written.materials[new]);
+        known.material.plugin() == new.material.plugin()
+    };
+    while let Some((new, known)) = waiting.pop() {
+        if pairs[new].is_some() || is_taken[known] || !is_alike(known, new) {
+            continue;
+        }
+        pairs[new] = Some(known);
+        is_taken[known] = true;
+        let (known, new) = (&scene.materials[known], &written.materials[new]);
+        waiting.extend(new.first.zip(known.first));
+        waiting.extend(new.second.zip(known.second));
+    }
+    let by_order = self::pairs(
+        &scene.materials,
+        &written.materials,
+        |it| &it.identity,
+        |a, b| a.material.plugin() == b.material.plugin(),
+    );
+    for (pair, other) in pairs.iter_mut().zip(by_order) {
+        if pair.is_none()
+            && let Some(other) = other.filter(|other| !is_taken[*other])
+        {
+            is_taken[other] = true;
+            *pair = Some(other);
+        }
+    }
+    pairs
+}
+
 /// A scene without a camera gets one until it has its own, and something is looked through.
 fn update_cameras(world: &mut World, of_file: &[Entity]) {
     let is_camera = |world: &World, entity: &Entity| world.get::<Sensor>(*entity).is_some();
+    let is_stand_in = |world: &World, entity: Entity| world.get::<StandInSensor>(entity).is_some();
     let stand_ins: Vec<Entity> = world
         .query_filtered::<Entity, With<StandInSensor>>()
         .iter(world)
         .collect();
-    let mut first = of_file.iter().copied().find(|entity| is_camera(world, entity));
+    let mut first = of_file
+        .iter()
+        .copied()
+        .find(|entity| is_camera(world, entity) && !is_stand_in(world, *entity));
     if first.is_some() {
         for entity in stand_ins {
             world.despawn(entity);

@@ -77,7 +77,10 @@ pub fn drive_exit_door(
             let enough =
                 status.samples >= door.after_spp.max(1) || (status.state == RenderState::Done && status.samples > 0);
             let is_scripted = script.is_some_and(|script| !script.is_done());
-            if enough && !is_scripted && probe.is_none_or(|probe| probe.done) {
+            let settled = scene.files_loading() == 0
+                && !matches!(status.state, RenderState::Loading | RenderState::Building)
+                && scene.state != SceneState::Loading;
+            if enough && settled && !is_scripted && probe.is_none_or(|probe| probe.done) {
                 door.step = Step::Settling(SETTLING_FRAMES);
             }
         }

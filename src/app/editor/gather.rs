@@ -171,6 +171,9 @@ type Parts = (
     Has<Placements>,
 );
 
+/// What was deleted is an entity without these.
+type IsThing = Or<(With<Shape>, With<Material>, With<Emitter>, With<Sensor>)>;
+
 type MaterialParts = (
     Naming,
     &'static Material,
@@ -185,7 +188,7 @@ const DEEPEST_NESTING: usize = 4;
 pub fn gather_selection(
     mut model: ResMut<EditorModel>,
     mut selection: ResMut<Selection>,
-    parts: Query<Parts>,
+    parts: Query<Parts, IsThing>,
     materials: Query<MaterialParts>,
 ) {
     // A reload may have taken things away.
@@ -198,7 +201,7 @@ pub fn gather_selection(
     model.0.selection = selection.clone();
 }
 
-fn inspect(entity: Entity, parts: &Query<Parts>, materials: &Query<MaterialParts>) -> Option<Inspected> {
+fn inspect(entity: Entity, parts: &Query<Parts, IsThing>, materials: &Query<MaterialParts>) -> Option<Inspected> {
     let (naming, to_world, shape, area_light, emitter, sensor, film, uses, is_crowd) = parts.get(entity).ok()?;
     let is_material = materials.contains(entity);
     if shape.is_none() && emitter.is_none() && sensor.is_none() && !is_material {

@@ -1,10 +1,12 @@
 //! What was done to the scene, to be taken back and done again. An entry holds the components that an edit changed, before and after;
 //! entities are never despawned while entries speak of them: without components they are out of the scene and their ids stay valid.
 
+use std::collections::HashMap;
+
 use bevy::prelude::*;
 
 use super::selection::Selection;
-use crate::scene::{AccelMethod, IntegratorSettings, ObjectState, SamplerSettings};
+use crate::scene::{AccelMethod, ActiveSensor, FreeView, IntegratorSettings, ObjectState, SamplerSettings};
 
 /// Older entries are forgotten. One of a thousand objects takes about a megabyte.
 const MOST_ENTRIES: usize = 1000;
@@ -26,17 +28,32 @@ impl SettingsState {
         }
     }
 
-    /// Writes only what differs.
-    pub fn write(self, world: &mut World) {
-        let now = Self::of(world);
-        if now.integrator != self.integrator {
+    /// Writes what differs from `from`: what others changed meanwhile stays.
+    fn write(self, world: &mut World, from: Self) {
+        if from.integrator != self.integrator {
             world.insert_resource(self.integrator);
         }
-        if now.sampler != self.sampler {
+        if from.sampler != self.sampler {
             world.insert_resource(self.sampler);
         }
-        if now.accel != self.accel {
+        if from.accel != self.accel {
             world.insert_resource(self.accel);
+        }
+    }
+}
+
+/// From where the scene is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Standpoint {
+    camera: ActiveSensor,
+    free: FreeView,
+}
+
+impl Standpoint {
+    fn of(world: &World) -> Self {
+        Self {
+            camera: world.get_resource().copied().unwrap_or_default(),
+            free: world.get_resource().copied().unwrap_or_default(),
         }
     }
 }
@@ -56,6 +73,8 @@ pub struct Entry {
     changes: Vec<Change>,
     settings: [SettingsState; 2],
     selection: [Selection; 2],
+    /// Of those edits that change it.
+    standpoint: Option<[Standpoint; 2]>,
     /// Steps of one interaction with equal keys are one entry.
     merge: Option<(u64, MergeKey)>,
     number: u64,
@@ -96,8 +115,14 @@ impl History {
         (self.done.len(), self.undone.len())
     }
 
-    /// Counts the edits so far; equal numbers of one run mean equal scenes.
+    /// The number of the last edit that a file would hold; equal numbers of one run mean equal files.
     pub fn position(&self) -> Option<u64> {
+        let of_file = self.done.iter().rev().find(|entry| entry.is_of_file());
+        of_file.map(|entry| entry.number)
+    }
+
+    /// The number of the last step, whatever it changed.
+    pub fn last_step(&self) -> Option<u64> {
         self.done.last().map(|entry| entry.number)
     }
 
@@ -154,10 +179,17 @@ impl Entry {
         self.changes.is_empty() && self.settings[0] == self.settings[1]
     }
 
+    /// Hiding and locking is no file's matter.
+    fn is_of_file(&self) -> bool {
+        let differs = |change: &Change| change.before.for_file() != change.after.for_file();
+        self.settings[0] != self.settings[1] || self.changes.iter().any(differs)
+    }
+
     fn absorb(&mut self, later: Self) {
+        let places: HashMap<Entity, usize> = self.changes.iter().zip(0..).map(|(it, i)| (it.entity, i)).collect();
         for change in later.changes {
-            match self.changes.iter_mut().find(|known| known.entity == change.entity) {
-                Some(known) => known.after = change.after,
+            match places.get(&change.entity) {
+                Some(&place) => self.changes[place].after = change.after,
                 None => self.changes.push(change),
             }
         }
@@ -171,30 +203,41 @@ impl Entry {
 pub struct Edit<'w> {
     pub world: &'w mut World,
     before: Vec<(Entity, ObjectState)>,
+    /// Where each entity is in `before`.
+    places: HashMap<Entity, usize>,
     settings: SettingsState,
     selection: Selection,
+    standpoint: Standpoint,
 }
 
 impl<'w> Edit<'w> {
     pub fn begin(world: &'w mut World) -> Self {
         Self {
             before: Vec::new(),
+            places: HashMap::new(),
             settings: SettingsState::of(world),
             selection: world.resource::<Selection>().clone(),
+            standpoint: Standpoint::of(world),
             world,
         }
     }
 
     /// Remembers the entity as it is; to be called before anything of it is changed.
     pub fn touch(&mut self, entity: Entity) {
-        if !self.before.iter().any(|(known, _)| *known == entity) {
-            self.before.push((entity, ObjectState::of(self.world, entity)));
+        if !self.places.contains_key(&entity) {
+            let state = ObjectState::of(self.world, entity);
+            self.note(entity, state);
         }
     }
 
-    /// Writes a component if it differs.
+    fn note(&mut self, entity: Entity, before: ObjectState) {
+        self.places.entry(entity).or_insert(self.before.len());
+        self.before.push((entity, before));
+    }
+
+    /// Writes a component if it differs; what is not in the scene stays out of it.
     pub fn set<C: Component + PartialEq>(&mut self, entity: Entity, value: C) {
-        if self.world.get_entity(entity).is_ok() && self.world.get::<C>(entity) != Some(&value) {
+        if ObjectState::is_in_scene(self.world, entity) && self.world.get::<C>(entity) != Some(&value) {
             self.touch(entity);
             self.world.entity_mut(entity).insert(value);
         }
@@ -218,7 +261,7 @@ impl<'w> Edit<'w> {
     /// Notes entities that were spawned by others.
     pub fn spawned(&mut self, entities: impl IntoIterator<Item = Entity>) {
         for entity in entities {
-            self.before.push((entity, ObjectState::default()));
+            self.note(entity, ObjectState::default());
         }
     }
 
@@ -233,7 +276,8 @@ impl<'w> Edit<'w> {
         for (entity, before) in self.before.iter().rev() {
             before.write(self.world, *entity);
         }
-        self.settings.write(self.world);
+        let now = SettingsState::of(self.world);
+        self.settings.write(self.world, now);
         self.world.insert_resource(self.selection);
     }
 
@@ -243,11 +287,13 @@ impl<'w> Edit<'w> {
             let after = ObjectState::of(self.world, entity);
             (before != after).then_some(Change { entity, before, after })
         });
+        let now = Standpoint::of(self.world);
         let mut entry = Entry {
             label,
             changes: changes.collect(),
             settings: [self.settings, SettingsState::of(self.world)],
             selection: [self.selection, self.world.resource::<Selection>().clone()],
+            standpoint: (now != self.standpoint).then_some([self.standpoint, now]),
             merge,
             number: 0,
         };
@@ -258,11 +304,21 @@ impl<'w> Edit<'w> {
     }
 }
 
+fn stand(world: &mut World, at: Standpoint) {
+    world.insert_resource(at.camera);
+    world.insert_resource(at.free);
+}
+
 /// Back to what it was, where the edit changed it: what the file changed meanwhile stays.
 fn revert(world: &mut World, entity: Entity, from: &ObjectState, to: &ObjectState) {
     let now = ObjectState::of(world, entity);
     if from.is_there() && !now.is_there() {
         // The file took it away since.
+        return;
+    }
+    if !to.is_there() {
+        // With what others gave it meanwhile.
+        ObjectState::default().write(world, entity);
         return;
     }
     ObjectState::merged(from, to, &now).state.write(world, entity);
@@ -276,8 +332,11 @@ pub fn undo(world: &mut World) -> Result<(), &'static str> {
     for change in entry.changes.iter().rev() {
         revert(world, change.entity, &change.after, &change.before);
     }
-    entry.settings[0].write(world);
+    entry.settings[0].write(world, entry.settings[1]);
     world.insert_resource(entry.selection[0].clone());
+    if let Some([before, _]) = entry.standpoint {
+        stand(world, before);
+    }
     entry.merge = None;
     world.resource_mut::<History>().undone.push(entry);
     Ok(())
@@ -286,13 +345,16 @@ pub fn undo(world: &mut World) -> Result<(), &'static str> {
 /// An error, in words, if there is nothing to do again.
 pub fn redo(world: &mut World) -> Result<(), &'static str> {
     let Some(entry) = world.resource_mut::<History>().undone.pop() else {
-        return Err("There is nothing to undo.");
+        return Err("There is nothing to do again.");
     };
     for change in &entry.changes {
         revert(world, change.entity, &change.before, &change.after);
     }
-    entry.settings[1].write(world);
+    entry.settings[1].write(world, entry.settings[0]);
     world.insert_resource(entry.selection[1].clone());
+    if let Some([_, after]) = entry.standpoint {
+        stand(world, after);
+    }
     world.resource_mut::<History>().done.push(entry);
     Ok(())
 }

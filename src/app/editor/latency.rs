@@ -65,6 +65,8 @@ pub struct LatencyProbe {
     kind: usize,
     results: Vec<f32>,
     frames: Vec<f32>,
+    /// The other value is next.
+    skipped: bool,
     pub done: bool,
 }
 
@@ -78,6 +80,9 @@ enum Phase {
         revision: u64,
     },
 }
+
+/// An edit that shows nothing for so long has changed nothing.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Between two edits.
 const REST: Duration = Duration::from_millis(400);
@@ -99,6 +104,7 @@ impl LatencyProbe {
             kind: 0,
             results: Vec::new(),
             frames: Vec::new(),
+            skipped: false,
             done: count == 0,
         }
     }
@@ -123,7 +129,7 @@ pub fn act_for_probe(world: &mut World) {
         && !probe.done
         && since.elapsed() >= REST
     {
-        match KINDS[probe.kind].1(world, probe.results.len()) {
+        match KINDS[probe.kind].1(world, probe.results.len() + usize::from(probe.skipped)) {
             Some(command) => {
                 world.resource_mut::<CommandQueue>().0.push(command);
                 probe.phase = Phase::Waiting {
@@ -153,6 +159,12 @@ pub fn watch_probe(
         return;
     };
     probe.frames.extend(frames.recent.back());
+    if since.elapsed() > PATIENCE {
+        // The value was there already: nothing has changed.
+        probe.phase = Phase::Rest(Instant::now());
+        probe.skipped = !probe.skipped;
+        return;
+    }
     if film.job == job || picture.revision == revision {
         return;
     }

@@ -1,10 +1,16 @@
 //! What is selected: things of the scene in the order in which they were chosen.
 
+use std::collections::HashSet;
+
 use bevy::prelude::*;
 
 /// The last one is the active one: panels show it, and pivots and alignments go by it.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
-pub struct Selection(Vec<Entity>);
+pub struct Selection {
+    order: Vec<Entity>,
+    /// The same, to be asked.
+    all: HashSet<Entity>,
+}
 
 /// How things join a selection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,36 +31,43 @@ impl Selection {
     }
 
     pub fn active(&self) -> Option<Entity> {
-        self.0.last().copied()
+        self.order.last().copied()
     }
 
     pub fn entities(&self) -> &[Entity] {
-        &self.0
+        &self.order
     }
 
     pub fn contains(&self, entity: Entity) -> bool {
-        self.0.contains(&entity)
+        self.all.contains(&entity)
     }
 
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.order.is_empty()
     }
 
     pub fn extend(&mut self, entities: impl IntoIterator<Item = Entity>, how: Extend) {
         if how == Extend::Replace {
-            self.0.clear();
+            *self = Self::default();
         }
+        let mut joining = Vec::new();
+        let mut moved = HashSet::new();
         for entity in entities {
-            let was_selected = self.contains(entity);
-            self.0.retain(|known| *known != entity);
-            if !(was_selected && how == Extend::Toggle) {
-                self.0.push(entity);
+            if moved.insert(entity) && !(how == Extend::Toggle && self.all.contains(&entity)) {
+                joining.push(entity);
             }
         }
+        // What is named again becomes the active one.
+        if !self.order.is_empty() {
+            self.order.retain(|entity| !moved.contains(entity));
+        }
+        self.order.extend(joining);
+        self.all = self.order.iter().copied().collect();
     }
 
     pub fn retain(&mut self, keep: impl FnMut(&Entity) -> bool) {
-        self.0.retain(keep);
+        self.order.retain(keep);
+        self.all = self.order.iter().copied().collect();
     }
 }
 

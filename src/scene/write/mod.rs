@@ -46,8 +46,9 @@ pub enum SaveError {
     File { path: PathBuf, source: std::io::Error },
 }
 
-/// Saves the entities: see [`save_description`]. From then on they are the scene of that file.
-pub fn save(world: &mut World, path: &Path) -> Result<(), SaveError> {
+/// Saves the entities: see [`save_description`]. From then on they are the scene of that file. A sentence if that file cannot be opened again:
+/// nothing is lost, but something in it needs mending.
+pub fn save(world: &mut World, path: &Path) -> Result<Option<String>, SaveError> {
     let (scene, entities) = gather::describe_entities(world);
     save_description(&scene, path)?;
     let target = settle(path);
@@ -56,14 +57,19 @@ pub fn save(world: &mut World, path: &Path) -> Result<(), SaveError> {
         all.set(target.clone(), of_old.clone());
         of_old
     });
-    if let Ok(mut document) = document::load(&target, &defines.unwrap_or_default()) {
-        let written = read::read(&mut document);
-        if !document.diagnostics.has_errors() {
-            spawn::rebase(world, &scene, &entities, &written);
-            loading::follow_file(world, &target, document.diagnostics.into(), written);
-        }
+    let mut document = match document::load(&target, &defines.unwrap_or_default()) {
+        Ok(document) => document,
+        Err(error) => return Ok(Some(error.to_string())),
+    };
+    let written = read::read(&mut document);
+    let diagnostics = document.diagnostics;
+    let is_error = |diagnostic: &&document::Diagnostic| diagnostic.severity == document::Severity::Error;
+    if let Some(first) = diagnostics.list.iter().find(is_error) {
+        return Ok(Some(diagnostics.line(first)));
     }
-    Ok(())
+    spawn::rebase(world, &scene, &entities, &written);
+    loading::follow_file(world, &target, diagnostics.into(), written);
+    Ok(None)
 }
 
 /// Writes a scene over the text that it was read from: see [`files`]. Each file is replaced in one step.
@@ -91,11 +97,13 @@ fn plan(scene: &SceneDescription, path: &Path) -> Result<(Vec<(PathBuf, String)>
         let text = document::to_xml(&document)?;
         return Ok((vec![(target, text)], moves));
     };
-    let document = in_place(scene, &target);
+    let mut document = in_place(scene, &target);
+    // Things that came from a glTF file since.
+    let moves = parts::take_along(Arc::make_mut(&mut document.root), &target);
     let files = with_destination(scene, &target, MeshSearch::new, |destination| {
         revise(origin, &document, destination)
     })?;
-    Ok((files, Moves::new()))
+    Ok((files, moves))
 }
 
 /// Writes a scene as one new file, without the comments, includes and `$name`s of the old one, and in words that Mitsuba knows too where there
@@ -150,6 +158,11 @@ fn copy_parts(moves: &Moves) -> Result<(), SaveError> {
 /// The document of a scene that will be written to `target` as one file; file names in it are relative to that.
 pub fn to_document(scene: &SceneDescription, target: &Path) -> Document {
     whole(scene, &settle(target)).0
+}
+
+/// A document for the clipboard: files are named in full, and stay where they are.
+pub fn to_fragment(scene: &SceneDescription) -> Document {
+    in_place(scene, Path::new("/clipboard.xml"))
 }
 
 /// As [`to_document`], with the files that are to be there besides.

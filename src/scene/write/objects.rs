@@ -363,7 +363,8 @@ pub(super) fn with_view(object: Object, to_world: &Affine3A) -> Object {
 /// How far a map taken apart and put together again may be from itself, relative to its largest element.
 const RECOMPOSED: f32 = 1e-5;
 
-/// What shortening the numbers of a transform may change, relative to its largest element: some units in the last place.
+/// What shortening the numbers of a transform may change, relative to the largest of the linear part, and to each coordinate of the place: some
+/// units in the last place.
 const SHORTENED: f32 = 4e-7;
 
 /// The step with numbers of six digits: people write 3 and 90, arithmetic makes 2.9999998 and 90.00001 of them.
@@ -386,12 +387,14 @@ fn shortened(step: &TransformOp) -> TransformOp {
 }
 
 fn short(numbers: Vec3) -> Vec3 {
-    let largest = f64::from(numbers.abs().max_element());
-    if largest == 0.0 {
-        return numbers;
-    }
-    let unit = 10f64.powf(largest.log10().floor() - 5.0);
-    numbers.map(|number| ((f64::from(number) / unit).round() * unit) as f32)
+    numbers.map(|number| {
+        let number = f64::from(number);
+        if number == 0.0 {
+            return 0.0;
+        }
+        let unit = 10f64.powf(number.abs().log10().floor() - 5.0);
+        ((number / unit).round() * unit) as f32
+    })
 }
 
 /// The map as scale, rotation and translation, each only where it does something; as a matrix when it has shear.
@@ -418,7 +421,16 @@ pub fn as_steps(map: &Affine3A) -> Vec<TransformOp> {
     let is_same =
         |steps: &[TransformOp], tolerance: f32| TransformOp::compose(steps).abs_diff_eq(*map, tolerance * largest);
     let short: Vec<TransformOp> = steps.iter().map(shortened).collect();
-    if is_same(&short, SHORTENED) {
+    let shorter = TransformOp::compose(&short);
+    let linear = map
+        .matrix3
+        .to_cols_array()
+        .iter()
+        .fold(0.0f32, |most, part| most.max(part.abs()));
+    let moved = Vec3::from(shorter.translation - map.translation).abs();
+    let is_short_enough = shorter.matrix3.abs_diff_eq(map.matrix3, SHORTENED * linear)
+        && moved.cmple(SHORTENED * Vec3::from(map.translation).abs()).all();
+    if is_short_enough {
         short
     } else if is_same(&steps, RECOMPOSED) {
         steps

@@ -101,7 +101,11 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), String> {
                 }
                 _ => at(above) * facing(-up),
             };
-            edit.spawn((called, emitter, ToWorld(pose)))
+            if is_sky(&emitter) {
+                set_sky(edit, emitter, pose, addition.name.as_deref().unwrap_or(plugin))
+            } else {
+                edit.spawn((called, emitter, ToWorld(pose)))
+            }
         }
     };
     select_new(edit, vec![entity]);
@@ -220,33 +224,58 @@ fn add_mesh(edit: &mut Edit, path: PathBuf, format: MeshFormat) {
     select_new(edit, vec![entity]);
 }
 
-/// In place of the picture of the environment map that there is.
+/// In place of the surroundings that there are: a scene has one sky.
 fn set_environment(edit: &mut Edit, picture: PathBuf) {
-    let mut emitters = edit.world.query::<(Entity, &Emitter)>();
-    let known = emitters
-        .iter(edit.world)
-        .find(|(_, emitter)| matches!(emitter.kind, EmitterKind::Environment { .. }))
-        .map(|(entity, emitter)| (entity, emitter.clone()));
-    let entity = match known {
-        Some((entity, mut emitter)) => {
-            emitter.set_picture(SquarePath::WHOLE, picture);
-            edit.set(entity, emitter);
-            entity
-        }
-        None => {
-            let up = edit.world.resource::<EditorState>().navigation.up;
-            let emitter = Emitter::from(EmitterKind::Environment {
-                picture,
-                scale: 1.0,
-                mis_compensation: true,
-            });
-            let name = free_name(&names(edit.world), "environment");
-            let order = DocumentOrder(next_order(edit.world));
-            let pose = ToWorld(turned_up(up, Vec3::Y));
-            edit.spawn((order, SceneId(name.clone()), Name::new(name), emitter, pose))
-        }
+    let up = edit.world.resource::<EditorState>().navigation.up;
+    let emitter = match sky(edit.world) {
+        Some(entity) => edit.world.get::<Emitter>(entity).cloned(),
+        None => None,
     };
+    let emitter = match emitter {
+        Some(mut known) if matches!(known.kind, EmitterKind::Environment { .. }) => {
+            known.set_picture(SquarePath::WHOLE, picture);
+            known
+        }
+        _ => Emitter::from(EmitterKind::Environment {
+            picture,
+            scale: 1.0,
+            mis_compensation: true,
+        }),
+    };
+    let entity = set_sky(edit, emitter, turned_up(up, Vec3::Y), "environment");
     select_new(edit, vec![entity]);
+}
+
+/// The light that is everywhere, if there is one.
+fn sky(world: &mut World) -> Option<Entity> {
+    let mut emitters = world.query::<(&DocumentOrder, Entity, &Emitter)>();
+    let skies = emitters.iter(world).filter(|(.., emitter)| is_sky(emitter));
+    skies
+        .map(|(order, entity, _)| (*order, entity))
+        .min()
+        .map(|(_, entity)| entity)
+}
+
+fn is_sky(emitter: &Emitter) -> bool {
+    emitter.is_environment() || matches!(emitter.kind, EmitterKind::Constant { .. })
+}
+
+/// Two skies would add up, and other programs refuse them.
+fn set_sky(edit: &mut Edit, emitter: Emitter, pose: Affine3A, name: &str) -> Entity {
+    if let Some(known) = sky(edit.world) {
+        let keeps_pose = edit
+            .world
+            .get::<Emitter>(known)
+            .is_some_and(|old| old.plugin() == emitter.plugin());
+        edit.set(known, emitter);
+        if !keeps_pose {
+            edit.set(known, ToWorld(pose));
+        }
+        return known;
+    }
+    let name = free_name(&names(edit.world), name);
+    let order = DocumentOrder(next_order(edit.world));
+    edit.spawn((order, SceneId(name.clone()), Name::new(name), emitter, ToWorld(pose)))
 }
 
 /// Plugins as XML: a whole scene, or single elements.

@@ -12,9 +12,10 @@ use crate::app::editor::history::Edit;
 use crate::app::editor::selection::{Extend, Selection};
 use crate::scene::insert::{free_name, names, next_order};
 use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DeclaredIn, Declares, DocumentOrder, Emitter, FirstNested, FreeView, Hidden,
-    IntegratorSettings, Locked, Material, MaterialUsers, MemberOf, ObjectState, Placements, SamplerSettings, SceneId,
-    SecondNested, Sensor, Shape, SquarePath, ToWorld, UsesMaterial,
+    AccelMethod, ActiveSensor, AreaLight, DeclaredIn, Declares, DocumentOrder, Emitter, FirstNested, FirstNestedIn,
+    FreeView, Hidden, IntegratorSettings, Locked, Material, MaterialUsers, MemberOf, ObjectState, Placements,
+    SamplerSettings, SceneId, SecondNested, SecondNestedIn, Sensor, Shape, ShapeGroup, SquarePath, ToWorld,
+    UsesMaterial,
 };
 
 /// The error is a sentence for the user; the caller takes back what was done before it.
@@ -62,8 +63,8 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
             edit.world.insert_resource(FreeView(None));
         }
         Command::Transform(poses) => transform(edit, poses)?,
-        Command::SetShape(entity, shape) => edit.set(entity, shape),
-        Command::SetMaterial(entity, material) => edit.set(entity, *material),
+        Command::SetShape(entity, shape) => replace(edit, entity, shape)?,
+        Command::SetMaterial(entity, material) => replace(edit, entity, *material)?,
         Command::SetPicture {
             owner,
             parameter,
@@ -71,30 +72,36 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
             path,
         } => set_picture(edit, owner, parameter, place, path),
         Command::UseMaterial { shapes, material } => {
+            if let Some(material) = material {
+                need::<Material>(edit, material)?;
+            }
             for shape in shapes {
+                need::<Shape>(edit, shape)?;
                 match material {
-                    Some(material) if edit.world.get::<Shape>(shape).is_some() => {
-                        edit.set(shape, UsesMaterial(material))
-                    }
-                    _ => edit.remove::<UsesMaterial>(shape),
+                    Some(material) => edit.set(shape, UsesMaterial(material)),
+                    None => edit.remove::<UsesMaterial>(shape),
                 }
             }
         }
         Command::GiveMaterial { shape } => {
+            need::<Shape>(edit, shape)?;
             let order = DocumentOrder(next_order(edit.world));
             let name = free_name(&names(edit.world), "material");
-            let material = edit.spawn((Material::default(), order, Name::new(name)));
+            let material = edit.spawn((Material::default(), order, SceneId(name.clone()), Name::new(name)));
             edit.set(shape, UsesMaterial(material));
         }
         Command::DropMaterial { material, at } => materials::drop_at(edit, material, at)?,
         Command::BuildMaterial { targets, tree } => materials::build(edit, &targets, &tree),
         Command::SetAreaLight(entity, light) => match light {
-            Some(light) => edit.set(entity, light),
+            Some(light) => {
+                need::<Shape>(edit, entity)?;
+                edit.set(entity, light);
+            }
             None => edit.remove::<AreaLight>(entity),
         },
-        Command::SetEmitter(entity, emitter) => edit.set(entity, emitter),
-        Command::SetSensor(entity, sensor) => edit.set(entity, sensor),
-        Command::SetFilm(entity, film) => edit.set(entity, film),
+        Command::SetEmitter(entity, emitter) => replace(edit, entity, emitter)?,
+        Command::SetSensor(entity, sensor) => replace(edit, entity, sensor)?,
+        Command::SetFilm(entity, film) => replace(edit, entity, film)?,
         Command::SetIntegrator(settings) => super::set_resource::<IntegratorSettings>(edit.world, settings),
         Command::SetSampler(settings) => super::set_resource::<SamplerSettings>(edit.world, settings),
         Command::SetAccel(method) => super::set_resource::<AccelMethod>(edit.world, method),
@@ -104,12 +111,27 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
     Ok(())
 }
 
+/// An error unless the entity has a component of this type.
+pub fn need<C: Component>(edit: &Edit, entity: Entity) -> Result<(), String> {
+    match edit.world.get::<C>(entity) {
+        Some(_) => Ok(()),
+        None => Err("That cannot be done to this thing.".to_owned()),
+    }
+}
+
+/// Another value for a component that is there.
+fn replace<C: Component + PartialEq>(edit: &mut Edit, entity: Entity, value: C) -> Result<(), String> {
+    need::<C>(edit, entity)?;
+    edit.set(entity, value);
+    Ok(())
+}
+
 fn selected(edit: &Edit) -> Result<Vec<Entity>, String> {
     let selection = edit.world.resource::<Selection>().entities();
     let free: Vec<Entity> = selection
         .iter()
         .copied()
-        .filter(|entity| edit.world.get::<Locked>(*entity).is_none())
+        .filter(|entity| ObjectState::is_in_scene(edit.world, *entity) && edit.world.get::<Locked>(*entity).is_none())
         .collect();
     match (selection.is_empty(), free.is_empty()) {
         (true, _) => Err("Nothing is selected.".to_owned()),
@@ -141,20 +163,19 @@ pub(super) fn delete(edit: &mut Edit, entity: Entity) {
     for user in users {
         edit.remove::<UsesMaterial>(user);
     }
+    // What it was inside of needs something in its place.
     for outer in outer_materials(edit.world, entity) {
-        if edit
+        let is_first = edit
             .world
             .get::<FirstNested>(outer)
-            .is_some_and(|nested| nested.0 == entity)
-        {
-            edit.remove::<FirstNested>(outer);
-        }
-        if edit
-            .world
-            .get::<SecondNested>(outer)
-            .is_some_and(|nested| nested.0 == entity)
-        {
-            edit.remove::<SecondNested>(outer);
+            .is_some_and(|nested| nested.0 == entity);
+        let order = DocumentOrder(next_order(edit.world));
+        let plain = edit.spawn((Material::default(), order, Name::new("diffuse")));
+        edit.set(plain, DeclaredIn(outer));
+        if is_first {
+            edit.set(outer, FirstNested(plain));
+        } else {
+            edit.set(outer, SecondNested(plain));
         }
     }
     edit.delete(entity);
@@ -174,13 +195,18 @@ pub(super) fn delete(edit: &mut Edit, entity: Entity) {
 }
 
 /// The materials that this one is nested in.
-pub(super) fn outer_materials(world: &mut World, material: Entity) -> Vec<Entity> {
-    let mut all = world.query_filtered::<(Entity, Option<&FirstNested>, Option<&SecondNested>), With<Material>>();
-    all.iter(world)
-        .filter(|(_, first, second)| {
-            first.is_some_and(|nested| nested.0 == material) || second.is_some_and(|nested| nested.0 == material)
-        })
-        .map(|(entity, ..)| entity)
+pub fn outer_materials(world: &World, material: Entity) -> Vec<Entity> {
+    let first = world
+        .get::<FirstNestedIn>(material)
+        .into_iter()
+        .flat_map(|outer| outer.iter());
+    let second = world
+        .get::<SecondNestedIn>(material)
+        .into_iter()
+        .flat_map(|outer| outer.iter());
+    first
+        .chain(second)
+        .filter(|outer| ObjectState::is_in_scene(world, *outer))
         .collect()
 }
 
@@ -213,25 +239,42 @@ fn duplicate(edit: &mut Edit) -> Result<(), String> {
 fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), String> {
     let name = name.trim();
     if name.is_empty() {
+        if edit.world.get::<ShapeGroup>(entity).is_some() {
+            return Err("A group needs its name: instances refer to it.".to_owned());
+        }
         edit.remove::<SceneId>(entity);
         return Ok(());
     }
-    if edit
-        .world
-        .get::<Name>(entity)
-        .is_some_and(|known| known.as_str() == name)
+    if edit.world.get::<SceneId>(entity).is_some_and(|id| id.0 == name)
+        && edit
+            .world
+            .get::<Name>(entity)
+            .is_some_and(|known| known.as_str() == name)
     {
         return Ok(());
     }
-    if let Some(wrong) = name.chars().find(|c| c.is_control() || "$.\"<>&".contains(*c)) {
+    if let Some(wrong) = name.chars().find(|c| is_no_name(*c)) {
         return Err(format!("Names cannot have {wrong:?} in them."));
     }
-    if names(edit.world).contains(name) {
+    let is_own = edit
+        .world
+        .get::<Name>(entity)
+        .is_some_and(|known| known.as_str() == name);
+    if !is_own && names(edit.world).contains(name) {
         return Err(format!("There is something called \"{name}\" already."));
     }
+    call(edit, entity, name);
+    Ok(())
+}
+
+/// Characters that ids cannot have.
+fn is_no_name(c: char) -> bool {
+    c.is_control() || "$.\"<>&".contains(c)
+}
+
+fn call(edit: &mut Edit, entity: Entity, name: &str) {
     edit.set(entity, SceneId(name.to_owned()));
     edit.set(entity, Name::new(name.to_owned()));
-    Ok(())
 }
 
 fn group(edit: &mut Edit) -> Result<(), String> {
@@ -244,6 +287,10 @@ fn group(edit: &mut Edit) -> Result<(), String> {
 
 /// Folders are written as the part of names before the last `/`.
 fn put_into(edit: &mut Edit, things: Vec<Entity>, folder: Option<&str>) -> Result<(), String> {
+    if folder.is_some_and(|folder| folder.chars().any(is_no_name)) {
+        return Err("The folder's name has a character that names cannot have.".to_owned());
+    }
+    let mut taken = names(edit.world);
     for thing in things {
         let name = edit
             .world
@@ -255,8 +302,10 @@ fn put_into(edit: &mut Edit, things: Vec<Entity>, folder: Option<&str>) -> Resul
             None => leaf.to_owned(),
         };
         if wanted != name {
-            let free = free_name(&names(edit.world), &wanted);
-            rename(edit, thing, &free)?;
+            let free = free_name(&taken, &wanted);
+            call(edit, thing, &free);
+            taken.remove(&name);
+            taken.insert(free);
         }
     }
     Ok(())
@@ -269,13 +318,11 @@ fn reorder(edit: &mut Edit, moved: &[Entity], before: Option<Entity>) {
     all.sort();
     let places: Vec<DocumentOrder> = all.iter().map(|(order, _)| *order).collect();
     let mut sequence: Vec<Entity> = all.into_iter().map(|(_, entity)| entity).collect();
-    let old = sequence.clone();
-    let moved: Vec<Entity> = moved
-        .iter()
-        .copied()
-        .filter(|entity| old.contains(entity) && Some(*entity) != before)
-        .collect();
-    sequence.retain(|entity| !moved.contains(entity));
+    let known: HashSet<Entity> = sequence.iter().copied().collect();
+    let moved = moved.iter().copied();
+    let moved: Vec<Entity> = moved.filter(|it| known.contains(it) && Some(*it) != before).collect();
+    let leaving: HashSet<Entity> = moved.iter().copied().collect();
+    sequence.retain(|entity| !leaving.contains(entity));
     let place = before.and_then(|before| sequence.iter().position(|entity| *entity == before));
     let place = place.unwrap_or(sequence.len());
     sequence.splice(place..place, moved);
@@ -307,7 +354,10 @@ fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), Stri
         if edit.world.get::<Placements>(entity).is_some() {
             return Err("So many instances stay where the file has them.".into());
         }
-        if !pose.is_finite() || edit.world.get::<Locked>(entity).is_some() {
+        if edit.world.get::<Locked>(entity).is_some() {
+            return Err("That is locked.".into());
+        }
+        if !pose.is_finite() {
             continue;
         }
         edit.set(entity, ToWorld(pose));

@@ -13,7 +13,7 @@ use crate::app::editor::state::EditorState;
 use crate::document;
 use crate::engine::{RenderFilm, RenderState, RenderStatus};
 use crate::render::image_io::{ImageRgb, write_image};
-use crate::scene::{self, OpenScene, SceneState, SceneStatus, insert, write};
+use crate::scene::{self, OpenScene, Placements, SceneState, SceneStatus, insert, write};
 
 /// Where texts of the clipboard stand: files in them are named in full.
 pub const CLIPBOARD: &str = "/clipboard.xml";
@@ -30,7 +30,10 @@ pub fn open_scene(world: &mut World, path: PathBuf) {
 
 pub fn save(world: &mut World) -> Result<(), String> {
     let status = world.resource::<SceneStatus>();
-    match status.path.clone().filter(|_| status.state != SceneState::Failed) {
+    if status.state == SceneState::Loading {
+        return Err("A scene is still being read.".to_owned());
+    }
+    match status.path.clone().filter(|_| status.state == SceneState::Ready) {
         Some(path) => save_scene(world, &path),
         None => {
             world.resource_mut::<EditorState>().dialog = Some(FileDialogKind::SaveScene);
@@ -40,11 +43,12 @@ pub fn save(world: &mut World) -> Result<(), String> {
 }
 
 pub fn save_scene(world: &mut World, path: &Path) -> Result<(), String> {
-    write::save(world, path).map_err(|error| error.to_string())?;
+    let trouble = write::save(world, path).map_err(|error| error.to_string())?;
     world.resource_mut::<History>().note_saved();
-    world
-        .resource_mut::<EditorState>()
-        .say(format!("Saved {}", path.display()));
+    world.resource_mut::<EditorState>().say(match trouble {
+        None => format!("Saved {}", path.display()),
+        Some(trouble) => format!("Saved, but it cannot be opened again as it is: {trouble}"),
+    });
     Ok(())
 }
 
@@ -77,8 +81,11 @@ pub fn copy(world: &mut World) -> Result<(), String> {
     if selected.is_empty() {
         return Err("Nothing is selected.".to_owned());
     }
+    if selected.iter().any(|entity| world.get::<Placements>(*entity).is_some()) {
+        return Err("So many instances cannot be copied.".to_owned());
+    }
     let part = insert::describe_part(world, &selected);
-    let document = write::to_document(&part, Path::new(CLIPBOARD));
+    let document = write::to_fragment(&part);
     let text = document::to_xml(&document).map_err(|error| error.to_string())?;
     world.resource_mut::<EditorState>().clipboard = Some(text);
     Ok(())

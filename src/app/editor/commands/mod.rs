@@ -23,7 +23,9 @@ use super::shell;
 use super::state::{CommandQueue, EditorState};
 use super::toasts::Topic;
 use crate::engine::{CurrentScene, InputStamp, RenderControl, RenderFilm, WakeUp};
-use crate::scene::{ActiveSensor, DocumentOrder, Emitter, Locked, ObjectState, SceneStatus, Sensor, Shape};
+use crate::scene::{
+    ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, SceneStatus, Sensor, Shape,
+};
 pub use view::{camera_pose, view_pose};
 
 /// Applies this frame's commands in order.
@@ -77,6 +79,7 @@ fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), String>
     match edits::apply(&mut edit, command) {
         Ok(()) => {
             let title = edit.titled(label, &targets);
+            keep_what_is_there(edit.world);
             edit.finish(title, merges.then_some((interaction, (label, targets))));
             Ok(())
         }
@@ -113,8 +116,12 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
 
         Command::Select(entities, how) => select(world, &entities, how),
         Command::SelectAll => {
-            let mut things =
-                world.query_filtered::<(Entity, &DocumentOrder), (Or<(With<Shape>, With<Emitter>)>, Without<Locked>)>();
+            let mut things = world.query_filtered::<(Entity, &DocumentOrder), (
+                Or<(With<Shape>, With<Emitter>)>,
+                Without<Locked>,
+                Without<Hidden>,
+                Without<MemberOf>,
+            )>();
             let mut things: Vec<_> = things.iter(world).map(|(entity, order)| (*order, entity)).collect();
             things.sort();
             let things: Vec<Entity> = things.into_iter().map(|(_, entity)| entity).collect();
@@ -179,7 +186,7 @@ fn select(world: &mut World, entities: &[Entity], how: Extend) {
 
 /// The selection and the camera in use are of the scene.
 fn keep_what_is_there(world: &mut World) {
-    let is_there = |world: &World, entity: Entity| ObjectState::of(world, entity).is_there();
+    let is_there = ObjectState::is_in_scene;
     let selection = world.resource::<Selection>().clone();
     if selection.entities().iter().any(|entity| !is_there(world, *entity)) {
         let mut kept = selection;
@@ -292,7 +299,7 @@ mod tests {
     #[test]
     fn a_picture_goes_to_whatever_has_one() {
         let mut world = world();
-        let lamp = world.spawn(AreaLight::default()).id();
+        let lamp = world.spawn((Shape::default(), AreaLight::default())).id();
         let sky = world.spawn(Emitter::of_plugin("envmap").expect("a plugin")).id();
         for owner in [lamp, sky] {
             let path = PathBuf::from("/pictures/sky.exr");

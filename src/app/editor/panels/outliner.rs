@@ -63,6 +63,13 @@ pub fn outliner(
             .desired_width(f32::INFINITY),
     )
     .on_hover_text("Shows only what has this in its name or kind");
+    if state
+        .renaming
+        .as_ref()
+        .is_some_and(|renaming| item_of(outline, renaming.entity).is_none())
+    {
+        state.renaming = None;
+    }
     let lines = lines(outline, state);
     let height = ui.spacing().interact_size.y;
     if state.renaming.is_none() && ui.input(|input| input.key_pressed(Key::F2)) {
@@ -252,7 +259,8 @@ impl Row<'_> {
         if std::mem::take(&mut renaming.is_new) {
             response.request_focus();
         } else if response.lost_focus() {
-            if !ui.input(|input| input.key_pressed(Key::Escape)) {
+            let is_given_up = ui.input(|input| input.key_pressed(Key::Escape)) || renaming.text.trim().is_empty();
+            if !is_given_up {
                 let folder = self.item.name.rsplit_once('/').map(|(folder, _)| folder);
                 let name = match folder {
                     Some(folder) => format!("{folder}/{}", renaming.text.trim()),
@@ -291,12 +299,9 @@ impl Row<'_> {
                 }
             }
         }
-        let carried = if selected {
-            self.selection.entities().to_vec()
-        } else {
-            vec![item.entity]
-        };
-        response.dnd_set_drag_payload(Dragged(carried));
+        if response.drag_started() {
+            response.dnd_set_drag_payload(Dragged(self.meant()));
+        }
         if let Some(before) = self.dropped_before(ui, &response) {
             commands.push(before);
         }
@@ -334,18 +339,22 @@ impl Row<'_> {
         })
     }
 
-    fn marks(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
-        let item = self.item;
-        let all = if self.selection.contains(item.entity) {
+    /// The whole selection, if this is of it.
+    fn meant(&self) -> Vec<Entity> {
+        if self.selection.contains(self.item.entity) {
             self.selection.entities().to_vec()
         } else {
-            vec![item.entity]
-        };
+            vec![self.item.entity]
+        }
+    }
+
+    fn marks(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let item = self.item;
         if item.can_hide {
             let help = if item.hidden { "Show" } else { "Hide (H)" };
             let response = mark(ui, help, !item.hidden, eye);
             if response.clicked() {
-                commands.push(Command::Hide(all.clone(), !item.hidden));
+                commands.push(Command::Hide(self.meant(), !item.hidden));
             }
             let help = if item.locked {
                 "Unlock"
@@ -353,7 +362,7 @@ impl Row<'_> {
                 "Lock: cannot be picked in the picture, moved or deleted"
             };
             if mark(ui, help, item.locked, padlock).clicked() {
-                commands.push(Command::Lock(all, !item.locked));
+                commands.push(Command::Lock(self.meant(), !item.locked));
             }
         }
     }
@@ -460,7 +469,8 @@ fn folder_lines<'a>(path: &str, items: &[&'a Item], is_open: &dyn Fn(&str) -> bo
         path.matches('/').count() + 1
     };
     for item in items {
-        let rest = item.name.get(path.len()..).unwrap_or_default();
+        let name = item.name.trim_start_matches('/');
+        let rest = name.get(path.len()..).unwrap_or_default();
         let rest = rest.strip_prefix('/').unwrap_or(rest);
         let Some((inner, _)) = rest.split_once('/') else {
             lines.push(Line::Item { item, depth });
@@ -475,8 +485,8 @@ fn folder_lines<'a>(path: &str, items: &[&'a Item], is_open: &dyn Fn(&str) -> bo
             format!("{path}/{inner}")
         };
         let is_inside = |item: &&&Item| {
-            item.name
-                .strip_prefix(inner.as_str())
+            let name = item.name.trim_start_matches('/');
+            name.strip_prefix(inner.as_str())
                 .is_some_and(|rest| rest.starts_with('/'))
         };
         let members: Vec<&Item> = items.iter().filter(is_inside).copied().collect();

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
+use super::command::Command;
 use super::commands;
 use super::exit_door::save_window;
 use super::state::EditorState;
@@ -31,6 +32,10 @@ pub struct Script {
     samples_awaited: Option<u32>,
     screenshot_awaited: bool,
     failed: bool,
+    /// The line that was begun last.
+    number: usize,
+    /// It opens a scene.
+    opens: bool,
 }
 
 impl Script {
@@ -43,10 +48,12 @@ impl Script {
             samples_awaited: None,
             screenshot_awaited: false,
             failed: false,
+            number: 0,
+            opens: false,
         })
     }
 
-    /// All lines are done, and their pictures saved.
+    /// All lines are done, and their pictures saved; what the last one has led to may still be on its way.
     pub fn is_done(&self) -> bool {
         self.lines.is_empty()
             && self.samples_awaited.is_none()
@@ -61,30 +68,40 @@ pub fn run_script(world: &mut World) {
         return;
     };
     script.frames += 1;
-    if !script.failed && is_ready(world, &mut script) {
-        script.next(world);
+    if !script.failed {
+        match is_ready(world, &mut script) {
+            Ok(true) => script.next(world),
+            Ok(false) => {}
+            Err(error) => script.fail(world, &error),
+        }
     }
     world.insert_resource(script);
 }
 
-fn is_ready(world: &World, script: &mut Script) -> bool {
+/// The error: it never will be.
+fn is_ready(world: &World, script: &mut Script) -> Result<bool, String> {
     if script.frames < FRAMES_TO_BEGIN || script.screenshot_awaited {
-        return false;
+        return Ok(false);
     }
     let scene = world.resource::<SceneStatus>();
     if scene.state == SceneState::Loading || scene.files_loading() > 0 {
-        return false;
+        return Ok(false);
+    }
+    if script.opens && scene.state == SceneState::Failed {
+        return Err("the scene cannot be read".to_owned());
     }
     let status = world.resource::<RenderStatus>();
     if let Some(samples) = script.samples_awaited {
-        let busy = matches!(status.state, RenderState::Loading | RenderState::Building);
-        let enough = status.samples >= samples || status.state == RenderState::Done;
-        if busy || !enough {
-            return false;
+        match status.state {
+            RenderState::Loading | RenderState::Building => return Ok(false),
+            RenderState::Rendering if status.samples < samples => return Ok(false),
+            RenderState::Rendering | RenderState::Done => script.samples_awaited = None,
+            RenderState::Idle => return Err("there is no camera: no samples can be waited for".to_owned()),
+            RenderState::Paused => return Err("rendering is paused: no samples can be waited for".to_owned()),
+            RenderState::Failed => return Err("rendering has failed: no samples can be waited for".to_owned()),
         }
-        script.samples_awaited = None;
     }
-    true
+    Ok(true)
 }
 
 impl Script {
@@ -95,14 +112,19 @@ impl Script {
                 Ok(Some(step)) => self.begin(world, step),
                 Err(error) => Err(error),
             };
+            self.number = number;
             if let Err(error) = outcome {
-                eprintln!("error: {}:{number}: {error}", self.path.display());
-                self.lines.clear();
-                self.failed = true;
-                world.write_message(AppExit::error());
+                self.fail(world, &error);
             }
             return;
         }
+    }
+
+    fn fail(&mut self, world: &mut World, error: &str) {
+        eprintln!("error: {}:{}: {error}", self.path.display(), self.number);
+        self.lines.clear();
+        self.failed = true;
+        world.write_message(AppExit::error());
     }
 
     fn begin(&mut self, world: &mut World, step: Step) -> Result<(), String> {
@@ -110,6 +132,7 @@ impl Script {
         match step {
             Step::Do(command) => {
                 world.resource_mut::<EditorState>().interaction += 1;
+                self.opens = matches!(command, Command::OpenScene(_));
                 commands::apply_now(world, command)?;
             }
             Step::WaitForSamples(samples) => self.samples_awaited = Some(samples),
