@@ -18,6 +18,9 @@ pub struct InspectorState {
     angles: transform::ShownAngles,
 }
 
+/// Points at the right that a bar lies over where there is more than fits.
+const SCROLL_BAR: f32 = 8.0;
+
 /// `scene_size` in world units.
 pub fn inspector(ui: &mut Ui, model: &Model, scene_size: f32, state: &mut InspectorState, commands: &mut Vec<Command>) {
     let Some(inspected) = &model.inspected else {
@@ -25,6 +28,7 @@ pub fn inspector(ui: &mut Ui, model: &Model, scene_size: f32, state: &mut Inspec
         ui.weak("Nothing is selected. Click in the picture or in the list at the left.");
         return;
     };
+    ui.set_max_width(ui.available_width() - SCROLL_BAR);
     ui.horizontal(|ui| {
         ui.add(egui::Label::new(egui::RichText::new(&inspected.name).heading()).truncate());
     });
