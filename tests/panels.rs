@@ -11,6 +11,8 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use sunroom::app::editor::actions::ActionContext;
 use sunroom::app::editor::command::{Command, FileDialogKind};
 use sunroom::app::editor::display::{DisplayMode, DisplaySettings};
+use sunroom::app::editor::gizmo::GizmoSettings;
+use sunroom::app::editor::gizmo::interaction::GizmoModel;
 use sunroom::app::editor::keys::Press;
 use sunroom::app::editor::layout::{self, Layout};
 use sunroom::app::editor::material_drop::drop_target;
@@ -20,6 +22,7 @@ use sunroom::app::editor::model::{
     RenderModel, StatusModel,
 };
 use sunroom::app::editor::navigation::Navigation;
+use sunroom::app::editor::outline::SelectionOutline;
 use sunroom::app::editor::overlay::{BoxList, BvhOverlay};
 use sunroom::app::editor::panels::inspector::{InspectorState, inspector};
 use sunroom::app::editor::panels::menu_bar::{MenuState, menu_bar};
@@ -30,7 +33,8 @@ use sunroom::app::editor::selection::{Extend, Selection};
 use sunroom::app::editor::shell::ShellCommand;
 use sunroom::app::editor::viewport::{ViewportModel, ViewportState, viewport};
 use sunroom::color::Rgb;
-use sunroom::engine::{RenderState, RenderStatus};
+use sunroom::engine::{CurrentScene, RenderState, RenderStatus};
+use sunroom::render::camera::Camera;
 use sunroom::scene::{
     AreaLight, ConductorIor, Crop, Distribution, Emitter, EmitterKind, Film, FovAxis, IntegratorSettings, Ior, Lens,
     Material, Parameter, PlaceAndTime, ReconstructionFilter, Roughness, Sensor, Shape, ShapeKind, SquarePath, Strategy,
@@ -968,6 +972,7 @@ fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
             context: ActionContext {
                 display: DisplaySettings::default(),
                 overlay: BvhOverlay::default(),
+                gizmo: GizmoSettings::default(),
                 paused: model.status.paused,
                 panels_shown: true,
                 selection: &Selection::default(),
@@ -1094,7 +1099,7 @@ fn picture() -> Harness<'static, Picture> {
         number: 1.0,
         pose: Affine3A::IDENTITY,
     };
-    let boxes = BoxList::default();
+    let (boxes, outline, current) = (BoxList::default(), SelectionOutline::default(), CurrentScene::default());
     let selection = Selection::of([entity(1)]);
     let mut harness = Harness::builder().with_size(egui::vec2(340.0, 240.0)).build_ui_state(
         move |ui, picture: &mut Picture| {
@@ -1107,13 +1112,24 @@ fn picture() -> Harness<'static, Picture> {
                 picture: Some((egui::TextureId::default(), [200, 100])),
                 placeholder: "",
                 pose: Some(picture.pose),
-                camera: None,
+                camera: Some(Camera::new(picture.pose, 60.0, 2.0, 0.01, 100.0, None)),
                 boxes: &boxes,
-                selection_box: None,
+                outline: &outline,
+                icons: &[],
+                gizmo: GizmoModel {
+                    settings: GizmoSettings::default(),
+                    targets: &[],
+                    length_step: 1.0,
+                    up: Vec3::Y,
+                    current: &current,
+                },
+                locked: &[],
+                current: &current,
                 navigation: Navigation::default(),
                 keys: ActionContext {
                     display: DisplaySettings::default(),
                     overlay: BvhOverlay::default(),
+                    gizmo: GizmoSettings::default(),
                     paused: false,
                     panels_shown: true,
                     selection: &selection,
@@ -1138,7 +1154,11 @@ fn presses(ui: &egui::Ui) -> Vec<Press> {
             repeat: false,
             modifiers,
             ..
-        } => Some(Press { key, modifiers }),
+        } => Some(Press {
+            key,
+            modifiers,
+            numpad: false,
+        }),
         _ => None,
     };
     ui.input(|input| input.events.iter().filter_map(press).collect())

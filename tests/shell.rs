@@ -12,6 +12,7 @@ use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::actions::{ACTIONS, ActionContext};
 use sunroom::app::editor::command::Command;
 use sunroom::app::editor::display::DisplaySettings;
+use sunroom::app::editor::gizmo::GizmoSettings;
 use sunroom::app::editor::guard::{Guard, Unsaved};
 use sunroom::app::editor::layout::Panel;
 use sunroom::app::editor::model::{Item, Model, Outline};
@@ -61,6 +62,7 @@ fn context(selection: &Selection) -> ActionContext<'_> {
     ActionContext {
         display: DisplaySettings::default(),
         overlay: BvhOverlay::default(),
+        gizmo: GizmoSettings::default(),
         paused: false,
         panels_shown: true,
         selection,

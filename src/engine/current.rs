@@ -10,7 +10,7 @@ use crate::render::scene::RenderScene;
 use crate::render::view::View;
 
 /// May be ahead of the picture by a frame or two.
-#[derive(Resource, Default)]
+#[derive(Resource, Debug, Default)]
 pub struct CurrentScene {
     pub scene: Option<RenderScene>,
     /// The shape behind each instance of `scene.geometry`, then behind each placement.

@@ -1,10 +1,13 @@
 //! Everything that is done by one key, one menu entry or one word: the table that the keyboard, the menus, the palette, the overview of
 //! shortcuts and scripts share.
 
-use bevy_egui::egui::{Key, Modifiers};
+use bevy_egui::egui::Key;
 
-use super::command::{AdditionKind, Command, FileDialogKind};
+use super::command::{AdditionKind, Command, Direction, FileDialogKind};
 use super::display::DisplaySettings;
+use super::gizmo::{Axes, GizmoSettings, Mode};
+use super::keys::Press;
+use super::orbit::AxisView;
 use super::overlay::BvhOverlay;
 use super::selection::{Extend, Selection};
 use super::shell::{Sheet, ShellCommand};
@@ -14,6 +17,7 @@ use super::shell::{Sheet, ShellCommand};
 pub struct ActionContext<'a> {
     pub display: DisplaySettings,
     pub overlay: BvhOverlay,
+    pub gizmo: GizmoSettings,
     pub paused: bool,
     pub panels_shown: bool,
     pub selection: &'a Selection,
@@ -28,6 +32,8 @@ pub struct Shortcut {
     pub command: bool,
     pub shift: bool,
     pub alt: bool,
+    /// A digit of the block at the keyboard's right.
+    pub numpad: bool,
 }
 
 #[derive(Clone, Copy)]
@@ -70,6 +76,28 @@ const fn plain(key: Key) -> Shortcut {
         command: false,
         shift: false,
         alt: false,
+        numpad: false,
+    }
+}
+
+const fn numpad(key: Key) -> Shortcut {
+    Shortcut {
+        numpad: true,
+        ..plain(key)
+    }
+}
+
+const fn command_numpad(key: Key) -> Shortcut {
+    Shortcut {
+        command: true,
+        ..numpad(key)
+    }
+}
+
+const fn command_alt(key: Key) -> Shortcut {
+    Shortcut {
+        alt: true,
+        ..command(key)
     }
 }
 
@@ -102,8 +130,10 @@ const fn command_shift(key: Key) -> Shortcut {
 }
 
 impl Shortcut {
-    pub fn is_pressed(&self, key: Key, modifiers: Modifiers) -> bool {
-        key == self.key
+    pub fn is_pressed(&self, press: &Press) -> bool {
+        let modifiers = press.modifiers;
+        press.key == self.key
+            && press.numpad == self.numpad
             && modifiers.command == self.command
             && modifiers.shift == self.shift
             && modifiers.alt == self.alt
@@ -119,6 +149,7 @@ impl Shortcut {
             .filter(|(held, _)| *held)
             .map(|(_, name)| name)
             .collect();
+        text += if self.numpad { "Numpad " } else { "" };
         text += self.key.symbol_or_name();
         text
     }
@@ -141,6 +172,31 @@ const fn action(
         keys,
         command,
     }
+}
+
+macro_rules! gizmo_mode {
+    ($name:literal, $label:literal, $key:expr, $mode:ident) => {
+        action(Group::Edit, $name, $label, &[plain($key)], |context| {
+            Some(Command::SetGizmo(GizmoSettings {
+                mode: Mode::$mode,
+                ..context.gizmo
+            }))
+        })
+    };
+}
+
+macro_rules! nudge {
+    ($name:literal, $label:literal, $key:expr, $direction:ident) => {
+        action(Group::Edit, $name, $label, &[plain($key)], |context| {
+            context.with_selection(Command::Nudge(Direction::$direction))
+        })
+    };
+}
+
+macro_rules! view {
+    ($name:literal, $label:literal, $shortcut:expr => $command:expr) => {
+        action(Group::View, $name, $label, &[$shortcut], |_| Some($command))
+    };
 }
 
 /// All of them, in the order of the menus.
@@ -209,6 +265,36 @@ pub const ACTIONS: &[Action] = &[
     action(Group::Edit, "show-all", "Show everything", &[alt(Key::H)], |_| {
         Some(Command::ShowAll)
     }),
+    gizmo_mode!("gizmo-move", "Move with the gizmo", Key::G, Move),
+    gizmo_mode!("gizmo-rotate", "Rotate with the gizmo", Key::R, Rotate),
+    gizmo_mode!("gizmo-scale", "Scale with the gizmo", Key::T, Scale),
+    action(
+        Group::Edit,
+        "gizmo-axes",
+        "World or local axes",
+        &[plain(Key::X)],
+        |context| {
+            let axes = match context.gizmo.axes {
+                Axes::World => Axes::Local,
+                Axes::Local => Axes::World,
+            };
+            let settings = GizmoSettings { axes, ..context.gizmo };
+            Some(Command::SetGizmo(settings))
+        },
+    ),
+    nudge!("nudge-left", "Nudge left", Key::ArrowLeft, Left),
+    nudge!("nudge-right", "Nudge right", Key::ArrowRight, Right),
+    nudge!("nudge-ahead", "Nudge away", Key::ArrowUp, Ahead),
+    nudge!("nudge-back", "Nudge nearer", Key::ArrowDown, Back),
+    nudge!("nudge-up", "Nudge up", Key::PageUp, Up),
+    nudge!("nudge-down", "Nudge down", Key::PageDown, Down),
+    action(
+        Group::Edit,
+        "drop",
+        "Drop to the surface below",
+        &[plain(Key::End)],
+        |context| context.with_selection(Command::Drop),
+    ),
     action(Group::Add, "add-sphere", "Sphere", &[], |_| {
         Some(addition(AdditionKind::Sphere))
     }),
@@ -262,9 +348,43 @@ pub const ACTIONS: &[Action] = &[
         &[plain(Key::Home)],
         |_| Some(Command::FrameAll),
     ),
-    action(Group::View, "camera-to-view", "Move camera to view", &[], |_| {
-        Some(Command::MoveCameraToView)
-    }),
+    action(
+        Group::View,
+        "camera-to-view",
+        "Move camera to view",
+        &[
+            command_alt(Key::Num0),
+            Shortcut {
+                numpad: true,
+                ..command_alt(Key::Num0)
+            },
+        ],
+        |_| Some(Command::MoveCameraToView),
+    ),
+    view!("view-front", "Look at the front", numpad(Key::Num1) => Command::LookAlong(AxisView::Front)),
+    view!("view-back", "Look at the back", command_numpad(Key::Num1) => Command::LookAlong(AxisView::Back)),
+    view!("view-right", "Look from the right", numpad(Key::Num3) => Command::LookAlong(AxisView::Right)),
+    view!("view-left", "Look from the left", command_numpad(Key::Num3) => Command::LookAlong(AxisView::Left)),
+    view!("view-top", "Look from above", numpad(Key::Num7) => Command::LookAlong(AxisView::Top)),
+    view!("view-bottom", "Look from below", command_numpad(Key::Num7) => Command::LookAlong(AxisView::Bottom)),
+    view!("view-1", "View 1", plain(Key::Num1) => Command::RecallView(1)),
+    view!("view-2", "View 2", plain(Key::Num2) => Command::RecallView(2)),
+    view!("view-3", "View 3", plain(Key::Num3) => Command::RecallView(3)),
+    view!("view-4", "View 4", plain(Key::Num4) => Command::RecallView(4)),
+    view!("view-5", "View 5", plain(Key::Num5) => Command::RecallView(5)),
+    view!("view-6", "View 6", plain(Key::Num6) => Command::RecallView(6)),
+    view!("view-7", "View 7", plain(Key::Num7) => Command::RecallView(7)),
+    view!("view-8", "View 8", plain(Key::Num8) => Command::RecallView(8)),
+    view!("view-9", "View 9", plain(Key::Num9) => Command::RecallView(9)),
+    view!("store-view-1", "Store view 1", command(Key::Num1) => Command::StoreView(1)),
+    view!("store-view-2", "Store view 2", command(Key::Num2) => Command::StoreView(2)),
+    view!("store-view-3", "Store view 3", command(Key::Num3) => Command::StoreView(3)),
+    view!("store-view-4", "Store view 4", command(Key::Num4) => Command::StoreView(4)),
+    view!("store-view-5", "Store view 5", command(Key::Num5) => Command::StoreView(5)),
+    view!("store-view-6", "Store view 6", command(Key::Num6) => Command::StoreView(6)),
+    view!("store-view-7", "Store view 7", command(Key::Num7) => Command::StoreView(7)),
+    view!("store-view-8", "Store view 8", command(Key::Num8) => Command::StoreView(8)),
+    view!("store-view-9", "Store view 9", command(Key::Num9) => Command::StoreView(9)),
     action(
         Group::View,
         "next-mode",
@@ -364,6 +484,7 @@ impl ActionContext<'_> {
         match command {
             Command::SetDisplay(display) => self.display = *display,
             Command::SetOverlay(overlay) => self.overlay = *overlay,
+            Command::SetGizmo(settings) => self.gizmo = *settings,
             Command::SetPaused(paused) => self.paused = *paused,
             Command::ShowPanels(shown) => self.panels_shown = *shown,
             _ => {}

@@ -8,7 +8,9 @@ use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::{Entity, Vec2};
 
 use super::display::DisplaySettings;
+use super::gizmo::GizmoSettings;
 use super::material_tree::MaterialTree;
+use super::orbit::AxisView;
 use super::overlay::BvhOverlay;
 use super::selection::Extend;
 use super::shell::ShellCommand;
@@ -54,6 +56,12 @@ pub enum Command {
     LookThrough(Entity),
     /// Puts the sensor in use to where the view is.
     MoveCameraToView,
+    /// Along an axis of the world, onto the selection or what is ahead.
+    LookAlong(AxisView),
+    /// Keeps the view under a number from 1 to 9.
+    StoreView(usize),
+    /// Goes back to a view that was kept.
+    RecallView(usize),
     /// Flying speed as a multiple of the one that suits the scene's size.
     SetSpeed(f32),
 
@@ -86,6 +94,10 @@ pub enum Command {
     HideOthers,
     ShowAll,
     Lock(Vec<Entity>, bool),
+    /// The selection by a step along an axis of the world, the one that looks most like this in the picture.
+    Nudge(Direction),
+    /// Each selected thing down onto what is below it.
+    Drop,
     /// World from local of several things at once.
     Transform(Vec<(Entity, Affine3A)>),
     SetShape(Entity, Shape),
@@ -131,11 +143,23 @@ pub enum Command {
     SetResolutionScale(f32),
     SetDisplay(DisplaySettings),
     SetOverlay(BvhOverlay),
+    SetGizmo(GizmoSettings),
     Denoise,
     /// Back to the picture as sampled.
     DropDenoised,
     ShowPanels(bool),
     Shell(ShellCommand),
+}
+
+/// Ways to go on the ground, as the camera sees it, and up and down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    Left,
+    Right,
+    Ahead,
+    Back,
+    Up,
+    Down,
 }
 
 /// Something new in the scene.
@@ -240,6 +264,8 @@ impl Command {
             | Self::HideOthers
             | Self::ShowAll
             | Self::Lock(..)
+            | Self::Nudge(_)
+            | Self::Drop
             | Self::SetPicture { .. }
             | Self::UseMaterial { .. }
             | Self::GiveMaterial { .. }
@@ -250,6 +276,8 @@ impl Command {
             | Self::FrameSelection
             | Self::FrameAll
             | Self::LookThrough(_)
+            | Self::LookAlong(_)
+            | Self::RecallView(_)
             | Self::SetResolutionScale(_)
             | Self::Undo
             | Self::Redo
@@ -267,6 +295,8 @@ impl Command {
             | Self::SelectAll
             | Self::Pick(..)
             | Self::SetSpeed(_)
+            | Self::StoreView(_)
+            | Self::SetGizmo(_)
             | Self::Copy
             | Self::SetPaused(_)
             | Self::SetTargetSamples(_)
@@ -298,7 +328,8 @@ impl Command {
             Self::HideOthers => "Hide others",
             Self::Lock(_, true) => "Lock",
             Self::Lock(_, false) => "Unlock",
-            Self::Transform(_) => "Move",
+            Self::Transform(_) | Self::Nudge(_) => "Move",
+            Self::Drop => "Drop",
             Self::SetShape(..) => "Edit shape",
             Self::SetMaterial(..) => "Edit material",
             Self::SetPicture { .. } => "Choose picture",

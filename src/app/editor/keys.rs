@@ -22,6 +22,8 @@ pub fn fly_direction(input: &InputState) -> Vec3 {
 pub struct Press {
     pub key: Key,
     pub modifiers: Modifiers,
+    /// A digit of the block at the keyboard's right.
+    pub numpad: bool,
 }
 
 /// The modifier keys that are down. egui knows them once per frame only: of Control and S pressed and let go within one slow frame it
@@ -45,10 +47,34 @@ impl HeldModifiers {
             self.0.push((event.key_code, modifier));
             return None;
         }
-        let key = bevy_to_egui_key(&event.logical_key).or_else(|| bevy_to_egui_physical_key(&event.key_code))?;
+        let numpad = numpad_digit(event.key_code);
+        let key = numpad
+            .or_else(|| bevy_to_egui_key(&event.logical_key))
+            .or_else(|| bevy_to_egui_physical_key(&event.key_code))?;
         let modifiers = self.0.iter().fold(Modifiers::NONE, |all, (_, held)| all | *held);
-        Some(Press { key, modifiers })
+        Some(Press {
+            key,
+            modifiers,
+            numpad: numpad.is_some(),
+        })
     }
+}
+
+/// Whatever Num Lock makes of it.
+fn numpad_digit(code: KeyCode) -> Option<Key> {
+    let digits = [
+        (KeyCode::Numpad0, Key::Num0),
+        (KeyCode::Numpad1, Key::Num1),
+        (KeyCode::Numpad2, Key::Num2),
+        (KeyCode::Numpad3, Key::Num3),
+        (KeyCode::Numpad4, Key::Num4),
+        (KeyCode::Numpad5, Key::Num5),
+        (KeyCode::Numpad6, Key::Num6),
+        (KeyCode::Numpad7, Key::Num7),
+        (KeyCode::Numpad8, Key::Num8),
+        (KeyCode::Numpad9, Key::Num9),
+    ];
+    digits.into_iter().find(|(known, _)| *known == code).map(|(_, key)| key)
 }
 
 fn modifier(key: &LogicalKey) -> Option<Modifiers> {
@@ -99,7 +125,7 @@ pub fn shortcuts(presses: &[Press], context: &ActionContext) -> Vec<Command> {
         if context.flying && press.modifiers.command {
             continue;
         }
-        let is_meant = |action: &&Action| action.keys.iter().any(|key| key.is_pressed(press.key, press.modifiers));
+        let is_meant = |action: &&Action| action.keys.iter().any(|key| key.is_pressed(press));
         let Some(command) = ACTIONS
             .iter()
             .find(is_meant)
@@ -127,6 +153,7 @@ mod tests {
     use bevy::prelude::Entity;
 
     use super::super::display::{DisplayMode, DisplaySettings};
+    use super::super::gizmo::GizmoSettings;
     use super::super::overlay::BvhOverlay;
     use super::super::selection::Selection;
     use super::*;
@@ -151,6 +178,7 @@ mod tests {
             overlay: BvhOverlay::default(),
             paused: false,
             panels_shown: true,
+            gizmo: GizmoSettings::default(),
             selection: &Selection::default(),
             flying: false,
         };

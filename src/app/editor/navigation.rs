@@ -1,8 +1,10 @@
-//! Flying and looking around: how keys, drags and the wheel move the camera. Pure arithmetic, so that it is the same at any frame rate.
+//! Flying and looking around: how keys and drags move the camera. Pure arithmetic, so that it is the same at any frame rate. What moves
+//! it about things is in `orbit`.
 //!
-//! The camera looks along +z of its own space with +x to its left and +y up.
+//! The camera looks along +z of its own space with +x to its left and +y up. Scale in its pose stays: for an orthographic camera it is
+//! the extent of the picture.
 
-use bevy::math::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
+use bevy::math::{Affine3A, Mat3A, Quat, Vec2, Vec3, Vec3A};
 
 use crate::math::Aabb;
 
@@ -28,8 +30,6 @@ pub struct FlyInput {
     pub direction: Vec3,
     /// Mouse movement in points while looking, +x right, +y down.
     pub look: Vec2,
-    /// Notches of the wheel, positive away from the user.
-    pub dolly: f32,
     pub fast: bool,
     pub slow: bool,
     /// Seconds since the last frame.
@@ -75,20 +75,20 @@ impl Navigation {
         (self.speed * SPEED_PER_NOTCH.powf(notches)).clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end())
     }
 
-    /// The pose after one frame, or None if nothing moves it. Scale in the pose is dropped.
+    /// World units that a notch of the wheel goes where nothing is in the way.
+    pub fn units_per_notch(&self) -> f32 {
+        SECONDS_PER_NOTCH * self.units_per_second()
+    }
+
+    /// The pose after one frame, or None if nothing moves it.
     pub fn fly(&self, world_from_camera: Affine3A, input: &FlyInput) -> Option<Affine3A> {
-        let idle = input.direction == Vec3::ZERO && input.look == Vec2::ZERO && input.dolly == 0.0;
-        if idle {
+        if input.direction == Vec3::ZERO && input.look == Vec2::ZERO {
             return None;
-        }
-        let mut forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
-        if input.look != Vec2::ZERO {
-            forward = self.turned(forward, input.look);
         }
         let rotation = if input.look == Vec2::ZERO {
             orthonormal(&world_from_camera.matrix3)
         } else {
-            facing(forward, self.up)
+            self.looking(&world_from_camera, input.look)
         };
         let pace = match (input.fast, input.slow) {
             (true, false) => FAST,
@@ -97,25 +97,49 @@ impl Navigation {
         };
         let seconds = input.seconds.clamp(0.0, LONGEST_FRAME);
         let [left, up, ahead] = input.direction.to_array();
-        let move_by = Vec3::from(rotation.x_axis) * left + self.up * up + forward * ahead;
-        let flown = move_by.clamp_length_max(1.0) * seconds + forward * (input.dolly * SECONDS_PER_NOTCH);
-        let translation = world_from_camera.translation + Vec3A::from(flown * (pace * self.units_per_second()));
+        let way = Vec3::from(rotation.x_axis) * left + self.up * up + Vec3::from(rotation.z_axis) * ahead;
+        let way = way.clamp_length_max(1.0) * (seconds * pace * self.units_per_second());
         let pose = Affine3A {
-            matrix3: rotation,
-            translation,
+            matrix3: rotation * Mat3A::from_diagonal(scale_of(&world_from_camera)),
+            translation: world_from_camera.translation + Vec3A::from(way),
         };
         pose.is_finite().then_some(pose)
     }
 
-    fn turned(&self, forward: Vec3, look: Vec2) -> Vec3 {
+    /// The level axes of a camera that has been turned by a mouse movement of so many points.
+    pub fn looking(&self, world_from_camera: &Affine3A, look: Vec2) -> Mat3A {
+        let forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
         let angles = look * LOOK_RATE;
         // Elevation and heading are changed apart, so that the horizon stays level.
         let elevation = forward.dot(self.up).clamp(-1.0, 1.0).asin();
         let limit = std::f32::consts::FRAC_PI_2 - POLE_MARGIN;
         let elevation = (elevation - angles.y).clamp(-limit, limit);
-        let level = (forward - self.up * forward.dot(self.up)).normalize_or(self.up.any_orthonormal_vector());
-        let level = bevy::math::Quat::from_axis_angle(self.up, -angles.x) * level;
-        level * elevation.cos() + self.up * elevation.sin()
+        let heading = Quat::from_axis_angle(self.up, -angles.x) * self.heading(world_from_camera);
+        facing(heading * elevation.cos() + self.up * elevation.sin(), self.up)
+    }
+
+    /// What is up in a picture of this pose: the world's, or straight up and down where that heads.
+    pub fn upright(&self, world_from_camera: &Affine3A) -> Vec3 {
+        let forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
+        let down = -forward.dot(self.up);
+        if down.abs() > POLE_MARGIN.cos() {
+            self.heading(world_from_camera) * down.signum()
+        } else {
+            self.up
+        }
+    }
+
+    /// The level unit direction in which a camera looks, or straight up and down that of its upper or lower edge.
+    fn heading(&self, world_from_camera: &Affine3A) -> Vec3 {
+        let [upward, forward] = [world_from_camera.matrix3.y_axis, world_from_camera.matrix3.z_axis]
+            .map(|axis| Vec3::from(axis).normalize_or_zero());
+        let level = |direction: Vec3| direction - self.up * direction.dot(self.up);
+        let ahead = level(forward);
+        if ahead.length() > POLE_MARGIN.sin() {
+            return ahead.normalize();
+        }
+        let edge = level(upward) * -forward.dot(self.up).signum();
+        edge.normalize_or(self.up.any_orthonormal_vector())
     }
 }
 
@@ -154,8 +178,14 @@ pub fn framing_parallel(world_from_camera: Affine3A, bounds: &Aabb, aspect: f32)
     pose.is_finite().then_some(pose)
 }
 
+/// The lengths of the pose's axes.
+pub fn scale_of(pose: &Affine3A) -> Vec3 {
+    let axes = pose.matrix3;
+    Vec3::new(axes.x_axis.length(), axes.y_axis.length(), axes.z_axis.length())
+}
+
 /// A level camera that looks along `forward` (unit length, not parallel to `up`).
-fn facing(forward: Vec3, up: Vec3) -> Mat3A {
+pub fn facing(forward: Vec3, up: Vec3) -> Mat3A {
     let left = up.cross(forward).normalize_or(forward.any_orthonormal_vector());
     Mat3A::from_cols(left.into(), forward.cross(left).into(), forward.into())
 }

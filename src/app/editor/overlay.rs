@@ -58,16 +58,6 @@ pub fn boxes(geometry: &Tlas, overlay: &BvhOverlay) -> BoxList {
     list
 }
 
-impl WorldBox {
-    /// A box along the world's axes.
-    pub fn of(bounds: &Aabb) -> Self {
-        Self {
-            corners: corners(bounds),
-            over_instances: true,
-        }
-    }
-}
-
 impl BoxList {
     fn offer(&mut self, found: &BvhBox, overlay: &BvhOverlay, world_from_local: &Affine3A, over_instances: bool) {
         let depth = overlay.depth as usize;

@@ -5,19 +5,23 @@ use bevy_egui::egui::{self, Id, Key, Modal, Modifiers, RichText, Ui};
 use super::actions::{ACTIONS, Group, Shortcut};
 
 /// What is no action: held keys, and the mouse.
-const CONTROLS: [(&str, &str); 13] = [
+const CONTROLS: [(&str, &str); 17] = [
     ("W A S D", "Fly"),
     ("Q E", "Fly down and up"),
     ("Shift, Ctrl", "while flying: fast, slow"),
     ("Right drag", "Look around"),
-    ("Left drag", "Look around, on empty space"),
+    ("Left drag", "Look around, or drag a handle"),
     ("Alt+Left drag", "Orbit the selection"),
     ("Middle drag", "Pan"),
-    ("Wheel", "Dolly"),
+    ("Wheel", "Towards the pointer"),
     ("Right+Wheel", "Flying speed"),
     ("Click", "Select"),
-    ("Shift+Click", "Add to the selection"),
+    ("Shift+Click", "Add or take away"),
     ("Ctrl+Click", "Add or take away"),
+    ("Shift+Left drag", "Add what shows in the box"),
+    ("Ctrl in a drag", "Round to the step"),
+    ("Shift in a drag", "Onto the surface"),
+    ("G R T, X, 1.5", "By a number along an axis"),
     ("Ctrl +, -, 0", "Size of the panels"),
 ];
 

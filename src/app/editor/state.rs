@@ -1,10 +1,12 @@
 //! What the editor itself remembers: how the picture is shown, messages, the open dialog. None of it is saved.
 
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy_egui::egui::Rect;
 
 use super::command::{Command, FileDialogKind};
 use super::display::DisplaySettings;
+use super::gizmo::GizmoSettings;
 use super::layout::Panel;
 use super::navigation::Navigation;
 use super::overlay::BvhOverlay;
@@ -20,6 +22,9 @@ pub struct EditorState {
     pub display: DisplaySettings,
     pub overlay: BvhOverlay,
     pub navigation: Navigation,
+    pub gizmo: GizmoSettings,
+    /// Views to come back to, world from camera.
+    pub bookmarks: [Option<Affine3A>; 9],
     pub panels_shown: bool,
     /// To be brought to the front of its group, unless it is closed.
     pub wanted_panel: Option<Panel>,
@@ -47,6 +52,8 @@ impl Default for EditorState {
             display: DisplaySettings::default(),
             overlay: BvhOverlay::default(),
             navigation: Navigation::default(),
+            gizmo: GizmoSettings::default(),
+            bookmarks: [None; 9],
             panels_shown: true,
             wanted_panel: None,
             outliner: OutlinerState::default(),

@@ -10,12 +10,17 @@ use super::dialogs::Dialogs;
 use super::docking::{Panels, docked_panels};
 use super::dropping::{self, DroppedFiles};
 use super::gather::EditorModel;
+use super::gizmo::Target;
+use super::gizmo::interaction::GizmoModel;
 use super::guard::{Guard, Unsaved};
+use super::icons::{Icon, IconKind};
 use super::keys::{KeyEvents, Press};
 use super::layout::Layout;
-use super::overlay::{self, BoxList, BvhOverlay, WorldBox};
+use super::outline::SelectionOutline;
+use super::overlay::{self, BoxList, BvhOverlay};
 use super::panels::menu_bar::{MenuState, menu_bar};
 use super::panels::status;
+use super::panels::transform::Freedom;
 use super::picking;
 use super::picture::Picture;
 use super::preferences::{Preferences, PreferencesFile};
@@ -25,8 +30,12 @@ use super::sheet::{self, SheetModel};
 use super::state::{CommandQueue, EditorState};
 use super::viewport::{PICTURE, ViewportModel, viewport};
 use crate::accel::Tlas;
-use crate::engine::CurrentScene;
-use crate::scene::{ActiveSensor, FreeView, SceneState, SceneStatus, ToWorld};
+use crate::engine::{CurrentScene, RenderFilm};
+use crate::math::Aabb;
+use crate::scene::{
+    ActiveSensor, Emitter, EmitterKind, FreeView, Hidden, Locked, MemberOf, Placements, SceneState, SceneStatus,
+    Sensor, Shape, ToWorld,
+};
 
 /// The boxes as they were last collected.
 #[derive(Default)]
@@ -35,28 +44,34 @@ pub struct CollectedBoxes {
     list: BoxList,
 }
 
-/// The selection's box as it was last found.
+/// World bounds of the selected things as they were last found.
 #[derive(Default)]
-pub struct SelectionBox {
-    of: Option<(Entity, std::sync::Arc<Tlas>)>,
-    shown: Option<WorldBox>,
+pub struct SelectionBounds {
+    of: Option<(Selection, std::sync::Arc<Tlas>)>,
+    bounds: Vec<Option<Aabb>>,
 }
 
-impl SelectionBox {
-    fn update(&mut self, current: &CurrentScene, selection: Option<Entity>) -> Option<WorldBox> {
-        let (Some(scene), Some(selection)) = (&current.scene, selection) else {
+impl SelectionBounds {
+    fn update(&mut self, current: &CurrentScene, selection: &Selection) {
+        let Some(scene) = &current.scene else {
             *self = Self::default();
-            return None;
+            return;
         };
-        let is_same = |(entity, geometry): &(Entity, _)| {
-            *entity == selection && std::sync::Arc::ptr_eq(geometry, &scene.geometry)
-        };
+        let is_same =
+            |(of, geometry): &(Selection, _)| of == selection && std::sync::Arc::ptr_eq(geometry, &scene.geometry);
         if !self.of.as_ref().is_some_and(is_same) {
-            self.shown = picking::bounds_of(current, selection).map(|bounds| WorldBox::of(&bounds));
-            self.of = Some((selection, scene.geometry.clone()));
+            self.bounds = picking::bounds_of_each(current, selection.entities());
+            self.of = Some((selection.clone(), scene.geometry.clone()));
         }
-        self.shown
     }
+}
+
+/// What is seen of the scene over the picture, kept from frame to frame.
+#[derive(Default)]
+pub struct Seen {
+    boxes: CollectedBoxes,
+    bounds: SelectionBounds,
+    outline: SelectionOutline,
 }
 
 #[derive(bevy::ecs::system::SystemParam)]
@@ -68,6 +83,65 @@ pub struct Scene<'w, 's> {
     free_view: Res<'w, FreeView>,
     poses: Query<'w, 's, &'static ToWorld>,
     picture: Res<'w, Picture>,
+    film: Res<'w, RenderFilm>,
+    movable: Query<'w, 's, Movable, (Without<Locked>, Without<Placements>, Without<MemberOf>)>,
+    emitters: Query<'w, 's, (Entity, &'static Emitter, &'static ToWorld), Without<Hidden>>,
+    sensors: Query<'w, 's, (Entity, &'static ToWorld), With<Sensor>>,
+    locked: Query<'w, 's, Entity, With<Locked>>,
+}
+
+type Movable = (&'static ToWorld, Has<Shape>, Option<&'static Emitter>, Has<Sensor>);
+
+impl Scene<'_, '_> {
+    /// The selected things that can be moved, with their bounds.
+    fn targets(&self, bounds: &[Option<Aabb>]) -> Vec<Target> {
+        let places = self
+            .selection
+            .entities()
+            .iter()
+            .zip(bounds.iter().chain(std::iter::repeat(&None)));
+        let targets = places.filter_map(|(&entity, &bounds)| {
+            let (to_world, is_shape, emitter, is_sensor) = self.movable.get(entity).ok()?;
+            let freedom = match emitter {
+                _ if is_shape => Freedom::Affine,
+                Some(emitter) if emitter.is_environment() => Freedom::Turning,
+                Some(emitter) if matches!(emitter.kind, EmitterKind::Constant { .. }) => return None,
+                Some(_) => Freedom::Rigid,
+                None if is_sensor => Freedom::Rigid,
+                None => return None,
+            };
+            Some(Target {
+                entity,
+                to_world: to_world.0,
+                freedom,
+                bounds,
+            })
+        });
+        targets.collect()
+    }
+
+    /// Of the lights that have a place, and of the cameras but the one that is looked through.
+    fn icons(&self) -> Vec<Icon> {
+        let lights = self.emitters.iter().filter_map(|(entity, emitter, to_world)| {
+            let kind = IconKind::of(emitter)?;
+            Some(Icon {
+                entity,
+                kind,
+                pose: to_world.0,
+            })
+        });
+        let looked_through = self.active.0.filter(|_| self.free_view.0.is_none());
+        let others = self
+            .sensors
+            .iter()
+            .filter(|(entity, _)| Some(*entity) != looked_through);
+        let cameras = others.map(|(entity, to_world)| Icon {
+            entity,
+            kind: IconKind::Frustum,
+            pose: to_world.0,
+        });
+        lights.chain(cameras).collect()
+    }
 }
 
 /// What belongs to the window more than to the scene.
@@ -91,11 +165,10 @@ pub fn show_window(
     scene: Scene,
     mut keys: KeyEvents,
     mut focus: Local<Option<egui::Id>>,
-    mut boxes: Local<CollectedBoxes>,
-    mut selection_box: Local<SelectionBox>,
+    mut seen: Local<Seen>,
 ) -> Result {
     let presses = keys.presses();
-    count_interactions(contexts.ctx_mut()?, &mut state, &mut focus);
+    count_interactions(contexts.ctx_mut()?, &presses, &mut state, &mut focus);
     let context = contexts.ctx_mut()?.clone();
     let builder = egui::UiBuilder::new()
         .layer_id(egui::LayerId::background())
@@ -109,6 +182,7 @@ pub fn show_window(
     let action_context = ActionContext {
         display: state.display,
         overlay: state.overlay,
+        gizmo: state.gizmo,
         paused: model.status.paused,
         panels_shown: state.panels_shown,
         selection: &scene.selection,
@@ -122,7 +196,19 @@ pub fn show_window(
     };
     egui::Panel::top("menus").show(&mut ui, |ui| menu_bar(ui, model, menus, commands));
     egui::Panel::bottom("status").show(&mut ui, |ui| status::status_line(ui, &model.status));
-    collect_boxes(&scene.current, &state.overlay, &mut boxes);
+    let Seen { boxes, bounds, outline } = &mut *seen;
+    collect_boxes(&scene.current, &state.overlay, boxes);
+    bounds.update(&scene.current, &scene.selection);
+    let hovered = state.viewport.pointer.hovered;
+    outline.update(
+        &scene.film,
+        &scene.current,
+        &scene.selection,
+        hovered,
+        scene.picture.revision,
+    );
+    let (targets, icons) = (scene.targets(&bounds.bounds), scene.icons());
+    let locked: Vec<Entity> = scene.locked.iter().collect();
     let placeholder = placeholder(&scene.status);
     let shown = ViewportModel {
         picture: scene.picture.texture(),
@@ -130,7 +216,17 @@ pub fn show_window(
         pose: camera_pose(&scene.active, &scene.free_view, &scene.poses),
         camera: scene.current.view.as_ref().map(|view| view.camera),
         boxes: &boxes.list,
-        selection_box: selection_box.update(&scene.current, scene.selection.active()),
+        outline,
+        icons: &icons,
+        gizmo: GizmoModel {
+            settings: state.gizmo,
+            targets: &targets,
+            length_step: state.gizmo.steps.length_in(state.navigation.scene_size),
+            up: state.navigation.up,
+            current: &scene.current,
+        },
+        locked: &locked,
+        current: &scene.current,
         navigation: state.navigation,
         keys: action_context,
         presses: &presses,
@@ -200,9 +296,16 @@ fn use_clipboard(context: &egui::Context, presses: &[Press], commands: &mut Vec<
 }
 
 /// A press of the mouse, a key without a text field, and another field are the beginning of something new.
-fn count_interactions(context: &egui::Context, state: &mut EditorState, focus: &mut Option<egui::Id>) {
+fn count_interactions(
+    context: &egui::Context,
+    presses: &[Press],
+    state: &mut EditorState,
+    focus: &mut Option<egui::Id>,
+) {
     let focused = context.memory(|memory| memory.focused());
-    let pressed = context.input(|input| input.pointer.any_pressed());
+    let is_typing = focused.is_some_and(|focused| focused != egui::Id::new(PICTURE));
+    let key = !presses.is_empty() && !is_typing && !state.viewport.gizmo.is_dragging();
+    let pressed = key || context.input(|input| input.pointer.any_pressed());
     if pressed || focused != *focus {
         *focus = focused;
         state.interaction += 1;

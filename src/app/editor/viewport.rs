@@ -3,19 +3,23 @@
 use std::time::Duration;
 
 use bevy::math::{Affine3A, Vec2, Vec3};
-use bevy_egui::egui::{
-    self, Align2, Color32, EventFilter, FontId, Id, MouseWheelUnit, PointerButton, Pos2, Rect, Response, Sense, Shape,
-    Stroke, Ui,
-};
+use bevy::prelude::Entity;
+use bevy_egui::egui::{self, Align2, Color32, EventFilter, FontId, Id, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
 
 use super::actions::ActionContext;
 use super::command::Command;
 use super::display::{DisplayMode, HOTTEST_STEPS, heat};
+use super::gizmo::interaction::{GizmoModel, GizmoState, Rest};
+use super::icons::{self, Icon};
 use super::keys::{self, Press};
 use super::material_drop::drop_target;
 use super::navigation::{FlyInput, Navigation};
-use super::overlay::{BoxList, MAX_BOXES, WorldBox, edges};
-use super::selection::Extend;
+use super::outline::{Level, SelectionOutline};
+use super::overlay::{BoxList, MAX_BOXES, edges};
+use super::pointer::PointerState;
+use super::screen::Screen;
+use super::toolbar::toolbar;
+use crate::engine::CurrentScene;
 use crate::render::camera::Camera;
 
 /// What the viewport shows.
@@ -30,7 +34,13 @@ pub struct ViewportModel<'a> {
     /// The camera of the picture, to draw over it.
     pub camera: Option<Camera>,
     pub boxes: &'a BoxList,
-    pub selection_box: Option<WorldBox>,
+    pub outline: &'a SelectionOutline,
+    pub icons: &'a [Icon],
+    pub gizmo: GizmoModel<'a>,
+    /// Not to be selected.
+    pub locked: &'a [Entity],
+    /// To ask what is where.
+    pub current: &'a CurrentScene,
     pub navigation: Navigation,
     pub keys: ActionContext<'a>,
     /// The keys pressed since the last frame, in order.
@@ -40,16 +50,15 @@ pub struct ViewportModel<'a> {
 }
 
 /// What the viewport remembers between frames.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewportState {
+    pub gizmo: GizmoState,
+    pub pointer: PointerState,
     flying: bool,
 }
 
 /// The id of the picture: whatever has the keyboard when no other widget wants it.
 pub const PICTURE: &str = "viewport picture";
-/// A point drag of the wheel counts as a notch after so many points.
-const POINTS_PER_NOTCH: f32 = 50.0;
-const SELECTION: Color32 = Color32::from_rgb(255, 160, 40);
 const SCENE_BOX: Color32 = Color32::from_rgba_premultiplied(60, 200, 90, 200);
 const MESH_BOX: Color32 = Color32::from_rgba_premultiplied(60, 130, 230, 160);
 
@@ -74,8 +83,12 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
             );
         }
     }
-    paint_over(ui, picture, model);
-    act(ui, &response, picture, model, state, commands);
+    let screen = model.camera.map(|camera| Screen { camera, picture });
+    paint_over(ui, picture, screen.as_ref(), model, state);
+    act(ui, &response, screen.as_ref(), model, state, commands);
+    if model.picture.is_some() {
+        toolbar(ui, picture, model.gizmo.settings, model.gizmo.length_step, commands);
+    }
     drop_target(ui, &response, picture, commands);
     ui.advance_cursor_after_rect(panel);
 }
@@ -88,76 +101,65 @@ fn fitted(panel: Rect, [width, height]: [u32; 2]) -> Rect {
     Rect::from_min_size((panel.center() - 0.5 * fitted).floor(), fitted)
 }
 
+/// Keys and mouse go to the gizmo first, what it leaves turns and moves the view, and what is left of the keys are shortcuts.
 fn act(
     ui: &Ui,
     response: &Response,
-    picture: Rect,
+    screen: Option<&Screen>,
     model: &ViewportModel,
     state: &mut ViewportState,
     commands: &mut Vec<Command>,
 ) {
     let has_keyboard = takes_keyboard(ui, response, model.enabled);
-    let looking =
-        model.enabled && (response.dragged_by(PointerButton::Secondary) || response.dragged_by(PointerButton::Primary));
-    if model.enabled
-        && response.clicked_by(PointerButton::Primary)
-        && let Some(position) = response.interact_pointer_pos()
-    {
-        let film = (position - picture.min) / picture.size();
-        commands.push(Command::Pick(Vec2::new(film.x, film.y), Extend::Replace));
-    }
+    let presses = if has_keyboard { model.presses } else { &[] };
+    let mut rest = Rest {
+        pointer: model.enabled,
+        presses: presses.to_vec(),
+    };
     let was_flying = std::mem::take(&mut state.flying);
-    let (fly, notches) = ui.input(|input| {
+    let mut look = Vec2::ZERO;
+    let mut moved = model.pose;
+    if let (Some(screen), Some(pose), true) = (screen, &mut moved, model.enabled) {
+        rest = state
+            .gizmo
+            .follow(ui, response, screen, &model.gizmo, presses, commands);
+        look = state
+            .pointer
+            .follow(ui, response, screen, model, rest.pointer, pose, commands);
+    }
+    let fly = ui.input(|input| {
         let modifiers = input.modifiers;
         // Control with a letter is a shortcut, unless the user is flying already.
-        let keys_fly = has_keyboard && !modifiers.alt && (!modifiers.command || looking || was_flying);
-        let look = if looking {
-            input.pointer.delta()
-        } else {
-            egui::Vec2::ZERO
-        };
-        let notches = if response.hovered() || looking {
-            wheel(input)
-        } else {
-            0.0
-        };
-        let fly = FlyInput {
+        let flies = modifiers.is_none() || modifiers.shift_only() || state.pointer.is_looking() || was_flying;
+        let keys_fly = has_keyboard && !state.gizmo.is_dragging() && !modifiers.alt && flies;
+        FlyInput {
             direction: if keys_fly {
                 keys::fly_direction(input)
             } else {
                 Vec3::ZERO
             },
-            look: Vec2::new(look.x, look.y),
-            dolly: 0.0,
+            look,
             fast: modifiers.shift,
             slow: modifiers.command,
             seconds: input.unstable_dt,
-        };
-        (fly, notches)
+        }
     });
-    let changes_speed = ui.input(|input| input.pointer.secondary_down());
-    if notches != 0.0 && changes_speed && model.enabled {
-        commands.push(Command::SetSpeed(model.navigation.speed_after(notches)));
-    }
-    let fly = FlyInput {
-        dolly: if changes_speed || !model.enabled { 0.0 } else { notches },
-        ..fly
-    };
-    state.flying = looking || fly.direction != Vec3::ZERO;
-    if let Some(pose) = model.pose.and_then(|pose| model.navigation.fly(pose, &fly)) {
-        commands.push(Command::MoveView(pose));
+    state.flying = state.pointer.is_looking() || fly.direction != Vec3::ZERO;
+    if let Some(pose) = moved {
+        let flown = model.navigation.fly(pose, &fly).unwrap_or(pose);
+        if Some(flown) != model.pose && flown.is_finite() {
+            commands.push(Command::MoveView(flown));
+        }
     }
     if state.flying {
         // Time passes without further events while a key is held.
         ui.ctx().request_repaint_after(Duration::from_millis(16));
     }
-    if has_keyboard {
-        let context = ActionContext {
-            flying: state.flying || was_flying,
-            ..model.keys
-        };
-        commands.extend(keys::shortcuts(model.presses, &context));
-    }
+    let context = ActionContext {
+        flying: state.flying || was_flying,
+        ..model.keys
+    };
+    commands.extend(keys::shortcuts(&rest.presses, &context));
 }
 
 /// The picture has the keyboard whenever no other widget wants it, and then it keeps Tab, arrows and Escape to itself. Without `enabled`
@@ -181,41 +183,33 @@ fn takes_keyboard(ui: &Ui, response: &Response, enabled: bool) -> bool {
     response.has_focus()
 }
 
-/// Notches of the wheel this frame, positive away from the user.
-fn wheel(input: &egui::InputState) -> f32 {
-    let notches = |event: &egui::Event| match event {
-        egui::Event::MouseWheel { unit, delta, .. } => match unit {
-            MouseWheelUnit::Point => delta.y / POINTS_PER_NOTCH,
-            MouseWheelUnit::Line => delta.y,
-            MouseWheelUnit::Page => 10.0 * delta.y,
-        },
-        _ => 0.0,
-    };
-    input.events.iter().map(notches).sum()
-}
-
-fn paint_over(ui: &Ui, picture: Rect, model: &ViewportModel) {
+fn paint_over(ui: &Ui, picture: Rect, screen: Option<&Screen>, model: &ViewportModel, state: &ViewportState) {
     let painter = ui.painter_at(picture);
-    let at = |film: Vec2| picture.min + egui::vec2(film.x, film.y) * picture.size();
-    if let Some(camera) = &model.camera {
-        let mut lines = Vec::new();
-        let mut add = |world_box: &WorldBox, stroke: Stroke| {
-            lines.extend(
-                edges(camera, world_box)
-                    .into_iter()
-                    .map(|[a, b]| Shape::line_segment([at(a), at(b)], stroke)),
-            );
-        };
+    painter.add(Shape::mesh(model.outline.mesh(picture)));
+    if let Some(screen) = screen {
         if model.keys.overlay.shown {
             for world_box in &model.boxes.boxes {
                 let color = if world_box.over_instances { SCENE_BOX } else { MESH_BOX };
-                add(world_box, Stroke::new(1.0, color));
+                let lines = edges(&screen.camera, world_box).into_iter().map(|ends| {
+                    Shape::line_segment(ends.map(|film| screen.point_of_film(film)), Stroke::new(1.0, color))
+                });
+                painter.extend(lines);
             }
         }
-        if let Some(selected) = &model.selection_box {
-            add(selected, Stroke::new(1.5, SELECTION));
+        let pointer = ui.input(|input| input.pointer.latest_pos());
+        icons::paint(&painter, screen, model.icons, |entity| {
+            Level::of(entity, model.keys.selection, state.pointer.hovered).color()
+        });
+        state.gizmo.paint(&painter, screen, &model.gizmo, pointer);
+        state.pointer.paint(&painter, pointer);
+        if let Some(note) = state.gizmo.note(model.gizmo.length_step) {
+            tag(
+                &painter,
+                picture.center_bottom() - egui::vec2(0.0, 8.0),
+                Align2::CENTER_BOTTOM,
+                &note,
+            );
         }
-        painter.extend(lines);
     }
     let mut notes = Vec::new();
     if model.keys.display.mode != DisplayMode::Shaded {

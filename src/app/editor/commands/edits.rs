@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use super::{adding, materials, view};
+use super::{adding, materials, placing, view};
 use crate::app::editor::command::Command;
 use crate::app::editor::history::Edit;
 use crate::app::editor::selection::{Extend, Selection};
@@ -62,6 +62,8 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
             edit.set(sensor, ToWorld(pose));
             edit.world.insert_resource(FreeView(None));
         }
+        Command::Nudge(direction) => placing::nudge(edit, direction)?,
+        Command::Drop => placing::drop(edit)?,
         Command::Transform(poses) => transform(edit, poses)?,
         Command::SetShape(entity, shape) => replace(edit, entity, shape)?,
         Command::SetMaterial(entity, material) => replace(edit, entity, *material)?,
@@ -126,7 +128,7 @@ fn replace<C: Component + PartialEq>(edit: &mut Edit, entity: Entity, value: C) 
     Ok(())
 }
 
-fn selected(edit: &Edit) -> Result<Vec<Entity>, String> {
+pub fn selected(edit: &Edit) -> Result<Vec<Entity>, String> {
     let selection = edit.world.resource::<Selection>().entities();
     let free: Vec<Entity> = selection
         .iter()
@@ -349,7 +351,7 @@ fn hide(edit: &mut Edit, entities: &[Entity], hidden: bool) {
     }
 }
 
-fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), String> {
+pub fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), String> {
     for (entity, pose) in poses {
         if edit.world.get::<Placements>(entity).is_some() {
             return Err("So many instances stay where the file has them.".into());

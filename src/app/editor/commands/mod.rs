@@ -7,6 +7,7 @@ mod adding;
 mod edits;
 mod files;
 mod materials;
+mod placing;
 mod view;
 
 use bevy::prelude::*;
@@ -139,6 +140,9 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
         Command::FrameAll => view::frame_all(world)?,
         Command::MoveView(pose) => view::move_view(world, pose),
         Command::LookThrough(entity) => view::look_through(world, entity),
+        Command::LookAlong(axis) => view::look_along(world, axis),
+        Command::StoreView(number) => view::store(world, number),
+        Command::RecallView(number) => view::recall(world, number)?,
         Command::SetSpeed(speed) => world.resource_mut::<EditorState>().navigation.set_speed(speed),
 
         Command::SetPaused(paused) => control(world, |control| control.paused = paused),
@@ -149,6 +153,7 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
         }
         Command::SetDisplay(display) => view::set_display(world, display),
         Command::SetOverlay(overlay) => world.resource_mut::<EditorState>().overlay = overlay,
+        Command::SetGizmo(settings) => world.resource_mut::<EditorState>().gizmo = settings,
         Command::Denoise => {
             let wake_up = world.resource::<WakeUp>().clone();
             let threads = world.resource::<RenderControl>().threads;

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 
 use super::{control, set_resource};
 use crate::app::editor::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::orbit::AxisView;
 use crate::app::editor::selection::Selection;
 use crate::app::editor::state::EditorState;
 use crate::app::editor::{navigation, picking};
@@ -26,10 +27,42 @@ pub fn view_pose(world: &World) -> Option<Affine3A> {
 }
 
 pub fn move_view(world: &mut World, pose: Affine3A) {
-    if let Some(sensor) = world.resource::<ActiveSensor>().0 {
-        let pose = with_extent_of(world, sensor, pose);
+    if world.resource::<ActiveSensor>().0.is_some() {
         set_view(world, pose);
     }
+}
+
+/// Onto the selection, or what is ahead.
+pub fn look_along(world: &mut World, axis: AxisView) {
+    let Some(pose) = view_pose(world) else { return };
+    let selected = selected_bounds(world);
+    let navigation = world.resource::<EditorState>().navigation;
+    let ahead = picking::distance_ahead(world.resource::<CurrentScene>()).unwrap_or(0.5 * navigation.scene_size);
+    let center = if selected.is_empty() {
+        Vec3::from(pose.translation) + Vec3::from(pose.matrix3.z_axis).normalize_or_zero() * ahead
+    } else {
+        selected.center()
+    };
+    set_view(world, navigation.axis_view(pose, center, axis));
+}
+
+pub fn store(world: &mut World, number: usize) {
+    let pose = view_pose(world);
+    let mut state = world.resource_mut::<EditorState>();
+    if let Some(place) = number.checked_sub(1).and_then(|place| state.bookmarks.get_mut(place)) {
+        *place = pose;
+        state.say(format!("View {number} stored"));
+    }
+}
+
+pub fn recall(world: &mut World, number: usize) -> Result<(), String> {
+    let bookmarks = world.resource::<EditorState>().bookmarks;
+    let pose = number.checked_sub(1).and_then(|place| *bookmarks.get(place)?);
+    move_view(
+        world,
+        pose.ok_or_else(|| format!("There is no view {number}: Ctrl+{number} stores one."))?,
+    );
+    Ok(())
 }
 
 fn set_view(world: &mut World, pose: Affine3A) {
@@ -52,7 +85,8 @@ pub fn look_through_first(world: &mut World, sensor: Option<Entity>) {
     set_resource(world, FreeView(None));
 }
 
-pub fn frame_selection(world: &mut World) -> Result<(), String> {
+/// World bounds of the selected things that have a place; empty without any.
+fn selected_bounds(world: &World) -> Aabb {
     let current = world.resource::<CurrentScene>();
     let selection = world.resource::<Selection>().entities();
     let bounds = selection.iter().filter_map(|entity| {
@@ -63,7 +97,11 @@ pub fn frame_selection(world: &mut World) -> Result<(), String> {
             Some(Aabb::from_points([place - half, place + half]))
         })
     });
-    let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
+    bounds.fold(Aabb::EMPTY, Aabb::union)
+}
+
+pub fn frame_selection(world: &mut World) -> Result<(), String> {
+    let bounds = selected_bounds(world);
     if bounds.is_empty() {
         return Err("Nothing that is in the picture is selected.".to_owned());
     }
@@ -97,18 +135,6 @@ fn frame(world: &mut World, bounds: Aabb) {
 fn is_orthographic(world: &World, sensor: Entity) -> bool {
     let lens = world.get::<Sensor>(sensor).map(|sensor| sensor.lens);
     lens == Some(Lens::Orthographic)
-}
-
-/// The pose with the scale that an orthographic camera has now: flying does not change how much it sees.
-fn with_extent_of(world: &World, sensor: Entity, pose: Affine3A) -> Affine3A {
-    match view_pose(world) {
-        Some(now) if is_orthographic(world, sensor) => {
-            let axes = now.matrix3;
-            let extent = Vec3::new(axes.x_axis.length(), axes.y_axis.length(), axes.z_axis.length());
-            pose * Affine3A::from_scale(extent)
-        }
-        _ => pose,
-    }
 }
 
 pub fn set_display(world: &mut World, display: DisplaySettings) {

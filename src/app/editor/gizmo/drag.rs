@@ -36,6 +36,17 @@ pub enum Change {
     Scaled(Vec3),
 }
 
+impl Change {
+    /// Whether everything stays where it is.
+    pub fn is_none(&self) -> bool {
+        match self {
+            Self::Moved(by) => *by == Vec3::ZERO,
+            Self::Turned { angle, .. } => *angle == 0.0,
+            Self::Scaled(factors) => *factors == Vec3::ONE,
+        }
+    }
+}
+
 /// A drag, from the press on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drag {
@@ -291,6 +302,39 @@ impl Drag {
             // Taken hold of near the middle, or behind it: there is nothing to be so many times as far as.
             ((now - start) / (point * POINTS_PER_DOUBLING)).exp2()
         }
+    }
+
+    /// What has been done so far, for the user, with what Control would round it to.
+    pub fn text(&self, change: Change, length_step: f32) -> String {
+        const NAMES: [&str; 3] = ["X", "Y", "Z"];
+        let axes = self.frame.axes;
+        let amount = match change {
+            Change::Moved(by) => match self.constraint {
+                Constraint::Axis(k) => format!("{} {:.4}", NAMES[k], by.dot(axes[k])),
+                _ => axes
+                    .iter()
+                    .zip(NAMES)
+                    .map(|(axis, name)| format!("{name} {:.4}  ", by.dot(*axis)))
+                    .collect(),
+            },
+            Change::Turned { angle, .. } => match self.constraint {
+                Constraint::Axis(k) | Constraint::Plane(k) => format!("{} {:.1}°", NAMES[k], angle.to_degrees()),
+                Constraint::Free => format!("{:.1}°", angle.to_degrees()),
+            },
+            Change::Scaled(factors) => match self.constraint {
+                Constraint::Axis(k) => format!("{} ×{:.3}", NAMES[k], factors[k]),
+                Constraint::Plane(normal) => format!("×{:.3}, not {}", factors[(normal + 1) % 3], NAMES[normal]),
+                Constraint::Free => format!("×{:.3}", factors.x),
+            },
+        };
+        let steps = self.settings.steps;
+        let rule = match (self.settings.mode, self.typed.is_empty()) {
+            (_, false) => format!("typed {}", self.typed.text()),
+            (Mode::Move, _) => format!("Ctrl: steps of {length_step}, Shift: onto the surface"),
+            (Mode::Rotate, _) => format!("Ctrl: steps of {}°", steps.degrees),
+            (Mode::Scale, _) => format!("Ctrl: steps of {}", steps.factor),
+        };
+        format!("{}   {rule}", amount.trim_end())
     }
 
     /// How all objects stand after the change; what a change makes of an object that is no transform leaves the object as it was.

@@ -5,6 +5,7 @@
 
 pub mod drag;
 pub mod handles;
+pub mod interaction;
 pub mod paint;
 pub mod typed;
 
@@ -83,9 +84,11 @@ fn round_number(x: f32) -> f32 {
     if !(x.is_finite() && x > f32::MIN_POSITIVE) {
         return 1.0;
     }
-    let power = 10f32.powf(x.log10().floor());
-    let digit = [5.0, 2.0].into_iter().find(|digit| digit * power <= x * 1.0001);
-    digit.unwrap_or(1.0) * power
+    let power = 10f64.powi(x.log10().floor() as i32);
+    let digit = [5.0, 2.0]
+        .into_iter()
+        .find(|digit| digit * power <= f64::from(x) * 1.0001);
+    (digit.unwrap_or(1.0) * power) as f32
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

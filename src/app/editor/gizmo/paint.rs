@@ -3,7 +3,7 @@
 use bevy::math::Vec3;
 use bevy_egui::egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2};
 
-use super::drag::{Constraint, Drag};
+use super::drag::{Change, Constraint, Drag};
 use super::handles::{Form, Handle, MIDDLE, TIP};
 use super::{Frame, Mode};
 use crate::app::editor::screen::Screen;
@@ -63,8 +63,11 @@ pub fn paint(painter: &Painter, handles: &[Handle], mode: Mode, lit: Option<Cons
 }
 
 /// What is drawn instead of the handles during a drag: the axes it is held to, and in a rotation the way from the middle to the pointer.
-pub fn paint_drag(painter: &Painter, drag: &Drag, screen: &Screen, pointer: Option<Pos2>) {
-    let Frame { origin, axes } = drag.frame;
+pub fn paint_drag(painter: &Painter, drag: &Drag, change: Option<Change>, screen: &Screen, pointer: Option<Pos2>) {
+    let Frame { mut origin, axes } = drag.frame;
+    if let Some(Change::Moved(by)) = change {
+        origin += by;
+    }
     let held_to: Vec<usize> = match (drag.constraint, drag.mode()) {
         (Constraint::Axis(k), _) | (Constraint::Plane(k), Mode::Rotate) => vec![k],
         (Constraint::Plane(normal), _) => (0..3).filter(|&k| k != normal).collect(),

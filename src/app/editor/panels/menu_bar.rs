@@ -175,6 +175,18 @@ fn view_menu(ui: &mut Ui, model: &Model, state: &MenuState, commands: &mut Vec<C
             }
         });
     });
+    ui.menu_button("Along an axis", |ui| {
+        for name in [
+            "view-front",
+            "view-back",
+            "view-right",
+            "view-left",
+            "view-top",
+            "view-bottom",
+        ] {
+            entry(ui, name, &state.context, commands);
+        }
+    });
     for name in ["camera-to-view", "frame-selection", "frame-all", "boxes"] {
         entry(ui, name, &state.context, commands);
     }

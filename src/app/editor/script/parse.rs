@@ -8,7 +8,9 @@ use bevy::prelude::*;
 use super::assign;
 use crate::app::editor::actions::{self, ActionContext};
 use crate::app::editor::command::{Addition, AdditionKind, Command};
+use crate::app::editor::commands::view_pose;
 use crate::app::editor::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::navigation::scale_of;
 use crate::app::editor::selection::{Extend, Selection};
 use crate::app::editor::state::EditorState;
 use crate::document::suggest::did_you_mean;
@@ -94,6 +96,7 @@ fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
     ActionContext {
         display: state.display,
         overlay: state.overlay,
+        gizmo: state.gizmo,
         paused: world.resource::<RenderControl>().paused,
         panels_shown: state.panels_shown,
         selection,
@@ -160,7 +163,11 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             moved: vec![named(world, name)?],
             before: Some(named(world, other)?),
         },
-        ("look", [from, at]) => Command::MoveView(looking(parse_vec3(from)?, parse_vec3(at)?)?),
+        ("look", [from, at]) => {
+            // How much an orthographic camera sees stays.
+            let extent = view_pose(world).map_or(Vec3::ONE, |pose| scale_of(&pose));
+            Command::MoveView(looking(parse_vec3(from)?, parse_vec3(at)?)? * Affine3A::from_scale(extent))
+        }
         ("look-through", [camera]) => Command::LookThrough(named(world, camera)?),
         ("go-to", [step]) => Command::GoTo(count(step)? as usize),
         ("samples", [number]) => Command::SetTargetSamples(count(number)?),

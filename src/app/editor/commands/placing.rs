@@ -1,0 +1,99 @@
+//! Moving the selection without the mouse: by steps, and down onto what is below.
+
+use bevy::math::{Affine3A, Vec3, Vec3A};
+use bevy::prelude::*;
+
+use super::{edits, view};
+use crate::app::editor::command::Direction;
+use crate::app::editor::history::Edit;
+use crate::app::editor::picking;
+use crate::app::editor::state::EditorState;
+use crate::engine::CurrentScene;
+use crate::math::Ray;
+use crate::scene::ToWorld;
+
+pub fn nudge(edit: &mut Edit, direction: Direction) -> Result<(), String> {
+    let selected = edits::selected(edit)?;
+    let state = edit.world.resource::<EditorState>();
+    let step = state.gizmo.steps.length_in(state.navigation.scene_size);
+    let pose = view::view_pose(edit.world).unwrap_or(Affine3A::IDENTITY);
+    let by = along(direction, state.navigation.upright(&pose), state.navigation.up, &pose) * step;
+    move_each(edit, selected.into_iter().map(|entity| (entity, by)).collect())
+}
+
+/// The axis of the world that is nearest to a direction as the camera sees it, of unit length.
+fn along(direction: Direction, upright: Vec3, up: Vec3, pose: &Affine3A) -> Vec3 {
+    let left = upright.cross(pose.matrix3.z_axis.into());
+    // On the ground: straight down the camera's upper edge is ahead.
+    let ahead = left.cross(up);
+    let wanted = match direction {
+        Direction::Left => left,
+        Direction::Right => -left,
+        Direction::Ahead => ahead,
+        Direction::Back => -ahead,
+        Direction::Up => up,
+        Direction::Down => -up,
+    };
+    let axis = wanted.abs().max_position();
+    Vec3::AXES[axis] * wanted[axis].signum()
+}
+
+pub fn drop(edit: &mut Edit) -> Result<(), String> {
+    let selected = edits::selected(edit)?;
+    let up = edit.world.resource::<EditorState>().navigation.up;
+    let current = edit.world.resource::<CurrentScene>();
+    let bounds = picking::bounds_of_each(current, &selected);
+    let falls = selected.iter().zip(bounds).filter_map(|(&entity, bounds)| {
+        let place = Vec3::from(edit.world.get::<ToWorld>(entity)?.0.translation);
+        let (middle, half) = bounds.map_or((place, 0.0), |bounds| {
+            (bounds.center(), 0.5 * bounds.extent().dot(up.abs()))
+        });
+        // From the middle: what has sunk in a little comes up again.
+        let below = picking::surface(current, &Ray::new(middle, -up), |other| selected.contains(&other))?;
+        Some((entity, below.position + up * half - middle))
+    });
+    let falls: Vec<(Entity, Vec3)> = falls.collect();
+    if falls.is_empty() {
+        return Err("There is nothing below.".to_owned());
+    }
+    move_each(edit, falls)
+}
+
+fn move_each(edit: &mut Edit, moves: Vec<(Entity, Vec3)>) -> Result<(), String> {
+    let moved = moves.into_iter().filter_map(|(entity, by)| {
+        let mut pose = edit.world.get::<ToWorld>(entity)?.0;
+        pose.translation += Vec3A::from(by);
+        Some((entity, pose))
+    });
+    let moved: Vec<(Entity, Affine3A)> = moved.collect();
+    edits::transform(edit, moved)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_go_where_the_picture_shows_them() {
+        let looks_along = |forward: Vec3| {
+            let left = Vec3::Y.cross(forward).normalize();
+            let matrix = bevy::math::Mat3::from_cols(left, forward.cross(left), forward);
+            Affine3A::from_mat3(matrix)
+        };
+        let pose = looks_along(Vec3::new(0.3, -0.8, -1.0).normalize());
+        let go = |direction| along(direction, Vec3::Y, Vec3::Y, &pose);
+        assert_eq!((go(Direction::Ahead), go(Direction::Back)), (Vec3::NEG_Z, Vec3::Z));
+        // To someone who looks along -z, +x is to the right.
+        assert_eq!((go(Direction::Right), go(Direction::Left)), (Vec3::X, Vec3::NEG_X));
+        assert_eq!((go(Direction::Up), go(Direction::Down)), (Vec3::Y, Vec3::NEG_Y));
+    }
+
+    #[test]
+    fn from_above_ahead_is_the_upper_edge() {
+        // Looks straight down with -z at the upper edge.
+        let matrix = bevy::math::Mat3::from_cols(Vec3::NEG_X, Vec3::NEG_Z, Vec3::NEG_Y);
+        let pose = Affine3A::from_mat3(matrix);
+        assert_eq!(along(Direction::Ahead, Vec3::NEG_Z, Vec3::Y, &pose), Vec3::NEG_Z);
+        assert_eq!(along(Direction::Right, Vec3::NEG_Z, Vec3::Y, &pose), Vec3::X);
+    }
+}

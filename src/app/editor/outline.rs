@@ -1,0 +1,302 @@
+//! Which thing every pixel shows, and from it the outline of what is selected: exact at once, however noisy the picture still is.
+//!
+//! Outlines are rows of rectangles over the picture, not part of it: saved images do not have them.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use bevy::math::Vec2;
+use bevy::prelude::Entity;
+use bevy_egui::egui::{Color32, Mesh, Rect, pos2};
+
+use super::selection::Selection;
+use crate::engine::{CurrentScene, RenderFilm};
+use crate::render::film::Film;
+
+/// How a thing stands out. Where two meet, the later one shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    #[default]
+    None,
+    Hovered,
+    Selected,
+    Active,
+}
+
+impl Level {
+    pub fn of(entity: Entity, selection: &Selection, hovered: Option<Entity>) -> Self {
+        if selection.active() == Some(entity) {
+            Self::Active
+        } else if selection.contains(entity) {
+            Self::Selected
+        } else if hovered == Some(entity) {
+            Self::Hovered
+        } else {
+            Self::None
+        }
+    }
+
+    pub fn color(self) -> Color32 {
+        match self {
+            Self::None => Color32::from_rgb(235, 225, 170),
+            Self::Hovered => Color32::from_white_alpha(130),
+            Self::Selected => Color32::from_rgb(226, 112, 24),
+            Self::Active => Color32::from_rgb(255, 190, 70),
+        }
+    }
+}
+
+/// A piece of an outline: pixels of one row, from the first to before the last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Run {
+    pub y: u32,
+    pub from: u32,
+    pub to: u32,
+    pub level: Level,
+}
+
+/// The instance that each pixel shows first, row-major. Pixels that the film has nothing for yet stay as they were.
+#[derive(Clone, Debug, Default)]
+pub struct SeenInstances {
+    width: u32,
+    height: u32,
+    instances: Vec<u32>,
+}
+
+const NOTHING: u32 = u32::MAX;
+/// A picture full of fur has no outline worth waiting for.
+const MOST_RUNS: usize = 60_000;
+
+impl SeenInstances {
+    pub fn update(&mut self, film: &Film) {
+        let (width, height) = (film.width(), film.height());
+        if (self.width, self.height) != (width, height) {
+            *self = Self {
+                width,
+                height,
+                instances: vec![NOTHING; width as usize * height as usize],
+            };
+        }
+        let mut instances = self.instances.iter_mut();
+        for y in 0..height {
+            for (x, seen) in (0..width).zip(&mut instances) {
+                match film.first_hit(x, y) {
+                    Some(hit) => *seen = hit.instance,
+                    None if film.samples(x, y) > 0 => *seen = NOTHING,
+                    None => {}
+                }
+            }
+        }
+    }
+
+    /// Whatever shows in a rectangle of the picture, by its film coordinates, each thing once.
+    pub fn instances_in(&self, min: Vec2, max: Vec2) -> HashSet<u32> {
+        let size = Vec2::new(self.width as f32, self.height as f32);
+        let (min, max) = ((min * size).max(Vec2::ZERO).floor(), (max * size).min(size).ceil());
+        let (columns, rows) = (min.x as usize..max.x as usize, min.y as usize..max.y as usize);
+        let row = |y: usize| {
+            self.instances
+                .get(y * self.width as usize + columns.start..y * self.width as usize + columns.end)
+        };
+        let mut found: HashSet<u32> = rows.filter_map(row).flatten().copied().collect();
+        found.remove(&NOTHING);
+        found
+    }
+
+    /// Where neighbours belong to different things of `marks`, both pixels, so that an outline is two pixels wide. `mark_of_instance` is an
+    /// index into `marks`, of which the first stands for all that has no outline.
+    pub fn outline(&self, mark_of_instance: &[u32], marks: &[Level]) -> Vec<Run> {
+        let width = self.width as usize;
+        let mark = |instance: &u32| mark_of_instance.get(*instance as usize).copied().unwrap_or(0);
+        let found: Vec<u32> = self.instances.iter().map(mark).collect();
+        let rows: Vec<&[u32]> = found.chunks_exact(width.max(1)).collect();
+        let is_plain: Vec<bool> = rows.iter().map(|row| row.iter().all(|mark| *mark == 0)).collect();
+        let mut runs: Vec<Run> = Vec::new();
+        for (y, row) in rows.iter().enumerate() {
+            let (above, below) = (y.saturating_sub(1), (y + 1).min(rows.len() - 1));
+            if runs.len() >= MOST_RUNS {
+                break;
+            }
+            if is_plain[above] && is_plain[y] && is_plain[below] {
+                continue;
+            }
+            for x in 0..width {
+                let own = row[x];
+                let around = [
+                    rows[above][x],
+                    rows[below][x],
+                    row[x.saturating_sub(1)],
+                    row[(x + 1).min(width - 1)],
+                ];
+                if around.iter().all(|other| *other == own) {
+                    continue;
+                }
+                let level = |mark: u32| marks.get(mark as usize).copied().unwrap_or_default();
+                let strongest = around.into_iter().map(level).fold(level(own), Level::max);
+                let (y, from) = (y as u32, x as u32);
+                match runs.last_mut() {
+                    Some(run) if (run.y, run.to, run.level) == (y, from, strongest) => run.to += 1,
+                    _ => runs.push(Run {
+                        y,
+                        from,
+                        to: from + 1,
+                        level: strongest,
+                    }),
+                }
+            }
+        }
+        runs
+    }
+}
+
+/// The outline as it was last found.
+#[derive(Debug, Default)]
+pub struct SelectionOutline {
+    pub seen: SeenInstances,
+    runs: Vec<Run>,
+    entity_of_instance: Arc<[Entity]>,
+    made_from: Option<(Selection, Option<Entity>, u64)>,
+    /// The job whose pixels are all there.
+    complete_job: Option<u64>,
+}
+
+impl SelectionOutline {
+    /// `revision` counts the changes of the picture.
+    pub fn update(
+        &mut self,
+        film: &RenderFilm,
+        current: &CurrentScene,
+        selection: &Selection,
+        hovered: Option<Entity>,
+        revision: u64,
+    ) {
+        let is_same_scene = Arc::ptr_eq(&self.entity_of_instance, &current.entity_of_instance);
+        let is_same = |(was, was_hovered, seen): &(Selection, Option<Entity>, u64)| {
+            was == selection && *was_hovered == hovered && (*seen == revision || self.complete_job == Some(film.job))
+        };
+        if is_same_scene && self.made_from.as_ref().is_some_and(is_same) {
+            return;
+        }
+        if self.complete_job != Some(film.job) {
+            self.seen.update(&film.film);
+            self.complete_job = (film.film.sample_count() > 0).then_some(film.job);
+        }
+        self.entity_of_instance = current.entity_of_instance.clone();
+        self.made_from = Some((selection.clone(), hovered, revision));
+        self.runs.clear();
+        if !selection.is_empty() || hovered.is_some() {
+            let others = hovered.filter(|entity| !selection.contains(*entity));
+            let marked: Vec<Entity> = selection.entities().iter().copied().chain(others).collect();
+            let mark_of: HashMap<Entity, u32> = marked.iter().copied().zip(1..).collect();
+            let mark = |entity: &Entity| mark_of.get(entity).copied().unwrap_or(0);
+            let marks: Vec<u32> = self.entity_of_instance.iter().map(mark).collect();
+            let level = |entity: &Entity| Level::of(*entity, selection, hovered);
+            let levels: Vec<Level> = std::iter::once(Level::None).chain(marked.iter().map(level)).collect();
+            self.runs = self.seen.outline(&marks, &levels);
+        }
+    }
+
+    /// The entities that show in a rectangle of the picture, in the order of the scene.
+    pub fn entities_in(&self, min: Vec2, max: Vec2) -> Vec<Entity> {
+        let mut instances: Vec<u32> = self.seen.instances_in(min, max).into_iter().collect();
+        instances.sort_unstable();
+        let entities = instances
+            .iter()
+            .filter_map(|instance| self.entity_of_instance.get(*instance as usize));
+        let mut known = HashSet::new();
+        entities.copied().filter(|entity| known.insert(*entity)).collect()
+    }
+
+    /// To be painted over the picture.
+    pub fn mesh(&self, picture: Rect) -> Mesh {
+        let mut mesh = Mesh::default();
+        let (width, height) = (self.seen.width.max(1) as f32, self.seen.height.max(1) as f32);
+        let at = |x: u32, y: u32| {
+            let film = pos2(x as f32 / width, y as f32 / height);
+            picture.min + film.to_vec2() * picture.size()
+        };
+        for run in &self.runs {
+            let rect = Rect::from_min_max(at(run.from, run.y), at(run.to, run.y + 1));
+            mesh.add_colored_rect(rect, run.level.color());
+        }
+        mesh
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Eight by six pixels: instance 1 is a block of three by two from (2, 2), instance 0 touches it on the right, the rest shows nothing.
+    fn seen() -> SeenInstances {
+        let mut instances = vec![NOTHING; 48];
+        for (x, y, instance) in [
+            (2, 2, 1),
+            (3, 2, 1),
+            (4, 2, 1),
+            (2, 3, 1),
+            (3, 3, 1),
+            (4, 3, 1),
+            (5, 2, 0),
+            (5, 3, 0),
+        ] {
+            instances[y * 8 + x] = instance;
+        }
+        SeenInstances {
+            width: 8,
+            height: 6,
+            instances,
+        }
+    }
+
+    fn pixels(runs: &[Run], level: Level) -> usize {
+        runs.iter()
+            .filter(|run| run.level == level)
+            .map(|run| (run.to - run.from) as usize)
+            .sum()
+    }
+
+    #[test]
+    fn an_outline_goes_around_both_ways() {
+        let runs = seen().outline(&[0, 1], &[Level::None, Level::Selected]);
+        // All six pixels of the block, and ten around it.
+        assert_eq!(pixels(&runs, Level::Selected), 16);
+        assert!(runs.iter().all(|run| (1..=4).contains(&run.y)));
+        assert!(seen().outline(&[0, 0], &[Level::None]).is_empty());
+    }
+
+    #[test]
+    fn selected_things_are_told_apart_and_the_active_wins() {
+        let levels = [Level::None, Level::Hovered, Level::Active];
+        let runs = seen().outline(&[2, 1], &levels);
+        // The two of the active one, and two beside on either side and one above and below.
+        assert_eq!(pixels(&runs, Level::Active), 8);
+        // Of the other's six the four that do not touch it, and eight around: it touches on its right.
+        assert_eq!(pixels(&runs, Level::Hovered), 4 + 8);
+    }
+
+    #[test]
+    fn the_instances_of_one_thing_have_one_outline() {
+        let runs = seen().outline(&[1, 1], &[Level::None, Level::Selected]);
+        // A block of four by two: all eight, and twelve around them.
+        assert_eq!(pixels(&runs, Level::Selected), 20);
+        assert!(
+            runs.iter()
+                .filter(|run| run.y == 2)
+                .all(|run| (run.from, run.to) == (1, 7))
+        );
+    }
+
+    #[test]
+    fn a_box_holds_what_shows_in_it() {
+        let found = |min: (f32, f32), max: (f32, f32)| {
+            let mut found: Vec<u32> = seen().instances_in(min.into(), max.into()).into_iter().collect();
+            found.sort_unstable();
+            found
+        };
+        assert_eq!(found((0.0, 0.0), (1.0, 1.0)), [0, 1]);
+        assert_eq!(found((0.0, 0.0), (0.26, 0.4)), [1]);
+        assert_eq!(found((0.65, 0.4), (2.0, 0.6)), [0]);
+        assert!(found((0.0, 0.7), (0.9, 1.0)).is_empty() && found((0.5, 0.5), (0.2, 0.2)).is_empty());
+    }
+}

@@ -1,0 +1,93 @@
+//! The buttons at the picture's top edge: what the gizmo does, along which axes, about which point, in which steps.
+
+use bevy_egui::egui::{
+    self, Align, Button, Color32, ComboBox, CornerRadius, DragValue, Frame, Layout, Margin, Rect, Ui, UiBuilder,
+};
+
+use super::command::Command;
+use super::gizmo::{Axes, GizmoSettings, Mode, Pivot};
+
+const HEIGHT: f32 = 30.0;
+const WIDTH: f32 = 470.0;
+
+/// `length_step` is the step of lengths in use, in world units.
+pub fn toolbar(ui: &mut Ui, picture: Rect, settings: GizmoSettings, length_step: f32, commands: &mut Vec<Command>) {
+    let size = egui::vec2(WIDTH.min(picture.width() - 16.0), HEIGHT);
+    let place = Rect::from_min_size(picture.center_top() + egui::vec2(-0.5 * size.x, 6.0), size);
+    let mut edited = settings;
+    let layout = Layout::left_to_right(Align::Center);
+    let mut bar = ui.new_child(UiBuilder::new().id_salt("gizmo toolbar").max_rect(place).layout(layout));
+    bar.set_clip_rect(picture);
+    let frame = Frame::new()
+        .fill(Color32::from_black_alpha(165))
+        .corner_radius(CornerRadius::same(4))
+        .inner_margin(Margin::symmetric(6, 3));
+    frame.show(&mut bar, |ui| {
+        for (mode, name, help) in [
+            (Mode::Move, "Move", "Move (G)"),
+            (Mode::Rotate, "Rotate", "Rotate (R)"),
+            (Mode::Scale, "Scale", "Scale along the object's own axes (T)"),
+        ] {
+            let button = Button::selectable(settings.mode == mode, name);
+            if ui.add(button).on_hover_text(help).clicked() {
+                edited.mode = mode;
+            }
+        }
+        ui.separator();
+        let (name, other) = match settings.axes {
+            Axes::World => ("World", Axes::Local),
+            Axes::Local => ("Local", Axes::World),
+        };
+        let help = "Whose axes the handles are along: the world's or the active object's (X)";
+        if ui
+            .add_enabled(settings.mode != Mode::Scale, Button::new(name))
+            .on_hover_text(help)
+            .clicked()
+        {
+            edited.axes = other;
+        }
+        let chosen = Pivot::ALL
+            .iter()
+            .find(|(pivot, _)| *pivot == settings.pivot)
+            .map_or("", |(_, name)| name);
+        ComboBox::from_id_salt("pivot")
+            .width(96.0)
+            .selected_text(chosen)
+            .show_ui(ui, |ui| {
+                for (pivot, name) in Pivot::ALL {
+                    ui.selectable_value(&mut edited.pivot, pivot, name);
+                }
+            })
+            .response
+            .on_hover_text("The point that things turn and grow about");
+        ui.separator();
+        step(ui, &mut edited, length_step);
+    });
+    if edited != settings {
+        commands.push(Command::SetGizmo(edited));
+    }
+}
+
+/// The step of the mode.
+fn step(ui: &mut Ui, edited: &mut GizmoSettings, length_step: f32) {
+    ui.label("Step");
+    let steps = &mut edited.steps;
+    let mut length = length_step;
+    let (value, speed, least, suffix) = match edited.mode {
+        Mode::Move => (&mut length, 0.02 * length_step, 1e-6, ""),
+        Mode::Rotate => (&mut steps.degrees, 0.5, 0.1, "°"),
+        Mode::Scale => (&mut steps.factor, 0.01, 0.001, ""),
+    };
+    let drag = DragValue::new(value)
+        .speed(speed)
+        .range(least..=f32::MAX)
+        .suffix(suffix)
+        .max_decimals(4);
+    let changed = ui
+        .add(drag)
+        .on_hover_text("What Control rounds to while dragging, and how far the arrow keys go")
+        .changed();
+    if changed && edited.mode == Mode::Move {
+        edited.steps.length = Some(length);
+    }
+}

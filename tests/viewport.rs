@@ -1,0 +1,444 @@
+//! Drives the picture without a window: what mouse and keys do there comes out as commands.
+#![cfg(feature = "window")]
+
+use bevy::math::{Affine3A, Vec2, Vec3};
+use bevy::prelude::Entity;
+use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
+use egui_kittest::Harness;
+use sunroom::app::editor::actions::ActionContext;
+use sunroom::app::editor::command::{Command, Direction};
+use sunroom::app::editor::display::DisplaySettings;
+use sunroom::app::editor::gizmo::interaction::GizmoModel;
+use sunroom::app::editor::gizmo::{Axes, GizmoSettings, Mode, Target};
+use sunroom::app::editor::icons::{Icon, IconKind};
+use sunroom::app::editor::keys::Press;
+use sunroom::app::editor::navigation::Navigation;
+use sunroom::app::editor::orbit::AxisView;
+use sunroom::app::editor::outline::SelectionOutline;
+use sunroom::app::editor::overlay::{BoxList, BvhOverlay};
+use sunroom::app::editor::panels::transform::Freedom;
+use sunroom::app::editor::screen::Screen;
+use sunroom::app::editor::selection::{Extend, Selection};
+use sunroom::app::editor::viewport::{ViewportModel, ViewportState, viewport};
+use sunroom::engine::CurrentScene;
+use sunroom::math::Aabb;
+use sunroom::render::camera::Camera;
+
+fn entity(index: u32) -> Entity {
+    Entity::from_raw_u32(index).expect("a small index is valid")
+}
+
+struct Window {
+    commands: Vec<Command>,
+    state: ViewportState,
+    gizmo: GizmoSettings,
+    target: Target,
+    camera: Camera,
+}
+
+const SIZE: egui::Vec2 = vec2(800.0, 600.0);
+
+/// From (0, 0, -10) along +z: +x is to the left.
+fn pose() -> Affine3A {
+    Affine3A::from_translation(Vec3::new(0.0, 0.0, -10.0))
+}
+
+fn screen(window: &Window) -> Screen {
+    Screen {
+        camera: window.camera,
+        picture: egui::Rect::from_min_size(Pos2::ZERO, SIZE),
+    }
+}
+
+/// A selected cube in the middle, and a lamp up to the right.
+fn window() -> Harness<'static, Window> {
+    let unit = Aabb {
+        min: Vec3::NEG_ONE,
+        max: Vec3::ONE,
+    };
+    let window = Window {
+        commands: Vec::new(),
+        state: ViewportState::default(),
+        gizmo: GizmoSettings::default(),
+        target: Target {
+            entity: entity(1),
+            to_world: Affine3A::IDENTITY,
+            freedom: Freedom::Affine,
+            bounds: Some(unit),
+        },
+        camera: Camera::new(pose(), 60.0, 4.0 / 3.0, 0.01, 100.0, None),
+    };
+    let lamp = Icon {
+        entity: entity(7),
+        kind: IconKind::Bulb,
+        pose: Affine3A::from_translation(lamp()),
+    };
+    let selection = Selection::of([entity(1)]);
+    let (boxes, outline, current) = (BoxList::default(), SelectionOutline::default(), CurrentScene::default());
+    let mut harness = Harness::builder().with_size(SIZE).build_ui_state(
+        move |ui, window: &mut Window| {
+            let model = ViewportModel {
+                picture: Some((egui::TextureId::default(), [800, 600])),
+                placeholder: "",
+                pose: Some(pose()),
+                camera: Some(window.camera),
+                boxes: &boxes,
+                outline: &outline,
+                icons: &[lamp],
+                gizmo: GizmoModel {
+                    settings: window.gizmo,
+                    targets: &[window.target],
+                    length_step: 0.5,
+                    up: Vec3::Y,
+                    current: &current,
+                },
+                locked: &[],
+                current: &current,
+                navigation: Navigation {
+                    scene_size: 10.0,
+                    ..Navigation::default()
+                },
+                keys: ActionContext {
+                    display: DisplaySettings::default(),
+                    overlay: BvhOverlay::default(),
+                    gizmo: window.gizmo,
+                    paused: false,
+                    panels_shown: true,
+                    selection: &selection,
+                    flying: false,
+                },
+                presses: &presses(ui),
+                enabled: true,
+            };
+            let mut commands = Vec::new();
+            let mut whole = ui.new_child(egui::UiBuilder::new().max_rect(egui::Rect::from_min_size(Pos2::ZERO, SIZE)));
+            whole.set_clip_rect(whole.max_rect());
+            viewport(&mut whole, &model, &mut window.state, &mut commands);
+            for command in &commands {
+                match command {
+                    Command::SetGizmo(settings) => window.gizmo = *settings,
+                    Command::Transform(poses) => window.target.to_world = poses[0].1,
+                    _ => {}
+                }
+            }
+            window.commands.extend(commands);
+        },
+        window,
+    );
+    harness.run_steps(3);
+    harness
+}
+
+fn lamp() -> Vec3 {
+    Vec3::new(-3.0, 2.0, 0.0)
+}
+
+fn presses(ui: &egui::Ui) -> Vec<Press> {
+    let press = |event: &egui::Event| match *event {
+        egui::Event::Key {
+            key,
+            pressed: true,
+            repeat: false,
+            modifiers,
+            ..
+        } => Some(Press {
+            key,
+            modifiers,
+            numpad: false,
+        }),
+        _ => None,
+    };
+    ui.input(|input| input.events.iter().filter_map(press).collect())
+}
+
+fn button(harness: &mut Harness<Window>, button: PointerButton, at: Pos2, pressed: bool, modifiers: Modifiers) {
+    harness.event(egui::Event::PointerButton {
+        pos: at,
+        button,
+        pressed,
+        modifiers,
+    });
+    harness.run_steps(1);
+}
+
+/// Presses, goes there in five steps if it is elsewhere, and lets go unless told otherwise.
+fn drag(harness: &mut Harness<Window>, with: PointerButton, from: Pos2, to: Pos2, modifiers: Modifiers, lets_go: bool) {
+    harness.event(egui::Event::ModifiersChanged(modifiers));
+    harness.event(egui::Event::PointerMoved(from));
+    harness.run_steps(2);
+    button(harness, with, from, true, modifiers);
+    // What takes long is no click.
+    let steps = if from == to { 0 } else { 5 };
+    for step in 1..=steps {
+        harness.event(egui::Event::PointerMoved(from + (to - from) * (step as f32 / 5.0)));
+        harness.run_steps(1);
+    }
+    if lets_go {
+        button(harness, with, to, false, modifiers);
+    }
+    harness.event(egui::Event::ModifiersChanged(Modifiers::NONE));
+}
+
+fn moved_to(harness: &Harness<Window>) -> Vec3 {
+    harness.state().target.to_world.translation.into()
+}
+
+fn at(harness: &Harness<Window>, world: Vec3) -> Pos2 {
+    screen(harness.state()).project(world).expect("in front")
+}
+
+fn keys(harness: &mut Harness<Window>, keys: &[Key]) {
+    for &key in keys {
+        harness.key_press(key);
+        harness.run_steps(1);
+    }
+}
+
+fn views(harness: &Harness<Window>) -> Vec<Affine3A> {
+    let view = |command: &Command| match command {
+        Command::MoveView(pose) => Some(*pose),
+        _ => None,
+    };
+    harness.state().commands.iter().filter_map(view).collect()
+}
+
+#[test]
+fn a_handle_is_dragged_and_nothing_else_happens() {
+    let mut harness = window();
+    let (from, to) = (at(&harness, 0.5 * Vec3::X), at(&harness, 2.5 * Vec3::X));
+    drag(&mut harness, PointerButton::Primary, from, to, Modifiers::NONE, true);
+    harness.run_steps(3);
+    assert!(
+        moved_to(&harness).abs_diff_eq(2.0 * Vec3::X, 1e-3),
+        "{}",
+        moved_to(&harness)
+    );
+    let commands = &harness.state().commands;
+    assert!(
+        commands.iter().all(|command| matches!(command, Command::Transform(_))),
+        "{commands:?}"
+    );
+    assert!(commands.len() >= 4, "it follows the pointer");
+}
+
+#[test]
+fn control_rounds_and_escape_puts_back() {
+    let mut harness = window();
+    let (from, to) = (at(&harness, 0.5 * Vec3::X), at(&harness, 2.4 * Vec3::X));
+    drag(
+        &mut harness,
+        PointerButton::Primary,
+        from,
+        to,
+        Modifiers::COMMAND,
+        false,
+    );
+    assert!(
+        moved_to(&harness).abs_diff_eq(2.0 * Vec3::X, 1e-4),
+        "{}",
+        moved_to(&harness)
+    );
+    keys(&mut harness, &[Key::Escape]);
+    assert_eq!(moved_to(&harness), Vec3::ZERO);
+    button(&mut harness, PointerButton::Primary, to, false, Modifiers::NONE);
+    harness.run_steps(3);
+    let commands = &harness.state().commands;
+    assert!(
+        commands.iter().all(|command| matches!(command, Command::Transform(_))),
+        "{commands:?}"
+    );
+}
+
+#[test]
+fn a_press_on_a_handle_alone_does_nothing() {
+    let mut harness = window();
+    let from = at(&harness, 0.5 * Vec3::X);
+    drag(&mut harness, PointerButton::Primary, from, from, Modifiers::NONE, true);
+    harness.run_steps(3);
+    assert_eq!(harness.state().commands, []);
+}
+
+#[test]
+fn keys_alone_move_by_numbers() {
+    let mut harness = window();
+    keys(&mut harness, &[Key::G, Key::X, Key::Num1, Key::Period, Key::Num5]);
+    assert_eq!(moved_to(&harness), 1.5 * Vec3::X);
+    keys(&mut harness, &[Key::Minus]);
+    assert_eq!(moved_to(&harness), -1.5 * Vec3::X);
+    keys(&mut harness, &[Key::Enter, Key::X]);
+    assert_eq!(moved_to(&harness), -1.5 * Vec3::X);
+    assert_eq!(harness.state().gizmo.axes, Axes::Local, "X is the axes' key again");
+    keys(&mut harness, &[Key::R, Key::Z, Key::Num9, Key::Num0, Key::Escape]);
+    assert_eq!(harness.state().target.to_world.matrix3, Affine3A::IDENTITY.matrix3);
+    assert_eq!(harness.state().gizmo.mode, Mode::Rotate);
+}
+
+#[test]
+fn the_same_key_again_follows_the_mouse_until_a_click() {
+    let mut harness = window();
+    let from = at(&harness, Vec3::new(2.0, -2.0, 0.0));
+    harness.hover_at(from);
+    keys(&mut harness, &[Key::G, Key::G]);
+    let by = Vec3::new(1.0, 0.5, 0.0);
+    let to = at(&harness, Vec3::new(2.0, -2.0, 0.0) + by);
+    harness.hover_at(to);
+    harness.run_steps(1);
+    assert!(moved_to(&harness).abs_diff_eq(by, 1e-3), "{}", moved_to(&harness));
+    keys(&mut harness, &[Key::Y]);
+    assert!(
+        moved_to(&harness).abs_diff_eq(0.5 * Vec3::Y, 1e-3),
+        "{}",
+        moved_to(&harness)
+    );
+    drag(&mut harness, PointerButton::Primary, to, to, Modifiers::NONE, true);
+    harness.hover_at(from);
+    harness.run_steps(3);
+    assert!(moved_to(&harness).abs_diff_eq(0.5 * Vec3::Y, 1e-3));
+    let picks = |command: &Command| matches!(command, Command::Pick(..) | Command::Select(..));
+    assert!(!harness.state().commands.iter().any(picks), "the click ended the drag");
+}
+
+#[test]
+fn other_keys_after_a_mode_are_what_they_always_are() {
+    let mut harness = window();
+    keys(&mut harness, &[Key::T, Key::N, Key::X, Key::Num1]);
+    let gizmo = GizmoSettings {
+        mode: Mode::Scale,
+        ..GizmoSettings::default()
+    };
+    let local = GizmoSettings {
+        axes: Axes::Local,
+        ..gizmo
+    };
+    let expected = [
+        Command::SetGizmo(gizmo),
+        Command::Denoise,
+        Command::SetGizmo(local),
+        Command::RecallView(1),
+    ];
+    assert_eq!(harness.state().commands, expected);
+}
+
+#[test]
+fn arrows_nudge_and_end_drops() {
+    let mut harness = window();
+    keys(&mut harness, &[Key::ArrowLeft, Key::ArrowUp, Key::PageDown, Key::End]);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Num3);
+    harness.run_steps(1);
+    let nudge = Command::Nudge;
+    let expected = [
+        nudge(Direction::Left),
+        nudge(Direction::Ahead),
+        nudge(Direction::Down),
+        Command::Drop,
+        Command::StoreView(3),
+    ];
+    assert_eq!(harness.state().commands, expected);
+}
+
+#[test]
+fn digits_of_the_numpad_are_views_along_axes() {
+    let press = Press {
+        key: Key::Num7,
+        modifiers: Modifiers::NONE,
+        numpad: true,
+    };
+    let selection = Selection::default();
+    let context = ActionContext {
+        display: DisplaySettings::default(),
+        overlay: BvhOverlay::default(),
+        gizmo: GizmoSettings::default(),
+        paused: false,
+        panels_shown: true,
+        selection: &selection,
+        flying: false,
+    };
+    let commands = sunroom::app::editor::keys::shortcuts(&[press], &context);
+    assert_eq!(commands, [Command::LookAlong(AxisView::Top)]);
+}
+
+#[test]
+fn alt_orbits_the_selection_and_the_middle_button_pans() {
+    let mut harness = window();
+    let from = Pos2::new(200.0, 400.0);
+    drag(
+        &mut harness,
+        PointerButton::Primary,
+        from,
+        from + vec2(100.0, 20.0),
+        Modifiers::ALT,
+        true,
+    );
+    let orbited = *views(&harness).last().expect("it orbits");
+    let seen = |pose: Affine3A| pose.inverse().transform_point3(Vec3::ZERO);
+    assert!(
+        seen(orbited).abs_diff_eq(seen(pose()), 1e-3) && orbited.translation.x > 0.1,
+        "{orbited}"
+    );
+
+    let mut harness = window();
+    drag(
+        &mut harness,
+        PointerButton::Middle,
+        from,
+        from + vec2(50.0, 0.0),
+        Modifiers::NONE,
+        true,
+    );
+    // The view of the test does not follow: each of the five steps is by ten points of the picture at half the scene's size, 5 units.
+    let step = 10.0 * 2.0 * 5.0 * 30f32.to_radians().tan() / SIZE.x;
+    let panned: Vec<f32> = views(&harness).iter().map(|view| view.translation.x).collect();
+    assert!(
+        panned.len() == 5 && panned.iter().all(|x| (x - step).abs() < 1e-4),
+        "{panned:?} for {step}"
+    );
+}
+
+#[test]
+fn the_wheel_goes_towards_the_pointer() {
+    let mut harness = window();
+    harness.hover_at(Pos2::new(100.0, 300.0));
+    harness.run_steps(2);
+    harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Line,
+        delta: vec2(0.0, 1.0),
+        phase: egui::TouchPhase::Move,
+        modifiers: Modifiers::NONE,
+    });
+    harness.run_steps(2);
+    let [view] = views(&harness)[..] else {
+        panic!("one step")
+    };
+    assert!(view.translation.x > 0.0 && view.translation.z > -10.0, "{view}");
+    assert_eq!(view.matrix3, pose().matrix3);
+}
+
+#[test]
+fn a_box_and_a_click_select_lamps() {
+    let mut harness = window();
+    let lamp = at(&harness, lamp());
+    let (from, to) = (lamp - vec2(30.0, 20.0), lamp + vec2(20.0, 20.0));
+    drag(&mut harness, PointerButton::Primary, from, to, Modifiers::SHIFT, true);
+    assert_eq!(
+        harness.state().commands,
+        [Command::Select(vec![entity(7)], Extend::Add)]
+    );
+    harness.state_mut().commands.clear();
+    drag(&mut harness, PointerButton::Primary, lamp, lamp, Modifiers::NONE, true);
+    assert_eq!(
+        harness.state().commands,
+        [Command::Select(vec![entity(7)], Extend::Replace)]
+    );
+    harness.state_mut().commands.clear();
+    let beside = Pos2::new(40.0, 500.0);
+    drag(
+        &mut harness,
+        PointerButton::Primary,
+        beside,
+        beside,
+        Modifiers::COMMAND,
+        true,
+    );
+    let film = Vec2::new(beside.x / SIZE.x, beside.y / SIZE.y);
+    assert_eq!(harness.state().commands, [Command::Pick(film, Extend::Toggle)]);
+}
