@@ -1,7 +1,7 @@
 //! The arrangement of the window: menus above, lists left and right, the status line below, the picture in between.
 
 use bevy::prelude::*;
-use bevy_egui::{EguiContexts, egui};
+use bevy_egui::{EguiClipboard, EguiContexts, egui};
 
 use super::actions::ActionContext;
 use super::command::{Command, FileDialogKind};
@@ -152,6 +152,7 @@ pub struct Shell<'w, 's> {
     preferences_file: Res<'w, PreferencesFile>,
     recovery: ResMut<'w, Recovery>,
     dropped: ResMut<'w, DroppedFiles>,
+    clipboard: ResMut<'w, EguiClipboard>,
     guard: Local<'s, Guard>,
 }
 
@@ -243,7 +244,7 @@ pub fn show_window(
             viewport(ui, &shown, &mut state.viewport, commands);
         }
     });
-    use_clipboard(&context, &presses, commands);
+    use_clipboard(&context, &presses, &mut shell.clipboard, commands);
     dialogs.show(&context, scene.status.path.as_deref(), state, commands);
     let sheets = SheetModel {
         actions: action_context,
@@ -273,26 +274,25 @@ pub fn show_window(
     Ok(())
 }
 
-/// Copies, cuts and pastes things while nothing is being typed.
-fn use_clipboard(context: &egui::Context, presses: &[Press], commands: &mut Vec<Command>) {
+/// Copies, cuts and pastes things while nothing is being typed. By the presses, not by egui's events: those do without a modifier that was
+/// let go of within a slow frame.
+fn use_clipboard(
+    context: &egui::Context,
+    presses: &[Press],
+    clipboard: &mut EguiClipboard,
+    commands: &mut Vec<Command>,
+) {
     if context.memory(|memory| memory.focused()) != Some(egui::Id::new(PICTURE)) {
         return;
     }
-    let pastes = presses
-        .iter()
-        .any(|press| press.key == egui::Key::V && press.modifiers.command);
-    context.input(|input| {
-        for event in &input.events {
-            match event {
-                egui::Event::Copy => commands.push(Command::Copy),
-                egui::Event::Cut => commands.push(Command::Cut),
-                egui::Event::Paste(text) => commands.push(Command::Paste(text.clone())),
-                // As a text that is typed is how the window hands it on.
-                egui::Event::Text(text) if pastes => commands.push(Command::Paste(text.clone())),
-                _ => {}
-            }
+    for press in presses.iter().filter(|press| press.modifiers.command_only()) {
+        match press.key {
+            egui::Key::C => commands.push(Command::Copy),
+            egui::Key::X => commands.push(Command::Cut),
+            egui::Key::V => commands.extend(clipboard.get_text().map(Command::Paste)),
+            _ => {}
         }
-    });
+    }
 }
 
 /// A press of the mouse, a key without a text field, and another field are the beginning of something new.
