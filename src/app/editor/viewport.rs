@@ -256,7 +256,7 @@ fn paint_over(ui: &Ui, picture: Rect, screen: Option<&Screen>, model: &ViewportM
 fn tag(painter: &egui::Painter, corner: Pos2, align: Align2, text: &str) {
     let layout = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), Color32::from_gray(230));
     let rect = align.anchor_size(corner, layout.size() + egui::vec2(12.0, 6.0));
-    painter.rect_filled(rect, 3.0, Color32::from_black_alpha(150));
+    painter.rect_filled(rect, 3.0, Color32::from_black_alpha(200));
     painter.galley(rect.min + egui::vec2(6.0, 3.0), layout, Color32::WHITE);
 }
 
