@@ -347,7 +347,8 @@ impl Open {
 
 fn sample(scene: &RenderScene, position: Vec3, u_choice: f32) -> Option<LightSample> {
     let reference = LightReference { position, normal: None };
-    scene.lights.sample(&reference, u_choice, Vec2::splat(0.5))
+    let chosen = scene.lights.sample(&reference, u_choice, Vec2::splat(0.5));
+    chosen.map(|(_, sample)| sample)
 }
 
 fn close(value: Rgb, expected: Rgb, tolerance: f32) -> bool {

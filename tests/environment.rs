@@ -161,7 +161,8 @@ fn radiance(scene: &RenderScene, wi: Vec3) -> Rgb {
 fn sample(scene: &RenderScene, index: u32) -> Option<sunroom::light::LightSample> {
     let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::new(2, 7), index, 8);
     let reference = all_around(Vec3::ZERO);
-    scene.lights.sample(&reference, sampler.next_1d(), sampler.next_2d())
+    let chosen = scene.lights.sample(&reference, sampler.next_1d(), sampler.next_2d());
+    chosen.map(|(_, sample)| sample)
 }
 
 #[test]

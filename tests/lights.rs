@@ -193,7 +193,7 @@ fn sampled_directions_carry_the_density_of_found_ones() {
         let (mut sampled, mut differing) = (0, 0);
         for index in 0..4000 {
             let mut sampler = Sampler::new(SequenceKind::Sobol, glam::UVec2::ZERO, index, 3);
-            let Some(sample) = scene
+            let Some((_, sample)) = scene
                 .lights
                 .sample(&all_around(Vec3::ZERO), sampler.next_1d(), sampler.next_2d())
             else {
@@ -222,7 +222,7 @@ fn light_samples_follow_their_density() {
                 let sample = scene
                     .lights
                     .sample(&all_around(Vec3::ZERO), sampler.next_1d(), sampler.next_2d());
-                sample.map(|sample| sample.wi)
+                sample.map(|(_, sample)| sample.wi)
             };
             (
                 name.to_string(),
@@ -255,7 +255,7 @@ fn the_choice_between_lights_is_part_of_the_density() {
     let (mut point_pmf, mut total) = (0.0, 0.0f64);
     for index in 0..n {
         let mut sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::ONE, index, 9);
-        let Some(sample) = scene
+        let Some((light, sample)) = scene
             .lights
             .sample(&all_around(Vec3::ZERO), sampler.next_1d(), sampler.next_2d())
         else {
@@ -266,6 +266,7 @@ fn the_choice_between_lights_is_part_of_the_density() {
             (false, Target::Point(_)) => 1,
             (false, Target::Infinity) => 2,
         };
+        assert_eq!(light, LightId([1, 0, 2][kind]));
         counts[kind] += 1;
         if kind == 0 {
             point_pmf = sample.pdf;
@@ -314,7 +315,7 @@ fn a_normal_takes_nothing_from_the_half_space_above_it() {
                 let pixel = glam::UVec2::new(case as u32, u32::from(normal_known));
                 let mut sampler = Sampler::new(SequenceKind::Independent, pixel, index, 7);
                 let sample = scene.lights.sample(&reference, sampler.next_1d(), sampler.next_2d());
-                let value = sample.map_or(0.0, |sample| {
+                let value = sample.map_or(0.0, |(_, sample)| {
                     f64::from(sample.wi.dot(normal).max(0.0) * sample.radiance.x / sample.pdf)
                 });
                 sum += value;
@@ -351,12 +352,16 @@ fn the_sampling_weight_scales_the_probability_only() {
             let u = (index as f32 + 0.5) / 100.0;
             table.sample(&all_around(Vec3::ZERO), u, Vec2::splat(0.5))
         });
-        let first: Vec<_> = samples.filter(|sample| sample.wi == Vec3::NEG_X).collect();
-        assert!(first.iter().all(|sample| sample.radiance == Rgb::ONE));
+        let first: Vec<_> = samples.filter(|(light, _)| *light == LightId(0)).collect();
         assert!(
             first
                 .iter()
-                .all(|sample| (sample.pdf - first.len() as f32 / 100.0).abs() < 0.011)
+                .all(|(_, sample)| sample.wi == Vec3::NEG_X && sample.radiance == Rgb::ONE)
+        );
+        assert!(
+            first
+                .iter()
+                .all(|(_, sample)| (sample.pdf - first.len() as f32 / 100.0).abs() < 0.011)
         );
         first.len()
     };
@@ -405,7 +410,7 @@ fn lights_without_extent_send_what_they_say() {
             let scene = scene.build();
             for u in [0.0, 0.3, 0.999] {
                 let sample = scene.lights.sample(&all_around(at), u, Vec2::new(u, 0.5));
-                let sample = sample.unwrap_or_else(|| panic!("{source:?} is seen from everywhere"));
+                let (_, sample) = sample.unwrap_or_else(|| panic!("{source:?} is seen from everywhere"));
                 assert!(
                     sample.is_delta && (sample.wi - wi).length() < 1e-6,
                     "{source:?}: {sample:?}"

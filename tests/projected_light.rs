@@ -52,7 +52,7 @@ fn with(source: LightSource) -> RenderScene {
 /// What arrives at a point from the only light.
 fn arriving(scene: &RenderScene, at: Vec3) -> Rgb {
     let sample = scene.lights.sample(&all_around(at), 0.5, Vec2::splat(0.5));
-    sample.map_or(Rgb::ZERO, |sample| {
+    sample.map_or(Rgb::ZERO, |(_, sample)| {
         assert!(sample.is_delta && (sample.wi.length() - 1.0).abs() < 1e-6);
         sample.radiance / sample.pdf
     })
@@ -179,7 +179,10 @@ fn lamps_are_chosen_wherever_they_shine() {
                     let u = (u as f32 + 0.5) / 256.0;
                     scene.lights.sample(&all_around(at), u, Vec2::splat(0.5))
                 });
-                let mean: f32 = draws.map(|sample| luminance(sample.radiance) / sample.pdf).sum::<f32>() / 256.0;
+                let mean: f32 = draws
+                    .map(|(_, sample)| luminance(sample.radiance) / sample.pdf)
+                    .sum::<f32>()
+                    / 256.0;
                 assert!(
                     (mean - expected).abs() < 0.1 * expected + 1e-6,
                     "{source:?}, {at}: {mean}, {expected}"

@@ -176,9 +176,10 @@ fn found(scene: &RenderScene, wi: Vec3) -> Option<(Rgb, f32)> {
 
 fn draw(scene: &RenderScene, index: u32) -> Option<LightSample> {
     let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::new(9, 1), index, 3);
-    scene
+    let chosen = scene
         .lights
-        .sample(&all_around(Vec3::ZERO), sampler.next_1d(), sampler.next_2d())
+        .sample(&all_around(Vec3::ZERO), sampler.next_1d(), sampler.next_2d());
+    chosen.map(|(_, sample)| sample)
 }
 
 #[test]

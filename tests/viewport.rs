@@ -94,6 +94,8 @@ fn window() -> Harness<'static, Window> {
                 },
                 locked: &[],
                 current: &current,
+                legend: None,
+                region: None,
                 navigation: Navigation {
                     scene_size: 10.0,
                     ..Navigation::default()

@@ -113,6 +113,7 @@ enum ToneMapName {
     Clip,
     Reinhard,
     Aces,
+    Filmic,
     Agx,
 }
 
@@ -190,8 +191,10 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
             ToneMapName::Clip => ToneMap::Clip,
             ToneMapName::Reinhard => ToneMap::Reinhard,
             ToneMapName::Aces => ToneMap::Aces,
+            ToneMapName::Filmic => ToneMap::Filmic,
             ToneMapName::Agx => ToneMap::AgX,
         },
+        ..Display::default()
     };
     for path in &args.output {
         write_output(path, &image, &display)?;

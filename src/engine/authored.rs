@@ -116,15 +116,16 @@ impl Authored<'_, '_> {
     pub fn pack_emitters(
         &self,
         context: &mut LightContext,
-        lights: &mut Vec<WeightedSource>,
+        lights: &mut Vec<(Entity, WeightedSource)>,
         errors: &mut Vec<String>,
     ) {
         let mut emitters: Vec<_> = self.emitters.iter().collect();
         emitters.sort_by_key(|&(entity, &order, ..)| (order, entity));
-        for (_, order, id, emitter, to_world) in emitters {
+        for (entity, order, id, emitter, to_world) in emitters {
             let name = name_of("emitter", *order, id);
             let mut check = Checker { name: &name, errors };
-            lights.extend(pack_emitter(emitter, to_world.0, context, &mut check));
+            let light = pack_emitter(emitter, to_world.0, context, &mut check);
+            lights.extend(light.map(|light| (entity, light)));
         }
     }
 }

@@ -14,11 +14,23 @@ pub struct RenderControl {
     /// Samples per pixel to stop at; None is the sensor film's own `sample_count`. Raising it continues the picture, lowering it keeps
     /// what is there.
     pub target_samples: Option<u32>,
+    /// Seconds of rendering to stop at, pauses not counted; None is no limit. Like the samples it can be raised and lowered.
+    pub time_limit: Option<f32>,
+    /// [`RenderStatus::noise`](super::RenderStatus::noise) to stop at; None is no limit.
+    pub noise_target: Option<f32>,
+    /// The part of the picture that gets samples, (0, 0) top left, (1, 1) bottom right, widened to whole tiles; None is all of it, as
+    /// is a part outside of the picture. The rest keeps what it has.
+    pub region: Option<Rect>,
     /// Fraction of the film's size that is rendered, in (0, 1].
     pub resolution_scale: f32,
     /// Size in pixels that replaces the film's (before `resolution_scale`), as given on the command line.
     pub film_size_override: Option<UVec2>,
     pub view_mode: ViewMode,
+    /// Show what each way of finding light does: the left third of the picture by bsdf sampling alone, the middle by light sampling
+    /// alone, the right by both.
+    pub strategy_split: bool,
+    /// Keep the light of each group of lights in a layer of the film, for mixing.
+    pub light_layers: bool,
     /// Worker threads that trace rays; decided by `app::threads`.
     pub threads: NonZeroUsize,
     /// True with a window: every job begins with a coarse preview, acceleration structures are built in the background while the last
@@ -33,9 +45,14 @@ impl Default for RenderControl {
         Self {
             paused: false,
             target_samples: None,
+            time_limit: None,
+            noise_target: None,
+            region: None,
             resolution_scale: 1.0,
             film_size_override: None,
             view_mode: ViewMode::Path,
+            strategy_split: false,
+            light_layers: false,
             threads: std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN),
             interactive: false,
             restart_requested: false,

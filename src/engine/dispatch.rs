@@ -9,6 +9,7 @@ use super::blas_cache::BlasCache;
 use super::control::{RenderControl, WakeUp};
 use super::extract::Extracted;
 use super::film::RenderFilm;
+use super::goal::Goal;
 use super::job::Job;
 use super::priority;
 use super::run::TileResult;
@@ -114,7 +115,7 @@ pub(super) fn dispatch_job(
     };
     let current = job
         .as_ref()
-        .is_some_and(|job| job.is_of(&demand.extracted.scene, &view));
+        .is_some_and(|job| job.is_of(&demand.extracted.scene, &view, &demand.extracted.light_groups));
     if !current || control.restart_requested {
         if control.restart_requested {
             control.restart_requested = false;
@@ -122,16 +123,22 @@ pub(super) fn dispatch_job(
         let since = demand.extracted.since.take();
         // The old job goes first, so that its workers stop while the new one is being set up.
         *job = None;
-        let new = Job::new(demand.extracted.scene.clone(), view, control.interactive, since);
-        if !control.interactive || !film.has_size_of(&new.view) {
+        let new = Job::new(
+            demand.extracted.scene.clone(),
+            view,
+            demand.extracted.light_groups.clone(),
+            control.interactive,
+            since,
+        );
+        if !control.interactive || !film.has_room_for(&new.view) {
             // Otherwise the last picture stays in the film until the first tile of the new one is there.
-            film.begin(&new.view, new.begun);
+            film.begin(&new.view, &new.light_groups, new.begun);
         }
         status.last_restart = new.begun;
         *job = Some(new);
     }
-    let target = control.target_samples.unwrap_or(demand.extracted.sample_count).max(1);
+    let goal = Goal::new(&control, demand.extracted.sample_count);
     if let Some(job) = job {
-        job.run(pool, target, Waker::new(&demand.wake_up));
+        job.run(pool, &goal, Waker::new(&demand.wake_up));
     }
 }

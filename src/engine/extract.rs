@@ -15,6 +15,7 @@ use super::control::{RenderControl, WakeUp};
 use super::current::CurrentScene;
 use super::detect::Dirty;
 use super::dispatch::Renderer;
+use super::light_groups::{LightGroup, group_lights};
 use super::pack::Checker;
 use super::pack::environment::Environments;
 use super::pack::group::{Layout, PlacedGroup};
@@ -28,6 +29,7 @@ use super::status::BvhStatus;
 use crate::accel::{SplitMethod, Tlas};
 use crate::light::{LightSource, LightTable, WeightedSource};
 use crate::material::{self, MaterialId, MaterialTable};
+use crate::render::light_layers::LightGroups;
 use crate::render::scene::{RenderScene, SurfaceTable};
 use crate::render::view::View;
 use crate::scene::{AccelMethod, Film, InstanceOf, MemberOf, MeshHandle, ShapeKind};
@@ -43,6 +45,8 @@ pub(super) struct Extracted {
     pub scene: RenderScene,
     /// None until there has been a camera.
     pub view: Option<View>,
+    /// The lights of each group of the view.
+    pub light_groups: Arc<[LightGroup]>,
     /// Samples that the sensor's film asks for.
     pub sample_count: u32,
     /// When what changed the scene or the view came about; the next job takes it.
@@ -56,6 +60,9 @@ pub(super) struct Extracted {
     surface_sources: Vec<SurfaceSource>,
     method: SplitMethod,
     light_sources: Vec<WeightedSource>,
+    /// Whose lights they are, and that as layers of a film.
+    owners: Arc<[LightGroup]>,
+    layers: LightGroups,
     environments: Environments,
     errors: Errors,
 }
@@ -83,6 +90,7 @@ impl Default for Extracted {
                 textures: Arc::new(TextureTable::default()),
             },
             view: None,
+            light_groups: Arc::default(),
             sample_count: Film::default().sample_count,
             since: None,
             meshes_loading: 0,
@@ -94,6 +102,8 @@ impl Default for Extracted {
             surface_sources: Vec::new(),
             method: SplitMethod::default(),
             light_sources: Vec::new(),
+            owners: Arc::default(),
+            layers: LightGroups::default(),
             environments: Environments::default(),
             errors: Errors::default(),
         }
@@ -150,6 +160,7 @@ pub(super) fn extract_scene(
     if dirty.view {
         extracted.update_view(&authored, &control);
     }
+    extracted.update_layers(control.light_layers);
     let same = Arc::ptr_eq(&old.geometry, &extracted.scene.geometry)
         && Arc::ptr_eq(&old.surfaces, &extracted.scene.surfaces)
         && Arc::ptr_eq(&old.materials, &extracted.scene.materials)
@@ -328,6 +339,8 @@ impl Extracted {
         if repainted {
             self.scene.textures = Arc::new(textures);
         }
+        let (owners, sources): (Vec<Entity>, _) = sources.into_iter().unzip();
+        (self.owners, self.layers) = group_lights(&owners);
         self.update_lights(sources, repainted, moved);
     }
 
@@ -347,6 +360,18 @@ impl Extracted {
             };
             self.scene.lights = Arc::new(LightTable::build(&sources, &self.scene.geometry, &textures));
             self.light_sources = sources;
+        }
+    }
+
+    fn update_layers(&mut self, wanted: bool) {
+        let (owners, layers) = if wanted {
+            (self.owners.clone(), self.layers.clone())
+        } else {
+            Default::default()
+        };
+        self.light_groups = owners;
+        if let Some(view) = &mut self.view {
+            view.light_groups = layers;
         }
     }
 

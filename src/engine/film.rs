@@ -1,6 +1,7 @@
 //! The picture being made, as the application reads it.
 
 use std::collections::HashSet;
+use std::sync::Arc;
 use std::time::Instant;
 
 use bevy::prelude::*;
@@ -9,6 +10,8 @@ use crate::render::film::Film;
 use crate::render::tile::Tile;
 use crate::render::view::View;
 
+use super::light_groups::LightGroup;
+
 /// The film, and what of it has changed since somebody last looked.
 #[derive(Resource, Default)]
 pub struct RenderFilm {
@@ -16,6 +19,8 @@ pub struct RenderFilm {
     /// Counts the pictures that were begun; with a new number all that was shown is old, though worth showing until tiles arrive. A
     /// picture is begun here when its first tile arrives, until then the last one stays.
     pub job: u64,
+    /// The lights of each layer of the film.
+    pub light_groups: Arc<[LightGroup]>,
     dirty: HashSet<Tile>,
     /// When the job was begun whose picture this is.
     begun: Option<Instant>,
@@ -31,20 +36,27 @@ impl RenderFilm {
         !self.dirty.is_empty()
     }
 
-    pub(super) fn has_size_of(&self, view: &View) -> bool {
-        (self.film.width(), self.film.height()) == (view.width, view.height)
+    /// Whether a job has been begun since, of which nothing has arrived yet; `last_restart` is [`RenderStatus`](super::RenderStatus)'s.
+    pub fn is_of_the_past(&self, last_restart: Instant) -> bool {
+        self.begun.is_some_and(|begun| begun < last_restart)
+    }
+
+    pub(super) fn has_room_for(&self, view: &View) -> bool {
+        let film = &self.film;
+        (film.width(), film.height(), film.layer_count()) == (view.width, view.height, view.light_groups.count())
     }
 
     /// Makes room for the job that was begun at `job_begun`, unless that was done before.
-    pub(super) fn begin(&mut self, view: &View, job_begun: Instant) {
+    pub(super) fn begin(&mut self, view: &View, light_groups: &Arc<[LightGroup]>, job_begun: Instant) {
         if self.begun == Some(job_begun) {
             return;
         }
-        if self.has_size_of(view) {
+        if self.has_room_for(view) {
             self.film.clear();
         } else {
-            self.film = Film::new(view.width, view.height);
+            self.film = Film::with_layers(view.width, view.height, view.light_groups.count());
         }
+        self.light_groups = light_groups.clone();
         self.begun = Some(job_begun);
         self.job += 1;
         self.dirty.clear();

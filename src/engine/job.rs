@@ -5,20 +5,29 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use bevy::math::{Rect, UVec2};
 use crossbeam_channel::{Receiver, TryRecvError};
 use rayon::ThreadPool;
 
 use super::film::RenderFilm;
+use super::goal::{Goal, StopReason};
+use super::light_groups::LightGroup;
 use super::run::{Run, TileResult, Work};
-use super::schedule::{WorkItem, WorkQueue, sort_from_center};
+use super::schedule::{WorkItem, WorkQueue, sort_from_center, tiles_in};
 use super::wake::Waker;
+use crate::render::noise::relative_noise;
 use crate::render::scene::RenderScene;
 use crate::render::tile::{Tile, TileSamples, render_preview, render_tile, tiles};
 use crate::render::view::View;
 
+/// Between two estimates of the noise, each of which takes some milliseconds.
+const NOISE_INTERVAL: Duration = Duration::from_millis(500);
+
 pub(super) struct Job {
     pub scene: RenderScene,
     pub view: View,
+    /// The lights of each group of the view.
+    pub light_groups: Arc<[LightGroup]>,
     pub begun: Instant,
     /// When what led to this job happened; taken when its first tile is there.
     pub since: Option<Instant>,
@@ -27,7 +36,13 @@ pub(super) struct Job {
     pub samples: u64,
     pub invalid: u64,
     pub failure: Option<String>,
+    /// The last estimate of [`relative_noise`] within the region.
+    pub noise: Option<f32>,
+    noise_estimated: Instant,
     tiles: Arc<[Tile]>,
+    region: Option<Rect>,
+    /// Places in `tiles` of those in the region.
+    active: Vec<usize>,
     /// Samples in the film per tile.
     done: Vec<u32>,
     /// Results that arrived before those of lower samples of the same tile, by tile and first sample.
@@ -40,18 +55,29 @@ pub(super) struct Job {
 }
 
 impl Job {
-    pub fn new(scene: RenderScene, view: View, preview: bool, since: Option<Instant>) -> Self {
+    pub fn new(
+        scene: RenderScene,
+        view: View,
+        light_groups: Arc<[LightGroup]>,
+        preview: bool,
+        since: Option<Instant>,
+    ) -> Self {
         let mut order = tiles(view.width, view.height);
         sort_from_center(&mut order, view.width, view.height);
         Self {
             scene,
             view,
+            light_groups,
             begun: Instant::now(),
             since,
             rays: 0,
             samples: 0,
             invalid: 0,
             failure: None,
+            noise: None,
+            noise_estimated: Instant::now(),
+            region: None,
+            active: (0..order.len()).collect(),
             done: vec![0; order.len()],
             early: BTreeMap::new(),
             preview_left: if preview { order.len() } else { 0 },
@@ -63,8 +89,9 @@ impl Job {
     }
 
     /// Whether it makes the picture of exactly this.
-    pub fn is_of(&self, scene: &RenderScene, view: &View) -> bool {
+    pub fn is_of(&self, scene: &RenderScene, view: &View, light_groups: &[LightGroup]) -> bool {
         self.view == *view
+            && *self.light_groups == *light_groups
             && Arc::ptr_eq(&self.scene.geometry, &scene.geometry)
             && Arc::ptr_eq(&self.scene.surfaces, &scene.surfaces)
             && Arc::ptr_eq(&self.scene.materials, &scene.materials)
@@ -80,9 +107,24 @@ impl Job {
         self.preview_left > 0
     }
 
-    /// Samples that every pixel has.
+    /// Samples that every pixel of the region has.
     pub fn least_samples(&self) -> u32 {
-        self.done.iter().copied().min().unwrap_or(0)
+        self.active.iter().map(|&index| self.done[index]).min().unwrap_or(0)
+    }
+
+    /// Which of the goal's limits is reached, if one is.
+    pub fn reached(&self, goal: &Goal) -> Option<StopReason> {
+        goal.reached(self.least_samples(), self.seconds(), self.noise)
+    }
+
+    /// Renders only there from now on; the samples of other tiles stay.
+    fn set_region(&mut self, region: Option<Rect>) {
+        if self.region != region {
+            self.pause();
+            self.region = region;
+            self.active = tiles_in(region, &self.tiles, UVec2::new(self.view.width, self.view.height));
+            self.noise = None;
+        }
     }
 
     /// Time spent rendering.
@@ -91,20 +133,26 @@ impl Job {
         (self.ran + now).as_secs_f64()
     }
 
-    /// Starts or goes on, up to `target` samples; nothing happens where they are there.
-    pub fn run(&mut self, pool: &ThreadPool, target: u32, waker: Waker) {
+    /// Starts, goes on or stops, by whether the goal is reached.
+    pub fn run(&mut self, pool: &ThreadPool, goal: &Goal, waker: Waker) {
+        self.set_region(goal.region);
+        let reached = self.reached(goal);
+        if matches!(reached, Some(StopReason::Time | StopReason::Noise)) {
+            self.pause();
+        }
         if let Some(run) = &self.run {
-            run.queue.set_target(target);
+            run.queue.set_target(goal.samples);
             return;
         }
-        if self.failure.is_some() || self.least_samples() >= target {
+        if self.failure.is_some() || reached.is_some() {
             return;
         }
         let preview = self.preview_left > 0;
         if preview {
-            self.preview_left = self.tiles.len();
+            self.preview_left = self.active.len();
         }
-        let queue = WorkQueue::new(self.done.clone(), target, preview);
+        let tiles: Vec<(usize, u32)> = self.active.iter().map(|&index| (index, self.done[index])).collect();
+        let queue = WorkQueue::new(&tiles, goal.samples, preview);
         self.running_since = Some(Instant::now());
         self.run = Some(Run::start(pool, queue, self.preview_left, self.work(), waker));
     }
@@ -152,7 +200,7 @@ impl Job {
         while let Some(run) = &self.run {
             match run.results.try_recv() {
                 Ok(TileResult::Preview(preview)) => {
-                    film.begin(&self.view, self.begun);
+                    film.begin(&self.view, &self.light_groups, self.begun);
                     self.rays += preview.rays;
                     self.preview_left -= 1;
                     film.film.add_preview(&preview);
@@ -160,7 +208,7 @@ impl Job {
                     collected += 1;
                 }
                 Ok(TileResult::Samples { index, samples }) => {
-                    film.begin(&self.view, self.begun);
+                    film.begin(&self.view, &self.light_groups, self.begun);
                     self.early.insert((index, samples.samples.start), samples);
                     self.add_in_order(index, film);
                     collected += 1;
@@ -175,6 +223,11 @@ impl Job {
             if Instant::now() >= deadline {
                 break;
             }
+        }
+        if collected > 0 && (self.run.is_none() || self.noise_estimated.elapsed() > NOISE_INTERVAL) {
+            let tiles: Vec<Tile> = self.active.iter().map(|&index| self.tiles[index]).collect();
+            self.noise = relative_noise(&film.film, &tiles);
+            self.noise_estimated = Instant::now();
         }
         collected
     }

@@ -11,7 +11,9 @@ mod detect;
 mod dispatch;
 mod extract;
 pub mod film;
+mod goal;
 mod job;
+mod light_groups;
 mod pack;
 mod priority;
 mod report;
@@ -27,6 +29,8 @@ pub use blocking::{Limits, Outcome, RenderError, load_to_completion, render_to_c
 pub use control::{InputStamp, RenderControl, ViewMode, WakeUp};
 pub use current::CurrentScene;
 pub use film::RenderFilm;
+pub use goal::StopReason;
+pub use light_groups::LightGroup;
 pub use priority::yield_to_all;
 pub use status::{BvhStatus, LatencyStats, RenderState, RenderStatus};
 

@@ -6,6 +6,7 @@ use super::blas_cache::BlasCache;
 use super::control::RenderControl;
 use super::dispatch::Renderer;
 use super::extract::Extracted;
+use super::goal::Goal;
 use super::job::Job;
 use super::status::{RenderState, RenderStatus};
 
@@ -20,7 +21,8 @@ pub(super) fn report_status(
     cache: Res<BlasCache>,
 ) {
     let job = renderer.job();
-    let target = control.target_samples.unwrap_or(extracted.sample_count).max(1);
+    let goal = Goal::new(&control, extracted.sample_count);
+    let reached = job.and_then(|job| job.reached(&goal));
     let samples = job.map_or(0, Job::least_samples);
     let seconds = job.map_or(0.0, Job::seconds);
     let per_second = |count: u64| {
@@ -46,13 +48,15 @@ pub(super) fn report_status(
         RenderState::Loading
     } else if job.is_none() {
         RenderState::Idle
-    } else if samples >= target {
+    } else if reached.is_some() {
         RenderState::Done
     } else {
         RenderState::Rendering
     };
     status.samples = samples;
-    status.target = target;
+    status.target = goal.samples;
+    status.stopped_by = reached;
+    status.noise = job.and_then(|job| job.noise);
     status.size = job.map_or(UVec2::ZERO, |job| UVec2::new(job.view.width, job.view.height));
     status.seconds = seconds;
     status.rays = job.map_or(0, |job| job.rays);

@@ -150,6 +150,7 @@ mod tests {
                 tile,
                 samples,
                 pixels: Vec::new(),
+                layers: Vec::new(),
                 first_hits: Vec::new(),
                 rays: 0,
                 invalid: 0,
@@ -167,7 +168,7 @@ mod tests {
     fn start(pool: &ThreadPool, items: usize, work: Box<Work>) -> Run {
         Run::start(
             pool,
-            WorkQueue::new(vec![0; items], 1, false),
+            WorkQueue::new(&(0..items).map(|index| (index, 0)).collect::<Vec<_>>(), 1, false),
             0,
             work,
             Waker::new(&WakeUp::default()),

@@ -8,6 +8,8 @@ use std::collections::BinaryHeap;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use bevy::math::{Rect, UVec2};
+
 use crate::render::tile::Tile;
 
 /// The longest visit to a tile, in samples per pixel.
@@ -35,6 +37,22 @@ pub(super) fn sort_from_center(tiles: &mut [Tile], width: u32, height: u32) {
     });
 }
 
+/// The places in `tiles` of those that `region` touches, by fractions of the picture; all of them if there is no region, or none in it.
+pub(super) fn tiles_in(region: Option<Rect>, tiles: &[Tile], size: UVec2) -> Vec<usize> {
+    let touches = |tile: &Tile, region: Rect| {
+        let (min, max) = (region.min * size.as_vec2(), region.max * size.as_vec2());
+        let (left, top) = (tile.x as f32, tile.y as f32);
+        let (right, bottom) = ((tile.x + tile.width) as f32, (tile.y + tile.height) as f32);
+        min.x < right && min.y < bottom && max.x > left && max.y > top
+    };
+    let all = 0..tiles.len();
+    let inside: Vec<usize> = match region {
+        Some(region) => all.clone().filter(|&index| touches(&tiles[index], region)).collect(),
+        None => Vec::new(),
+    };
+    if inside.is_empty() { all.collect() } else { inside }
+}
+
 /// One visit to a tile; `index` is its place in the job's list of tiles.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum WorkItem {
@@ -48,24 +66,24 @@ pub(super) struct WorkQueue {
 }
 
 struct QueueState {
-    /// Samples per tile that have been dealt out or were there before.
-    claimed: Vec<u32>,
-    /// Next tile of the preview; the number of tiles when it is over or not wanted.
-    next_preview: usize,
+    /// The most samples that a tile has or has been dealt out.
+    begun: u32,
+    /// Tiles of the preview that are yet to come, the next one last.
+    previews: Vec<usize>,
     /// Tiles whose turn in this pass is yet to come, by least samples first, then by their order.
     waiting: BinaryHeap<Reverse<(u32, usize)>>,
     target: u32,
 }
 
 impl WorkQueue {
-    /// `done`: the samples that each tile has; `target`: those it shall have.
-    pub fn new(done: Vec<u32>, target: u32, preview: bool) -> Self {
-        let waiting = done.iter().enumerate().map(|(index, &count)| Reverse((count, index)));
+    /// `tiles`: the index of each tile to be rendered and the samples that it has; `target`: those it shall have.
+    pub fn new(tiles: &[(usize, u32)], target: u32, preview: bool) -> Self {
+        let previews = tiles.iter().rev().filter(|_| preview);
         Self {
             state: Mutex::new(QueueState {
-                waiting: waiting.collect(),
-                next_preview: if preview { 0 } else { done.len() },
-                claimed: done,
+                begun: tiles.iter().map(|&(_, done)| done).max().unwrap_or(0),
+                previews: previews.map(|&(index, _)| index).collect(),
+                waiting: tiles.iter().map(|&(index, done)| Reverse((done, index))).collect(),
                 target,
             }),
         }
@@ -74,10 +92,9 @@ impl WorkQueue {
     /// The next piece of work; None when everything up to the target has been dealt out.
     pub fn claim(&self) -> Option<WorkItem> {
         let mut state = self.state();
-        if state.next_preview < state.claimed.len() {
-            state.next_preview += 1;
+        if let Some(index) = state.previews.pop() {
             return Some(WorkItem::Preview {
-                index: state.next_preview - 1,
+                index,
                 step: PREVIEW_STEP,
             });
         }
@@ -88,7 +105,7 @@ impl WorkQueue {
         let end = pass_end(done).min(state.target);
         state.waiting.pop();
         state.waiting.push(Reverse((end, index)));
-        state.claimed[index] = end;
+        state.begun = state.begun.max(end);
         Some(WorkItem::Samples {
             index,
             samples: done..end,
@@ -103,8 +120,7 @@ impl WorkQueue {
     /// Lowers the target to the end of the pass that has been begun, so that all tiles end with equal samples. Returns that target.
     pub fn finish_pass(&self) -> u32 {
         let mut state = self.state();
-        let begun = state.claimed.iter().copied().max().unwrap_or(0);
-        state.target = state.target.min(begun);
+        state.target = state.target.min(state.begun);
         state.target
     }
 
@@ -140,7 +156,7 @@ mod tests {
 
     #[test]
     fn every_tile_has_its_turn_in_every_pass() {
-        let queue = WorkQueue::new(vec![0; 2], 3, true);
+        let queue = WorkQueue::new(&[(0, 0), (1, 0)], 3, true);
         let expected = [
             (0, 0, 0),
             (1, 0, 0),
@@ -156,7 +172,7 @@ mod tests {
 
     #[test]
     fn what_was_interrupted_or_raised_goes_on_at_the_same_places() {
-        let queue = WorkQueue::new(vec![4, 2, 8], 8, false);
+        let queue = WorkQueue::new(&[(0, 4), (1, 2), (2, 8)], 8, false);
         assert_eq!(all(&queue), [(1, 2, 4), (0, 4, 8), (1, 4, 8)]);
         queue.set_target(10);
         assert_eq!(all(&queue), [(0, 8, 10), (1, 8, 10), (2, 8, 10)]);
@@ -166,10 +182,25 @@ mod tests {
 
     #[test]
     fn a_begun_pass_is_finished() {
-        let queue = WorkQueue::new(vec![0; 3], 1000, false);
+        let queue = WorkQueue::new(&[(0, 0), (1, 0), (2, 0)], 1000, false);
         (0..4).for_each(|_| assert!(queue.claim().is_some()));
         assert_eq!(queue.finish_pass(), 2);
         assert_eq!(all(&queue), [(1, 1, 2), (2, 1, 2)]);
+    }
+
+    #[test]
+    fn a_region_is_all_tiles_that_it_touches() {
+        let tiles = crate::render::tile::tiles(96, 64);
+        let within = |x0, y0, x1, y1| tiles_in(Some(Rect::new(x0, y0, x1, y1)), &tiles, UVec2::new(96, 64));
+        assert_eq!(within(0.0, 0.0, 0.3, 0.4), [0]);
+        assert_eq!(within(0.3, 0.4, 0.4, 0.6), [0, 1, 3, 4]);
+        assert_eq!(within(0.5, 0.6, 0.5, 0.6), [4]);
+        assert_eq!(within(-9.0, 0.6, 9.0, 0.7), [3, 4, 5]);
+        let everything: Vec<usize> = (0..6).collect();
+        assert_eq!(within(1.5, 0.0, 2.0, 1.0), everything);
+        assert_eq!(tiles_in(None, &tiles, UVec2::new(96, 64)), everything);
+        let queue = WorkQueue::new(&[(3, 0), (5, 1)], 2, true);
+        assert_eq!(all(&queue), [(3, 0, 0), (5, 0, 0), (3, 0, 1), (3, 1, 2), (5, 1, 2)]);
     }
 
     #[test]

@@ -5,14 +5,20 @@ use std::time::Instant;
 
 use bevy::prelude::*;
 
+use super::goal::StopReason;
+
 /// The state of rendering, brought up to date once per frame.
 #[derive(Resource, Clone, Debug)]
 pub struct RenderStatus {
     pub state: RenderState,
-    /// Samples per pixel that the whole picture has.
+    /// Samples per pixel that the whole picture, or the region that is rendered, has.
     pub samples: u32,
     /// Samples per pixel asked for.
     pub target: u32,
+    /// The limit that is reached.
+    pub stopped_by: Option<StopReason>,
+    /// The last estimate of the picture's [`relative_noise`](crate::render::noise::relative_noise); None while there is none.
+    pub noise: Option<f32>,
     /// Size of the picture in pixels.
     pub size: UVec2,
     /// Time spent on the samples of this picture; pauses do not count.
@@ -46,6 +52,8 @@ impl Default for RenderStatus {
             state: RenderState::Idle,
             samples: 0,
             target: 0,
+            stopped_by: None,
+            noise: None,
             size: UVec2::ZERO,
             seconds: 0.0,
             rays: 0,
@@ -75,7 +83,7 @@ pub enum RenderState {
     Building,
     Rendering,
     Paused,
-    /// The picture has the samples asked for.
+    /// The picture has the samples asked for, or has reached another limit.
     Done,
     /// The last job broke off; `errors` says why. The next change tries again.
     Failed,

@@ -35,6 +35,7 @@ enum Place {
 /// A finite light and where its parts are in the list of parts.
 #[derive(Clone, Debug)]
 struct Finite {
+    id: LightId,
     light: FiniteLight,
     first_part: u32,
 }
@@ -45,7 +46,7 @@ pub struct LightTable {
     /// By [`LightId`].
     places: Vec<Place>,
     finite: Vec<Finite>,
-    infinite: Vec<InfiniteLight>,
+    infinite: Vec<(LightId, InfiniteLight)>,
     /// Per part of any finite light, which light it belongs to.
     light_of_part: Vec<u32>,
     choice: LightChoice,
@@ -62,7 +63,7 @@ impl LightTable {
             ..Self::default()
         };
         let (mut part_bounds, mut infinite_weights) = (Vec::new(), Vec::new());
-        for (id, weighted) in sources.iter().enumerate() {
+        for (id, weighted) in (0..).map(LightId).zip(sources) {
             let place = match Self::light(&weighted.source, geometry, textures) {
                 None => Place::Nowhere,
                 Some(Light::Finite(light)) => {
@@ -72,15 +73,15 @@ impl LightTable {
                         table.light_of_part.push(index);
                         part_bounds.push(light.bounds(part).weighted(weighted.sampling_weight));
                     }
-                    table.finite.push(Finite { light, first_part });
+                    table.finite.push(Finite { id, light, first_part });
                     Place::Finite(index)
                 }
                 Some(Light::Infinite(light)) => {
                     if light.is_seen() {
-                        table.seen_at_infinity.push(LightId(id as u32));
+                        table.seen_at_infinity.push(id);
                     }
                     infinite_weights.push(weighted.sampling_weight * light.irradiance());
-                    table.infinite.push(light);
+                    table.infinite.push((id, light));
                     Place::Infinite(table.infinite.len() as u32 - 1)
                 }
             };
@@ -139,21 +140,21 @@ impl LightTable {
     }
 
     /// Chooses a light by `u_choice`, then a direction to it by `u`. None where the chosen light sends nothing to `reference`.
-    pub fn sample(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<LightSample> {
+    pub fn sample(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<(LightId, LightSample)> {
         let (chosen, pmf) = self.choice.sample(reference, refined(u_choice, u))?;
-        let sample = match chosen {
+        let (id, sample) = match chosen {
             Chosen::Part(part) => {
                 let finite = &self.finite[self.light_of_part[part as usize] as usize];
-                finite
-                    .light
-                    .sample(part - finite.first_part, reference, u, &self.textures)?
+                let part = part - finite.first_part;
+                (finite.id, finite.light.sample(part, reference, u, &self.textures)?)
             }
-            Chosen::Infinite(index) => self.infinite[index as usize].sample(u)?,
+            Chosen::Infinite(index) => {
+                let (id, light) = &self.infinite[index as usize];
+                (*id, light.sample(u)?)
+            }
         };
-        Some(LightSample {
-            pdf: pmf * sample.pdf,
-            ..sample
-        })
+        let pdf = pmf * sample.pdf;
+        Some((id, LightSample { pdf, ..sample }))
     }
 
     /// Radiance that light `id` sends along the unit vector `wo` from a point of its surface.
@@ -202,7 +203,7 @@ impl LightTable {
 
     fn at_infinity(&self, id: LightId) -> Option<(u32, &InfiniteLight)> {
         match self.places[id.0 as usize] {
-            Place::Infinite(index) => Some((index, &self.infinite[index as usize])),
+            Place::Infinite(index) => Some((index, &self.infinite[index as usize].1)),
             Place::Finite(_) | Place::Nowhere => None,
         }
     }

@@ -14,11 +14,20 @@ pub struct Film {
     sums: Vec<PixelSum>,
     counts: Vec<u32>,
     has_preview: Vec<bool>,
+    /// Light groups that have a layer each.
+    layer_count: usize,
+    /// Per pixel the sums of the layers, side by side.
+    layers: Vec<Rgb>,
     first_hits: Vec<Option<FirstHit>>,
 }
 
 impl Film {
     pub fn new(width: u32, height: u32) -> Self {
+        Self::with_layers(width, height, 0)
+    }
+
+    /// A film that keeps, beside the whole, the light of `layer_count` groups of lights each for itself.
+    pub fn with_layers(width: u32, height: u32, layer_count: usize) -> Self {
         let pixels = width as usize * height as usize;
         Self {
             width,
@@ -26,6 +35,8 @@ impl Film {
             sums: vec![PixelSum::default(); pixels],
             counts: vec![0; pixels],
             has_preview: vec![false; pixels],
+            layer_count,
+            layers: vec![Rgb::ZERO; pixels * layer_count],
             first_hits: vec![None; pixels],
         }
     }
@@ -51,11 +62,16 @@ impl Film {
         for (index, &hit) in indices.clone().zip(&result.first_hits) {
             self.first_hits[index] = hit;
         }
-        for (index, sum) in indices.zip(&result.pixels) {
+        for (place, (index, sum)) in indices.zip(&result.pixels).enumerate() {
+            let layers = &mut self.layers[index * self.layer_count..][..self.layer_count];
             if self.counts[index] == 0 {
                 self.sums[index] = PixelSum::default();
+                layers.fill(Rgb::ZERO);
             }
             self.sums[index].add(sum);
+            for (layer, light) in layers.iter_mut().zip(&result.layers[place * self.layer_count..]) {
+                *layer += *light;
+            }
             self.counts[index] += count;
         }
     }
@@ -69,9 +85,11 @@ impl Film {
                 continue;
             }
             let (x, y) = (place as u32 % tile.width, place as u32 / tile.width);
-            let block = (y / preview.step) * blocks_per_row + x / preview.step;
-            self.sums[index] = preview.blocks[block as usize];
-            self.first_hits[index] = preview.first_hits[block as usize];
+            let block = ((y / preview.step) * blocks_per_row + x / preview.step) as usize;
+            self.sums[index] = preview.blocks[block];
+            self.first_hits[index] = preview.first_hits[block];
+            let layers = &mut self.layers[index * self.layer_count..][..self.layer_count];
+            layers.copy_from_slice(&preview.layers[block * self.layer_count..][..self.layer_count]);
             self.has_preview[index] = true;
         }
     }
@@ -89,6 +107,11 @@ impl Film {
     /// Samples of one pixel.
     pub fn samples(&self, x: u32, y: u32) -> u32 {
         self.counts[self.index(x, y)]
+    }
+
+    /// Samples of the pixel that has most.
+    pub fn most_samples(&self) -> u32 {
+        self.counts.iter().copied().max().unwrap_or(0)
     }
 
     /// Samples that every pixel has.
@@ -111,6 +134,32 @@ impl Film {
         let index = self.index(x, y);
         let has_any = self.counts[index] > 0 || self.has_preview[index];
         self.first_hits[index].filter(|_| has_any)
+    }
+
+    pub fn layer_count(&self) -> usize {
+        self.layer_count
+    }
+
+    /// What [`Self::pixel`] would have for its radiance if the light of each group were multiplied by its factor; for groups without a
+    /// factor that is 1. Without layers or without factors it is just that.
+    pub fn mixed_pixel(&self, x: u32, y: u32, factors: &[Rgb]) -> Option<Rgb> {
+        let pixel = self.pixel(x, y)?;
+        if self.layer_count == 0 || factors.is_empty() {
+            return Some(pixel.radiance);
+        }
+        let index = self.index(x, y);
+        let layers = &self.layers[index * self.layer_count..][..self.layer_count];
+        let factors = factors.iter().copied().chain(std::iter::repeat(Rgb::ONE));
+        let sum: Rgb = layers.iter().zip(factors).map(|(&light, factor)| light * factor).sum();
+        Some(sum / self.counts[index].max(1) as f32)
+    }
+
+    /// [`Self::mixed_pixel`] of the whole picture; black where there is none yet.
+    pub fn mixed(&self, factors: &[Rgb]) -> Vec<Rgb> {
+        (0..self.height)
+            .flat_map(|y| (0..self.width).map(move |x| (x, y)))
+            .map(|(x, y)| self.mixed_pixel(x, y, factors).unwrap_or_default())
+            .collect()
     }
 
     /// Mean radiance; black where there is none yet.
@@ -190,6 +239,7 @@ mod tests {
             tile,
             samples: range.clone(),
             pixels: vec![sum; (tile.width * tile.height) as usize],
+            layers: Vec::new(),
             first_hits: match range.start {
                 0 => vec![Some(hit(1)); (tile.width * tile.height) as usize],
                 _ => Vec::new(),
@@ -227,6 +277,7 @@ mod tests {
             tile: left,
             step: 4,
             blocks: vec![block; 16],
+            layers: Vec::new(),
             first_hits: (0..16).map(|i| (i != 15).then(|| hit(7))).collect(),
             rays: 0,
         });

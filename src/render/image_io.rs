@@ -190,6 +190,7 @@ mod tests {
         let display = Display {
             exposure_ev: 3.0,
             tone_map: ToneMap::Aces,
+            ..Display::default()
         };
         write_image(&path, &picture(), &display).unwrap();
         assert_eq!(read_image(&path), picture());
@@ -243,6 +244,7 @@ mod tests {
             let display = Display {
                 exposure_ev: -1.0,
                 tone_map,
+                ..Display::default()
             };
             write_image(&path, &picture(), &display).unwrap();
             let read = read_image(&path);

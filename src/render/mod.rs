@@ -2,11 +2,17 @@
 
 pub mod camera;
 pub mod denoise;
+pub mod exposure;
 pub mod film;
 pub mod filter;
 pub mod image_io;
+pub mod inspect;
+pub mod light_layers;
+pub mod noise;
+pub mod observer;
 pub mod path;
 pub mod scene;
 pub mod tile;
 pub mod tonemap;
 pub mod view;
+pub mod white_balance;

@@ -3,6 +3,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::observer::{Bounce, MetEmitter, PathEnd, PathObserver, PathVertex, SampledLight};
 use super::scene::{FirstHit, RenderScene, SurfaceSlot};
 use super::view::{PathSettings, Strategy};
 use crate::accel::SurfacePoint;
@@ -43,8 +44,15 @@ enum Arrival {
     Sampled { pdf: f32, from: LightReference },
 }
 
-/// One sample of the radiance arriving along `-ray.dir` at the ray's origin.
-pub fn trace_path(scene: &RenderScene, settings: &PathSettings, mut ray: Ray, sampler: &mut Sampler) -> PathSample {
+/// One sample of the radiance arriving along `-ray.dir` at the ray's origin. `observer` is told of it and cannot change it; with `()`
+/// there is none.
+pub fn trace_path(
+    scene: &RenderScene,
+    settings: &PathSettings,
+    mut ray: Ray,
+    sampler: &mut Sampler,
+    observer: &mut impl PathObserver,
+) -> PathSample {
     let mut result = PathSample::default();
     let mut throughput = Rgb::ONE;
     // Squared relative index of refraction so far: radiance is scaled by it inside glass, and roulette must not see that.
@@ -57,11 +65,19 @@ pub fn trace_path(scene: &RenderScene, settings: &PathSettings, mut ray: Ray, sa
         result.rays += 1;
         let Some(hit) = scene.geometry.intersect(&ray) else {
             if depth > 0 || !settings.hide_emitters {
-                result.radiance += throughput * escaped_radiance(scene, settings, arrival, ray.dir);
+                for &light in scene.lights.infinite() {
+                    let found = arrival.weigh(settings.strategy, |from| {
+                        scene.lights.pdf_of_escape(light, from, ray.dir)
+                    });
+                    let met = found.emitter(light, scene.lights.radiance_from(light, ray.dir), throughput);
+                    result.radiance += met.contribution;
+                    observer.emitter_met(&met);
+                }
             }
             if !guided {
                 result.albedo = result.radiance.clamp(Rgb::ZERO, Rgb::ONE);
             }
+            observer.ended(PathEnd::Escaped);
             return result;
         };
         let point = scene.geometry.surface(&ray, &hit);
@@ -74,6 +90,12 @@ pub fn trace_path(scene: &RenderScene, settings: &PathSettings, mut ray: Ray, sa
                 uv: point.uv,
             });
         }
+        observer.vertex(&PathVertex {
+            position: point.position,
+            normal: point.shading_normal,
+            instance: hit.instance,
+            material: slot.material,
+        });
 
         if let Some(light) = slot.light
             && (depth > 0 || !settings.hide_emitters)
@@ -87,13 +109,12 @@ pub fn trace_path(scene: &RenderScene, settings: &PathSettings, mut ray: Ray, sa
             };
             let emitted = scene.lights.emitted(light, &on_light, -ray.dir);
             if emitted != Rgb::ZERO {
-                let weight = match arrival {
-                    Arrival::Only => 1.0,
-                    Arrival::Sampled { pdf, from } => bsdf_weight(settings.strategy, pdf, || {
-                        scene.lights.pdf_of_hit(light, &from, &on_light)
-                    }),
-                };
-                result.radiance += throughput * emitted * weight;
+                let found = arrival.weigh(settings.strategy, |from| {
+                    scene.lights.pdf_of_hit(light, from, &on_light)
+                });
+                let met = found.emitter(light, emitted, throughput);
+                result.radiance += met.contribution;
+                observer.emitter_met(&met);
             }
         }
 
@@ -105,6 +126,7 @@ pub fn trace_path(scene: &RenderScene, settings: &PathSettings, mut ray: Ray, sa
             if !guided {
                 result.guide(throughput, &scattering, &slot, &point);
             }
+            observer.ended(PathEnd::DepthLimit);
             return result;
         }
         sampler.start_dimension(CAMERA_DIMENSIONS + (depth - 1) * BOUNCE_DIMENSIONS);
@@ -122,25 +144,38 @@ pub fn trace_path(scene: &RenderScene, settings: &PathSettings, mut ray: Ray, sa
             position: point.position,
             normal: scattering.half_space(),
         };
-        if smooth && let Some(light) = scene.lights.sample(&reference, u_light, u_light_point) {
+        if smooth && let Some((id, light)) = scene.lights.sample(&reference, u_light, u_light_point) {
             let (value, pdf) = scattering.eval_and_pdf(light.wi);
             if let Some(weight) = light_weight(settings.strategy, &light, pdf) {
                 let reflected = throughput * value * light.radiance * (weight / light.pdf);
+                let mut sampled = SampledLight {
+                    light: id,
+                    sample: light,
+                    bsdf_pdf: pdf,
+                    weight,
+                    arriving: None,
+                    contribution: Rgb::ZERO,
+                };
                 if reflected != Rgb::ZERO {
                     let origin = offset_origin(point.position, point.error, point.geometric_normal, light.wi);
                     let crossings = settings.max_depth - depth - 1;
                     let arriving = shadow_ray(scene, origin, &light, crossings, &mut result.rays);
-                    result.radiance += reflected * arriving;
+                    sampled.arriving = Some(arriving);
+                    sampled.contribution = reflected * arriving;
+                    result.radiance += sampled.contribution;
                 }
+                observer.light_sampled(&sampled);
             }
         }
 
         let Some(sample) = sample else {
+            observer.ended(PathEnd::Absorbed);
             return result;
         };
         throughput *= sample.weight;
         eta_squared *= sample.eta * sample.eta;
         if throughput == Rgb::ZERO {
+            observer.ended(PathEnd::Absorbed);
             return result;
         }
         arrival = match sample.lobe {
@@ -157,13 +192,22 @@ pub fn trace_path(scene: &RenderScene, settings: &PathSettings, mut ray: Ray, sa
             sample.wi,
         );
 
+        let mut survival = 1.0;
         if depth >= settings.rr_depth {
-            let survival = (throughput.max_element() * eta_squared).min(HIGHEST_SURVIVAL);
+            survival = (throughput.max_element() * eta_squared).min(HIGHEST_SURVIVAL);
             if sampler.next_1d() >= survival {
+                observer.ended(PathEnd::Roulette);
                 return result;
             }
             throughput /= survival;
         }
+        observer.bounced(&Bounce {
+            wi: sample.wi,
+            lobe: sample.lobe,
+            pdf: sample.pdf,
+            survival,
+            throughput,
+        });
     }
 }
 
@@ -212,12 +256,43 @@ fn shadow_ray(scene: &RenderScene, mut origin: Vec3, light: &LightSample, crossi
     arriving
 }
 
-/// Weight of light found by the bsdf with density `pdf`, where sampling the lights has density `light_pdf`.
-fn bsdf_weight(strategy: Strategy, pdf: f32, light_pdf: impl FnOnce() -> f32) -> f32 {
-    match strategy {
-        Strategy::Bsdf => 1.0,
-        Strategy::Light => 0.0,
-        Strategy::Mis => power_heuristic(pdf, light_pdf()),
+/// What an emitter counts that the path has come upon, and why.
+struct Found {
+    weight: f32,
+    bsdf_pdf: Option<f32>,
+    light_pdf: Option<f32>,
+}
+
+impl Arrival {
+    /// `light_pdf`: the density with which sampling the lights would have found it from there.
+    fn weigh(&self, strategy: Strategy, light_pdf: impl FnOnce(&LightReference) -> f32) -> Found {
+        let (weight, bsdf_pdf, light_pdf) = match (self, strategy) {
+            (Self::Only, _) => (1.0, None, None),
+            (Self::Sampled { pdf, .. }, Strategy::Bsdf) => (1.0, Some(*pdf), None),
+            (Self::Sampled { pdf, .. }, Strategy::Light) => (0.0, Some(*pdf), None),
+            (Self::Sampled { pdf, from }, Strategy::Mis) => {
+                let light_pdf = light_pdf(from);
+                (power_heuristic(*pdf, light_pdf), Some(*pdf), Some(light_pdf))
+            }
+        };
+        Found {
+            weight,
+            bsdf_pdf,
+            light_pdf,
+        }
+    }
+}
+
+impl Found {
+    fn emitter(self, light: LightId, radiance: Rgb, throughput: Rgb) -> MetEmitter {
+        MetEmitter {
+            light,
+            radiance,
+            bsdf_pdf: self.bsdf_pdf,
+            light_pdf: self.light_pdf,
+            weight: self.weight,
+            contribution: throughput * radiance * self.weight,
+        }
     }
 }
 
@@ -229,18 +304,4 @@ fn light_weight(strategy: Strategy, light: &LightSample, bsdf_pdf: f32) -> Optio
         Strategy::Light => Some(1.0),
         Strategy::Mis => Some(power_heuristic(light.pdf, bsdf_pdf)),
     }
-}
-
-/// Weighted radiance of the lights at infinity in direction `wi`.
-fn escaped_radiance(scene: &RenderScene, settings: &PathSettings, arrival: Arrival, wi: Vec3) -> Rgb {
-    let weighted = |&light: &LightId| {
-        let weight = match arrival {
-            Arrival::Only => 1.0,
-            Arrival::Sampled { pdf, from } => {
-                bsdf_weight(settings.strategy, pdf, || scene.lights.pdf_of_escape(light, &from, wi))
-            }
-        };
-        scene.lights.radiance_from(light, wi) * weight
-    };
-    scene.lights.infinite().iter().map(weighted).sum()
 }

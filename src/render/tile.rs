@@ -5,9 +5,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{UVec2, Vec3};
 
+use super::light_layers::LayerSums;
+use super::observer::PathObserver;
 use super::path::{PathSample, trace_path};
 use super::scene::{FirstHit, RenderScene};
-use super::view::{Integrator, View};
+use super::view::View;
 use crate::accel::Steps;
 use crate::color::{Rgb, luminance};
 
@@ -78,6 +80,8 @@ pub struct TileSamples {
     pub samples: Range<u32>,
     /// Row by row.
     pub pixels: Vec<PixelSum>,
+    /// Sums per pixel and light group of the view, the groups of a pixel side by side.
+    pub layers: Vec<Rgb>,
     /// What sample 0 of every pixel met first; empty if that is not among the samples.
     pub first_hits: Vec<Option<FirstHit>>,
     pub rays: u64,
@@ -92,6 +96,8 @@ pub struct TilePreview {
     pub step: u32,
     /// Row by row, ceil(width / step) x ceil(height / step).
     pub blocks: Vec<PixelSum>,
+    /// As of [`TileSamples`].
+    pub layers: Vec<Rgb>,
     /// What each block's sample met first.
     pub first_hits: Vec<Option<FirstHit>>,
     pub rays: u64,
@@ -109,18 +115,21 @@ pub fn render_tile(
         tile,
         samples: samples.clone(),
         pixels: Vec::with_capacity((tile.width * tile.height) as usize),
+        layers: Vec::new(),
         first_hits: Vec::new(),
         rays: 0,
         invalid: 0,
     };
+    let mut layers = LayerSums::new(&view.light_groups);
     for y in tile.y..tile.y + tile.height {
         if cancel.load(Ordering::Relaxed) {
             return None;
         }
         for x in tile.x..tile.x + tile.width {
             let mut sum = PixelSum::default();
+            layers.begin_pixel();
             for index in samples.clone() {
-                let (mut sample, weight) = render_sample(scene, view, UVec2::new(x, y), index);
+                let (mut sample, weight) = render_layered(scene, view, UVec2::new(x, y), index, &mut layers);
                 result.rays += u64::from(sample.rays);
                 if index == 0 {
                     result.first_hits.push(sample.first_hit);
@@ -129,11 +138,13 @@ pub fn render_tile(
                     // The guides are not weighted: they are to be free of noise and within their range before they are sharp.
                     sample.radiance *= weight;
                     sum.add(&sample.into());
+                    layers.add_sample(weight);
                 } else {
                     result.invalid += 1;
                 }
             }
             result.pixels.push(sum);
+            result.layers.extend_from_slice(layers.of_pixel());
         }
     }
     Some(result)
@@ -152,9 +163,11 @@ pub fn render_preview(
         tile,
         step,
         blocks: Vec::new(),
+        layers: Vec::new(),
         first_hits: Vec::new(),
         rays: 0,
     };
+    let mut layers = LayerSums::new(&view.light_groups);
     let (right, bottom) = (tile.x + tile.width, tile.y + tile.height);
     for y in (tile.y..bottom).step_by(step as usize) {
         if cancel.load(Ordering::Relaxed) {
@@ -162,25 +175,51 @@ pub fn render_preview(
         }
         for x in (tile.x..right).step_by(step as usize) {
             // Of a single sample the filter's weight would only change the brightness.
-            let (sample, _) = render_sample(scene, view, UVec2::new(middle(x, right), middle(y, bottom)), 0);
+            let pixel = UVec2::new(middle(x, right), middle(y, bottom));
+            layers.begin_pixel();
+            let (sample, _) = render_layered(scene, view, pixel, 0, &mut layers);
             result.rays += u64::from(sample.rays);
             result.first_hits.push(sample.first_hit);
             result.blocks.push(if is_finite(&sample) {
+                layers.add_sample(1.0);
                 sample.into()
             } else {
                 PixelSum::default()
             });
+            result.layers.extend_from_slice(layers.of_pixel());
         }
     }
     Some(result)
 }
 
+/// A sample with its light sorted into layers, if there are any, and what that light counts.
+fn render_layered(
+    scene: &RenderScene,
+    view: &View,
+    pixel: UVec2,
+    index: u32,
+    layers: &mut LayerSums,
+) -> (PathSample, f32) {
+    if layers.is_empty() {
+        render_sample(scene, view, pixel, index, &mut ())
+    } else {
+        layers.begin_sample();
+        render_sample(scene, view, pixel, index, layers)
+    }
+}
+
 /// A sample and what its light counts.
-fn render_sample(scene: &RenderScene, view: &View, pixel: UVec2, index: u32) -> (PathSample, f32) {
+pub(super) fn render_sample(
+    scene: &RenderScene,
+    view: &View,
+    pixel: UVec2,
+    index: u32,
+    observer: &mut impl PathObserver,
+) -> (PathSample, f32) {
     let mut camera = view.camera_sample(pixel, index);
-    let sample = match &view.integrator {
-        Integrator::Path(settings) => trace_path(scene, settings, camera.ray, &mut camera.sampler),
-        Integrator::BvhSteps => {
+    let sample = match view.path_settings(pixel) {
+        Some(settings) => trace_path(scene, &settings, camera.ray, &mut camera.sampler, observer),
+        None => {
             let mut steps = Steps::default();
             let hit = scene.geometry.intersect_counting(&camera.ray, &mut steps);
             PathSample {

@@ -1,15 +1,16 @@
-//! From linear radiance to the bytes of a display: exposure, tone curve, sRGB encoding.
+//! From linear radiance to the bytes of a display: white balance, exposure, tone curve, sRGB encoding.
 //!
 //! Not part of what is accumulated or saved as EXR: it can be changed at any time without rendering anew.
 //!
 //! Sources of the curves: E. Reinhard et al., "Photographic Tone Reproduction for Digital Images", 2002, eq. 3; S. Hill's
-//! fit of the ACES reference rendering transform and sRGB output transform; T. Sobotka's AgX in B. Wrensch's polynomial
+//! fit of the ACES reference rendering transform and sRGB output transform; J. Hable, "Uncharted 2: HDR Lighting", GDC 2010; T. Sobotka's AgX in B. Wrensch's polynomial
 //! form, "Minimal AgX Implementation", 2023.
 
 use std::sync::LazyLock;
 
 use glam::{Mat3, Vec3};
 
+use super::white_balance::WhiteBalance;
 use crate::color::{Rgb, linear_from_srgb, luminance};
 
 /// How radiance beyond the range of the display is brought into it.
@@ -22,12 +23,14 @@ pub enum ToneMap {
     Reinhard,
     /// The film look of ACES: contrast, and bright colours that bleach towards white.
     Aces,
+    /// The film curve of Uncharted 2: a soft foot and a long shoulder, white at four stops above middle grey and more.
+    Filmic,
     /// Low contrast, 16.5 stops, bright colours bleach without shifting their hue.
     AgX,
 }
 
 impl ToneMap {
-    pub const ALL: [Self; 4] = [Self::Clip, Self::Reinhard, Self::Aces, Self::AgX];
+    pub const ALL: [Self; 5] = [Self::Clip, Self::Reinhard, Self::Aces, Self::Filmic, Self::AgX];
 
     /// For panels and the command line.
     pub fn name(self) -> &'static str {
@@ -35,6 +38,7 @@ impl ToneMap {
             Self::Clip => "clip",
             Self::Reinhard => "reinhard",
             Self::Aces => "aces",
+            Self::Filmic => "filmic",
             Self::AgX => "agx",
         }
     }
@@ -45,6 +49,7 @@ impl ToneMap {
 pub struct Display {
     /// In stops: the radiance is multiplied by two to this power first.
     pub exposure_ev: f32,
+    pub white_balance: WhiteBalance,
     pub tone_map: ToneMap,
 }
 
@@ -69,9 +74,12 @@ impl Display {
         radiance.iter().flat_map(|pixel| encoder.encode(*pixel)).collect()
     }
 
-    fn encoder(&self) -> Encoder {
+    /// The same for many pixels, one at a time.
+    pub fn encoder(&self) -> Encoder {
+        let scale = self.exposure_ev.clamp(-MOST_STOPS, MOST_STOPS).exp2();
         Encoder {
-            scale: self.exposure_ev.clamp(-MOST_STOPS, MOST_STOPS).exp2(),
+            scale,
+            balance: self.white_balance.adaptation().map(|matrix| scale * matrix),
             tone_map: self.tone_map,
             srgb: &SRGB,
         }
@@ -84,17 +92,26 @@ const BRIGHTEST: f32 = 65_504.0;
 /// So that the factor is neither 0 nor infinite: zero radiance stays black and infinite radiance white.
 const MOST_STOPS: f32 = 100.0;
 
-struct Encoder {
+/// A [`Display`] made ready.
+pub struct Encoder {
     scale: f32,
+    /// White balance and scale together; None where the scale is all.
+    balance: Option<Mat3>,
     tone_map: ToneMap,
     srgb: &'static SrgbTable,
 }
 
 impl Encoder {
+    /// As [`Display::encode`].
     #[inline]
-    fn encode(&self, radiance: Rgb) -> [u8; 3] {
+    pub fn encode(&self, radiance: Rgb) -> [u8; 3] {
+        let balanced = match self.balance {
+            // What is infinite would be no number after it.
+            Some(balance) if radiance.is_finite() => balance * radiance,
+            _ => radiance * self.scale,
+        };
         // Not `clamp`: it would pass NaN on.
-        let exposed = (radiance * self.scale)
+        let exposed = balanced
             .to_array()
             .map(|x| if x > 0.0 { x.min(BRIGHTEST) } else { 0.0 });
         let exposed = Vec3::from_array(exposed);
@@ -102,6 +119,7 @@ impl Encoder {
             ToneMap::Clip => exposed,
             ToneMap::Reinhard => exposed / (1.0 + luminance(exposed)),
             ToneMap::Aces => aces(exposed),
+            ToneMap::Filmic => filmic(exposed),
             // AgX ends in display values: its own curve is the encoding.
             ToneMap::AgX => return agx(exposed).to_array().map(|x| (x * 255.0 + 0.5) as u8),
         };
@@ -125,6 +143,17 @@ fn aces(linear: Vec3) -> Vec3 {
     let numerator = seen * (seen + 0.024_578_6) - 0.000_090_537;
     let denominator = seen * (0.983_729 * seen + 0.432_951) + 0.238_081;
     srgb_from_output * (numerator / denominator)
+}
+
+/// Linear in, linear out, from 0 to a little above 1.
+fn filmic(linear: Vec3) -> Vec3 {
+    /// Exposed twice as bright, this is white.
+    const WHITE: f32 = 11.2;
+    let curve = |x: Vec3| {
+        let (shoulder, slope, angle, toe, rise, run) = (0.15, 0.5, 0.1, 0.2, 0.02, 0.3);
+        (x * (shoulder * x + angle * slope) + toe * rise) / (x * (shoulder * x + slope) + toe * run) - rise / run
+    };
+    (curve(2.0 * linear) / curve(Vec3::splat(WHITE))).max(Vec3::ZERO)
 }
 
 /// Linear in, display-encoded out.
@@ -213,7 +242,11 @@ mod tests {
     fn broken_numbers_are_black_or_white() {
         for tone_map in ToneMap::ALL {
             for exposure_ev in [-200.0, -3.0, 0.0, 3.0, 200.0] {
-                let display = Display { exposure_ev, tone_map };
+                let display = Display {
+                    exposure_ev,
+                    tone_map,
+                    ..Display::default()
+                };
                 let black = display.encode(Vec3::ZERO);
                 assert!(black.iter().all(|byte| *byte == 0), "{tone_map:?}");
                 assert_eq!(display.encode(Vec3::NAN), black);
@@ -229,8 +262,8 @@ mod tests {
     fn curves_rise_and_keep_grey() {
         for tone_map in ToneMap::ALL {
             let display = Display {
-                exposure_ev: 0.0,
                 tone_map,
+                ..Display::default()
             };
             let mut last = 0;
             for step in 0..400 {
@@ -246,20 +279,21 @@ mod tests {
     }
 
     /// Worked by hand from the formulas. Middle grey, 0.18: clip 0.18 -> sRGB 117.65; Reinhard 0.18 / 1.18 = 0.152_54
-    /// -> 108.87; ACES (0.18 * 0.204_579 - 0.000_091) / (0.18 * 0.610_022 + 0.238_081) = 0.105_59 -> 91.4. AgX's
+    /// -> 108.87; filmic 0.093_06 / 0.725_13 = 0.128_34 -> 100.34; ACES (0.18 * 0.204_579 - 0.000_091) / (0.18 * 0.610_022 + 0.238_081) = 0.105_59 -> 91.4. AgX's
     /// curve pivots at middle grey, which it takes to one half of the display's range, 127.5.
     #[test]
     fn middle_grey() {
         let byte = |tone_map| {
             Display {
-                exposure_ev: 0.0,
                 tone_map,
+                ..Display::default()
             }
             .encode(Vec3::splat(0.18))[1]
         };
         assert_eq!(byte(ToneMap::Clip), 118);
         assert_eq!(byte(ToneMap::Reinhard), 109);
         assert_eq!(byte(ToneMap::Aces), 91);
+        assert_eq!(byte(ToneMap::Filmic), 100);
         assert!(byte(ToneMap::AgX).abs_diff(127) <= 1, "{}", byte(ToneMap::AgX));
     }
 

@@ -4,6 +4,7 @@ use glam::{UVec2, Vec2};
 
 use super::camera::Camera;
 use super::filter::PixelFilter;
+use super::light_layers::LightGroups;
 use crate::math::Ray;
 use crate::sampling::{Sampler, SequenceKind};
 
@@ -15,6 +16,8 @@ pub struct View {
     pub height: u32,
     pub filter: PixelFilter,
     pub integrator: Integrator,
+    /// The layers that the film keeps beside the picture; none by default.
+    pub light_groups: LightGroups,
     pub sequence: SequenceKind,
     pub seed: u32,
 }
@@ -22,6 +25,8 @@ pub struct View {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Integrator {
     Path(PathSettings),
+    /// The picture in three thirds, from left to right with [`Strategy::Bsdf`], [`Strategy::Light`] and [`Strategy::Mis`].
+    StrategySplit(PathSettings),
     /// Work of the first ray in the acceleration structure: boxes and primitives tested, as a grey value.
     BvhSteps,
 }
@@ -59,6 +64,22 @@ pub struct CameraSample {
 }
 
 impl View {
+    /// How the paths of a pixel are traced; None if none are.
+    pub fn path_settings(&self, pixel: UVec2) -> Option<PathSettings> {
+        match self.integrator {
+            Integrator::Path(settings) => Some(settings),
+            Integrator::StrategySplit(settings) => Some(PathSettings {
+                strategy: match 3 * pixel.x / self.width {
+                    0 => Strategy::Bsdf,
+                    1 => Strategy::Light,
+                    _ => Strategy::Mis,
+                },
+                ..settings
+            }),
+            Integrator::BvhSteps => None,
+        }
+    }
+
     pub fn camera_sample(&self, pixel: UVec2, sample_index: u32) -> CameraSample {
         let mut sampler = Sampler::new(self.sequence, pixel, sample_index, self.seed);
         let place = self.filter.sample(sampler.next_2d());

@@ -13,6 +13,7 @@ use sunroom::material::{Material, MaterialId, MaterialTable};
 use sunroom::render::camera::Camera;
 use sunroom::render::film::Film;
 use sunroom::render::filter::PixelFilter;
+use sunroom::render::light_layers::LightGroups;
 use sunroom::render::scene::{RenderScene, SurfaceSlot, SurfaceTable};
 use sunroom::render::tile::{render_tile, tiles};
 use sunroom::render::view::{Integrator, PathSettings, Strategy, View};
@@ -157,13 +158,14 @@ pub fn view(camera: Camera, size: u32, max_depth: u32, strategy: Strategy) -> Vi
             hide_emitters: false,
             strategy,
         }),
+        light_groups: LightGroups::default(),
         sequence: SequenceKind::Independent,
         seed: 1,
     }
 }
 
 pub fn render(scene: &RenderScene, view: &View, samples: u32) -> Film {
-    let mut film = Film::new(view.width, view.height);
+    let mut film = Film::with_layers(view.width, view.height, view.light_groups.count());
     for tile in tiles(view.width, view.height) {
         let result = render_tile(scene, view, tile, 0..samples, &AtomicBool::new(false)).expect("not cancelled");
         assert_eq!(result.invalid, 0, "no sample is infinite or not a number");

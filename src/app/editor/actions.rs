@@ -407,6 +407,9 @@ pub const ACTIONS: &[Action] = &[
         &[plain(Key::CloseBracket)],
         |context| Some(context.exposed(EXPOSURE_STEP)),
     ),
+    action(Group::View, "expose-automatically", "Expose automatically", &[], |_| {
+        Some(Command::ExposeAutomatically)
+    }),
     action(Group::View, "boxes", "BVH boxes", &[plain(Key::B)], |context| {
         Some(Command::SetOverlay(BvhOverlay {
             shown: !context.overlay.shown,
@@ -425,6 +428,15 @@ pub const ACTIONS: &[Action] = &[
     }),
     action(Group::Render, "denoise", "Denoise", &[plain(Key::N)], |_| {
         Some(Command::Denoise)
+    }),
+    action(Group::Render, "bake-lights", "Bake the light mix", &[], |_| {
+        Some(Command::BakeLights)
+    }),
+    action(Group::Render, "take-snapshot", "Take snapshot", &[], |_| {
+        Some(Command::TakeSnapshot)
+    }),
+    action(Group::Render, "measure", "Measure against snapshot", &[], |_| {
+        Some(Command::Measure)
     }),
     action(
         Group::Window,

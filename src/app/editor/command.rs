@@ -5,10 +5,12 @@
 use std::path::PathBuf;
 
 use bevy::math::{Affine3A, Vec3};
-use bevy::prelude::{Entity, Vec2};
+use bevy::prelude::{Entity, Rect, Vec2};
 
+use super::compare::CompareView;
 use super::display::DisplaySettings;
 use super::gizmo::GizmoSettings;
+use super::light_mix::LightMix;
 use super::material_tree::MaterialTree;
 use super::orbit::AxisView;
 use super::overlay::BvhOverlay;
@@ -135,13 +137,33 @@ pub enum Command {
     SetIntegrator(IntegratorSettings),
     SetSampler(SamplerSettings),
     SetAccel(AccelMethod),
+    /// Multiplies the lights by their strengths and colours in the mix, which is neutral then.
+    BakeLights,
 
     // Rendering and display.
     SetPaused(bool),
     Restart,
     SetTargetSamples(u32),
+    /// Seconds of rendering; None is no limit.
+    SetTimeLimit(Option<f32>),
+    /// Noise of the picture relative to its brightness; None is no limit.
+    SetNoiseTarget(Option<f32>),
+    /// The part of the picture that gets samples, (0, 0) top left, (1, 1) bottom right; None is all of it.
+    SetRegion(Option<Rect>),
     SetResolutionScale(f32),
+    /// Thirds of the picture by bsdf sampling, by light sampling, and by both.
+    SetStrategySplit(bool),
     SetDisplay(DisplaySettings),
+    /// The exposure that brings the picture to middle grey.
+    ExposeAutomatically,
+    /// Keeps the light of every light by itself, for mixing.
+    SetLightLayers(bool),
+    SetLightMix(LightMix),
+    /// Keeps the picture for comparison.
+    TakeSnapshot,
+    SetCompareView(CompareView),
+    /// Figures of the picture against the snapshot.
+    Measure,
     SetOverlay(BvhOverlay),
     SetGizmo(GizmoSettings),
     Denoise,
@@ -271,7 +293,8 @@ impl Command {
             | Self::GiveMaterial { .. }
             | Self::BuildMaterial { .. }
             | Self::DropMaterial { .. }
-            | Self::SetAccel(_) => Effect::Edit,
+            | Self::SetAccel(_)
+            | Self::BakeLights => Effect::Edit,
             Self::MoveView(_)
             | Self::FrameSelection
             | Self::FrameAll
@@ -279,6 +302,8 @@ impl Command {
             | Self::LookAlong(_)
             | Self::RecallView(_)
             | Self::SetResolutionScale(_)
+            | Self::SetStrategySplit(_)
+            | Self::SetLightLayers(_)
             | Self::Undo
             | Self::Redo
             | Self::GoTo(_)
@@ -300,6 +325,14 @@ impl Command {
             | Self::Copy
             | Self::SetPaused(_)
             | Self::SetTargetSamples(_)
+            | Self::SetTimeLimit(_)
+            | Self::SetNoiseTarget(_)
+            | Self::SetRegion(_)
+            | Self::ExposeAutomatically
+            | Self::SetLightMix(_)
+            | Self::TakeSnapshot
+            | Self::SetCompareView(_)
+            | Self::Measure
             | Self::SetDisplay(_)
             | Self::SetOverlay(_)
             | Self::Denoise
@@ -342,6 +375,7 @@ impl Command {
             Self::SetIntegrator(_) => "Edit light transport",
             Self::SetSampler(_) => "Edit sampler",
             Self::SetAccel(_) => "Edit hierarchy",
+            Self::BakeLights => "Bake light mix",
             _ => "",
         }
     }

@@ -8,6 +8,7 @@ use std::time::Instant;
 use bevy::prelude::*;
 use crossbeam_channel::{Receiver, bounded};
 
+use super::light_mix::LightMix;
 use super::model::DenoiserState;
 use crate::color::Rgb;
 use crate::engine::{RenderControl, RenderFilm, WakeUp};
@@ -16,6 +17,8 @@ use crate::render::denoise::{DenoiseError, DenoiseInput, DenoiseQuality, denoise
 /// A denoised picture, as large as the film it was made from.
 pub struct Denoised {
     pub radiance: Vec<Rgb>,
+    /// The factors on the layers of the film that it was made with.
+    pub mix: Vec<Rgb>,
     pub seconds: f32,
     /// Samples per pixel it was made from.
     pub samples: u32,
@@ -74,7 +77,7 @@ impl Denoiser {
 
     /// Starts with the film as it is now, or once it has a sample of every pixel; what was at work before is cancelled.
     /// `threads` is how many it may use.
-    pub fn start(&mut self, film: &RenderFilm, threads: NonZeroUsize, wake_up: WakeUp) {
+    pub fn start(&mut self, film: &RenderFilm, mix: &LightMix, threads: NonZeroUsize, wake_up: WakeUp) {
         let samples = film.film.sample_count();
         self.is_wanted = samples == 0 && !self.unavailable;
         if self.is_wanted || self.unavailable {
@@ -84,9 +87,10 @@ impl Denoiser {
         let cancel = Arc::new(AtomicBool::new(false));
         let (sender, result) = bounded(1);
         let (flag, number, job, source) = (cancel.clone(), self.started, film.job, film.film.clone());
+        let mix = mix.factors(&film.light_groups);
         let work = move || {
             let started = Instant::now();
-            let (color, albedo, normal) = (source.radiance(), source.albedo(), source.normal());
+            let (color, albedo, normal) = (source.mixed(&mix), source.albedo(), source.normal());
             let input = DenoiseInput {
                 width: source.width(),
                 height: source.height(),
@@ -99,6 +103,7 @@ impl Denoiser {
             };
             let outcome = denoise(&input, &flag).map(|radiance| Denoised {
                 radiance,
+                mix,
                 seconds: started.elapsed().as_secs_f32(),
                 samples,
                 number,
@@ -130,10 +135,11 @@ pub fn collect_denoised(
     film: Res<RenderFilm>,
     control: Res<RenderControl>,
     wake_up: Res<WakeUp>,
+    mix: Res<LightMix>,
     mut state: ResMut<super::state::EditorState>,
 ) {
     if denoiser.is_wanted && film.film.sample_count() > 0 {
-        denoiser.start(&film, control.threads, wake_up.clone());
+        denoiser.start(&film, &mix, control.threads, wake_up.clone());
     }
     let is_stale = |job: u64| job != film.job;
     if denoiser.work.as_ref().is_some_and(|work| is_stale(work.job)) {

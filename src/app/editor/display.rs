@@ -1,9 +1,8 @@
-//! From the film to the bytes on the screen: which of its quantities is shown, and how it becomes a colour. No rendering, no Bevy.
+//! How the film is shown: which of its quantities, and how light becomes a colour of the display. No rendering, no Bevy.
 
-use crate::color::Rgb;
-use crate::render::film::Film;
-use crate::render::tile::{PixelSum, Tile};
+use super::painter::Scales;
 use crate::render::tonemap::{Display, ToneMap};
+use crate::render::white_balance::WhiteBalance;
 
 /// Everything that decides how the film is shown; changing it needs no new samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +10,7 @@ pub struct DisplaySettings {
     pub mode: DisplayMode,
     /// Stops: the radiance is multiplied by two to this power.
     pub exposure: f32,
+    pub white_balance: WhiteBalance,
     pub tone_map: ToneMap,
 }
 
@@ -19,6 +19,7 @@ impl Default for DisplaySettings {
         Self {
             mode: DisplayMode::Shaded,
             exposure: 0.0,
+            white_balance: WhiteBalance::default(),
             tone_map: ToneMap::default(),
         }
     }
@@ -29,6 +30,7 @@ impl DisplaySettings {
     pub fn tone(&self) -> Display {
         Display {
             exposure_ev: self.exposure,
+            white_balance: self.white_balance,
             tone_map: self.tone_map,
         }
     }
@@ -40,62 +42,80 @@ pub enum DisplayMode {
     Shaded,
     Albedo,
     Normal,
-    /// Near is bright.
+    /// Near is bright, over the range of the picture's depths.
     Depth,
+    /// Texture coordinates: u in red, v in green, both modulo 1.
+    Uv,
+    /// Every material and every object in a colour of its own.
+    Material,
+    Object,
+    /// Samples per pixel, in false colour.
+    Samples,
+    /// Standard error of the luminance relative to it, in false colour.
+    Noise,
+    /// The light of one group of lights alone, by its layer of the film. Not among [`Self::ALL`].
+    LightGroup(u8),
     /// How much of the acceleration structure each camera ray visits, in false colour.
     BvhSteps,
 }
 
 impl DisplayMode {
-    pub const ALL: [(Self, &'static str); 5] = [
+    pub const ALL: [(Self, &'static str); 10] = [
         (Self::Shaded, "Shaded"),
         (Self::Albedo, "Albedo"),
         (Self::Normal, "Normal"),
         (Self::Depth, "Depth"),
+        (Self::Uv, "UV"),
+        (Self::Material, "Materials"),
+        (Self::Object, "Objects"),
+        (Self::Samples, "Samples"),
+        (Self::Noise, "Noise"),
         (Self::BvhSteps, "BVH steps"),
     ];
 
     /// The one after this, round and round.
     pub fn next(self) -> Self {
-        let place = Self::ALL.iter().position(|(mode, _)| *mode == self).unwrap_or(0);
-        Self::ALL[(place + 1) % Self::ALL.len()].0
+        let place = Self::ALL.iter().position(|(mode, _)| *mode == self);
+        let next = place.map_or(0, |place| place + 1);
+        Self::ALL[next % Self::ALL.len()].0
     }
 
     pub fn name(self) -> &'static str {
-        Self::ALL
-            .iter()
-            .find(|(mode, _)| *mode == self)
-            .map_or("", |(_, name)| name)
+        match Self::ALL.iter().find(|(mode, _)| *mode == self) {
+            Some((_, name)) => name,
+            None => "One light",
+        }
+    }
+
+    /// Whether it shows light, with exposure and tone map.
+    pub fn is_light(self) -> bool {
+        matches!(self, Self::Shaded | Self::LightGroup(_))
     }
 }
 
 /// The steps that the heat map paints in its hottest colour.
 pub const HOTTEST_STEPS: f32 = 128.0;
 
-/// The sRGB bytes of one pixel.
-pub fn encode(pixel: &PixelSum, settings: &DisplaySettings, scene_size: f32) -> [u8; 4] {
-    match settings.mode {
-        DisplayMode::Shaded => shaded(pixel.radiance, settings),
-        DisplayMode::Albedo => opaque(Display::default().encode(pixel.albedo)),
-        // The usual picture of normals: taken as encoded values, not as light.
-        DisplayMode::Normal => opaque((0.5 * pixel.normal + 0.5).to_array().map(quantized)),
-        DisplayMode::Depth => opaque([quantized(nearness(pixel.depth, scene_size)); 3]),
-        DisplayMode::BvhSteps => opaque(heat(pixel.radiance.x / HOTTEST_STEPS).map(quantized)),
-    }
+/// The relative noise that is painted in the hottest colour.
+pub const HOTTEST_NOISE: f32 = 0.25;
+
+/// What the false colours of a mode mean.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Legend {
+    /// At [`heat`] of 0 and of 1.
+    pub low: String,
+    pub high: String,
 }
 
-/// The sRGB bytes of a radiance.
-pub fn shaded(radiance: Rgb, settings: &DisplaySettings) -> [u8; 4] {
-    opaque(settings.tone().encode(radiance))
-}
-
-/// 1 at the camera, falling with the distance; 0 where nothing was hit.
-fn nearness(depth: f32, scene_size: f32) -> f32 {
-    if depth > 0.0 {
-        (-depth / scene_size.max(f32::MIN_POSITIVE)).exp()
-    } else {
-        0.0
-    }
+/// None for modes without false colours.
+pub fn legend(mode: DisplayMode, scales: &Scales) -> Option<Legend> {
+    let (low, high) = match mode {
+        DisplayMode::BvhSteps => ("0".to_owned(), format!("{HOTTEST_STEPS:.0}+")),
+        DisplayMode::Samples => ("0".to_owned(), scales.most_samples.to_string()),
+        DisplayMode::Noise => ("0 %".to_owned(), format!("{:.0} %+", 100.0 * HOTTEST_NOISE)),
+        _ => return None,
+    };
+    Some(Legend { low, high })
 }
 
 /// Black, blue, red, yellow, white for 0 to 1; sRGB-encoded.
@@ -117,99 +137,30 @@ pub fn heat(x: f32) -> [f32; 3] {
     std::array::from_fn(|channel| STOPS[below][channel] * (1.0 - t) + STOPS[below + 1][channel] * t)
 }
 
-fn opaque([r, g, b]: [u8; 3]) -> [u8; 4] {
-    [r, g, b, u8::MAX]
-}
-
-/// [0, 1] to a byte; NaN becomes 0.
-fn quantized(encoded: f32) -> u8 {
-    (encoded * 255.0 + 0.5) as u8
-}
-
-/// Writes what the film has in `tiles` into `rgba` (row-major, as large as the film). Pixels the film has nothing for stay as they are.
-pub fn paint(film: &Film, tiles: &[Tile], settings: &DisplaySettings, scene_size: f32, rgba: &mut [u8]) {
-    let width = film.width() as usize;
-    // Within a preview's block neighbours are equal: most of its pixels need no tone mapping.
-    let mut last = (PixelSum::default(), encode(&PixelSum::default(), settings, scene_size));
-    for tile in tiles {
-        for y in tile.y..tile.y + tile.height {
-            for x in tile.x..tile.x + tile.width {
-                let start = 4 * (y as usize * width + x as usize);
-                let (Some(pixel), Some(target)) = (film.pixel(x, y), rgba.get_mut(start..start + 4)) else {
-                    continue;
-                };
-                if pixel != last.0 {
-                    last = (pixel, encode(&pixel, settings, scene_size));
-                }
-                target.copy_from_slice(&last.1);
-            }
-        }
-    }
-}
-
-/// Writes a whole picture of radiance into `rgba`.
-pub fn paint_radiance(radiance: &[Rgb], settings: &DisplaySettings, rgba: &mut [u8]) {
-    settings.tone().encode_rgba(radiance, rgba);
-}
-
-/// A picture of one size shown at another until the new one is there: nearest neighbours.
-pub fn resized(rgba: &[u8], from: [u32; 2], to: [u32; 2]) -> Vec<u8> {
-    let [width, height] = to.map(|n| n as usize);
-    let mut resized = vec![0; 4 * width * height];
-    for (place, target) in resized.chunks_exact_mut(4).enumerate() {
-        let (x, y) = (place % width, place / width);
-        let source = (y * from[1] as usize / height) * from[0] as usize + x * from[0] as usize / width;
-        match rgba.get(4 * source..4 * source + 4) {
-            Some(color) => target.copy_from_slice(color),
-            None => target[3] = u8::MAX,
-        }
-    }
-    resized
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::tile::{TilePreview, tiles};
-
-    #[test]
-    fn only_pixels_with_something_to_show_are_painted() {
-        let mut film = Film::new(64, 32);
-        let tiles = tiles(64, 32);
-        film.add_preview(&TilePreview {
-            tile: tiles[1],
-            step: 32,
-            blocks: vec![PixelSum {
-                radiance: Rgb::splat(100.0),
-                ..PixelSum::default()
-            }],
-            first_hits: vec![None],
-            rays: 0,
-        });
-        let mut rgba = vec![7; 4 * 64 * 32];
-        paint(&film, &tiles, &DisplaySettings::default(), 1.0, &mut rgba);
-        assert_eq!(rgba[..4], [7; 4]);
-        assert_eq!(rgba[4 * 32..4 * 32 + 4], [255; 4]);
-    }
+    use crate::color::Rgb;
 
     #[test]
     fn a_stop_doubles() {
         let plain = DisplaySettings::default();
         let brighter = DisplaySettings { exposure: 1.0, ..plain };
-        assert_eq!(shaded(Rgb::splat(0.2), &brighter), shaded(Rgb::splat(0.4), &plain));
-        assert_ne!(shaded(Rgb::splat(0.2), &plain), shaded(Rgb::splat(0.4), &plain));
+        let shaded = |level: f32, settings: &DisplaySettings| settings.tone().encode(Rgb::splat(level));
+        assert_eq!(shaded(0.2, &brighter), shaded(0.4, &plain));
+        assert_ne!(shaded(0.2, &plain), shaded(0.4, &plain));
     }
 
     #[test]
-    fn resizing_keeps_corners_and_is_opaque() {
-        let quarters = [[1, 0, 0, 255], [2, 0, 0, 255], [3, 0, 0, 255], [4, 0, 0, 255]].concat();
-        let large = resized(&quarters, [2, 2], [4, 4]);
-        assert_eq!((large[0], large[4 * 3], large[4 * 12], large[4 * 15]), (1, 2, 3, 4));
-        assert!(
-            resized(&[], [0, 0], [2, 1])
-                .chunks(4)
-                .all(|pixel| pixel == [0, 0, 0, 255])
-        );
+    fn false_colours_have_a_legend_and_light_has_none() {
+        let scales = Scales {
+            most_samples: 64,
+            ..Scales::default()
+        };
+        let high = |mode| legend(mode, &scales).map(|legend| legend.high);
+        assert_eq!(high(DisplayMode::Samples).as_deref(), Some("64"));
+        assert_eq!(high(DisplayMode::Noise).as_deref(), Some("25 %+"));
+        assert_eq!(high(DisplayMode::Shaded), None);
     }
 
     #[test]
@@ -220,6 +171,7 @@ mod tests {
         }
         assert_eq!(mode, DisplayMode::Shaded);
         assert_eq!(DisplayMode::Shaded.next(), DisplayMode::Albedo);
+        assert_eq!(DisplayMode::LightGroup(3).next(), DisplayMode::Shaded);
     }
 
     #[test]

@@ -7,18 +7,21 @@ use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
+use super::compare::Comparison;
 use super::denoiser::Denoiser;
 use super::history::History;
 use super::latency::FrameTimes;
+use super::light_mix::LightMix;
 use super::model::{
-    HistoryModel, Inspected, InspectedMaterial, Item, MaterialPlace, Model, Notice, Outline, StatusModel,
+    ComparisonModel, HistoryModel, Inspected, InspectedMaterial, Item, MaterialPlace, MixingModel, Model, Notice,
+    Outline, StatusModel,
 };
 use super::panels::{emission, material};
 use super::preferences::PreferencesFile;
 use super::presets;
 use super::selection::Selection;
 use crate::document::{Diagnostic, Diagnostics, Severity};
-use crate::engine::{RenderControl, RenderStatus};
+use crate::engine::{LightGroup, RenderControl, RenderFilm, RenderStatus};
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, FirstNested, Hidden,
     IntegratorSettings, Locked, Material, MaterialUsers, Placements, SamplerSettings, SceneId, SceneState, SceneStatus,
@@ -295,9 +298,37 @@ pub struct Settings<'w, 's> {
     films: Query<'w, 's, &'static Film>,
 }
 
+#[derive(SystemParam)]
+pub struct Looks<'w> {
+    mix: Res<'w, LightMix>,
+    film: Res<'w, RenderFilm>,
+    comparison: Res<'w, Comparison>,
+}
+
+impl Looks<'_> {
+    fn mixing(&self, is_on: bool, outline: &Outline) -> MixingModel {
+        let named = |group: &LightGroup| {
+            let light = *group.entities.first()?;
+            let item = outline.lights.iter().find(|item| item.entity == light);
+            let name = item.map_or_else(|| "light".to_owned(), |item| item.name.clone());
+            let name = match group.entities.len() {
+                1 => name,
+                many => format!("{name} and {} more", many - 1),
+            };
+            Some((light, name))
+        };
+        MixingModel {
+            is_on,
+            mix: self.mix.clone(),
+            lights: self.film.light_groups.iter().filter_map(named).collect(),
+        }
+    }
+}
+
 pub fn gather_status(
     mut model: ResMut<EditorModel>,
     settings: Settings,
+    looks: Looks,
     status: Res<RenderStatus>,
     scene: Res<SceneStatus>,
     denoiser: Res<Denoiser>,
@@ -314,6 +345,17 @@ pub fn gather_status(
     model.render.integrator = *settings.integrator;
     model.render.sampler = *settings.sampler;
     model.render.accel = *settings.accel;
+    model.render.time_limit = settings.control.time_limit;
+    model.render.noise_target = settings.control.noise_target;
+    model.render.noise = status.noise;
+    model.render.region = settings.control.region;
+    model.render.strategy_split = settings.control.strategy_split;
+    model.render.mixing = looks.mixing(settings.control.light_layers, &model.outline);
+    model.render.comparison = ComparisonModel {
+        snapshot: looks.comparison.snapshot.as_ref().map(|snapshot| snapshot.samples),
+        view: looks.comparison.view,
+        figures: looks.comparison.figures,
+    };
     if scene.is_changed() && model.status.scene != scene.path {
         model.scene_files = Arc::new(scene_files(scene.path.as_deref()));
     }

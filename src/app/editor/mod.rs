@@ -6,6 +6,7 @@
 pub mod actions;
 pub mod command;
 pub mod commands;
+pub mod compare;
 mod denoiser;
 mod dialogs;
 pub mod display;
@@ -20,6 +21,7 @@ pub mod icons;
 pub mod keys;
 mod latency;
 pub mod layout;
+pub mod light_mix;
 pub mod looks;
 pub mod material_drop;
 pub mod material_tree;
@@ -30,6 +32,7 @@ pub mod orbit;
 pub mod outline;
 pub mod overlay;
 mod pacing;
+pub mod painter;
 pub mod palette;
 pub mod panels;
 mod picking;
@@ -98,6 +101,8 @@ impl Plugin for EditorPlugin {
             .init_resource::<history::History>()
             .init_resource::<selection::Selection>()
             .init_resource::<state::CommandQueue>()
+            .init_resource::<light_mix::LightMix>()
+            .init_resource::<compare::Comparison>()
             .init_resource::<gather::EditorModel>()
             .init_resource::<looks::Thumbnails>()
             .init_resource::<preview::Previews>()

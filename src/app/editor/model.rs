@@ -4,8 +4,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use bevy::math::Affine3A;
-use bevy::prelude::Entity;
+use bevy::prelude::{Entity, Rect};
 
+use super::compare::{CompareView, Figures};
+use super::light_mix::LightMix;
 use super::looks::Looks;
 use super::presets::Preset;
 use super::selection::Selection;
@@ -120,13 +122,40 @@ pub struct HistoryModel {
 }
 
 /// The render panel's content.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderModel {
     pub target_samples: u32,
     pub resolution_scale: f32,
     pub integrator: IntegratorSettings,
     pub sampler: SamplerSettings,
     pub accel: AccelMethod,
+    /// Seconds.
+    pub time_limit: Option<f32>,
+    pub noise_target: Option<f32>,
+    /// The last estimate.
+    pub noise: Option<f32>,
+    pub region: Option<Rect>,
+    pub strategy_split: bool,
+    pub mixing: MixingModel,
+    pub comparison: ComparisonModel,
+}
+
+/// The mixing desk.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MixingModel {
+    /// Lights are kept apart.
+    pub is_on: bool,
+    pub mix: LightMix,
+    /// The lights that the film keeps apart, as the mix and the panel call them.
+    pub lights: Vec<(Entity, String)>,
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ComparisonModel {
+    /// Samples of the snapshot.
+    pub snapshot: Option<u32>,
+    pub view: CompareView,
+    pub figures: Option<Figures>,
 }
 
 /// One message of the diagnostics panel.

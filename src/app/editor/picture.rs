@@ -7,10 +7,14 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_egui::{EguiTextureHandle, EguiUserTextures, egui};
 
+use super::compare::{CompareView, Comparison, compared};
 use super::denoiser::Denoiser;
-use super::display::{self, DisplayMode, DisplaySettings};
+use super::display::{DisplayMode, DisplaySettings};
+use super::light_mix::LightMix;
+use super::painter::{self, Painter, Scales};
 use super::state::EditorState;
-use crate::engine::RenderFilm;
+use crate::color::Rgb;
+use crate::engine::{RenderFilm, RenderStatus};
 use crate::render::tile::tiles;
 
 #[derive(Resource)]
@@ -20,6 +24,7 @@ pub struct Picture {
     /// Pixels; (0, 0) before the first.
     size: UVec2,
     shown: Option<Shown>,
+    scales: Scales,
     /// The film's job when the texture was last written.
     job: u64,
     /// Counts changes of pixels.
@@ -27,17 +32,25 @@ pub struct Picture {
 }
 
 /// What the texture's pixels were made with.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, PartialEq)]
 struct Shown {
     display: DisplaySettings,
     denoised: Option<u64>,
-    scene_size: f32,
+    /// Factors on the layers of the film.
+    mix: Vec<Rgb>,
+    /// With the number of the snapshot.
+    comparison: Option<(CompareView, u64)>,
 }
 
 impl Picture {
     /// The texture and its size, once there is a picture.
     pub fn texture(&self) -> Option<(egui::TextureId, [u32; 2])> {
         (self.size != UVec2::ZERO).then_some((self.texture, self.size.to_array()))
+    }
+
+    /// What the colours of the texture depend on.
+    pub fn scales(&self) -> &Scales {
+        &self.scales
     }
 }
 
@@ -60,6 +73,7 @@ pub fn create_picture(
         handle,
         size: UVec2::ZERO,
         shown: None,
+        scales: Scales::default(),
         job: 0,
         revision: 0,
     });
@@ -73,27 +87,39 @@ pub fn update_picture(
     mut changes: MessageWriter<AssetEvent<Image>>,
     state: Res<EditorState>,
     denoiser: Res<Denoiser>,
+    status: Res<RenderStatus>,
+    mix: Res<LightMix>,
+    comparison: Res<Comparison>,
 ) {
     let size = UVec2::new(film.film.width(), film.film.height());
     if size.x == 0 || size.y == 0 {
         return;
     }
     let mut settings = state.display;
-    if let Some(shown) = picture.shown.filter(|_| picture.job == film.job) {
+    if let Some(shown) = picture.shown.as_ref().filter(|_| picture.job == film.job) {
         settings.mode = readable_mode(shown.display.mode, settings.mode);
     }
-    let denoised = (settings.mode == DisplayMode::Shaded)
-        .then(|| denoiser.picture())
-        .flatten();
+    // Baked lights are in the next picture; this one has them as they were.
+    let mix = match &picture.shown {
+        Some(shown) if film.is_of_the_past(status.last_restart) => shown.mix.clone(),
+        _ => mix.factors(&film.light_groups),
+    };
+    let is_shaded = settings.mode == DisplayMode::Shaded;
+    let denoised = denoiser.picture().filter(|picture| is_shaded && picture.mix == mix);
+    let snapshot = comparison.snapshot.as_ref();
+    let snapshot = snapshot.filter(|_| is_shaded && comparison.view != CompareView::Off);
     let shown = Shown {
         display: settings,
         denoised: denoised.map(|picture| picture.number),
-        scene_size: state.navigation.scene_size,
+        mix,
+        comparison: snapshot.map(|_| (comparison.view, comparison.revision)),
     };
-    let anew = picture.shown != Some(shown) || picture.size != size;
-    if !film.has_dirty() && !anew {
+    let asked_anew = picture.shown.as_ref() != Some(&shown) || picture.size != size;
+    if !film.has_dirty() && !asked_anew {
         return;
     }
+    let scales = Scales::of(&film.film, settings.mode, shown.mix.clone(), &picture.scales);
+    let anew = asked_anew || scales != picture.scales;
     let changed = film.bypass_change_detection().take_dirty();
     let dirty = if anew { tiles(size.x, size.y) } else { changed };
     if denoised.is_some() && !anew {
@@ -106,12 +132,18 @@ pub fn update_picture(
     };
     let mut pixels = image.data.take().unwrap_or_default();
     if old_size != size {
-        pixels = display::resized(&pixels, old_size.to_array(), size.to_array());
+        pixels = painter::resized(&pixels, old_size.to_array(), size.to_array());
         image.texture_descriptor.size = extent(size);
     }
-    match denoised {
-        Some(picture) => display::paint_radiance(&picture.radiance, &settings, &mut pixels),
-        None => display::paint(&film.film, &dirty, &settings, shown.scene_size, &mut pixels),
+    let tone = settings.tone();
+    match (snapshot, denoised) {
+        (Some(snapshot), denoised) => {
+            let picture = denoised.map_or_else(|| film.film.mixed(&shown.mix), |denoised| denoised.radiance.clone());
+            let seen = compared(comparison.view, &picture, size.to_array(), snapshot);
+            tone.encode_rgba(&seen, &mut pixels);
+        }
+        (None, Some(denoised)) => tone.encode_rgba(&denoised.radiance, &mut pixels),
+        (None, None) => Painter::new(&film.film, &settings, &scales).paint(&dirty, &mut pixels),
     }
     image.data = Some(pixels);
     changes.write(AssetEvent::Modified {
@@ -119,6 +151,7 @@ pub fn update_picture(
     });
     picture.size = size;
     picture.shown = Some(shown);
+    picture.scales = scales;
     picture.job = film.job;
     picture.revision += 1;
 }

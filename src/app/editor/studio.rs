@@ -13,6 +13,7 @@ use crate::material::{Material, MaterialId, MaterialTable, TexturedBsdf};
 use crate::render::camera::Camera;
 use crate::render::film::Film;
 use crate::render::filter::PixelFilter;
+use crate::render::light_layers::LightGroups;
 use crate::render::scene::{RenderScene, SurfaceSlot, SurfaceTable};
 use crate::render::tile::{render_tile, tiles};
 use crate::render::view::{Integrator, PathSettings, Strategy, View};
@@ -208,6 +209,7 @@ fn view(edge: u32) -> View {
             hide_emitters: false,
             strategy: Strategy::Mis,
         }),
+        light_groups: LightGroups::default(),
         sequence: SequenceKind::Sobol,
         seed: 0,
     }

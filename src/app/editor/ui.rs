@@ -7,6 +7,7 @@ use super::actions::ActionContext;
 use super::command::{Command, FileDialogKind};
 use super::commands::camera_pose;
 use super::dialogs::Dialogs;
+use super::display;
 use super::docking::{Panels, docked_panels};
 use super::dropping::{self, DroppedFiles};
 use super::gather::EditorModel;
@@ -211,6 +212,7 @@ pub fn show_window(
     let (targets, icons) = (scene.targets(&bounds.bounds), scene.icons());
     let locked: Vec<Entity> = scene.locked.iter().collect();
     let placeholder = placeholder(&scene.status);
+    let legend = display::legend(state.display.mode, scene.picture.scales());
     let shown = ViewportModel {
         picture: scene.picture.texture(),
         placeholder: &placeholder,
@@ -228,6 +230,8 @@ pub fn show_window(
         },
         locked: &locked,
         current: &scene.current,
+        legend: legend.as_ref(),
+        region: model.render.region,
         navigation: state.navigation,
         keys: action_context,
         presses: &presses,

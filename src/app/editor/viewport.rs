@@ -8,7 +8,7 @@ use bevy_egui::egui::{self, Align2, Color32, EventFilter, FontId, Id, Pos2, Rect
 
 use super::actions::ActionContext;
 use super::command::Command;
-use super::display::{DisplayMode, HOTTEST_STEPS, heat};
+use super::display::{DisplayMode, Legend, heat};
 use super::gizmo::interaction::{GizmoModel, GizmoState, Rest};
 use super::icons::{self, Icon};
 use super::keys::{self, Press};
@@ -41,6 +41,10 @@ pub struct ViewportModel<'a> {
     pub locked: &'a [Entity],
     /// To ask what is where.
     pub current: &'a CurrentScene,
+    /// Of false colours, where there are any.
+    pub legend: Option<&'a Legend>,
+    /// The part of the picture that is rendered, if it is not all of it; (0, 0) top left, (1, 1) bottom right.
+    pub region: Option<bevy::math::Rect>,
     pub navigation: Navigation,
     pub keys: ActionContext<'a>,
     /// The keys pressed since the last frame, in order.
@@ -59,6 +63,7 @@ pub struct ViewportState {
 
 /// The id of the picture: whatever has the keyboard when no other widget wants it.
 pub const PICTURE: &str = "viewport picture";
+const REGION: Color32 = Color32::from_rgb(230, 70, 60);
 const SCENE_BOX: Color32 = Color32::from_rgba_premultiplied(60, 200, 90, 200);
 const MESH_BOX: Color32 = Color32::from_rgba_premultiplied(60, 130, 230, 160);
 
@@ -211,6 +216,11 @@ fn paint_over(ui: &Ui, picture: Rect, screen: Option<&Screen>, model: &ViewportM
             );
         }
     }
+    if let Some(region) = model.region {
+        let corner = |at: bevy::math::Vec2| picture.min + picture.size() * egui::vec2(at.x, at.y);
+        let border = Rect::from_two_pos(corner(region.min), corner(region.max)).intersect(picture);
+        painter.rect_stroke(border, 0.0, Stroke::new(1.5, REGION), egui::StrokeKind::Inside);
+    }
     let mut notes = Vec::new();
     if model.keys.display.mode != DisplayMode::Shaded {
         notes.push(model.keys.display.mode.name().to_owned());
@@ -247,8 +257,8 @@ fn paint_over(ui: &Ui, picture: Rect, screen: Option<&Screen>, model: &ViewportM
             &speed,
         );
     }
-    if model.keys.display.mode == DisplayMode::BvhSteps {
-        legend(&painter, picture);
+    if let Some(shown) = model.legend {
+        legend(&painter, picture, shown);
     }
 }
 
@@ -260,8 +270,8 @@ fn tag(painter: &egui::Painter, corner: Pos2, align: Align2, text: &str) {
     painter.galley(rect.min + egui::vec2(6.0, 3.0), layout, Color32::WHITE);
 }
 
-/// The heat map's colours with their numbers of steps.
-fn legend(painter: &egui::Painter, picture: Rect) {
+/// The heat map's colours with what they mean.
+fn legend(painter: &egui::Painter, picture: Rect, legend: &Legend) {
     let bar = Rect::from_min_size(
         picture.right_bottom() - egui::vec2(228.0, 26.0),
         egui::vec2(180.0, 12.0),
@@ -281,15 +291,14 @@ fn legend(painter: &egui::Painter, picture: Rect) {
     painter.text(
         bar.left_center() - egui::vec2(5.0, 0.0),
         Align2::RIGHT_CENTER,
-        "0",
+        &legend.low,
         font.clone(),
         Color32::WHITE,
     );
-    let most = format!("{HOTTEST_STEPS:.0}+");
     painter.text(
         bar.right_center() + egui::vec2(5.0, 0.0),
         Align2::LEFT_CENTER,
-        most,
+        &legend.high,
         font,
         Color32::WHITE,
     );

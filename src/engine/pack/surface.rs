@@ -38,8 +38,8 @@ pub(in crate::engine) struct PackedSurfaces {
     pub table: SurfaceTable,
     /// The scene's materials, then those of mesh files in use.
     pub materials: Vec<Material>,
-    /// Light sources, their ids as in `table`.
-    pub lights: Vec<WeightedSource>,
+    /// Light sources with the shapes they are, their ids as in `table`.
+    pub lights: Vec<(Entity, WeightedSource)>,
 }
 
 /// `sources` runs parallel to the shapes of `layout`.
@@ -108,10 +108,11 @@ pub(in crate::engine) fn pack_surfaces(
                     slot,
                     radiance,
                 };
-                packed.lights.push(WeightedSource {
+                let light = WeightedSource {
                     source,
                     sampling_weight,
-                });
+                };
+                packed.lights.push((record.entity, light));
                 LightId(packed.lights.len() as u32 - 1)
             });
             packed.table.slots.push(SurfaceSlot { material, light });

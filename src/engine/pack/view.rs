@@ -6,6 +6,7 @@ use super::super::control::{RenderControl, ViewMode};
 use super::Checker;
 use crate::render::camera::{Camera, ThinLens};
 use crate::render::filter::{FilterKernel, PixelFilter};
+use crate::render::light_layers::LightGroups;
 use crate::render::view::{Integrator, PathSettings, Strategy, View};
 use crate::sampling::SequenceKind;
 use crate::scene::{
@@ -83,6 +84,16 @@ pub(in crate::engine) fn pack_view(
         check.number("principal_point_offset_y", offset.y, -1e3, 1e3, 0.0),
     );
     let crop_min = crop_min + offset;
+    let path_settings = PathSettings {
+        max_depth: integrator.max_depth.unwrap_or(u32::MAX),
+        rr_depth: integrator.rr_depth,
+        hide_emitters: integrator.hide_emitters,
+        strategy: match integrator.strategy {
+            scene::Strategy::Bsdf => Strategy::Bsdf,
+            scene::Strategy::Light => Strategy::Light,
+            scene::Strategy::Mis => Strategy::Mis,
+        },
+    };
     Some(View {
         camera: camera.cropped(crop_min, crop_min + crop_size),
         width: scaled.x,
@@ -90,17 +101,10 @@ pub(in crate::engine) fn pack_view(
         filter: pixel_filter(film.filter, check),
         integrator: match control.view_mode {
             ViewMode::BvhSteps => Integrator::BvhSteps,
-            ViewMode::Path => Integrator::Path(PathSettings {
-                max_depth: integrator.max_depth.unwrap_or(u32::MAX),
-                rr_depth: integrator.rr_depth,
-                hide_emitters: integrator.hide_emitters,
-                strategy: match integrator.strategy {
-                    scene::Strategy::Bsdf => Strategy::Bsdf,
-                    scene::Strategy::Light => Strategy::Light,
-                    scene::Strategy::Mis => Strategy::Mis,
-                },
-            }),
+            ViewMode::Path if control.strategy_split => Integrator::StrategySplit(path_settings),
+            ViewMode::Path => Integrator::Path(path_settings),
         },
+        light_groups: LightGroups::default(),
         sequence: match sampler.sequence {
             Sequence::Sobol => SequenceKind::Sobol,
             Sequence::Independent => SequenceKind::Independent,

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use super::{adding, materials, placing, view};
+use super::{adding, materials, mixing, placing, view};
 use crate::app::editor::command::Command;
 use crate::app::editor::history::Edit;
 use crate::app::editor::selection::{Extend, Selection};
@@ -107,6 +107,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
         Command::SetIntegrator(settings) => super::set_resource::<IntegratorSettings>(edit.world, settings),
         Command::SetSampler(settings) => super::set_resource::<SamplerSettings>(edit.world, settings),
         Command::SetAccel(method) => super::set_resource::<AccelMethod>(edit.world, method),
+        Command::BakeLights => mixing::bake(edit)?,
         // The others are no edits.
         _ => {}
     }

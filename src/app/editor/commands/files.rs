@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
+use super::finished;
 use crate::app::editor::command::FileDialogKind;
-use crate::app::editor::denoiser::Denoiser;
 use crate::app::editor::history::History;
 use crate::app::editor::options::SceneDefines;
 use crate::app::editor::selection::Selection;
 use crate::app::editor::state::EditorState;
 use crate::document;
-use crate::engine::{RenderFilm, RenderState, RenderStatus};
-use crate::render::image_io::{ImageRgb, write_image};
+use crate::engine::{RenderState, RenderStatus};
+use crate::render::image_io::write_image;
 use crate::scene::{self, OpenScene, Placements, SceneState, SceneStatus, insert, write};
 
 /// Where texts of the clipboard stand: files in them are named in full.
@@ -52,21 +52,11 @@ pub fn save_scene(world: &mut World, path: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// The denoised picture if that is what is shown.
 pub fn save_image(world: &mut World, path: &Path) -> Result<(), String> {
     if world.resource::<RenderStatus>().state == RenderState::Idle {
         return Err("There is no picture to save.".to_owned());
     }
-    let film = &world.resource::<RenderFilm>().film;
-    let pixels = match world.resource::<Denoiser>().picture() {
-        Some(denoised) => denoised.radiance.clone(),
-        None => film.radiance(),
-    };
-    let image = ImageRgb {
-        width: film.width(),
-        height: film.height(),
-        pixels,
-    };
+    let image = finished::picture(world);
     let display = world.resource::<EditorState>().display.tone();
     write_image(path, &image, &display).map_err(|error| error.to_string())?;
     world

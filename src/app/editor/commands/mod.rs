@@ -6,17 +6,21 @@
 mod adding;
 mod edits;
 mod files;
+mod finished;
 mod materials;
+mod mixing;
 mod placing;
 mod view;
 
 use bevy::prelude::*;
 
 use super::command::{Command, Effect};
+use super::compare::Comparison;
 use super::denoiser::Denoiser;
 use super::history::{self, Edit, History};
 use super::latency::FrameTimes;
 use super::layout::Panel;
+use super::light_mix::LightMix;
 use super::pacing::Pacing;
 use super::picking;
 use super::selection::{Extend, Selection};
@@ -148,6 +152,16 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
         Command::SetPaused(paused) => control(world, |control| control.paused = paused),
         Command::Restart => control(world, |control| control.restart_requested = true),
         Command::SetTargetSamples(samples) => control(world, |control| control.target_samples = Some(samples.max(1))),
+        Command::SetTimeLimit(limit) => control(world, |control| control.time_limit = limit),
+        Command::SetNoiseTarget(target) => control(world, |control| control.noise_target = target),
+        Command::SetRegion(region) => control(world, |control| control.region = region),
+        Command::SetStrategySplit(split) => control(world, |control| control.strategy_split = split),
+        Command::SetLightLayers(kept) => control(world, |control| control.light_layers = kept),
+        Command::SetLightMix(mix) => set_resource(world, mix),
+        Command::ExposeAutomatically => finished::expose(world)?,
+        Command::TakeSnapshot => finished::take_snapshot(world)?,
+        Command::SetCompareView(view) => world.resource_mut::<Comparison>().view = view,
+        Command::Measure => finished::measure(world)?,
         Command::SetResolutionScale(scale) => {
             control(world, |control| control.resolution_scale = scale.clamp(0.05, 1.0));
         }
@@ -158,7 +172,8 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
             let wake_up = world.resource::<WakeUp>().clone();
             let threads = world.resource::<RenderControl>().threads;
             world.resource_scope(|world, mut denoiser: Mut<Denoiser>| {
-                denoiser.start(world.resource::<RenderFilm>(), threads, wake_up);
+                let (film, mix) = (world.resource::<RenderFilm>(), world.resource::<LightMix>());
+                denoiser.start(film, mix, threads, wake_up);
             });
         }
         Command::DropDenoised => world.resource_mut::<Denoiser>().clear(),

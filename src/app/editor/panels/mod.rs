@@ -4,12 +4,14 @@
 //! [`Command`]: super::command::Command
 
 pub mod color_field;
+pub mod comparison;
 pub mod conversion;
 pub mod diagnostics;
 pub mod emission;
 pub mod fields;
 pub mod history;
 pub mod inspector;
+pub mod light_mixing;
 pub mod material;
 pub mod material_header;
 pub mod menu_bar;

@@ -1,13 +1,17 @@
 //! How much and how to render, and how the picture is shown.
 
+use std::ops::RangeInclusive;
+
+use bevy::math::Rect;
 use bevy_egui::egui::{self, Ui};
 
 use super::super::command::Command;
 use super::super::display::{DisplayMode, DisplaySettings};
 use super::super::model::RenderModel;
 use super::super::overlay::BvhOverlay;
-use super::fields;
+use super::{comparison, fields, light_mixing};
 use crate::render::tonemap::ToneMap;
+use crate::render::white_balance::WhiteBalance;
 use crate::scene::{AccelMethod, Sequence, Strategy};
 
 pub fn render(
@@ -22,17 +26,71 @@ pub fn render(
     if fields::integer_slider(ui, "Samples", &mut target, 1..=16384, true) {
         commands.push(Command::SetTargetSamples(target.max(1)));
     }
+    stopping_rows(ui, model, commands);
     let mut scale = model.resolution_scale;
     if fields::slider(ui, "Resolution", &mut scale, 0.1..=1.0) {
         commands.push(Command::SetResolutionScale(scale));
     }
-    ui.add_space(6.0);
-    ui.strong("Display");
+    region_rows(ui, model.region, commands);
+    group(ui, "Display");
     display_rows(ui, display, commands);
     overlay_rows(ui, overlay, commands);
-    ui.add_space(6.0);
-    ui.strong("Light transport");
+    group(ui, "Light mixing");
+    light_mixing::light_mixing(ui, &model.mixing, display, commands);
+    group(ui, "Comparison");
+    comparison::comparison(ui, &model.comparison, commands);
+    group(ui, "Light transport");
     transport_rows(ui, model, commands);
+}
+
+fn group(ui: &mut Ui, name: &str) {
+    ui.add_space(6.0);
+    ui.strong(name);
+}
+
+/// The limits besides the samples; whichever is reached first ends the picture.
+fn stopping_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
+    if let Some(limit) = limit_rows(ui, "Limit time", "Seconds", model.time_limit, 60.0, 1.0..=36_000.0) {
+        commands.push(Command::SetTimeLimit(limit));
+    }
+    if let Some(limit) = limit_rows(ui, "Limit noise", "Noise", model.noise_target, 0.02, 0.001..=0.5) {
+        commands.push(Command::SetNoiseTarget(limit));
+    }
+    if let Some(noise) = model.noise {
+        fields::note(ui, "Noise now", format!("{noise:.4}"));
+    }
+}
+
+/// The part of the picture that gets samples, by its edges from 0 to 1.
+fn region_rows(ui: &mut Ui, region: Option<Rect>, commands: &mut Vec<Command>) {
+    let mut is_on = region.is_some();
+    let mut changed = fields::checkbox(ui, "Only a part", &mut is_on);
+    let mut edges = region.unwrap_or(Rect::new(0.25, 0.25, 0.75, 0.75));
+    if region.is_some() {
+        changed |= fields::slider(ui, "Left", &mut edges.min.x, 0.0..=1.0);
+        changed |= fields::slider(ui, "Right", &mut edges.max.x, 0.0..=1.0);
+        changed |= fields::slider(ui, "Top", &mut edges.min.y, 0.0..=1.0);
+        changed |= fields::slider(ui, "Bottom", &mut edges.max.y, 0.0..=1.0);
+    }
+    if changed {
+        commands.push(Command::SetRegion(is_on.then_some(edges)));
+    }
+}
+
+/// A switch, and the number where it is on. Some if the user changed it.
+fn limit_rows(
+    ui: &mut Ui,
+    switch: &str,
+    name: &str,
+    limit: Option<f32>,
+    first: f32,
+    range: RangeInclusive<f32>,
+) -> Option<Option<f32>> {
+    let mut is_on = limit.is_some();
+    let switched = fields::checkbox(ui, switch, &mut is_on);
+    let mut value = limit.unwrap_or(first);
+    let changed = limit.is_some() && fields::log_slider(ui, name, &mut value, range);
+    (switched || changed).then(|| is_on.then_some(value))
 }
 
 fn display_rows(ui: &mut Ui, display: DisplaySettings, commands: &mut Vec<Command>) {
@@ -41,7 +99,23 @@ fn display_rows(ui: &mut Ui, display: DisplaySettings, commands: &mut Vec<Comman
     changed |= fields::slider_with(ui, "Exposure", &mut edited.exposure, -10.0..=10.0, |slider| {
         slider.suffix(" EV")
     });
+    if ui.button("Expose automatically").clicked() {
+        commands.push(Command::ExposeAutomatically);
+    }
     changed |= fields::choice(ui, "Tone map", &mut edited.tone_map, &tone_maps());
+    let white = &mut edited.white_balance;
+    changed |= fields::slider_with(
+        ui,
+        "White",
+        &mut white.temperature,
+        WhiteBalance::TEMPERATURES,
+        |slider| slider.logarithmic(true).fixed_decimals(0).suffix(" K"),
+    );
+    changed |= fields::slider(ui, "Tint", &mut white.tint, WhiteBalance::TINTS);
+    if *white != WhiteBalance::default() && ui.button("Neutral white").clicked() {
+        *white = WhiteBalance::default();
+        changed = true;
+    }
     if changed {
         commands.push(Command::SetDisplay(edited));
     }
@@ -80,6 +154,10 @@ fn transport_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>)
         (Strategy::Light, "lights only"),
     ];
     changed |= fields::choice(ui, "Sampling", &mut integrator.strategy, &strategies);
+    let mut split = model.strategy_split;
+    if fields::checkbox(ui, "In thirds", &mut split) {
+        commands.push(Command::SetStrategySplit(split));
+    }
     changed |= fields::checkbox(ui, "Hide lights", &mut integrator.hide_emitters);
     changed |= fields::checkbox(ui, "Schlick", &mut integrator.schlick);
     if changed {

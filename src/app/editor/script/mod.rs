@@ -4,6 +4,7 @@
 
 pub mod assign;
 pub mod parse;
+mod rendering;
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};

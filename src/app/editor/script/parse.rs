@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use bevy::math::{Affine3A, Quat};
 use bevy::prelude::*;
 
-use super::assign;
+use super::{assign, rendering};
 use crate::app::editor::actions::{self, ActionContext};
 use crate::app::editor::command::{Addition, AdditionKind, Command};
 use crate::app::editor::commands::view_pose;
 use crate::app::editor::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::light_mix::LightMix;
 use crate::app::editor::navigation::scale_of;
 use crate::app::editor::selection::{Extend, Selection};
 use crate::app::editor::state::EditorState;
@@ -17,6 +18,7 @@ use crate::document::suggest::did_you_mean;
 use crate::document::value::{parse_float, parse_integer, parse_vec3};
 use crate::engine::RenderControl;
 use crate::render::tonemap::ToneMap;
+use crate::render::white_balance::WhiteBalance;
 use crate::scene::{AreaLight, DocumentOrder, Emitter, Film, Material, SceneId, Sensor, Shape, ToWorld, UsesMaterial};
 
 /// What a line asks for.
@@ -30,7 +32,7 @@ pub enum Step {
 }
 
 /// What there is beside the actions; for messages and the README.
-pub const VERBS: [(&str, &str); 28] = [
+pub const VERBS: [(&str, &str); 36] = [
     ("open", "FILE"),
     ("save-to", "FILE"),
     ("save-image-to", "FILE"),
@@ -57,6 +59,14 @@ pub const VERBS: [(&str, &str); 28] = [
     ("show", "MODE"),
     ("exposure", "STOPS"),
     ("tone-map", "NAME"),
+    ("white", "KELVIN [TINT]"),
+    ("limit-time", "SECONDS|none"),
+    ("limit-noise", "NOISE|none"),
+    ("region", "none | X,Y X,Y (0 to 1 from the upper left)"),
+    ("split-strategies", "on|off"),
+    ("keep-lights-apart", "on|off"),
+    ("mix", "LIGHT STRENGTH [R,G,B]"),
+    ("compare", "off | wipe FRACTION | difference"),
     ("wait", "SAMPLES"),
     ("screenshot", "FILE"),
 ];
@@ -188,6 +198,23 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             let known = known.ok_or_else(|| unknown("tone map", name, ToneMap::ALL.iter().map(|map| map.name())))?;
             display(world, |display| display.tone_map = known)
         }
+        ("white", [kelvin, tint @ ..]) if tint.len() <= 1 => {
+            let temperature = parse_float(kelvin)?;
+            let tint = tint.first().map_or(Ok(0.0), |tint| parse_float(tint))?;
+            display(world, |display| {
+                display.white_balance = WhiteBalance { temperature, tint }
+            })
+        }
+        ("limit-time", [seconds]) => Command::SetTimeLimit(rendering::limit(seconds)?),
+        ("limit-noise", [noise]) => Command::SetNoiseTarget(rendering::limit(noise)?),
+        ("region", corners) => Command::SetRegion(rendering::region(corners)?),
+        ("split-strategies", [switch]) => Command::SetStrategySplit(rendering::switch(switch)?),
+        ("keep-lights-apart", [switch]) => Command::SetLightLayers(rendering::switch(switch)?),
+        ("mix", [light, gain @ ..]) => {
+            let light = named(world, light)?;
+            rendering::mix(world.resource::<LightMix>(), light, gain)?
+        }
+        ("compare", view) => Command::SetCompareView(rendering::compare_view(view)?),
         ("wait", [samples]) => return Ok(Step::WaitForSamples(count(samples)?)),
         ("screenshot", [path]) => return Ok(Step::Screenshot(path.into())),
         _ if VERBS.iter().any(|(name, _)| *name == verb) => return Err(format!("`{verb}` needs other words")),

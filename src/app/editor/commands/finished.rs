@@ -1,0 +1,68 @@
+//! Commands about the picture as it stands.
+
+use bevy::prelude::*;
+
+use super::view;
+use crate::app::editor::compare::{Comparison, Snapshot, figures};
+use crate::app::editor::denoiser::Denoiser;
+use crate::app::editor::display::DisplaySettings;
+use crate::app::editor::light_mix::LightMix;
+use crate::app::editor::state::EditorState;
+use crate::engine::RenderFilm;
+use crate::render::exposure::auto_exposure;
+use crate::render::image_io::ImageRgb;
+
+/// As it is shown: with its lights mixed, and denoised if that is what is seen.
+pub fn picture(world: &World) -> ImageRgb {
+    let film = world.resource::<RenderFilm>();
+    let mix = world.resource::<LightMix>().factors(&film.light_groups);
+    let denoised = world.resource::<Denoiser>().picture();
+    let pixels = match denoised.filter(|denoised| denoised.mix == mix) {
+        Some(denoised) => denoised.radiance.clone(),
+        None => film.film.mixed(&mix),
+    };
+    ImageRgb {
+        width: film.film.width(),
+        height: film.film.height(),
+        pixels,
+    }
+}
+
+pub fn expose(world: &mut World) -> Result<(), String> {
+    let stops = auto_exposure(&picture(world).pixels).ok_or("The picture is black.")?;
+    let display = world.resource::<EditorState>().display;
+    // Steps that are worth reading.
+    let exposure = (10.0 * stops).round() / 10.0;
+    view::set_display(world, DisplaySettings { exposure, ..display });
+    Ok(())
+}
+
+pub fn take_snapshot(world: &mut World) -> Result<(), String> {
+    let picture = picture(world);
+    if picture.pixels.is_empty() {
+        return Err("There is no picture to keep.".to_owned());
+    }
+    let samples = world.resource::<RenderFilm>().film.sample_count();
+    let mut comparison = world.resource_mut::<Comparison>();
+    comparison.snapshot = Some(Snapshot {
+        size: [picture.width, picture.height],
+        radiance: picture.pixels,
+        samples,
+    });
+    comparison.figures = None;
+    comparison.revision += 1;
+    Ok(())
+}
+
+pub fn measure(world: &mut World) -> Result<(), String> {
+    let picture = picture(world);
+    let mut comparison = world.resource_mut::<Comparison>();
+    let snapshot = comparison.snapshot.as_ref().ok_or("There is no snapshot.")?;
+    let has_its_size = snapshot.size == [picture.width, picture.height];
+    let found = figures(&picture.pixels, &snapshot.radiance).filter(|_| has_its_size);
+    comparison.figures = found;
+    match found {
+        Some(_) => Ok(()),
+        None => Err("The picture and the snapshot differ in size.".to_owned()),
+    }
+}

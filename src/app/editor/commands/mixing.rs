@@ -1,0 +1,56 @@
+//! The mix of the lights, written into the scene.
+
+use bevy::prelude::*;
+
+use crate::app::editor::history::Edit;
+use crate::app::editor::light_mix::{Channel, LightMix, bake_area, bake_emitter};
+use crate::app::editor::state::EditorState;
+use crate::color::Rgb;
+use crate::engine::RenderFilm;
+use crate::scene::{AreaLight, Emitter};
+
+/// Lights that cannot be multiplied keep their place in the mix, and are named in a message.
+pub fn bake(edit: &mut Edit) -> Result<(), String> {
+    let mix = edit.world.resource::<LightMix>().clone();
+    let gains = mix.gains(&edit.world.resource::<RenderFilm>().light_groups);
+    if gains.is_empty() {
+        return Err("The mix is neutral.".to_owned());
+    }
+    let mut left = mix.after_baking();
+    let mut refusals = Vec::new();
+    let all = gains.len();
+    for (light, gain) in gains {
+        if let Err(reason) = bake_one(edit, light, gain) {
+            let name = edit.world.get::<Name>(light).map_or("A light", |name| name.as_str());
+            refusals.push(format!("{name} {reason}."));
+            let channel = mix.channel(light);
+            if channel != Channel::default() {
+                left.set(light, channel);
+            }
+        }
+    }
+    if refusals.len() == all {
+        return Err(refusals.join(" "));
+    }
+    if !refusals.is_empty() {
+        edit.world.resource_mut::<EditorState>().say(refusals.join(" "));
+    }
+    edit.world.insert_resource(left);
+    Ok(())
+}
+
+/// The error is the end of a sentence that begins with the light.
+fn bake_one(edit: &mut Edit, light: Entity, gain: Rgb) -> Result<(), &'static str> {
+    if let Some(baked) = edit.world.get::<AreaLight>(light).map(|light| bake_area(light, gain)) {
+        edit.set(light, baked?);
+    } else if let Some(baked) = edit
+        .world
+        .get::<Emitter>(light)
+        .map(|emitter| bake_emitter(emitter, gain))
+    {
+        edit.set(light, baked?);
+    } else {
+        return Err("shines as its mesh file says");
+    }
+    Ok(())
+}

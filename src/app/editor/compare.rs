@@ -1,0 +1,153 @@
+//! Two pictures side by side, one over the other, and in numbers: the one being rendered and one that was kept.
+
+use bevy::prelude::Resource;
+
+use crate::color::{Rgb, luminance, srgb_from_linear};
+
+/// A picture that was kept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Snapshot {
+    pub size: [u32; 2],
+    /// Linear, row by row.
+    pub radiance: Vec<Rgb>,
+    /// Samples per pixel it was made of.
+    pub samples: u32,
+}
+
+/// The snapshot and how it is shown.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Comparison {
+    pub snapshot: Option<Snapshot>,
+    pub view: CompareView,
+    /// Of the picture when it was measured last.
+    pub figures: Option<Figures>,
+    /// Counts snapshots.
+    pub revision: u64,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum CompareView {
+    /// The picture alone.
+    #[default]
+    Off,
+    /// The snapshot left of this fraction of the width, the picture right of it.
+    Wipe(f32),
+    /// How far apart they are, per component.
+    Difference,
+}
+
+/// The picture seen in a comparison; the picture itself where the two differ in size.
+pub fn compared(view: CompareView, picture: &[Rgb], size: [u32; 2], snapshot: &Snapshot) -> Vec<Rgb> {
+    if snapshot.size != size || snapshot.radiance.len() != picture.len() {
+        return picture.to_vec();
+    }
+    let pairs = picture.iter().zip(&snapshot.radiance);
+    match view {
+        CompareView::Off => picture.to_vec(),
+        CompareView::Difference => pairs.map(|(now, then)| (*now - *then).abs()).collect(),
+        CompareView::Wipe(share) => {
+            let width = size[0] as usize;
+            let border = (share.clamp(0.0, 1.0) * width as f32).round() as usize;
+            let choose =
+                |(place, (now, then)): (usize, (&Rgb, &Rgb))| if place % width < border { *then } else { *now };
+            pairs.enumerate().map(choose).collect()
+        }
+    }
+}
+
+/// How far a picture is from a reference. All three components count alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figures {
+    /// Mean luminance of the picture and of the reference.
+    pub means: [f32; 2],
+    /// Mean squared error of the radiance.
+    pub mse: f32,
+    /// The same, each error relative to the reference (Rousselle, Knaus and Zwicker, "Adaptive Sampling and Reconstruction using Greedy
+    /// Error Minimization", 2011): (a - b)^2 / (b^2 + 0.01).
+    pub relative_mse: f32,
+    /// Peak signal-to-noise ratio in decibels of what a display shows, sRGB-encoded and cut off at 1; infinite for equal pictures.
+    pub psnr: f32,
+}
+
+/// None for pictures of different sizes, empty ones, and ones with values that are not finite.
+pub fn figures(picture: &[Rgb], reference: &[Rgb]) -> Option<Figures> {
+    if picture.len() != reference.len() || picture.is_empty() {
+        return None;
+    }
+    let mean = |of: &dyn Fn(Rgb, Rgb) -> f32| {
+        let sum: f64 = picture.iter().zip(reference).map(|(&a, &b)| f64::from(of(a, b))).sum();
+        (sum / picture.len() as f64) as f32
+    };
+    let thirds = |rgb: Rgb| rgb.element_sum() / 3.0;
+    let shown = |rgb: Rgb| rgb.clamp(Rgb::ZERO, Rgb::ONE).map(srgb_from_linear);
+    let display_mse = mean(&|a, b| {
+        let error = shown(a) - shown(b);
+        thirds(error * error)
+    });
+    let figures = Figures {
+        means: [mean(&|a, _| luminance(a)), mean(&|_, b| luminance(b))],
+        mse: mean(&|a, b| thirds((a - b) * (a - b))),
+        relative_mse: mean(&|a, b| thirds((a - b) * (a - b) / (b * b + 0.01))),
+        psnr: -10.0 * display_mse.log10(),
+    };
+    (figures.mse.is_finite() && figures.relative_mse.is_finite()).then_some(figures)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn snapshot() -> Snapshot {
+        Snapshot {
+            size: [4, 2],
+            radiance: vec![Rgb::ONE; 8],
+            samples: 1,
+        }
+    }
+
+    #[test]
+    fn a_wipe_shows_the_snapshot_on_the_left() {
+        let now = [Rgb::ZERO; 8];
+        let red = |share| {
+            let seen = compared(CompareView::Wipe(share), &now, [4, 2], &snapshot());
+            seen.iter().map(|rgb| rgb.x as u32).collect::<Vec<_>>()
+        };
+        assert_eq!(red(0.5), [1, 1, 0, 0, 1, 1, 0, 0]);
+        assert_eq!((red(0.0), red(7.0)), (vec![0; 8], vec![1; 8]));
+        // Of another size: nothing to compare.
+        let other = compared(CompareView::Wipe(1.0), &now, [2, 4], &snapshot());
+        assert_eq!(other, now);
+    }
+
+    #[test]
+    fn a_difference_has_no_sign() {
+        let now = [Rgb::new(0.25, 1.0, 3.0); 8];
+        let seen = compared(CompareView::Difference, &now, [4, 2], &snapshot());
+        assert_eq!(seen, [Rgb::new(0.75, 0.0, 2.0); 8]);
+    }
+
+    /// Worked by hand: errors 0.5 in one component of one of two pixels.
+    #[test]
+    fn figures_are_what_they_say() {
+        let reference = [Rgb::splat(0.5), Rgb::ONE];
+        let picture = [Rgb::new(1.0, 0.5, 0.5), Rgb::ONE];
+        let found = figures(&picture, &reference).expect("two pictures");
+        let near = |a: f32, b: f32| (a - b).abs() < 1e-5 * b;
+        assert!(near(found.mse, 0.25 / 6.0), "{found:?}");
+        assert!(near(found.relative_mse, 0.25 / 0.26 / 6.0), "{found:?}");
+        // sRGB of one half is 0.735357.
+        assert!(
+            near(found.psnr, -10.0 * ((1.0f32 - 0.735_357).powi(2) / 6.0).log10()),
+            "{found:?}"
+        );
+        assert!(
+            near(found.means[1], 0.75) && near(found.means[0], 0.75 + 0.25 * 0.212_671),
+            "{found:?}"
+        );
+        let same = figures(&reference, &reference).expect("two pictures");
+        assert_eq!((same.mse, same.relative_mse, same.psnr), (0.0, 0.0, f32::INFINITY));
+        assert_eq!(figures(&picture, &reference[..1]), None);
+        assert_eq!(figures(&[], &[]), None);
+        assert_eq!(figures(&[Rgb::NAN], &[Rgb::ONE]), None);
+    }
+}

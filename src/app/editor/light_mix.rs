@@ -1,0 +1,254 @@
+//! The mixing desk of the finished picture: a channel for every light, with strength, colour, solo and mute. Nothing is rendered anew;
+//! the film keeps each light in a layer. Baking writes strengths and colours to the lights themselves.
+
+use bevy::prelude::{Entity, Resource};
+
+use crate::color::Rgb;
+use crate::engine::LightGroup;
+use crate::scene::{AreaLight, Emitter, EmitterKind, Parameter, Texture};
+
+/// The channels that are not neutral; a light without one is shown as it is.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct LightMix {
+    channels: Vec<(Entity, Channel)>,
+}
+
+/// What is done to one light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Channel {
+    /// Factors on the light, together.
+    pub strength: f32,
+    pub color: Rgb,
+    /// Only lights with this are shown, if any has it.
+    pub solo: bool,
+    pub mute: bool,
+}
+
+impl Default for Channel {
+    fn default() -> Self {
+        Self {
+            strength: 1.0,
+            color: Rgb::ONE,
+            solo: false,
+            mute: false,
+        }
+    }
+}
+
+impl Channel {
+    pub fn gain(&self) -> Rgb {
+        self.strength * self.color
+    }
+}
+
+impl LightMix {
+    pub fn channel(&self, light: Entity) -> Channel {
+        let found = self.channels.iter().find(|(entity, _)| *entity == light);
+        found.map_or_else(Channel::default, |(_, channel)| *channel)
+    }
+
+    pub fn set(&mut self, light: Entity, channel: Channel) {
+        self.channels.retain(|(entity, _)| *entity != light);
+        if channel != Channel::default() {
+            self.channels.push((light, channel));
+            self.channels.sort_by_key(|(entity, _)| *entity);
+        }
+    }
+
+    pub fn is_neutral(&self) -> bool {
+        self.channels.is_empty()
+    }
+
+    /// Strengths and colours are part of the lights now; solo and mute stay.
+    pub fn after_baking(&self) -> Self {
+        let mut left = Self::default();
+        for &(light, Channel { solo, mute, .. }) in &self.channels {
+            let channel = Channel {
+                solo,
+                mute,
+                ..Channel::default()
+            };
+            left.set(light, channel);
+        }
+        left
+    }
+
+    /// The factors on the layers of a film with these lights; none if all of them are one. Lights that share a layer have the channel
+    /// of the first.
+    pub fn factors(&self, groups: &[LightGroup]) -> Vec<Rgb> {
+        let channels = || groups.iter().map(|group| self.group_channel(group));
+        if channels().all(|channel| channel == Channel::default()) {
+            return Vec::new();
+        }
+        let any_solo = channels().any(|channel| channel.solo);
+        channels()
+            .map(|channel| match channel {
+                Channel { mute: true, .. } => Rgb::ZERO,
+                Channel { solo: false, .. } if any_solo => Rgb::ZERO,
+                _ => channel.gain(),
+            })
+            .collect()
+    }
+
+    pub fn group_channel(&self, group: &LightGroup) -> Channel {
+        let first = group.entities.first();
+        first.map_or_else(Channel::default, |&light| self.channel(light))
+    }
+
+    /// What baking multiplies each light by, where that is not one.
+    pub fn gains(&self, groups: &[LightGroup]) -> Vec<(Entity, Rgb)> {
+        let of_group = |group: &LightGroup| {
+            let gain = self.group_channel(group).gain();
+            let lights = group.entities.clone().into_iter();
+            lights.map(move |light| (light, gain))
+        };
+        let gains = groups.iter().flat_map(of_group);
+        gains.filter(|(_, gain)| *gain != Rgb::ONE).collect()
+    }
+}
+
+/// Why a light cannot be multiplied; a sentence's end.
+const FROM_PICTURE: &str = "takes its colour from a picture";
+const ONLY_GREY: &str = "can be made brighter or darker, but not of another colour";
+
+/// The light, `gain` times.
+pub fn bake_area(light: &AreaLight, gain: Rgb) -> Result<AreaLight, &'static str> {
+    Ok(AreaLight {
+        radiance: bake_parameter(&light.radiance, gain)?,
+        ..light.clone()
+    })
+}
+
+/// The emitter, `gain` times.
+pub fn bake_emitter(emitter: &Emitter, gain: Rgb) -> Result<Emitter, &'static str> {
+    let mut baked = emitter.clone();
+    match &mut baked.kind {
+        EmitterKind::Point { intensity } | EmitterKind::Spot { intensity, .. } => *intensity *= gain,
+        EmitterKind::Directional { irradiance } => *irradiance *= gain,
+        EmitterKind::Constant { radiance } => *radiance *= gain,
+        EmitterKind::Environment { scale, .. } => *scale *= grey(gain)?,
+        EmitterKind::Projector { irradiance, scale, .. } => match irradiance {
+            Parameter::Constant(irradiance) => *irradiance *= gain,
+            Parameter::Texture(_) => *scale *= grey(gain)?,
+        },
+        EmitterKind::SunSky(sky) => {
+            let gain = grey(gain)?;
+            sky.sky_scale *= gain;
+            sky.sun_scale *= gain;
+        }
+    }
+    Ok(baked)
+}
+
+fn grey(gain: Rgb) -> Result<f32, &'static str> {
+    if gain == Rgb::splat(gain.x) {
+        Ok(gain.x)
+    } else {
+        Err(ONLY_GREY)
+    }
+}
+
+fn bake_parameter(value: &Parameter<Rgb>, gain: Rgb) -> Result<Parameter<Rgb>, &'static str> {
+    let mut baked = value.clone();
+    match &mut baked {
+        Parameter::Constant(color) => *color *= gain,
+        Parameter::Texture(texture) => match texture {
+            Texture::Bitmap(_) => return Err(FROM_PICTURE),
+            Texture::Checkerboard { color0, color1, .. } => {
+                for color in [color0, color1] {
+                    **color = bake_parameter(color, gain)?;
+                }
+            }
+            Texture::MeshAttribute { scale, .. } => *scale *= grey(gain)?,
+        },
+    }
+    Ok(baked)
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::prelude::World;
+
+    use super::*;
+
+    fn lights() -> [Entity; 3] {
+        let mut world = World::new();
+        std::array::from_fn(|_| world.spawn_empty().id())
+    }
+
+    fn groups(lights: &[Entity]) -> Vec<LightGroup> {
+        let alone = |&light: &Entity| LightGroup { entities: vec![light] };
+        lights.iter().map(alone).collect()
+    }
+
+    const RED: Channel = Channel {
+        strength: 2.0,
+        color: Rgb::X,
+        solo: false,
+        mute: false,
+    };
+
+    #[test]
+    fn factors_follow_the_channels() {
+        let lights = lights();
+        let groups = groups(&lights);
+        let mut mix = LightMix::default();
+        assert!(mix.factors(&groups).is_empty() && mix.is_neutral());
+        mix.set(lights[1], RED);
+        assert_eq!(mix.factors(&groups), [Rgb::ONE, 2.0 * Rgb::X, Rgb::ONE]);
+        // Of another scene: not ours.
+        assert!(mix.factors(&groups[..1]).is_empty());
+        let soloist = Channel {
+            solo: true,
+            ..Channel::default()
+        };
+        mix.set(lights[2], soloist);
+        assert_eq!(mix.factors(&groups), [Rgb::ZERO, Rgb::ZERO, Rgb::ONE]);
+        mix.set(lights[2], Channel { mute: true, ..soloist });
+        assert_eq!(mix.factors(&groups), [Rgb::ZERO; 3]);
+        mix.set(lights[2], Channel::default());
+        mix.set(lights[1], Channel::default());
+        assert!(mix.is_neutral());
+    }
+
+    #[test]
+    fn baking_takes_strengths_and_colours_and_leaves_solo_and_mute() {
+        let lights = lights();
+        let shared = [LightGroup {
+            entities: lights[..2].to_vec(),
+        }];
+        let mut mix = LightMix::default();
+        mix.set(lights[0], Channel { mute: true, ..RED });
+        assert_eq!(
+            mix.gains(&shared),
+            [(lights[0], 2.0 * Rgb::X), (lights[1], 2.0 * Rgb::X)]
+        );
+        let left = mix.after_baking();
+        assert_eq!(left.gains(&shared), []);
+        assert!(left.channel(lights[0]).mute);
+    }
+
+    #[test]
+    fn lights_are_multiplied_or_say_why_not() {
+        let gain = Rgb::new(2.0, 1.0, 0.5);
+        let lamp = AreaLight {
+            radiance: Rgb::splat(3.0).into(),
+            ..AreaLight::default()
+        };
+        let baked = bake_area(&lamp, gain).map(|lamp| lamp.radiance);
+        assert_eq!(baked, Ok(Parameter::Constant(Rgb::new(6.0, 3.0, 1.5))));
+        let mut pictured = lamp.clone();
+        pictured.radiance.set_picture("/sky.exr".into());
+        assert_eq!(bake_area(&pictured, gain), Err(FROM_PICTURE));
+        for plugin in Emitter::PLUGINS {
+            let emitter = Emitter::of_plugin(plugin).expect("a plugin");
+            let brighter = bake_emitter(&emitter, Rgb::splat(2.0)).expect("every kind can be brighter");
+            assert_ne!(brighter, emitter, "{plugin}");
+            assert_eq!(bake_emitter(&brighter, Rgb::splat(0.5)), Ok(emitter), "{plugin}");
+        }
+        let sky = Emitter::of_plugin("sunsky")
+            .or(Emitter::of_plugin("envmap"))
+            .expect("a plugin");
+        assert_eq!(bake_emitter(&sky, gain), Err(ONLY_GREY));
+    }
+}

@@ -1,0 +1,55 @@
+//! The picture against one that was kept.
+
+use bevy_egui::egui::{self, Ui};
+
+use super::super::command::Command;
+use super::super::compare::{CompareView, Figures};
+use super::super::model::ComparisonModel;
+use super::fields;
+
+pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        if ui.button("Take snapshot").clicked() {
+            commands.push(Command::TakeSnapshot);
+        }
+        if ui
+            .add_enabled(model.snapshot.is_some(), egui::Button::new("Measure"))
+            .clicked()
+        {
+            commands.push(Command::Measure);
+        }
+    });
+    let Some(samples) = model.snapshot else {
+        return;
+    };
+    fields::note(ui, "Snapshot", format!("{samples} samples"));
+    let mut view = model.view;
+    // Where the border is does not matter to the choice.
+    let wipe = match model.view {
+        CompareView::Wipe(_) => model.view,
+        _ => CompareView::Wipe(0.5),
+    };
+    let views = [
+        (CompareView::Off, "off"),
+        (wipe, "wipe"),
+        (CompareView::Difference, "difference"),
+    ];
+    let mut changed = fields::choice(ui, "Compare", &mut view, &views);
+    if let CompareView::Wipe(share) = &mut view {
+        changed |= fields::slider(ui, "Border", share, 0.0..=1.0);
+    }
+    if changed {
+        commands.push(Command::SetCompareView(view));
+    }
+    if let Some(figures) = &model.figures {
+        figure_rows(ui, figures);
+    }
+}
+
+fn figure_rows(ui: &mut Ui, figures: &Figures) {
+    let [picture, snapshot] = figures.means;
+    fields::note(ui, "Means", format!("{picture:.5}, {snapshot:.5}"));
+    fields::note(ui, "MSE", format!("{:.3e}", figures.mse));
+    fields::note(ui, "Relative MSE", format!("{:.3e}", figures.relative_mse));
+    fields::note(ui, "PSNR", format!("{:.2} dB", figures.psnr));
+}

@@ -1,0 +1,78 @@
+//! The mixing desk: each light of the finished picture made brighter, darker or of another colour without rendering anew.
+
+use bevy_egui::egui::{self, Ui};
+
+use super::super::command::Command;
+use super::super::display::{DisplayMode, DisplaySettings};
+use super::super::light_mix::{Channel, LightMix};
+use super::super::model::MixingModel;
+use super::{color_field, fields};
+
+pub fn light_mixing(ui: &mut Ui, model: &MixingModel, display: DisplaySettings, commands: &mut Vec<Command>) {
+    let mut is_on = model.is_on;
+    if fields::checkbox(ui, "Mix lights", &mut is_on) {
+        commands.push(Command::SetLightLayers(is_on));
+    }
+    if !model.is_on {
+        return;
+    }
+    for (place, (light, name)) in (0..).zip(&model.lights) {
+        ui.push_id(light, |ui| {
+            let mut channel = model.mix.channel(*light);
+            let changed = channel_rows(ui, name, &mut channel);
+            if changed {
+                let mut mix = model.mix.clone();
+                mix.set(*light, channel);
+                commands.push(Command::SetLightMix(mix));
+            }
+            alone_button(ui, place, display, commands);
+        });
+    }
+    ui.horizontal(|ui| {
+        let has_mix = !model.mix.is_neutral();
+        if ui.add_enabled(has_mix, egui::Button::new("Reset")).clicked() {
+            commands.push(Command::SetLightMix(LightMix::default()));
+        }
+        let bake = ui.add_enabled(has_mix, egui::Button::new("Bake"));
+        let bake = bake.on_hover_text("Write strengths and colours to the lights of the scene");
+        if bake.clicked() {
+            commands.push(Command::BakeLights);
+        }
+    });
+}
+
+fn channel_rows(ui: &mut Ui, name: &str, channel: &mut Channel) -> bool {
+    let mut changed = false;
+    ui.horizontal(|ui| {
+        ui.add(egui::Label::new(name).truncate());
+        for (letter, hint, value) in [
+            ("S", "Solo: only lights with this", &mut channel.solo),
+            ("M", "Mute: without this light", &mut channel.mute),
+        ] {
+            let button = ui.selectable_label(*value, letter).on_hover_text(hint);
+            button.widget_info(|| {
+                let name = format!("{name} {letter}");
+                egui::WidgetInfo::selected(egui::WidgetType::SelectableLabel, true, *value, name)
+            });
+            if button.clicked() {
+                *value = !*value;
+                changed = true;
+            }
+        }
+    });
+    changed |= fields::slider_with(ui, "Strength", &mut channel.strength, 0.0..=100.0, |slider| {
+        slider.logarithmic(true).smallest_positive(0.01)
+    });
+    changed |= color_field::color(ui, "Colour", &mut channel.color);
+    changed
+}
+
+/// Shows this light's layer and nothing else, or the whole picture again.
+fn alone_button(ui: &mut Ui, place: u8, display: DisplaySettings, commands: &mut Vec<Command>) {
+    let alone = DisplayMode::LightGroup(place);
+    let is_alone = display.mode == alone;
+    if ui.selectable_label(is_alone, "Show its layer").clicked() {
+        let mode = if is_alone { DisplayMode::Shaded } else { alone };
+        commands.push(Command::SetDisplay(DisplaySettings { mode, ..display }));
+    }
+}

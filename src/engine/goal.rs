@@ -1,0 +1,79 @@
+//! When a picture is finished: whichever of its limits is reached first.
+
+use bevy::math::Rect;
+
+use super::control::RenderControl;
+
+/// What a job works towards; it may change while the job runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Goal {
+    /// Samples per pixel, at least 1.
+    pub samples: u32,
+    seconds: Option<f32>,
+    noise: Option<f32>,
+    /// As in [`RenderControl`].
+    pub region: Option<Rect>,
+}
+
+/// The limit that a picture has reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopReason {
+    Samples,
+    Time,
+    Noise,
+}
+
+/// Below this number the spread of samples says little: few samples of a rare bright thing have not met it yet, and agree.
+const FEWEST_FOR_NOISE: u32 = 16;
+
+impl Goal {
+    /// `sample_count`: of the film, where the control does not say.
+    pub fn new(control: &RenderControl, sample_count: u32) -> Self {
+        Self {
+            samples: control.target_samples.unwrap_or(sample_count).max(1),
+            seconds: control.time_limit,
+            noise: control.noise_target,
+            region: control.region,
+        }
+    }
+
+    pub fn reached(&self, samples: u32, seconds: f64, noise: Option<f32>) -> Option<StopReason> {
+        let in_time = self.seconds.is_none_or(|limit| seconds < f64::from(limit));
+        let is_quiet = |limit| samples >= FEWEST_FOR_NOISE && noise.is_some_and(|noise| noise <= limit);
+        if samples >= self.samples {
+            Some(StopReason::Samples)
+        } else if !in_time {
+            Some(StopReason::Time)
+        } else if self.noise.is_some_and(is_quiet) {
+            Some(StopReason::Noise)
+        } else {
+            None
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whichever_comes_first() {
+        let control = RenderControl {
+            target_samples: Some(64),
+            time_limit: Some(2.0),
+            noise_target: Some(0.1),
+            ..RenderControl::default()
+        };
+        let goal = Goal::new(&control, 8);
+        assert_eq!(goal.reached(63, 1.9, Some(0.2)), None);
+        assert_eq!(goal.reached(63, 1.9, None), None);
+        assert_eq!(goal.reached(64, 1.0, None), Some(StopReason::Samples));
+        assert_eq!(goal.reached(1, 2.0, None), Some(StopReason::Time));
+        assert_eq!(goal.reached(16, 1.0, Some(0.1)), Some(StopReason::Noise));
+        // Too few to know.
+        assert_eq!(goal.reached(15, 1.0, Some(0.0)), None);
+        let film = Goal::new(&RenderControl::default(), 8);
+        assert_eq!(film.reached(7, 1e9, Some(0.0)), None);
+        assert_eq!(film.reached(8, 0.0, None), Some(StopReason::Samples));
+    }
+}

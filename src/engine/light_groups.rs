@@ -1,0 +1,60 @@
+//! Whose lights the layers of a film are: what belongs to one entity is mixed as one.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use bevy::prelude::*;
+
+use crate::render::light_layers::LightGroups;
+
+/// The lights that share a layer.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LightGroup {
+    /// One, but for the last of very many.
+    pub entities: Vec<Entity>,
+}
+
+/// `owners`: per light, the entity it belongs to. Groups come in the order of their first lights.
+pub(super) fn group_lights(owners: &[Entity]) -> (Arc<[LightGroup]>, LightGroups) {
+    let mut groups: Vec<LightGroup> = Vec::new();
+    let mut group_of = HashMap::new();
+    let group_of_light: Vec<u32> = owners
+        .iter()
+        .map(|&owner| {
+            *group_of.entry(owner).or_insert_with(|| {
+                if groups.len() < LightGroups::MOST {
+                    groups.push(LightGroup::default());
+                }
+                let last = groups.len() - 1;
+                groups[last].entities.push(owner);
+                last as u32
+            })
+        })
+        .collect();
+    (groups.into(), LightGroups::new(&group_of_light))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_belongs_to_one_entity_is_one_group() {
+        let mut world = World::new();
+        let [lamp, sky] = [world.spawn_empty().id(), world.spawn_empty().id()];
+        let (groups, layers) = group_lights(&[lamp, sky, lamp, lamp]);
+        let entities: Vec<_> = groups.iter().map(|group| group.entities.clone()).collect();
+        assert_eq!(entities, [[lamp], [sky]]);
+        assert_eq!(layers, LightGroups::new(&[0, 1, 0, 0]));
+    }
+
+    #[test]
+    fn the_last_of_many_share_a_group() {
+        let mut world = World::new();
+        let lamps: Vec<Entity> = (0..20).map(|_| world.spawn_empty().id()).collect();
+        let (groups, layers) = group_lights(&lamps);
+        assert_eq!((groups.len(), layers.count()), (LightGroups::MOST, LightGroups::MOST));
+        assert_eq!(groups[15].entities, lamps[15..]);
+        assert_eq!(groups[14].entities, [lamps[14]]);
+    }
+}

@@ -1,0 +1,102 @@
+//! The paths of a pixel with everything that was decided along them: what the renderer does there, step by step, to be drawn and read.
+
+use std::ops::Range;
+
+use glam::UVec2;
+
+use super::observer::{Bounce, MetEmitter, PathEnd, PathObserver, PathVertex, SampledLight};
+use super::scene::RenderScene;
+use super::tile::render_sample;
+use super::view::View;
+use crate::color::Rgb;
+use crate::math::Ray;
+
+/// One sample of a pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordedPath {
+    /// Index of the sample.
+    pub sample: u32,
+    pub camera_ray: Ray,
+    pub vertices: Vec<RecordedVertex>,
+    /// Emitters met at infinity, in the direction of the last bounce or of the camera ray.
+    pub escaped_to: Vec<MetEmitter>,
+    pub end: PathEnd,
+    /// The sum of all contributions.
+    pub radiance: Rgb,
+    /// What the radiance counts in its pixel, by the filter; 1 on average.
+    pub filter_weight: f32,
+}
+
+/// A surface on the path's way and what was done there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RecordedVertex {
+    pub surface: PathVertex,
+    /// The surface's own light.
+    pub met: Option<MetEmitter>,
+    pub sampled: Option<SampledLight>,
+    /// None where the path ended.
+    pub bounce: Option<Bounce>,
+}
+
+/// The paths of samples `samples` of a pixel, exactly as they are in the picture; none where the view's integrator traces none.
+pub fn record_paths(scene: &RenderScene, view: &View, pixel: UVec2, samples: Range<u32>) -> Vec<RecordedPath> {
+    if view.path_settings(pixel).is_none() {
+        return Vec::new();
+    }
+    let record = |index| {
+        let mut recorder = Recorder::default();
+        let (sample, filter_weight) = render_sample(scene, view, pixel, index, &mut recorder);
+        RecordedPath {
+            sample: index,
+            camera_ray: view.camera_sample(pixel, index).ray,
+            vertices: recorder.vertices,
+            escaped_to: recorder.escaped_to,
+            end: recorder.end,
+            radiance: sample.radiance,
+            filter_weight,
+        }
+    };
+    samples.map(record).collect()
+}
+
+#[derive(Default)]
+struct Recorder {
+    vertices: Vec<RecordedVertex>,
+    escaped_to: Vec<MetEmitter>,
+    end: PathEnd,
+}
+
+impl PathObserver for Recorder {
+    fn vertex(&mut self, vertex: &PathVertex) {
+        self.vertices.push(RecordedVertex {
+            surface: *vertex,
+            met: None,
+            sampled: None,
+            bounce: None,
+        });
+    }
+
+    fn emitter_met(&mut self, met: &MetEmitter) {
+        match self.vertices.last_mut() {
+            // A path that has left its last vertex is at infinity.
+            Some(vertex) if vertex.bounce.is_none() => vertex.met = Some(*met),
+            _ => self.escaped_to.push(*met),
+        }
+    }
+
+    fn light_sampled(&mut self, sampled: &SampledLight) {
+        if let Some(vertex) = self.vertices.last_mut() {
+            vertex.sampled = Some(*sampled);
+        }
+    }
+
+    fn bounced(&mut self, bounce: &Bounce) {
+        if let Some(vertex) = self.vertices.last_mut() {
+            vertex.bounce = Some(*bounce);
+        }
+    }
+
+    fn ended(&mut self, end: PathEnd) {
+        self.end = end;
+    }
+}

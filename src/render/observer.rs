@@ -1,0 +1,89 @@
+//! What can be watched of a path while it is traced. Watching changes nothing; what nobody watches costs nothing, for every kind of
+//! observer has a [`trace_path`](super::path::trace_path) of its own.
+
+use glam::Vec3;
+
+use crate::color::Rgb;
+use crate::light::{LightId, LightSample};
+use crate::material::{Lobe, MaterialId};
+
+/// Is told what happens along a path, in this order: at each vertex, an emitter met there, a light sampled from there, and the bounce
+/// to the next; emitters at infinity after the last; then how it ended.
+pub trait PathObserver {
+    fn vertex(&mut self, _vertex: &PathVertex) {}
+    fn emitter_met(&mut self, _met: &MetEmitter) {}
+    fn light_sampled(&mut self, _sampled: &SampledLight) {}
+    fn bounced(&mut self, _bounce: &Bounce) {}
+    fn ended(&mut self, _end: PathEnd) {}
+}
+
+/// Nobody watches.
+impl PathObserver for () {}
+
+/// A surface that the path has come to, world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathVertex {
+    pub position: Vec3,
+    /// Unit shading normal.
+    pub normal: Vec3,
+    /// As [`crate::accel::Hit::instance`] counts them.
+    pub instance: u32,
+    pub material: MaterialId,
+}
+
+/// An emitter that the path came upon by itself: at its last vertex, or at infinity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MetEmitter {
+    pub light: LightId,
+    /// As emitted to the vertex before.
+    pub radiance: Rgb,
+    /// Density per solid angle with which the bsdf chose the direction; None from the camera or after a specular bounce.
+    pub bsdf_pdf: Option<f32>,
+    /// The density with which sampling the lights would have; None where the weight does not depend on it.
+    pub light_pdf: Option<f32>,
+    /// Of multiple importance sampling.
+    pub weight: f32,
+    /// What it adds to the path's radiance.
+    pub contribution: Rgb,
+}
+
+/// A light that was looked for from the last vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampledLight {
+    pub light: LightId,
+    pub sample: LightSample,
+    /// Density per solid angle with which the bsdf would have chosen the direction.
+    pub bsdf_pdf: f32,
+    /// Of multiple importance sampling.
+    pub weight: f32,
+    /// The share of the light that reaches the vertex; zero behind something, None where it would not have been reflected anyway.
+    pub arriving: Option<Rgb>,
+    /// What it adds to the path's radiance.
+    pub contribution: Rgb,
+}
+
+/// How the path goes on from its last vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounce {
+    /// Unit vector, world space.
+    pub wi: Vec3,
+    pub lobe: Lobe,
+    /// Density per solid angle; of delta and null lobes the probability of choosing them.
+    pub pdf: f32,
+    /// Probability of not having been ended by Russian roulette here; 1 where none was played.
+    pub survival: f32,
+    /// What light from there counts from now on.
+    pub throughput: Rgb,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PathEnd {
+    /// Nothing lay ahead.
+    #[default]
+    Escaped,
+    /// It is as long as it may be.
+    DepthLimit,
+    /// Its surface sends no light on.
+    Absorbed,
+    Roulette,
+}

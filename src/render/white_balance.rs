@@ -1,0 +1,143 @@
+//! White balance: the picture as an eye sees it that has got used to light of another white than the display's.
+//!
+//! The white is that of a black body (M. Krystek, "An algorithm to calculate correlated colour temperature", Color Research &
+//! Application 10, 1985), moved by the small step that takes the one of 6504 K to the display's white, D65. The eye gets used to it by
+//! scaling the responses of its cones (von Kries), in the space of the Bradford transform (K. M. Lam, 1985; CIECAM97s).
+
+use glam::{Mat3, Vec2, Vec3};
+
+/// The light that shall look white.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WhiteBalance {
+    /// Kelvin, in [`Self::TEMPERATURES`]. Light of a lower one is redder, so that the picture gets bluer.
+    pub temperature: f32,
+    /// How much greener the light is than a black body's, in [-150, 150]; 3000 for a distance of 1 in the CIE 1960 diagram, as photo
+    /// programs have it. The picture gets more magenta with it.
+    pub tint: f32,
+}
+
+impl Default for WhiteBalance {
+    /// The display's own white: nothing changes.
+    fn default() -> Self {
+        Self {
+            temperature: D65_TEMPERATURE,
+            tint: 0.0,
+        }
+    }
+}
+
+const D65_TEMPERATURE: f32 = 6504.0;
+/// Chromaticity x, y.
+const D65: Vec2 = Vec2::new(0.3127, 0.3290);
+
+impl WhiteBalance {
+    /// Where the formula for black bodies holds.
+    pub const TEMPERATURES: std::ops::RangeInclusive<f32> = 1000.0..=15_000.0;
+    pub const TINTS: std::ops::RangeInclusive<f32> = -150.0..=150.0;
+
+    /// What linear Rec. 709 colours are multiplied by; None if that changes nothing.
+    pub fn adaptation(&self) -> Option<Mat3> {
+        if *self == Self::default() {
+            return None;
+        }
+        let xyz_from_rgb = Mat3::from_cols(
+            Vec3::new(0.412_453, 0.212_671, 0.019_334),
+            Vec3::new(0.357_580, 0.715_160, 0.119_193),
+            Vec3::new(0.180_423, 0.072_169, 0.950_227),
+        );
+        let cones_from_xyz = Mat3::from_cols(
+            Vec3::new(0.8951, -0.7502, 0.0389),
+            Vec3::new(0.2664, 1.7135, -0.0685),
+            Vec3::new(-0.1614, 0.0367, 1.0296),
+        );
+        let cones_from_rgb = cones_from_xyz * xyz_from_rgb;
+        let gains = (cones_from_xyz * xyz(D65)) / (cones_from_xyz * xyz(self.white()));
+        Some(cones_from_rgb.inverse() * Mat3::from_diagonal(gains) * cones_from_rgb)
+    }
+
+    /// Chromaticity x, y.
+    fn white(&self) -> Vec2 {
+        let (low, high) = (*Self::TEMPERATURES.start(), *Self::TEMPERATURES.end());
+        let kelvin = self.temperature.max(low).min(high);
+        let tint = self.tint.max(*Self::TINTS.start()).min(*Self::TINTS.end());
+        let along = (black_body(kelvin + 1.0) - black_body(kelvin - 1.0)).normalize();
+        // Hotter is to the left in the diagram: green is to the right of the way there.
+        let green = Vec2::new(along.y, -along.x);
+        let uv = black_body(kelvin) + tint / 3000.0 * green + (uv(D65) - black_body(D65_TEMPERATURE));
+        Vec2::new(3.0 * uv.x, 2.0 * uv.y) / (2.0 * uv.x - 8.0 * uv.y + 4.0)
+    }
+}
+
+/// CIE 1960 u, v of a black body.
+fn black_body(kelvin: f32) -> Vec2 {
+    let t = f64::from(kelvin);
+    let u = (0.860_117_757 + 1.541_182_54e-4 * t + 1.286_412_12e-7 * t * t)
+        / (1.0 + 8.424_202_35e-4 * t + 7.081_451_63e-7 * t * t);
+    let v = (0.317_398_726 + 4.228_062_45e-5 * t + 4.204_816_91e-8 * t * t)
+        / (1.0 - 2.897_418_16e-5 * t + 1.614_560_53e-7 * t * t);
+    Vec2::new(u as f32, v as f32)
+}
+
+/// CIE 1960 u, v of a chromaticity x, y.
+fn uv(xy: Vec2) -> Vec2 {
+    Vec2::new(4.0 * xy.x, 6.0 * xy.y) / (-2.0 * xy.x + 12.0 * xy.y + 3.0)
+}
+
+/// Of luminance 1.
+fn xyz(xy: Vec2) -> Vec3 {
+    Vec3::new(xy.x, xy.y, 1.0 - xy.x - xy.y) / xy.y
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Published chromaticities of black bodies: CIE standard illuminant A is one of 2856 K; 4000 K by integrating Planck's law.
+    #[test]
+    fn black_bodies_have_their_colours() {
+        for (kelvin, x, y) in [(2855.5, 0.447_57, 0.407_45), (4000.0, 0.380_45, 0.376_75)] {
+            // The formula is good to 8e-5 in u and 9e-5 in v above 1000 K.
+            assert!(black_body(kelvin).abs_diff_eq(uv(Vec2::new(x, y)), 2e-4), "{kelvin}");
+        }
+    }
+
+    #[test]
+    fn the_displays_own_white_is_left_alone() {
+        assert_eq!(WhiteBalance::default().adaptation(), None);
+        let almost = WhiteBalance {
+            temperature: D65_TEMPERATURE + 0.01,
+            tint: 0.0,
+        };
+        let adaptation = almost.adaptation().expect("another white");
+        assert!(adaptation.abs_diff_eq(Mat3::IDENTITY, 1e-3), "{adaptation}");
+    }
+
+    #[test]
+    fn the_light_that_is_named_becomes_white() {
+        let rgb_from_xyz = Mat3::from_cols(
+            Vec3::new(3.240_479, -0.969_256, 0.055_648),
+            Vec3::new(-1.537_15, 1.875_991, -0.204_043),
+            Vec3::new(-0.498_535, 0.041_556, 1.057_311),
+        );
+        for (temperature, tint) in [(2500.0, 0.0), (4000.0, 40.0), (9000.0, -30.0)] {
+            let balance = WhiteBalance { temperature, tint };
+            let light = rgb_from_xyz * xyz(balance.white());
+            let seen = balance.adaptation().expect("another white") * light;
+            // Both matrices have six digits, and D65 four.
+            assert!(seen.abs_diff_eq(Vec3::ONE, 2e-3), "{balance:?}: {seen}");
+        }
+    }
+
+    #[test]
+    fn low_temperatures_make_blue_and_tint_makes_magenta() {
+        let grey =
+            |temperature, tint| WhiteBalance { temperature, tint }.adaptation().expect("another white") * Vec3::ONE;
+        let (warm, cold, green) = (grey(3000.0, 0.0), grey(12_000.0, 0.0), grey(D65_TEMPERATURE, 60.0));
+        assert!(warm.z > 1.2 && warm.x < 0.9, "{warm}");
+        assert!(cold.z < 0.9 && cold.x > 1.0, "{cold}");
+        assert!(green.y < green.x.min(green.z) - 0.05, "{green}");
+        // What is out of range, and what is none, changes nothing beyond the range.
+        assert!(grey(f32::NAN, f32::INFINITY).is_finite());
+        assert_eq!(grey(1.0, 0.0), grey(1000.0, 0.0));
+    }
+}

@@ -1,0 +1,174 @@
+//! When pictures stop, and that going on loses nothing.
+
+use std::num::NonZeroUsize;
+use std::time::{Duration, Instant};
+
+use bevy::asset::AssetPlugin;
+use bevy::math::{Affine3A, Rect, Vec3};
+use bevy::prelude::*;
+use sunroom::color::Rgb;
+use sunroom::engine::{EnginePlugin, RenderControl, RenderFilm, RenderState, RenderStatus, StopReason};
+use sunroom::render::film::Film;
+use sunroom::scene::{
+    self, ActiveSensor, DocumentOrder, Emitter, EmitterKind, ScenePlugin, Sensor, Shape, ShapeKind, ToWorld,
+};
+
+const ENDLESS: u32 = 1 << 30;
+
+/// A ball under a lamp, 80 x 40 pixels: three tiles by two.
+fn studio(control: impl FnOnce(&mut RenderControl)) -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), ScenePlugin, EnginePlugin));
+    let world = app.world_mut();
+    world.spawn((
+        DocumentOrder(0),
+        Emitter::from(EmitterKind::Constant {
+            radiance: Rgb::splat(0.5),
+        }),
+    ));
+    let ball = ShapeKind::Sphere {
+        center: Vec3::Z * 4.0,
+        radius: 1.0,
+    };
+    world.spawn((
+        DocumentOrder(1),
+        Shape {
+            kind: ball,
+            flip_normals: false,
+        },
+    ));
+    let lamp = Affine3A::from_translation(Vec3::new(0.0, 4.0, 4.0));
+    world.spawn((
+        DocumentOrder(2),
+        Emitter::from(EmitterKind::Point {
+            intensity: Rgb::splat(20.0),
+        }),
+        ToWorld(lamp),
+    ));
+    let film = scene::Film {
+        width: 80,
+        height: 40,
+        sample_count: 4,
+        ..Default::default()
+    };
+    let sensor = world
+        .spawn((DocumentOrder(3), Sensor::default(), ToWorld::default(), film))
+        .id();
+    world.insert_resource(ActiveSensor(Some(sensor)));
+    let mut settings = world.resource_mut::<RenderControl>();
+    settings.threads = NonZeroUsize::MIN;
+    control(&mut settings);
+    app
+}
+
+/// Updates until the picture is done and returns why it is.
+fn finish(app: &mut App) -> Option<StopReason> {
+    let begin = Instant::now();
+    loop {
+        app.update();
+        let status = app.world().resource::<RenderStatus>();
+        if status.state == RenderState::Done {
+            return status.stopped_by;
+        }
+        assert!(begin.elapsed() < Duration::from_secs(60), "{status:?}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+fn change(app: &mut App, change: impl FnOnce(&mut RenderControl)) {
+    change(&mut app.world_mut().resource_mut::<RenderControl>());
+}
+
+fn film(app: &App) -> (Film, u64) {
+    let film = app.world().resource::<RenderFilm>();
+    (film.film.clone(), film.job)
+}
+
+fn status(app: &App) -> RenderStatus {
+    app.world().resource::<RenderStatus>().clone()
+}
+
+#[test]
+fn time_stops_it_and_more_time_continues_it() {
+    let mut app = studio(|control| {
+        control.target_samples = Some(ENDLESS);
+        control.time_limit = Some(0.2);
+    });
+    assert_eq!(finish(&mut app), Some(StopReason::Time));
+    let (first, job) = film(&app);
+    let before = status(&app);
+    assert!(before.seconds >= 0.2 && before.rays > 0);
+    // Done is done.
+    app.update();
+    assert_eq!((film(&app).0, status(&app).seconds), (first.clone(), before.seconds));
+    change(&mut app, |control| control.time_limit = Some(0.5));
+    assert_eq!(finish(&mut app), Some(StopReason::Time));
+    let (second, same_job) = film(&app);
+    assert_eq!(job, same_job);
+    assert!(status(&app).rays > before.rays);
+    let count = |film: &Film, (x, y): (u32, u32)| film.samples(x, y);
+    for at in [(0, 0), (40, 20), (79, 39)] {
+        assert!(count(&second, at) >= count(&first, at));
+    }
+    change(&mut app, |control| {
+        control.time_limit = None;
+        control.target_samples = Some(1);
+    });
+    assert_eq!(finish(&mut app), Some(StopReason::Samples));
+}
+
+#[test]
+fn noise_stops_it_and_less_noise_takes_more_samples() {
+    let mut app = studio(|control| {
+        control.target_samples = Some(ENDLESS);
+        control.noise_target = Some(0.05);
+    });
+    assert_eq!(finish(&mut app), Some(StopReason::Noise));
+    let loud = status(&app);
+    assert!(
+        loud.noise.is_some_and(|noise| noise <= 0.05) && loud.samples >= 16,
+        "{loud:?}"
+    );
+    let wanted = loud.noise.map(|noise| 0.6 * noise);
+    change(&mut app, |control| control.noise_target = wanted);
+    assert_eq!(finish(&mut app), Some(StopReason::Noise));
+    let quiet = status(&app);
+    assert!(quiet.noise <= wanted);
+    // The noise falls with the root of the samples, and is itself an estimate: 1 / 0.6^2 = 2.8 times as many, about.
+    assert!(
+        quiet.samples as f32 > 1.8 * loud.samples as f32,
+        "{} {}",
+        quiet.samples,
+        loud.samples
+    );
+}
+
+#[test]
+fn a_region_gets_samples_and_the_rest_keeps_its_own() {
+    let mut app = studio(|_| {});
+    assert_eq!(finish(&mut app), Some(StopReason::Samples));
+    let (whole, job) = film(&app);
+    assert_eq!(whole.sample_count(), 4);
+    change(&mut app, |control| {
+        control.region = Some(Rect::new(0.0, 0.0, 0.3, 0.3));
+        control.target_samples = Some(16);
+    });
+    assert_eq!(finish(&mut app), Some(StopReason::Samples));
+    let (part, same_job) = film(&app);
+    assert_eq!(job, same_job);
+    assert_eq!(status(&app).samples, 16);
+    for (x, y) in (0..40).flat_map(|y| (0..80).map(move |x| (x, y))) {
+        if x < 32 && y < 32 {
+            assert_eq!(part.samples(x, y), 16);
+        } else {
+            assert_eq!(part.pixel(x, y), whole.pixel(x, y));
+        }
+    }
+    // The rest catches up, to the bits of a picture that never had a region.
+    change(&mut app, |control| control.region = None);
+    assert_eq!(finish(&mut app), Some(StopReason::Samples));
+    let mut plain = studio(|control| control.target_samples = Some(16));
+    finish(&mut plain);
+    assert_eq!(film(&app).0, film(&plain).0);
+    assert_eq!(film(&app).1, job);
+}
