@@ -66,6 +66,8 @@ fn context(selection: &Selection) -> ActionContext<'_> {
         paused: false,
         panels_shown: true,
         selection,
+        tool: Default::default(),
+        safe_frame: false,
         flying: false,
     }
 }

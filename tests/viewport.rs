@@ -94,6 +94,7 @@ fn window() -> Harness<'static, Window> {
                 },
                 locked: &[],
                 current: &current,
+                paths: &Default::default(),
                 legend: None,
                 region: None,
                 navigation: Navigation {
@@ -107,6 +108,8 @@ fn window() -> Harness<'static, Window> {
                     paused: false,
                     panels_shown: true,
                     selection: &selection,
+                    tool: Default::default(),
+                    safe_frame: false,
                     flying: false,
                 },
                 presses: &presses(ui),
@@ -353,6 +356,8 @@ fn digits_of_the_numpad_are_views_along_axes() {
         paused: false,
         panels_shown: true,
         selection: &selection,
+        tool: Default::default(),
+        safe_frame: false,
         flying: false,
     };
     let commands = sunroom::app::editor::keys::shortcuts(&[press], &context);

@@ -11,6 +11,7 @@ use super::orbit::AxisView;
 use super::overlay::BvhOverlay;
 use super::selection::{Extend, Selection};
 use super::shell::{Sheet, ShellCommand};
+use super::tool::Tool;
 
 /// What actions toggle, step or are about.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +22,8 @@ pub struct ActionContext<'a> {
     pub paused: bool,
     pub panels_shown: bool,
     pub selection: &'a Selection,
+    pub tool: Tool,
+    pub safe_frame: bool,
     /// While flying, Control means slow and is no part of a shortcut.
     pub flying: bool,
 }
@@ -250,7 +253,10 @@ pub const ACTIONS: &[Action] = &[
         "select-none",
         "Select nothing",
         &[plain(Key::Escape)],
-        |context| context.with_selection(Command::Select(Vec::new(), Extend::Replace)),
+        |context| match context.tool {
+            Tool::Select => context.with_selection(Command::Select(Vec::new(), Extend::Replace)),
+            _ => Some(Command::SetTool(Tool::Select)),
+        },
     ),
     action(Group::Edit, "hide", "Hide", &[plain(Key::H)], |context| {
         context.with_selection(Command::Hide(context.selection.entities().to_vec(), true))
@@ -410,6 +416,18 @@ pub const ACTIONS: &[Action] = &[
     action(Group::View, "expose-automatically", "Expose automatically", &[], |_| {
         Some(Command::ExposeAutomatically)
     }),
+    action(Group::View, "safe-frame", "Safe frame", &[], |context| {
+        Some(Command::ShowSafeFrame(!context.safe_frame))
+    }),
+    action(Group::View, "inspect-paths", "Inspect paths", &[plain(Key::P)], |_| {
+        Some(Command::SetTool(Tool::Paths))
+    }),
+    action(Group::Render, "focus", "Focus by a click", &[], |_| {
+        Some(Command::SetTool(Tool::Focus))
+    }),
+    action(Group::Render, "draw-region", "Draw the region to render", &[], |_| {
+        Some(Command::SetTool(Tool::Region))
+    }),
     action(Group::View, "boxes", "BVH boxes", &[plain(Key::B)], |context| {
         Some(Command::SetOverlay(BvhOverlay {
             shown: !context.overlay.shown,
@@ -498,6 +516,8 @@ impl ActionContext<'_> {
             Command::SetOverlay(overlay) => self.overlay = *overlay,
             Command::SetGizmo(settings) => self.gizmo = *settings,
             Command::SetPaused(paused) => self.paused = *paused,
+            Command::SetTool(tool) => self.tool = *tool,
+            Command::ShowSafeFrame(shown) => self.safe_frame = *shown,
             Command::ShowPanels(shown) => self.panels_shown = *shown,
             _ => {}
         }

@@ -14,8 +14,10 @@ use super::light_mix::LightMix;
 use super::material_tree::MaterialTree;
 use super::orbit::AxisView;
 use super::overlay::BvhOverlay;
+use super::paths::InspectedPaths;
 use super::selection::Extend;
 use super::shell::ShellCommand;
+use super::tool::Tool;
 use crate::scene::{
     AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, Material, SamplerSettings, Sensor, Shape, SquarePath,
 };
@@ -133,6 +135,8 @@ pub enum Command {
     SetAreaLight(Entity, Option<AreaLight>),
     SetEmitter(Entity, Emitter),
     SetSensor(Entity, Sensor),
+    /// The camera in use becomes sharp at what is seen there, (0, 0) top left, (1, 1) bottom right; a pinhole becomes a thin lens.
+    FocusAt(Vec2),
     SetFilm(Entity, Film),
     SetIntegrator(IntegratorSettings),
     SetSampler(SamplerSettings),
@@ -165,6 +169,10 @@ pub enum Command {
     /// Figures of the picture against the snapshot.
     Measure,
     SetOverlay(BvhOverlay),
+    SetTool(Tool),
+    ShowSafeFrame(bool),
+    /// The paths of a pixel, or none.
+    InspectPaths(Option<InspectedPaths>),
     SetGizmo(GizmoSettings),
     Denoise,
     /// Back to the picture as sampled.
@@ -291,6 +299,7 @@ impl Command {
             | Self::SetPicture { .. }
             | Self::UseMaterial { .. }
             | Self::GiveMaterial { .. }
+            | Self::FocusAt(_)
             | Self::BuildMaterial { .. }
             | Self::DropMaterial { .. }
             | Self::SetAccel(_)
@@ -335,6 +344,9 @@ impl Command {
             | Self::Measure
             | Self::SetDisplay(_)
             | Self::SetOverlay(_)
+            | Self::SetTool(_)
+            | Self::ShowSafeFrame(_)
+            | Self::InspectPaths(_)
             | Self::Denoise
             | Self::DropDenoised
             | Self::ShowPanels(_)
@@ -371,6 +383,7 @@ impl Command {
             Self::BuildMaterial { .. } => "Make material",
             Self::SetAreaLight(..) | Self::SetEmitter(..) => "Edit light",
             Self::SetSensor(..) => "Edit camera",
+            Self::FocusAt(_) => "Focus",
             Self::SetFilm(..) => "Edit film",
             Self::SetIntegrator(_) => "Edit light transport",
             Self::SetSampler(_) => "Edit sampler",

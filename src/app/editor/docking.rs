@@ -6,7 +6,7 @@ use egui_dock::{DockArea, Style, TabStyle, TabViewer};
 use super::command::Command;
 use super::layout::{Layout, Panel};
 use super::model::Model;
-use super::panels::{diagnostics, history, inspector, outliner, render};
+use super::panels::{diagnostics, history, inspector, outliner, paths, render};
 use super::state::EditorState;
 use super::viewport::{ViewportModel, viewport};
 
@@ -112,6 +112,10 @@ impl TabViewer for Panels<'_> {
             Panel::Render => render::render(ui, &model.render, state.display, state.overlay, commands),
             Panel::History => history::history(ui, &model.history, commands),
             Panel::Messages => diagnostics::diagnostics(ui, &model.notices),
+            Panel::Paths => {
+                let known = self.viewport.paths;
+                paths::paths(ui, known.wanted, known.pixel, &known.paths, commands);
+            }
         }
     }
 

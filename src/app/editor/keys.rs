@@ -180,6 +180,8 @@ mod tests {
             panels_shown: true,
             gizmo: GizmoSettings::default(),
             selection: &Selection::default(),
+            tool: Default::default(),
+            safe_frame: false,
             flying: false,
         };
         shortcuts(&presses, &context)

@@ -15,19 +15,29 @@ pub enum Panel {
     Render,
     History,
     Messages,
+    Paths,
 }
 
 impl Panel {
     /// Those that can be closed and shown again, in the order of the menu.
-    pub const CLOSEABLE: [Self; 5] = [
+    pub const CLOSEABLE: [Self; 6] = [
         Self::Outliner,
         Self::Inspector,
         Self::Render,
         Self::History,
         Self::Messages,
+        Self::Paths,
     ];
     /// Those that stand at the right, one behind the other, until the user moves them.
-    const RIGHT: [Self; 4] = [Self::Inspector, Self::Render, Self::History, Self::Messages];
+    const RIGHT: [Self; 5] = [
+        Self::Inspector,
+        Self::Render,
+        Self::History,
+        Self::Messages,
+        Self::Paths,
+    ];
+    /// Shown only when asked for.
+    const CLOSED: [Self; 1] = [Self::Paths];
 
     pub fn title(self) -> &'static str {
         match self {
@@ -37,6 +47,7 @@ impl Panel {
             Self::Render => "Render",
             Self::History => "History",
             Self::Messages => "Messages",
+            Self::Paths => "Paths",
         }
     }
 }
@@ -52,7 +63,8 @@ pub struct Layout(pub DockState<Panel>);
 impl Default for Layout {
     fn default() -> Self {
         let mut layout = Self(DockState::new(vec![Panel::Viewport]));
-        for panel in Panel::RIGHT.into_iter().chain([Panel::Outliner]) {
+        let open = |panel: &Panel| !Panel::CLOSED.contains(panel);
+        for panel in Panel::RIGHT.into_iter().filter(open).chain([Panel::Outliner]) {
             layout.show(panel);
         }
         layout.show(Panel::Inspector);
@@ -170,7 +182,12 @@ mod tests {
             layout.show(panel);
             layout.show(panel);
         }
-        assert_eq!(titles(&layout).len(), 6, "{:?}", titles(&layout));
+        assert_eq!(
+            titles(&layout).len(),
+            1 + Panel::CLOSEABLE.len(),
+            "{:?}",
+            titles(&layout)
+        );
     }
 
     #[test]

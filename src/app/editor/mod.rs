@@ -35,6 +35,8 @@ mod pacing;
 pub mod painter;
 pub mod palette;
 pub mod panels;
+pub mod path_lines;
+pub mod paths;
 mod picking;
 mod picture;
 pub mod pointer;
@@ -53,6 +55,7 @@ pub mod state;
 mod studio;
 mod style;
 pub mod toasts;
+pub mod tool;
 pub mod toolbar;
 mod ui;
 pub mod viewport;
@@ -99,6 +102,7 @@ impl Plugin for EditorPlugin {
             .insert_resource(recovery::Recovery::new(folder.as_deref()))
             .init_resource::<dropping::DroppedFiles>()
             .init_resource::<history::History>()
+            .init_resource::<paths::PathInspector>()
             .init_resource::<selection::Selection>()
             .init_resource::<state::CommandQueue>()
             .init_resource::<light_mix::LightMix>()
@@ -157,6 +161,7 @@ impl Plugin for EditorPlugin {
                     (
                         scene_watch::measure_scene,
                         gather::gather_outline,
+                        paths::follow_paths,
                         gather::gather_selection,
                         looks::update_thumbnails,
                         gather::gather_status,

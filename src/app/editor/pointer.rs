@@ -10,10 +10,14 @@ use bevy_egui::egui::{
 };
 
 use super::command::Command;
+use super::layout::Panel;
 use super::orbit;
+use super::paths::InspectedPaths;
 use super::picking;
 use super::screen::Screen;
 use super::selection::Extend;
+use super::shell::ShellCommand;
+use super::tool::Tool;
 use super::viewport::ViewportModel;
 use super::{gizmo, icons};
 
@@ -82,6 +86,13 @@ impl PointerState {
             }
             Some(Hold::Box { from }) if response.drag_stopped() => {
                 let boxed = Rect::from_two_pos(*from, pointer);
+                if model.keys.tool == Tool::Region {
+                    let corners = [screen.film(boxed.min), screen.film(boxed.max)];
+                    let [min, max] = corners.map(|corner| corner.clamp(Vec2::ZERO, Vec2::ONE));
+                    commands.push(Command::SetRegion(Some(bevy::math::Rect { min, max })));
+                    commands.push(Command::SetTool(Tool::Select));
+                    return Vec2::ZERO;
+                }
                 let how = if ui.input(|input| input.modifiers.command) {
                     Extend::Toggle
                 } else {
@@ -122,7 +133,7 @@ impl PointerState {
             PointerButton::Primary if modifiers.alt => Hold::Orbit {
                 center: center(screen, model, pose),
             },
-            PointerButton::Primary if modifiers.shift => Hold::Box { from: pointer },
+            PointerButton::Primary if modifiers.shift || model.keys.tool == Tool::Region => Hold::Box { from: pointer },
             PointerButton::Middle => Hold::Pan {
                 last: pointer,
                 depth: picking::surface(model.current, &screen.ray(pointer), |_| false)
@@ -141,6 +152,25 @@ impl PointerState {
         } else {
             Extend::Replace
         };
+        let film = screen.film(pointer);
+        match model.keys.tool {
+            Tool::Select => {}
+            Tool::Focus => {
+                commands.extend([Command::FocusAt(film), Command::SetTool(Tool::Select)]);
+                return;
+            }
+            Tool::Paths => {
+                let before = model.paths.wanted;
+                let paths = InspectedPaths {
+                    place: film,
+                    ..before.unwrap_or(InspectedPaths::at(film))
+                };
+                commands.push(Command::InspectPaths(Some(paths)));
+                commands.push(Command::Shell(ShellCommand::ShowPanel(Panel::Paths)));
+                return;
+            }
+            Tool::Region => return,
+        }
         match icons::icon_at(screen, model.icons, pointer).filter(|entity| !model.locked.contains(entity)) {
             Some(entity) => commands.push(Command::Select(vec![entity], how)),
             None => commands.push(Command::Pick(screen.film(pointer), how)),

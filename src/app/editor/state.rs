@@ -15,6 +15,7 @@ use super::panels::inspector::InspectorState;
 use super::panels::outliner::OutlinerState;
 use super::shell::Sheet;
 use super::toasts::{Toasts, Tone, Topic};
+use super::tool::Tool;
 use super::viewport::ViewportState;
 
 #[derive(Resource)]
@@ -34,6 +35,9 @@ pub struct EditorState {
     pub dialog: Option<FileDialogKind>,
     /// Counts drags, typings and clicks: edits of one kind within one of them are one step of the history.
     pub interaction: u64,
+    pub tool: Tool,
+    /// Frames within the picture that titles and actions should keep to.
+    pub safe_frame: bool,
     /// A text on its way to the system's clipboard.
     pub clipboard: Option<String>,
     pub toasts: Toasts,
@@ -61,6 +65,8 @@ impl Default for EditorState {
             viewport: ViewportState::default(),
             dialog: None,
             interaction: 0,
+            tool: Tool::default(),
+            safe_frame: false,
             clipboard: None,
             toasts: Toasts::default(),
             sheet: None,

@@ -22,6 +22,7 @@ use super::overlay::{self, BoxList, BvhOverlay};
 use super::panels::menu_bar::{MenuState, menu_bar};
 use super::panels::status;
 use super::panels::transform::Freedom;
+use super::paths::PathInspector;
 use super::picking;
 use super::picture::Picture;
 use super::preferences::{Preferences, PreferencesFile};
@@ -85,6 +86,7 @@ pub struct Scene<'w, 's> {
     poses: Query<'w, 's, &'static ToWorld>,
     picture: Res<'w, Picture>,
     film: Res<'w, RenderFilm>,
+    paths: Res<'w, PathInspector>,
     movable: Query<'w, 's, Movable, (Without<Locked>, Without<Placements>, Without<MemberOf>)>,
     emitters: Query<'w, 's, (Entity, &'static Emitter, &'static ToWorld), Without<Hidden>>,
     sensors: Query<'w, 's, (Entity, &'static ToWorld), With<Sensor>>,
@@ -188,6 +190,8 @@ pub fn show_window(
         paused: model.status.paused,
         panels_shown: state.panels_shown,
         selection: &scene.selection,
+        tool: state.tool,
+        safe_frame: state.safe_frame,
         flying: false,
     };
     let menus = MenuState {
@@ -232,6 +236,7 @@ pub fn show_window(
         current: &scene.current,
         legend: legend.as_ref(),
         region: model.render.region,
+        paths: &scene.paths,
         navigation: state.navigation,
         keys: action_context,
         presses: &presses,

@@ -103,6 +103,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
         },
         Command::SetEmitter(entity, emitter) => replace(edit, entity, emitter)?,
         Command::SetSensor(entity, sensor) => replace(edit, entity, sensor)?,
+        Command::FocusAt(film) => view::focus(edit, film)?,
         Command::SetFilm(entity, film) => replace(edit, entity, film)?,
         Command::SetIntegrator(settings) => super::set_resource::<IntegratorSettings>(edit.world, settings),
         Command::SetSampler(settings) => super::set_resource::<SamplerSettings>(edit.world, settings),

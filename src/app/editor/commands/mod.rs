@@ -22,6 +22,7 @@ use super::latency::FrameTimes;
 use super::layout::Panel;
 use super::light_mix::LightMix;
 use super::pacing::Pacing;
+use super::paths::PathInspector;
 use super::picking;
 use super::selection::{Extend, Selection};
 use super::shell;
@@ -167,6 +168,9 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
         }
         Command::SetDisplay(display) => view::set_display(world, display),
         Command::SetOverlay(overlay) => world.resource_mut::<EditorState>().overlay = overlay,
+        Command::SetTool(tool) => world.resource_mut::<EditorState>().tool = tool,
+        Command::ShowSafeFrame(shown) => world.resource_mut::<EditorState>().safe_frame = shown,
+        Command::InspectPaths(wanted) => world.resource_mut::<PathInspector>().wanted = wanted,
         Command::SetGizmo(settings) => world.resource_mut::<EditorState>().gizmo = settings,
         Command::Denoise => {
             let wake_up = world.resource::<WakeUp>().clone();

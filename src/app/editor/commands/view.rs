@@ -5,6 +5,7 @@ use bevy::prelude::*;
 
 use super::{control, set_resource};
 use crate::app::editor::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::history::Edit;
 use crate::app::editor::orbit::AxisView;
 use crate::app::editor::selection::Selection;
 use crate::app::editor::state::EditorState;
@@ -135,6 +136,37 @@ fn frame(world: &mut World, bounds: Aabb) {
 fn is_orthographic(world: &World, sensor: Entity) -> bool {
     let lens = world.get::<Sensor>(sensor).map(|sensor| sensor.lens);
     lens == Some(Lens::Orthographic)
+}
+
+/// On what is seen there; the aperture of a pinhole becomes a two-hundredth of the distance.
+pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), String> {
+    let current = edit.world.resource::<CurrentScene>();
+    let (Some(scene), Some(view)) = (&current.scene, &current.view) else {
+        return Err("There is no picture.".to_owned());
+    };
+    let ray = view.camera.ray(film, Vec2::splat(0.5));
+    let hit = scene.geometry.intersect(&ray).ok_or("There is nothing to focus on.")?;
+    let (_, distance) = view.camera.project(ray.at(hit.t));
+    let Some(camera) = edit.world.resource::<ActiveSensor>().0 else {
+        return Err("There is no camera.".to_owned());
+    };
+    let Some(mut sensor) = edit.world.get::<Sensor>(camera).copied() else {
+        return Ok(());
+    };
+    match &mut sensor.lens {
+        Lens::Orthographic => return Err("An orthographic camera is sharp everywhere.".to_owned()),
+        Lens::Thin { focus_distance, .. } => *focus_distance = distance,
+        Lens::Pinhole => {
+            sensor.lens = Lens::Thin {
+                aperture_radius: 0.005 * distance,
+                focus_distance: distance,
+                blades: 0,
+                blade_rotation: 0.0,
+            };
+        }
+    }
+    edit.set(camera, sensor);
+    Ok(())
 }
 
 pub fn set_display(world: &mut World, display: DisplaySettings) {

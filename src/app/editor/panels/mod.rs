@@ -16,6 +16,7 @@ pub mod material;
 pub mod material_header;
 pub mod menu_bar;
 pub mod outliner;
+pub mod paths;
 pub mod preferences;
 pub mod render;
 pub mod sensor;

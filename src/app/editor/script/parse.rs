@@ -110,6 +110,8 @@ fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
         paused: world.resource::<RenderControl>().paused,
         panels_shown: state.panels_shown,
         selection,
+        tool: state.tool,
+        safe_frame: state.safe_frame,
         flying: false,
     }
 }

@@ -1,0 +1,224 @@
+//! What happens along the paths of a pixel: at each vertex what was hit, which light was looked for, where the path went on, with the densities
+//! and weights of multiple importance sampling.
+
+use bevy::math::UVec2;
+use bevy_egui::egui::{self, Color32, RichText, Ui};
+
+use super::super::command::Command;
+use super::super::paths::{InspectedPaths, NamedPath};
+use super::fields;
+use crate::color::Rgb;
+use crate::material::Lobe;
+use crate::render::inspect::RecordedVertex;
+use crate::render::observer::{MetEmitter, PathEnd};
+use crate::render::tonemap::Display;
+
+pub fn paths(
+    ui: &mut Ui,
+    wanted: Option<InspectedPaths>,
+    pixel: UVec2,
+    paths: &[NamedPath],
+    commands: &mut Vec<Command>,
+) {
+    let Some(wanted) = wanted else {
+        ui.add_space(8.0);
+        ui.weak("Press P and click a pixel: the paths of its light are drawn into the picture and told of here.");
+        return;
+    };
+    let mut edited = wanted;
+    ui.horizontal(|ui| {
+        ui.label(format!("Pixel {}, {}", pixel.x, pixel.y));
+        if ui
+            .button("Close")
+            .on_hover_text("Draws no paths any more (Esc)")
+            .clicked()
+        {
+            commands.push(Command::InspectPaths(None));
+        }
+    });
+    fields::integer_slider(ui, "Paths", &mut edited.count, 1..=InspectedPaths::MOST, true);
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = egui::vec2(3.0, 3.0);
+        for (index, path) in (0..).zip(paths) {
+            if swatch(ui, path, index == wanted.chosen) {
+                edited.chosen = index;
+            }
+        }
+    });
+    if edited != wanted {
+        commands.push(Command::InspectPaths(Some(edited)));
+    }
+    let Some(NamedPath { path, names }) = paths.get(wanted.chosen as usize) else {
+        return;
+    };
+    ui.separator();
+    ui.label(format!("Sample {}: {}", path.sample, color(path.radiance)));
+    for (number, (vertex, (shape, material))) in (1..).zip(path.vertices.iter().zip(names)) {
+        ui.add_space(4.0);
+        ui.horizontal_wrapped(|ui| {
+            ui.strong(format!("{number}. {shape}"));
+            ui.weak(material);
+        });
+        vertex_rows(ui, vertex);
+    }
+    for met in &path.escaped_to {
+        ui.add_space(4.0);
+        ui.strong("Surroundings");
+        met_rows(ui, met);
+    }
+    ui.add_space(4.0);
+    ui.weak(match path.end {
+        PathEnd::Escaped => "It left the scene.",
+        PathEnd::DepthLimit => "It is as long as it may be.",
+        PathEnd::Absorbed => "It was absorbed.",
+        PathEnd::Roulette => "Russian roulette ended it.",
+    });
+}
+
+/// A button in the colour that the path brings; true when clicked.
+fn swatch(ui: &mut Ui, path: &NamedPath, chosen: bool) -> bool {
+    let [r, g, b] = Display::default().encode(path.path.radiance);
+    let (rect, response) = ui.allocate_exact_size(egui::vec2(18.0, 18.0), egui::Sense::click());
+    let stroke = if chosen {
+        egui::Stroke::new(2.0, ui.visuals().selection.stroke.color)
+    } else {
+        ui.visuals().widgets.inactive.bg_stroke
+    };
+    ui.painter()
+        .rect(rect, 2.0, Color32::from_rgb(r, g, b), stroke, egui::StrokeKind::Inside);
+    let help = format!("Sample {}: {}", path.path.sample, color(path.path.radiance));
+    response.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::Button, true, chosen, &help));
+    response.on_hover_text(help).clicked()
+}
+
+fn vertex_rows(ui: &mut Ui, vertex: &RecordedVertex) {
+    if let Some(met) = &vertex.met {
+        met_rows(ui, met);
+    }
+    if let Some(sampled) = &vertex.sampled {
+        let outcome = match sampled.arriving {
+            None => "turned away",
+            Some(arriving) if arriving == Rgb::ZERO => "blocked",
+            Some(_) => "reached",
+        };
+        row(
+            ui,
+            "Light sampled",
+            outcome,
+            "Next event estimation: a light was looked for from here",
+        );
+        row(
+            ui,
+            "  pdf light",
+            density(sampled.sample.pdf),
+            "Density per solid angle of choosing this point of the light",
+        );
+        row(
+            ui,
+            "  pdf bsdf",
+            density(sampled.bsdf_pdf),
+            "Density with which the bsdf would have chosen the direction",
+        );
+        row(
+            ui,
+            "  MIS weight",
+            format!("{:.3}", sampled.weight),
+            "Power heuristic of the two densities",
+        );
+        row(
+            ui,
+            "  brings",
+            color(sampled.contribution),
+            "What it adds to the path's radiance",
+        );
+    }
+    if let Some(bounce) = &vertex.bounce {
+        let lobe = match bounce.lobe {
+            Lobe::Smooth => "smooth",
+            Lobe::Delta => "specular",
+            Lobe::Null => "passes",
+        };
+        row(ui, "Bounce", lobe, "The kind of scattering that was sampled");
+        row(
+            ui,
+            "  pdf bsdf",
+            density(bounce.pdf),
+            "Density per solid angle; of specular lobes the probability of choosing them",
+        );
+        if bounce.survival < 1.0 {
+            row(
+                ui,
+                "  survival",
+                format!("{:.3}", bounce.survival),
+                "Russian roulette let it live with this probability",
+            );
+        }
+        row(
+            ui,
+            "  throughput",
+            color(bounce.throughput),
+            "What light from there counts in the pixel from now on",
+        );
+    }
+}
+
+fn met_rows(ui: &mut Ui, met: &MetEmitter) {
+    row(
+        ui,
+        "Light met",
+        color(met.radiance),
+        "The path came upon a light by itself",
+    );
+    if let Some(pdf) = met.bsdf_pdf {
+        row(
+            ui,
+            "  pdf bsdf",
+            density(pdf),
+            "Density per solid angle with which the bsdf chose the direction",
+        );
+    }
+    if let Some(pdf) = met.light_pdf {
+        row(
+            ui,
+            "  pdf light",
+            density(pdf),
+            "Density with which sampling the lights would have chosen it",
+        );
+    }
+    row(
+        ui,
+        "  MIS weight",
+        format!("{:.3}", met.weight),
+        "Power heuristic of the two densities",
+    );
+    row(
+        ui,
+        "  brings",
+        color(met.contribution),
+        "What it adds to the path's radiance",
+    );
+}
+
+fn row(ui: &mut Ui, name: &str, value: impl Into<String>, help: &str) {
+    ui.horizontal(|ui| {
+        ui.add_sized(
+            [92.0, 16.0],
+            egui::Label::new(RichText::new(name).weak()).halign(egui::Align::LEFT),
+        )
+        .on_hover_text(help);
+        ui.label(RichText::new(value).monospace());
+    });
+}
+
+fn density(pdf: f32) -> String {
+    if pdf == 0.0 || (1e-2..1e4).contains(&pdf) {
+        format!("{pdf:.3}")
+    } else {
+        format!("{pdf:.2e}")
+    }
+}
+
+fn color(color: Rgb) -> String {
+    let [r, g, b] = color.to_array().map(density);
+    format!("{r} {g} {b}")
+}

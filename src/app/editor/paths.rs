@@ -1,0 +1,126 @@
+//! The paths of one pixel, kept up to date with the scene and the view, with the names of what they meet.
+
+use std::sync::Arc;
+
+use bevy::ecs::system::SystemParam;
+use bevy::math::{UVec2, Vec2};
+use bevy::prelude::*;
+
+use super::panels::material::kind_name;
+use crate::engine::CurrentScene;
+use crate::render::inspect::{RecordedPath, record_paths};
+use crate::render::scene::RenderScene;
+use crate::render::view::View;
+use crate::scene::{Material, UsesMaterial};
+
+/// Which paths are wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InspectedPaths {
+    /// (0, 0) top left of the picture, (1, 1) bottom right.
+    pub place: Vec2,
+    /// The first so many samples of the pixel.
+    pub count: u32,
+    /// The one that is told of, from 0 on.
+    pub chosen: u32,
+}
+
+impl InspectedPaths {
+    /// More would cover the picture.
+    pub const MOST: u32 = 64;
+
+    pub fn at(place: Vec2) -> Self {
+        Self {
+            place,
+            count: 8,
+            chosen: 0,
+        }
+    }
+}
+
+/// A path and the names of its vertices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedPath {
+    pub path: RecordedPath,
+    /// Per vertex the shape's and its material's.
+    pub names: Vec<(String, String)>,
+}
+
+#[derive(Resource, Debug, Default)]
+pub struct PathInspector {
+    pub wanted: Option<InspectedPaths>,
+    pub paths: Arc<Vec<NamedPath>>,
+    /// The pixel they are of.
+    pub pixel: UVec2,
+    made_of: Option<(RenderScene, View, InspectedPaths)>,
+}
+
+#[derive(SystemParam)]
+pub struct Names<'w, 's> {
+    shapes: Query<'w, 's, (Option<&'static Name>, Option<&'static UsesMaterial>)>,
+    materials: Query<'w, 's, (Option<&'static Name>, &'static Material)>,
+}
+
+impl Names<'_, '_> {
+    fn of(&self, entity: Option<Entity>) -> (String, String) {
+        let Some((name, uses)) = entity.and_then(|entity| self.shapes.get(entity).ok()) else {
+            return ("?".to_owned(), String::new());
+        };
+        let material = uses.and_then(|uses| self.materials.get(uses.0).ok());
+        let material = material.map_or_else(String::new, |(name, material)| match name {
+            Some(name) if name.as_str() != kind_name(material) => format!("{name}, {}", kind_name(material)),
+            _ => kind_name(material).to_owned(),
+        });
+        (
+            name.map_or_else(|| "shape".to_owned(), |name| name.to_string()),
+            material,
+        )
+    }
+}
+
+/// Traces them again when something changed; that takes less than a frame.
+pub fn follow_paths(mut inspector: ResMut<PathInspector>, current: Res<CurrentScene>, names: Names) {
+    let (Some(wanted), Some(scene), Some(view)) = (inspector.wanted, &current.scene, &current.view) else {
+        if !inspector.paths.is_empty() {
+            inspector.paths = Arc::default();
+            inspector.made_of = None;
+        }
+        return;
+    };
+    let is_known = inspector
+        .made_of
+        .as_ref()
+        .is_some_and(|(known, of, for_what)| is_same(known, scene) && of == view && *for_what == wanted);
+    if is_known {
+        return;
+    }
+    let size = UVec2::new(view.width, view.height);
+    let pixel = (wanted.place.clamp(Vec2::ZERO, Vec2::ONE) * size.as_vec2())
+        .as_uvec2()
+        .min(size - UVec2::ONE);
+    let paths = record_paths(scene, view, pixel, 0..wanted.count.clamp(1, InspectedPaths::MOST));
+    let named = paths.into_iter().map(|path| NamedPath {
+        names: path
+            .vertices
+            .iter()
+            .map(|vertex| {
+                names.of(current
+                    .entity_of_instance
+                    .get(vertex.surface.instance as usize)
+                    .copied())
+            })
+            .collect(),
+        path,
+    });
+    let paths = Arc::new(named.collect());
+    inspector.made_of = Some((scene.clone(), view.clone(), wanted));
+    inspector.pixel = pixel;
+    inspector.paths = paths;
+}
+
+fn is_same(one: &RenderScene, other: &RenderScene) -> bool {
+    Arc::ptr_eq(&one.geometry, &other.geometry)
+        && Arc::ptr_eq(&one.surfaces, &other.surfaces)
+        && Arc::ptr_eq(&one.materials, &other.materials)
+        && Arc::ptr_eq(&one.textures, &other.textures)
+        && Arc::ptr_eq(&one.lights, &other.lights)
+}

@@ -1,0 +1,26 @@
+//! What a click or a drag in the picture does instead of selecting, for once.
+
+/// Given up by Escape, and after it was used, but for the paths: one looks at many pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tool {
+    #[default]
+    Select,
+    /// Focuses a thin lens on what is clicked.
+    Focus,
+    /// Draws the part of the picture that is rendered.
+    Region,
+    /// Shows the paths of the pixel that is clicked.
+    Paths,
+}
+
+impl Tool {
+    /// What to do now, shown over the picture.
+    pub fn hint(self) -> Option<&'static str> {
+        match self {
+            Self::Select => None,
+            Self::Focus => Some("Click what is to be sharp (Esc: never mind)"),
+            Self::Region => Some("Drag a box around what is to be rendered (Esc: never mind)"),
+            Self::Paths => Some("Click a pixel to see its paths (Esc: done)"),
+        }
+    }
+}
