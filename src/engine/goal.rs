@@ -42,7 +42,7 @@ impl Goal {
         let is_quiet = |limit| samples >= FEWEST_FOR_NOISE && noise.is_some_and(|noise| noise <= limit);
         if samples >= self.samples {
             Some(StopReason::Samples)
-        } else if !in_time {
+        } else if !in_time && samples > 0 {
             Some(StopReason::Time)
         } else if self.noise.is_some_and(is_quiet) {
             Some(StopReason::Noise)

@@ -2,11 +2,16 @@
 
 use bevy_egui::egui::{self, Id, Modal, Ui};
 
-use super::command::Command;
+use super::command::{Command, Effect};
+use super::shell::ShellCommand;
 
 /// What waits, if anything does.
 #[derive(Debug, Default)]
-pub struct Guard(Option<Waiting>);
+pub struct Guard {
+    waiting: Option<Waiting>,
+    /// It was held back in this very frame.
+    is_new: bool,
+}
 
 #[derive(Debug)]
 struct Waiting {
@@ -38,24 +43,34 @@ const PATIENCE: u32 = 3;
 impl Guard {
     /// Keys and mouse are for the question.
     pub fn is_asking(&self) -> bool {
-        self.0.as_ref().is_some_and(|waiting| waiting.step == Step::Asking)
+        self.waiting
+            .as_ref()
+            .is_some_and(|waiting| waiting.step == Step::Asking)
     }
 
     /// Holds back what would lose edits, and all that was said after it.
     pub fn hold(&mut self, commands: &mut Vec<Command>, edits: bool) {
+        self.is_new = false;
         let loses = |command: &Command| {
             matches!(
                 command,
-                Command::NewScene | Command::OpenScene(_) | Command::ReloadScene | Command::Quit
+                Command::NewScene
+                    | Command::OpenScene(_)
+                    | Command::ReloadScene
+                    | Command::Quit
+                    | Command::Shell(ShellCommand::Recover(_))
             )
         };
-        if !edits {
+        let Some(place) = commands.iter().position(loses) else {
             return;
-        }
-        if let Some(place) = commands.iter().position(loses) {
+        };
+        // Edits of this very frame count as well.
+        let is_edit = |command: &Command| matches!(command.effect(), Effect::Edit | Effect::Drag);
+        if edits || commands[..place].iter().any(is_edit) {
             let command = commands.swap_remove(place);
             commands.truncate(place);
-            self.0 = Some(Waiting {
+            self.is_new = true;
+            self.waiting = Some(Waiting {
                 command,
                 step: Step::Asking,
             });
@@ -64,11 +79,11 @@ impl Guard {
 
     /// Shows the question, and lets the command go once it is answered. To be called after [`Self::hold`].
     pub fn show(&mut self, context: &egui::Context, unsaved: Unsaved, commands: &mut Vec<Command>) {
-        let Some(waiting) = &mut self.0 else {
+        let Some(waiting) = &mut self.waiting else {
             return;
         };
-        if !unsaved.edits {
-            commands.extend(self.0.take().map(|waiting| waiting.command));
+        if !unsaved.edits && !self.is_new {
+            commands.extend(self.waiting.take().map(|waiting| waiting.command));
             return;
         }
         match &mut waiting.step {
@@ -76,7 +91,7 @@ impl Guard {
                 *frames = if unsaved.dialog_open { 0 } else { *frames + 1 };
                 if *frames > PATIENCE {
                     // It failed, or the user thought better of it.
-                    self.0 = None;
+                    self.waiting = None;
                 }
             }
             Step::Asking => match question(context, unsaved.name, &waiting.command) {
@@ -84,8 +99,8 @@ impl Guard {
                     waiting.step = Step::Saving(0);
                     commands.push(Command::Save);
                 }
-                Some(Answer::Lose) => commands.extend(self.0.take().map(|waiting| waiting.command)),
-                Some(Answer::Cancel) => self.0 = None,
+                Some(Answer::Lose) => commands.extend(self.waiting.take().map(|waiting| waiting.command)),
+                Some(Answer::Cancel) => self.waiting = None,
                 None => {}
             },
         }

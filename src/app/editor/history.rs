@@ -5,6 +5,7 @@ use std::collections::HashMap;
 
 use bevy::prelude::*;
 
+use super::light_mix::LightMix;
 use super::selection::Selection;
 use crate::scene::{AccelMethod, ActiveSensor, FreeView, IntegratorSettings, ObjectState, SamplerSettings};
 
@@ -75,6 +76,8 @@ pub struct Entry {
     selection: [Selection; 2],
     /// Of those edits that change it.
     standpoint: Option<[Standpoint; 2]>,
+    /// Of those edits that change it: baking writes it into the scene.
+    mix: Option<[LightMix; 2]>,
     /// Steps of one interaction with equal keys are one entry.
     merge: Option<(u64, MergeKey)>,
     number: u64,
@@ -208,6 +211,7 @@ pub struct Edit<'w> {
     settings: SettingsState,
     selection: Selection,
     standpoint: Standpoint,
+    mix: LightMix,
 }
 
 impl<'w> Edit<'w> {
@@ -218,6 +222,7 @@ impl<'w> Edit<'w> {
             settings: SettingsState::of(world),
             selection: world.resource::<Selection>().clone(),
             standpoint: Standpoint::of(world),
+            mix: mix_of(world),
             world,
         }
     }
@@ -287,13 +292,14 @@ impl<'w> Edit<'w> {
             let after = ObjectState::of(self.world, entity);
             (before != after).then_some(Change { entity, before, after })
         });
-        let now = Standpoint::of(self.world);
+        let (now, mix) = (Standpoint::of(self.world), mix_of(self.world));
         let mut entry = Entry {
             label,
             changes: changes.collect(),
             settings: [self.settings, SettingsState::of(self.world)],
             selection: [self.selection, self.world.resource::<Selection>().clone()],
             standpoint: (now != self.standpoint).then_some([self.standpoint, now]),
+            mix: (mix != self.mix).then_some([self.mix, mix]),
             merge,
             number: 0,
         };
@@ -302,6 +308,10 @@ impl<'w> Edit<'w> {
         entry.number = history.next_number;
         history.push(entry);
     }
+}
+
+fn mix_of(world: &World) -> LightMix {
+    world.get_resource::<LightMix>().cloned().unwrap_or_default()
 }
 
 fn stand(world: &mut World, at: Standpoint) {
@@ -334,6 +344,9 @@ pub fn undo(world: &mut World) -> Result<(), &'static str> {
     }
     entry.settings[0].write(world, entry.settings[1]);
     world.insert_resource(entry.selection[0].clone());
+    if let Some([before, _]) = &entry.mix {
+        world.insert_resource(before.clone());
+    }
     if let Some([before, _]) = entry.standpoint {
         stand(world, before);
     }
@@ -352,6 +365,9 @@ pub fn redo(world: &mut World) -> Result<(), &'static str> {
     }
     entry.settings[1].write(world, entry.settings[0]);
     world.insert_resource(entry.selection[1].clone());
+    if let Some([_, after]) = &entry.mix {
+        world.insert_resource(after.clone());
+    }
     if let Some([_, after]) = entry.standpoint {
         stand(world, after);
     }

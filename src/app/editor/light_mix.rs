@@ -39,6 +39,15 @@ impl Channel {
     pub fn gain(&self) -> Rgb {
         self.strength * self.color
     }
+
+    /// Strength and colour are part of the light now; solo and mute stay.
+    pub fn baked(self) -> Self {
+        Self {
+            solo: self.solo,
+            mute: self.mute,
+            ..Self::default()
+        }
+    }
 }
 
 impl LightMix {
@@ -57,20 +66,6 @@ impl LightMix {
 
     pub fn is_neutral(&self) -> bool {
         self.channels.is_empty()
-    }
-
-    /// Strengths and colours are part of the lights now; solo and mute stay.
-    pub fn after_baking(&self) -> Self {
-        let mut left = Self::default();
-        for &(light, Channel { solo, mute, .. }) in &self.channels {
-            let channel = Channel {
-                solo,
-                mute,
-                ..Channel::default()
-            };
-            left.set(light, channel);
-        }
-        left
     }
 
     /// The factors on the layers of a film with these lights; none if all of them are one. Lights that share a layer have the channel
@@ -223,7 +218,8 @@ mod tests {
             mix.gains(&shared),
             [(lights[0], 2.0 * Rgb::X), (lights[1], 2.0 * Rgb::X)]
         );
-        let left = mix.after_baking();
+        let mut left = mix.clone();
+        left.set(lights[0], mix.channel(lights[0]).baked());
         assert_eq!(left.gains(&shared), []);
         assert!(left.channel(lights[0]).mute);
     }

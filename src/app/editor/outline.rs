@@ -154,7 +154,9 @@ impl SeenInstances {
 pub struct SelectionOutline {
     pub seen: SeenInstances,
     runs: Vec<Run>,
+    /// Of the scene that the film is of.
     entity_of_instance: Arc<[Entity]>,
+    film_job: Option<u64>,
     made_from: Option<(Selection, Option<Entity>, u64)>,
     /// The job whose pixels are all there.
     complete_job: Option<u64>,
@@ -170,18 +172,22 @@ impl SelectionOutline {
         hovered: Option<Entity>,
         revision: u64,
     ) {
-        let is_same_scene = Arc::ptr_eq(&self.entity_of_instance, &current.entity_of_instance);
+        // The scene may be ahead of the picture.
+        let is_known = self.film_job == Some(film.job);
+        if !is_known {
+            self.film_job = Some(film.job);
+            self.entity_of_instance = current.entity_of_instance.clone();
+        }
         let is_same = |(was, was_hovered, seen): &(Selection, Option<Entity>, u64)| {
             was == selection && *was_hovered == hovered && (*seen == revision || self.complete_job == Some(film.job))
         };
-        if is_same_scene && self.made_from.as_ref().is_some_and(is_same) {
+        if is_known && self.made_from.as_ref().is_some_and(is_same) {
             return;
         }
         if self.complete_job != Some(film.job) {
             self.seen.update(&film.film);
             self.complete_job = (film.film.sample_count() > 0).then_some(film.job);
         }
-        self.entity_of_instance = current.entity_of_instance.clone();
         self.made_from = Some((selection.clone(), hovered, revision));
         self.runs.clear();
         if !selection.is_empty() || hovered.is_some() {

@@ -69,6 +69,10 @@ impl Recovery {
     }
 
     fn forget(&mut self) {
+        // What is being written is to be removed as well.
+        if let Some(task) = self.task.take() {
+            let _ = block_on(task);
+        }
         for folder in self.mine.drain(..) {
             remove(&folder);
         }

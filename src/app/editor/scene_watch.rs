@@ -6,14 +6,16 @@ use bevy::prelude::*;
 
 use super::history::History;
 use super::layout::Panel;
+use super::light_mix::LightMix;
 use super::navigation::up_axis;
 use super::options::WantedCamera;
+use super::paths::PathInspector;
 use super::picking;
 use super::selection::Selection;
 use super::state::EditorState;
 use super::toasts::Topic;
 use crate::document::Severity;
-use crate::engine::CurrentScene;
+use crate::engine::{CurrentScene, RenderControl};
 use crate::scene::{ActiveSensor, FreeView, SceneState, SceneStatus, ToWorld, find_camera};
 
 /// Messages about loading; a freshly opened scene also decides what is up.
@@ -25,6 +27,9 @@ pub fn follow_scene(
     mut selection: ResMut<Selection>,
     mut history: ResMut<History>,
     mut free_view: ResMut<FreeView>,
+    mut mix: ResMut<LightMix>,
+    mut paths: ResMut<PathInspector>,
+    mut control: ResMut<RenderControl>,
     mut seen: Local<(u64, SceneState, Option<PathBuf>)>,
 ) {
     if seen.0 == status.revision && seen.1 == status.state && seen.2 == status.path {
@@ -47,6 +52,13 @@ pub fn follow_scene(
             *selection = Selection::default();
             *free_view = FreeView::default();
             history.clear();
+            // All of the scene before.
+            state.bookmarks = Default::default();
+            *mix = LightMix::default();
+            paths.wanted = None;
+            if control.region.is_some() {
+                control.region = None;
+            }
             if status.path.is_some() {
                 state.say(format!("Opened {file}"));
             }

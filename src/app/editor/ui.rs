@@ -314,7 +314,9 @@ fn count_interactions(
     let focused = context.memory(|memory| memory.focused());
     let is_typing = focused.is_some_and(|focused| focused != egui::Id::new(PICTURE));
     let key = !presses.is_empty() && !is_typing && !state.viewport.gizmo.is_dragging();
-    let pressed = key || context.input(|input| input.pointer.any_pressed());
+    // What is pressed in the middle of a drag belongs to it.
+    let button = !state.viewport.gizmo.is_dragging() && context.input(|input| input.pointer.any_pressed());
+    let pressed = key || button;
     if pressed || focused != *focus {
         *focus = focused;
         state.interaction += 1;

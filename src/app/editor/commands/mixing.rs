@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use crate::app::editor::history::Edit;
-use crate::app::editor::light_mix::{Channel, LightMix, bake_area, bake_emitter};
+use crate::app::editor::light_mix::{LightMix, bake_area, bake_emitter};
 use crate::app::editor::state::EditorState;
 use crate::color::Rgb;
 use crate::engine::RenderFilm;
@@ -16,16 +16,16 @@ pub fn bake(edit: &mut Edit) -> Result<(), String> {
     if gains.is_empty() {
         return Err("The mix is neutral.".to_owned());
     }
-    let mut left = mix.after_baking();
+    // Solo and mute stay, and what is said of lights that are not in the picture.
+    let mut left = mix.clone();
     let mut refusals = Vec::new();
     let all = gains.len();
     for (light, gain) in gains {
-        if let Err(reason) = bake_one(edit, light, gain) {
-            let name = edit.world.get::<Name>(light).map_or("A light", |name| name.as_str());
-            refusals.push(format!("{name} {reason}."));
-            let channel = mix.channel(light);
-            if channel != Channel::default() {
-                left.set(light, channel);
+        match bake_one(edit, light, gain) {
+            Ok(()) => left.set(light, mix.channel(light).baked()),
+            Err(reason) => {
+                let name = edit.world.get::<Name>(light).map_or("A light", |name| name.as_str());
+                refusals.push(format!("{name} {reason}."));
             }
         }
     }

@@ -17,6 +17,7 @@ use bevy::prelude::*;
 use super::command::{Command, Effect};
 use super::compare::Comparison;
 use super::denoiser::Denoiser;
+use super::display::{DisplayMode, DisplaySettings};
 use super::history::{self, Edit, History};
 use super::latency::FrameTimes;
 use super::layout::Panel;
@@ -28,6 +29,7 @@ use super::selection::{Extend, Selection};
 use super::shell;
 use super::state::{CommandQueue, EditorState};
 use super::toasts::Topic;
+use super::tool::Tool;
 use crate::engine::{CurrentScene, InputStamp, RenderControl, RenderFilm, WakeUp};
 use crate::scene::{
     ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, SceneStatus, Sensor, Shape,
@@ -155,9 +157,19 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
         Command::SetTargetSamples(samples) => control(world, |control| control.target_samples = Some(samples.max(1))),
         Command::SetTimeLimit(limit) => control(world, |control| control.time_limit = limit),
         Command::SetNoiseTarget(target) => control(world, |control| control.noise_target = target),
-        Command::SetRegion(region) => control(world, |control| control.region = region),
+        Command::SetRegion(region) => {
+            let region = region.map(|region| Rect::from_corners(region.min, region.max));
+            control(world, |control| control.region = region);
+        }
         Command::SetStrategySplit(split) => control(world, |control| control.strategy_split = split),
-        Command::SetLightLayers(kept) => control(world, |control| control.light_layers = kept),
+        Command::SetLightLayers(kept) => {
+            control(world, |control| control.light_layers = kept);
+            let display = world.resource::<EditorState>().display;
+            if !kept && matches!(display.mode, DisplayMode::LightGroup(_)) {
+                let mode = DisplayMode::Shaded;
+                view::set_display(world, DisplaySettings { mode, ..display });
+            }
+        }
         Command::SetLightMix(mix) => set_resource(world, mix),
         Command::ExposeAutomatically => finished::expose(world)?,
         Command::TakeSnapshot => finished::take_snapshot(world)?,
@@ -168,7 +180,12 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
         }
         Command::SetDisplay(display) => view::set_display(world, display),
         Command::SetOverlay(overlay) => world.resource_mut::<EditorState>().overlay = overlay,
-        Command::SetTool(tool) => world.resource_mut::<EditorState>().tool = tool,
+        Command::SetTool(tool) => {
+            let before = std::mem::replace(&mut world.resource_mut::<EditorState>().tool, tool);
+            if before == Tool::Paths && tool == Tool::Select {
+                world.resource_mut::<PathInspector>().wanted = None;
+            }
+        }
         Command::ShowSafeFrame(shown) => world.resource_mut::<EditorState>().safe_frame = shown,
         Command::InspectPaths(wanted) => world.resource_mut::<PathInspector>().wanted = wanted,
         Command::SetGizmo(settings) => world.resource_mut::<EditorState>().gizmo = settings,
@@ -250,7 +267,6 @@ mod tests {
 
     use super::*;
     use crate::app::editor::command::{Addition, AdditionKind};
-    use crate::app::editor::display::{DisplayMode, DisplaySettings};
     use crate::color::Rgb;
     use crate::engine::ViewMode;
     use crate::scene::{AreaLight, FreeView, Material, Parameter, SquarePath, ToWorld, UsesMaterial};

@@ -45,6 +45,7 @@ pub fn paths(
             }
         }
     });
+    edited.chosen = edited.chosen.min(edited.count.saturating_sub(1));
     if edited != wanted {
         commands.push(Command::InspectPaths(Some(edited)));
     }
