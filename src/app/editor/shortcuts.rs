@@ -2,10 +2,10 @@
 
 use bevy_egui::egui::{self, Id, Key, Modal, Modifiers, RichText, Ui};
 
-use super::actions::{ACTIONS, Group, Shortcut};
+use super::actions::{ACTIONS, Action, Group, Shortcut};
 
 /// What is no action: held keys, and the mouse.
-const CONTROLS: [(&str, &str); 17] = [
+const CONTROLS: [(&str, &str); 19] = [
     ("W A S D", "Fly"),
     ("Q E", "Fly down and up"),
     ("Shift, Ctrl", "while flying: fast, slow"),
@@ -22,12 +22,15 @@ const CONTROLS: [(&str, &str); 17] = [
     ("Ctrl in a drag", "Round to the step"),
     ("Shift in a drag", "Onto the surface"),
     ("G R T, X, 1.5", "By a number along an axis"),
+    ("1 to 9", "Back to a stored view"),
+    ("Ctrl+1 to 9", "Store the view"),
     ("Ctrl +, -, 0", "Size of the panels"),
 ];
 
-/// Beyond so many lines the next group begins a new column.
+/// A column has room for so many lines.
 const COLUMN: usize = 27;
-const COLUMN_WIDTH: f32 = 320.0;
+/// Four of them fit into a window of 1280 points.
+const COLUMN_WIDTH: f32 = 288.0;
 
 type Lines = Vec<(String, &'static str)>;
 
@@ -38,28 +41,33 @@ fn columns() -> Vec<Vec<(&'static str, Lines)>> {
     groups.extend(Group::ALL.into_iter().map(|(group, name)| {
         let actions = ACTIONS
             .iter()
-            .filter(|action| action.group == group && !action.keys.is_empty());
+            .filter(|action| action.group == group && !action.keys.is_empty() && !is_of_a_series(action));
         let lines = actions.map(|action| {
-            let keys: Vec<String> = action.keys.iter().map(Shortcut::text).collect();
-            (keys.join(", "), action.label)
+            // One will do; menus and the palette name the others.
+            (
+                action.keys.first().map(Shortcut::text).unwrap_or_default(),
+                action.label,
+            )
         });
         (name, lines.collect())
     }));
     groups.push(("Clipboard", clipboard()));
-    let mut columns: Vec<Vec<(&str, Lines)>> = vec![Vec::new()];
-    let mut height = 0;
+    // Each where there is still room for it.
+    let mut columns: Vec<Vec<(&str, Lines)>> = Vec::new();
     for group in groups.into_iter().filter(|(_, lines)| !lines.is_empty()) {
-        let lines = group.1.len() + 2;
-        if height > 0 && height + lines > COLUMN {
-            columns.push(Vec::new());
-            height = 0;
-        }
-        height += lines;
-        if let Some(column) = columns.last_mut() {
-            column.push(group);
+        let height = |column: &Vec<(&str, Lines)>| column.iter().map(|(_, lines)| lines.len() + 2).sum::<usize>();
+        let fits = |column: &&mut Vec<(&str, Lines)>| height(column) + group.1.len() + 2 <= COLUMN;
+        match columns.iter_mut().find(fits) {
+            Some(column) => column.push(group),
+            None => columns.push(vec![group]),
         }
     }
     columns
+}
+
+/// The nine stored views are told of together.
+fn is_of_a_series(action: &Action) -> bool {
+    action.name.ends_with(|c: char| c.is_ascii_digit())
 }
 
 fn clipboard() -> Lines {
@@ -134,12 +142,10 @@ mod tests {
             .flat_map(|(_, lines)| lines)
             .map(|(keys, _)| keys)
             .collect();
-        for key in ACTIONS.iter().flat_map(|action| action.keys) {
+        let alone = ACTIONS.iter().filter(|action| !is_of_a_series(action));
+        for key in alone.filter_map(|action| action.keys.first()) {
             let text = key.text();
-            assert!(
-                shown.iter().any(|keys| keys.split(", ").any(|key| key == text)),
-                "{text}"
-            );
+            assert!(shown.contains(&text), "{text}");
         }
     }
 }
