@@ -42,13 +42,7 @@ fn columns() -> Vec<Vec<(&'static str, Lines)>> {
         let actions = ACTIONS
             .iter()
             .filter(|action| action.group == group && !action.keys.is_empty() && !is_of_a_series(action));
-        let lines = actions.map(|action| {
-            // One will do; menus and the palette name the others.
-            (
-                action.keys.first().map(Shortcut::text).unwrap_or_default(),
-                action.label,
-            )
-        });
+        let lines = actions.map(|action| (keys(action), action.label));
         (name, lines.collect())
     }));
     groups.push(("Clipboard", clipboard()));
@@ -63,6 +57,18 @@ fn columns() -> Vec<Vec<(&'static str, Lines)>> {
         }
     }
     columns
+}
+
+/// Those of the numeric keypad only where there are no others.
+fn keys(action: &Action) -> String {
+    let all: Vec<String> = action.keys.iter().map(Shortcut::text).collect();
+    let is_plain = |text: &&String| !text.contains("Numpad");
+    let plain: Vec<&str> = all.iter().filter(is_plain).map(String::as_str).collect();
+    if plain.is_empty() {
+        all.join(", ")
+    } else {
+        plain.join(", ")
+    }
 }
 
 /// The nine stored views are told of together.
@@ -143,9 +149,8 @@ mod tests {
             .map(|(keys, _)| keys)
             .collect();
         let alone = ACTIONS.iter().filter(|action| !is_of_a_series(action));
-        for key in alone.filter_map(|action| action.keys.first()) {
-            let text = key.text();
-            assert!(shown.contains(&text), "{text}");
+        for action in alone.filter(|action| !action.keys.is_empty()) {
+            assert!(shown.contains(&keys(action)), "{}", action.name);
         }
     }
 }
