@@ -1,36 +1,18 @@
 //! A description becomes entities, or changes those that are there: only what differs is written, so that a reload of an unchanged file
 //! marks nothing as changed.
 //!
-//! Things are recognised by kind and id, those without id by kind, plugin and their number among their like. What the file said of them when it
-//! was last read or written is remembered: of what changed on both sides the file wins, everything else that was edited stays.
+//! What the file said of things when it was last read or written is remembered: of what changed on both sides the file wins, everything else that was edited stays.
 
 use std::collections::{HashMap, HashSet};
 
 use bevy::prelude::*;
 
-use super::description::{DeclarationPlace, Identity, SceneDescription};
-use super::write::gather::Entities;
+use super::description::SceneDescription;
+use super::file_base::{FileBase, SceneKeys, Thing, set_authored, states};
 use super::{
-    ActiveSensor, Authored, AuthoredScene, DeclaredIn, DocumentOrder, Emitter, FirstNested, FirstNestedIn,
-    FrameWhenLoaded, FreeView, InstanceOf, IntegratorSettings, Material, MaterialUsers, MemberOf, ObjectState,
-    Placements, SceneId, SecondNested, SecondNestedIn, Sensor, Shape, ShapeGroup, ToWorld, UsesMaterial,
+    ActiveSensor, Authored, AuthoredScene, DocumentOrder, Emitter, FirstNestedIn, FrameWhenLoaded, FreeView,
+    IntegratorSettings, Material, MaterialUsers, ObjectState, SecondNestedIn, Sensor, Shape, ShapeGroup, ToWorld,
 };
-
-/// What the file says, and which entity each thing of it is.
-#[derive(Resource, Clone, Debug, Default)]
-pub(super) struct FileBase {
-    things: HashMap<Key, Thing>,
-    integrator: Option<IntegratorSettings>,
-}
-
-#[derive(Clone, Debug)]
-struct Thing {
-    entity: Entity,
-    /// As the file has it.
-    state: ObjectState,
-    /// As the entity was then; the same, but numbers that were written may have been shortened.
-    here: ObjectState,
-}
 
 /// What a reload did, in numbers of things.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -65,144 +47,6 @@ impl ReloadSummary {
             .collect::<Vec<_>>()
             .join(", ")
     }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Kind {
-    Sensor,
-    Material,
-    Group,
-    Shape,
-    Emitter,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-enum Key {
-    Id(Kind, String),
-    Number(Kind, String, usize),
-}
-
-/// Gives out keys in the order of the file.
-#[derive(Default)]
-struct Keys(HashMap<(Kind, String), usize>);
-
-impl Keys {
-    fn key(&mut self, kind: Kind, identity: &Identity) -> Key {
-        if let Some(id) = &identity.id {
-            return Key::Id(kind, id.clone());
-        }
-        let authored = identity.authored.as_ref();
-        let plugin = authored.map_or(String::new(), |authored| authored.object.plugin.clone());
-        let next = self.0.entry((kind, plugin.clone())).or_default();
-        *next += 1;
-        Key::Number(kind, plugin, *next)
-    }
-}
-
-/// The keys of all that a description has, list by list.
-struct SceneKeys {
-    sensors: Vec<Key>,
-    materials: Vec<Key>,
-    groups: Vec<Key>,
-    shapes: Vec<Key>,
-    emitters: Vec<Key>,
-}
-
-impl SceneKeys {
-    fn of(scene: &SceneDescription) -> Self {
-        let mut keys = Keys::default();
-        let mut list = |kind, identities: &mut dyn Iterator<Item = &Identity>| -> Vec<Key> {
-            identities.map(|identity| keys.key(kind, identity)).collect()
-        };
-        Self {
-            sensors: list(Kind::Sensor, &mut scene.sensors.iter().map(|it| &it.identity)),
-            materials: list(Kind::Material, &mut scene.materials.iter().map(|it| &it.identity)),
-            groups: list(Kind::Group, &mut scene.groups.iter().map(|it| &it.identity)),
-            shapes: list(Kind::Shape, &mut scene.shapes.iter().map(|it| &it.identity)),
-            emitters: list(Kind::Emitter, &mut scene.emitters.iter().map(|it| &it.identity)),
-        }
-    }
-
-    /// Each with the entity it is.
-    fn entities(&self, mut entity: impl FnMut(&Key) -> Entity) -> Entities {
-        let mut all = |keys: &[Key]| keys.iter().map(&mut entity).collect();
-        Entities {
-            sensors: all(&self.sensors),
-            materials: all(&self.materials),
-            groups: all(&self.groups),
-            shapes: all(&self.shapes),
-            emitters: all(&self.emitters),
-        }
-    }
-
-    fn in_order(self) -> impl Iterator<Item = Key> {
-        let lists = [self.materials, self.groups, self.shapes, self.emitters, self.sensors];
-        lists.into_iter().flatten()
-    }
-}
-
-/// What the description says of each entity, in the order of [`SceneKeys::in_order`].
-fn states<'s>(scene: &'s SceneDescription, entities: &Entities) -> Vec<(Entity, ObjectState, Option<&'s Authored>)> {
-    let mut states = Vec::new();
-    let common = |identity: &Identity| ObjectState {
-        order: Some(DocumentOrder(identity.order)),
-        id: identity.id.clone().map(SceneId),
-        name: Some(Name::new(identity.name.clone())),
-        ..ObjectState::default()
-    };
-    for (material, &entity) in scene.materials.iter().zip(&entities.materials) {
-        let owner = match material.declared_in {
-            DeclarationPlace::TopLevel => None,
-            DeclarationPlace::Shape(index) => entities.shapes.get(index),
-            DeclarationPlace::Material(index) => entities.materials.get(index),
-        };
-        let state = ObjectState {
-            material: Some(material.material.clone()),
-            first: material.first.map(|index| FirstNested(entities.materials[index])),
-            second: material.second.map(|index| SecondNested(entities.materials[index])),
-            declared_in: owner.map(|owner| DeclaredIn(*owner)),
-            ..common(&material.identity)
-        };
-        states.push((entity, state, material.identity.authored.as_ref()));
-    }
-    for (group, &entity) in scene.groups.iter().zip(&entities.groups) {
-        let state = ObjectState {
-            group: Some(ShapeGroup),
-            ..common(&group.identity)
-        };
-        states.push((entity, state, group.identity.authored.as_ref()));
-    }
-    for (shape, &entity) in scene.shapes.iter().zip(&entities.shapes) {
-        let state = ObjectState {
-            shape: Some(shape.shape.clone()),
-            to_world: Some(ToWorld(shape.to_world)),
-            area_light: shape.area_light.clone(),
-            uses: shape.material.map(|index| UsesMaterial(entities.materials[index])),
-            member_of: shape.member_of.map(|index| MemberOf(entities.groups[index])),
-            instance_of: shape.instance_of.map(|index| InstanceOf(entities.groups[index])),
-            placements: shape.placements.clone(),
-            ..common(&shape.identity)
-        };
-        states.push((entity, state, shape.identity.authored.as_ref()));
-    }
-    for (emitter, &entity) in scene.emitters.iter().zip(&entities.emitters) {
-        let state = ObjectState {
-            emitter: Some(emitter.emitter.clone()),
-            to_world: Some(ToWorld(emitter.to_world)),
-            ..common(&emitter.identity)
-        };
-        states.push((entity, state, emitter.identity.authored.as_ref()));
-    }
-    for (sensor, &entity) in scene.sensors.iter().zip(&entities.sensors) {
-        let state = ObjectState {
-            sensor: Some(sensor.sensor),
-            film: Some(sensor.film),
-            to_world: Some(ToWorld(sensor.to_world)),
-            ..common(&sensor.identity)
-        };
-        states.push((entity, state, sensor.identity.authored.as_ref()));
-    }
-    states
 }
 
 /// Replaces whatever scene was there.
@@ -357,168 +201,6 @@ fn looked_from(world: &World) -> Option<(Entity, ToWorld)> {
     Some((active, *world.get::<ToWorld>(active)?))
 }
 
-fn set_authored(world: &mut World, entity: Entity, authored: Option<Authored>) {
-    if world.get::<Authored>(entity) == authored.as_ref() {
-        return;
-    }
-    match authored {
-        Some(authored) => {
-            world.entity_mut(entity).insert(authored);
-        }
-        None => {
-            world.entity_mut(entity).remove::<Authored>();
-        }
-    }
-}
-
-/// The file now says what `written` says, which was made of `scene`, of these entities: what was made in the editor belongs to it from now on.
-pub(super) fn rebase(world: &mut World, scene: &SceneDescription, entities: &Entities, written: &SceneDescription) {
-    let keys = SceneKeys::of(written);
-    let mut paired = |known: &[Entity], pairs: Vec<Option<usize>>| {
-        let pairs = pairs.into_iter().map(|index| index.map(|index| known[index]));
-        pairs
-            .map(|entity| entity.unwrap_or_else(|| world.spawn_empty().id()))
-            .collect()
-    };
-    let shapes = pairs(
-        &scene.shapes,
-        &written.shapes,
-        |it| &it.identity,
-        |a, b| {
-            std::mem::discriminant(&a.shape.kind) == std::mem::discriminant(&b.shape.kind)
-                && a.member_of.is_some() == b.member_of.is_some()
-                && a.instance_of.is_some() == b.instance_of.is_some()
-        },
-    );
-    let now = Entities {
-        materials: paired(&entities.materials, material_pairs(scene, written, &shapes)),
-        shapes: paired(&entities.shapes, shapes),
-        sensors: paired(
-            &entities.sensors,
-            pairs(&scene.sensors, &written.sensors, |it| &it.identity, |_, _| true),
-        ),
-        groups: paired(
-            &entities.groups,
-            pairs(&scene.groups, &written.groups, |it| &it.identity, |_, _| true),
-        ),
-        emitters: paired(
-            &entities.emitters,
-            pairs(
-                &scene.emitters,
-                &written.emitters,
-                |it| &it.identity,
-                |a, b| a.emitter.plugin() == b.emitter.plugin(),
-            ),
-        ),
-    };
-    let mut things = HashMap::new();
-    for (key, (entity, state, authored)) in keys.in_order().zip(states(written, &now)) {
-        set_authored(world, entity, authored.cloned());
-        if ObjectState::of(world, entity).is_there()
-            && let Some(id) = &state.id
-            && world.get::<SceneId>(entity) != Some(id)
-        {
-            world.entity_mut(entity).insert((id.clone(), Name::new(id.0.clone())));
-        }
-        // They stand elsewhere in this text.
-        if let Some(placements) = state
-            .placements
-            .clone()
-            .filter(|_| world.get::<Placements>(entity).is_some())
-        {
-            world.entity_mut(entity).insert(placements);
-        }
-        let here = ObjectState::of(world, entity);
-        things.insert(key, Thing { entity, state, here });
-    }
-    let claimed: HashSet<Entity> = things.values().map(|thing| thing.entity).collect();
-    let mut others = world.query_filtered::<Entity, With<Authored>>();
-    let others: Vec<Entity> = others.iter(world).filter(|entity| !claimed.contains(entity)).collect();
-    for entity in others {
-        set_authored(world, entity, None);
-    }
-    for &camera in &now.sensors {
-        world.entity_mut(camera).remove::<StandInSensor>();
-    }
-    world.insert_resource(FileBase {
-        things,
-        integrator: Some(written.integrator),
-    });
-    world.insert_resource(written.remains.clone());
-}
-
-/// For each of the written things which of the known ones it is: of the same id, or else the next without one that is alike.
-fn pairs<T>(
-    known: &[T],
-    written: &[T],
-    identity: fn(&T) -> &Identity,
-    is_alike: fn(&T, &T) -> bool,
-) -> Vec<Option<usize>> {
-    fn id<T>(thing: &T, identity: fn(&T) -> &Identity) -> Option<&String> {
-        identity(thing).id.as_ref()
-    }
-    let by_id: HashMap<&String, usize> = known
-        .iter()
-        .zip(0..)
-        .filter_map(|(it, index)| Some((id(it, identity)?, index)))
-        .collect();
-    let mut next = 0;
-    let partner = |thing: &T| {
-        if let Some(&same) = id(thing, identity).and_then(|id| by_id.get(id)) {
-            return Some(same);
-        }
-        let nameless = |index: &usize| id(&known[*index], identity).is_none() && is_alike(&known[*index], thing);
-        let found = (next..known.len()).find(nameless)?;
-        next = found + 1;
-        Some(found)
-    };
-    written.iter().map(partner).collect()
-}
-
-/// Which of the known materials each written one is: by who uses it, outermost first, or else as [`pairs`] finds it.
-fn material_pairs(
-    scene: &SceneDescription,
-    written: &SceneDescription,
-    shapes: &[Option<usize>],
-) -> Vec<Option<usize>> {
-    let mut pairs = vec![None; written.materials.len()];
-    let mut is_taken = vec![false; scene.materials.len()];
-    let mut waiting: Vec<(usize, usize)> = Vec::new();
-    for (shape, known) in written.shapes.iter().zip(shapes) {
-        let known = known.and_then(|known| scene.shapes[known].material);
-        waiting.extend(shape.material.zip(known));
-    }
-    let is_alike = |known: usize, new: usize| {
-        let (known, new) = (&scene.materials[known], &written.materials[new]);
-        known.material.plugin() == new.material.plugin()
-    };
-    while let Some((new, known)) = waiting.pop() {
-        if pairs[new].is_some() || is_taken[known] || !is_alike(known, new) {
-            continue;
-        }
-        pairs[new] = Some(known);
-        is_taken[known] = true;
-        let (known, new) = (&scene.materials[known], &written.materials[new]);
-        waiting.extend(new.first.zip(known.first));
-        waiting.extend(new.second.zip(known.second));
-    }
-    let by_order = self::pairs(
-        &scene.materials,
-        &written.materials,
-        |it| &it.identity,
-        |a, b| a.material.plugin() == b.material.plugin(),
-    );
-    for (pair, other) in pairs.iter_mut().zip(by_order) {
-        if pair.is_none()
-            && let Some(other) = other.filter(|other| !is_taken[*other])
-        {
-            is_taken[other] = true;
-            *pair = Some(other);
-        }
-    }
-    pairs
-}
-
 /// A scene without a camera gets one until it has its own, and something is looked through.
 fn update_cameras(world: &mut World, of_file: &[Entity]) {
     let is_camera = |world: &World, entity: &Entity| world.get::<Sensor>(*entity).is_some();
@@ -553,7 +235,7 @@ fn update_cameras(world: &mut World, of_file: &[Entity]) {
 
 /// The sensor of a scene that has none.
 #[derive(Component, Clone, Copy, Debug, Default)]
-struct StandInSensor;
+pub(super) struct StandInSensor;
 
 /// The command line and the panels may have changed the settings; only what the file changed is taken over. What is not the file's
 /// business is kept.

@@ -25,7 +25,7 @@ use super::assets::SceneDefines;
 use super::description::{DeclarationPlace, Identity, SceneDescription};
 use super::read::mesh_search::MeshSearch;
 use super::read::{self, settle};
-use super::{Authored, IntegratorSettings, loading, spawn};
+use super::{Authored, IntegratorSettings, loading, rebase};
 use crate::document::revision::{Destination, move_files, revise};
 use crate::document::{self, Category, Child, Document, Object, Span};
 
@@ -67,7 +67,7 @@ pub fn save(world: &mut World, path: &Path) -> Result<Option<String>, SaveError>
     if let Some(first) = diagnostics.list.iter().find(is_error) {
         return Ok(Some(diagnostics.line(first)));
     }
-    spawn::rebase(world, &scene, &entities, &written);
+    rebase::rebase(world, &scene, &entities, &written);
     loading::follow_file(world, &target, diagnostics.into(), written);
     Ok(None)
 }

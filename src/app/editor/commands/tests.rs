@@ -1,0 +1,239 @@
+//! Commands on a world without a window.
+
+use std::path::{Path, PathBuf};
+
+use bevy::math::Affine3A;
+
+use super::*;
+use crate::app::editor::command::{Addition, AdditionKind};
+use crate::color::Rgb;
+use crate::engine::ViewMode;
+use crate::scene::{AreaLight, FreeView, Material, Parameter, SquarePath, ToWorld, UsesMaterial};
+
+fn world() -> World {
+    let mut world = World::new();
+    world.init_resource::<EditorState>();
+    world.init_resource::<CommandQueue>();
+    world.init_resource::<RenderControl>();
+    world.init_resource::<ActiveSensor>();
+    world.init_resource::<FrameTimes>();
+    world.init_resource::<Pacing>();
+    world.init_resource::<Selection>();
+    world.init_resource::<History>();
+    world.init_resource::<FreeView>();
+    world
+}
+
+fn say(world: &mut World, command: Command) {
+    world.resource_mut::<CommandQueue>().0.push(command);
+    apply_commands(world);
+}
+
+#[test]
+fn saying_what_is_so_changes_nothing() {
+    let mut world = world();
+    let material = Material::default();
+    let entity = world.spawn(material.clone()).id();
+    world.clear_trackers();
+    say(&mut world, Command::SetMaterial(entity, Box::new(material)));
+    let paused = world.resource::<RenderControl>().paused;
+    say(&mut world, Command::SetPaused(paused));
+    assert!(
+        !world
+            .entity(entity)
+            .get_ref::<Material>()
+            .is_some_and(|m| m.is_changed())
+    );
+    assert!(!world.resource_ref::<RenderControl>().is_changed());
+    let red = Material::Diffuse {
+        reflectance: Rgb::X.into(),
+    };
+    say(&mut world, Command::SetMaterial(entity, Box::new(red.clone())));
+    assert_eq!(world.get::<Material>(entity), Some(&red));
+    assert!(
+        world
+            .entity(entity)
+            .get_ref::<Material>()
+            .is_some_and(|m| m.is_changed())
+    );
+}
+
+#[test]
+fn a_new_material_belongs_to_its_shape() {
+    let mut world = world();
+    let shape = world.spawn(crate::scene::Shape::default()).id();
+    say(&mut world, Command::GiveMaterial { shape });
+    let used = world.get::<UsesMaterial>(shape).map(|uses| uses.0);
+    assert!(used.is_some_and(|material| world.get::<Material>(material).is_some()));
+    say(
+        &mut world,
+        Command::UseMaterial {
+            shapes: vec![shape],
+            material: None,
+        },
+    );
+    assert!(world.get::<UsesMaterial>(shape).is_none());
+}
+
+#[test]
+fn a_picture_goes_to_whatever_has_one() {
+    let mut world = world();
+    let lamp = world.spawn((Shape::default(), AreaLight::default())).id();
+    let sky = world.spawn(Emitter::of_plugin("envmap").expect("a plugin")).id();
+    for owner in [lamp, sky] {
+        let path = PathBuf::from("/pictures/sky.exr");
+        let parameter = "filename";
+        let place = SquarePath::WHOLE;
+        let command = Command::SetPicture {
+            owner,
+            parameter,
+            place,
+            path,
+        };
+        say(&mut world, command);
+    }
+    let mut found = Vec::new();
+    if let Some(Emitter { kind, .. }) = world.get(sky) {
+        Emitter::from(kind.clone()).for_each_picture(&mut |path| found.push(path.clone()));
+    }
+    if let Some(Parameter::Texture(texture)) = world.get::<AreaLight>(lamp).map(|light| &light.radiance) {
+        texture.for_each_bitmap(&mut |bitmap| found.push(bitmap.path.clone()));
+    }
+    assert_eq!(found, [Path::new("/pictures/sky.exr"); 2]);
+}
+
+#[test]
+fn commands_about_what_is_gone_do_no_harm() {
+    let mut world = world();
+    let gone = world.spawn_empty().id();
+    world.despawn(gone);
+    say(&mut world, Command::SetEmitter(gone, Emitter::default()));
+    say(&mut world, Command::MoveView(Affine3A::IDENTITY));
+    say(&mut world, Command::LookThrough(gone));
+    assert!(world.query::<&Emitter>().iter(&world).next().is_none());
+}
+
+fn add(world: &mut World, kind: AdditionKind) -> Entity {
+    say(world, Command::Add(kind.into()));
+    world
+        .resource::<Selection>()
+        .active()
+        .expect("what was added is selected")
+}
+
+#[test]
+fn a_drag_is_one_step_and_comes_back() {
+    let mut world = world();
+    let ball = add(&mut world, AdditionKind::Sphere);
+    let before = ObjectState::of(&world, ball);
+    for x in 1..5 {
+        let pose = Affine3A::from_translation(Vec3::X * x as f32);
+        say(&mut world, Command::Transform(vec![(ball, pose)]));
+    }
+    assert_eq!(world.resource::<History>().len(), (2, 0));
+    say(&mut world, Command::Undo);
+    assert_eq!(ObjectState::of(&world, ball), before);
+    say(&mut world, Command::Redo);
+    let pose = world.get::<ToWorld>(ball).map(|pose| pose.0.translation.x);
+    assert_eq!(pose, Some(4.0));
+    world.resource_mut::<EditorState>().interaction += 1;
+    say(&mut world, Command::Transform(vec![(ball, Affine3A::IDENTITY)]));
+    assert_eq!(world.resource::<History>().len(), (3, 0));
+    say(&mut world, Command::GoTo(0));
+    assert!(!ObjectState::of(&world, ball).is_there());
+    assert!(world.resource::<Selection>().is_empty());
+}
+
+#[test]
+fn a_deleted_material_comes_back_to_its_shapes() {
+    let mut world = world();
+    let ball = add(&mut world, AdditionKind::Sphere);
+    say(&mut world, Command::GiveMaterial { shape: ball });
+    let material = world.get::<UsesMaterial>(ball).map(|uses| uses.0).expect("a material");
+    say(&mut world, Command::Select(vec![material], Extend::Replace));
+    say(&mut world, Command::Delete);
+    assert!(world.get::<UsesMaterial>(ball).is_none() && world.get::<Material>(material).is_none());
+    say(&mut world, Command::Undo);
+    assert_eq!(world.get::<UsesMaterial>(ball).map(|uses| uses.0), Some(material));
+    assert!(world.get::<Material>(material).is_some());
+}
+
+#[test]
+fn what_fails_leaves_nothing_behind() {
+    let mut world = world();
+    let ball = add(&mut world, AdditionKind::Sphere);
+    let before = (ObjectState::of(&world, ball), world.resource::<History>().len());
+    let failed = apply(
+        &mut world,
+        Command::Paste("<shape type=\"sphere\"><float name=\"radius\"/></shape>".into()),
+    );
+    assert!(failed.is_err_and(|message| message.contains("clipboard.xml:1:")));
+    assert!(apply(&mut world, Command::Rename(ball, "a.b".into())).is_err());
+    assert_eq!(
+        (ObjectState::of(&world, ball), world.resource::<History>().len()),
+        before
+    );
+}
+
+#[test]
+fn what_is_copied_can_be_pasted() {
+    let mut world = world();
+    let ball = add(&mut world, AdditionKind::Sphere);
+    say(&mut world, Command::GiveMaterial { shape: ball });
+    say(&mut world, Command::Copy);
+    let text = world.resource_mut::<EditorState>().clipboard.take().expect("a text");
+    say(&mut world, Command::Paste(text));
+    let copy = world.resource::<Selection>().active().expect("the copy");
+    assert_ne!(copy, ball);
+    assert_eq!(world.get::<Name>(copy).map(Name::as_str), Some("sphere-2"));
+    assert!(
+        world
+            .get::<UsesMaterial>(copy)
+            .is_some_and(|uses| world.get::<UsesMaterial>(ball) != Some(uses))
+    );
+    assert_eq!(world.get::<Shape>(copy), world.get::<Shape>(ball));
+}
+
+#[test]
+fn new_things_have_names_of_their_own_and_go_where_they_are_told() {
+    let mut world = world();
+    add(&mut world, AdditionKind::Cube);
+    let light = Addition {
+        at: Some(Vec3::Y * 3.0),
+        ..AdditionKind::AreaLight.into()
+    };
+    say(&mut world, Command::Add(light));
+    let second = add(&mut world, AdditionKind::Cube);
+    assert_eq!(world.get::<Name>(second).map(Name::as_str), Some("cube-2"));
+    let mut lights = world.query::<(&AreaLight, &ToWorld)>();
+    let places: Vec<Vec3> = lights
+        .iter(&world)
+        .map(|(_, pose)| pose.0.transform_vector3(Vec3::Z))
+        .collect();
+    assert!(matches!(places[..], [down] if down.y < 0.0), "{places:?}");
+    assert!(apply(&mut world, Command::Add(AdditionKind::Emitter("envmap").into())).is_err());
+}
+
+#[test]
+fn groups_are_names_in_a_folder() {
+    let mut world = world();
+    let [a, b] = [add(&mut world, AdditionKind::Cube), add(&mut world, AdditionKind::Disk)];
+    say(&mut world, Command::Select(vec![a, b], Extend::Replace));
+    say(&mut world, Command::Group);
+    let name = |entity| world.get::<Name>(entity).map(|name| name.as_str().to_owned());
+    assert_eq!(
+        (name(a), name(b)),
+        (Some("group/cube".into()), Some("group/disk".into()))
+    );
+}
+
+#[test]
+fn the_heat_map_is_another_view() {
+    let mut world = world();
+    let display = DisplaySettings {
+        mode: DisplayMode::BvhSteps,
+        ..DisplaySettings::default()
+    };
+    say(&mut world, Command::SetDisplay(display));
+    assert_eq!(world.resource::<RenderControl>().view_mode, ViewMode::BvhSteps);
+}
