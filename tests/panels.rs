@@ -1,11 +1,14 @@
 //! Drives the editor's panels without a window: what the user does comes out as commands, and showing a panel changes nothing.
 #![cfg(feature = "window")]
 
+mod editor_support;
+
 use std::path::PathBuf;
 
 use bevy::math::{Affine2, Affine3A, Mat3A, Vec2, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, Ui};
+use editor_support::presses;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use sunroom::app::editor::actions::ActionContext;
@@ -14,7 +17,6 @@ use sunroom::app::editor::compare::CompareView;
 use sunroom::app::editor::display::{DisplayMode, DisplaySettings};
 use sunroom::app::editor::gizmo::GizmoSettings;
 use sunroom::app::editor::gizmo::interaction::GizmoModel;
-use sunroom::app::editor::keys::Press;
 use sunroom::app::editor::layout::{self, Layout};
 use sunroom::app::editor::light_mix::{Channel, LightMix};
 use sunroom::app::editor::material_drop::drop_target;
@@ -27,9 +29,10 @@ use sunroom::app::editor::navigation::Navigation;
 use sunroom::app::editor::outline::SelectionOutline;
 use sunroom::app::editor::overlay::{BoxList, BvhOverlay};
 use sunroom::app::editor::panels::inspector::{InspectorState, inspector};
+use sunroom::app::editor::panels::library::LibraryState;
 use sunroom::app::editor::panels::menu_bar::{MenuState, menu_bar};
 use sunroom::app::editor::panels::outliner::OutlinerState;
-use sunroom::app::editor::panels::{diagnostics, history, outliner, render, status};
+use sunroom::app::editor::panels::{diagnostics, history, library, outliner, render, status};
 use sunroom::app::editor::presets;
 use sunroom::app::editor::selection::{Extend, Selection};
 use sunroom::app::editor::shell::ShellCommand;
@@ -150,6 +153,7 @@ fn item(index: u32, name: &str) -> Item {
         hidden: false,
         locked: false,
         can_hide: true,
+        inside_of: None,
     }
 }
 
@@ -497,6 +501,7 @@ fn presets_go_to_all_that_is_selected() {
     let mut harness = inspect(with_material(Material::default()));
     harness.state_mut().given.presets = std::sync::Arc::new(presets::load().0);
     harness.state_mut().given.selection = Selection::of([entity(5), entity(7)]);
+    harness.run_steps(2);
     click(&mut harness, "Presets");
     harness.get_by_label_contains("Metal").click();
     harness.run_steps(4);
@@ -507,6 +512,67 @@ fn presets_go_to_all_that_is_selected() {
         panic!("{tree:?}")
     };
     assert_eq!(*ior, ConductorIor::Named("Au".into()));
+}
+
+#[test]
+fn an_edit_goes_to_all_that_is_selected() {
+    let mut harness = inspect(Inspected {
+        shape: Some(Shape::default()),
+        ..Inspected::new(entity(5), "wall")
+    });
+    harness.state_mut().given.selection = Selection::of([entity(7), entity(5)]);
+    harness.run_steps(2);
+    harness.get_by_label_contains("and 1 more");
+    click(&mut harness, "Emits light");
+    let [Command::OnSelection(edit)] = &harness.state().commands[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert!(matches!(**edit, Command::SetAreaLight(entity_5, Some(_)) if entity_5 == entity(5)));
+}
+
+#[test]
+fn a_preset_is_clicked_or_dragged_out_of_the_library() {
+    let model = Model {
+        presets: std::sync::Arc::new(presets::load().0),
+        outline: std::sync::Arc::new(Outline {
+            shapes: vec![item(5, "ball"), item(6, "floor")],
+            ..Outline::default()
+        }),
+        selection: Selection::of([entity(5), entity(9)]),
+        ..Model::default()
+    };
+    let state = std::sync::Mutex::new(LibraryState::default());
+    let shown = Shown {
+        given: model,
+        commands: Vec::new(),
+    };
+    let mut harness = Harness::builder().with_size(egui::vec2(600.0, 400.0)).build_ui_state(
+        move |ui, shown: &mut Shown<Model>| {
+            let mut state = state.lock().expect("one thread");
+            let Shown { given, commands } = shown;
+            egui::Panel::left("library").exact_size(220.0).show(ui, |ui| {
+                library::library(ui, given, &mut state, commands);
+            });
+            let picture = ui.available_rect_before_wrap();
+            let response = ui.interact(picture, egui::Id::new("picture"), egui::Sense::click_and_drag());
+            drop_target(ui, &response, picture, commands);
+        },
+        shown,
+    );
+    harness.run_steps(3);
+    click(&mut harness, "silver");
+    // The light among what is selected has no material.
+    assert!(matches!(
+        &harness.state().commands[..],
+        [Command::UsePreset { preset, shapes }] if preset.path() == "Metal/silver" && *shapes == [entity(5)]
+    ));
+    let gold = harness.get_by_label("gold").rect().center();
+    drag_between(&mut harness, gold, Pos2::new(410.0, 200.0));
+    let Some(Command::DropPreset { preset, at }) = harness.state().commands.last() else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert_eq!(preset.path(), "Metal/gold");
+    assert!(at.abs_diff_eq(Vec2::splat(0.5), 0.1), "{at}");
 }
 
 #[test]
@@ -1009,6 +1075,14 @@ fn pictures_are_compared_with_a_snapshot() {
     assert_eq!(harness.state().commands.last(), Some(&Command::Measure));
 }
 
+fn with_outline(outline: Outline, selection: Selection) -> Model {
+    Model {
+        outline: outline.into(),
+        selection,
+        ..Model::default()
+    }
+}
+
 #[test]
 fn the_outliner_selects_and_finds() {
     let outline = Outline {
@@ -1018,19 +1092,13 @@ fn the_outliner_selects_and_finds() {
     };
     let state = std::sync::Mutex::new(OutlinerState::default());
     let shown = Shown {
-        given: outline,
+        given: with_outline(outline, Selection::of([entity(1)])),
         commands: Vec::new(),
     };
     let mut harness = Harness::builder().with_size(egui::vec2(240.0, 500.0)).build_ui_state(
-        move |ui, shown: &mut Shown<Outline>| {
+        move |ui, shown: &mut Shown<Model>| {
             let mut state = state.lock().expect("one thread");
-            outliner::outliner(
-                ui,
-                &shown.given,
-                &Selection::of([entity(1)]),
-                &mut state,
-                &mut shown.commands,
-            );
+            outliner::outliner(ui, &shown.given, &mut state, &mut shown.commands);
         },
         shown,
     );
@@ -1247,24 +1315,6 @@ fn picture() -> Harness<'static, Picture> {
     harness
 }
 
-fn presses(ui: &egui::Ui) -> Vec<Press> {
-    let press = |event: &egui::Event| match *event {
-        egui::Event::Key {
-            key,
-            pressed: true,
-            repeat: false,
-            modifiers,
-            ..
-        } => Some(Press {
-            key,
-            modifiers,
-            numpad: false,
-        }),
-        _ => None,
-    };
-    ui.input(|input| input.events.iter().filter_map(press).collect())
-}
-
 fn last_pose(harness: &Harness<Picture>) -> Option<Affine3A> {
     harness.state().commands.iter().rev().find_map(|command| match command {
         Command::MoveView(pose) => Some(*pose),
@@ -1282,15 +1332,15 @@ fn a_material_is_dragged_from_the_list_onto_the_picture() {
     };
     let state = std::sync::Mutex::new(OutlinerState::default());
     let shown = Shown {
-        given: outline,
+        given: with_outline(outline, Selection::default()),
         commands: Vec::new(),
     };
     let mut harness = Harness::builder().with_size(egui::vec2(540.0, 240.0)).build_ui_state(
-        move |ui, shown: &mut Shown<Outline>| {
+        move |ui, shown: &mut Shown<Model>| {
             let mut state = state.lock().expect("one thread");
             let Shown { given, commands } = shown;
             egui::Panel::left("list").exact_size(200.0).show(ui, |ui| {
-                outliner::outliner(ui, given, &Selection::default(), &mut state, commands);
+                outliner::outliner(ui, given, &mut state, commands);
             });
             let picture = ui.available_rect_before_wrap();
             let response = ui.interact(picture, egui::Id::new("picture"), egui::Sense::click_and_drag());
@@ -1492,14 +1542,13 @@ fn the_outliner_hides_renames_and_puts_into_folders() {
     };
     let state = std::sync::Mutex::new(OutlinerState::default());
     let shown = Shown {
-        given: outline,
+        given: with_outline(outline, Selection::of([entity(3)])),
         commands: Vec::new(),
     };
     let mut harness = Harness::builder().with_size(egui::vec2(260.0, 400.0)).build_ui_state(
-        move |ui, shown: &mut Shown<Outline>| {
+        move |ui, shown: &mut Shown<Model>| {
             let mut state = state.lock().expect("one thread");
-            let selection = Selection::of([entity(3)]);
-            outliner::outliner(ui, &shown.given, &selection, &mut state, &mut shown.commands);
+            outliner::outliner(ui, &shown.given, &mut state, &mut shown.commands);
         },
         shown,
     );
@@ -1539,13 +1588,14 @@ fn the_outliner_hides_renames_and_puts_into_folders() {
     let name = harness
         .get_all_by_role(field())
         .find(|it| it.value().as_deref() == Some("floor"));
-    name.expect("a field with the name").type_text("2");
+    // The old name is marked, so that what is typed takes its place.
+    name.expect("a field with the name").type_text("ground");
     harness.run_steps(2);
     harness.key_press(Key::Enter);
     harness.run_steps(3);
     assert_eq!(
         harness.state().commands.last(),
-        Some(&Command::Rename(entity(3), "floor2".to_owned()))
+        Some(&Command::Rename(entity(3), "ground".to_owned()))
     );
 }
 

@@ -84,6 +84,7 @@ fn palette() -> Harness<'static, Shown<(Palette, Model)>> {
                 name: "bunny".to_owned(),
                 kind: "mesh",
                 can_hide: true,
+                inside_of: None,
                 hidden: false,
                 locked: false,
             }],

@@ -1,9 +1,12 @@
 //! Drives the picture without a window: what mouse and keys do there comes out as commands.
 #![cfg(feature = "window")]
 
+mod editor_support;
+
 use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
+use editor_support::presses;
 use egui_kittest::Harness;
 use sunroom::app::editor::actions::ActionContext;
 use sunroom::app::editor::command::{Command, Direction};
@@ -136,24 +139,6 @@ fn window() -> Harness<'static, Window> {
 
 fn lamp() -> Vec3 {
     Vec3::new(-3.0, 2.0, 0.0)
-}
-
-fn presses(ui: &egui::Ui) -> Vec<Press> {
-    let press = |event: &egui::Event| match *event {
-        egui::Event::Key {
-            key,
-            pressed: true,
-            repeat: false,
-            modifiers,
-            ..
-        } => Some(Press {
-            key,
-            modifiers,
-            numpad: false,
-        }),
-        _ => None,
-    };
-    ui.input(|input| input.events.iter().filter_map(press).collect())
 }
 
 fn button(harness: &mut Harness<Window>, button: PointerButton, at: Pos2, pressed: bool, modifiers: Modifiers) {

@@ -21,14 +21,14 @@ use super::pack::environment::Environments;
 use super::pack::group::{Layout, PlacedGroup};
 use super::pack::instance::pack_instance;
 use super::pack::light::LightContext;
-use super::pack::material::STAND_IN;
+use super::pack::material::material_table;
 use super::pack::surface::{SurfaceSource, pack_surfaces};
 use super::pack::texture::TexturePacker;
 use super::pack::view::pack_view;
 use super::status::BvhStatus;
 use crate::accel::{SplitMethod, Tlas};
 use crate::light::{LightSource, LightTable, WeightedSource};
-use crate::material::{self, MaterialId, MaterialTable};
+use crate::material::{MaterialId, MaterialTable};
 use crate::render::light_layers::LightGroups;
 use crate::render::scene::{RenderScene, SurfaceTable};
 use crate::render::view::View;
@@ -395,19 +395,6 @@ impl Extracted {
             self.view = view;
         }
         self.sample_count = film.sample_count;
-    }
-}
-
-/// The table, with a stand-in for every material that cannot be in it.
-fn material_table(mut materials: Vec<material::Material>, errors: &mut Vec<String>) -> MaterialTable {
-    loop {
-        match MaterialTable::new(materials.clone()) {
-            Ok(table) => return table,
-            Err(error) => {
-                errors.push(error.to_string());
-                materials[error.place] = STAND_IN;
-            }
-        }
     }
 }
 

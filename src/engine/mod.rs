@@ -31,7 +31,8 @@ pub use current::CurrentScene;
 pub use film::RenderFilm;
 pub use goal::StopReason;
 pub use light_groups::LightGroup;
-pub use priority::yield_to_all;
+pub use pack::material::pack_loose;
+pub use priority::{yield_to_all, yield_to_window};
 pub use status::{BvhStatus, LatencyStats, RenderState, RenderStatus};
 
 /// The steps of a frame, in this order, in `PostUpdate`.

@@ -4,6 +4,7 @@
 
 pub mod assets;
 pub mod authored;
+pub mod carry_over;
 pub mod description;
 pub mod emitter;
 mod file_base;

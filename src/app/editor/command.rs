@@ -15,6 +15,7 @@ use super::material_tree::MaterialTree;
 use super::orbit::AxisView;
 use super::overlay::BvhOverlay;
 use super::paths::InspectedPaths;
+use super::presets::Preset;
 use super::selection::Extend;
 use super::shell::ShellCommand;
 use super::tool::Tool;
@@ -132,12 +133,24 @@ pub enum Command {
         targets: Vec<Entity>,
         tree: Box<MaterialTree>,
     },
+    /// The shapes get a material of the library: one like it that is called like it already, or a new one.
+    UsePreset {
+        preset: Box<Preset>,
+        shapes: Vec<Entity>,
+    },
+    /// So does the shape that is seen at a place of the picture, as [`Command::Pick`] has it.
+    DropPreset {
+        preset: Box<Preset>,
+        at: Vec2,
+    },
     SetAreaLight(Entity, Option<AreaLight>),
     SetEmitter(Entity, Emitter),
     SetSensor(Entity, Sensor),
     /// The camera in use becomes sharp at what is seen there, (0, 0) top left, (1, 1) bottom right; a pinhole becomes a thin lens.
     FocusAt(Vec2),
     SetFilm(Entity, Film),
+    /// The edit, which names one thing, and the same change to everything selected that is of the same sort.
+    OnSelection(Box<Command>),
     SetIntegrator(IntegratorSettings),
     SetSampler(SamplerSettings),
     SetAccel(AccelMethod),
@@ -270,6 +283,7 @@ pub enum Effect {
 impl Command {
     pub fn effect(&self) -> Effect {
         match self {
+            Self::OnSelection(command) => command.effect(),
             Self::Transform(_)
             | Self::SetShape(..)
             | Self::SetMaterial(..)
@@ -302,6 +316,8 @@ impl Command {
             | Self::FocusAt(_)
             | Self::BuildMaterial { .. }
             | Self::DropMaterial { .. }
+            | Self::UsePreset { .. }
+            | Self::DropPreset { .. }
             | Self::SetAccel(_)
             | Self::BakeLights => Effect::Edit,
             Self::MoveView(_)
@@ -357,6 +373,7 @@ impl Command {
     /// What the history calls an edit; the name of what it is about follows where there is one.
     pub fn label(&self) -> &'static str {
         match self {
+            Self::OnSelection(command) => command.label(),
             Self::Import(_) => "Import",
             Self::MoveCameraToView => "Move camera to view",
             Self::Add(_) => "Add",
@@ -379,6 +396,7 @@ impl Command {
             Self::SetMaterial(..) => "Edit material",
             Self::SetPicture { .. } => "Choose picture",
             Self::UseMaterial { .. } | Self::DropMaterial { .. } => "Assign material",
+            Self::UsePreset { .. } | Self::DropPreset { .. } => "Assign preset",
             Self::GiveMaterial { .. } => "New material",
             Self::BuildMaterial { .. } => "Make material",
             Self::SetAreaLight(..) | Self::SetEmitter(..) => "Edit light",
@@ -396,6 +414,7 @@ impl Command {
     /// The entities that an edit names; empty for those that are about the selection or nothing in particular.
     pub fn targets(&self) -> Vec<Entity> {
         match self {
+            Self::OnSelection(command) => command.targets(),
             Self::Transform(poses) => poses.iter().map(|(entity, _)| *entity).collect(),
             Self::SetShape(entity, _)
             | Self::SetMaterial(entity, _)
@@ -410,11 +429,26 @@ impl Command {
             Self::Hide(entities, _)
             | Self::Lock(entities, _)
             | Self::UseMaterial { shapes: entities, .. }
+            | Self::UsePreset { shapes: entities, .. }
             | Self::PutInto { things: entities, .. }
             | Self::BuildMaterial { targets: entities, .. }
             | Self::Reorder { moved: entities, .. } => entities.clone(),
             _ => Vec::new(),
         }
+    }
+
+    /// Whether it gives one thing a value that others of its sort have, too.
+    pub fn is_about_one(&self) -> bool {
+        matches!(
+            self,
+            Self::Transform(_)
+                | Self::SetShape(..)
+                | Self::SetMaterial(..)
+                | Self::SetAreaLight(..)
+                | Self::SetEmitter(..)
+                | Self::SetSensor(..)
+                | Self::SetFilm(..)
+        )
     }
 
     /// Whether it reads or writes a file.

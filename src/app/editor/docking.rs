@@ -6,7 +6,7 @@ use egui_dock::{DockArea, Style, TabStyle, TabViewer};
 use super::command::Command;
 use super::layout::{Layout, Panel};
 use super::model::Model;
-use super::panels::{diagnostics, history, inspector, outliner, paths, render};
+use super::panels::{diagnostics, history, inspector, library, outliner, paths, render};
 use super::state::EditorState;
 use super::viewport::{ViewportModel, viewport};
 
@@ -103,9 +103,9 @@ impl TabViewer for Panels<'_> {
                 viewport(ui, self.viewport, &mut state.viewport, commands);
             }
             Panel::Outliner => {
-                let (outline, selection) = (&model.outline, &model.selection);
-                outliner::outliner(ui, outline, selection, &mut state.outliner, commands);
+                outliner::outliner(ui, model, &mut state.outliner, commands);
             }
+            Panel::Library => library::library(ui, model, &mut state.library, commands),
             Panel::Inspector => {
                 inspector::inspector(ui, model, state.navigation.scene_size, &mut state.inspector, commands);
             }
@@ -132,7 +132,10 @@ impl TabViewer for Panels<'_> {
     }
 
     fn scroll_bars(&self, panel: &Panel) -> [bool; 2] {
-        let has_own = matches!(panel, Panel::Viewport | Panel::Outliner | Panel::History);
+        let has_own = matches!(
+            panel,
+            Panel::Viewport | Panel::Outliner | Panel::Library | Panel::History
+        );
         [false, !has_own]
     }
 

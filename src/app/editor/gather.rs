@@ -23,9 +23,9 @@ use super::selection::Selection;
 use crate::document::{Diagnostic, Diagnostics, Severity};
 use crate::engine::{LightGroup, RenderControl, RenderFilm, RenderStatus};
 use crate::scene::{
-    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, FirstNested, Hidden,
-    IntegratorSettings, Locked, Material, MaterialUsers, Placements, SamplerSettings, SceneId, SceneState, SceneStatus,
-    SecondNested, Sensor, Shape, ShapeKind, ToWorld, UsesMaterial,
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, FirstNested, FirstNestedIn,
+    Hidden, IntegratorSettings, Locked, Material, MaterialUsers, Placements, SamplerSettings, SceneId, SceneState,
+    SceneStatus, SecondNested, SecondNestedIn, Sensor, Shape, ShapeKind, ToWorld, UsesMaterial,
 };
 
 #[derive(Resource, Default)]
@@ -42,6 +42,8 @@ pub struct Naming {
     locked: Has<Locked>,
     is_shape: Has<Shape>,
     is_emitter: Has<Emitter>,
+    inside_first: Option<&'static FirstNestedIn>,
+    inside_second: Option<&'static SecondNestedIn>,
 }
 
 impl NamingItem<'_, '_> {
@@ -53,6 +55,12 @@ impl NamingItem<'_, '_> {
         }
     }
 
+    /// The first of the materials that this one is inside of.
+    fn outer(&self) -> Option<Entity> {
+        let first = self.inside_first.and_then(|outer| outer.iter().next());
+        first.or_else(|| self.inside_second.and_then(|outer| outer.iter().next()))
+    }
+
     fn item(&self, kind: &'static str) -> (u32, Item) {
         let order = self.order.map_or(u32::MAX, |order| order.0);
         let item = Item {
@@ -62,6 +70,7 @@ impl NamingItem<'_, '_> {
             hidden: self.hidden,
             locked: self.locked,
             can_hide: self.is_shape || self.is_emitter,
+            inside_of: self.outer(),
         };
         (order, item)
     }
@@ -78,6 +87,8 @@ type OutlineChanged = Or<(
     Added<Sensor>,
     Added<Hidden>,
     Added<Locked>,
+    Changed<FirstNestedIn>,
+    Changed<SecondNestedIn>,
 )>;
 
 #[derive(SystemParam)]
@@ -90,6 +101,8 @@ pub struct OutlineSources<'w, 's> {
     removed_sensors: RemovedComponents<'w, 's, Sensor>,
     shown: RemovedComponents<'w, 's, Hidden>,
     unlocked: RemovedComponents<'w, 's, Locked>,
+    taken_out: RemovedComponents<'w, 's, FirstNestedIn>,
+    taken_out_second: RemovedComponents<'w, 's, SecondNestedIn>,
     shapes: Query<'w, 's, (Naming, &'static Shape, Has<AreaLight>)>,
     materials: Query<'w, 's, (Naming, &'static Material)>,
     emitters: Query<'w, 's, (Naming, &'static Emitter)>,
@@ -104,7 +117,9 @@ impl OutlineSources<'_, '_> {
             + self.removed_lights.read().count()
             + self.removed_sensors.read().count()
             + self.shown.read().count()
-            + self.unlocked.read().count();
+            + self.unlocked.read().count()
+            + self.taken_out.read().count()
+            + self.taken_out_second.read().count();
         removed > 0 || !self.changed.is_empty()
     }
 

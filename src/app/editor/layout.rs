@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 pub enum Panel {
     Viewport,
     Outliner,
+    Library,
     Inspector,
     Render,
     History,
@@ -20,8 +21,9 @@ pub enum Panel {
 
 impl Panel {
     /// Those that can be closed and shown again, in the order of the menu.
-    pub const CLOSEABLE: [Self; 6] = [
+    pub const CLOSEABLE: [Self; 7] = [
         Self::Outliner,
+        Self::Library,
         Self::Inspector,
         Self::Render,
         Self::History,
@@ -36,6 +38,8 @@ impl Panel {
         Self::Messages,
         Self::Paths,
     ];
+    /// Those at the left.
+    const LEFT: [Self; 2] = [Self::Outliner, Self::Library];
     /// Shown only when asked for.
     const CLOSED: [Self; 1] = [Self::Paths];
 
@@ -43,6 +47,7 @@ impl Panel {
         match self {
             Self::Viewport => "Viewport",
             Self::Outliner => "Outliner",
+            Self::Library => "Library",
             Self::Inspector => "Inspector",
             Self::Render => "Render",
             Self::History => "History",
@@ -64,9 +69,10 @@ impl Default for Layout {
     fn default() -> Self {
         let mut layout = Self(DockState::new(vec![Panel::Viewport]));
         let open = |panel: &Panel| !Panel::CLOSED.contains(panel);
-        for panel in Panel::RIGHT.into_iter().filter(open).chain([Panel::Outliner]) {
+        for panel in Panel::RIGHT.into_iter().filter(open).chain(Panel::LEFT) {
             layout.show(panel);
         }
+        layout.show(Panel::Outliner);
         layout.show(Panel::Inspector);
         layout
     }
@@ -81,8 +87,8 @@ impl Layout {
     pub fn show(&mut self, panel: Panel) {
         if !self.bring_to_front(panel) {
             let is_right = Panel::RIGHT.contains(&panel);
-            let group = Panel::RIGHT.iter().filter(|_| is_right);
-            let group = group.filter_map(|neighbour| self.0.find_tab(neighbour)).next();
+            let side: &[Panel] = if is_right { &Panel::RIGHT } else { &Panel::LEFT };
+            let group = side.iter().filter_map(|neighbour| self.0.find_tab(neighbour)).next();
             match group.and_then(|place| self.0.leaf_mut(place.node_path()).ok()) {
                 Some(leaf) => leaf.tabs.push(panel),
                 None => {

@@ -18,8 +18,16 @@ use crate::texture::Image;
 pub struct Looks {
     /// By absolute path.
     pub pictures: HashMap<PathBuf, Thumbnail>,
-    /// Rendered balls of materials.
-    pub balls: HashMap<Entity, egui::TextureId>,
+    /// Rendered balls.
+    pub balls: HashMap<Ball, egui::TextureId>,
+}
+
+/// What a rendered ball is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Ball {
+    Material(Entity),
+    /// Of the library, by its place there.
+    Preset(usize),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -149,6 +157,19 @@ fn shrunk(image: &Image) -> egui::ColorImage {
 }
 
 impl Looks {
+    /// An empty place as long as there is no picture.
+    pub fn paint_ball(&self, ui: &egui::Ui, ball: Ball, rect: egui::Rect) {
+        match self.balls.get(&ball) {
+            Some(texture) => {
+                let whole = egui::Rect::from_min_max(egui::Pos2::ZERO, egui::pos2(1.0, 1.0));
+                ui.painter().image(*texture, rect, whole, egui::Color32::WHITE);
+            }
+            None => {
+                ui.painter().rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
+            }
+        }
+    }
+
     pub fn picture(&self, path: &Path) -> Option<Thumbnail> {
         self.pictures.get(path).copied()
     }

@@ -61,6 +61,25 @@ impl MaterialTree {
     }
 }
 
+/// Trees as one list, each material with the places of those inside of it, and the place of each tree's outermost. Those of the scene are
+/// left out.
+pub fn flattened<'t>(trees: impl IntoIterator<Item = &'t MaterialTree>) -> (Vec<(Material, Vec<usize>)>, Vec<usize>) {
+    fn add(tree: &MaterialTree, list: &mut Vec<(Material, Vec<usize>)>) -> usize {
+        let place = list.len();
+        list.push((tree.material.clone(), Vec::new()));
+        for inner in &tree.inside {
+            if let Inside::New(inner) = inner {
+                let inner = add(inner, list);
+                list[place].1.push(inner);
+            }
+        }
+        place
+    }
+    let mut list = Vec::new();
+    let places = trees.into_iter().map(|tree| add(tree, &mut list)).collect();
+    (list, places)
+}
+
 /// Whether a plugin may go around this material: what refracts has two sides already.
 pub fn can_wrap(plugin: &str, material: &Material) -> bool {
     plugin != "twosided" || !(material.refracts() || matches!(material, Material::TwoSided | Material::Null))

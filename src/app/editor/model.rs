@@ -27,6 +27,8 @@ pub struct Item {
     pub locked: bool,
     /// A shape or a light, which may be left out of the picture.
     pub can_hide: bool,
+    /// The material that this one is inside of.
+    pub inside_of: Option<Entity>,
 }
 
 /// Everything in the scene, by kind, in the order of the file.
@@ -39,11 +41,14 @@ pub struct Outline {
 }
 
 impl Outline {
+    /// The heading of the materials.
+    pub const MATERIALS: &str = "Materials";
+
     /// With their headings.
     pub fn groups(&self) -> [(&'static str, &[Item]); 4] {
         [
             ("Shapes", &self.shapes),
-            ("Materials", &self.materials),
+            (Self::MATERIALS, &self.materials),
             ("Lights", &self.lights),
             ("Cameras", &self.sensors),
         ]

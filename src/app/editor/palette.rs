@@ -218,6 +218,7 @@ mod tests {
             name: name.to_owned(),
             kind: "mesh",
             can_hide: true,
+            inside_of: None,
             hidden: false,
             locked: false,
         };

@@ -16,6 +16,18 @@ pub struct Preset {
     pub tree: MaterialTree,
 }
 
+impl Preset {
+    /// What a material of the scene is called that is made of it.
+    pub fn id(&self) -> String {
+        self.name.replace(", ", "-").replace(' ', "-")
+    }
+
+    /// `Metal/gold`, as in the file.
+    pub fn path(&self) -> String {
+        format!("{}/{}", self.group, self.name)
+    }
+}
+
 const BUILT_IN: &str = include_str!("../../../assets/materials.xml");
 
 /// All of them, and what is wrong with the user's file.

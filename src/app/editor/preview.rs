@@ -1,4 +1,4 @@
-//! Pictures of the materials in the inspector: rendered one after the other on a thread of the lowest priority, shown as they become
+//! Pictures of materials, of the scene and of the library: rendered one after the other on a thread of the lowest priority, shown as they become
 //! better, and begun anew when what they show changes.
 
 use std::collections::HashMap;
@@ -10,32 +10,49 @@ use bevy_egui::{EguiContexts, egui};
 use crossbeam_channel::{Receiver, Sender, unbounded};
 
 use super::gather::EditorModel;
+use super::looks::Ball;
+use super::material_tree::flattened;
+use super::model::Model;
+use super::state::EditorState;
 use super::studio::{Look, Studio};
-use crate::engine::{CurrentScene, WakeUp, yield_to_all};
+use crate::engine::{CurrentScene, WakeUp, pack_loose, yield_to_all, yield_to_window};
 use crate::render::tonemap::Display;
 
-/// Edge of a picture in pixels: sharp at twice the size it has in points.
-const EDGE: u32 = 160;
-/// Samples of a pixel: of the inspected material, and of those inside it, which are shown smaller.
-const BEST: u32 = 128;
-const ENOUGH: u32 = 32;
-/// Of all of them, before any gets more.
-const ROUGH: u32 = 4;
-/// Pictures that are kept of what is not inspected any more, some 100 kB each.
-const MOST: usize = 64;
+/// How good a picture is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Quality {
+    /// In pixels: sharp at twice the size it has in points.
+    edge: u32,
+    /// Of a pixel.
+    samples: u32,
+}
 
-struct Ball {
+/// Of the inspected material, of those inside of it, of the library, and of those in the list.
+const BEST: Quality = Quality {
+    edge: 160,
+    samples: 128,
+};
+const INSIDE: Quality = Quality { edge: 96, samples: 64 };
+const LIBRARY: Quality = Quality { edge: 112, samples: 32 };
+const LISTED: Quality = Quality { edge: 40, samples: 32 };
+/// Samples of all of them, before any gets more.
+const ROUGH: u32 = 4;
+/// Pictures that are kept of what is not in sight any more, some 100 kB each.
+const MOST: usize = 256;
+
+/// What is rendered of a ball.
+struct Picture {
     look: Look,
     texture: egui::TextureHandle,
-    samples: u32,
+    quality: Quality,
 }
 
 /// A picture under way.
 struct Work {
-    entity: Entity,
+    ball: Ball,
     look: Look,
     /// That it will have in the end.
-    samples: u32,
+    quality: Quality,
     cancel: Arc<AtomicBool>,
     passes: Receiver<Pass>,
 }
@@ -54,7 +71,9 @@ impl Drop for Work {
 
 #[derive(Resource, Default)]
 pub struct Previews {
-    balls: HashMap<Entity, Ball>,
+    pictures: HashMap<Ball, Picture>,
+    /// The looks of the library, in its order.
+    library: Vec<Look>,
     work: Option<Work>,
     /// Its thread ended before its time: trying again would do no good.
     given_up: Option<Look>,
@@ -65,70 +84,118 @@ pub fn update_previews(
     mut previews: ResMut<Previews>,
     mut model: ResMut<EditorModel>,
     mut contexts: EguiContexts,
+    state: Res<EditorState>,
     current: Res<CurrentScene>,
     wake_up: Res<WakeUp>,
 ) -> Result {
-    let wanted = wanted(&model, &current);
+    previews.load_library(&model.0, &state);
+    let wanted = wanted(&model.0, &state, &current, &previews.library);
     let finished = previews.take_passes(contexts.ctx_mut()?);
     let is_wanted = |work: &Work| {
         wanted
             .iter()
-            .any(|(entity, look, _)| *entity == work.entity && *look == work.look)
+            .any(|wanted| wanted.ball == work.ball && wanted.look == work.look)
     };
     if finished || previews.work.as_ref().is_some_and(|work| !is_wanted(work)) {
         previews.work = None;
     }
-    for (entity, look, _) in &wanted {
-        if let Some(ball) = previews.balls.get_mut(entity)
-            && ball.look == *look
+    for Wanted { ball, look, .. } in &wanted {
+        if let Some(picture) = previews.pictures.get_mut(ball)
+            && picture.look == *look
         {
             // So that the next comparison is that of two pointers.
-            ball.look = look.clone();
+            picture.look = look.clone();
         }
     }
-    if previews.work.is_none() {
-        let rough = wanted.iter().map(|(entity, look, _)| (entity, look, ROUGH));
-        let fine = wanted.iter().map(|(entity, look, samples)| (entity, look, *samples));
-        let next = rough.chain(fine).find(|&(entity, look, samples)| {
-            let ball = previews.balls.get(entity);
-            ball.is_none_or(|ball| ball.look != *look || ball.samples < samples)
-                && previews.given_up.as_ref() != Some(look)
-        });
-        if let Some((entity, look, samples)) = next {
-            previews.work = start(*entity, look.clone(), samples, wake_up.clone());
-        }
+    if previews.work.is_none()
+        && let Some((wanted, quality)) = previews.next(&wanted)
+    {
+        previews.work = start(wanted.ball, wanted.look.clone(), quality, wake_up.clone());
     }
-    if previews.balls.len() > MOST {
+    if previews.pictures.len() > MOST {
         previews
-            .balls
-            .retain(|entity, _| wanted.iter().any(|(known, ..)| known == entity));
+            .pictures
+            .retain(|ball, _| wanted.iter().any(|wanted| wanted.ball == *ball));
     }
-    let shown = wanted.iter().filter_map(|(entity, ..)| {
-        let ball = previews.balls.get(entity)?;
-        Some((*entity, ball.texture.id()))
+    let shown = wanted.iter().filter_map(|wanted| {
+        let picture = previews.pictures.get(&wanted.ball)?;
+        Some((wanted.ball, picture.texture.id()))
     });
     model.0.looks.balls = shown.collect();
     Ok(())
 }
 
-/// The inspected materials with their samples, the most important first.
-fn wanted(model: &EditorModel, current: &CurrentScene) -> Vec<(Entity, Look, u32)> {
-    let Some(scene) = &current.scene else {
-        return Vec::new();
-    };
-    let materials = model.0.inspected.iter().flat_map(|inspected| &inspected.materials);
-    let looks = materials.enumerate().filter_map(|(place, material)| {
+/// A picture that somebody looks at.
+struct Wanted {
+    ball: Ball,
+    look: Look,
+    quality: Quality,
+}
+
+/// What panels show, the most important first.
+fn wanted(model: &Model, state: &EditorState, current: &CurrentScene, library: &[Look]) -> Vec<Wanted> {
+    let inspected = model.inspected.iter().flat_map(|inspected| &inspected.materials);
+    let inspected = inspected
+        .enumerate()
+        .map(|(place, material)| (material.entity, if place == 0 { BEST } else { INSIDE }));
+    let listed = state.outliner.materials_in_sight.iter();
+    let of_scene = inspected.chain(listed.map(|&material| (material, LISTED)));
+    let of_scene = of_scene.filter_map(|(entity, quality)| {
+        let scene = current.scene.as_ref()?;
         let look = Look {
             materials: scene.materials.clone(),
             textures: scene.textures.clone(),
-            material: *current.material_of_entity.get(&material.entity)?,
+            material: *current.material_of_entity.get(&entity)?,
         };
-        Some((material.entity, look, if place == 0 { BEST } else { ENOUGH }))
+        let ball = Ball::Material(entity);
+        Some(Wanted { ball, look, quality })
     });
-    looks.collect()
+    let of_library = state.library.in_sight.iter().filter_map(|&place| {
+        let look = library.get(place)?.clone();
+        let (ball, quality) = (Ball::Preset(place), LIBRARY);
+        Some(Wanted { ball, look, quality })
+    });
+    of_scene.chain(of_library).collect()
+}
+
+impl Quality {
+    fn reaches(self, other: Self) -> bool {
+        self.edge >= other.edge && self.samples >= other.samples
+    }
 }
 
 impl Previews {
+    /// When it is looked at for the first time.
+    fn load_library(&mut self, model: &Model, state: &EditorState) {
+        if state.library.in_sight.is_empty() || self.library.len() == model.presets.len() {
+            return;
+        }
+        let (materials, outermost) = flattened(model.presets.iter().map(|preset| &preset.tree));
+        let (materials, textures, ids) = pack_loose(&materials);
+        let (materials, textures) = (Arc::new(materials), Arc::new(textures));
+        let looks = outermost.into_iter().map(|place| Look {
+            materials: materials.clone(),
+            textures: textures.clone(),
+            material: ids[place],
+        });
+        self.library = looks.collect();
+    }
+
+    /// Rough ones of all come before a fine one of any.
+    fn next<'w>(&self, wanted: &'w [Wanted]) -> Option<(&'w Wanted, Quality)> {
+        let rough = |wanted: &Wanted| Quality {
+            samples: ROUGH,
+            ..wanted.quality
+        };
+        let rough = wanted.iter().map(|wanted| (wanted, rough(wanted)));
+        let fine = wanted.iter().map(|wanted| (wanted, wanted.quality));
+        rough.chain(fine).find(|&(wanted, quality)| {
+            let picture = self.pictures.get(&wanted.ball);
+            picture.is_none_or(|picture| picture.look != wanted.look || !picture.quality.reaches(quality))
+                && self.given_up.as_ref() != Some(&wanted.look)
+        })
+    }
+
     /// True if there is nothing more to come.
     fn take_passes(&mut self, context: &egui::Context) -> bool {
         let Some(work) = &self.work else {
@@ -142,49 +209,58 @@ impl Previews {
             }
         };
         if let Some(Pass { samples, image }) = latest {
+            let quality = Quality {
+                samples,
+                ..work.quality
+            };
             let options = egui::TextureOptions::LINEAR;
-            match self.balls.get_mut(&work.entity) {
+            match self.pictures.get_mut(&work.ball) {
                 // A picture that is begun anew to become better takes over when it is.
-                Some(ball) if ball.look == work.look && ball.samples >= samples => {}
-                Some(ball) => {
-                    ball.texture.set(image, options);
-                    ball.look = work.look.clone();
-                    ball.samples = samples;
+                Some(picture) if picture.look == work.look && picture.quality.reaches(quality) => {}
+                Some(picture) => {
+                    picture.texture.set(image, options);
+                    picture.look = work.look.clone();
+                    picture.quality = quality;
                 }
                 None => {
-                    let ball = Ball {
+                    let picture = Picture {
                         look: work.look.clone(),
-                        texture: context.load_texture(format!("material {}", work.entity), image, options),
-                        samples,
+                        texture: context.load_texture(format!("{:?}", work.ball), image, options),
+                        quality,
                     };
-                    self.balls.insert(work.entity, ball);
+                    self.pictures.insert(work.ball, picture);
                 }
             }
         }
-        let ball = self.balls.get(&work.entity);
-        if finished && ball.is_none_or(|ball| ball.samples < work.samples) {
+        let picture = self.pictures.get(&work.ball);
+        if finished && picture.is_none_or(|picture| !picture.quality.reaches(work.quality)) {
             self.given_up = Some(work.look.clone());
         }
         finished
     }
 }
 
-fn start(entity: Entity, look: Look, samples: u32, wake_up: WakeUp) -> Option<Work> {
+fn start(ball: Ball, look: Look, quality: Quality, wake_up: WakeUp) -> Option<Work> {
     let cancel = Arc::new(AtomicBool::new(false));
     let (sender, passes) = unbounded();
     let (flag, shown) = (cancel.clone(), look.clone());
     let work = move || {
-        yield_to_all();
-        render(&shown, samples, &flag, &sender, &wake_up);
+        // Nobody waits long for a first picture.
+        if quality.samples <= ROUGH {
+            yield_to_window();
+        } else {
+            yield_to_all();
+        }
+        render(&shown, quality, &flag, &sender, &wake_up);
         // The channel is closed before the window looks again.
         drop(sender);
         wake(&wake_up);
     };
     match std::thread::Builder::new().name("preview".to_owned()).spawn(work) {
         Ok(_) => Some(Work {
-            entity,
+            ball,
             look,
-            samples,
+            quality,
             cancel,
             passes,
         }),
@@ -196,19 +272,20 @@ fn start(entity: Entity, look: Look, samples: u32, wake_up: WakeUp) -> Option<Wo
 }
 
 /// Twice as many samples in every pass as there are, until there are enough or nobody wants them any more.
-fn render(look: &Look, samples: u32, cancel: &AtomicBool, passes: &Sender<Pass>, wake_up: &WakeUp) {
-    let Some(studio) = Studio::new(look, EDGE) else {
+fn render(look: &Look, quality: Quality, cancel: &AtomicBool, passes: &Sender<Pass>, wake_up: &WakeUp) {
+    let Quality { edge, samples } = quality;
+    let Some(studio) = Studio::new(look, edge) else {
         return;
     };
     let mut film = studio.film();
-    let mut rgba = vec![0; (4 * EDGE * EDGE) as usize];
+    let mut rgba = vec![0; (4 * edge * edge) as usize];
     while film.sample_count() < samples {
         let more = film.sample_count().max(1);
         if studio.refine(&mut film, more, cancel).is_none() {
             return;
         }
         Display::default().encode_rgba(&film.radiance(), &mut rgba);
-        let size = [EDGE as usize; 2];
+        let size = [edge as usize; 2];
         let pass = Pass {
             samples: film.sample_count(),
             image: egui::ColorImage::from_rgba_unmultiplied(size, &rgba),
@@ -243,8 +320,9 @@ mod tests {
             textures: Arc::default(),
             material: MaterialId(0),
         };
+        const QUALITY: Quality = Quality { edge: 8, samples: 4 };
         let entity = Entity::from_raw_u32(1).expect("a small index is valid");
-        let work = start(entity, look, 4, WakeUp::default()).expect("a thread");
+        let work = start(Ball::Material(entity), look, QUALITY, WakeUp::default()).expect("a thread");
         let samples: Vec<u32> = work.passes.iter().map(|pass| pass.samples).collect();
         assert_eq!(samples, [1, 2, 4]);
     }

@@ -12,6 +12,7 @@ use super::navigation::Navigation;
 use super::overlay::BvhOverlay;
 use super::palette::Palette;
 use super::panels::inspector::InspectorState;
+use super::panels::library::LibraryState;
 use super::panels::outliner::OutlinerState;
 use super::shell::Sheet;
 use super::toasts::{Toasts, Tone, Topic};
@@ -30,6 +31,7 @@ pub struct EditorState {
     /// To be brought to the front of its group, unless it is closed.
     pub wanted_panel: Option<Panel>,
     pub outliner: OutlinerState,
+    pub library: LibraryState,
     pub inspector: InspectorState,
     pub viewport: ViewportState,
     pub dialog: Option<FileDialogKind>,
@@ -61,6 +63,7 @@ impl Default for EditorState {
             panels_shown: true,
             wanted_panel: None,
             outliner: OutlinerState::default(),
+            library: LibraryState::default(),
             inspector: InspectorState::default(),
             viewport: ViewportState::default(),
             dialog: None,

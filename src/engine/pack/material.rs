@@ -8,9 +8,10 @@ use super::Checker;
 use super::bsdf::MaterialPacker;
 use super::texture::TexturePacker;
 use crate::color::Rgb;
-use crate::material::{self, MaterialId};
+use crate::material::{self, MaterialId, MaterialTable};
 use crate::scene::Material;
 use crate::shading::{Bsdf, DielectricModel, Diffuse};
+use crate::texture::TextureTable;
 
 /// What has no material, or one that makes no sense, looks like this: the format's default.
 pub(in crate::engine) const STAND_IN: material::Material = material::Material::Plain(Bsdf::Diffuse(Diffuse {
@@ -83,6 +84,52 @@ pub(in crate::engine) fn pack_materials(
         materials,
         ids: places.into_iter().map(|(entity, place)| (entity, id(place))).collect(),
     }
+}
+
+/// The table, with a stand-in for every material that cannot be in it.
+pub(in crate::engine) fn material_table(
+    mut materials: Vec<material::Material>,
+    errors: &mut Vec<String>,
+) -> MaterialTable {
+    loop {
+        match MaterialTable::new(materials.clone()) {
+            Ok(table) => return table,
+            Err(error) => {
+                errors.push(error.to_string());
+                materials[error.place] = STAND_IN;
+            }
+        }
+    }
+}
+
+/// Materials that are in no scene, as light transport has them, and which is which. Each comes with the places of those inside of it in the
+/// same list; pictures are grey, and what makes no sense is the default.
+pub fn pack_loose(loose: &[(Material, Vec<usize>)]) -> (MaterialTable, TextureTable, Vec<MaterialId>) {
+    // Only who is who matters.
+    let entity = |place: usize| Entity::from_raw_u32(place as u32);
+    let sources: Vec<MaterialSource> = loose
+        .iter()
+        .enumerate()
+        .filter_map(|(place, (material, inside))| {
+            let nested = |index: usize| inside.get(index).and_then(|&inner| entity(inner));
+            Some(MaterialSource {
+                entity: entity(place)?,
+                name: String::new(),
+                material,
+                first: nested(0),
+                second: nested(1),
+            })
+        })
+        .collect();
+    let mut textures = TexturePacker::new(&|_| None);
+    let mut errors = Vec::new();
+    let packed = pack_materials(&sources, DielectricModel::default(), &mut textures, &mut errors);
+    let ids = (0..sources.len()).map(|place| MaterialId((place + FIXED.len()) as u32));
+    (
+        material_table(packed.materials, &mut errors),
+        TextureTable::new(textures.finish()),
+        ids.collect(),
+    )
 }
 
 fn contains_itself(start: usize, sources: &[MaterialSource], places: &HashMap<Entity, usize>) -> bool {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use super::{adding, materials, mixing, placing, view};
+use super::{adding, materials, mixing, placing, several, view};
 use crate::app::editor::command::Command;
 use crate::app::editor::history::Edit;
 use crate::app::editor::selection::{Extend, Selection};
@@ -94,6 +94,11 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
         }
         Command::DropMaterial { material, at } => materials::drop_at(edit, material, at)?,
         Command::BuildMaterial { targets, tree } => materials::build(edit, &targets, &tree),
+        Command::UsePreset { preset, shapes } => materials::use_preset(edit, &preset, &shapes)?,
+        Command::DropPreset { preset, at } => {
+            let shape = materials::shape_at(edit, at)?;
+            materials::use_preset(edit, &preset, &[shape])?;
+        }
         Command::SetAreaLight(entity, light) => match light {
             Some(light) => {
                 need::<Shape>(edit, entity)?;
@@ -109,6 +114,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
         Command::SetSampler(settings) => super::set_resource::<SamplerSettings>(edit.world, settings),
         Command::SetAccel(method) => super::set_resource::<AccelMethod>(edit.world, method),
         Command::BakeLights => mixing::bake(edit)?,
+        Command::OnSelection(command) => several::apply(edit, *command)?,
         // The others are no edits.
         _ => {}
     }

@@ -2,14 +2,15 @@
 
 use bevy::prelude::*;
 
-use super::edits::{delete, outer_materials};
+use super::edits::{delete, need, outer_materials};
 use crate::app::editor::history::Edit;
 use crate::app::editor::material_tree::{Inside, MaterialTree};
 use crate::app::editor::picking;
+use crate::app::editor::presets::Preset;
 use crate::engine::CurrentScene;
 use crate::scene::insert::{free_name, names, next_order};
 use crate::scene::{
-    DeclaredIn, DocumentOrder, FirstNested, Locked, Material, MaterialUsers, SecondNested, Shape, UsesMaterial,
+    DeclaredIn, DocumentOrder, FirstNested, Locked, Material, MaterialUsers, SceneId, SecondNested, Shape, UsesMaterial,
 };
 
 /// An error where there is nothing, or nothing that may be changed.
@@ -17,13 +18,62 @@ pub fn drop_at(edit: &mut Edit, material: Entity, at: Vec2) -> Result<(), String
     if edit.world.get::<Material>(material).is_none() {
         return Err("Only materials can be dropped into the picture.".to_owned());
     }
+    let shape = shape_at(edit, at)?;
+    edit.set(shape, UsesMaterial(material));
+    Ok(())
+}
+
+/// The shape that is seen at a place of the picture, for a material; an error where there is none, or one that is locked.
+pub fn shape_at(edit: &Edit, at: Vec2) -> Result<Entity, String> {
     let found = picking::pick(edit.world.resource::<CurrentScene>(), at);
     let shape = found.ok_or("There is nothing that could take the material.")?;
     if edit.world.get::<Locked>(shape).is_some() {
         return Err("What is there is locked.".to_owned());
     }
-    edit.set(shape, UsesMaterial(material));
+    Ok(shape)
+}
+
+/// Gives shapes a material of the library. One of its name that is still like it is used again.
+pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result<(), String> {
+    for &shape in shapes {
+        need::<Shape>(edit, shape)?;
+    }
+    let name = preset.id();
+    let mut known = edit.world.query::<(Entity, &Material, &SceneId)>();
+    let mut alike = known
+        .iter(edit.world)
+        .filter(|(entity, _, id)| id.0 == name && tree_of(edit.world, *entity).as_ref() == Some(&preset.tree));
+    let material = match alike.next() {
+        Some((entity, ..)) => entity,
+        None => {
+            let material = spawn(edit, &name);
+            let name = edit
+                .world
+                .get::<Name>(material)
+                .map_or(name, |name| name.as_str().to_owned());
+            edit.set(material, SceneId(name));
+            become_tree(edit, material, &preset.tree);
+            material
+        }
+    };
+    for &shape in shapes {
+        edit.set(shape, UsesMaterial(material));
+    }
     Ok(())
+}
+
+/// None if it is no material, or inside of itself.
+fn tree_of(world: &World, material: Entity) -> Option<MaterialTree> {
+    const DEEPEST: usize = 16;
+    fn below(world: &World, material: Entity, depth: usize) -> Option<MaterialTree> {
+        let inside = inside(world, material).into_iter();
+        let inside = inside.map(|inner| Some(below(world, inner, depth.checked_sub(1)?)?.into()));
+        Some(MaterialTree {
+            material: world.get::<Material>(material)?.clone(),
+            inside: inside.collect::<Option<_>>()?,
+        })
+    }
+    below(world, material, DEEPEST)
 }
 
 /// Makes materials, or those of shapes, become the tree; a shape without one gets a new one. Several shapes that share a material share it on.
@@ -109,7 +159,7 @@ fn write_tree(edit: &mut Edit, material: Entity, tree: &MaterialTree, moves: &mu
     }
 }
 
-fn inside(world: &World, material: Entity) -> Vec<Entity> {
+pub(super) fn inside(world: &World, material: Entity) -> Vec<Entity> {
     let first = world.get::<FirstNested>(material).map(|nested| nested.0);
     let second = world.get::<SecondNested>(material).map(|nested| nested.0);
     first.into_iter().chain(second).collect()
@@ -160,13 +210,7 @@ mod tests {
     }
 
     fn tree_of(world: &World, material: Entity) -> MaterialTree {
-        MaterialTree {
-            material: world.get::<Material>(material).cloned().expect("a material"),
-            inside: inside(world, material)
-                .into_iter()
-                .map(|inner| tree_of(world, inner).into())
-                .collect(),
-        }
+        super::tree_of(world, material).expect("a material")
     }
 
     fn materials(world: &mut World) -> usize {
@@ -243,6 +287,38 @@ mod tests {
             before
         );
         assert_eq!(materials(&mut world), 1);
+    }
+
+    #[test]
+    fn a_preset_is_there_once_however_often_it_is_used() {
+        let mut world = world();
+        let shapes = [0; 3].map(|_| world.spawn(Shape::default()).id());
+        let preset = Preset {
+            group: "Metal".to_owned(),
+            name: "gold, satin".to_owned(),
+            tree: MaterialTree::from(red()).wrapped("twosided"),
+        };
+        let mut give = |shape: Entity| {
+            let mut edit = Edit::begin(&mut world);
+            use_preset(&mut edit, &preset, &[shape]).expect("a shape");
+            edit.finish("Preset".to_owned(), None);
+            let used = world.get::<UsesMaterial>(shape).expect("a material").0;
+            assert_eq!(tree_of(&world, used), preset.tree);
+            (used, world.get::<SceneId>(used).map(|id| id.0.clone()))
+        };
+        let first = give(shapes[0]);
+        assert_eq!(first.1.as_deref(), Some("gold-satin"));
+        assert_eq!(give(shapes[1]), first);
+        // One that was edited since is another material.
+        let inner = inside(&world, first.0)[0];
+        world.entity_mut(inner).insert(Material::Null);
+        let mut give = |shape: Entity| {
+            let mut edit = Edit::begin(&mut world);
+            use_preset(&mut edit, &preset, &[shape]).expect("a shape");
+            edit.finish("Preset".to_owned(), None);
+            world.get::<UsesMaterial>(shape).map(|used| used.0)
+        };
+        assert_ne!(give(shapes[2]), Some(first.0));
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod finished;
 mod materials;
 mod mixing;
 mod placing;
+mod several;
 mod view;
 
 use bevy::prelude::*;

@@ -6,9 +6,12 @@ use bevy::math::Affine3A;
 
 use super::*;
 use crate::app::editor::command::{Addition, AdditionKind};
+use crate::app::editor::material_tree::MaterialTree;
 use crate::color::Rgb;
 use crate::engine::ViewMode;
-use crate::scene::{AreaLight, FreeView, Material, Parameter, SquarePath, ToWorld, UsesMaterial};
+use crate::scene::{
+    AreaLight, FirstNested, FreeView, Material, Parameter, ShapeKind, SquarePath, ToWorld, UsesMaterial,
+};
 
 fn world() -> World {
     let mut world = World::new();
@@ -236,4 +239,81 @@ fn the_heat_map_is_another_view() {
     };
     say(&mut world, Command::SetDisplay(display));
     assert_eq!(world.resource::<RenderControl>().view_mode, ViewMode::BvhSteps);
+}
+
+#[test]
+fn an_edit_of_one_is_made_to_all_that_is_selected() {
+    let mut world = world();
+    let balls = [0; 3].map(|_| add(&mut world, AdditionKind::Sphere));
+    let cube = add(&mut world, AdditionKind::Cube);
+    let materials = balls.map(|ball| {
+        say(&mut world, Command::GiveMaterial { shape: ball });
+        world.get::<UsesMaterial>(ball).expect("a material").0
+    });
+    let radius = |world: &World, ball| match world.get::<Shape>(ball).map(|shape| shape.kind.clone()) {
+        Some(ShapeKind::Sphere { radius, .. }) => radius,
+        other => panic!("{other:?}"),
+    };
+    let selected = vec![balls[0], cube, balls[1]];
+    say(&mut world, Command::Select(selected, Extend::Replace));
+    let steps = world.resource::<History>().len().0;
+    let untouched = radius(&world, balls[2]);
+    let mut larger = world.get::<Shape>(balls[1]).cloned().expect("a shape");
+    larger.kind = ShapeKind::Sphere {
+        center: Vec3::ZERO,
+        radius: 7.0,
+    };
+    say(
+        &mut world,
+        Command::OnSelection(Box::new(Command::SetShape(balls[1], larger))),
+    );
+    assert_eq!(balls.map(|ball| radius(&world, ball)), [7.0, 7.0, untouched]);
+    let red = Material::Diffuse {
+        reflectance: Rgb::X.into(),
+    };
+    let paint = Command::SetMaterial(materials[1], Box::new(red.clone()));
+    say(&mut world, Command::OnSelection(Box::new(paint)));
+    let is_red = materials.map(|material| world.get::<Material>(material) == Some(&red));
+    assert_eq!(is_red, [true, true, false]);
+    // Of the place only what was changed; turns are about the own origin.
+    let before = [balls[0], cube].map(|thing| world.get::<ToWorld>(thing).expect("a place").0);
+    let mut pose = world.get::<ToWorld>(balls[1]).expect("a place").0;
+    pose.translation.y += 5.0;
+    pose.matrix3 *= bevy::math::Mat3A::from_rotation_x(1.0);
+    let place = Command::Transform(vec![(balls[1], pose)]);
+    say(&mut world, Command::OnSelection(Box::new(place)));
+    for (thing, before) in [balls[0], cube].into_iter().zip(before) {
+        let now = world.get::<ToWorld>(thing).expect("a place").0;
+        assert_eq!(now.translation.y, pose.translation.y);
+        assert_eq!(
+            (now.translation.x, now.translation.z),
+            (before.translation.x, before.translation.z)
+        );
+        let turned = before.matrix3 * bevy::math::Mat3A::from_rotation_x(1.0);
+        assert!(now.matrix3.abs_diff_eq(turned, 1e-5));
+    }
+    // One step each.
+    assert_eq!(world.resource::<History>().len().0, steps + 3);
+}
+
+#[test]
+fn materials_within_others_are_edited_together() {
+    let mut world = world();
+    let shapes = [0; 2].map(|_| add(&mut world, AdditionKind::Cube));
+    let tree = MaterialTree::from(Material::default()).wrapped("twosided");
+    let inner = shapes.map(|shape| {
+        let targets = vec![shape];
+        let tree = Box::new(tree.clone());
+        say(&mut world, Command::BuildMaterial { targets, tree });
+        let whole = world.get::<UsesMaterial>(shape).expect("a material").0;
+        world.get::<FirstNested>(whole).expect("a material inside").0
+    });
+    say(&mut world, Command::Select(shapes.to_vec(), Extend::Replace));
+    let glass = Material::of_plugin("plastic").expect("a plugin");
+    let edit = Command::SetMaterial(inner[0], Box::new(glass.clone()));
+    say(&mut world, Command::OnSelection(Box::new(edit)));
+    assert_eq!(
+        inner.map(|inner| world.get::<Material>(inner) == Some(&glass)),
+        [true; 2]
+    );
 }

@@ -21,17 +21,40 @@ pub struct InspectorState {
 /// Points at the right that a bar lies over where there is more than fits.
 const SCROLL_BAR: f32 = 8.0;
 
-/// `scene_size` in world units.
+/// `scene_size` in world units. What is edited is the active thing; where several are selected, all of the same sort get the same change.
 pub fn inspector(ui: &mut Ui, model: &Model, scene_size: f32, state: &mut InspectorState, commands: &mut Vec<Command>) {
     let Some(inspected) = &model.inspected else {
         ui.add_space(8.0);
         ui.weak("Nothing is selected. Click in the picture or in the list at the left.");
         return;
     };
+    let mut edits = Vec::new();
+    sections(ui, inspected, model, scene_size, state, &mut edits);
+    let several = model.selection.entities().len() > 1;
+    commands.extend(edits.into_iter().map(|edit| match several && edit.is_about_one() {
+        true => Command::OnSelection(Box::new(edit)),
+        false => edit,
+    }));
+}
+
+fn sections(
+    ui: &mut Ui,
+    inspected: &Inspected,
+    model: &Model,
+    scene_size: f32,
+    state: &mut InspectorState,
+    commands: &mut Vec<Command>,
+) {
     ui.set_max_width(ui.available_width() - SCROLL_BAR);
     ui.horizontal(|ui| {
         ui.add(egui::Label::new(egui::RichText::new(&inspected.name).heading()).truncate());
     });
+    let others = model.selection.entities().len().saturating_sub(1);
+    if others > 0 {
+        ui.weak(format!(
+            "and {others} more: a change here is made to all that have the same"
+        ));
+    }
     if let Some(to_world) = inspected.to_world {
         section(ui, "Transform", |ui| {
             pose(ui, inspected, to_world, scene_size, state, commands);
@@ -195,10 +218,30 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, triangles: Option<usize>) -> bool 
     fields::checkbox(ui, "Flip normals", &mut shape.flip_normals) || changed
 }
 
+/// What a shape looks like that has no material of the scene.
+fn without_material(inspected: &Inspected) -> &'static str {
+    match inspected.shape.as_ref().map(|shape| &shape.kind) {
+        Some(ShapeKind::Mesh(MeshFile {
+            format: MeshFormat::Obj,
+            ..
+        })) => "of the file",
+        _ => "none (grey)",
+    }
+}
+
+/// The inspected one among them.
+fn selected_shapes(inspected: &Inspected, model: &Model) -> Vec<Entity> {
+    let is_shape =
+        |entity: &Entity| *entity == inspected.entity || model.outline.shapes.iter().any(|item| item.entity == *entity);
+    let selected = model.selection.entities().iter().copied().filter(is_shape);
+    let others = selected.filter(|entity| *entity != inspected.entity);
+    others.chain([inspected.entity]).collect()
+}
+
 fn material_rows(ui: &mut Ui, inspected: &Inspected, model: &Model, commands: &mut Vec<Command>) {
     if inspected.shape.is_some() {
         let mut used = inspected.uses_material;
-        let mut options: Vec<(Option<_>, &str)> = vec![(None, "of the file, or grey")];
+        let mut options: Vec<(Option<_>, &str)> = vec![(None, without_material(inspected))];
         options.extend(
             model
                 .outline
@@ -208,7 +251,7 @@ fn material_rows(ui: &mut Ui, inspected: &Inspected, model: &Model, commands: &m
         );
         if fields::choice(ui, "Uses", &mut used, &options) {
             commands.push(Command::UseMaterial {
-                shapes: vec![inspected.entity],
+                shapes: selected_shapes(inspected, model),
                 material: used,
             });
         }

@@ -4,6 +4,7 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
 use super::super::command::Command;
+use super::super::looks::Ball;
 use super::super::material_tree::{MaterialTree, WRAPPERS, can_wrap};
 use super::super::model::{InspectedMaterial, MaterialPlace, Model};
 use super::material::{kind_name, plugin_name};
@@ -20,7 +21,8 @@ pub fn material_header(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, co
     };
     ui.add_space(4.0);
     ui.horizontal_top(|ui| {
-        ball(ui, entry.entity, model, edge);
+        let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(edge), egui::Sense::hover());
+        model.looks.paint_ball(ui, Ball::Material(entry.entity), rect);
         ui.vertical(|ui| {
             let title = egui::RichText::new(title(entry)).italics();
             ui.add(egui::Label::new(title).truncate());
@@ -46,20 +48,6 @@ fn title(entry: &InspectedMaterial) -> String {
         MaterialPlace::First => format!("First: {name}"),
         MaterialPlace::Second => format!("Second: {name}"),
         MaterialPlace::Inside => format!("Inside: {name}"),
-    }
-}
-
-/// An empty square as long as there is no picture.
-fn ball(ui: &mut Ui, material: Entity, model: &Model, edge: f32) {
-    let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(edge), egui::Sense::hover());
-    match model.looks.balls.get(&material) {
-        Some(texture) => {
-            let whole = egui::Rect::from_min_max(egui::Pos2::ZERO, egui::pos2(1.0, 1.0));
-            ui.painter().image(*texture, rect, whole, egui::Color32::WHITE);
-        }
-        None => {
-            ui.painter().rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
-        }
     }
 }
 

@@ -11,6 +11,7 @@ pub mod emission;
 pub mod fields;
 pub mod history;
 pub mod inspector;
+pub mod library;
 pub mod light_mixing;
 pub mod material;
 pub mod material_header;

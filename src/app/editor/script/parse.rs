@@ -10,6 +10,7 @@ use crate::app::editor::actions::{self, ActionContext};
 use crate::app::editor::command::{Addition, AdditionKind, Command};
 use crate::app::editor::commands::view_pose;
 use crate::app::editor::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::gather::EditorModel;
 use crate::app::editor::light_mix::LightMix;
 use crate::app::editor::navigation::scale_of;
 use crate::app::editor::selection::{Extend, Selection};
@@ -32,7 +33,7 @@ pub enum Step {
 }
 
 /// What there is beside the actions; for messages and the README.
-pub const VERBS: [(&str, &str); 36] = [
+pub const VERBS: [(&str, &str); 37] = [
     ("open", "FILE"),
     ("save-to", "FILE"),
     ("save-image-to", "FILE"),
@@ -48,6 +49,7 @@ pub const VERBS: [(&str, &str); 36] = [
     ("material-of", "SHAPE (a new one of its own)"),
     ("make", "MATERIAL PLUGIN"),
     ("assign", "MATERIAL SHAPE..."),
+    ("preset", "GROUP/NAME SHAPE... (of the library)"),
     ("emit", "SHAPE RADIANCE|none"),
     ("rename", "NAME NAME"),
     ("hide-thing", "NAME..."),
@@ -163,6 +165,17 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             shapes: all_named(world, shapes)?,
             material: Some(named(world, material)?),
         },
+        ("preset", [path, shapes @ ..]) if !shapes.is_empty() => {
+            let shapes = all_named(world, shapes)?;
+            let presets = world.resource::<EditorModel>().0.presets.clone();
+            let preset = presets.iter().find(|preset| preset.path() == *path);
+            let paths: Vec<String> = presets.iter().map(|preset| preset.path()).collect();
+            let preset = preset.ok_or_else(|| unknown("preset", path, paths.iter().map(String::as_str)))?;
+            Command::UsePreset {
+                preset: Box::new(preset.clone()),
+                shapes,
+            }
+        }
         ("emit", [shape, "none"]) => Command::SetAreaLight(named(world, shape)?, None),
         ("emit", [shape, radiance]) => {
             let mut light = AreaLight::default();

@@ -1,0 +1,166 @@
+//! An edit of the active thing done to all that is selected: everything of the same sort gets the same change.
+
+use bevy::math::{Affine3A, Mat3A};
+use bevy::prelude::*;
+use bevy::reflect::PartialReflect;
+
+use super::edits;
+use super::materials::inside;
+use crate::app::editor::command::Command;
+use crate::app::editor::history::Edit;
+use crate::app::editor::panels::conversion::{emitter_turned_into, turned_into};
+use crate::app::editor::selection::Selection;
+use crate::scene::carry_over::{Vectors, carry_over};
+use crate::scene::{AreaLight, Emitter, Film, Locked, Material, Placements, Sensor, Shape, ToWorld, UsesMaterial};
+
+/// Materials within materials are followed so far.
+const DEEPEST: usize = 4;
+
+/// What the command does to its thing, and the like to the others.
+pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
+    let selected = edit.world.resource::<Selection>().entities().to_vec();
+    let others = |but: Entity| selected.iter().copied().filter(move |entity| *entity != but);
+    match &command {
+        Command::SetShape(entity, after) => {
+            carry::<Shape>(edit, *entity, after, others(*entity), Vectors::ByComponent);
+        }
+        Command::SetSensor(entity, after) => carry::<Sensor>(edit, *entity, after, others(*entity), Vectors::Whole),
+        Command::SetFilm(entity, after) => carry::<Film>(edit, *entity, after, others(*entity), Vectors::Whole),
+        Command::SetEmitter(entity, after) => {
+            for other in others(*entity) {
+                let known = edit.world.get::<Emitter>(*entity).zip(edit.world.get::<Emitter>(other));
+                if let Some((before, other_before)) = known {
+                    let mut changed = other_before.clone();
+                    if before.plugin() == after.plugin() {
+                        carry_over(before, after, &mut changed, Vectors::Whole);
+                    } else {
+                        changed = emitter_turned_into(&changed, after.plugin());
+                    }
+                    edit.set(other, changed);
+                }
+            }
+        }
+        Command::SetMaterial(entity, after) => {
+            for other in materials_like(edit.world, *entity, &selected) {
+                let known = edit
+                    .world
+                    .get::<Material>(*entity)
+                    .zip(edit.world.get::<Material>(other));
+                if let Some((before, other_before)) = known {
+                    let mut changed = other_before.clone();
+                    if before.plugin() == after.plugin() {
+                        carry_over(before, &**after, &mut changed, Vectors::Whole);
+                    } else if *other_before.nested_count().end() == 0 {
+                        changed = turned_into(&changed, after.plugin());
+                    }
+                    edit.set(other, changed);
+                }
+            }
+        }
+        Command::SetAreaLight(entity, after) => {
+            let before = edit.world.get::<AreaLight>(*entity).cloned();
+            for other in others(*entity)
+                .filter(|other| edit.world.get::<Shape>(*other).is_some())
+                .collect::<Vec<_>>()
+            {
+                let known = edit.world.get::<AreaLight>(other).cloned();
+                match (&before, after, known) {
+                    (_, None, _) => edit.remove::<AreaLight>(other),
+                    (None, Some(after), _) => edit.set(other, after.clone()),
+                    (Some(before), Some(after), Some(mut changed)) => {
+                        carry_over(before, after, &mut changed, Vectors::Whole);
+                        edit.set(other, changed);
+                    }
+                    (Some(_), Some(_), None) => {}
+                }
+            }
+        }
+        Command::Transform(poses) => {
+            if let [(entity, after)] = poses[..] {
+                transform(edit, entity, after, others(entity));
+            }
+        }
+        // The others are about everything selected anyway.
+        _ => {}
+    }
+    edits::apply(edit, command)
+}
+
+fn carry<C: Component<Mutability = bevy::ecs::component::Mutable> + PartialReflect + Clone + PartialEq>(
+    edit: &mut Edit,
+    entity: Entity,
+    after: &C,
+    others: impl Iterator<Item = Entity>,
+    vectors: Vectors,
+) {
+    let Some(before) = edit.world.get::<C>(entity).cloned() else {
+        return;
+    };
+    for other in others {
+        if let Some(mut changed) = edit.world.get::<C>(other).cloned() {
+            carry_over(&before, after, &mut changed, vectors);
+            edit.set(other, changed);
+        }
+    }
+}
+
+/// Coordinates that were changed are set to the same number, turns and scales are done to each about its own origin.
+fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: impl Iterator<Item = Entity>) {
+    let Some(before) = edit.world.get::<ToWorld>(entity).map(|pose| pose.0) else {
+        return;
+    };
+    let turn = before.matrix3.inverse() * after.matrix3;
+    let turn = if turn.is_finite() && before.matrix3 != after.matrix3 {
+        turn
+    } else {
+        Mat3A::IDENTITY
+    };
+    for other in others {
+        let stays = edit.world.get::<Locked>(other).is_some() || edit.world.get::<Placements>(other).is_some();
+        let Some(mut pose) = edit.world.get::<ToWorld>(other).map(|pose| pose.0).filter(|_| !stays) else {
+            continue;
+        };
+        pose.matrix3 *= turn;
+        for axis in 0..3 {
+            if before.translation[axis] != after.translation[axis] {
+                pose.translation[axis] = after.translation[axis];
+            }
+        }
+        edit.set(other, ToWorld(pose));
+    }
+}
+
+/// The materials in the same place as this one within what other selected things are made of.
+fn materials_like(world: &World, material: Entity, selected: &[Entity]) -> Vec<Entity> {
+    let whole = |entity: Entity| match world.get::<UsesMaterial>(entity) {
+        Some(uses) => Some(uses.0),
+        None => world.get::<Material>(entity).map(|_| entity),
+    };
+    let wholes: Vec<Entity> = selected.iter().copied().filter_map(whole).collect();
+    let Some(path) = wholes.iter().find_map(|from| path_to(world, *from, material, DEEPEST)) else {
+        return Vec::new();
+    };
+    let mut found: Vec<Entity> = wholes.iter().filter_map(|from| follow(world, *from, &path)).collect();
+    found.sort();
+    found.dedup();
+    found.retain(|other| *other != material);
+    found
+}
+
+/// Which of those inside to take, from one material to another.
+fn path_to(world: &World, from: Entity, to: Entity, deepest: usize) -> Option<Vec<usize>> {
+    if from == to {
+        return Some(Vec::new());
+    }
+    let deepest = deepest.checked_sub(1)?;
+    inside(world, from).into_iter().enumerate().find_map(|(place, inner)| {
+        let mut path = path_to(world, inner, to, deepest)?;
+        path.insert(0, place);
+        Some(path)
+    })
+}
+
+fn follow(world: &World, from: Entity, path: &[usize]) -> Option<Entity> {
+    path.iter()
+        .try_fold(from, |material, place| inside(world, material).get(*place).copied())
+}

@@ -1,0 +1,109 @@
+//! The library of materials as a wall of balls: a click gives one to what is selected, a drag to a shape in the picture.
+
+use bevy::prelude::Entity;
+use bevy_egui::egui::{self, Rect, Sense, Ui, vec2};
+
+use super::super::command::Command;
+use super::super::looks::Ball;
+use super::super::model::Model;
+use super::super::presets::Preset;
+
+/// What the panel remembers between frames.
+#[derive(Clone, Debug, Default)]
+pub struct LibraryState {
+    filter: String,
+    /// Places in the library of those in sight, so that there can be pictures of them.
+    pub in_sight: Vec<usize>,
+}
+
+/// A material of the library on its way to a shape in the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DraggedPreset(pub Preset);
+
+/// Edge of a ball, and the height of the name below it, in points.
+const BALL: f32 = 64.0;
+const NAME: f32 = 26.0;
+const GAP: f32 = 6.0;
+
+pub fn library(ui: &mut Ui, model: &Model, state: &mut LibraryState, commands: &mut Vec<Command>) {
+    state.in_sight.clear();
+    ui.add(
+        egui::TextEdit::singleline(&mut state.filter)
+            .hint_text("Find")
+            .desired_width(f32::INFINITY),
+    );
+    let wanted = state.filter.trim().to_lowercase();
+    let found: Vec<(usize, &Preset)> = model
+        .presets
+        .iter()
+        .enumerate()
+        .filter(|(_, preset)| preset.path().to_lowercase().contains(&wanted))
+        .collect();
+    egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        if found.is_empty() {
+            ui.weak("No material is called so.");
+        }
+        for chunk in found.chunk_by(|(_, a), (_, b)| a.group == b.group) {
+            ui.add_space(4.0);
+            ui.strong(&chunk[0].1.group);
+            ui.spacing_mut().item_spacing = vec2(GAP, GAP);
+            ui.horizontal_wrapped(|ui| {
+                for (place, preset) in chunk {
+                    cell(ui, *place, preset, model, state, commands);
+                }
+            });
+        }
+    });
+}
+
+fn cell(
+    ui: &mut Ui,
+    place: usize,
+    preset: &Preset,
+    model: &Model,
+    state: &mut LibraryState,
+    commands: &mut Vec<Command>,
+) {
+    let (rect, response) = ui.allocate_exact_size(vec2(BALL, BALL + NAME), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, &preset.name));
+    if !ui.is_rect_visible(rect) {
+        return;
+    }
+    state.in_sight.push(place);
+    let face = Rect::from_min_size(rect.min, vec2(BALL, BALL));
+    model.looks.paint_ball(ui, Ball::Preset(place), face);
+    if response.hovered() {
+        let stroke = ui.visuals().selection.stroke;
+        ui.painter().rect_stroke(face, 2.0, stroke, egui::StrokeKind::Inside);
+    }
+    name(ui, &preset.name, Rect::from_min_max(face.left_bottom(), rect.max));
+    response.dnd_set_drag_payload(DraggedPreset(preset.clone()));
+    let shapes = selected_shapes(model);
+    if response.clicked() && !shapes.is_empty() {
+        commands.push(Command::UsePreset {
+            preset: Box::new(preset.clone()),
+            shapes,
+        });
+    }
+    response.on_hover_text("Click: for what is selected. Drag: onto a shape in the picture.");
+}
+
+/// At most two lines.
+fn name(ui: &Ui, name: &str, place: Rect) {
+    let mut job = egui::text::LayoutJob::simple(
+        name.to_owned(),
+        egui::TextStyle::Small.resolve(ui.style()),
+        ui.visuals().text_color(),
+        place.width(),
+    );
+    job.halign = egui::Align::Center;
+    job.wrap.max_rows = 2;
+    let galley = ui.painter().layout_job(job);
+    ui.painter()
+        .galley(place.center_top() + vec2(0.0, 2.0), galley, ui.visuals().text_color());
+}
+
+fn selected_shapes(model: &Model) -> Vec<Entity> {
+    let is_shape = |entity: &Entity| model.outline.shapes.iter().any(|item| item.entity == *entity);
+    model.selection.entities().iter().copied().filter(is_shape).collect()
+}

@@ -1,0 +1,293 @@
+//! Which lines the list has, in order: headings, folders, things. A name like `table/leg` is a leg in the folder table; a material that is
+//! inside another one stands under it.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use bevy::prelude::Entity;
+
+use super::super::super::model::{Item, Outline};
+
+/// Materials within materials, and folders within folders, deeper than this are not told apart.
+const DEEPEST: usize = 16;
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Line {
+    Heading {
+        name: &'static str,
+        count: usize,
+    },
+    /// With its whole path and what is in it.
+    Folder {
+        path: String,
+        depth: usize,
+        members: Vec<Entity>,
+    },
+    Item {
+        /// Of [`Outline::groups`], and within it.
+        group: usize,
+        index: usize,
+        depth: usize,
+        /// Has materials inside.
+        has_inside: bool,
+    },
+}
+
+/// What is closed and what is open.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Folding {
+    /// Headings and folders that are closed, as the names of their lines.
+    pub closed: HashSet<String>,
+    /// Materials that show those inside of them.
+    pub open: HashSet<Entity>,
+}
+
+/// The lines of an outline, made anew only when something changed: scenes of thousands of shapes are usual.
+#[derive(Clone, Debug, Default)]
+pub struct Lines {
+    made_of: Option<(Arc<Outline>, String, Folding)>,
+    lines: Arc<Vec<Line>>,
+}
+
+impl Lines {
+    /// Of what has `filter` in its name or kind; while something is looked for nothing is closed.
+    pub fn of(&mut self, outline: &Arc<Outline>, filter: &str, folding: &Folding) -> Arc<Vec<Line>> {
+        let is_known = self.made_of.as_ref().is_some_and(|(known, filtered, folded)| {
+            Arc::ptr_eq(known, outline) && filtered == filter && folded == folding
+        });
+        if !is_known {
+            self.lines = Arc::new(lines(outline, filter, folding));
+            self.made_of = Some((outline.clone(), filter.to_owned(), folding.clone()));
+        }
+        self.lines.clone()
+    }
+}
+
+/// The last part of a name.
+pub fn leaf(name: &str) -> &str {
+    name.rsplit('/').next().unwrap_or(name)
+}
+
+/// All folders that a name lies in, outermost first.
+pub fn folders_of(name: &str) -> impl Iterator<Item = &str> {
+    name.match_indices('/').map(|(end, _)| &name[..end])
+}
+
+fn lines(outline: &Outline, filter: &str, folding: &Folding) -> Vec<Line> {
+    let wanted = filter.trim().to_lowercase();
+    let matches = |item: &Item| {
+        wanted.is_empty() || item.name.to_lowercase().contains(&wanted) || item.kind.contains(wanted.as_str())
+    };
+    let mut lines = Vec::new();
+    for (group, (name, items)) in outline.groups().into_iter().enumerate() {
+        let found: Vec<usize> = (0..items.len()).filter(|&index| matches(&items[index])).collect();
+        if found.is_empty() {
+            continue;
+        }
+        let count = found.len();
+        lines.push(Line::Heading { name, count });
+        if wanted.is_empty() && folding.closed.contains(name) {
+            continue;
+        }
+        let (roots, inside) = nesting(items, &found);
+        let mut writer = Writer {
+            group,
+            items,
+            inside,
+            folding: wanted.is_empty().then_some(folding),
+            lines: &mut lines,
+        };
+        writer.folder("", 0, &roots);
+    }
+    lines
+}
+
+/// Those inside no other of `found`, and who is inside of whom.
+fn nesting(items: &[Item], found: &[usize]) -> (Vec<usize>, HashMap<Entity, Vec<usize>>) {
+    let places: HashMap<Entity, usize> = found.iter().map(|&index| (items[index].entity, index)).collect();
+    let outer = |index: usize| places.get(&items[index].inside_of?).copied();
+    // What is inside of itself is inside of nobody.
+    let is_deep = |index: usize| {
+        let chain = std::iter::successors(outer(index), |&next| outer(next));
+        chain.take(DEEPEST).count() == DEEPEST
+    };
+    let mut inside: HashMap<Entity, Vec<usize>> = HashMap::new();
+    let mut roots = Vec::new();
+    for &index in found {
+        match outer(index).filter(|_| !is_deep(index)) {
+            Some(outer) => inside.entry(items[outer].entity).or_default().push(index),
+            None => roots.push(index),
+        }
+    }
+    (roots, inside)
+}
+
+struct Writer<'a> {
+    group: usize,
+    items: &'a [Item],
+    inside: HashMap<Entity, Vec<usize>>,
+    /// None: everything is open.
+    folding: Option<&'a Folding>,
+    lines: &'a mut Vec<Line>,
+}
+
+enum Entry<'a> {
+    Item(usize),
+    Folder(&'a str, Vec<usize>),
+}
+
+impl<'a> Writer<'a> {
+    /// What lies in the folder of this path (empty: in none): its folders where their first member stands, and things.
+    fn folder(&mut self, path: &str, depth: usize, indices: &[usize]) {
+        let mut entries: Vec<Entry<'a>> = Vec::new();
+        let mut known: HashMap<&str, usize> = HashMap::new();
+        for &index in indices {
+            match self.folder_below(path, depth, index) {
+                None => entries.push(Entry::Item(index)),
+                Some(name) => {
+                    let place = *known.entry(name).or_insert_with(|| {
+                        entries.push(Entry::Folder(name, Vec::new()));
+                        entries.len() - 1
+                    });
+                    if let Entry::Folder(_, members) = &mut entries[place] {
+                        members.push(index);
+                    }
+                }
+            }
+        }
+        for entry in entries {
+            match entry {
+                Entry::Item(index) => self.item(index, depth),
+                Entry::Folder(name, members) => {
+                    let path = match path {
+                        "" => name.to_owned(),
+                        outer => format!("{outer}/{name}"),
+                    };
+                    let is_open = self.folding.is_none_or(|folding| !folding.closed.contains(&path));
+                    self.lines.push(Line::Folder {
+                        path: path.clone(),
+                        depth,
+                        members: members.iter().map(|&index| self.items[index].entity).collect(),
+                    });
+                    if is_open {
+                        self.folder(&path, depth + 1, &members);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The name of the next folder down to this thing.
+    fn folder_below(&self, path: &str, depth: usize, index: usize) -> Option<&'a str> {
+        let name = self.items[index].name.trim_start_matches('/');
+        let rest = name.get(path.len()..)?;
+        let rest = rest.strip_prefix('/').unwrap_or(rest);
+        let (folder, _) = rest.split_once('/')?;
+        (depth < DEEPEST).then_some(folder)
+    }
+
+    fn item(&mut self, index: usize, depth: usize) {
+        let entity = self.items[index].entity;
+        let inside = self.inside.get(&entity).cloned().unwrap_or_default();
+        self.lines.push(Line::Item {
+            group: self.group,
+            index,
+            depth,
+            has_inside: !inside.is_empty(),
+        });
+        if self.folding.is_none_or(|folding| folding.open.contains(&entity)) {
+            for inner in inside {
+                self.item(inner, depth + 1);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn item(number: u32, name: &str) -> Item {
+        Item {
+            entity: Entity::from_raw_u32(number).expect("a small number"),
+            name: name.to_owned(),
+            kind: "cube",
+            hidden: false,
+            locked: false,
+            can_hide: true,
+            inside_of: None,
+        }
+    }
+
+    fn text(outline: &Outline, filter: &str, folding: &Folding) -> Vec<String> {
+        let text = |line: &Line| match line {
+            Line::Heading { name, count } => format!("{name} {count}"),
+            Line::Folder { path, members, .. } => format!("[{path} {}]", members.len()),
+            Line::Item {
+                group, index, depth, ..
+            } => format!("{depth} {}", leaf(&outline.groups()[*group].1[*index].name)),
+        };
+        lines(outline, filter, folding).iter().map(text).collect()
+    }
+
+    #[test]
+    fn folders_are_where_their_first_member_stands() {
+        let outline = Outline {
+            shapes: vec![
+                item(1, "floor"),
+                item(2, "table/leg"),
+                item(3, "lamp"),
+                item(4, "table/top/plate"),
+            ],
+            ..Outline::default()
+        };
+        let mut folding = Folding::default();
+        let all = [
+            "Shapes 4",
+            "0 floor",
+            "[table 2]",
+            "1 leg",
+            "[table/top 1]",
+            "2 plate",
+            "0 lamp",
+        ];
+        assert_eq!(text(&outline, "", &folding), all);
+        folding.closed.insert("table".to_owned());
+        assert_eq!(
+            text(&outline, "", &folding),
+            ["Shapes 4", "0 floor", "[table 2]", "0 lamp"]
+        );
+        assert_eq!(
+            text(&outline, "plate", &folding),
+            ["Shapes 1", "[table 1]", "[table/top 1]", "2 plate"]
+        );
+    }
+
+    #[test]
+    fn what_is_inside_a_material_is_under_it() {
+        let mut materials = vec![item(1, "cloth"), item(2, "weave"), item(3, "round"), item(4, "about")];
+        materials[1].inside_of = Some(materials[0].entity);
+        // Two that are inside each other, as a file may wrongly have them.
+        materials[2].inside_of = Some(materials[3].entity);
+        materials[3].inside_of = Some(materials[2].entity);
+        let outline = Outline {
+            materials,
+            ..Outline::default()
+        };
+        let mut folding = Folding::default();
+        assert_eq!(
+            text(&outline, "", &folding),
+            ["Materials 4", "0 cloth", "0 round", "0 about"]
+        );
+        folding.open.insert(outline.materials[0].entity);
+        assert_eq!(text(&outline, "", &folding)[1..3], ["0 cloth", "1 weave"]);
+        // What is looked for is found wherever it is.
+        assert_eq!(text(&outline, "weave", &Folding::default()), ["Materials 1", "0 weave"]);
+    }
+
+    #[test]
+    fn folders_of_a_name_come_outermost_first() {
+        assert_eq!(folders_of("a/b/c").collect::<Vec<_>>(), ["a", "a/b"]);
+        assert_eq!(folders_of("lamp").count(), 0);
+    }
+}

@@ -1,0 +1,236 @@
+//! The list of everything in the scene: select, rename, hide, lock, reorder, and put into folders.
+
+mod lines;
+mod marks;
+mod row;
+
+use std::sync::Arc;
+
+use bevy::prelude::Entity;
+use bevy_egui::egui::{self, Key, Response, Sense, Stroke, Ui};
+
+use super::super::command::Command;
+use super::super::model::{Item, Model, Outline};
+use super::super::selection::Extend;
+use lines::{Folding, Line, Lines, folders_of, leaf};
+use row::{Renaming, Row};
+
+/// What the panel remembers between frames.
+#[derive(Clone, Debug, Default)]
+pub struct OutlinerState {
+    pub filter: String,
+    folding: Folding,
+    lines: Lines,
+    renaming: Option<Renaming>,
+    /// Where a range of lines begins.
+    anchor: Option<Entity>,
+    /// The active thing when the list was last shown: another one is scrolled to.
+    shown_active: Option<Entity>,
+    /// Materials whose lines were in sight, so that there can be pictures of them.
+    pub materials_in_sight: Vec<Entity>,
+}
+
+/// Things on their way from the list to somewhere else: into a folder, to another place, onto a shape in the picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Dragged(pub Vec<Entity>);
+
+pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands: &mut Vec<Command>) {
+    let (outline, selection) = (&model.outline, &model.selection);
+    ui.add(
+        egui::TextEdit::singleline(&mut state.filter)
+            .hint_text("Find")
+            .desired_width(f32::INFINITY),
+    )
+    .on_hover_text("Shows only what has this in its name or kind");
+    if state
+        .renaming
+        .as_ref()
+        .is_some_and(|renaming| item_of(outline, renaming.entity).is_none())
+    {
+        state.renaming = None;
+    }
+    if state.renaming.is_none() && ui.input(|input| input.key_pressed(Key::F2)) {
+        let active = selection.active().and_then(|entity| item_of(outline, entity));
+        state.renaming = active.map(Renaming::of);
+    }
+    let height = ui.spacing().interact_size.y;
+    let (lines, offset) = follow_selection(outline, selection.active(), height, ui, state);
+    state.materials_in_sight.clear();
+    let mut area = egui::ScrollArea::vertical().auto_shrink(false);
+    if let Some(offset) = offset {
+        area = area.vertical_scroll_offset(offset);
+    }
+    // Only the lines in sight are laid out.
+    area.show_rows(ui, height, lines.len(), |ui, range| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        for line in &lines[range] {
+            match line {
+                Line::Heading { name, count } => heading(ui, name, *count, height, state, commands),
+                Line::Folder { path, depth, members } => {
+                    Folder {
+                        path,
+                        depth: *depth,
+                        members,
+                        is_selected: members.iter().all(|entity| selection.contains(*entity)),
+                    }
+                    .show(ui, height, state, commands);
+                }
+                Line::Item {
+                    group,
+                    index,
+                    depth,
+                    has_inside,
+                } => Row {
+                    item: &outline.groups()[*group].1[*index],
+                    is_material: outline.groups()[*group].0 == Outline::MATERIALS,
+                    depth: *depth,
+                    has_inside: *has_inside,
+                    lines: &lines,
+                    model,
+                    height,
+                }
+                .show(ui, state, commands),
+            }
+        }
+    });
+}
+
+/// The lines, and how far they are scrolled if something else became active that is out of sight; what is closed around it is opened.
+fn follow_selection(
+    outline: &Arc<Outline>,
+    active: Option<Entity>,
+    height: f32,
+    ui: &Ui,
+    state: &mut OutlinerState,
+) -> (Arc<Vec<Line>>, Option<f32>) {
+    let is_new = state.shown_active != active;
+    state.shown_active = active;
+    let item = active.filter(|_| is_new).and_then(|entity| item_of(outline, entity));
+    if let Some(item) = item {
+        for folder in folders_of(&item.name) {
+            state.folding.closed.remove(folder);
+        }
+        state.folding.open.extend(item.inside_of);
+    }
+    let lines = state.lines.of(outline, &state.filter, &state.folding);
+    let offset = item.and_then(|item| {
+        let is_its = |line: &Line| matches!(line, Line::Item { group, index, .. } if outline.groups()[*group].1[*index].entity == item.entity);
+        let place = lines.iter().position(is_its)?;
+        let line = height + ui.spacing().item_spacing.y;
+        let seen = ui.available_height();
+        let top = place as f32 * line;
+        let id = ui.make_persistent_id(ui.id().with(egui::Id::new("scroll_area")));
+        let now = egui::scroll_area::State::load(ui.ctx(), id).map_or(0.0, |state| state.offset.y);
+        let is_in_sight = top >= now && top + line <= now + seen;
+        (!is_in_sight).then(|| (top - 0.4 * seen).max(0.0))
+    });
+    (lines, offset)
+}
+
+fn item_of(outline: &Outline, entity: Entity) -> Option<&Item> {
+    outline
+        .groups()
+        .into_iter()
+        .flat_map(|(_, items)| items)
+        .find(|item| item.entity == entity)
+}
+
+/// Turns what is open and what is closed about; true if clicked.
+fn triangle(ui: &mut Ui, is_open: bool) -> bool {
+    let size = egui::vec2(14.0, ui.spacing().interact_size.y);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+    let color = ui.style().interact(&response).fg_stroke.color;
+    let middle = rect.center();
+    let points = if is_open {
+        [(-4.0, -2.0), (4.0, -2.0), (0.0, 4.0)]
+    } else {
+        [(-2.0, -4.0), (4.0, 0.0), (-2.0, 4.0)]
+    };
+    let points = points.iter().map(|&(x, y)| middle + egui::vec2(x, y)).collect();
+    ui.painter()
+        .add(egui::Shape::convex_polygon(points, color, Stroke::NONE));
+    response.clicked()
+}
+
+impl Folding {
+    fn triangle_of(&mut self, ui: &mut Ui, key: &str) {
+        if triangle(ui, !self.closed.contains(key)) && !self.closed.remove(key) {
+            self.closed.insert(key.to_owned());
+        }
+    }
+
+    fn triangle_of_material(&mut self, ui: &mut Ui, material: Entity) {
+        if triangle(ui, self.open.contains(&material)) && !self.open.remove(&material) {
+            self.open.insert(material);
+        }
+    }
+}
+
+fn heading(
+    ui: &mut Ui,
+    name: &'static str,
+    count: usize,
+    height: f32,
+    state: &mut OutlinerState,
+    commands: &mut Vec<Command>,
+) {
+    let row = ui.horizontal(|ui| {
+        ui.set_min_height(height);
+        state.folding.triangle_of(ui, name);
+        ui.strong(name);
+        ui.weak(count.to_string());
+    });
+    // Out of every folder.
+    let target = ui.interact(row.response.rect, ui.id().with(("heading", name)), Sense::hover());
+    if let Some(Dragged(things)) = dropped(ui, &target) {
+        commands.push(Command::PutInto { things, folder: None });
+    }
+}
+
+struct Folder<'a> {
+    path: &'a str,
+    depth: usize,
+    members: &'a [Entity],
+    is_selected: bool,
+}
+
+impl Folder<'_> {
+    fn show(&self, ui: &mut Ui, height: f32, state: &mut OutlinerState, commands: &mut Vec<Command>) {
+        ui.horizontal(|ui| {
+            ui.add_space(row::indent(self.depth));
+            state.folding.triangle_of(ui, self.path);
+            let text = format!("{}  ({})", leaf(self.path), self.members.len());
+            let response = row::left_aligned(ui, text.into(), None, self.is_selected, ui.available_width(), height)
+                .on_hover_text("A folder: click selects all that is in it");
+            if response.clicked() {
+                commands.push(Command::Select(self.members.to_vec(), how(ui)));
+            }
+            response.dnd_set_drag_payload(Dragged(self.members.to_vec()));
+            if let Some(Dragged(things)) = dropped(ui, &response) {
+                let folder = Some(self.path.to_owned());
+                commands.push(Command::PutInto { things, folder });
+            }
+        });
+    }
+}
+
+/// What is let go of over this; while it hovers, the place is marked.
+fn dropped(ui: &Ui, response: &Response) -> Option<Dragged> {
+    if response.dnd_hover_payload::<Dragged>().is_some() {
+        let stroke = ui.visuals().selection.stroke;
+        ui.painter()
+            .rect_stroke(response.rect, 2.0, stroke, egui::StrokeKind::Inside);
+    }
+    response
+        .dnd_release_payload::<Dragged>()
+        .map(|dragged| (*dragged).clone())
+}
+
+/// How a click changes the selection.
+fn how(ui: &Ui) -> Extend {
+    if ui.input(|input| input.modifiers.command) {
+        Extend::Toggle
+    } else {
+        Extend::Replace
+    }
+}

@@ -1,0 +1,270 @@
+//! The line of one thing.
+
+use bevy::prelude::Entity;
+use bevy_egui::egui::{self, Key, Rect, Response, RichText, Sense, Ui, WidgetText, pos2, vec2};
+
+use super::super::super::command::Command;
+use super::super::super::looks::Ball;
+use super::super::super::model::{Item, Model};
+use super::super::super::selection::Extend;
+use super::lines::{Line, leaf};
+use super::marks::{self, BUTTON, eye, mark, padlock};
+use super::{Dragged, OutlinerState, how};
+
+/// Width of the drawing of a thing's kind, and the edge of a material's ball, in points.
+const KIND: f32 = 18.0;
+const BALL: f32 = 16.0;
+
+#[derive(Clone, Debug)]
+pub(super) struct Renaming {
+    pub entity: Entity,
+    /// The last part of the name, as typed so far.
+    text: String,
+    /// The field has not had the keyboard yet.
+    is_new: bool,
+}
+
+impl Renaming {
+    pub fn of(item: &Item) -> Self {
+        Self {
+            entity: item.entity,
+            text: leaf(&item.name).to_owned(),
+            is_new: true,
+        }
+    }
+}
+
+/// Points before a line that is so deep.
+pub(super) fn indent(depth: usize) -> f32 {
+    8.0 + 12.0 * depth as f32
+}
+
+/// A button whose text begins at its left, with another text at its right where there is room for both.
+pub(super) fn left_aligned(
+    ui: &mut Ui,
+    text: RichText,
+    right: Option<RichText>,
+    selected: bool,
+    width: f32,
+    height: f32,
+) -> Response {
+    let measured = |text: &RichText| {
+        let text = WidgetText::from(text.clone());
+        let galley = text.into_galley(
+            ui,
+            Some(egui::TextWrapMode::Extend),
+            f32::INFINITY,
+            egui::TextStyle::Button,
+        );
+        galley.size().x
+    };
+    let padding = 2.0 * ui.spacing().button_padding.x + 8.0;
+    let right = right.filter(|right| measured(&text) + measured(right) + padding <= width);
+    let label = text.text().to_owned();
+    // What has something at its right is pushed to the left.
+    let right = right.unwrap_or_default();
+    let button = egui::Button::selectable(selected, text)
+        .right_text(right)
+        .truncate()
+        .sense(Sense::click_and_drag());
+    let response = ui.add_sized([width, height], button);
+    response.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::Button, true, selected, &label));
+    response
+}
+
+/// One thing's line.
+pub(super) struct Row<'a> {
+    pub item: &'a Item,
+    pub depth: usize,
+    pub has_inside: bool,
+    pub is_material: bool,
+    /// All that are shown, for ranges.
+    pub lines: &'a [Line],
+    pub model: &'a Model,
+    pub height: f32,
+}
+
+impl Row<'_> {
+    pub fn show(&self, ui: &mut Ui, state: &mut OutlinerState, commands: &mut Vec<Command>) {
+        ui.horizontal(|ui| {
+            ui.add_space(indent(self.depth));
+            if self.has_inside {
+                state.folding.triangle_of_material(ui, self.item.entity);
+            } else {
+                ui.add_space(14.0 + ui.spacing().item_spacing.x);
+            }
+            self.kind(ui, state);
+            if state
+                .renaming
+                .as_ref()
+                .is_some_and(|renaming| renaming.entity == self.item.entity)
+            {
+                self.name_field(ui, state, commands);
+            } else {
+                self.name(ui, state, commands);
+            }
+            self.marks(ui, commands);
+        });
+    }
+
+    fn kind(&self, ui: &mut Ui, state: &mut OutlinerState) {
+        let (rect, response) = ui.allocate_exact_size(vec2(KIND, self.height), Sense::hover());
+        if self.is_material {
+            state.materials_in_sight.push(self.item.entity);
+            let face = Rect::from_center_size(rect.center(), vec2(BALL, BALL));
+            self.model.looks.paint_ball(ui, Ball::Material(self.item.entity), face);
+        } else {
+            let color = ui.visuals().weak_text_color();
+            marks::kind(ui.painter(), rect.center(), self.item.kind, color);
+        }
+        response.on_hover_text(self.item.kind);
+    }
+
+    fn name_field(&self, ui: &mut Ui, state: &mut OutlinerState, commands: &mut Vec<Command>) {
+        let Some(renaming) = &mut state.renaming else {
+            return;
+        };
+        let width = ui.available_width() - self.marks_width();
+        let mut output = egui::TextEdit::singleline(&mut renaming.text)
+            .desired_width(width)
+            .show(ui);
+        if std::mem::take(&mut renaming.is_new) {
+            output.response.request_focus();
+            // What is typed takes the old name's place.
+            let all = egui::text::CCursorRange::select_all(&output.galley);
+            output.state.cursor.set_char_range(Some(all));
+            output.state.store(ui.ctx(), output.response.id);
+        } else if output.response.lost_focus() {
+            let is_given_up = ui.input(|input| input.key_pressed(Key::Escape)) || renaming.text.trim().is_empty();
+            if !is_given_up {
+                let folder = self.item.name.rsplit_once('/').map(|(folder, _)| folder);
+                let name = match folder {
+                    Some(folder) => format!("{folder}/{}", renaming.text.trim()),
+                    None => renaming.text.trim().to_owned(),
+                };
+                commands.push(Command::Rename(self.item.entity, name));
+            }
+            state.renaming = None;
+        }
+    }
+
+    fn marks_width(&self) -> f32 {
+        match self.item.can_hide {
+            true => 2.0 * BUTTON + 8.0,
+            false => 4.0,
+        }
+    }
+
+    fn name(&self, ui: &mut Ui, state: &mut OutlinerState, commands: &mut Vec<Command>) {
+        let item = self.item;
+        let selected = self.model.selection.contains(item.entity);
+        let kind = RichText::new(item.kind).weak().small();
+        let name = leaf(&item.name);
+        let mut text = RichText::new(name);
+        if item.hidden {
+            text = text.weak();
+        }
+        let width = (ui.available_width() - self.marks_width()).max(40.0);
+        let response = left_aligned(ui, text, Some(kind), selected, width, self.height);
+        if response.double_clicked() {
+            state.renaming = Some(Renaming::of(item));
+        } else if response.clicked() {
+            let range = self.range(ui, state);
+            match range {
+                Some(range) => commands.push(Command::Select(range, Extend::Add)),
+                None => {
+                    state.anchor = Some(item.entity);
+                    commands.push(Command::Select(vec![item.entity], how(ui)));
+                }
+            }
+        }
+        if response.drag_started() {
+            response.dnd_set_drag_payload(Dragged(self.meant()));
+        }
+        if let Some(before) = self.dropped_before(ui, &response) {
+            commands.push(before);
+        }
+        response.context_menu(|ui| self.menu(ui, state, commands));
+    }
+
+    /// Lines between the anchor and this one, with Shift.
+    fn range(&self, ui: &Ui, state: &OutlinerState) -> Option<Vec<Entity>> {
+        let anchor = state.anchor.filter(|_| ui.input(|input| input.modifiers.shift))?;
+        let groups = self.model.outline.groups();
+        let items: Vec<Entity> = self
+            .lines
+            .iter()
+            .filter_map(|line| match line {
+                Line::Item { group, index, .. } => Some(groups[*group].1[*index].entity),
+                _ => None,
+            })
+            .collect();
+        let place = |wanted: Entity| items.iter().position(|entity| *entity == wanted);
+        let (from, to) = (place(anchor)?, place(self.item.entity)?);
+        Some(items[from.min(to)..=from.max(to)].to_vec())
+    }
+
+    fn dropped_before(&self, ui: &Ui, response: &Response) -> Option<Command> {
+        if response.dnd_hover_payload::<Dragged>().is_some() {
+            let rect = response.rect;
+            let edge = Rect::from_min_max(rect.left_top() - vec2(0.0, 1.0), pos2(rect.right(), rect.top() + 1.0));
+            ui.painter().rect_filled(edge, 0.0, ui.visuals().selection.stroke.color);
+        }
+        let Dragged(moved) = (*response.dnd_release_payload::<Dragged>()?).clone();
+        (!moved.contains(&self.item.entity)).then_some(Command::Reorder {
+            moved,
+            before: Some(self.item.entity),
+        })
+    }
+
+    /// The whole selection, if this is of it.
+    fn meant(&self) -> Vec<Entity> {
+        let selection = &self.model.selection;
+        if selection.contains(self.item.entity) {
+            selection.entities().to_vec()
+        } else {
+            vec![self.item.entity]
+        }
+    }
+
+    fn marks(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let item = self.item;
+        if !item.can_hide {
+            return;
+        }
+        let help = if item.hidden { "Show" } else { "Hide (H)" };
+        if mark(ui, help, !item.hidden, eye).clicked() {
+            commands.push(Command::Hide(self.meant(), !item.hidden));
+        }
+        let help = if item.locked {
+            "Unlock"
+        } else {
+            "Lock: cannot be picked in the picture, moved or deleted"
+        };
+        if mark(ui, help, item.locked, padlock).clicked() {
+            commands.push(Command::Lock(self.meant(), !item.locked));
+        }
+    }
+
+    fn menu(&self, ui: &mut Ui, state: &mut OutlinerState, commands: &mut Vec<Command>) {
+        let entity = self.item.entity;
+        let mut entry = |ui: &mut Ui, name: &str, command: Command| {
+            if ui.button(name).clicked() {
+                if !self.model.selection.contains(entity) {
+                    commands.push(Command::Select(vec![entity], Extend::Replace));
+                }
+                commands.push(command);
+                ui.close();
+            }
+        };
+        entry(ui, "Frame", Command::FrameSelection);
+        entry(ui, "Duplicate", Command::Duplicate);
+        entry(ui, "Copy as XML", Command::Copy);
+        entry(ui, "Group", Command::Group);
+        entry(ui, "Delete", Command::Delete);
+        if ui.button("Rename (F2)").clicked() {
+            state.renaming = Some(Renaming::of(self.item));
+            ui.close();
+        }
+    }
+}
