@@ -168,50 +168,36 @@ impl Material {
 impl Material {
     /// Shows `meet` every texture among the parameters, with the parameter's name.
     pub fn visit_textures(&mut self, meet: impl FnMut(&'static str, &mut Texture)) {
-        self.visit(&mut Textures(meet));
+        self.visit(&mut Texturable(Textures(meet)));
     }
-}
 
-impl Material {
     /// The picture at `path` at a place of the parameter of this name. Where there was no texture before, a picture of anything but colours
     /// is looked at raw.
     pub fn set_picture(&mut self, parameter: &str, place: SquarePath, path: &Path) {
-        self.visit(&mut PictureSetter { parameter, place, path });
+        self.visit(&mut Texturable(PictureSetter { parameter, place, path }));
     }
 }
 
-struct PictureSetter<'a> {
-    parameter: &'a str,
-    place: SquarePath,
-    path: &'a Path,
+/// Meets the parameters that may be textures, whatever they are of.
+trait TexturableVisitor {
+    /// `is_color`: as opposed to numbers, a picture of which is looked at raw.
+    fn meet<T>(&mut self, name: &'static str, value: &mut Parameter<T>, is_color: bool);
 }
 
-impl PictureSetter<'_> {
-    fn set<T>(&self, name: &str, value: &mut Parameter<T>, raw: bool) {
-        if name != self.parameter {
-            return;
-        }
-        let was_plain = matches!(value, Parameter::Constant(_));
-        value.set_picture_at(self.place, self.path.to_owned());
-        if let Parameter::Texture(Texture::Bitmap(bitmap)) = value
-            && was_plain
-        {
-            bitmap.raw = raw;
-        }
-    }
-}
+/// Leaves all other parameters alone.
+struct Texturable<V>(V);
 
-impl ParameterVisitor for PictureSetter<'_> {
+impl<V: TexturableVisitor> ParameterVisitor for Texturable<V> {
     fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        self.set(name, value, name == NORMALS);
+        self.0.meet(name, value, name != NORMALS);
     }
 
     fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        self.set(name, value, true);
+        self.0.meet(name, value, false);
     }
 
     fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, _range: RangeInclusive<f32>) {
-        self.set(name, value, true);
+        self.0.meet(name, value, false);
     }
 
     fn number(&mut self, _name: &'static str, _value: &mut f32, _range: RangeInclusive<f32>) {}
@@ -233,10 +219,10 @@ impl ParameterVisitor for PictureSetter<'_> {
 
     fn roughness(&mut self, value: &mut Roughness) {
         match value {
-            Roughness::Isotropic(alpha) => self.set("alpha", alpha, true),
+            Roughness::Isotropic(alpha) => self.0.meet("alpha", alpha, false),
             Roughness::Anisotropic { u, v } => {
-                self.set("alpha_u", u, true);
-                self.set("alpha_v", v, true);
+                self.0.meet("alpha_u", u, false);
+                self.0.meet("alpha_v", v, false);
             }
         }
     }
@@ -244,51 +230,31 @@ impl ParameterVisitor for PictureSetter<'_> {
 
 struct Textures<F>(F);
 
-impl<F: FnMut(&'static str, &mut Texture)> Textures<F> {
-    fn parameter<T>(&mut self, name: &'static str, value: &mut Parameter<T>) {
+impl<F: FnMut(&'static str, &mut Texture)> TexturableVisitor for Textures<F> {
+    fn meet<T>(&mut self, name: &'static str, value: &mut Parameter<T>, _is_color: bool) {
         if let Parameter::Texture(texture) = value {
             self.0(name, texture);
         }
     }
 }
 
-impl<F: FnMut(&'static str, &mut Texture)> ParameterVisitor for Textures<F> {
-    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        self.parameter(name, value);
-    }
+struct PictureSetter<'a> {
+    parameter: &'a str,
+    place: SquarePath,
+    path: &'a Path,
+}
 
-    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        self.parameter(name, value);
-    }
-
-    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, _range: RangeInclusive<f32>) {
-        self.parameter(name, value);
-    }
-
-    fn number(&mut self, _name: &'static str, _value: &mut f32, _range: RangeInclusive<f32>) {}
-
-    fn flag(&mut self, _name: &'static str, _value: &mut bool) {}
-
-    fn principled_index(&mut self, _value: &mut PrincipledIndex) {}
-
-    fn ior(&mut self, _name: &'static str, _value: &mut Ior) {}
-
-    fn conductor_ior(&mut self, value: &mut ConductorIor) {
-        if let ConductorIor::Given { eta, k } = value {
-            self.parameter("eta", eta);
-            self.parameter("k", k);
+impl TexturableVisitor for PictureSetter<'_> {
+    fn meet<T>(&mut self, name: &'static str, value: &mut Parameter<T>, is_color: bool) {
+        if name != self.parameter {
+            return;
         }
-    }
-
-    fn distribution(&mut self, _value: &mut Distribution) {}
-
-    fn roughness(&mut self, value: &mut Roughness) {
-        match value {
-            Roughness::Isotropic(alpha) => self.parameter("alpha", alpha),
-            Roughness::Anisotropic { u, v } => {
-                self.parameter("alpha_u", u);
-                self.parameter("alpha_v", v);
-            }
+        let was_plain = matches!(value, Parameter::Constant(_));
+        value.set_picture_at(self.place, self.path.to_owned());
+        if let Parameter::Texture(Texture::Bitmap(bitmap)) = value
+            && was_plain
+        {
+            bitmap.raw = !is_color;
         }
     }
 }

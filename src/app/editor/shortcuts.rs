@@ -10,7 +10,7 @@ const CONTROLS: [(&str, &str); 19] = [
     ("Q E", "Fly down and up"),
     ("Shift, Ctrl", "while flying: fast, slow"),
     ("Right drag", "Look around"),
-    ("Left drag", "Look around, or drag a handle"),
+    ("Left drag", "Look, or drag a handle"),
     ("Alt+Left drag", "Orbit the selection"),
     ("Middle drag", "Pan"),
     ("Wheel", "Towards the pointer"),
@@ -30,7 +30,7 @@ const CONTROLS: [(&str, &str); 19] = [
 /// A column has room for so many lines.
 const COLUMN: usize = 27;
 /// Four of them fit into a window of 1280 points.
-const COLUMN_WIDTH: f32 = 288.0;
+const COLUMN_WIDTH: f32 = 268.0;
 
 type Lines = Vec<(String, &'static str)>;
 
@@ -122,8 +122,8 @@ fn column(ui: &mut Ui, groups: &[(&str, Lines)]) {
             ui.strong(*name);
             egui::Grid::new(name)
                 .num_columns(2)
-                .min_col_width(112.0)
-                .spacing(egui::vec2(10.0, 3.0))
+                .min_col_width(100.0)
+                .spacing(egui::vec2(8.0, 3.0))
                 .show(ui, |ui| {
                     for (keys, what) in lines {
                         ui.label(RichText::new(keys).monospace());
