@@ -3,6 +3,7 @@
 //! Results for machines go to standard output, everything for people to standard error. Exit codes: 0 done, 1 the scene or a file was
 //! at fault, 2 wrong usage (clap's), 130 interrupted after writing the partial picture.
 
+mod bench;
 mod check;
 mod convert;
 #[cfg(feature = "window")]
@@ -38,6 +39,8 @@ enum Command {
     Check(check::CheckArgs),
     /// Load a scene and write it back as the program understands it
     Convert(convert::ConvertArgs),
+    /// Measure how fast this machine and this version are
+    Bench(bench::BenchArgs),
 }
 
 /// Which scene, and the values of its parameters.
@@ -106,6 +109,7 @@ pub fn run() -> ExitCode {
         Some(Command::Render(args)) => render::run(*args),
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Convert(args)) => convert::run(args),
+        Some(Command::Bench(args)) => bench::run(args),
     }
 }
 

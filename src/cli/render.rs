@@ -255,7 +255,7 @@ fn check_outputs(outputs: &[PathBuf]) -> Result<(), Error> {
     Ok(())
 }
 
-fn is_stdout(path: &Path) -> bool {
+pub fn is_stdout(path: &Path) -> bool {
     path == Path::new("-")
 }
 
@@ -356,7 +356,7 @@ fn write_output(path: &Path, image: &ImageRgb, display: &Display) -> Result<(), 
 }
 
 /// To standard output; that nobody reads it any more is no error.
-fn print(bytes: &[u8]) -> std::io::Result<()> {
+pub fn print(bytes: &[u8]) -> std::io::Result<()> {
     match std::io::stdout().write_all(bytes) {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         result => result,

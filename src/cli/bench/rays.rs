@@ -1,0 +1,239 @@
+//! Rays against one mesh: rates with one and with all threads, the build, the memory, and whether every answer is right.
+//!
+//! A file of rays is little endian: "RAYS", then three u32 (version 1, number of rays, bytes of a record, 32), then of each ray its origin
+//! and unit direction (three f32 each), the distance of the nearest hit (f32, infinite for none) and the triangle's index (u32, all ones
+//! for none).
+
+use std::hint::black_box;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use glam::Vec3;
+use sunroom::accel::{Blas, SplitMethod};
+use sunroom::geometry::mesh::MeshData;
+use sunroom::geometry::{obj::load_obj, ply::load_ply};
+use sunroom::math::Ray;
+
+use super::results::{Rate, RayResult, Results};
+use super::{Error, RayBenchArgs, median};
+
+/// Distances closer than this, relative to their size, are the same: another program rounds in another order.
+const SAME_DISTANCE: f32 = 1e-4;
+/// Shorter measurements are repeated.
+const SHORTEST: Duration = Duration::from_millis(300);
+
+const HEADER_BYTES: usize = 16;
+const RECORD_BYTES: usize = 32;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Answered {
+    ray: Ray,
+    /// Infinite for a miss.
+    t: f32,
+    triangle: u32,
+}
+
+pub fn measure(args: &RayBenchArgs) -> Result<Results, Error> {
+    let mesh = Arc::new(load_mesh(&args.mesh)?);
+    let sets = args
+        .rays
+        .iter()
+        .map(|path| Ok((name_of(path), read(path)?)))
+        .collect::<Result<Vec<_>, Error>>()?;
+    let threads = sunroom::app::threads::worker_count(args.common.threads.threads, false).get();
+    let mut builds = Vec::new();
+    let mut blas = None;
+    for _ in 0..args.common.rounds {
+        let begin = Instant::now();
+        blas = Some(Blas::build(mesh.clone(), SplitMethod::Sah));
+        builds.push(begin.elapsed().as_secs_f64());
+    }
+    let Some(blas) = blas else {
+        return Err("there is nothing to measure in no rounds".into());
+    };
+    let mut results = Results::new(threads);
+    for (name, set) in &sets {
+        let (wrong, ties) = check(&blas, set);
+        let rays: Vec<Ray> = set.iter().map(|answered| answered.ray).collect();
+        let rate = |query: fn(&Blas, &Ray) -> bool| {
+            let rate = |threads: usize| median((0..args.common.rounds).map(|_| rate(&blas, &rays, query, threads)));
+            Rate {
+                one_thread: rate(1),
+                all_threads: rate(threads),
+            }
+        };
+        results.rays.push(RayResult {
+            mesh: name_of(&args.mesh),
+            rays: name.clone(),
+            triangles: mesh.triangles.len(),
+            count: rays.len(),
+            build_seconds: median(builds.iter().copied()),
+            bytes_per_triangle: blas.stats().bytes as f64 / mesh.triangles.len().max(1) as f64,
+            closest: rate(|blas, ray| blas.intersect(ray).is_some()),
+            any: rate(Blas::occluded),
+            wrong,
+            ties,
+        });
+    }
+    Ok(results)
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn load_mesh(path: &Path) -> Result<MeshData, Error> {
+    let place = path.display();
+    let bytes = std::fs::read(path).map_err(|error| format!("{place}: {error}"))?;
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let loaded = match extension.to_str() {
+        // Materials do not matter here.
+        Some("obj") => load_obj(&bytes, &mut |_| Err(std::io::ErrorKind::NotFound.into())),
+        Some("ply") => load_ply(&bytes),
+        _ => return Err(format!("{place}: expected an .obj or a .ply file").into()),
+    };
+    Ok(loaded.map_err(|error| format!("{place}: {error}"))?.mesh)
+}
+
+fn read(path: &Path) -> Result<Vec<Answered>, Error> {
+    let bytes = std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    parse(&bytes).map_err(|error| format!("{}: {error}", path.display()).into())
+}
+
+fn parse(bytes: &[u8]) -> Result<Vec<Answered>, String> {
+    let (header, records) = bytes
+        .split_at_checked(HEADER_BYTES)
+        .ok_or("expected a header of 16 bytes, the file is shorter")?;
+    let word = |bytes: &[u8], place: usize| {
+        let word = bytes[4 * place..4 * place + 4].try_into();
+        u32::from_le_bytes(word.unwrap_or_default())
+    };
+    if &header[..4] != b"RAYS" {
+        return Err("byte 0: expected `RAYS`".to_owned());
+    }
+    let (version, count, size) = (word(header, 1), word(header, 2), word(header, 3));
+    if (version, size as usize) != (1, RECORD_BYTES) {
+        return Err(format!(
+            "byte 4: expected version 1 with records of {RECORD_BYTES} bytes, found version {version} with {size}"
+        ));
+    }
+    let (records, rest) = records.as_chunks::<RECORD_BYTES>();
+    if records.len() != count as usize || !rest.is_empty() {
+        let found = records.len();
+        return Err(format!(
+            "byte 8: {count} rays are promised, the file has {found} and {} bytes",
+            rest.len()
+        ));
+    }
+    let float = |record: &[u8], place: usize| f32::from_bits(word(record, place));
+    let vector = |record: &[u8], place: usize| Vec3::from_array([0, 1, 2].map(|k| float(record, place + k)));
+    let answered = records.iter().map(|record| Answered {
+        ray: Ray::new(vector(record, 0), vector(record, 3)),
+        t: float(record, 6),
+        triangle: word(record, 7),
+    });
+    Ok(answered.collect())
+}
+
+/// How many answers are wrong, and how many are of the neighbour at the same distance.
+fn check(blas: &Blas, set: &[Answered]) -> (usize, usize) {
+    let (mut wrong, mut ties) = (0, 0);
+    for answered in set {
+        let hit = blas.intersect(&answered.ray);
+        let t = hit.as_ref().map_or(f32::INFINITY, |hit| hit.t);
+        let triangle = hit.as_ref().map_or(u32::MAX, |hit| hit.triangle);
+        let apart = (t - answered.t).abs();
+        let is_same_distance = t == answered.t || (apart.is_finite() && apart <= SAME_DISTANCE * answered.t.abs());
+        let is_consistent = blas.occluded(&answered.ray) == hit.is_some();
+        if !is_same_distance || !is_consistent {
+            wrong += 1;
+        } else if triangle != answered.triangle {
+            ties += 1;
+        }
+    }
+    (wrong, ties)
+}
+
+/// In 10^6 rays a second: the rays are dealt out evenly, and each thread goes over its own until enough time has passed.
+fn rate(blas: &Blas, rays: &[Ray], query: fn(&Blas, &Ray) -> bool, threads: usize) -> f64 {
+    if rays.is_empty() {
+        return f64::NAN;
+    }
+    let share = rays.len().div_ceil(threads);
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = rays
+            .chunks(share)
+            .map(|rays| {
+                scope.spawn(move || {
+                    let begin = Instant::now();
+                    let mut traced = 0usize;
+                    while begin.elapsed() < SHORTEST {
+                        black_box(rays.iter().filter(|ray| query(blas, black_box(ray))).count());
+                        traced += rays.len();
+                    }
+                    traced as f64 / begin.elapsed().as_secs_f64()
+                })
+            })
+            .collect();
+        let rates = workers.into_iter().map(|worker| worker.join().unwrap_or(f64::NAN));
+        rates.sum::<f64>() / 1e6
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(version: u32, count: u32, records: &[[f32; 8]]) -> Vec<u8> {
+        let mut bytes = b"RAYS".to_vec();
+        for word in [version, count, 32] {
+            bytes.extend(word.to_le_bytes());
+        }
+        for number in records.as_flattened() {
+            bytes.extend(number.to_le_bytes());
+        }
+        bytes
+    }
+
+    #[test]
+    fn files_of_rays_are_read_and_broken_ones_refused() {
+        let record = [1.0, 2.0, 3.0, 0.0, 0.0, -1.0, 5.0, f32::from_bits(7)];
+        let rays = parse(&file(1, 1, &[record])).expect("one ray");
+        let ray = Ray::new(Vec3::new(1.0, 2.0, 3.0), -Vec3::Z);
+        assert_eq!(
+            rays,
+            [Answered {
+                ray,
+                t: 5.0,
+                triangle: 7
+            }]
+        );
+        for (broken, place) in [
+            (b"RAYS".to_vec(), "header"),
+            (b"RAISE and shine!".to_vec(), "byte 0"),
+            (file(2, 1, &[record]), "byte 4"),
+            (file(1, 2, &[record]), "byte 8"),
+        ] {
+            let error = parse(&broken).expect_err("broken");
+            assert!(error.contains(place), "{error}");
+        }
+    }
+
+    #[test]
+    fn wrong_answers_are_counted() {
+        let mesh = load_obj(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", &mut |_| {
+            Err(std::io::ErrorKind::NotFound.into())
+        });
+        let blas = Blas::build(Arc::new(mesh.expect("a triangle").mesh), SplitMethod::Sah);
+        let down = Ray::new(Vec3::new(0.2, 0.2, 3.0), -Vec3::Z);
+        let answered = |t: f32, triangle: u32| Answered { ray: down, t, triangle };
+        let set = [
+            answered(3.0, 0),
+            answered(3.0, 4),
+            answered(2.0, 0),
+            answered(f32::INFINITY, u32::MAX),
+        ];
+        assert_eq!(check(&blas, &set), (2, 1));
+    }
+}

@@ -1,0 +1,151 @@
+//! What a benchmark found: the table for people, the JSON for later runs.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::Error;
+
+/// Of the JSON; a later one may have other fields.
+const VERSION: u32 = 1;
+
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
+pub struct Results {
+    pub version: u32,
+    /// Of the program that measured.
+    pub program: String,
+    pub threads: usize,
+    #[serde(default)]
+    pub renders: Vec<RenderResult>,
+    #[serde(default)]
+    pub rays: Vec<RayResult>,
+}
+
+/// One scene. Times are medians over the rounds, in seconds.
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
+pub struct RenderResult {
+    pub scene: String,
+    pub width: u32,
+    pub height: u32,
+    pub spp: u32,
+    /// Of rendering, without loading and building.
+    pub seconds: f64,
+    /// Of all threads, loading and building included; None where the system does not tell.
+    pub cpu_seconds: Option<f64>,
+    pub msamples_per_s: f64,
+    pub mrays_per_s: f64,
+    /// Mean of the squared error over that of the picture, squared, plus 0.01: see [`super::renders`].
+    pub rel_mse: f64,
+    /// `rel_mse` times `seconds`: what a user pays for a given noise.
+    pub cost: f64,
+}
+
+/// One set of rays against one mesh; rates are medians over the rounds, in 10^6 rays a second.
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
+pub struct RayResult {
+    pub mesh: String,
+    pub rays: String,
+    pub triangles: usize,
+    pub count: usize,
+    pub build_seconds: f64,
+    /// Of nodes and leaves, without the mesh itself.
+    pub bytes_per_triangle: f64,
+    pub closest: Rate,
+    pub any: Rate,
+    /// Answers that differ from those of the file.
+    pub wrong: usize,
+    /// Answers that name another triangle at the same distance: rays through a common edge.
+    pub ties: usize,
+}
+
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, PartialEq)]
+pub struct Rate {
+    pub one_thread: f64,
+    pub all_threads: f64,
+}
+
+impl Results {
+    pub fn new(threads: usize) -> Self {
+        Self {
+            version: VERSION,
+            program: concat!("sunroom ", env!("CARGO_PKG_VERSION")).to_owned(),
+            threads,
+            renders: Vec::new(),
+            rays: Vec::new(),
+        }
+    }
+
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let place = path.display();
+        let text = std::fs::read_to_string(path).map_err(|error| format!("{place}: {error}"))?;
+        let results: Self = serde_json::from_str(&text).map_err(|error| {
+            let (line, column) = (error.line(), error.column());
+            format!("{place}:{line}:{column}: expected what `sunroom bench --json` writes: {error}")
+        })?;
+        if results.version != VERSION {
+            let found = results.version;
+            return Err(format!("{place}: expected results of version {VERSION}, found {found}").into());
+        }
+        Ok(results)
+    }
+
+    /// Replaces the file in one step.
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        let text = serde_json::to_string_pretty(self)? + "\n";
+        if super::super::render::is_stdout(path) {
+            super::super::render::print(text.as_bytes())?;
+        } else {
+            sunroom::document::write_atomically(path, text).map_err(|error| format!("{}: {error}", path.display()))?;
+        }
+        Ok(())
+    }
+
+    pub fn table(&self) -> String {
+        let mut text = String::new();
+        // Writing to a string does not fail.
+        let _ = self.write_table(&mut text);
+        text
+    }
+
+    fn write_table(&self, text: &mut String) -> std::fmt::Result {
+        if !self.renders.is_empty() {
+            writeln!(
+                text,
+                "{:24} {:>9} {:>9} {:>10} {:>9} {:>11} {:>13}",
+                "scene", "seconds", "CPU s", "Msamples/s", "Mrays/s", "relMSE", "relMSE x s"
+            )?;
+        }
+        for render in &self.renders {
+            let cpu = render.cpu_seconds.map_or("-".to_owned(), |cpu| format!("{cpu:.2}"));
+            writeln!(
+                text,
+                "{:24} {:>9.3} {cpu:>9} {:>10.2} {:>9.2} {:>11.6} {:>13.6}",
+                render.scene, render.seconds, render.msamples_per_s, render.mrays_per_s, render.rel_mse, render.cost,
+            )?;
+        }
+        for rays in &self.rays {
+            let RayResult { closest, any, .. } = rays;
+            writeln!(
+                text,
+                "{}, {} triangles: built in {:.3} s, {:.1} bytes per triangle\n  {}, {} rays: {} wrong, {} ties",
+                rays.mesh,
+                rays.triangles,
+                rays.build_seconds,
+                rays.bytes_per_triangle,
+                rays.rays,
+                rays.count,
+                rays.wrong,
+                rays.ties,
+            )?;
+            for (name, rate) in [("closest hit", closest), ("any hit", any)] {
+                writeln!(
+                    text,
+                    "  {name:12} {:>8.2} Mrays/s with one thread, {:>8.2} with {}",
+                    rate.one_thread, rate.all_threads, self.threads
+                )?;
+            }
+        }
+        Ok(())
+    }
+}
