@@ -5,7 +5,8 @@ mod statistics;
 use glam::{UVec2, Vec2, Vec3};
 use statistics::{assert_all_plausible, chi_squared_p, integrate, sphere_integral, sphere_p};
 use sunroom::sampling::{
-    DiscreteDistribution, ONE_MINUS_EPSILON, PiecewiseConstant1d, Sampler, SequenceKind, SphericalRectangle, warp,
+    DiscreteDistribution, ONE_MINUS_EPSILON, PiecewiseConstant1d, Rectangle, Sampler, SequenceKind, SphericalRectangle,
+    warp,
 };
 
 const KINDS: [SequenceKind; 2] = [SequenceKind::Independent, SequenceKind::Sobol];
@@ -291,6 +292,10 @@ fn points_are_uniform_in_disk_triangle_and_ball() {
     assert_all_plausible(&results);
 }
 
+fn seen(corner: Vec3, edge_u: Vec3, edge_v: Vec3, origin: Vec3) -> Option<SphericalRectangle> {
+    Rectangle::new(corner, edge_u, edge_v)?.seen_from(origin)
+}
+
 #[test]
 fn spherical_rectangle_is_uniform_in_solid_angle() {
     // Corner, edges, origin: frontal, from behind, oblique, close, beside, long and thin, far away, rotated.
@@ -311,7 +316,7 @@ fn spherical_rectangle_is_uniform_in_solid_angle() {
     ];
     let mut results = Vec::new();
     for (case, &(corner, u, v, origin)) in cases.iter().enumerate() {
-        let rectangle = SphericalRectangle::new(corner, u, v, origin).expect("a rectangle of good size");
+        let rectangle = seen(corner, u, v, origin).expect("a rectangle of good size");
         let normal = u.cross(v).normalize().as_dvec3();
         let density = |a: f64, b: f64| {
             let d = corner.as_dvec3() + a * u.as_dvec3() + b * v.as_dvec3() - origin.as_dvec3();
@@ -358,18 +363,28 @@ fn spherical_rectangle_is_uniform_in_solid_angle() {
 
 #[test]
 fn spherical_rectangle_leaves_the_rest_to_area_sampling() {
-    let unit = |origin| SphericalRectangle::new(Vec3::ZERO, Vec3::X, Vec3::Y, origin);
+    let unit = |origin| seen(Vec3::ZERO, Vec3::X, Vec3::Y, origin);
     assert!(unit(Vec3::new(0.5, 0.5, 1.0)).is_some());
     assert!(unit(Vec3::new(3.0, 0.5, 0.0)).is_none(), "in its plane");
     assert!(unit(Vec3::new(0.5, 0.5, 1e5)).is_none(), "tiny");
+    const TAU_OVER_NEAREST: f32 = std::f32::consts::TAU / 0.3;
+    // What nearly touches it sees half of everything, and beside it nothing.
+    for height in [1e-4, 1e-6, 1e-9] {
+        let touching = unit(Vec3::new(0.3, 0.6, height)).expect("before it").solid_angle();
+        // In every direction it ends at least 0.3 away, so low above the horizon.
+        let missing = std::f32::consts::TAU - touching;
+        assert!(
+            (-1e-6..TAU_OVER_NEAREST * height + 1e-6).contains(&missing),
+            "{missing}"
+        );
+        let beside = unit(Vec3::new(1.5, 0.6, height)).map_or(0.0, |seen| seen.solid_angle());
+        assert!(beside < 10.0 * height, "{beside}");
+    }
     assert!(
-        SphericalRectangle::new(Vec3::ZERO, Vec3::X, Vec3::new(0.1, 1.0, 0.0), Vec3::Z).is_none(),
+        seen(Vec3::ZERO, Vec3::X, Vec3::new(0.1, 1.0, 0.0), Vec3::Z).is_none(),
         "parallelogram"
     );
-    assert!(
-        SphericalRectangle::new(Vec3::ZERO, Vec3::ZERO, Vec3::Y, Vec3::Z).is_none(),
-        "no extent"
-    );
+    assert!(seen(Vec3::ZERO, Vec3::ZERO, Vec3::Y, Vec3::Z).is_none(), "no extent");
 }
 
 #[test]

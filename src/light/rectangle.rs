@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::surface::{SurfaceHit, SurfaceSample, solid_angle_pdf};
 use crate::math::Aabb;
-use crate::sampling::{PiecewiseBilinear2d, SphericalRectangle};
+use crate::sampling::{PiecewiseBilinear2d, Rectangle, SphericalRectangle};
 
 /// `corner + a edge_u + b edge_v`, a and b in [0, 1].
 #[derive(Clone, Debug)]
@@ -14,6 +14,8 @@ pub(super) struct RectangleLight {
     edge_v: Vec3,
     normal: Vec3,
     pdf_area: f32,
+    /// None of a parallelogram that is none: it is sampled by area.
+    rectangle: Option<Rectangle>,
     /// Over a and b, if it is not equally bright all over.
     density: Option<PiecewiseBilinear2d>,
 }
@@ -26,6 +28,7 @@ impl RectangleLight {
             edge_v,
             normal,
             pdf_area: 1.0 / edge_u.cross(edge_v).length(),
+            rectangle: Rectangle::new(corner, edge_u, edge_v),
             density: None,
         }
     }
@@ -63,7 +66,7 @@ impl RectangleLight {
             let position = self.corner + sample.position.x * self.edge_u + sample.position.y * self.edge_v;
             return SurfaceSample::from_area(position, self.normal, self.pdf_area * sample.pdf, reference);
         }
-        if let Some(seen) = SphericalRectangle::new(self.corner, self.edge_u, self.edge_v, reference) {
+        if let Some(seen) = self.seen_from(reference) {
             return Some(SurfaceSample {
                 position: seen.sample(u),
                 normal: self.normal,
@@ -74,12 +77,16 @@ impl RectangleLight {
         SurfaceSample::from_area(position, self.normal, self.pdf_area, reference)
     }
 
+    fn seen_from(&self, reference: Vec3) -> Option<SphericalRectangle> {
+        self.rectangle.as_ref()?.seen_from(reference)
+    }
+
     pub fn pdf(&self, reference: Vec3, hit: &SurfaceHit) -> f32 {
         if let Some(density) = &self.density {
             let pdf_area = self.pdf_area * density.pdf(hit.uv);
             return solid_angle_pdf(pdf_area, hit.position, self.normal, reference);
         }
-        match SphericalRectangle::new(self.corner, self.edge_u, self.edge_v, reference) {
+        match self.seen_from(reference) {
             Some(seen) => seen.pdf_solid_angle(),
             None => solid_angle_pdf(self.pdf_area, hit.position, self.normal, reference),
         }

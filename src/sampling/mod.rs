@@ -15,7 +15,7 @@ pub use bilinear::{PiecewiseBilinear2d, SquareSample};
 pub use distribution::{ContinuousSample, DiscreteDistribution, DiscreteSample, PiecewiseConstant1d};
 pub use mis::power_heuristic;
 pub use sampler::{Sampler, SequenceKind};
-pub use spherical_rectangle::SphericalRectangle;
+pub use spherical_rectangle::{Rectangle, SphericalRectangle};
 pub use spherical_triangle::SphericalTriangle;
 
 /// The largest `f32` below one; uniform numbers never exceed it.

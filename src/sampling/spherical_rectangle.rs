@@ -4,13 +4,24 @@
 //! sake of small and distant rectangles. Only for rectangles; a parallelogram that is none is sampled by area.
 
 use glam::{DVec3, Vec2, Vec3};
-use std::f64::consts::PI;
+use std::f64::consts::TAU;
 
 /// Cosine of the edges' angle up to which a parallelogram counts as a rectangle: the rounding of an `f32` transform, no more.
 const PERPENDICULARITY: f64 = 1e-5;
 
 /// Below this solid angle (sr) area sampling is as good, and this one runs out of digits.
 const SMALLEST_SOLID_ANGLE: f64 = 1e-6;
+
+/// A rectangle, prepared to be looked at from many points.
+#[derive(Clone, Copy, Debug)]
+pub struct Rectangle {
+    corner: Vec3,
+    /// Unit vectors along the edges.
+    x: DVec3,
+    y: DVec3,
+    width: f64,
+    height: f64,
+}
 
 /// A rectangle as seen from one point, prepared for sampling.
 #[derive(Clone, Copy, Debug)]
@@ -26,43 +37,92 @@ pub struct SphericalRectangle {
     y0: f64,
     y1: f64,
     z0: f64,
-    /// z components of the unit normals of the planes through the origin and the edges y = y0 and y = y1.
+    /// z components of the unit normals of the planes through the origin and the edges y = y0 and y = y1; 1 - b0^2.
     b0: f64,
     b1: f64,
-    /// The angle at which the solid angle left of x is zero.
-    k: f64,
+    a0: f64,
+    /// Of the angle at which the solid angle left of x is zero.
+    start: Turn,
     solid_angle: f64,
 }
 
-impl SphericalRectangle {
-    /// The rectangle `corner + a edge_u + b edge_v`, a and b in [0, 1], seen from `origin`; all in one space, either side visible.
-    ///
-    /// `None` if the edges are not perpendicular, if the origin lies in the rectangle's plane, or if the solid angle is tiny: sample by
-    /// area then.
-    pub fn new(corner: Vec3, edge_u: Vec3, edge_v: Vec3, origin: Vec3) -> Option<Self> {
-        let (origin, edge_u, edge_v) = (origin.as_dvec3(), edge_u.as_dvec3(), edge_v.as_dvec3());
+/// Cosine and sine of an angle: sums of angles without the angles.
+#[derive(Clone, Copy, Debug)]
+struct Turn {
+    cos: f64,
+    sin: f64,
+}
+
+impl Turn {
+    /// By an angle in [-pi / 2, pi / 2], of its sine.
+    fn of_sine(sin: f64) -> Self {
+        let cos = (1.0 - sin * sin).max(0.0).sqrt();
+        Self { cos, sin }
+    }
+
+    fn then(self, other: Self) -> Self {
+        Self {
+            cos: self.cos * other.cos - self.sin * other.sin,
+            sin: self.sin * other.cos + self.cos * other.sin,
+        }
+    }
+}
+
+impl Rectangle {
+    /// `corner + a edge_u + b edge_v`, a and b in [0, 1]. `None` if the edges are not perpendicular, or one has no length.
+    pub fn new(corner: Vec3, edge_u: Vec3, edge_v: Vec3) -> Option<Self> {
+        let (edge_u, edge_v) = (edge_u.as_dvec3(), edge_v.as_dvec3());
         let (width, height) = (edge_u.length(), edge_v.length());
-        if edge_u.dot(edge_v).abs() > PERPENDICULARITY * width * height {
+        let is_rectangle = edge_u.dot(edge_v).abs() <= PERPENDICULARITY * width * height;
+        if !is_rectangle || width * height == 0.0 {
             return None;
         }
-        let (x, y) = (edge_u / width, edge_v / height);
-        let to_corner = corner.as_dvec3() - origin;
+        Some(Self {
+            corner,
+            x: edge_u / width,
+            y: edge_v / height,
+            width,
+            height,
+        })
+    }
+
+    /// From a point in the same space, on either side. `None` if it lies in the rectangle's plane, or if the solid angle is tiny: sample by
+    /// area then.
+    pub fn seen_from(&self, origin: Vec3) -> Option<SphericalRectangle> {
+        let Self { x, y, .. } = *self;
+        let origin = origin.as_dvec3();
+        let to_corner = self.corner.as_dvec3() - origin;
         let normal = x.cross(y);
-        let z = if to_corner.dot(normal) > 0.0 { -normal } else { normal };
-        let (x0, y0, z0) = (to_corner.dot(x), to_corner.dot(y), to_corner.dot(z));
-        let (x1, y1) = (x0 + width, y0 + height);
+        let above = to_corner.dot(normal);
+        let (z, z0) = if above > 0.0 {
+            (-normal, -above)
+        } else {
+            (normal, above)
+        };
+        let (x0, y0) = (to_corner.dot(x), to_corner.dot(y));
+        let (x1, y1) = (x0 + self.width, y0 + self.height);
 
         // The unit normals of the four planes through the origin and an edge have, beside z, only an x or only a y component, so that
         // neighbours' dot products are products of z components.
         let [n0, n1, n2, n3] = [-y0, x1, y1, -x0].map(|offset| offset / length(offset, z0));
         // The interior angle between neighbours is acos(-n n') = pi / 2 + asin(n n'): the solid angle, their sum less two pi, is
         // the sum of the arc sines.
-        let [g0, g1, g2, g3] = [n0 * n1, n1 * n2, n2 * n3, n3 * n0].map(f64::asin);
-        let solid_angle = g0 + g1 + g2 + g3;
+        let [g0, g1, g2, g3] = [n0 * n1, n1 * n2, n2 * n3, n3 * n0].map(Turn::of_sine);
+        let last = g2.then(g3);
+        let all = g0.then(g1).then(last);
+        let turned = all.sin.atan2(all.cos);
+        // More than half a hemisphere of it, which is a negative angle or a rounded whole turn, is seen only from closely before it.
+        let is_before = x0 < 0.0 && x1 > 0.0 && y0 < 0.0 && y1 > 0.0;
+        let is_close = is_before && -z0 < self.width.min(self.height);
+        let solid_angle = if is_close && turned <= SMALLEST_SOLID_ANGLE {
+            turned + TAU
+        } else {
+            turned
+        };
         if solid_angle.is_nan() || solid_angle <= SMALLEST_SOLID_ANGLE || z0 == 0.0 {
             return None;
         }
-        Some(Self {
+        Some(SphericalRectangle {
             origin,
             x,
             y,
@@ -74,11 +134,18 @@ impl SphericalRectangle {
             z0,
             b0: n0,
             b1: n2,
-            k: PI - g2 - g3,
+            a0: z0 * z0 / (y0 * y0 + z0 * z0),
+            // pi less the last two.
+            start: Turn {
+                cos: -last.cos,
+                sin: last.sin,
+            },
             solid_angle,
         })
     }
+}
 
+impl SphericalRectangle {
     /// Solid angle of the rectangle, steradian, in (0, 2 pi].
     pub fn solid_angle(&self) -> f32 {
         self.solid_angle as f32
@@ -92,11 +159,13 @@ impl SphericalRectangle {
     /// A point on the rectangle, whose direction from the origin is uniform in solid angle.
     pub fn sample(&self, u: Vec2) -> Vec3 {
         let (u, v) = (f64::from(u.x), f64::from(u.y));
-        // The x at which the part of the rectangle on its left covers the fraction u of the solid angle.
-        let (sin, cos) = (u * self.solid_angle + self.k).sin_cos();
-        let f = (cos * self.b0 - self.b1) / sin;
-        let c = (f.signum() / (f * f + self.b0 * self.b0).sqrt()).clamp(-1.0, 1.0);
-        let x = (-c * self.z0 / (1.0 - c * c).sqrt()).clamp(self.x0, self.x1);
+        // The x at which the part of the rectangle on its left covers the fraction u of the solid angle: with the paper's f = m / sin and
+        // c = +-1 / sqrt(f^2 + b0^2), x = -c z0 / sqrt(1 - c^2), both fractions of roots in one.
+        let (sin, cos) = (u * self.solid_angle).sin_cos();
+        let turn = Turn { cos, sin }.then(self.start);
+        let m = turn.cos * self.b0 - self.b1;
+        let root = (m * m - self.a0 * turn.sin * turn.sin).max(0.0).sqrt();
+        let x = (-self.z0 * turn.sin.copysign(turn.sin * m) / root).clamp(self.x0, self.x1);
         let x = if x.is_nan() {
             self.x0 + u * (self.x1 - self.x0)
         } else {

@@ -30,7 +30,9 @@ const CONTROLS: [(&str, &str); 19] = [
 /// A column has room for so many lines.
 const COLUMN: usize = 27;
 /// Four of them fit into a window of 1280 points.
-const COLUMN_WIDTH: f32 = 268.0;
+const COLUMN_WIDTH: f32 = 260.0;
+/// Of the letters, in points.
+const KEY_SIZE: f32 = 11.5;
 
 type Lines = Vec<(String, &'static str)>;
 
@@ -122,12 +124,12 @@ fn column(ui: &mut Ui, groups: &[(&str, Lines)]) {
             ui.strong(*name);
             egui::Grid::new(name)
                 .num_columns(2)
-                .min_col_width(100.0)
+                .min_col_width(92.0)
                 .spacing(egui::vec2(8.0, 3.0))
                 .show(ui, |ui| {
                     for (keys, what) in lines {
-                        ui.label(RichText::new(keys).monospace());
-                        ui.label(*what);
+                        ui.label(RichText::new(keys).monospace().size(KEY_SIZE));
+                        ui.label(RichText::new(*what).size(KEY_SIZE));
                         ui.end_row();
                     }
                 });
