@@ -522,3 +522,57 @@ fn answers_of_another_program_on_shared_rays() {
         assert!(other_triangle <= 5 && other_distance <= 2);
     }
 }
+
+/// Two boxes of edge 2, four apart: of half their hull's surface, 36, each has a third.
+#[test]
+fn the_expected_work_of_small_trees_is_known() {
+    let at = |x: f32| Affine3A::from_translation(Vec3::new(x, 0.0, 0.0));
+    let flat = mesh([
+        [Vec3::NEG_ONE, Vec3::ONE, Vec3::new(1.0, -1.0, -1.0)],
+        [Vec3::ONE, Vec3::NEG_ONE, Vec3::new(-1.0, 1.0, 1.0)],
+    ]);
+    let blas = Arc::new(Blas::build(Arc::new(flat), SplitMethod::Sah));
+    assert_eq!(
+        blas.stats().sah_cost,
+        2.0,
+        "two triangles in a leaf as large as everything"
+    );
+    let two = |left: Primitive, right: Primitive| {
+        let instances = [(left, -3.0), (right, 3.0)].map(|(primitive, x)| Instance::new(primitive, at(x)));
+        Tlas::build(instances.into_iter().flatten().collect(), SplitMethod::Sah).expected_work()
+    };
+    let mesh = || Primitive::Mesh(blas.clone());
+    let near = |work: f64, expected: f64| assert!((work - expected).abs() < 1e-6, "{work}, not {expected}");
+    near(two(Primitive::Sphere, Primitive::Sphere), 2.0 / 3.0);
+    near(two(mesh(), Primitive::Sphere), 1.0);
+    near(two(mesh(), mesh()), 4.0 / 3.0);
+    let group = Tlas::build(
+        Instance::new(mesh(), Affine3A::IDENTITY).into_iter().collect(),
+        SplitMethod::Sah,
+    );
+    let placements = [-3.0, 3.0].map(|x| Placement::new(0, &at(x)));
+    let placements = placements.into_iter().flatten().collect();
+    let placed = Tlas::with_placements(Vec::new(), vec![Arc::new(group)], placements, SplitMethod::Sah);
+    near(placed.expected_work(), 4.0 / 3.0);
+    assert_eq!(Tlas::build(Vec::new(), SplitMethod::Sah).expected_work(), 0.0);
+    // Eight leaves of one are a node of their own below the root's; every inner box counts 1.
+    let row: Vec<Aabb> = (0..9)
+        .map(|i| Aabb::from_points([Vec3::new(i as f32, 0.0, 0.0), Vec3::new(i as f32 + 1.0, 1.0, 1.0)]))
+        .collect();
+    let shape = LeafShape {
+        max_primitives: 1,
+        align: 1,
+    };
+    let bvh = Bvh::build(&row, SplitMethod::Median, shape);
+    let mut by_hand = 0.0;
+    bvh.visit_boxes(|found| {
+        if found.depth > 0 {
+            by_hand += f64::from(found.bounds.half_area()) / f64::from(bvh.bounds().half_area());
+        }
+    });
+    near(bvh.expected_work(|_| 1.0), by_hand);
+    near(
+        bvh.expected_work(|primitive| f64::from(primitive == 4)),
+        by_hand - 8.0 * 3.0 / 19.0,
+    );
+}

@@ -37,6 +37,8 @@ pub struct BvhBox {
     /// 0 for the box around everything, 1 for the root's children, and so on.
     pub depth: usize,
     pub is_leaf: bool,
+    /// Of a leaf; zero for all others.
+    pub primitives: u32,
 }
 
 impl Bvh {
@@ -67,6 +69,7 @@ impl Bvh {
             bounds,
             depth: 0,
             is_leaf: false,
+            primitives: 0,
         });
         let mut pending = vec![(0usize, 1usize)];
         while let Some((index, depth)) = pending.pop() {
@@ -77,6 +80,7 @@ impl Bvh {
                     bounds: node.bounds(slot),
                     depth,
                     is_leaf,
+                    primitives: node.count[slot],
                 });
                 if !is_leaf {
                     pending.push((node.child[slot] as usize, depth + 1));
@@ -86,30 +90,48 @@ impl Bvh {
     }
 
     pub fn stats(&self) -> BvhStats {
-        let root_area = f64::from(self.bounds().half_area());
         let mut stats = BvhStats {
             nodes: self.nodes.len(),
             bytes: size_of_val(self.nodes.as_slice()) + size_of_val(self.order.as_slice()),
             ..BvhStats::default()
         };
-        let mut cost = 0.0;
         let mut pending = vec![(0usize, 1usize)];
         while let Some((index, depth)) = pending.pop() {
             let node = &self.nodes[index];
             stats.max_depth = stats.max_depth.max(depth);
             for slot in 0..node.slots_used() {
-                let share = f64::from(node.bounds(slot).half_area()) / root_area;
                 if node.count[slot] > 0 {
                     stats.leaves += 1;
-                    cost += share * f64::from(node.count[slot]);
                 } else {
-                    cost += share;
                     pending.push((node.child[slot] as usize, depth + 1));
                 }
             }
         }
-        stats.sah_cost = if cost.is_finite() { cost as f32 } else { 0.0 };
+        stats.sah_cost = self.expected_work(|_| 1.0) as f32;
         stats
+    }
+
+    /// The surface area heuristic's expectation for a random ray that meets the box around everything: each child's box counts 1, times its
+    /// share of that box's area, and a leaf what its primitives do instead. Zero where that is no number.
+    pub fn expected_work(&self, of_primitive: impl Fn(u32) -> f64) -> f64 {
+        let root_area = f64::from(self.bounds().half_area());
+        let mut work = 0.0;
+        for node in &self.nodes {
+            for slot in 0..node.slots_used() {
+                let share = f64::from(node.bounds(slot).half_area()) / root_area;
+                let first = node.child[slot] as usize;
+                work += share
+                    * match node.count[slot] as usize {
+                        0 => 1.0,
+                        count => self.order[first..first + count]
+                            .iter()
+                            .copied()
+                            .map(&of_primitive)
+                            .sum(),
+                    };
+            }
+        }
+        if work.is_finite() { work } else { 0.0 }
     }
 
     /// Checks the structure against the boxes it was built from: every box that can be hit in exactly one leaf, each child within its

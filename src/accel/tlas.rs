@@ -1,9 +1,11 @@
 //! The hierarchy over everything in the world: what the integrator asks.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::blas::Blas;
 use super::build::{LeafShape, SplitMethod};
 use super::bvh::{Bvh, BvhStats};
 use super::instance::{Instance, Primitive};
@@ -168,6 +170,33 @@ impl Tlas {
         let mut stats = self.bvh.stats();
         stats.bytes += size_of_val(self.placements.as_slice());
         stats
+    }
+
+    /// [`Bvh::expected_work`] of the hierarchy over everything and those in its leaves together: a mesh or a group counts what its own does.
+    pub fn expected_work(&self) -> f64 {
+        // Each mesh is asked once, however often it stands there.
+        let mut of_mesh: HashMap<*const Blas, f64> = HashMap::new();
+        let of_shape: Vec<f64> = self
+            .instances
+            .iter()
+            .map(|instance| match &instance.primitive {
+                Primitive::Mesh(blas) => *of_mesh
+                    .entry(Arc::as_ptr(blas))
+                    .or_insert_with(|| blas.bvh().expected_work(|_| 1.0)),
+                _ => 1.0,
+            })
+            .collect();
+        let of_group: Vec<f64> = self.groups.iter().map(|group| group.expected_work()).collect();
+        self.bvh.expected_work(|item| {
+            let item = item as usize;
+            let placement = item
+                .checked_sub(of_shape.len())
+                .and_then(|place| self.placements.get(place));
+            match placement {
+                None => of_shape.get(item).copied().unwrap_or(0.0),
+                Some(placement) => of_group.get(placement.group as usize).copied().unwrap_or(0.0),
+            }
+        })
     }
 
     /// [`Bvh::validate`] against the bounds of instances and placements.
