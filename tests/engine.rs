@@ -720,6 +720,46 @@ fn meshes_bring_their_own_materials_and_lights_unless_told_otherwise() {
 }
 
 #[test]
+fn a_picture_of_another_resolution_replaces_the_last_one_pixel_by_pixel() {
+    let mut room = room();
+    {
+        let mut control = room.control();
+        control.interactive = true;
+        control.film_size_override = Some(UVec2::new(600, 400));
+        control.target_samples = Some(1_000_000);
+    }
+    room.update_until(|room| room.status().samples >= 1);
+    let film = |room: &Room| {
+        let film = room.app.world().resource::<RenderFilm>();
+        (film.job, film.film.width(), film.is_coarse)
+    };
+    let (mut job, mut width) = (room.job(), 600);
+    for (scale, new_width) in [(0.5, 300), (1.0, 600)] {
+        room.control().motion_scale = scale;
+        while room.job() == job {
+            assert_eq!(
+                film(&room),
+                (job, width, scale == 1.0),
+                "the last picture is there until then"
+            );
+            room.app.update();
+        }
+        (job, width) = (job + 1, new_width);
+        assert_eq!(film(&room), (job, width, scale < 1.0));
+        // What was seen coarsely is not replaced by something coarser: no pixel is of a preview.
+        let film = &room.app.world().resource::<RenderFilm>().film;
+        let pixels = (0..film.height()).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let mut seen = 0;
+        for (x, y) in pixels {
+            assert_eq!(film.pixel(x, y).is_some(), film.samples(x, y) > 0, "{x}, {y}");
+            seen += film.samples(x, y);
+        }
+        assert!(seen > 0);
+        room.update_until(|room| room.status().samples >= 1);
+    }
+}
+
+#[test]
 fn a_moving_camera_restarts_once_per_preview_and_is_timed() {
     let mut room = room();
     let woken = Arc::new(AtomicBool::new(false));

@@ -23,6 +23,8 @@ pub struct RenderControl {
     pub region: Option<Rect>,
     /// Fraction of the film's size that is rendered, in (0, 1].
     pub resolution_scale: f32,
+    /// Of that the fraction that is rendered for now, in (0, 1], while changes follow each other and the picture is to keep up with them.
+    pub motion_scale: f32,
     /// Size in pixels that replaces the film's (before `resolution_scale`), as given on the command line.
     pub film_size_override: Option<UVec2>,
     pub view_mode: ViewMode,
@@ -49,6 +51,7 @@ impl Default for RenderControl {
             noise_target: None,
             region: None,
             resolution_scale: 1.0,
+            motion_scale: 1.0,
             film_size_override: None,
             view_mode: ViewMode::Path,
             strategy_split: false,

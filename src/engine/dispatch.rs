@@ -10,7 +10,7 @@ use super::control::{RenderControl, WakeUp};
 use super::extract::Extracted;
 use super::film::RenderFilm;
 use super::goal::Goal;
-use super::job::Job;
+use super::job::{Beginning, Job};
 use super::priority;
 use super::run::TileResult;
 use super::status::RenderStatus;
@@ -121,18 +121,27 @@ pub(super) fn dispatch_job(
             control.restart_requested = false;
         }
         let since = demand.extracted.since.take();
+        let begins = match (control.interactive, &*job) {
+            (false, _) => Beginning::Whole,
+            // What was seen from there stays until there are pixels of the other size.
+            (true, Some(old)) if old.samples > 0 && old.is_of_other_size(&demand.extracted.scene, &view) => {
+                Beginning::Whole
+            }
+            (true, _) => Beginning::preview(control.motion_scale),
+        };
         // The old job goes first, so that its workers stop while the new one is being set up.
         *job = None;
-        let new = Job::new(
+        let mut new = Job::new(
             demand.extracted.scene.clone(),
             view,
             demand.extracted.light_groups.clone(),
-            control.interactive,
+            begins,
             since,
         );
-        if !control.interactive || !film.has_room_for(&new.view) {
+        new.is_coarse = control.motion_scale < 1.0;
+        if !control.interactive {
             // Otherwise the last picture stays in the film until the first tile of the new one is there.
-            film.begin(&new.view, &new.light_groups, new.begun);
+            film.begin(&new);
         }
         status.last_restart = new.begun;
         *job = Some(new);

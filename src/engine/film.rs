@@ -10,6 +10,7 @@ use crate::render::film::Film;
 use crate::render::tile::Tile;
 use crate::render::view::View;
 
+use super::job::Job;
 use super::light_groups::LightGroup;
 
 /// The film, and what of it has changed since somebody last looked.
@@ -21,6 +22,8 @@ pub struct RenderFilm {
     pub job: u64,
     /// The lights of each layer of the film.
     pub light_groups: Arc<[LightGroup]>,
+    /// Of a lower resolution than asked for, see [`RenderControl::motion_scale`](super::RenderControl::motion_scale).
+    pub is_coarse: bool,
     dirty: HashSet<Tile>,
     /// When the job was begun whose picture this is.
     begun: Option<Instant>,
@@ -41,23 +44,25 @@ impl RenderFilm {
         self.begun.is_some_and(|begun| begun < last_restart)
     }
 
-    pub(super) fn has_room_for(&self, view: &View) -> bool {
+    fn has_room_for(&self, view: &View) -> bool {
         let film = &self.film;
         (film.width(), film.height(), film.layer_count()) == (view.width, view.height, view.light_groups.count())
     }
 
-    /// Makes room for the job that was begun at `job_begun`, unless that was done before.
-    pub(super) fn begin(&mut self, view: &View, light_groups: &Arc<[LightGroup]>, job_begun: Instant) {
-        if self.begun == Some(job_begun) {
+    /// Makes room for the job, unless that was done before.
+    pub(super) fn begin(&mut self, job: &Job) {
+        if self.begun == Some(job.begun) {
             return;
         }
+        let view = &job.view;
         if self.has_room_for(view) {
             self.film.clear();
         } else {
             self.film = Film::with_layers(view.width, view.height, view.light_groups.count());
         }
-        self.light_groups = light_groups.clone();
-        self.begun = Some(job_begun);
+        self.light_groups = job.light_groups.clone();
+        self.is_coarse = job.is_coarse;
+        self.begun = Some(job.begun);
         self.job += 1;
         self.dirty.clear();
     }

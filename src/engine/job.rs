@@ -23,12 +23,36 @@ use crate::render::view::View;
 /// Between two estimates of the noise, each of which takes some milliseconds.
 const NOISE_INTERVAL: Duration = Duration::from_millis(500);
 
+/// How a picture begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Beginning {
+    /// With a sample of every pixel.
+    Whole,
+    /// With one of each block of so many pixels' edge.
+    Preview(u32),
+}
+
+/// Edge of a preview's blocks in pixels of the full resolution.
+const PREVIEW_STEP: f32 = 4.0;
+
+impl Beginning {
+    /// In blocks that are about as large whatever part of the resolution is rendered.
+    pub fn preview(motion_scale: f32) -> Self {
+        match (PREVIEW_STEP * motion_scale).round() as u32 {
+            0 | 1 => Self::Whole,
+            step => Self::Preview(step),
+        }
+    }
+}
+
 pub(super) struct Job {
     pub scene: RenderScene,
     pub view: View,
     /// The lights of each group of the view.
     pub light_groups: Arc<[LightGroup]>,
     pub begun: Instant,
+    /// Of a lower resolution than asked for.
+    pub is_coarse: bool,
     /// When what led to this job happened; taken when its first tile is there.
     pub since: Option<Instant>,
     pub rays: u64,
@@ -47,6 +71,7 @@ pub(super) struct Job {
     done: Vec<u32>,
     /// Results that arrived before those of lower samples of the same tile, by tile and first sample.
     early: BTreeMap<(usize, u32), TileSamples>,
+    beginning: Beginning,
     /// Tiles whose preview has not been collected.
     preview_left: usize,
     run: Option<Run>,
@@ -59,7 +84,7 @@ impl Job {
         scene: RenderScene,
         view: View,
         light_groups: Arc<[LightGroup]>,
-        preview: bool,
+        beginning: Beginning,
         since: Option<Instant>,
     ) -> Self {
         let mut order = tiles(view.width, view.height);
@@ -70,6 +95,7 @@ impl Job {
             light_groups,
             begun: Instant::now(),
             since,
+            is_coarse: false,
             rays: 0,
             samples: 0,
             invalid: 0,
@@ -80,7 +106,8 @@ impl Job {
             active: (0..order.len()).collect(),
             done: vec![0; order.len()],
             early: BTreeMap::new(),
-            preview_left: if preview { order.len() } else { 0 },
+            preview_left: if beginning == Beginning::Whole { 0 } else { order.len() },
+            beginning,
             tiles: order.into(),
             run: None,
             running_since: None,
@@ -90,13 +117,25 @@ impl Job {
 
     /// Whether it makes the picture of exactly this.
     pub fn is_of(&self, scene: &RenderScene, view: &View, light_groups: &[LightGroup]) -> bool {
-        self.view == *view
-            && *self.light_groups == *light_groups
-            && Arc::ptr_eq(&self.scene.geometry, &scene.geometry)
+        self.view == *view && *self.light_groups == *light_groups && self.is_of_scene(scene)
+    }
+
+    fn is_of_scene(&self, scene: &RenderScene) -> bool {
+        Arc::ptr_eq(&self.scene.geometry, &scene.geometry)
             && Arc::ptr_eq(&self.scene.surfaces, &scene.surfaces)
             && Arc::ptr_eq(&self.scene.materials, &scene.materials)
             && Arc::ptr_eq(&self.scene.textures, &scene.textures)
             && Arc::ptr_eq(&self.scene.lights, &scene.lights)
+    }
+
+    /// Whether it makes the same picture, but for the number of its pixels.
+    pub fn is_of_other_size(&self, scene: &RenderScene, view: &View) -> bool {
+        let resized = View {
+            width: view.width,
+            height: view.height,
+            ..self.view.clone()
+        };
+        self.view != *view && self.is_of_scene(scene) && resized == *view
     }
 
     pub fn is_running(&self) -> bool {
@@ -147,10 +186,13 @@ impl Job {
         if self.failure.is_some() || reached.is_some() {
             return;
         }
-        let preview = self.preview_left > 0;
-        if preview {
-            self.preview_left = self.active.len();
-        }
+        let preview = match self.beginning {
+            Beginning::Preview(step) if self.preview_left > 0 => {
+                self.preview_left = self.active.len();
+                Some(step)
+            }
+            _ => None,
+        };
         let tiles: Vec<(usize, u32)> = self.active.iter().map(|&index| (index, self.done[index])).collect();
         let queue = WorkQueue::new(&tiles, goal.samples, preview);
         self.running_since = Some(Instant::now());
@@ -200,7 +242,7 @@ impl Job {
         while let Some(run) = &self.run {
             match run.results.try_recv() {
                 Ok(TileResult::Preview(preview)) => {
-                    film.begin(&self.view, &self.light_groups, self.begun);
+                    film.begin(self);
                     self.rays += preview.rays;
                     self.preview_left -= 1;
                     film.film.add_preview(&preview);
@@ -208,7 +250,7 @@ impl Job {
                     collected += 1;
                 }
                 Ok(TileResult::Samples { index, samples }) => {
-                    film.begin(&self.view, &self.light_groups, self.begun);
+                    film.begin(self);
                     self.early.insert((index, samples.samples.start), samples);
                     self.add_in_order(index, film);
                     collected += 1;

@@ -15,9 +15,6 @@ use crate::render::tile::Tile;
 /// The longest visit to a tile, in samples per pixel.
 const LONGEST_PASS: u32 = 16;
 
-/// Edge of a preview's blocks in pixels.
-const PREVIEW_STEP: u32 = 4;
-
 /// The end of the pass that begins after `done` samples: passes of 1, 1, 2, 4, 8, 16, 16, ... samples.
 pub(super) fn pass_end(done: u32) -> u32 {
     if done < LONGEST_PASS {
@@ -70,18 +67,22 @@ struct QueueState {
     begun: u32,
     /// Tiles of the preview that are yet to come, the next one last.
     previews: Vec<usize>,
+    /// Edge of its blocks in pixels.
+    step: u32,
     /// Tiles whose turn in this pass is yet to come, by least samples first, then by their order.
     waiting: BinaryHeap<Reverse<(u32, usize)>>,
     target: u32,
 }
 
 impl WorkQueue {
-    /// `tiles`: the index of each tile to be rendered and the samples that it has; `target`: those it shall have.
-    pub fn new(tiles: &[(usize, u32)], target: u32, preview: bool) -> Self {
-        let previews = tiles.iter().rev().filter(|_| preview);
+    /// `tiles`: the index of each tile to be rendered and the samples that it has; `target`: those it shall have; `preview`: the edge of
+    /// its blocks in pixels, if there is to be one.
+    pub fn new(tiles: &[(usize, u32)], target: u32, preview: Option<u32>) -> Self {
+        let previews = tiles.iter().rev().filter(|_| preview.is_some());
         Self {
             state: Mutex::new(QueueState {
                 begun: tiles.iter().map(|&(_, done)| done).max().unwrap_or(0),
+                step: preview.unwrap_or(1),
                 previews: previews.map(|&(index, _)| index).collect(),
                 waiting: tiles.iter().map(|&(index, done)| Reverse((done, index))).collect(),
                 target,
@@ -95,7 +96,7 @@ impl WorkQueue {
         if let Some(index) = state.previews.pop() {
             return Some(WorkItem::Preview {
                 index,
-                step: PREVIEW_STEP,
+                step: state.step,
             });
         }
         let &Reverse((done, index)) = state.waiting.peek()?;
@@ -156,7 +157,7 @@ mod tests {
 
     #[test]
     fn every_tile_has_its_turn_in_every_pass() {
-        let queue = WorkQueue::new(&[(0, 0), (1, 0)], 3, true);
+        let queue = WorkQueue::new(&[(0, 0), (1, 0)], 3, Some(4));
         let expected = [
             (0, 0, 0),
             (1, 0, 0),
@@ -172,7 +173,7 @@ mod tests {
 
     #[test]
     fn what_was_interrupted_or_raised_goes_on_at_the_same_places() {
-        let queue = WorkQueue::new(&[(0, 4), (1, 2), (2, 8)], 8, false);
+        let queue = WorkQueue::new(&[(0, 4), (1, 2), (2, 8)], 8, None);
         assert_eq!(all(&queue), [(1, 2, 4), (0, 4, 8), (1, 4, 8)]);
         queue.set_target(10);
         assert_eq!(all(&queue), [(0, 8, 10), (1, 8, 10), (2, 8, 10)]);
@@ -182,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_begun_pass_is_finished() {
-        let queue = WorkQueue::new(&[(0, 0), (1, 0), (2, 0)], 1000, false);
+        let queue = WorkQueue::new(&[(0, 0), (1, 0), (2, 0)], 1000, None);
         (0..4).for_each(|_| assert!(queue.claim().is_some()));
         assert_eq!(queue.finish_pass(), 2);
         assert_eq!(all(&queue), [(1, 1, 2), (2, 1, 2)]);
@@ -199,7 +200,7 @@ mod tests {
         let everything: Vec<usize> = (0..6).collect();
         assert_eq!(within(1.5, 0.0, 2.0, 1.0), everything);
         assert_eq!(tiles_in(None, &tiles, UVec2::new(96, 64)), everything);
-        let queue = WorkQueue::new(&[(3, 0), (5, 1)], 2, true);
+        let queue = WorkQueue::new(&[(3, 0), (5, 1)], 2, Some(4));
         assert_eq!(all(&queue), [(3, 0, 0), (5, 0, 0), (3, 0, 1), (3, 1, 2), (5, 1, 2)]);
     }
 

@@ -2,6 +2,7 @@
 //!
 //! Every shape, material, emitter and sensor is one entity. What they refer to are relationships, settings are resources.
 
+pub mod aperture;
 pub mod assets;
 pub mod authored;
 pub mod carry_over;

@@ -62,6 +62,21 @@ pub enum FovAxis {
     Larger,
 }
 
+impl FovAxis {
+    /// The field of view along x in degrees, from one along this axis; `aspect` is width over height.
+    pub fn horizontal(self, fov: f32, aspect: f32) -> f32 {
+        let half = (0.5 * fov).to_radians().tan();
+        let half_width = match self {
+            Self::X => return fov,
+            Self::Smaller if aspect <= 1.0 => return fov,
+            Self::Larger if aspect >= 1.0 => return fov,
+            Self::Y | Self::Smaller | Self::Larger => half * aspect,
+            Self::Diagonal => half / (1.0 + 1.0 / (aspect * aspect)).sqrt(),
+        };
+        2.0 * half_width.atan().to_degrees()
+    }
+}
+
 /// What a sensor records on, and how many samples the file asks for.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, PartialEq)]
@@ -198,4 +213,28 @@ pub struct NoSuchCamera {
 fn numbered(names: &[String]) -> String {
     let names = names.iter().zip(0..).map(|(name, index)| format!("{index}: `{name}`"));
     names.collect::<Vec<String>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn field_of_view_along_every_axis() {
+        // Half angles whose tangents are 1 along x on a 2:1 film: 1/2 along y, sqrt(5)/2 along the diagonal.
+        let degrees = |half_tangent: f32| 2.0 * half_tangent.atan().to_degrees();
+        let table = [
+            (FovAxis::X, 2.0, degrees(1.0)),
+            (FovAxis::Y, 2.0, degrees(0.5)),
+            (FovAxis::Smaller, 2.0, degrees(0.5)),
+            (FovAxis::Larger, 2.0, degrees(1.0)),
+            (FovAxis::Diagonal, 2.0, degrees(1.25f32.sqrt())),
+            (FovAxis::Smaller, 0.5, degrees(1.0)),
+            (FovAxis::Larger, 0.5, degrees(2.0)),
+        ];
+        for (axis, aspect, fov) in table {
+            let horizontal = axis.horizontal(fov, aspect);
+            assert!((horizontal - 90.0).abs() < 1e-4, "{axis:?} {aspect}: {horizontal}");
+        }
+    }
 }

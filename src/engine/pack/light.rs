@@ -4,7 +4,7 @@ use bevy::math::Affine3A;
 
 use super::environment::Environments;
 use super::texture::TexturePacker;
-use super::view::{horizontal_fov, rigid};
+use super::view::rigid;
 use super::{BRIGHTEST, Checker};
 use crate::color::Rgb;
 use crate::light::{Atmosphere, LightSource, Projector, Spot, WeightedSource};
@@ -129,7 +129,7 @@ pub(in crate::engine) fn pack_emitter(
 /// Of a projector's picture on the plane z = 1; `aspect` is width over height.
 fn half_size(fov: f32, axis: FovAxis, aspect: f32, check: &mut Checker) -> glam::Vec2 {
     let fov = check.number("fov", fov, 1e-3, 179.9, 45.0);
-    let half_width = (0.5 * horizontal_fov(fov, axis, aspect)).to_radians().tan();
+    let half_width = (0.5 * axis.horizontal(fov, aspect)).to_radians().tan();
     glam::Vec2::new(half_width, half_width / aspect)
 }
 

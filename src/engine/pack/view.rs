@@ -9,9 +9,7 @@ use crate::render::filter::{FilterKernel, PixelFilter};
 use crate::render::light_layers::LightGroups;
 use crate::render::view::{Integrator, PathSettings, Strategy, View};
 use crate::sampling::SequenceKind;
-use crate::scene::{
-    self, Film, FovAxis, IntegratorSettings, Lens, ReconstructionFilter, SamplerSettings, Sensor, Sequence,
-};
+use crate::scene::{self, Film, IntegratorSettings, Lens, ReconstructionFilter, SamplerSettings, Sensor, Sequence};
 
 /// The nearest size there can be a film of, of about the same shape.
 fn possible_size(size: UVec2) -> UVec2 {
@@ -49,11 +47,8 @@ pub(in crate::engine) fn pack_view(
     // The whole film's. The picture shows the same at every resolution, whatever the rounding of its size.
     let whole = size.as_vec2() / crop_size;
     let aspect = whole.x / whole.y;
-    let scale = if control.resolution_scale.is_nan() {
-        1.0
-    } else {
-        control.resolution_scale.clamp(0.0, 1.0)
-    };
+    let scale = control.resolution_scale * control.motion_scale;
+    let scale = if scale.is_nan() { 1.0 } else { scale.clamp(0.0, 1.0) };
     let scaled = (size.as_vec2() * scale).round().as_uvec2().max(UVec2::ONE);
     let near = check.number("near_clip", sensor.near_clip, 0.0, 1e30, 1e-2);
     let far = check.number(
@@ -74,7 +69,7 @@ pub(in crate::engine) fn pack_view(
             Camera::orthographic(pose, Vec2::new(left, up / aspect), near, far)
         }
         Lens::Pinhole | Lens::Thin { .. } => {
-            let fov_x = horizontal_fov(fov, sensor.fov_axis, aspect);
+            let fov_x = sensor.fov_axis.horizontal(fov, aspect);
             Camera::new(pose, fov_x, aspect, near, far, thin_lens(sensor.lens, check))
         }
     };
@@ -151,19 +146,6 @@ fn pixel_filter(filter: ReconstructionFilter, check: &mut Checker) -> PixelFilte
     }
 }
 
-/// The field of view along x in degrees, from one along `axis`; `aspect` is width over height.
-pub(super) fn horizontal_fov(fov: f32, axis: FovAxis, aspect: f32) -> f32 {
-    let half = (0.5 * fov).to_radians().tan();
-    let half_width = match axis {
-        FovAxis::X => return fov,
-        FovAxis::Smaller if aspect <= 1.0 => return fov,
-        FovAxis::Larger if aspect >= 1.0 => return fov,
-        FovAxis::Y | FovAxis::Smaller | FovAxis::Larger => half * aspect,
-        FovAxis::Diagonal => half / (1.0 + 1.0 / (aspect * aspect)).sqrt(),
-    };
-    2.0 * half_width.atan().to_degrees()
-}
-
 /// None for a pinhole.
 fn thin_lens(lens: Lens, check: &mut Checker) -> Option<ThinLens> {
     let Lens::Thin {
@@ -216,25 +198,6 @@ mod tests {
             &mut check,
         );
         (view, errors)
-    }
-
-    #[test]
-    fn field_of_view_along_every_axis() {
-        // Half angles whose tangents are 1 along x on a 2:1 film: 1/2 along y, sqrt(5)/2 along the diagonal.
-        let degrees = |half_tangent: f32| 2.0 * half_tangent.atan().to_degrees();
-        let table = [
-            (FovAxis::X, 2.0, degrees(1.0)),
-            (FovAxis::Y, 2.0, degrees(0.5)),
-            (FovAxis::Smaller, 2.0, degrees(0.5)),
-            (FovAxis::Larger, 2.0, degrees(1.0)),
-            (FovAxis::Diagonal, 2.0, degrees(1.25f32.sqrt())),
-            (FovAxis::Smaller, 0.5, degrees(1.0)),
-            (FovAxis::Larger, 0.5, degrees(2.0)),
-        ];
-        for (axis, aspect, fov) in table {
-            let horizontal = horizontal_fov(fov, axis, aspect);
-            assert!((horizontal - 90.0).abs() < 1e-4, "{axis:?} {aspect}: {horizontal}");
-        }
     }
 
     #[test]
