@@ -1272,8 +1272,11 @@ fn picture() -> Harness<'static, Picture> {
                 let name = ui.label("number").id;
                 ui.add(egui::DragValue::new(&mut picture.number)).labelled_by(name);
             });
+            let locked = Default::default();
             let model = ViewportModel {
                 picture: Some((egui::TextureId::default(), [200, 100])),
+                proportions: [200, 100],
+                mouse: egui::Vec2::ZERO,
                 placeholder: "",
                 pose: Some(picture.pose),
                 camera: Some(Camera::new(picture.pose, 60.0, 2.0, 0.01, 100.0, None)),
@@ -1287,7 +1290,7 @@ fn picture() -> Harness<'static, Picture> {
                     up: Vec3::Y,
                     current: &current,
                 },
-                locked: &[],
+                locked: &locked,
                 current: &current,
                 paths: &Default::default(),
                 legend: None,

@@ -80,8 +80,11 @@ fn window() -> Harness<'static, Window> {
     let (boxes, outline, current) = (BoxList::default(), SelectionOutline::default(), CurrentScene::default());
     let mut harness = Harness::builder().with_size(SIZE).build_ui_state(
         move |ui, window: &mut Window| {
+            let locked = Default::default();
             let model = ViewportModel {
                 picture: Some((egui::TextureId::default(), [800, 600])),
+                proportions: [800, 600],
+                mouse: egui::Vec2::ZERO,
                 placeholder: "",
                 pose: Some(pose()),
                 camera: Some(window.camera),
@@ -95,7 +98,7 @@ fn window() -> Harness<'static, Window> {
                     up: Vec3::Y,
                     current: &current,
                 },
-                locked: &[],
+                locked: &locked,
                 current: &current,
                 paths: &Default::default(),
                 legend: None,

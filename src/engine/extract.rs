@@ -32,7 +32,7 @@ use crate::material::{MaterialId, MaterialTable};
 use crate::render::light_layers::LightGroups;
 use crate::render::scene::{RenderScene, SurfaceTable};
 use crate::render::view::View;
-use crate::scene::{AccelMethod, Film, InstanceOf, MemberOf, MeshHandle, ShapeKind};
+use crate::scene::{AccelMethod, Film, InstanceOf, MemberOf, MeshHandle, Sensor, ShapeKind};
 use crate::shading::DielectricModel;
 use crate::texture::TextureTable;
 
@@ -389,7 +389,9 @@ impl Extracted {
             errors: &mut self.errors.view,
         };
         let (integrator, sampler) = (&authored.integrator, &authored.sampler);
-        let pose = authored.free_view.0.unwrap_or(to_world.0);
+        let pose = authored.free_view.pose.unwrap_or(to_world.0);
+        let lens = authored.free_view.lens.unwrap_or(sensor.lens);
+        let sensor = &Sensor { lens, ..*sensor };
         let view = pack_view(sensor, film, pose, integrator, sampler, control, &mut check);
         if view.is_some() {
             self.view = view;

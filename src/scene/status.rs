@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
+use super::Lens;
 use super::spawn::ReloadSummary;
 use crate::document::Diagnostics;
 
@@ -87,7 +88,21 @@ impl SceneStatus {
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ActiveSensor(pub Option<Entity>);
 
-/// The camera that was flown away from its sensor: world from camera, as a sensor's [`super::ToWorld`]. None is the sensor's own pose. No part of the
-/// scene.
+/// The view that was flown away from its sensor. No part of the scene.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
-pub struct FreeView(pub Option<Affine3A>);
+pub struct FreeView {
+    /// World from camera, as a sensor's [`super::ToWorld`]; None is the sensor's own.
+    pub pose: Option<Affine3A>,
+    /// In place of the sensor's; None is its own.
+    pub lens: Option<Lens>,
+}
+
+impl FreeView {
+    /// With the sensor's lens.
+    pub fn at(world_from_camera: Affine3A) -> Self {
+        Self {
+            pose: Some(world_from_camera),
+            lens: None,
+        }
+    }
+}

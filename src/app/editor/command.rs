@@ -63,6 +63,8 @@ pub enum Command {
     MoveCameraToView,
     /// Along an axis of the world, onto the selection or what is ahead.
     LookAlong(AxisView),
+    /// In perspective or not, with what is in the middle as large.
+    SwitchProjection,
     /// Keeps the view under a number from 1 to 9.
     StoreView(usize),
     /// Goes back to a view that was kept.
@@ -325,6 +327,7 @@ impl Command {
             | Self::FrameAll
             | Self::LookThrough(_)
             | Self::LookAlong(_)
+            | Self::SwitchProjection
             | Self::RecallView(_)
             | Self::SetResolutionScale(_)
             | Self::SetStrategySplit(_)
@@ -457,6 +460,16 @@ impl Command {
             self,
             Self::Save | Self::SaveScene(_) | Self::SaveImage(_) | Self::Import(_)
         )
+    }
+
+    /// Whether it is one of many that follow each other while the view or something in it moves.
+    pub fn moves_picture(&self) -> bool {
+        matches!(self, Self::MoveView(_)) || self.effect() == Effect::Drag
+    }
+
+    /// Whether it is about the picture's very pixels.
+    pub fn keeps_picture(&self) -> bool {
+        matches!(self, Self::SaveImage(_) | Self::TakeSnapshot | Self::Measure)
     }
 
     /// Whether the picture as a rule is begun anew by it.

@@ -1,5 +1,7 @@
 //! Two pictures side by side, one over the other, and in numbers: the one being rendered and one that was kept.
 
+use std::borrow::Cow;
+
 use bevy::prelude::Resource;
 
 use crate::color::{Rgb, luminance, srgb_from_linear};
@@ -14,15 +16,45 @@ pub struct Snapshot {
     pub samples: u32,
 }
 
+impl Snapshot {
+    /// None for a size of another shape.
+    fn at_size(&self, size: [u32; 2]) -> Option<Cow<'_, [Rgb]>> {
+        if size == self.size {
+            return Some(Cow::Borrowed(&self.radiance));
+        }
+        let [own, other] = [self.size, size].map(|[x, y]| [u64::from(x), u64::from(y)]);
+        // Equal but for the rounding of a side by half a pixel.
+        let is_alike = own[0] * other[1] <= own[1] * other[0] + own[0] + own[1]
+            && own[1] * other[0] <= own[0] * other[1] + own[0] + own[1];
+        if !is_alike || other.contains(&0) {
+            return None;
+        }
+        let nearest = |place: u64, side: usize| (2 * place + 1) * own[side] / (2 * other[side]);
+        let rows = (0..other[1]).map(|y| nearest(y, 1) * own[0]);
+        let pixels = rows.flat_map(|row| (0..other[0]).map(move |x| row + nearest(x, 0)));
+        pixels.map(|place| self.radiance.get(place as usize).copied()).collect()
+    }
+}
+
 /// The snapshot and how it is shown.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Comparison {
     pub snapshot: Option<Snapshot>,
     pub view: CompareView,
-    /// Of the picture when it was measured last.
-    pub figures: Option<Figures>,
+    /// When it was measured last.
+    pub figures: Option<Measured>,
     /// Counts snapshots.
     pub revision: u64,
+}
+
+/// Figures and what they are of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    pub figures: Figures,
+    /// Of the film; those of another picture say nothing about this one.
+    pub job: u64,
+    /// Samples per pixel that it had.
+    pub samples: u32,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,12 +68,13 @@ pub enum CompareView {
     Difference,
 }
 
-/// The picture seen in a comparison; the picture itself where the two differ in size.
+/// The picture seen in a comparison; the picture itself where the two differ in shape. Of a picture of lower resolution each pixel is
+/// compared with the one of the snapshot that is nearest.
 pub fn compared(view: CompareView, picture: &[Rgb], size: [u32; 2], snapshot: &Snapshot) -> Vec<Rgb> {
-    if snapshot.size != size || snapshot.radiance.len() != picture.len() {
+    let Some(kept) = snapshot.at_size(size).filter(|kept| kept.len() == picture.len()) else {
         return picture.to_vec();
-    }
-    let pairs = picture.iter().zip(&snapshot.radiance);
+    };
+    let pairs = picture.iter().zip(kept.iter());
     match view {
         CompareView::Off => picture.to_vec(),
         CompareView::Difference => pairs.map(|(now, then)| (*now - *then).abs()).collect(),
@@ -114,7 +147,10 @@ mod tests {
         };
         assert_eq!(red(0.5), [1, 1, 0, 0, 1, 1, 0, 0]);
         assert_eq!((red(0.0), red(7.0)), (vec![0; 8], vec![1; 8]));
-        // Of another size: nothing to compare.
+        // At half the resolution.
+        let coarse = compared(CompareView::Wipe(0.5), &now[..2], [2, 1], &snapshot());
+        assert_eq!(coarse, [Rgb::ONE, Rgb::ZERO]);
+        // Of another shape: nothing to compare.
         let other = compared(CompareView::Wipe(1.0), &now, [2, 4], &snapshot());
         assert_eq!(other, now);
     }

@@ -42,6 +42,7 @@ impl<'a> Panels<'a> {
 
 pub fn docked_panels(ui: &mut Ui, layout: &mut Layout, mut panels: Panels) {
     hide_lonely_bar(layout);
+    layout.fit(ui.available_size());
     let leaves = layout.0.iter_leaves();
     panels.error_color = ui.visuals().error_fg_color;
     panels.fronts = leaves

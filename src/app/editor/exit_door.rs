@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
 use super::latency::{FrameTimes, LatencyProbe};
+use super::motion::Motion;
 use super::script::Script;
 use crate::engine::{RenderState, RenderStatus};
 use crate::render::image_io::write_atomically;
@@ -55,6 +56,7 @@ pub fn drive_exit_door(
     scene: Res<SceneStatus>,
     probe: Option<Res<LatencyProbe>>,
     script: Option<Res<Script>>,
+    motion: Res<Motion>,
 ) {
     if door.exit && door.step != Step::Done && door.started.elapsed() > door.timeout {
         error!(
@@ -78,6 +80,7 @@ pub fn drive_exit_door(
                 status.samples >= door.after_spp.max(1) || (status.state == RenderState::Done && status.samples > 0);
             let is_scripted = script.is_some_and(|script| !script.is_done());
             let settled = scene.files_loading() == 0
+                && motion.is_settled()
                 && !matches!(status.state, RenderState::Loading | RenderState::Building)
                 && scene.state != SceneState::Loading;
             if enough && settled && !is_scripted && probe.is_none_or(|probe| probe.done) {

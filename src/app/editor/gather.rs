@@ -1,5 +1,6 @@
 //! From the world to the panels' [`Model`], once per frame. Lists are made anew only when something in them changed.
 
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -13,8 +14,8 @@ use super::history::History;
 use super::latency::FrameTimes;
 use super::light_mix::LightMix;
 use super::model::{
-    ComparisonModel, HistoryModel, Inspected, InspectedMaterial, Item, MaterialPlace, MixingModel, Model, Notice,
-    Outline, StatusModel,
+    ComparisonModel, HistoryModel, Inspected, InspectedMaterial, Item, MaterialPlace, Model, Notice, Outline,
+    StatusModel,
 };
 use super::panels::{emission, material};
 use super::preferences::PreferencesFile;
@@ -321,22 +322,22 @@ pub struct Looks<'w> {
 }
 
 impl Looks<'_> {
-    fn mixing(&self, is_on: bool, outline: &Outline) -> MixingModel {
+    fn lights(&self, outline: &Outline) -> Vec<(Entity, String)> {
+        let names: HashMap<Entity, &str> = outline
+            .lights
+            .iter()
+            .map(|item| (item.entity, item.name.as_str()))
+            .collect();
         let named = |group: &LightGroup| {
             let light = *group.entities.first()?;
-            let item = outline.lights.iter().find(|item| item.entity == light);
-            let name = item.map_or_else(|| "light".to_owned(), |item| item.name.clone());
+            let name = names.get(&light).copied().unwrap_or("light").to_owned();
             let name = match group.entities.len() {
                 1 => name,
                 many => format!("{name} and {} more", many - 1),
             };
             Some((light, name))
         };
-        MixingModel {
-            is_on,
-            mix: self.mix.clone(),
-            lights: self.film.light_groups.iter().filter_map(named).collect(),
-        }
+        self.film.light_groups.iter().filter_map(named).collect()
     }
 }
 
@@ -351,6 +352,7 @@ pub fn gather_status(
     history: Res<History>,
     preferences: Res<PreferencesFile>,
     mut seen_errors: Local<Vec<String>>,
+    mut named: Local<Option<(Arc<[LightGroup]>, Arc<Outline>)>>,
 ) {
     let model = &mut model.0;
     let film = settings.active.0.and_then(|sensor| settings.films.get(sensor).ok());
@@ -365,11 +367,26 @@ pub fn gather_status(
     model.render.noise = status.noise;
     model.render.region = settings.control.region;
     model.render.strategy_split = settings.control.strategy_split;
-    model.render.mixing = looks.mixing(settings.control.light_layers, &model.outline);
+    let mixing = &mut model.render.mixing;
+    mixing.is_on = settings.control.light_layers;
+    if looks.mix.is_changed() {
+        mixing.mix = looks.mix.clone();
+    }
+    let (groups, outline) = (&looks.film.light_groups, &model.outline);
+    if !named
+        .as_ref()
+        .is_some_and(|(of, by)| Arc::ptr_eq(of, groups) && Arc::ptr_eq(by, outline))
+    {
+        mixing.lights = looks.lights(outline);
+        *named = Some((groups.clone(), outline.clone()));
+    }
     model.render.comparison = ComparisonModel {
         snapshot: looks.comparison.snapshot.as_ref().map(|snapshot| snapshot.samples),
         view: looks.comparison.view,
-        figures: looks.comparison.figures,
+        figures: looks
+            .comparison
+            .figures
+            .filter(|measured| measured.job == looks.film.job),
     };
     if scene.is_changed() && model.status.scene != scene.path {
         model.scene_files = Arc::new(scene_files(scene.path.as_deref()));

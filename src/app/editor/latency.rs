@@ -2,10 +2,13 @@
 
 use std::collections::VecDeque;
 use std::io::Write;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
+use bevy::render::{Render, RenderApp, RenderSystems};
 
 use super::command::Command;
 use super::commands::view_pose;
@@ -22,6 +25,10 @@ use crate::scene::{AreaLight, Emitter, Material, MeshHandle, Shape, ToWorld, Tri
 pub struct FrameTimes {
     recent: VecDeque<f32>,
     last: Option<Instant>,
+    /// Milliseconds that the systems of the last frame took, ours and egui's, until the window was left to the thread that draws it.
+    own: f32,
+    /// Microseconds that drawing the last frame took, the driver's time with it.
+    drawn: Arc<AtomicU64>,
 }
 
 const FRAMES_KEPT: usize = 240;
@@ -35,6 +42,50 @@ impl FrameTimes {
     /// Milliseconds; None before the second frame.
     pub fn median_ms(&self) -> Option<f32> {
         median(self.recent.iter().copied().collect(), 0.5)
+    }
+}
+
+/// What a frame took, in milliseconds.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    /// From its beginning to that of the next one.
+    whole: f32,
+    own: f32,
+    /// At the same time as the next one's `own`, on a thread of its own.
+    drawing: f32,
+}
+
+impl FrameTimes {
+    /// None before the second frame.
+    fn last_frame(&self) -> Option<Frame> {
+        Some(Frame {
+            whole: *self.recent.back()?,
+            own: self.own,
+            drawing: 1e-3 * self.drawn.load(Ordering::Relaxed) as f32,
+        })
+    }
+}
+
+/// At the end of the frame's systems.
+pub fn time_systems(mut frames: ResMut<FrameTimes>) {
+    frames.own = frames.last.map_or(0.0, |begun| 1e3 * begun.elapsed().as_secs_f32());
+}
+
+/// Measures the thread that draws the window.
+pub fn time_drawing(app: &mut App) {
+    let drawn = app.world().resource::<FrameTimes>().drawn.clone();
+    if let Some(renderer) = app.get_sub_app_mut(RenderApp) {
+        let begun = Arc::new(Mutex::new(None));
+        let end = begun.clone();
+        let begin = move || *begun.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+        let finish = move || {
+            let begun: Option<Instant> = *end.lock().unwrap_or_else(PoisonError::into_inner);
+            let micros = begun.map_or(0, |begun| begun.elapsed().as_micros() as u64);
+            drawn.store(micros, Ordering::Relaxed);
+        };
+        renderer
+            .add_systems(Render, begin.before(RenderSystems::ExtractCommands))
+            .add_systems(Render, finish.after(RenderSystems::PostCleanup));
     }
 }
 
@@ -64,7 +115,7 @@ pub struct LatencyProbe {
     phase: Phase,
     kind: usize,
     results: Vec<f32>,
-    frames: Vec<f32>,
+    frames: Vec<Frame>,
     /// The other value is next.
     skipped: bool,
     pub done: bool,
@@ -84,16 +135,21 @@ enum Phase {
 /// An edit that shows nothing for so long has changed nothing.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Between two edits.
+/// Between two edits that have nothing to do with each other.
 const REST: Duration = Duration::from_millis(400);
 
-/// What is measured, and the command that does it the given time; None where the scene has nothing to do it to.
-const KINDS: [(&str, fn(&mut World, usize) -> Option<Command>); 5] = [
-    ("fly", fly),
-    ("drag a mesh", drag),
-    ("material slider", change_material),
-    ("light slider", change_light),
-    ("undo and redo", undo),
+/// The command that does what is measured the given time; None where the scene has nothing to do it to.
+type Act = fn(&mut World, usize) -> Option<Command>;
+
+/// What is measured, and the rest before each: without one the picture moves, see [`super::motion`].
+const KINDS: [(&str, Act, Duration); 7] = [
+    ("fly", fly, REST),
+    ("fly on and on", fly, Duration::ZERO),
+    ("drag a mesh", drag, REST),
+    ("drag it on and on", drag, Duration::ZERO),
+    ("material slider", change_material, REST),
+    ("light slider", change_light, REST),
+    ("undo and redo", undo, REST),
 ];
 
 impl LatencyProbe {
@@ -127,7 +183,7 @@ pub fn act_for_probe(world: &mut World) {
     if let Phase::Rest(since) = probe.phase
         && has_picture
         && !probe.done
-        && since.elapsed() >= REST
+        && since.elapsed() >= KINDS[probe.kind].2
     {
         match KINDS[probe.kind].1(world, probe.results.len() + usize::from(probe.skipped)) {
             Some(command) => {
@@ -158,7 +214,7 @@ pub fn watch_probe(
     let Phase::Waiting { since, job, revision } = probe.phase else {
         return;
     };
-    probe.frames.extend(frames.recent.back());
+    probe.frames.extend(frames.last_frame());
     if since.elapsed() > PATIENCE {
         // The value was there already: nothing has changed.
         probe.phase = Phase::Rest(Instant::now());
@@ -175,7 +231,7 @@ pub fn watch_probe(
     }
     let of = |values: &[f32], q| median(values.to_vec(), q).unwrap_or(f32::NAN);
     say(format_args!(
-        "{}: command to first changed pixel: median {:.1} ms, 95 % {:.1} ms, worst {:.1} ms, {} times, {}x{} pixels; frames: median {:.1} ms",
+        "{}: command to first changed pixel: median {:.1} ms, 95 % {:.1} ms, worst {:.1} ms, {} times, {}x{} pixels",
         KINDS[probe.kind].0,
         of(&probe.results, 0.5),
         of(&probe.results, 0.95),
@@ -183,8 +239,17 @@ pub fn watch_probe(
         probe.results.len(),
         status.size.x,
         status.size.y,
-        of(&probe.frames, 0.5),
     ));
+    let figures = |name: &str, part: fn(&Frame) -> f32| {
+        let times: Vec<f32> = probe.frames.iter().map(part).collect();
+        let [median, most, worst] = [0.5, 0.95, 1.0].map(|q| of(&times, q));
+        say(format_args!(
+            "  {name}: median {median:.1} ms, 95 % {most:.1} ms, worst {worst:.1} ms"
+        ));
+    };
+    figures("frames from one to the next", |frame| frame.whole);
+    figures("  of that the window's own systems", |frame| frame.own);
+    figures("  beside them the drawing thread and the driver", |frame| frame.drawing);
     probe.next_kind();
 }
 

@@ -1,7 +1,7 @@
 //! Which panels there are and where they are docked. No painting: that is `docking`'s.
 
 use bevy::prelude::Resource;
-use bevy_egui::egui::Rect;
+use bevy_egui::egui::{Pos2, Rect, Vec2, vec2};
 use egui_dock::{DockState, Node, NodeIndex, Split, Surface};
 use serde::{Deserialize, Serialize};
 
@@ -57,9 +57,11 @@ impl Panel {
     }
 }
 
+/// Points; the shares are of this.
+const USUAL_ROOM: Vec2 = vec2(1280.0, 674.0);
 /// Share of the window's width, and of what that leaves.
 const LEFT_SHARE: f32 = 0.17;
-const RIGHT_SHARE: f32 = 0.29;
+const RIGHT_SHARE: f32 = 0.32;
 
 /// The docked panels: a tree of splits with groups of panels at its leaves.
 #[derive(Resource, Clone)]
@@ -74,7 +76,7 @@ impl Default for Layout {
         }
         layout.show(Panel::Outliner);
         layout.show(Panel::Inspector);
-        layout
+        layout.shown_in(USUAL_ROOM)
     }
 }
 
@@ -118,11 +120,13 @@ impl Layout {
         }
     }
 
-    /// For the preferences: what is where, without its place in points.
+    /// For the preferences: what is where and how large, without its place in points.
     pub fn to_json(&self) -> serde_json::Value {
         let mut state = self.0.clone();
         for (_, node) in state.iter_all_nodes_mut() {
-            node.set_rect(Rect::ZERO);
+            let shown = node.rect().filter(|rect| node.is_parent() && rect.is_finite());
+            let size = shown.map_or(Vec2::ZERO, |rect| rect.size().round());
+            node.set_rect(Rect::from_min_size(Pos2::ZERO, size));
             if let Some(leaf) = node.get_leaf_mut() {
                 leaf.viewport = Rect::ZERO;
                 leaf.scroll = 0.0;

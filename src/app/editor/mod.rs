@@ -7,12 +7,14 @@ pub mod actions;
 pub mod command;
 pub mod commands;
 pub mod compare;
+pub mod cursor;
 mod denoiser;
 mod dialogs;
 pub mod display;
 mod docking;
 mod dropping;
 mod exit_door;
+mod flight;
 mod gather;
 pub mod gizmo;
 pub mod guard;
@@ -26,6 +28,7 @@ pub mod looks;
 pub mod material_drop;
 pub mod material_tree;
 pub mod model;
+mod motion;
 pub mod navigation;
 pub mod options;
 pub mod orbit;
@@ -34,6 +37,7 @@ pub mod overlay;
 mod pacing;
 pub mod painter;
 pub mod palette;
+pub mod panel_sizes;
 pub mod panels;
 pub mod path_lines;
 pub mod paths;
@@ -52,6 +56,7 @@ mod sheet;
 pub mod shell;
 pub mod shortcuts;
 pub mod state;
+pub mod stored_views;
 mod studio;
 mod style;
 pub mod toasts;
@@ -91,6 +96,7 @@ impl Plugin for EditorPlugin {
         let (preferences_file, preferences) = PreferencesFile::open(folder.as_deref());
         let mut state = state::EditorState::default();
         state.navigation.set_speed(preferences.speed);
+        state.gizmo.steps = preferences.steps;
         if let Some(problem) = &preferences_file.problem {
             state.complain(Topic::Other, problem, None);
         }
@@ -100,6 +106,11 @@ impl Plugin for EditorPlugin {
             .insert_resource(preferences)
             .insert_resource(preferences_file)
             .insert_resource(recovery::Recovery::new(folder.as_deref()))
+            .insert_resource(stored_views::ViewsFile::new(folder.as_deref()))
+            .insert_resource(flight::Flights::new(options.is_attended()))
+            .insert_resource(motion::Motion::new(
+                options.is_attended() || options.measure_latency.is_some(),
+            ))
             .init_resource::<dropping::DroppedFiles>()
             .init_resource::<history::History>()
             .init_resource::<paths::PathInspector>()
@@ -148,6 +159,7 @@ impl Plugin for EditorPlugin {
                 (
                     scene_watch::choose_camera.run_if(scene_watch::camera_is_wanted),
                     scene_watch::follow_scene,
+                    stored_views::follow_views,
                     recovery::follow_scene,
                     preferences::note_scene,
                     (dropping::take_dropped_files, shell::note_close_requests),
@@ -168,7 +180,13 @@ impl Plugin for EditorPlugin {
                     )
                         .chain()
                         .in_set(EditorSystems::Gather),
-                    (commands::apply_commands, pacing::pace)
+                    (
+                        commands::apply_commands,
+                        flight::fly_on,
+                        motion::follow_motion,
+                        cursor::steer_cursor,
+                        pacing::pace,
+                    )
                         .chain()
                         .in_set(EditorSystems::Apply),
                     (
@@ -191,6 +209,7 @@ impl Plugin for EditorPlugin {
                     .chain(),
             )
             .add_systems(First, latency::time_frames)
+            .add_systems(Last, latency::time_systems.after(recovery::clean_up))
             .add_systems(
                 Last,
                 (
@@ -204,6 +223,7 @@ impl Plugin for EditorPlugin {
                     .chain(),
             );
         if let Some(moves) = options.measure_latency {
+            latency::time_drawing(app);
             app.insert_resource(latency::LatencyProbe::new(moves)).add_systems(
                 PostUpdate,
                 (

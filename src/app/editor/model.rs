@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bevy::math::Affine3A;
 use bevy::prelude::{Entity, Rect};
 
-use super::compare::{CompareView, Figures};
+use super::compare::{CompareView, Measured};
 use super::light_mix::LightMix;
 use super::looks::Looks;
 use super::presets::Preset;
@@ -160,7 +160,7 @@ pub struct ComparisonModel {
     /// Samples of the snapshot.
     pub snapshot: Option<u32>,
     pub view: CompareView,
-    pub figures: Option<Figures>,
+    pub figures: Option<Measured>,
 }
 
 /// One message of the diagnostics panel.

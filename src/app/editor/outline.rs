@@ -71,11 +71,7 @@ impl SeenInstances {
     pub fn update(&mut self, film: &Film) {
         let (width, height) = (film.width(), film.height());
         if (self.width, self.height) != (width, height) {
-            *self = Self {
-                width,
-                height,
-                instances: vec![NOTHING; width as usize * height as usize],
-            };
+            *self = self.resized(width, height);
         }
         let mut instances = self.instances.iter_mut();
         for y in 0..height {
@@ -86,6 +82,19 @@ impl SeenInstances {
                     None => {}
                 }
             }
+        }
+    }
+
+    /// Seen at another resolution.
+    fn resized(&self, width: u32, height: u32) -> Self {
+        let nearest = |place: u32, to: u32, from: u32| (u64::from(place) * u64::from(from) / u64::from(to)) as usize;
+        let row = |y: u32| nearest(y, height, self.height) * self.width as usize;
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let seen = |(x, y)| self.instances.get(row(y) + nearest(x, width, self.width)).copied();
+        Self {
+            width,
+            height,
+            instances: pixels.map(|pixel| seen(pixel).unwrap_or(NOTHING)).collect(),
         }
     }
 
@@ -291,6 +300,16 @@ mod tests {
                 .filter(|run| run.y == 2)
                 .all(|run| (run.from, run.to) == (1, 7))
         );
+    }
+
+    #[test]
+    fn another_resolution_shows_the_same() {
+        let large = seen().resized(16, 12);
+        let all = large.instances_in(Vec2::ZERO, Vec2::ONE);
+        assert_eq!(all, seen().instances_in(Vec2::ZERO, Vec2::ONE));
+        let back = large.resized(8, 6);
+        assert_eq!(back.instances, seen().instances);
+        assert!(SeenInstances::default().resized(2, 1).instances == [NOTHING; 2]);
     }
 
     #[test]

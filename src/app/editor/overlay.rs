@@ -1,8 +1,12 @@
 //! The boxes of the acceleration structures, drawn over the picture.
 
+use std::collections::HashSet;
+use std::sync::Arc;
+
 use bevy::math::{Affine3A, Vec2, Vec3};
 
-use crate::accel::{BvhBox, Primitive, Tlas};
+use super::panels::status::counted;
+use crate::accel::{BvhBox, BvhStats, Primitive, Tlas};
 use crate::math::Aabb;
 use crate::render::camera::Camera;
 
@@ -37,20 +41,38 @@ pub struct WorldBox {
     pub over_instances: bool,
 }
 
-/// What is to be drawn: at most [`MAX_BOXES`] boxes, and how many there would have been.
+/// What is to be drawn: at most [`MAX_BOXES`] boxes, and how many there would have been; with figures of the hierarchies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoxList {
     pub boxes: Vec<WorldBox>,
     pub total: usize,
+    /// Of the total those that are leaves.
+    pub leaves: usize,
+    /// Of these leaves those of meshes, and the triangles in them.
+    mesh_leaves: usize,
+    triangles: usize,
+    /// See [`Tlas::expected_work`].
+    pub expected_work: f64,
+    /// Of all hierarchies, each mesh's counted once.
+    pub nodes: usize,
+    pub bytes: usize,
 }
 
 pub fn boxes(geometry: &Tlas, overlay: &BvhOverlay) -> BoxList {
-    let mut list = BoxList::default();
+    let mut list = BoxList {
+        expected_work: geometry.expected_work(),
+        ..BoxList::default()
+    };
+    list.count(&geometry.stats());
+    let mut counted = HashSet::new();
     geometry
         .bvh()
         .visit_boxes(|found| list.offer(&found, overlay, &Affine3A::IDENTITY, true));
     for instance in geometry.instances() {
         if let Primitive::Mesh(blas) = &instance.primitive {
+            if counted.insert(Arc::as_ptr(blas)) {
+                list.count(&blas.stats());
+            }
             blas.bvh()
                 .visit_boxes(|found| list.offer(&found, overlay, &instance.world_from_local, false));
         }
@@ -59,6 +81,34 @@ pub fn boxes(geometry: &Tlas, overlay: &BvhOverlay) -> BoxList {
 }
 
 impl BoxList {
+    fn count(&mut self, stats: &BvhStats) {
+        self.nodes += stats.nodes;
+        self.bytes += stats.bytes;
+    }
+
+    /// What there is to be known of the boxes that `overlay` shows, a few short lines.
+    pub fn figures(&self, overlay: &BvhOverlay) -> String {
+        let shown = match overlay.leaves_only {
+            true => format!("to depth {}: {}", overlay.depth, counted(self.leaves as u64, "leaf")),
+            false => format!(
+                "depth {}: {}, {}",
+                overlay.depth,
+                counted((self.total - self.leaves) as u64, "node"),
+                counted(self.leaves as u64, "leaf")
+            ),
+        };
+        let filling = match self.mesh_leaves {
+            0 => String::new(),
+            leaves => format!(", {:.1} triangles per leaf", self.triangles as f64 / leaves as f64),
+        };
+        format!(
+            "SAH cost {:.1} in all\n{shown}{filling}\n{}, {:.1} MB in all",
+            self.expected_work,
+            counted(self.nodes as u64, "node"),
+            self.bytes as f64 / 1e6
+        )
+    }
+
     fn offer(&mut self, found: &BvhBox, overlay: &BvhOverlay, world_from_local: &Affine3A, over_instances: bool) {
         let depth = overlay.depth as usize;
         let wanted = if overlay.leaves_only {
@@ -70,6 +120,11 @@ impl BoxList {
             return;
         }
         self.total += 1;
+        self.leaves += usize::from(found.is_leaf);
+        if found.is_leaf && !over_instances {
+            self.mesh_leaves += 1;
+            self.triangles += found.primitives as usize;
+        }
         if self.boxes.len() < MAX_BOXES {
             self.boxes.push(WorldBox {
                 corners: corners(&found.bounds).map(|corner| world_from_local.transform_point3(corner)),
@@ -149,6 +204,11 @@ mod tests {
         assert_eq!(boxes(&scene(), &overlay(0, false)).total, 1);
         assert_eq!(boxes(&scene(), &overlay(40, true)).total, 20);
         assert!(boxes(&scene(), &overlay(40, false)).boxes.is_empty());
+        let root = boxes(&scene(), &overlay(0, false));
+        let text = root.figures(&overlay(0, false));
+        assert!(text.contains("depth 0: 1 node, 0 leaves\n"), "{text}");
+        let leaves = boxes(&scene(), &overlay(40, true));
+        assert!(leaves.figures(&overlay(40, true)).contains("to depth 40: 20 leaves\n"));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use bevy_egui::egui::{self, Align2, Button, Id, Key, Modal, Modifiers, RichText, Ui};
 
-use super::actions::{ACTIONS, Action, ActionContext, Shortcut};
+use super::actions::{ACTIONS, Action, ActionContext, Group, Shortcut};
 use super::command::Command;
 use super::model::{Item, Model};
 use super::selection::Extend;
@@ -27,7 +27,7 @@ pub enum Hit<'a> {
 impl Hit<'_> {
     fn text(&self) -> String {
         match self {
-            Self::Action(action) => action.label.to_owned(),
+            Self::Action(action) => title(action),
             Self::Scene(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             Self::Thing(item) => item.name.clone(),
         }
@@ -57,13 +57,25 @@ impl Hit<'_> {
             // Actions before files and things that are called the same.
             Self::Action(action) => {
                 let keys = action.keys.iter().map(Shortcut::text).collect::<Vec<_>>().join(" ");
-                let label = score(query, action.label);
+                let label = score(query, &title(action));
                 let name = score(query, action.name).map(|score| score - 5);
                 let keys = score(query, &keys).map(|score| score - 10);
                 [label, name, keys].into_iter().flatten().max().map(|score| score + 20)
             }
             Self::Scene(_) | Self::Thing(_) => score(query, &self.text()),
         }
+    }
+}
+
+/// Its label; in the menu that heads it, "Add" goes without saying.
+fn title(action: &Action) -> String {
+    match action.group {
+        Group::Add => {
+            let mut letters = action.label.chars();
+            let first = letters.next().into_iter().flat_map(char::to_lowercase);
+            format!("Add {}{}", first.collect::<String>(), letters.as_str())
+        }
+        _ => action.label.to_owned(),
     }
 }
 
@@ -252,7 +264,8 @@ mod tests {
     fn letters_in_order_and_words_in_any_are_enough() {
         assert_eq!(found("fts")[0], "Frame the selection F");
         assert_eq!(found("selection frame")[0], "Frame the selection F");
-        assert_eq!(found("add-spot")[0], "Spot light");
+        assert_eq!(found("add-spot")[0], "Add spot light");
+        assert_eq!(found("add cam")[0], "Add camera at the view");
         assert!(score("ab", "ba").is_none());
         assert!(score("ÄÖ", "äö").is_some());
     }

@@ -5,6 +5,7 @@ use bevy_egui::egui::{self, Color32, Shape, Stroke};
 
 use super::paths::NamedPath;
 use super::screen::Screen;
+use super::viewport::tag;
 use crate::light::Target;
 use crate::math::Ray;
 
@@ -50,14 +51,8 @@ pub fn paint(painter: &egui::Painter, screen: &Screen, paths: &[NamedPath], chos
         }
         if let Some(at) = screen.project(place) {
             painter.circle(at, 4.0, CHOSEN, Stroke::new(1.0, Color32::BLACK));
-            let font = egui::FontId::proportional(12.0);
-            painter.text(
-                at + egui::vec2(7.0, -7.0),
-                egui::Align2::LEFT_BOTTOM,
-                number.to_string(),
-                font,
-                Color32::WHITE,
-            );
+            let corner = at + egui::vec2(6.0, -6.0);
+            tag(painter, corner, egui::Align2::LEFT_BOTTOM, &number.to_string());
         }
     }
 }

@@ -5,11 +5,10 @@
 
 use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
-use bevy_egui::egui::{
-    self, Color32, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Response, Stroke, StrokeKind, Ui,
-};
+use bevy_egui::egui::{self, Color32, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Response, Ui};
 
 use super::command::Command;
+use super::cursor::TurningCursor;
 use super::layout::Panel;
 use super::orbit;
 use super::paths::InspectedPaths;
@@ -18,12 +17,13 @@ use super::screen::Screen;
 use super::selection::Extend;
 use super::shell::ShellCommand;
 use super::tool::Tool;
-use super::viewport::ViewportModel;
+use super::viewport::{ViewportModel, thin_frame};
 use super::{gizmo, icons};
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointerState {
     hold: Option<Hold>,
+    pub cursor: TurningCursor,
     /// What is under the pointer.
     pub hovered: Option<Entity>,
 }
@@ -72,12 +72,20 @@ impl PointerState {
         if is_over && self.hold.is_some() && response.clicked_by(PointerButton::Primary) {
             self.click(ui, pointer, screen, model, commands);
         }
-        let by = ui.input(|input| input.pointer.delta());
-        let by = Vec2::new(by.x, by.y);
+        let turns = self.is_looking() && response.dragged();
+        let by = if turns {
+            let (before, seen) = ui.input(|input| (pointer - input.pointer.delta(), moves(input)));
+            let pixels = ui.ctx().pixels_per_point();
+            let device = model.mouse / pixels;
+            let by = self.cursor.follow(before, &seen, device, screen.picture, pixels);
+            Vec2::new(by.x, by.y)
+        } else {
+            Vec2::ZERO
+        };
         let mut look = Vec2::ZERO;
         match &mut self.hold {
-            Some(Hold::Look) if response.dragged() => look = by,
-            Some(Hold::Orbit { center }) if response.dragged() && by != Vec2::ZERO => {
+            Some(Hold::Look) => look = by,
+            Some(Hold::Orbit { center }) if by != Vec2::ZERO => {
                 *pose = model.navigation.orbit(*pose, *center, by);
             }
             Some(Hold::Pan { last, depth }) if *last != pointer => {
@@ -106,7 +114,7 @@ impl PointerState {
             _ => {}
         }
         if ui.input(|input| !input.pointer.any_down()) {
-            self.hold = None;
+            self.let_go(ui);
         }
         self.wheel(ui, is_over, pointer, screen, model, pose, commands);
         let hovered = (is_over && self.hold.is_none())
@@ -118,6 +126,12 @@ impl PointerState {
             ui.ctx().request_repaint();
         }
         look
+    }
+
+    /// Whatever is done with the mouse is over.
+    pub fn let_go(&mut self, ui: &Ui) {
+        self.hold = None;
+        self.cursor.let_go(ui.ctx().pixels_per_point());
     }
 
     fn hold_of(
@@ -209,12 +223,7 @@ impl PointerState {
         if let (Some(Hold::Box { from }), Some(pointer)) = (self.hold, pointer) {
             let rect = Rect::from_two_pos(from, pointer);
             painter.rect_filled(rect, 0.0, Color32::from_white_alpha(18));
-            painter.rect_stroke(
-                rect,
-                0.0,
-                Stroke::new(1.0, Color32::from_white_alpha(200)),
-                StrokeKind::Inside,
-            );
+            thin_frame(painter, rect, 200);
         }
     }
 }
@@ -252,6 +261,15 @@ fn inside(boxed: Rect, screen: &Screen, model: &ViewportModel) -> Vec<Entity> {
     found.extend(model.icons.iter().filter(is_inside).map(|icon| icon.entity));
     found.retain(|entity| !model.locked.contains(entity));
     found
+}
+
+/// Where the pointer has been since the last frame, in order.
+fn moves(input: &egui::InputState) -> Vec<Pos2> {
+    let place = |event: &egui::Event| match event {
+        egui::Event::PointerMoved(place) => Some(*place),
+        _ => None,
+    };
+    input.events.iter().filter_map(place).collect()
 }
 
 /// Notches of the wheel this frame, positive away from the user.

@@ -10,6 +10,7 @@ use directories::ProjectDirs;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use super::gizmo::Steps;
 use super::layout::Layout;
 use super::navigation::SPEED_RANGE;
 use super::state::EditorState;
@@ -46,6 +47,12 @@ pub struct Preferences {
     pub autosave_seconds: u32,
     /// Of flying, see [`super::navigation::Navigation::speed`].
     pub speed: f32,
+    /// Of the gizmo.
+    pub steps: Steps,
+    /// Of the picture's resolution this share is rendered while something moves, where all of it takes too long; 1 is all of it.
+    pub moving_scale: f32,
+    /// The view jumps to where it goes.
+    pub reduced_motion: bool,
     /// Scenes, absolute, the newest first.
     pub recent_files: Vec<PathBuf>,
     /// See [`Layout::to_json`].
@@ -62,6 +69,9 @@ impl Default for Preferences {
             ui_scale: 1.0,
             autosave_seconds: 60,
             speed: 1.0,
+            steps: Steps::default(),
+            moving_scale: 0.5,
+            reduced_motion: false,
             recent_files: Vec::new(),
             layout: Value::Null,
             unknown: Map::new(),
@@ -71,6 +81,7 @@ impl Default for Preferences {
 
 pub const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
 pub const LONGEST_AUTOSAVE: u32 = 3600;
+pub const MOVING_SCALES: std::ops::RangeInclusive<f32> = 0.25..=1.0;
 
 impl Preferences {
     pub fn layout(&self) -> Layout {
@@ -90,6 +101,8 @@ impl Preferences {
     pub fn within_range(mut self) -> Self {
         self.ui_scale = self.ui_scale.clamp(*UI_SCALES.start(), *UI_SCALES.end());
         self.speed = self.speed.clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end());
+        self.steps = self.steps.within_range();
+        self.moving_scale = self.moving_scale.clamp(*MOVING_SCALES.start(), *MOVING_SCALES.end());
         self.autosave_seconds = self.autosave_seconds.min(LONGEST_AUTOSAVE);
         self.recent_files.truncate(MOST_RECENT_FILES);
         self
@@ -217,6 +230,7 @@ pub fn remember(
     silent.store(Preferences {
         layout: layout.to_json(),
         speed: state.navigation.speed,
+        steps: state.gizmo.steps,
         ..preferences.clone()
     });
     if silent.problem != problem {
@@ -247,9 +261,17 @@ mod tests {
         assert_eq!(preferences.autosave_seconds, 60);
         let mut layout = Layout::default();
         layout.close(Panel::History);
+        let steps = Steps {
+            length: Some(0.25),
+            degrees: 5.0,
+            ..Steps::default()
+        };
         let mut changed = Preferences {
             layout: layout.to_json(),
             speed: 2.5,
+            steps,
+            moving_scale: 0.25,
+            reduced_motion: true,
             ..preferences
         };
         changed.note_recent(Path::new("/a.xml"));
@@ -259,6 +281,21 @@ mod tests {
         assert!(!back.layout().has(Panel::History) && back.layout().has(Panel::Render));
         let text = std::fs::read_to_string(folder.path().join(FILE)).expect("just written");
         assert!(text.contains("of tomorrow"), "{text}");
+    }
+
+    #[test]
+    fn numbers_that_no_control_could_set_are_mended() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let text = r#"{"steps": {"length": -2.0, "degrees": 1e9, "factor": 0.0}, "moving_scale": 0.0}"#;
+        written(folder.path(), text);
+        let (_, preferences) = PreferencesFile::open(Some(folder.path()));
+        let Steps {
+            length,
+            degrees,
+            factor,
+        } = preferences.steps;
+        assert_eq!((length, degrees, factor), (None, 180.0, 0.001));
+        assert_eq!(preferences.moving_scale, 0.25);
     }
 
     #[test]

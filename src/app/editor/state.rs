@@ -1,6 +1,5 @@
 //! What the editor itself remembers: how the picture is shown, messages, the open dialog. None of it is saved.
 
-use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy_egui::egui::Rect;
 
@@ -15,6 +14,7 @@ use super::panels::inspector::InspectorState;
 use super::panels::library::LibraryState;
 use super::panels::outliner::OutlinerState;
 use super::shell::Sheet;
+use super::stored_views::StoredViews;
 use super::toasts::{Toasts, Tone, Topic};
 use super::tool::Tool;
 use super::viewport::ViewportState;
@@ -25,8 +25,8 @@ pub struct EditorState {
     pub overlay: BvhOverlay,
     pub navigation: Navigation,
     pub gizmo: GizmoSettings,
-    /// Views to come back to, world from camera.
-    pub bookmarks: [Option<Affine3A>; 9],
+    /// Views to come back to.
+    pub bookmarks: StoredViews,
     pub panels_shown: bool,
     /// To be brought to the front of its group, unless it is closed.
     pub wanted_panel: Option<Panel>,
@@ -59,7 +59,7 @@ impl Default for EditorState {
             overlay: BvhOverlay::default(),
             navigation: Navigation::default(),
             gizmo: GizmoSettings::default(),
-            bookmarks: [None; 9],
+            bookmarks: StoredViews::default(),
             panels_shown: true,
             wanted_panel: None,
             outliner: OutlinerState::default(),

@@ -45,6 +45,8 @@ const FADE_STEP: Duration = Duration::from_millis(40);
 /// Older ones give way.
 const MOST: usize = 5;
 const WIDTH: f32 = 380.0;
+/// Points that the gizmo's bar takes at the upper edge of the picture.
+const BELOW_BAR: f32 = 46.0;
 
 #[derive(Clone, Debug, Default)]
 pub struct Toasts(Vec<Toast>);
@@ -88,7 +90,7 @@ impl Toasts {
         self.0.iter().map(|toast| toast.text.as_str())
     }
 
-    /// In the upper right corner of `place`.
+    /// At the right of `place`, below the bar at its upper edge.
     pub fn show(&mut self, context: &egui::Context, place: Rect, commands: &mut Vec<Command>) {
         self.0.retain(|toast| toast.left() != Some(Duration::ZERO));
         if self.0.is_empty() {
@@ -99,7 +101,7 @@ impl Toasts {
         Area::new(Id::new("toasts"))
             .order(Order::Foreground)
             .pivot(Align2::RIGHT_TOP)
-            .fixed_pos(place.right_top() + egui::vec2(-10.0, 10.0))
+            .fixed_pos(place.right_top() + egui::vec2(-10.0, BELOW_BAR))
             .constrain_to(place)
             .show(context, |ui| {
                 ui.set_width(width);

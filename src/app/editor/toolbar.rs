@@ -1,25 +1,26 @@
-//! The buttons at the picture's top edge: what the gizmo does, along which axes, about which point, in which steps.
+//! The buttons above the picture: what the gizmo does, along which axes, about which point, in which steps.
 
 use bevy_egui::egui::{
     self, Align, Button, Color32, ComboBox, CornerRadius, DragValue, Frame, Layout, Margin, Rect, Ui, UiBuilder,
 };
 
 use super::command::Command;
-use super::gizmo::{Axes, GizmoSettings, Mode, Pivot};
+use super::gizmo::{self, Axes, GizmoSettings, Mode, Pivot, Steps};
 
 const HEIGHT: f32 = 30.0;
 const WIDTH: f32 = 470.0;
 
 /// `length_step` is the step of lengths in use, in world units.
-pub fn toolbar(ui: &mut Ui, picture: Rect, settings: GizmoSettings, length_step: f32, commands: &mut Vec<Command>) {
-    let size = egui::vec2(WIDTH.min(picture.width() - 16.0), HEIGHT);
-    let place = Rect::from_min_size(picture.center_top() + egui::vec2(-0.5 * size.x, 6.0), size);
+pub fn toolbar(ui: &mut Ui, panel: Rect, settings: GizmoSettings, length_step: f32, commands: &mut Vec<Command>) {
+    let size = egui::vec2(WIDTH.min(panel.width() - 16.0), HEIGHT);
+    let place = Rect::from_min_size(panel.center_top() + egui::vec2(-0.5 * size.x, 6.0), size);
     let mut edited = settings;
     let layout = Layout::left_to_right(Align::Center);
     let mut bar = ui.new_child(UiBuilder::new().id_salt("gizmo toolbar").max_rect(place).layout(layout));
-    bar.set_clip_rect(picture);
+    bar.set_clip_rect(panel);
     let frame = Frame::new()
-        .fill(Color32::from_black_alpha(165))
+        .fill(backing(&bar))
+        .stroke(bar.visuals().window_stroke)
         .corner_radius(CornerRadius::same(4))
         .inner_margin(Margin::symmetric(6, 3));
     frame.show(&mut bar, |ui| {
@@ -68,26 +69,37 @@ pub fn toolbar(ui: &mut Ui, picture: Rect, settings: GizmoSettings, length_step:
     }
 }
 
+/// Of the theme, and nearly opaque: texts and buttons on it are legible over any picture.
+fn backing(ui: &Ui) -> Color32 {
+    ui.visuals().window_fill.gamma_multiply_u8(238)
+}
+
 /// The step of the mode.
 fn step(ui: &mut Ui, edited: &mut GizmoSettings, length_step: f32) {
     ui.label("Step");
     let steps = &mut edited.steps;
     let mut length = length_step;
-    let (value, speed, least, suffix) = match edited.mode {
-        Mode::Move => (&mut length, 0.02 * length_step, 1e-6, ""),
-        Mode::Rotate => (&mut steps.degrees, 0.5, 0.1, "°"),
-        Mode::Scale => (&mut steps.factor, 0.01, 0.001, ""),
+    let (value, speed, range, suffix) = match edited.mode {
+        Mode::Move => (&mut length, 0.02 * length_step, gizmo::LENGTHS, ""),
+        Mode::Rotate => (&mut steps.degrees, 0.5, gizmo::DEGREES, "°"),
+        Mode::Scale => (&mut steps.factor, 0.01, gizmo::FACTORS, ""),
     };
     let drag = DragValue::new(value)
         .speed(speed)
-        .range(least..=f32::MAX)
+        .range(range)
         .suffix(suffix)
         .max_decimals(4);
-    let changed = ui
-        .add(drag)
-        .on_hover_text("What Control rounds to while dragging, and how far the arrow keys go")
-        .changed();
-    if changed && edited.mode == Mode::Move {
+    let response = ui.add(drag).on_hover_text(
+        "What Control rounds to while dragging, and how far the arrow keys go. A click with the right button: as in the beginning",
+    );
+    if response.secondary_clicked() {
+        let usual = Steps::default();
+        match edited.mode {
+            Mode::Move => edited.steps.length = usual.length,
+            Mode::Rotate => edited.steps.degrees = usual.degrees,
+            Mode::Scale => edited.steps.factor = usual.factor,
+        }
+    } else if response.changed() && edited.mode == Mode::Move {
         edited.steps.length = Some(length);
     }
 }

@@ -1,5 +1,7 @@
 //! The arrangement of the window: menus above, lists left and right, the status line below, the picture in between.
 
+use bevy::ecs::entity::EntityHashSet;
+use bevy::input::mouse::AccumulatedMouseMotion;
 use bevy::prelude::*;
 use bevy_egui::{EguiClipboard, EguiContexts, egui};
 
@@ -35,7 +37,7 @@ use crate::accel::Tlas;
 use crate::engine::{CurrentScene, RenderFilm};
 use crate::math::Aabb;
 use crate::scene::{
-    ActiveSensor, Emitter, EmitterKind, FreeView, Hidden, Locked, MemberOf, Placements, SceneState, SceneStatus,
+    ActiveSensor, Emitter, EmitterKind, Film, FreeView, Hidden, Locked, MemberOf, Placements, SceneState, SceneStatus,
     Sensor, Shape, ToWorld,
 };
 
@@ -74,6 +76,7 @@ pub struct Seen {
     boxes: CollectedBoxes,
     bounds: SelectionBounds,
     outline: SelectionOutline,
+    locked: EntityHashSet,
 }
 
 #[derive(bevy::ecs::system::SystemParam)]
@@ -90,7 +93,10 @@ pub struct Scene<'w, 's> {
     movable: Query<'w, 's, Movable, (Without<Locked>, Without<Placements>, Without<MemberOf>)>,
     emitters: Query<'w, 's, (Entity, &'static Emitter, &'static ToWorld), Without<Hidden>>,
     sensors: Query<'w, 's, (Entity, &'static ToWorld), With<Sensor>>,
+    films: Query<'w, 's, &'static Film>,
     locked: Query<'w, 's, Entity, With<Locked>>,
+    newly_locked: Query<'w, 's, (), Added<Locked>>,
+    unlocked: RemovedComponents<'w, 's, Locked>,
 }
 
 type Movable = (&'static ToWorld, Has<Shape>, Option<&'static Emitter>, Has<Sensor>);
@@ -133,7 +139,7 @@ impl Scene<'_, '_> {
                 pose: to_world.0,
             })
         });
-        let looked_through = self.active.0.filter(|_| self.free_view.0.is_none());
+        let looked_through = self.active.0.filter(|_| self.free_view.pose.is_none());
         let others = self
             .sensors
             .iter()
@@ -156,6 +162,7 @@ pub struct Shell<'w, 's> {
     recovery: ResMut<'w, Recovery>,
     dropped: ResMut<'w, DroppedFiles>,
     clipboard: ResMut<'w, EguiClipboard>,
+    mouse: Res<'w, AccumulatedMouseMotion>,
     guard: Local<'s, Guard>,
 }
 
@@ -166,7 +173,7 @@ pub fn show_window(
     mut queue: ResMut<CommandQueue>,
     mut dialogs: ResMut<Dialogs>,
     mut shell: Shell,
-    scene: Scene,
+    mut scene: Scene,
     mut keys: KeyEvents,
     mut focus: Local<Option<egui::Id>>,
     mut seen: Local<Seen>,
@@ -202,7 +209,15 @@ pub fn show_window(
     };
     egui::Panel::top("menus").show(&mut ui, |ui| menu_bar(ui, model, menus, commands));
     egui::Panel::bottom("status").show(&mut ui, |ui| status::status_line(ui, &model.status));
-    let Seen { boxes, bounds, outline } = &mut *seen;
+    let Seen {
+        boxes,
+        bounds,
+        outline,
+        locked,
+    } = &mut *seen;
+    if scene.unlocked.read().count() > 0 || !scene.newly_locked.is_empty() {
+        *locked = scene.locked.iter().collect();
+    }
     collect_boxes(&scene.current, &state.overlay, boxes);
     bounds.update(&scene.current, &scene.selection);
     let hovered = state.viewport.pointer.hovered;
@@ -214,11 +229,16 @@ pub fn show_window(
         scene.picture.revision,
     );
     let (targets, icons) = (scene.targets(&bounds.bounds), scene.icons());
-    let locked: Vec<Entity> = scene.locked.iter().collect();
     let placeholder = placeholder(&scene.status);
     let legend = display::legend(state.display.mode, scene.picture.scales());
+    let picture = scene.picture.texture();
+    // Whatever resolution is rendered, the picture stays where it is.
+    let film = scene.active.0.and_then(|sensor| scene.films.get(sensor).ok());
+    let proportions = film.map(Film::window).map(|window| [window.width, window.height]);
+    let proportions = proportions.or(picture.map(|(_, size)| size)).unwrap_or([1, 1]);
     let shown = ViewportModel {
-        picture: scene.picture.texture(),
+        picture,
+        proportions,
         placeholder: &placeholder,
         pose: camera_pose(&scene.active, &scene.free_view, &scene.poses),
         camera: scene.current.view.as_ref().map(|view| view.camera),
@@ -232,13 +252,14 @@ pub fn show_window(
             up: state.navigation.up,
             current: &scene.current,
         },
-        locked: &locked,
+        locked,
         current: &scene.current,
         legend: legend.as_ref(),
         region: model.render.region,
         paths: &scene.paths,
         navigation: state.navigation,
         keys: action_context,
+        mouse: egui::vec2(shell.mouse.delta.x, shell.mouse.delta.y),
         presses: &presses,
         enabled: is_free,
     };

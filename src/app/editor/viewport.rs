@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
+use bevy::ecs::entity::EntityHashSet;
 use bevy::math::{Affine3A, Vec2, Vec3};
-use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Align2, Color32, EventFilter, FontId, Id, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
 
 use super::actions::ActionContext;
@@ -29,6 +29,8 @@ use crate::render::camera::Camera;
 pub struct ViewportModel<'a> {
     /// The picture and its size in pixels.
     pub picture: Option<(egui::TextureId, [u32; 2])>,
+    /// Pixels of the picture at its full resolution.
+    pub proportions: [u32; 2],
     /// In place of the picture while there is none.
     pub placeholder: &'a str,
     /// World from camera; None without a camera.
@@ -41,7 +43,7 @@ pub struct ViewportModel<'a> {
     pub icons: &'a [Icon],
     pub gizmo: GizmoModel<'a>,
     /// Not to be selected.
-    pub locked: &'a [Entity],
+    pub locked: &'a EntityHashSet,
     /// To ask what is where.
     pub current: &'a CurrentScene,
     /// Of false colours, where there are any.
@@ -50,6 +52,8 @@ pub struct ViewportModel<'a> {
     pub region: Option<bevy::math::Rect>,
     pub navigation: Navigation,
     pub keys: ActionContext<'a>,
+    /// By how much the mouse has been moved since the last frame, pixels; told even of a pointer that stands at an edge.
+    pub mouse: egui::Vec2,
     /// The keys pressed since the last frame, in order.
     pub presses: &'a [Press],
     /// False while a dialog is open: then neither keys nor mouse act on the picture.
@@ -66,6 +70,8 @@ pub struct ViewportState {
 
 /// The id of the picture: whatever has the keyboard when no other widget wants it.
 pub const PICTURE: &str = "viewport picture";
+/// Of texts over the picture: white ones are legible on it whatever is behind.
+const BACKING: Color32 = Color32::from_black_alpha(228);
 const REGION: Color32 = Color32::from_rgb(230, 70, 60);
 const SCENE_BOX: Color32 = Color32::from_rgba_premultiplied(60, 200, 90, 200);
 const MESH_BOX: Color32 = Color32::from_rgba_premultiplied(60, 130, 230, 160);
@@ -73,7 +79,7 @@ const MESH_BOX: Color32 = Color32::from_rgba_premultiplied(60, 130, 230, 160);
 pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, commands: &mut Vec<Command>) {
     let panel = ui.available_rect_before_wrap();
     ui.painter().rect_filled(panel, 0.0, Color32::from_gray(18));
-    let picture = model.picture.map_or(panel, |(_, size)| fitted(panel, size));
+    let picture = model.picture.map_or(panel, |_| fitted(panel, model.proportions));
     let response = ui.interact(picture, Id::new(PICTURE), Sense::click_and_drag());
     match model.picture {
         Some((texture, _)) => {
@@ -92,10 +98,10 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
         }
     }
     let screen = model.camera.map(|camera| Screen { camera, picture });
-    paint_over(ui, picture, screen.as_ref(), model, state);
+    paint_over(ui, panel, picture, screen.as_ref(), model, state);
     act(ui, &response, screen.as_ref(), model, state, commands);
     if model.picture.is_some() {
-        toolbar(ui, picture, model.gizmo.settings, model.gizmo.length_step, commands);
+        toolbar(ui, panel, model.gizmo.settings, model.gizmo.length_step, commands);
     }
     drop_target(ui, &response, picture, commands);
     ui.advance_cursor_after_rect(panel);
@@ -134,6 +140,8 @@ fn act(
         look = state
             .pointer
             .follow(ui, response, screen, model, rest.pointer, pose, commands);
+    } else {
+        state.pointer.let_go(ui);
     }
     let fly = ui.input(|input| {
         let modifiers = input.modifiers;
@@ -191,7 +199,14 @@ fn takes_keyboard(ui: &Ui, response: &Response, enabled: bool) -> bool {
     response.has_focus()
 }
 
-fn paint_over(ui: &Ui, picture: Rect, screen: Option<&Screen>, model: &ViewportModel, state: &ViewportState) {
+fn paint_over(
+    ui: &Ui,
+    panel: Rect,
+    picture: Rect,
+    screen: Option<&Screen>,
+    model: &ViewportModel,
+    state: &ViewportState,
+) {
     let painter = ui.painter_at(picture);
     painter.add(Shape::mesh(model.outline.mesh(picture)));
     if let Some(screen) = screen {
@@ -236,10 +251,13 @@ fn paint_over(ui: &Ui, picture: Rect, screen: Option<&Screen>, model: &ViewportM
         safe_frame(&painter, picture);
     }
     if let Some(hint) = model.keys.tool.hint() {
-        let at = picture.center_top() + egui::vec2(0.0, 40.0);
+        let at = egui::pos2(picture.center().x, (picture.top() + 8.0).max(panel.top() + 42.0));
         tag(&painter, at, Align2::CENTER_TOP, hint);
     }
     let mut notes = Vec::new();
+    if model.camera.is_some_and(|camera| camera.is_orthographic()) {
+        notes.push("Orthographic".to_owned());
+    }
     if model.keys.display.mode != DisplayMode::Shaded {
         notes.push(model.keys.display.mode.name().to_owned());
     }
@@ -254,13 +272,13 @@ fn paint_over(ui: &Ui, picture: Rect, screen: Option<&Screen>, model: &ViewportM
     if model.keys.paused {
         notes.push("Paused".to_owned());
     }
+    let mut corner = picture.left_top() + egui::vec2(8.0, 8.0);
     if !notes.is_empty() {
-        tag(
-            &painter,
-            picture.left_top() + egui::vec2(8.0, 8.0),
-            Align2::LEFT_TOP,
-            &notes.join("   "),
-        );
+        corner.y = tag(&painter, corner, Align2::LEFT_TOP, &notes.join("   ")).bottom() + 4.0;
+    }
+    if model.keys.overlay.shown && model.picture.is_some() {
+        let figures = model.boxes.figures(&model.keys.overlay);
+        tag(&painter, corner, Align2::LEFT_TOP, &figures);
     }
     if model.pose.is_some() {
         let speed = format!(
@@ -284,17 +302,27 @@ fn paint_over(ui: &Ui, picture: Rect, screen: Option<&Screen>, model: &ViewportM
 fn safe_frame(painter: &egui::Painter, picture: Rect) {
     for share in [0.9, 0.8] {
         let frame = Rect::from_center_size(picture.center(), share * picture.size());
-        let stroke = Stroke::new(1.0, Color32::from_white_alpha(140));
-        painter.rect_stroke(frame, 0.0, stroke, egui::StrokeKind::Middle);
+        thin_frame(painter, frame, 140);
+    }
+}
+
+/// White, with black around it: seen on any picture.
+pub fn thin_frame(painter: &egui::Painter, rect: Rect, alpha: u8) {
+    for (width, color) in [
+        (3.0, Color32::from_black_alpha(alpha)),
+        (1.0, Color32::from_white_alpha(alpha)),
+    ] {
+        painter.rect_stroke(rect, 0.0, Stroke::new(width, color), egui::StrokeKind::Middle);
     }
 }
 
 /// A text that can be read on any picture.
-fn tag(painter: &egui::Painter, corner: Pos2, align: Align2, text: &str) {
+pub fn tag(painter: &egui::Painter, corner: Pos2, align: Align2, text: &str) -> Rect {
     let layout = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), Color32::from_gray(230));
     let rect = align.anchor_size(corner, layout.size() + egui::vec2(12.0, 6.0));
-    painter.rect_filled(rect, 3.0, Color32::from_black_alpha(200));
+    painter.rect_filled(rect, 3.0, BACKING);
     painter.galley(rect.min + egui::vec2(6.0, 3.0), layout, Color32::WHITE);
+    rect
 }
 
 /// The heat map's colours with what they mean.
@@ -303,7 +331,7 @@ fn legend(painter: &egui::Painter, picture: Rect, legend: &Legend) {
         picture.right_bottom() - egui::vec2(228.0, 26.0),
         egui::vec2(180.0, 12.0),
     );
-    painter.rect_filled(bar.expand2(egui::vec2(40.0, 8.0)), 3.0, Color32::from_black_alpha(150));
+    painter.rect_filled(bar.expand2(egui::vec2(40.0, 8.0)), 3.0, BACKING);
     let strips = 60;
     for strip in 0..strips {
         let (from, to) = (strip as f32 / strips as f32, (strip + 1) as f32 / strips as f32);

@@ -286,6 +286,7 @@ pub const ACTIONS: &[Action] = &[
     view!("view-left", "Look from the left", command_numpad(Key::Num3) => Command::LookAlong(AxisView::Left)),
     view!("view-top", "Look from above", numpad(Key::Num7) => Command::LookAlong(AxisView::Top)),
     view!("view-bottom", "Look from below", command_numpad(Key::Num7) => Command::LookAlong(AxisView::Bottom)),
+    view!("switch-projection", "Perspective or orthographic", numpad(Key::Num5) => Command::SwitchProjection),
     view!("view-1", "View 1", plain(Key::Num1) => Command::RecallView(1)),
     view!("view-2", "View 2", plain(Key::Num2) => Command::RecallView(2)),
     view!("view-3", "View 3", plain(Key::Num3) => Command::RecallView(3)),
@@ -332,9 +333,18 @@ pub const ACTIONS: &[Action] = &[
     action(Group::View, "safe-frame", "Safe frame", &[], |context| {
         Some(Command::ShowSafeFrame(!context.safe_frame))
     }),
-    action(Group::View, "inspect-paths", "Inspect paths", &[plain(Key::P)], |_| {
-        Some(Command::SetTool(Tool::Paths))
-    }),
+    action(
+        Group::View,
+        "inspect-paths",
+        "Inspect paths",
+        &[plain(Key::P)],
+        |context| {
+            Some(Command::SetTool(match context.tool {
+                Tool::Paths => Tool::Select,
+                _ => Tool::Paths,
+            }))
+        },
+    ),
     action(Group::Render, "focus", "Focus by a click", &[], |_| {
         Some(Command::SetTool(Tool::Focus))
     }),

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 
 use super::edits::select_new;
 use super::files::CLIPBOARD;
-use super::view;
+use super::{projection, view};
 use crate::app::editor::command::{Addition, AdditionKind};
 use crate::app::editor::history::Edit;
 use crate::app::editor::picking;
@@ -164,7 +164,12 @@ fn camera(world: &World) -> (Affine3A, Sensor, Film) {
         .and_then(|active| world.get::<Film>(active))
         .copied()
         .unwrap_or_default();
-    (view::view_pose(world).unwrap_or_default(), sensor, film)
+    let lens = projection::lens(world).unwrap_or(sensor.lens);
+    (
+        view::view_pose(world).unwrap_or_default(),
+        Sensor { lens, ..sensor },
+        film,
+    )
 }
 
 /// A file's content joins the scene.

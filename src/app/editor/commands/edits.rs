@@ -3,11 +3,11 @@
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Vec3A};
 use bevy::prelude::*;
 
 use super::{adding, materials, mixing, placing, several, view};
-use crate::app::editor::command::Command;
+use crate::app::editor::command::{Command, Direction};
 use crate::app::editor::history::Edit;
 use crate::app::editor::selection::{Extend, Selection};
 use crate::scene::insert::{free_name, names, next_order};
@@ -59,8 +59,13 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
             let (Some(sensor), Some(pose)) = (sensor, view::view_pose(edit.world)) else {
                 return Err("There is no camera.".to_owned());
             };
+            if let Some(lens) = edit.world.resource::<FreeView>().lens
+                && let Some(seen) = edit.world.get::<Sensor>(sensor).copied()
+            {
+                edit.set(sensor, Sensor { lens, ..seen });
+            }
             edit.set(sensor, ToWorld(pose));
-            edit.world.insert_resource(FreeView(None));
+            edit.world.insert_resource(FreeView::default());
         }
         Command::Nudge(direction) => placing::nudge(edit, direction)?,
         Command::Drop => placing::drop(edit)?,
@@ -225,6 +230,8 @@ fn duplicate(edit: &mut Edit) -> Result<(), String> {
     let mut taken = names(edit.world);
     let mut order = next_order(edit.world);
     let mut copies = Vec::new();
+    // Where it can be seen that there are two.
+    let aside = placing::step(edit.world, Direction::Right);
     for original in selected(edit)? {
         let mut state = ObjectState::of(edit.world, original);
         if state.placements.is_some() {
@@ -237,6 +244,9 @@ fn duplicate(edit: &mut Edit) -> Result<(), String> {
         state.name = Some(Name::new(name));
         state.order = Some(DocumentOrder(order));
         state.declared_in = None;
+        if let Some(ToWorld(pose)) = &mut state.to_world {
+            pose.translation += Vec3A::from(aside);
+        }
         order = order.saturating_add(1);
         let copy = edit.spawn(());
         state.write(edit.world, copy);
@@ -373,7 +383,7 @@ pub fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), 
         edit.set(entity, ToWorld(pose));
         // The one who moves the camera wants to see from there.
         if edit.world.resource::<ActiveSensor>().0 == Some(entity) && edit.world.get::<Sensor>(entity).is_some() {
-            edit.world.insert_resource(FreeView(None));
+            edit.world.insert_resource(FreeView::default());
         }
     }
     Ok(())

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::view;
-use crate::app::editor::compare::{Comparison, Snapshot, figures};
+use crate::app::editor::compare::{Comparison, Measured, Snapshot, figures};
 use crate::app::editor::denoiser::Denoiser;
 use crate::app::editor::display::DisplaySettings;
 use crate::app::editor::light_mix::LightMix;
@@ -56,11 +56,13 @@ pub fn take_snapshot(world: &mut World) -> Result<(), String> {
 
 pub fn measure(world: &mut World) -> Result<(), String> {
     let picture = picture(world);
+    let film = world.resource::<RenderFilm>();
+    let (job, samples) = (film.job, film.film.sample_count());
     let mut comparison = world.resource_mut::<Comparison>();
     let snapshot = comparison.snapshot.as_ref().ok_or("There is no snapshot.")?;
     let has_its_size = snapshot.size == [picture.width, picture.height];
     let found = figures(&picture.pixels, &snapshot.radiance).filter(|_| has_its_size);
-    comparison.figures = found;
+    comparison.figures = found.map(|figures| Measured { figures, job, samples });
     match found {
         Some(_) => Ok(()),
         None => Err("The picture and the snapshot differ in size.".to_owned()),

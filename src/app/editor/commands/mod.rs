@@ -10,6 +10,7 @@ mod finished;
 mod materials;
 mod mixing;
 mod placing;
+mod projection;
 mod several;
 mod view;
 
@@ -19,10 +20,12 @@ use super::command::{Command, Effect};
 use super::compare::Comparison;
 use super::denoiser::Denoiser;
 use super::display::{DisplayMode, DisplaySettings};
+use super::flight;
 use super::history::{self, Edit, History};
 use super::latency::FrameTimes;
 use super::layout::Panel;
 use super::light_mix::LightMix;
+use super::motion::Motion;
 use super::pacing::Pacing;
 use super::paths::PathInspector;
 use super::picking;
@@ -40,10 +43,16 @@ pub use view::{camera_pose, view_pose};
 /// Applies this frame's commands in order.
 pub fn apply_commands(world: &mut World) {
     let commands = std::mem::take(&mut world.resource_mut::<CommandQueue>().0);
+    let commands = keep_for_later(world, commands);
     if commands.is_empty() {
         return;
     }
     note_input(world, commands.iter().any(Command::restarts_picture));
+    if commands.iter().any(Command::moves_picture)
+        && let Some(mut motion) = world.get_resource_mut::<Motion>()
+    {
+        motion.note_change();
+    }
     for command in commands {
         let is_about_file = command.is_about_file();
         let outcome = apply(world, command);
@@ -55,6 +64,19 @@ pub fn apply_commands(world: &mut World) {
             Err(message) => state.refuse(message),
         }
     }
+}
+
+/// Pictures are kept at the resolution that was asked for: until they have it, commands that want them wait, and those after them.
+fn keep_for_later(world: &mut World, mut commands: Vec<Command>) -> Vec<Command> {
+    let motion = world.get_resource_mut::<Motion>().filter(|motion| !motion.is_settled());
+    if let Some(mut motion) = motion
+        && let Some(first) = commands.iter().position(Command::keeps_picture)
+    {
+        motion.stop();
+        let later = commands.split_off(first);
+        world.resource_mut::<CommandQueue>().0.extend(later);
+    }
+    commands
 }
 
 /// As a command of this frame, but the error is handed back.
@@ -72,6 +94,7 @@ fn note_input(world: &mut World, restarts: bool) {
 
 /// Does what the command says. The error is a sentence for the user; nothing is changed then.
 pub fn apply(world: &mut World, command: Command) -> Result<(), String> {
+    flight::make_way(world, &command);
     let effect = command.effect();
     match effect {
         Effect::Edit | Effect::Drag => edit(world, command, effect == Effect::Drag)?,
@@ -147,6 +170,7 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
         Command::FrameSelection => view::frame_selection(world)?,
         Command::FrameAll => view::frame_all(world)?,
         Command::MoveView(pose) => view::move_view(world, pose),
+        Command::SwitchProjection => projection::switch(world)?,
         Command::LookThrough(entity) => view::look_through(world, entity),
         Command::LookAlong(axis) => view::look_along(world, axis),
         Command::StoreView(number) => view::store(world, number),

@@ -14,11 +14,16 @@ use crate::scene::ToWorld;
 
 pub fn nudge(edit: &mut Edit, direction: Direction) -> Result<(), String> {
     let selected = edits::selected(edit)?;
-    let state = edit.world.resource::<EditorState>();
-    let step = state.gizmo.steps.length_in(state.navigation.scene_size);
-    let pose = view::view_pose(edit.world).unwrap_or(Affine3A::IDENTITY);
-    let by = along(direction, state.navigation.upright(&pose), state.navigation.up, &pose) * step;
+    let by = step(edit.world, direction);
     move_each(edit, selected.into_iter().map(|entity| (entity, by)).collect())
+}
+
+/// A step of the gizmo, in world space.
+pub fn step(world: &World, direction: Direction) -> Vec3 {
+    let state = world.resource::<EditorState>();
+    let length = state.gizmo.steps.length_in(state.navigation.scene_size);
+    let pose = view::view_pose(world).unwrap_or(Affine3A::IDENTITY);
+    along(direction, state.navigation.upright(&pose), state.navigation.up, &pose) * length
 }
 
 /// The axis of the world that is nearest to a direction as the camera sees it, of unit length.

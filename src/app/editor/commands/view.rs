@@ -3,13 +3,14 @@
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use super::{control, set_resource};
+use super::{control, projection, set_resource};
 use crate::app::editor::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::history::Edit;
 use crate::app::editor::orbit::AxisView;
 use crate::app::editor::selection::Selection;
 use crate::app::editor::state::EditorState;
-use crate::app::editor::{navigation, picking};
+use crate::app::editor::stored_views::StoredView;
+use crate::app::editor::{flight, navigation, picking};
 use crate::engine::{CurrentScene, ViewMode};
 use crate::math::Aabb;
 use crate::scene::{ActiveSensor, FreeView, Lens, Sensor, ToWorld};
@@ -17,20 +18,41 @@ use crate::scene::{ActiveSensor, FreeView, Lens, Sensor, ToWorld};
 /// The pose of the camera in use, flown away or not: world from camera.
 pub fn camera_pose(active: &ActiveSensor, free: &FreeView, poses: &Query<&ToWorld>) -> Option<Affine3A> {
     let sensor = poses.get(active.0?).ok()?;
-    Some(free.0.unwrap_or(sensor.0))
+    Some(free.pose.unwrap_or(sensor.0))
 }
 
 /// The same from the world.
 pub fn view_pose(world: &World) -> Option<Affine3A> {
     let sensor = world.resource::<ActiveSensor>().0?;
     let own = world.get::<ToWorld>(sensor)?.0;
-    Some(world.resource::<FreeView>().0.unwrap_or(own))
+    Some(world.resource::<FreeView>().pose.unwrap_or(own))
 }
 
 pub fn move_view(world: &mut World, pose: Affine3A) {
     if world.resource::<ActiveSensor>().0.is_some() {
-        set_view(world, pose);
+        let lens = world.resource::<FreeView>().lens;
+        let pose = Some(pose);
+        set_resource(world, FreeView { pose, lens });
     }
+}
+
+/// As [`move_view`], by a short flight, with what is looked at from then on.
+fn fly_to(world: &mut World, pose: Affine3A, center: Option<Vec3>) {
+    let from = view_pose(world);
+    let lens = world.resource::<FreeView>().lens;
+    let pose = Some(pose);
+    flight::go(world, from, FreeView { pose, lens }, center);
+}
+
+/// Of the middle of the selection along the view, or of what is ahead.
+pub fn distance_looked(world: &World, pose: &Affine3A) -> f32 {
+    let forward = Vec3::from(pose.matrix3.z_axis).normalize_or_zero();
+    let selected = selected_bounds(world);
+    let selected = (!selected.is_empty()).then(|| (selected.center() - Vec3::from(pose.translation)).dot(forward));
+    let ahead = || picking::distance_ahead(world.resource::<CurrentScene>());
+    let nowhere = || 0.5 * world.resource::<EditorState>().navigation.scene_size;
+    let distance = selected.filter(|distance| *distance > 0.0);
+    distance.or_else(ahead).unwrap_or_else(nowhere)
 }
 
 /// Onto the selection, or what is ahead.
@@ -38,41 +60,45 @@ pub fn look_along(world: &mut World, axis: AxisView) {
     let Some(pose) = view_pose(world) else { return };
     let selected = selected_bounds(world);
     let navigation = world.resource::<EditorState>().navigation;
-    let ahead = picking::distance_ahead(world.resource::<CurrentScene>()).unwrap_or(0.5 * navigation.scene_size);
     let center = if selected.is_empty() {
+        let ahead = distance_looked(world, &pose);
         Vec3::from(pose.translation) + Vec3::from(pose.matrix3.z_axis).normalize_or_zero() * ahead
     } else {
         selected.center()
     };
-    set_view(world, navigation.axis_view(pose, center, axis));
+    fly_to(world, navigation.axis_view(pose, center, axis), Some(center));
 }
 
 pub fn store(world: &mut World, number: usize) {
-    let pose = view_pose(world);
+    let orthographic = projection::is_orthographic(world);
+    let view = view_pose(world).map(|pose| StoredView { pose, orthographic });
     let mut state = world.resource_mut::<EditorState>();
     if let Some(place) = number.checked_sub(1).and_then(|place| state.bookmarks.get_mut(place)) {
-        *place = pose;
+        *place = view;
         state.say(format!("View {number} stored"));
     }
 }
 
 pub fn recall(world: &mut World, number: usize) -> Result<(), String> {
     let bookmarks = world.resource::<EditorState>().bookmarks;
-    let pose = number.checked_sub(1).and_then(|place| *bookmarks.get(place)?);
-    move_view(
-        world,
-        pose.ok_or_else(|| format!("There is no view {number}: Ctrl+{number} stores one."))?,
-    );
+    let stored = number.checked_sub(1).and_then(|place| *bookmarks.get(place)?);
+    let view = stored.ok_or_else(|| format!("There is no view {number}: Ctrl+{number} stores one."))?;
+    if world.resource::<ActiveSensor>().0.is_some() {
+        let from = view_pose(world);
+        let end = FreeView {
+            pose: Some(view.pose),
+            lens: projection::lens_of_view(world, view.orthographic),
+        };
+        flight::go(world, from, end, None);
+    }
     Ok(())
-}
-
-fn set_view(world: &mut World, pose: Affine3A) {
-    set_resource(world, FreeView(Some(pose)));
 }
 
 pub fn look_through(world: &mut World, sensor: Entity) {
     if world.get::<Sensor>(sensor).is_some() {
+        let from = view_pose(world);
         look_through_first(world, Some(sensor));
+        flight::go(world, from, FreeView::default(), None);
     }
 }
 
@@ -83,7 +109,7 @@ pub fn look_through_first(world: &mut World, sensor: Option<Entity>) {
         world.resource_mut::<EditorState>().navigation.up = navigation::up_axis(&pose);
     }
     set_resource(world, ActiveSensor(sensor));
-    set_resource(world, FreeView(None));
+    set_resource(world, FreeView::default());
 }
 
 /// World bounds of the selected things that have a place; empty without any.
@@ -117,26 +143,23 @@ pub fn frame_all(world: &mut World) -> Result<(), String> {
 }
 
 fn frame(world: &mut World, bounds: Aabb) {
-    let (Some(sensor), Some(pose)) = (world.resource::<ActiveSensor>().0, view_pose(world)) else {
+    let Some(pose) = view_pose(world) else {
         return;
     };
     let view = world.resource::<CurrentScene>().view.as_ref();
     let half_fov = view.map_or(0.3, |view| picking::half_fov(&view.camera));
     let aspect = view.map_or(1.0, |view| view.width as f32 / view.height as f32);
-    let framed = if is_orthographic(world, sensor) {
+    let framed = if projection::is_orthographic(world) {
         navigation::framing_parallel(pose, &bounds, aspect)
     } else {
         navigation::framing(pose, &bounds, half_fov)
     };
     if let Some(pose) = framed {
-        set_view(world, pose);
+        fly_to(world, pose, Some(bounds.center()));
     }
 }
 
-fn is_orthographic(world: &World, sensor: Entity) -> bool {
-    let lens = world.get::<Sensor>(sensor).map(|sensor| sensor.lens);
-    lens == Some(Lens::Orthographic)
-}
+const SHARP_EVERYWHERE: &str = "An orthographic camera is sharp everywhere.";
 
 /// On what is seen there; the aperture of a pinhole becomes a two-hundredth of the distance.
 pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), String> {
@@ -150,11 +173,15 @@ pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), String> {
     let Some(camera) = edit.world.resource::<ActiveSensor>().0 else {
         return Err("There is no camera.".to_owned());
     };
+    if projection::is_orthographic(edit.world) {
+        return Err(SHARP_EVERYWHERE.to_owned());
+    }
     let Some(mut sensor) = edit.world.get::<Sensor>(camera).copied() else {
         return Ok(());
     };
     match &mut sensor.lens {
-        Lens::Orthographic => return Err("An orthographic camera is sharp everywhere.".to_owned()),
+        // The view has another one.
+        Lens::Orthographic => return Err(SHARP_EVERYWHERE.to_owned()),
         Lens::Thin { focus_distance, .. } => *focus_distance = distance,
         Lens::Pinhole => {
             sensor.lens = Lens::Thin {

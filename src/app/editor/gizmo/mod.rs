@@ -9,8 +9,11 @@ pub mod interaction;
 pub mod paint;
 pub mod typed;
 
+use std::ops::RangeInclusive;
+
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
+use serde::{Deserialize, Serialize};
 
 use super::panels::transform::Freedom;
 use crate::math::Aabb;
@@ -53,7 +56,8 @@ impl Pivot {
 }
 
 /// What Control rounds a drag to, and the arrow keys move by.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Steps {
     /// World units; None for what suits the scene.
     pub length: Option<f32>,
@@ -61,6 +65,11 @@ pub struct Steps {
     /// Of the factor of a scaling.
     pub factor: f32,
 }
+
+/// What steps can be set to, each in its unit.
+pub const LENGTHS: RangeInclusive<f32> = 1e-6..=1e6;
+pub const DEGREES: RangeInclusive<f32> = 0.1..=180.0;
+pub const FACTORS: RangeInclusive<f32> = 0.001..=10.0;
 
 impl Default for Steps {
     fn default() -> Self {
@@ -73,6 +82,20 @@ impl Default for Steps {
 }
 
 impl Steps {
+    /// Without values that no control could set.
+    pub fn within_range(self) -> Self {
+        let default = Self::default();
+        let sound = |value: f32, range: RangeInclusive<f32>, otherwise: f32| match value.is_nan() {
+            true => otherwise,
+            false => value.clamp(*range.start(), *range.end()),
+        };
+        Self {
+            length: self.length.filter(|length| LENGTHS.contains(length)),
+            degrees: sound(self.degrees, DEGREES, default.degrees),
+            factor: sound(self.factor, FACTORS, default.factor),
+        }
+    }
+
     /// The step of lengths in a scene of this size: what was chosen, or a round number near a fiftieth of the scene.
     pub fn length_in(&self, scene_size: f32) -> f32 {
         self.length.unwrap_or_else(|| round_number(scene_size / 50.0))

@@ -6,6 +6,7 @@ use super::super::command::Command;
 use super::super::compare::{CompareView, Figures};
 use super::super::model::ComparisonModel;
 use super::fields;
+use super::status::counted;
 
 pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
@@ -41,8 +42,9 @@ pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Comma
     if changed {
         commands.push(Command::SetCompareView(view));
     }
-    if let Some(figures) = &model.figures {
-        figure_rows(ui, figures);
+    if let Some(measured) = &model.figures {
+        fields::note(ui, "Measured at", counted(measured.samples.into(), "sample"));
+        figure_rows(ui, &measured.figures);
     }
 }
 

@@ -94,7 +94,9 @@ fn sections(
     if let Some(given) = inspected.sensor {
         section(ui, "Camera", |ui| {
             let mut edited = given;
-            if sensor::sensor(ui, &mut edited, scene_size) {
+            let film = inspected.film.unwrap_or_default();
+            let aspect = film.width.max(1) as f32 / film.height.max(1) as f32;
+            if sensor::sensor(ui, &mut edited, aspect, scene_size) {
                 commands.push(Command::SetSensor(inspected.entity, edited));
             }
             if ui.button("Look through this camera").clicked() {

@@ -3,7 +3,7 @@
 use bevy_egui::egui::{self, DragValue, Grid, Slider, Ui};
 
 use super::super::command::Command;
-use super::super::preferences::{LONGEST_AUTOSAVE, Preferences, ThemeChoice, UI_SCALES};
+use super::super::preferences::{LONGEST_AUTOSAVE, MOVING_SCALES, Preferences, ThemeChoice, UI_SCALES};
 use super::super::shell::ShellCommand;
 
 /// `problem`: what is wrong with the file that they are kept in.
@@ -44,6 +44,25 @@ pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, comm
                 }
                 ui.data_mut(|data| data.insert_temp(ui.id().with("scale"), edited.ui_scale));
             }
+            ui.end_row();
+
+            let label = ui.label("While moving");
+            let share = |scale: f64, _| match scale {
+                1.0 => "full resolution".to_owned(),
+                scale => format!("{:.0} % resolution", 100.0 * scale),
+            };
+            let slider = Slider::new(&mut edited.moving_scale, MOVING_SCALES)
+                .step_by(0.05)
+                .custom_formatter(share)
+                .custom_parser(parse);
+            ui.add(slider).labelled_by(label.id).on_hover_text(
+                "Of the picture, while the camera flies or something is dragged, in scenes that are too slow for more",
+            );
+            ui.end_row();
+
+            ui.label("Motion");
+            ui.checkbox(&mut edited.reduced_motion, "Jump to views")
+                .on_hover_text("Without a short flight to where F, Home, stored views and cameras look from");
             ui.end_row();
 
             let label = ui.label("Autosave");

@@ -1,17 +1,19 @@
 //! Cameras and what they record on.
 
-use bevy_egui::egui::Ui;
+use bevy_egui::egui::{self, Ui};
 
 use super::fields::{self, Caption};
 use super::words;
+use crate::scene::aperture;
 use crate::scene::{Film, FovAxis, Lens, ReconstructionFilter, Sensor};
 
 /// Any larger and a single film would fill the memory of a small machine.
 const LARGEST_EDGE: u32 = 8192;
 
-/// True if edited.
-pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, scene_size: f32) -> bool {
-    let mut changed = lens(ui, &mut sensor.lens, scene_size);
+/// `aspect`: the film's width over its height. True if edited.
+pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, aspect: f32, scene_size: f32) -> bool {
+    let focal_length = aperture::focal_length(sensor, aspect);
+    let mut changed = lens(ui, &mut sensor.lens, focal_length, scene_size);
     if sensor.lens != Lens::Orthographic {
         changed |= field_of_view(ui, &mut sensor.fov, &mut sensor.fov_axis);
     }
@@ -37,7 +39,7 @@ pub fn field_of_view(ui: &mut Ui, fov: &mut f32, axis: &mut FovAxis) -> bool {
     fields::choice(ui, caption("fov_axis"), axis, &axes) || changed
 }
 
-fn lens(ui: &mut Ui, lens: &mut Lens, scene_size: f32) -> bool {
+fn lens(ui: &mut Ui, lens: &mut Lens, focal_length: f32, scene_size: f32) -> bool {
     let thin = Lens::Thin {
         aperture_radius: 0.005 * scene_size,
         focus_distance: 0.5 * scene_size,
@@ -61,6 +63,7 @@ fn lens(ui: &mut Ui, lens: &mut Lens, scene_size: f32) -> bool {
     {
         let size = scene_size.max(1e-3);
         changed |= fields::log_slider(ui, "Aperture", aperture_radius, 1e-5 * size..=0.2 * size);
+        changed |= f_stop(ui, aperture_radius, focal_length);
         changed |= fields::log_slider(ui, "Focus at", focus_distance, 1e-3 * size..=10.0 * size);
         changed |= fields::integer(ui, "Blades", blades, 0..=32);
         if *blades >= 3 {
@@ -68,6 +71,34 @@ fn lens(ui: &mut Ui, lens: &mut Lens, scene_size: f32) -> bool {
                 slider.suffix("°")
             });
         }
+    }
+    changed
+}
+
+/// The radius by its f-number.
+fn f_stop(ui: &mut Ui, radius: &mut f32, focal_length: f32) -> bool {
+    let mut number = aperture::f_number(radius.max(f32::MIN_POSITIVE), focal_length);
+    let about = format!(
+        "The aperture's f-number: focal length over diameter. Taken for a lens of {:.1} mm, which sees as much on 35 mm film (by its diagonal), \
+         with a unit of the world for a metre. Larger numbers are sharper",
+        1e3 * focal_length
+    );
+    let speed = 0.01 * number.clamp(1e-6, 1e9);
+    let response = fields::row(ui, "f-stop", |ui| {
+        let drag = egui::DragValue::new(&mut number)
+            .prefix("f/")
+            .range(1e-6..=1e9)
+            .clamp_existing_to_range(false)
+            .speed(speed)
+            .custom_formatter(|number, _| match number {
+                ..10.0 => format!("{}", (100.0 * number).round() / 100.0),
+                number => format!("{}", number.round()),
+            });
+        ui.add(drag).on_hover_text(about)
+    });
+    let changed = response.changed() && number > 0.0;
+    if changed {
+        *radius = aperture::aperture_radius(number, focal_length);
     }
     changed
 }

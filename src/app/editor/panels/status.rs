@@ -50,7 +50,7 @@ fn parts(model: &StatusModel) -> Vec<(String, &'static str)> {
     ];
     if status.invalid_samples > 0 {
         parts.push((
-            format!("{} invalid samples", grouped(status.invalid_samples)),
+            counted(status.invalid_samples, "invalid sample"),
             "Left out of the picture, as they were no numbers",
         ));
     }
@@ -62,10 +62,12 @@ fn parts(model: &StatusModel) -> Vec<(String, &'static str)> {
         )),
         DenoiserState::Idle | DenoiserState::Unavailable => {}
     }
-    parts.push((
-        format!("{} triangles", grouped(status.triangles)),
-        "Of the scene, each instance counted",
-    ));
+    if status.triangles > 0 {
+        parts.push((
+            counted(status.triangles, "triangle"),
+            "Of the scene, each instance counted",
+        ));
+    }
     if let Some(latency) = status.latency.median_ms() {
         parts.push((
             format!("latency {latency:.0} ms"),
@@ -78,10 +80,13 @@ fn parts(model: &StatusModel) -> Vec<(String, &'static str)> {
             "Between two pictures of the window, median",
         ));
     }
-    parts.push((
-        format!("{} nodes, {:.1} ms", grouped(status.bvh.nodes), status.bvh.build_ms),
-        "Of the bounding volume hierarchy, and how long it took to build",
-    ));
+    // Even a hierarchy of nothing has a root.
+    if status.bvh.leaves > 0 {
+        parts.push((
+            format!("{}, {:.1} ms", counted(status.bvh.nodes, "node"), status.bvh.build_ms),
+            "Of the bounding volume hierarchy, and how long it took to build",
+        ));
+    }
     parts
 }
 
@@ -115,6 +120,15 @@ fn clock(seconds: f64) -> String {
         0 if whole < 60 => format!("{seconds:.1} s"),
         0 => format!("{minutes}:{rest:02}"),
         _ => format!("{hours}:{minutes:02}:{rest:02}"),
+    }
+}
+
+/// `1 node`, `2,345 nodes`, `3 leaves`.
+pub fn counted(number: u64, what: &str) -> String {
+    match what.strip_suffix('f') {
+        _ if number == 1 => format!("1 {what}"),
+        Some(stem) => format!("{} {stem}ves", grouped(number)),
+        None => format!("{} {what}s", grouped(number)),
     }
 }
 
@@ -156,6 +170,8 @@ mod tests {
     fn numbers_and_times_are_legible() {
         assert_eq!(grouped(871_414), "871,414");
         assert_eq!(grouped(12), "12");
+        let texts = [counted(1, "node"), counted(0, "node"), counted(2345, "leaf")];
+        assert_eq!(texts, ["1 node", "0 nodes", "2,345 leaves"]);
         assert_eq!(clock(5.25), "5.2 s");
         assert_eq!(clock(3723.0), "1:02:03");
         assert_eq!(clock(62.9), "1:02");
