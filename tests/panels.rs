@@ -1294,6 +1294,7 @@ fn picture() -> Harness<'static, Picture> {
                 current: &current,
                 paths: &Default::default(),
                 legend: None,
+                captions: &[],
                 region: None,
                 navigation: Navigation::default(),
                 keys: ActionContext {

@@ -102,6 +102,7 @@ fn window() -> Harness<'static, Window> {
                 current: &current,
                 paths: &Default::default(),
                 legend: None,
+                captions: &[],
                 region: None,
                 navigation: Navigation {
                     scene_size: 10.0,

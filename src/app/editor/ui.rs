@@ -6,8 +6,10 @@ use bevy::prelude::*;
 use bevy_egui::{EguiClipboard, EguiContexts, egui};
 
 use super::actions::ActionContext;
+use super::captions::captions;
 use super::command::{Command, FileDialogKind};
 use super::commands::camera_pose;
+use super::compare::CompareView;
 use super::dialogs::Dialogs;
 use super::display;
 use super::docking::{Panels, docked_panels};
@@ -231,6 +233,10 @@ pub fn show_window(
     let (targets, icons) = (scene.targets(&bounds.bounds), scene.icons());
     let placeholder = placeholder(&scene.status);
     let legend = display::legend(state.display.mode, scene.picture.scales());
+    let compared = &model.render.comparison;
+    let compared = compared.snapshot.map_or(CompareView::Off, |_| compared.view);
+    let is_split = model.render.strategy_split && state.display.mode.is_light();
+    let captions = captions(is_split, compared);
     let picture = scene.picture.texture();
     // Whatever resolution is rendered, the picture stays where it is.
     let film = scene.active.0.and_then(|sensor| scene.films.get(sensor).ok());
@@ -255,6 +261,7 @@ pub fn show_window(
         locked,
         current: &scene.current,
         legend: legend.as_ref(),
+        captions: &captions,
         region: model.render.region,
         paths: &scene.paths,
         navigation: state.navigation,

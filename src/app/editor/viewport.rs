@@ -7,6 +7,7 @@ use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy_egui::egui::{self, Align2, Color32, EventFilter, FontId, Id, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
 
 use super::actions::ActionContext;
+use super::captions::Caption;
 use super::command::Command;
 use super::display::{DisplayMode, Legend, heat};
 use super::gizmo::interaction::{GizmoModel, GizmoState, Rest};
@@ -48,6 +49,7 @@ pub struct ViewportModel<'a> {
     pub current: &'a CurrentScene,
     /// Of false colours, where there are any.
     pub legend: Option<&'a Legend>,
+    pub captions: &'a [Caption],
     /// The part of the picture that is rendered, if it is not all of it; (0, 0) top left, (1, 1) bottom right.
     pub region: Option<bevy::math::Rect>,
     pub navigation: Navigation,
@@ -70,6 +72,8 @@ pub struct ViewportState {
 
 /// The id of the picture: whatever has the keyboard when no other widget wants it.
 pub const PICTURE: &str = "viewport picture";
+/// Above the foot of the picture, where the speed and the legend are; points.
+const CAPTION_FOOT: f32 = -36.0;
 /// Of texts over the picture: white ones are legible on it whatever is behind.
 const BACKING: Color32 = Color32::from_black_alpha(228);
 const REGION: Color32 = Color32::from_rgb(230, 70, 60);
@@ -292,6 +296,10 @@ fn paint_over(
             Align2::LEFT_BOTTOM,
             &speed,
         );
+    }
+    for (middle, words) in model.captions {
+        let place = picture.left_bottom() + egui::vec2(middle * picture.width(), CAPTION_FOOT);
+        tag(&painter, place, Align2::CENTER_BOTTOM, words);
     }
     if let Some(shown) = model.legend {
         legend(&painter, picture, shown);
