@@ -48,6 +48,7 @@ pub mod pointer;
 pub mod preferences;
 pub mod presets;
 mod preview;
+mod quiet;
 pub mod recovery;
 mod scene_watch;
 pub mod screen;
@@ -68,7 +69,7 @@ pub mod viewport;
 
 use bevy::asset::AssetEventSystems;
 use bevy::prelude::*;
-use bevy_egui::{EguiPlugin, EguiPostUpdateSet, EguiPrimaryContextPass};
+use bevy_egui::{EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet, EguiPrimaryContextPass};
 
 use crate::engine::EngineSystems;
 use crate::scene::{OpenScene, SceneSystems};
@@ -167,6 +168,12 @@ impl Plugin for EditorPlugin {
                 )
                     .chain()
                     .after(SceneSystems::Follow),
+            )
+            .add_systems(
+                PreUpdate,
+                quiet::drop_repeated_modifiers
+                    .after(EguiPreUpdateSet::ProcessInput)
+                    .before(EguiPreUpdateSet::BeginPass),
             )
             .add_systems(
                 PostUpdate,

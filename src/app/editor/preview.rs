@@ -326,4 +326,20 @@ mod tests {
         let samples: Vec<u32> = work.passes.iter().map(|pass| pass.samples).collect();
         assert_eq!(samples, [1, 2, 4]);
     }
+
+    #[test]
+    fn every_material_of_the_library_can_be_rendered() {
+        let model = Model {
+            presets: Arc::new(super::super::presets::load().0),
+            ..Model::default()
+        };
+        let mut state = EditorState::default();
+        state.library.in_sight = vec![0];
+        let mut previews = Previews::default();
+        previews.load_library(&model, &state);
+        assert_eq!(previews.library.len(), model.presets.len());
+        for (look, preset) in previews.library.iter().zip(model.presets.iter()) {
+            assert!(Studio::new(look, 8).is_some(), "{}", preset.path());
+        }
+    }
 }
