@@ -295,6 +295,7 @@ impl Open {
         let open = OpenScene {
             path,
             defines: Vec::new(),
+            ..OpenScene::default()
         };
         let mut app = headless(open, Some(1));
         app.world_mut().resource_mut::<RenderControl>().paused = true;

@@ -174,7 +174,11 @@ impl Open {
         app.add_plugins((MinimalPlugins, asset_plugin(), ScenePlugin));
         app.finish();
         app.cleanup();
-        app.world_mut().write_message(OpenScene { path, defines: vec![] });
+        app.world_mut().write_message(OpenScene {
+            path,
+            defines: vec![],
+            ..OpenScene::default()
+        });
         let mut open = Self(app);
         open.until_revision(1);
         // The watch needs frames to hear of the files, which no message tells.

@@ -262,6 +262,7 @@ fn every_shape_of_a_serialized_file_can_be_asked_for() {
     app.world_mut().write_message(OpenScene {
         path: folder.path().join("scene.xml"),
         defines: Vec::new(),
+        ..OpenScene::default()
     });
     let deadline = Instant::now() + Duration::from_secs(20);
     while !app.world().resource::<SceneStatus>().is_complete() {

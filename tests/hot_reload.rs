@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bevy::asset::AssetId;
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Vec3A};
 use bevy::prelude::*;
 use sunroom::color::Rgb;
 use sunroom::geometry::mesh::MeshData;
@@ -79,6 +79,7 @@ impl Open {
         app.world_mut().write_message(OpenScene {
             path,
             defines: Vec::new(),
+            ..OpenScene::default()
         });
         let mut open = Self { app, folder };
         open.until("the scene is loaded", |world| {
@@ -227,6 +228,7 @@ fn a_broken_edit_keeps_the_scene_and_fixing_it_recovers() {
     let text = open.status().diagnostics.to_string();
     assert!(text.contains("scene.xml:5:"), "{text}");
     assert_eq!(open.status().revision, 1);
+    assert!(open.status().file_is_broken);
     assert_eq!(
         open.get::<Material>("red"),
         Material::Diffuse {
@@ -251,7 +253,7 @@ fn a_broken_edit_keeps_the_scene_and_fixing_it_recovers() {
             reflectance: Vec3::new(0.7, 0.1, 0.1).into()
         }
     );
-    assert!(!open.status().diagnostics.has_errors());
+    assert!(!open.status().diagnostics.has_errors() && !open.status().file_is_broken);
 }
 
 #[test]
@@ -463,6 +465,7 @@ fn a_missing_mesh_that_appears_completes_the_scene() {
     app.world_mut().write_message(OpenScene {
         path,
         defines: Vec::new(),
+        ..OpenScene::default()
     });
     let mut open = Open { app, folder };
     open.until("the failure", |world| {
@@ -482,6 +485,137 @@ fn a_missing_mesh_that_appears_completes_the_scene() {
     assert_eq!(open.mesh("late").1.triangles.len(), 1);
 }
 
+fn open_scene(open: &mut Open, name: &str, keeps_edits: bool) {
+    let path = open.path(name);
+    open.app.world_mut().write_message(OpenScene {
+        path,
+        keeps_edits,
+        ..OpenScene::default()
+    });
+}
+
+#[test]
+fn a_file_that_could_not_be_opened_does_not_come_back_by_itself() {
+    let mut open = Open::new();
+    let other = open.path("other.xml");
+    std::fs::write(&other, "<scene version='3.0.0'><shape type='sphere' id='stranger'>").unwrap();
+    open.settle();
+    open_scene(&mut open, "other.xml", false);
+    open.until("the failure", |world| {
+        world.resource::<SceneStatus>().state == SceneState::Failed
+    });
+    let status = open.status();
+    assert_eq!(status.path.as_deref(), Some(&*open.path("scene.xml")));
+    assert_eq!(status.subject(), Some(&*other));
+    assert!(!status.file_is_broken);
+    // It is mended, while the scene that is open was edited.
+    let ball = open.by_id("ball");
+    open.app
+        .world_mut()
+        .entity_mut(ball)
+        .insert(ToWorld(Affine3A::from_translation(Vec3::X)));
+    let mended = "<scene version='3.0.0'><shape type='sphere' id='stranger'/></scene>";
+    std::fs::write(&other, mended).unwrap();
+    open.settle();
+    assert_eq!((open.status().revision, open.count::<Shape>()), (1, 5));
+    assert_eq!(open.by_id("ball"), ball);
+    // The open one is still watched.
+    std::fs::write(open.path("scene.xml"), SCENE.replace("0.8,0.1,0.1", "0.7,0.1,0.1")).unwrap();
+    open.until_revision(2);
+    assert_eq!(open.get::<ToWorld>("ball").0.translation, Vec3A::X);
+    assert_eq!(
+        (open.status().state, open.status().asked.as_deref()),
+        (SceneState::Ready, None)
+    );
+    // Asked for again, it is opened.
+    open_scene(&mut open, "other.xml", false);
+    open.until_revision(3);
+    assert_eq!(open.count::<Shape>(), 1);
+    assert!(open.status().fresh_load);
+}
+
+#[test]
+fn a_scene_read_again_keeps_edits_or_loses_them() {
+    let mut open = Open::new();
+    let ball = open.by_id("ball");
+    let moved = ToWorld(Affine3A::from_translation(Vec3::X));
+    open.app.world_mut().entity_mut(ball).insert(moved);
+    open_scene(&mut open, "scene.xml", true);
+    open.until_revision(2);
+    assert!(!open.status().fresh_load && open.status().reload.is_unchanged());
+    assert_eq!((open.by_id("ball"), open.get::<ToWorld>("ball")), (ball, moved));
+    open_scene(&mut open, "scene.xml", false);
+    open.until_revision(3);
+    assert!(open.status().fresh_load);
+    assert_eq!(open.get::<ToWorld>("ball"), ToWorld::default());
+}
+
+/// Each nameless cube stays the entity it was, whatever goes or comes before it.
+#[test]
+fn nameless_things_are_recognised_by_what_they_are() {
+    let mut open = Open::new();
+    let cube = |x: u32| {
+        format!(
+            "<shape type='cube'><transform name='to_world'><translate x='{x}'/></transform><bsdf type='diffuse'><rgb name='reflectance' value='0.{x}'/></bsdf></shape>"
+        )
+    };
+    let scene = |cubes: &[u32]| {
+        let cubes: String = cubes.iter().map(|x| cube(*x)).collect();
+        format!("<scene version='3.0.0'><sensor type='perspective'/>{cubes}</scene>")
+    };
+    let at = |open: &mut Open, x: f32| {
+        let world = open.app.world_mut();
+        let mut cubes = world.query::<(Entity, &ToWorld, &UsesMaterial)>();
+        let found = cubes.iter(world).find(|(_, pose, _)| pose.0.translation.x == x);
+        found.map(|(entity, _, uses)| (entity, uses.0))
+    };
+    std::fs::write(open.path("cubes.xml"), scene(&[1, 2, 3, 4])).unwrap();
+    open.settle();
+    open_scene(&mut open, "cubes.xml", false);
+    open.until_revision(2);
+    let [second, third, fourth] = [2.0, 3.0, 4.0].map(|x| at(&mut open, x));
+    assert!(second.is_some() && third.is_some() && fourth.is_some());
+    // An edit of the third is one of the third afterwards.
+    let tall = Shape {
+        flip_normals: true,
+        ..Shape::default()
+    };
+    let edited = third.expect("a cube").0;
+    open.app.world_mut().entity_mut(edited).insert(tall.clone());
+    std::fs::write(open.path("cubes.xml"), scene(&[2, 7, 3, 4])).unwrap();
+    open.until_revision(3);
+    assert_eq!([2.0, 3.0, 4.0].map(|x| at(&mut open, x)), [second, third, fourth]);
+    assert_eq!(open.app.world().get::<Shape>(edited), Some(&tall));
+    let reload = open.status().reload;
+    // The cube in the first place went, and with it its material; another came.
+    assert_eq!((reload.added, reload.removed, reload.changed), (2, 2, 0), "{reload:?}");
+    assert!(at(&mut open, 1.0).is_none() && at(&mut open, 7.0).is_some());
+}
+
+#[test]
+fn what_the_file_calls_as_something_here_gives_way() {
+    let mut open = Open::new();
+    let mine = open
+        .app
+        .world_mut()
+        .spawn((
+            Shape::default(),
+            ToWorld::default(),
+            DocumentOrder(900),
+            SceneId("lamp".into()),
+            Name::new("lamp"),
+        ))
+        .id();
+    let text = SCENE.replace("</scene>", "<shape type='disk' id='lamp'/></scene>");
+    std::fs::write(open.path("scene.xml"), text).unwrap();
+    open.until_revision(2);
+    let reload = open.status().reload;
+    assert_eq!((reload.added, reload.renamed), (1, 1), "{}", reload.text());
+    assert_ne!(open.by_id("lamp"), mine);
+    assert_eq!(open.by_id("lamp-2"), mine);
+    assert_eq!(open.get::<Name>("lamp-2").as_str(), "lamp-2");
+}
+
 #[test]
 fn another_scene_replaces_all_of_this_one() {
     let mut open = Open::new();
@@ -493,7 +627,11 @@ fn another_scene_replaces_all_of_this_one() {
     open.settle();
     let old = open.by_id("ball");
     let defines = vec![("r".to_owned(), "3".to_owned())];
-    open.app.world_mut().write_message(OpenScene { path: other, defines });
+    open.app.world_mut().write_message(OpenScene {
+        path: other,
+        defines,
+        ..OpenScene::default()
+    });
     open.until_revision(2);
     assert!(open.status().fresh_load);
     assert_eq!(
@@ -528,6 +666,7 @@ fn another_scene_replaces_all_of_this_one() {
     open.app.world_mut().write_message(OpenScene {
         path,
         defines: Vec::new(),
+        ..OpenScene::default()
     });
     open.until_revision(3);
     assert_eq!(

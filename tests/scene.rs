@@ -576,6 +576,7 @@ fn app_with(path: &Path) -> App {
     app.world_mut().write_message(OpenScene {
         path: path.to_owned(),
         defines: Vec::new(),
+        ..OpenScene::default()
     });
     let deadline = Instant::now() + Duration::from_secs(20);
     loop {

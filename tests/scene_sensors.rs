@@ -52,6 +52,7 @@ fn app(body: &str) -> App {
         OpenScene {
             path,
             defines: Vec::new(),
+            ..OpenScene::default()
         },
         Some(1),
     );

@@ -24,6 +24,7 @@ pub fn run(args: CheckArgs) -> ExitCode {
         OpenScene {
             path: args.scene.scene,
             defines: args.scene.defines.defines,
+            ..OpenScene::default()
         },
         Some(1),
     );

@@ -137,6 +137,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
         OpenScene {
             path: args.scene.scene.clone(),
             defines: args.scene.defines.defines.clone(),
+            ..OpenScene::default()
         },
         args.threads.threads,
     );

@@ -18,6 +18,12 @@ pub enum SourceError {
     NoFile { path: PathBuf },
     #[error("{}: larger than {} MiB, which no file of its kind should be", path.display(), limit >> 20)]
     TooLarge { path: PathBuf, limit: u64 },
+    #[error("{}: is {kind}, not a scene file; {advice}", path.display())]
+    Foreign {
+        path: PathBuf,
+        kind: &'static str,
+        advice: &'static str,
+    },
     #[error("{}: is UTF-16 text; save it as UTF-8", path.display())]
     Utf16 { path: PathBuf },
     #[error("{}:{line}:{column}: is not UTF-8 text from here on; save the file as UTF-8", path.display())]
@@ -68,6 +74,10 @@ pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<String, SourceError> {
     ) {
         return Err(SourceError::Utf16 { path: path.to_owned() });
     }
+    if let Some((kind, advice)) = foreign(&bytes, path) {
+        let path = path.to_owned();
+        return Err(SourceError::Foreign { path, kind, advice });
+    }
     String::from_utf8(bytes).map_err(|error| {
         let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line_start = good
@@ -83,9 +93,54 @@ pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<String, SourceError> {
     })
 }
 
+/// What people take for scenes, by its first bytes.
+const FOREIGN: [(&[u8], &str, &str); 14] = [
+    (b"\x89PNG", "a PNG picture", PICTURE),
+    (b"\xff\xd8\xff", "a JPEG picture", PICTURE),
+    (b"\x76\x2f\x31\x01", "an OpenEXR picture", PICTURE),
+    (b"#?RADIANCE", "a Radiance HDR picture", PICTURE),
+    (b"#?RGBE", "a Radiance HDR picture", PICTURE),
+    (b"PF\n", "a PFM picture", PICTURE),
+    (b"Pf\n", "a PFM picture", PICTURE),
+    (b"GIF8", "a GIF picture", "convert it to PNG to use it"),
+    (b"ply\n", "a PLY mesh", MESH),
+    (b"ply\r", "a PLY mesh", MESH),
+    (b"\x1c\x04", "a file of serialized meshes", MESH),
+    (b"PK\x03\x04", "a ZIP archive", "unpack it first"),
+    (b"\x1f\x8b", "a gzip archive", "unpack it first"),
+    (b"BLENDER", "a Blender file", "export it as glTF"),
+];
+const PICTURE: &str = "import it into a scene as its environment, or choose it as a texture";
+const MESH: &str = "import it into a scene, or name it in a <shape>";
+const BINARY: (&str, &str) = ("binary data", "scenes are XML text or glTF");
+
+/// What a file is that is no text of a scene, and what can be done with it.
+fn foreign(bytes: &[u8], path: &Path) -> Option<(&'static str, &'static str)> {
+    let known = FOREIGN.iter().find(|(magic, ..)| bytes.starts_with(magic));
+    if let Some((_, kind, advice)) = known {
+        return Some((kind, advice));
+    }
+    let extension = path.extension().unwrap_or_default();
+    let is_markup = bytes.trim_ascii_start().starts_with(b"<");
+    if extension.eq_ignore_ascii_case("obj") && !is_markup {
+        return Some(("an OBJ mesh", MESH));
+    }
+    bytes[..bytes.len().min(4096)].contains(&0).then_some(BINARY)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_no_scene_is_said_with_what_can_be_done_with_it() {
+        assert!(message(b"\x89PNG\r\n\x1a\n").starts_with("a.xml: is a PNG picture, not a scene file; import it"));
+        assert!(message(b"ply\nformat ascii 1.0\n").contains("a PLY mesh"));
+        assert!(message(b"\x7fELF\x02\0\0").contains("binary data"));
+        let mesh = decode(b"v 0 0 0\n".to_vec(), Path::new("a.OBJ")).unwrap_err();
+        assert!(mesh.to_string().contains("an OBJ mesh"));
+        assert!(decode(b" <scene/>".to_vec(), Path::new("a.obj")).is_ok());
+    }
 
     fn message(bytes: &[u8]) -> String {
         decode(bytes.to_vec(), Path::new("a.xml")).unwrap_err().to_string()

@@ -1,11 +1,12 @@
-//! What the file said of each thing when it was last read or written, and how things are recognised: by kind and id, those without id by
-//! kind, plugin and their number among their like.
+//! What the file said of each thing when it was last read or written, and how things are recognised: by kind and id; those without id, of the
+//! same kind and plugin, by what they are and their order ([`recognised`]).
 
 use std::collections::HashMap;
 
 use bevy::prelude::*;
 
 use super::description::{DeclarationPlace, Identity, SceneDescription};
+use super::recognition::recognised;
 use super::write::gather::Entities;
 use super::{
     Authored, DeclaredIn, DocumentOrder, FirstNested, InstanceOf, IntegratorSettings, MemberOf, ObjectState, SceneId,
@@ -84,6 +85,45 @@ impl SceneKeys {
         }
     }
 
+    /// As [`Self::of`], but those without ids have the keys that they have in `base`.
+    pub(super) fn recognised(scene: &SceneDescription, base: &FileBase) -> Self {
+        let mut keys = Self::of(scene);
+        let contents = states(scene, &keys.entities(|_| Entity::PLACEHOLDER));
+        let mut now: HashMap<(Kind, String), Vec<(&mut Key, ObjectState)>> = HashMap::new();
+        for (key, (_, state, _)) in keys.in_order_mut().zip(contents) {
+            if let Key::Number(kind, plugin, _) = &*key {
+                let like = now.entry((*kind, plugin.clone())).or_default();
+                like.push((key, content(state)));
+            }
+        }
+        let mut before: HashMap<(Kind, String), Vec<(Option<DocumentOrder>, usize)>> = HashMap::new();
+        for (key, thing) in &base.things {
+            if let Key::Number(kind, plugin, number) = key {
+                let like = before.entry((*kind, plugin.clone())).or_default();
+                like.push((thing.state.order, *number));
+            }
+        }
+        for ((kind, plugin), now) in now {
+            let mut before = before.remove(&(kind, plugin.clone())).unwrap_or_default();
+            before.sort();
+            let key = |number| Key::Number(kind, plugin.clone(), number);
+            let known = before.iter().filter_map(|(_, number)| base.things.get(&key(*number)));
+            let known: Vec<ObjectState> = known.map(|thing| content(thing.state.clone())).collect();
+            let (places, contents): (Vec<&mut Key>, Vec<ObjectState>) = now.into_iter().unzip();
+            let mut last = before.iter().map(|(_, number)| *number).max().unwrap_or(0);
+            for (place, pair) in places.into_iter().zip(recognised(&known, &contents)) {
+                *place = key(pair.map_or_else(
+                    || {
+                        last += 1;
+                        last
+                    },
+                    |pair| before[pair].1,
+                ));
+            }
+        }
+        keys
+    }
+
     /// Each with the entity it is.
     pub(super) fn entities(&self, mut entity: impl FnMut(&Key) -> Entity) -> Entities {
         let mut all = |keys: &[Key]| keys.iter().map(&mut entity).collect();
@@ -99,6 +139,33 @@ impl SceneKeys {
     pub(super) fn in_order(self) -> impl Iterator<Item = Key> {
         let lists = [self.materials, self.groups, self.shapes, self.emitters, self.sensors];
         lists.into_iter().flatten()
+    }
+
+    fn in_order_mut(&mut self) -> impl Iterator<Item = &mut Key> {
+        let lists = [
+            &mut self.materials,
+            &mut self.groups,
+            &mut self.shapes,
+            &mut self.emitters,
+            &mut self.sensors,
+        ];
+        lists.into_iter().flatten()
+    }
+}
+
+/// What a thing is in itself, whatever it is called, wherever it stands and whatever it refers to.
+fn content(state: ObjectState) -> ObjectState {
+    ObjectState {
+        order: None,
+        id: None,
+        name: None,
+        uses: None,
+        first: None,
+        second: None,
+        declared_in: None,
+        member_of: None,
+        instance_of: None,
+        ..state
     }
 }
 

@@ -1,5 +1,6 @@
 //! Scene files: asked for, read by the asset server, turned into entities.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -14,23 +15,43 @@ use super::pictures::PicturePlaces;
 use super::read::settle;
 use super::spawn::ReloadSummary;
 use super::{OpenScene, SceneDescription, SceneState, SceneStatus, spawn};
-use crate::document::Diagnostics;
+use crate::document::{Diagnostics, SourceFile};
 
-/// The scene file asked for last, and the one the entities are from.
+/// The file that the entities are from, and the one that was asked for since.
 #[derive(Resource, Debug, Default)]
 pub struct SceneFile {
-    /// Kept so that it stays loaded.
+    /// Kept so that it stays loaded; None for a scene of no file.
     pub(super) handle: Option<Handle<SceneAsset>>,
+    /// Empty for a scene of no file.
     pub(super) path: PathBuf,
-    /// The next good load replaces everything instead of updating.
-    opens: bool,
+    /// None once it was read, or could not be.
+    pub(super) asked: Option<Asked>,
     /// What the spans of the entities' sources point into.
     pub(super) good_diagnostics: Arc<Diagnostics>,
     /// Into the same.
     picture_places: PicturePlaces,
 }
 
+/// A file that is to become the scene.
+#[derive(Clone, Debug)]
+pub(super) struct Asked {
+    pub handle: Handle<SceneAsset>,
+    pub path: PathBuf,
+    /// What was edited since the file was last read stays.
+    keeps_edits: bool,
+}
+
 impl SceneFile {
+    /// Whether there is a file whose changes become changes of the entities.
+    pub fn is_followed(&self) -> bool {
+        self.handle.is_some()
+    }
+
+    /// What becomes of the file that the entities were read from is of no interest any more.
+    pub fn leave(&mut self) {
+        (self.handle, self.path) = (None, PathBuf::new());
+    }
+
     /// `file:line:column: ` of where a picture is named first; empty for one that the file does not name.
     pub(super) fn place_of_picture(&self, path: &Path) -> String {
         let span = self.picture_places.get(path);
@@ -54,22 +75,33 @@ pub(super) fn open_scenes(
     };
     let path = settle(&request.path);
     if let Err(error) = check_scene_file(&path) {
-        status.path = Some(path);
+        status.asked = Some(path);
         status.state = SceneState::Failed;
+        status.failures += 1;
         status.diagnostics = Arc::new(one_error(error.to_string()));
+        file.asked = None;
         return;
     }
     defines.set(path.clone(), request.defines.clone());
     let asset_path = AssetPath::from_path_buf(path.clone());
-    if file.handle.is_some() && file.path == path {
-        server.reload(asset_path);
-    } else {
-        file.handle = Some(server.load(asset_path));
-    }
-    file.path.clone_from(&path);
-    file.opens = true;
-    status.path = Some(path);
+    let known = file.asked.as_ref().filter(|asked| asked.path == path);
+    let known = known.map(|asked| asked.handle.clone());
+    let own = file.handle.clone().filter(|_| file.path == path);
+    let keeps_edits = request.keeps_edits && own.is_some();
+    let handle = match own.or(known) {
+        Some(handle) => {
+            server.reload(asset_path);
+            handle
+        }
+        None => server.load(asset_path),
+    };
+    status.asked = Some(path.clone());
     status.state = SceneState::Loading;
+    file.asked = Some(Asked {
+        handle,
+        path,
+        keeps_edits,
+    });
 }
 
 /// Runs alone: a scene touches everything.
@@ -78,40 +110,49 @@ pub(super) fn apply_scenes(
     mut arrived: Local<MessageCursor<AssetEvent<SceneAsset>>>,
     mut failed: Local<MessageCursor<AssetLoadFailedEvent<SceneAsset>>>,
 ) {
-    let Some(id) = world.resource::<SceneFile>().handle.as_ref().map(Handle::id) else {
-        return;
-    };
-    let has_arrived = arrived
+    let arrivals: Vec<AssetId<SceneAsset>> = arrived
         .read(world.resource::<Messages<AssetEvent<SceneAsset>>>())
-        .filter(|event| event.is_added(id) || event.is_modified(id))
-        .count()
-        > 0;
-    let failure = failed
+        .filter_map(|event| match event {
+            AssetEvent::Added { id } | AssetEvent::Modified { id } => Some(*id),
+            _ => None,
+        })
+        .collect();
+    let failures: HashMap<AssetId<SceneAsset>, String> = failed
         .read(world.resource::<Messages<AssetLoadFailedEvent<SceneAsset>>>())
-        .filter(|event| event.id == id)
-        .last()
-        .map(|event| cause(&event.error));
-    if let Some(cause) = failure {
-        let message = format!("the scene cannot be read: {cause}");
-        let mut diagnostics = one_error(message);
-        diagnostics.sources.push(crate::document::SourceFile {
-            path: world.resource::<SceneFile>().path.clone(),
-            text: Arc::from(""),
-            byte_order_mark: false,
-        });
-        fail(world, Arc::new(diagnostics));
+        .map(|event| (event.id, cause(&event.error)))
+        .collect();
+    let file = world.resource::<SceneFile>();
+    let asked = file.asked.as_ref().map(|asked| asked.handle.id());
+    let own = file.handle.as_ref().map(Handle::id).filter(|own| Some(*own) != asked);
+    for id in own.into_iter().chain(asked) {
+        if let Some(cause) = failures.get(&id) {
+            fail(world, id, |path| {
+                let mut diagnostics = one_error(format!("the scene cannot be read: {cause}"));
+                diagnostics.sources.push(SourceFile {
+                    path: path.to_owned(),
+                    text: Arc::from(""),
+                    byte_order_mark: false,
+                });
+                Arc::new(diagnostics)
+            });
+        }
+        if arrivals.contains(&id)
+            && let Some(asset) = world.resource::<Assets<SceneAsset>>().get(id).cloned()
+        {
+            if asset.diagnostics.has_errors() {
+                fail(world, id, |_| asset.diagnostics);
+            } else {
+                take_in(world, id, asset);
+            }
+        }
     }
-    if !has_arrived {
-        return;
-    }
-    let Some(asset) = world.resource::<Assets<SceneAsset>>().get(id).cloned() else {
-        return;
-    };
-    if asset.diagnostics.has_errors() {
-        fail(world, asset.diagnostics);
-        return;
-    }
-    let fresh = std::mem::take(&mut world.resource_mut::<SceneFile>().opens);
+}
+
+/// The entities become what the file says.
+fn take_in(world: &mut World, id: AssetId<SceneAsset>, asset: SceneAsset) {
+    let is_asked = |asked: &mut Asked| asked.handle.id() == id;
+    let asked = world.resource_mut::<SceneFile>().asked.take_if(is_asked);
+    let fresh = asked.as_ref().is_some_and(|asked| !asked.keeps_edits);
     let reload = if fresh {
         spawn::spawn_fresh(world, &asset.description);
         ReloadSummary::default()
@@ -121,15 +162,22 @@ pub(super) fn apply_scenes(
     let mut file = world.resource_mut::<SceneFile>();
     file.good_diagnostics = asset.diagnostics.clone();
     file.picture_places.clone_from(&asset.description.picture_places);
+    if let Some(asked) = asked {
+        (file.handle, file.path) = (Some(asked.handle), asked.path);
+    }
     let path = file.path.clone();
+    let waits = file.asked.is_some();
     let mut status = world.resource_mut::<SceneStatus>();
-    // A request that failed since may have put another there.
     status.path = Some(path);
-    status.state = SceneState::Ready;
-    status.diagnostics = asset.diagnostics;
+    status.file_is_broken = false;
     status.revision += 1;
     status.fresh_load = fresh;
     status.reload = reload;
+    if !waits {
+        status.asked = None;
+        status.state = SceneState::Ready;
+        status.diagnostics = asset.diagnostics;
+    }
 }
 
 /// The entities are the scene of this file, which has just been written and read again.
@@ -140,13 +188,15 @@ pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagn
             let asset_path = AssetPath::from_path_buf(path.to_owned());
             file.handle = server.map(|server| server.load(asset_path));
             file.path = path.to_owned();
-            file.opens = false;
         }
+        file.asked = None;
         file.good_diagnostics = diagnostics.clone();
         file.picture_places = written.picture_places;
     }
     if let Some(mut status) = world.get_resource_mut::<SceneStatus>() {
         status.path = Some(path.to_owned());
+        status.asked = None;
+        status.file_is_broken = false;
         status.state = SceneState::Ready;
         status.diagnostics = diagnostics;
     }
@@ -165,8 +215,24 @@ pub fn new_scene(world: &mut World) {
     };
 }
 
-fn fail(world: &mut World, diagnostics: Arc<Diagnostics>) {
+/// The scene that was there stays, with the file it is from. Only where there was none a broken file is waited for to be mended.
+fn fail(world: &mut World, id: AssetId<SceneAsset>, diagnostics: impl FnOnce(&Path) -> Arc<Diagnostics>) {
+    let has_scene = world.resource::<SceneStatus>().revision > 0;
+    let mut file = world.resource_mut::<SceneFile>();
+    let is_own = file.handle.as_ref().is_some_and(|own| own.id() == id);
+    let is_asked = |asked: &Asked| asked.handle.id() == id;
+    let asked = file.asked.clone().filter(is_asked);
+    if asked.is_some() && has_scene {
+        file.asked = None;
+    }
+    let path = asked.map_or_else(|| file.path.clone(), |asked| asked.path);
+    let is_waiting = file.asked.is_some() && has_scene;
     let mut status = world.resource_mut::<SceneStatus>();
-    status.state = SceneState::Failed;
-    status.diagnostics = diagnostics;
+    status.file_is_broken |= is_own;
+    if !is_waiting {
+        status.state = SceneState::Failed;
+        status.failures += 1;
+        status.diagnostics = diagnostics(&path);
+        status.asked = Some(path);
+    }
 }

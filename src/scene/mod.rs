@@ -23,6 +23,7 @@ pub mod plugin;
 mod principled;
 pub mod read;
 mod rebase;
+mod recognition;
 pub mod sensor;
 pub mod settings;
 pub mod shape;
@@ -40,7 +41,7 @@ pub use emitter::{AreaLight, Emitter, EmitterKind, EmitterVisitor};
 pub use framing::{FrameWhenLoaded, world_bounds};
 pub use group::{InstanceOf, MemberOf, Placements, ShapeGroup};
 pub use identity::{DocumentOrder, Hidden, Locked, SceneId, ToWorld};
-pub use loading::new_scene;
+pub use loading::{SceneFile, new_scene};
 pub use material::{
     ConductorIor, Distribution, FirstNested, FirstNestedIn, Ior, Material, MaterialUsers, Roughness, SecondNested,
     SecondNestedIn, UsesMaterial,

@@ -1,7 +1,8 @@
 //! A description becomes entities, or changes those that are there: only what differs is written, so that a reload of an unchanged file
 //! marks nothing as changed.
 //!
-//! What the file said of things when it was last read or written is remembered: of what changed on both sides the file wins, everything else that was edited stays.
+//! What the file said of things when it was last read or written is remembered: of what changed on both sides the file wins, everything
+//! else that was edited stays.
 
 use std::collections::{HashMap, HashSet};
 
@@ -9,9 +10,11 @@ use bevy::prelude::*;
 
 use super::description::SceneDescription;
 use super::file_base::{FileBase, SceneKeys, Thing, set_authored, states};
+use super::insert::{free_name, names};
 use super::{
     ActiveSensor, Authored, AuthoredScene, DocumentOrder, Emitter, FirstNestedIn, FrameWhenLoaded, FreeView,
-    IntegratorSettings, Material, MaterialUsers, ObjectState, SecondNestedIn, Sensor, Shape, ShapeGroup, ToWorld,
+    IntegratorSettings, Material, MaterialUsers, ObjectState, SceneId, SecondNestedIn, Sensor, Shape, ShapeGroup,
+    ToWorld,
 };
 
 /// What a reload did, in numbers of things.
@@ -24,12 +27,14 @@ pub struct ReloadSummary {
     pub kept: usize,
     /// Were edited here and in the file; the file's edit counts.
     pub replaced: usize,
+    /// Have another name here, for the file has something new by theirs.
+    pub renamed: usize,
 }
 
 impl ReloadSummary {
     /// Whether the entities are as before.
     pub fn is_unchanged(&self) -> bool {
-        self.added + self.changed + self.removed + self.replaced == 0
+        self.added + self.changed + self.removed + self.replaced + self.renamed == 0
     }
 
     /// "2 things changed, 1 new, 3 edits kept"; empty if there is nothing to say.
@@ -40,6 +45,7 @@ impl ReloadSummary {
             (self.removed, "gone"),
             (self.kept, "with edits kept"),
             (self.replaced, "edited on both sides, the file's edit taken"),
+            (self.renamed, "renamed here, for the file now has their names"),
         ];
         let parts = parts.iter().filter(|(count, _)| *count > 0);
         parts
@@ -75,7 +81,7 @@ pub fn spawn_fresh(world: &mut World, scene: &SceneDescription) {
 pub fn update(world: &mut World, scene: &SceneDescription) -> ReloadSummary {
     let base = world.remove_resource::<FileBase>().unwrap_or_default();
     let mut summary = ReloadSummary::default();
-    let keys = SceneKeys::of(scene);
+    let keys = SceneKeys::recognised(scene, &base);
     let entities = keys.entities(|key| match base.things.get(key) {
         Some(thing) if world.get_entity(thing.entity).is_ok() => thing.entity,
         _ => world.spawn_empty().id(),
@@ -84,11 +90,13 @@ pub fn update(world: &mut World, scene: &SceneDescription) -> ReloadSummary {
     let keeps_order = is_in_order(world, &states);
     let watched = looked_from(world);
     let mut things = HashMap::new();
+    let mut new_ids = HashMap::new();
     for (key, (entity, theirs, authored)) in keys.in_order().zip(states) {
         let ours = ObjectState::of(world, entity);
         let now = match base.things.get(&key).filter(|thing| thing.entity == entity) {
             None => {
                 summary.added += 1;
+                new_ids.extend(theirs.id.clone().map(|id| (id, entity)));
                 theirs.clone()
             }
             Some(thing) => taken_over(thing, &theirs, &ours, &mut summary),
@@ -130,6 +138,7 @@ pub fn update(world: &mut World, scene: &SceneDescription) -> ReloadSummary {
             summary.kept += 1;
         }
     }
+    summary.renamed = give_way(world, &new_ids);
     world.insert_resource(FileBase {
         things,
         integrator: base.integrator,
@@ -144,6 +153,29 @@ pub fn update(world: &mut World, scene: &SceneDescription) -> ReloadSummary {
     }
     update_integrator(world, &scene.integrator);
     summary
+}
+
+/// Renames what was called here as something new of the file is; how many things that are.
+fn give_way(world: &mut World, new_ids: &HashMap<SceneId, Entity>) -> usize {
+    if new_ids.is_empty() {
+        return 0;
+    }
+    let mut known = world.query::<(Entity, &SceneId)>();
+    let is_of_same_id = |(entity, id): &(Entity, &SceneId)| new_ids.get(*id).is_some_and(|new| new != entity);
+    let same: Vec<(Entity, SceneId)> = known
+        .iter(world)
+        .filter(is_of_same_id)
+        .map(|(entity, id)| (entity, id.clone()))
+        .collect();
+    let mut taken = if same.is_empty() { HashSet::new() } else { names(world) };
+    for (entity, id) in &same {
+        let name = free_name(&taken, &id.0);
+        world
+            .entity_mut(*entity)
+            .insert((SceneId(name.clone()), Name::new(name.clone())));
+        taken.insert(name);
+    }
+    same.len()
 }
 
 /// Whether something that stays uses this material.

@@ -1,6 +1,6 @@
 //! Which scene is open, how its loading went, and the request to open another.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bevy::math::Affine3A;
@@ -17,6 +17,8 @@ pub struct OpenScene {
     pub path: PathBuf,
     /// Values for the file's `$name` parameters; they win over its `<default>`s.
     pub defines: Vec<(String, String)>,
+    /// Of the file that is open already: what was edited since it was read stays, as when it changes on disk. Otherwise edits are lost.
+    pub keeps_edits: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,8 +46,12 @@ pub struct MeshProblem {
 /// The open scene and what there is to say about it.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct SceneStatus {
-    /// The file asked for last, absolute.
+    /// The file that the entities are from, absolute; None for a scene of no file.
     pub path: Option<PathBuf>,
+    /// The file asked for last, absolute, while it is being read and after it could not be.
+    pub asked: Option<PathBuf>,
+    /// The file of `path` cannot be read as it is now: somebody is at work on it.
+    pub file_is_broken: bool,
     pub state: SceneState,
     /// Of the last attempt, failed or not.
     pub diagnostics: Arc<Diagnostics>,
@@ -61,6 +67,8 @@ pub struct SceneStatus {
     pub pictures_loading: usize,
     /// Counts successful loads and reloads.
     pub revision: u64,
+    /// Counts those that failed.
+    pub failures: u64,
     /// The last successful load was of a scene newly opened, not a reload of the one that was there.
     pub fresh_load: bool,
     /// What the last reload did.
@@ -68,6 +76,11 @@ pub struct SceneStatus {
 }
 
 impl SceneStatus {
+    /// The file that the state and the diagnostics are about.
+    pub fn subject(&self) -> Option<&Path> {
+        self.asked.as_deref().or(self.path.as_deref())
+    }
+
     /// Files that textures and shapes wait for.
     pub fn files_loading(&self) -> usize {
         self.meshes_loading + self.pictures_loading

@@ -108,9 +108,7 @@ pub(super) fn list_files(
     changed: Query<(), Changed<MeshHandle>>,
 ) {
     let news = mesh_events.read().count() + changed.iter().count();
-    if file.path.as_os_str().is_empty()
-        || (news == 0 && !status.is_changed() && !file.is_changed() && !pictures.is_changed())
-    {
+    if news == 0 && !status.is_changed() && !file.is_changed() && !pictures.is_changed() {
         return;
     }
     let mut reloads: HashMap<PathBuf, Vec<PathBuf>> = HashMap::new();
@@ -120,10 +118,14 @@ pub(super) fn list_files(
             assets.push(asset.to_owned());
         }
     };
-    add(&file.path, &file.path);
-    if let Some(scene) = file.handle.as_ref().and_then(|handle| scenes.get(handle)) {
-        for source in scene.description.sources.iter().chain(&scene.description.missing) {
-            add(source, &file.path);
+    let own = file.handle.as_ref().map(|handle| (&file.path, handle));
+    let asked = file.asked.as_ref().map(|asked| (&asked.path, &asked.handle));
+    for (path, handle) in own.into_iter().chain(asked) {
+        add(path, path);
+        if let Some(scene) = scenes.get(handle) {
+            for source in scene.description.sources.iter().chain(&scene.description.missing) {
+                add(source, path);
+            }
         }
     }
     for (shape, handle) in &shapes {

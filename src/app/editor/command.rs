@@ -28,7 +28,10 @@ pub enum Command {
     // The file.
     NewScene,
     OpenScene(PathBuf),
+    /// Reads the file of the scene again; edits stay.
     ReloadScene,
+    /// Back to what the file says.
+    RevertScene,
     /// To the file that is open; asks for one where there is none.
     Save,
     /// The scene is that file from then on.
@@ -339,6 +342,7 @@ impl Command {
             Self::NewScene
             | Self::OpenScene(_)
             | Self::ReloadScene
+            | Self::RevertScene
             | Self::Save
             | Self::SaveScene(_)
             | Self::SaveImage(_)

@@ -56,7 +56,7 @@ impl Guard {
                 command,
                 Command::NewScene
                     | Command::OpenScene(_)
-                    | Command::ReloadScene
+                    | Command::RevertScene
                     | Command::Quit
                     | Command::Shell(ShellCommand::Recover(_))
             )
@@ -116,34 +116,47 @@ enum Answer {
 fn question(context: &egui::Context, name: &str, command: &Command) -> Option<Answer> {
     let modal = Modal::new(Id::new("unsaved edits")).show(context, |ui| {
         ui.set_width(380.0);
-        ui.heading(format!("Save the changes of {name}?"));
-        ui.add_space(4.0);
-        let what = match command {
-            Command::Quit => "closing the window",
-            Command::NewScene => "a new scene",
-            Command::ReloadScene => "reading the file again",
-            _ => "opening another scene",
-        };
-        ui.label(format!(
-            "Otherwise {what} loses what was changed since the scene was saved."
-        ));
+        let reverts = *command == Command::RevertScene;
+        if reverts {
+            ui.heading(format!("Lose the changes of {name}?"));
+            ui.add_space(4.0);
+            ui.label("What was changed since the scene was saved cannot be brought back.");
+        } else {
+            ui.heading(format!("Save the changes of {name}?"));
+            ui.add_space(4.0);
+            let what = match command {
+                Command::Quit => "closing the window",
+                Command::NewScene => "a new scene",
+                _ => "opening another scene",
+            };
+            ui.label(format!(
+                "Otherwise {what} loses what was changed since the scene was saved."
+            ));
+        }
         ui.add_space(8.0);
-        answers(ui)
+        answers(ui, reverts)
     });
     let closed = modal.should_close();
     modal.inner.or(closed.then_some(Answer::Cancel))
 }
 
-fn answers(ui: &mut Ui) -> Option<Answer> {
+/// Where the edits are to go there is nothing to save.
+fn answers(ui: &mut Ui, reverts: bool) -> Option<Answer> {
     let mut answer = None;
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        let accepted = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, egui::Key::Enter));
-        let save = ui.button("Save").on_hover_text("Save, then go on (Enter)");
-        if save.clicked() || accepted {
-            answer = Some(Answer::Save);
-        }
-        if ui.button("Don't save").on_hover_text("Go on without").clicked() {
-            answer = Some(Answer::Lose);
+        if reverts {
+            if ui.button("Revert").on_hover_text("Read the file anew").clicked() {
+                answer = Some(Answer::Lose);
+            }
+        } else {
+            let accepted = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, egui::Key::Enter));
+            let save = ui.button("Save").on_hover_text("Save, then go on (Enter)");
+            if save.clicked() || accepted {
+                answer = Some(Answer::Save);
+            }
+            if ui.button("Don't save").on_hover_text("Go on without").clicked() {
+                answer = Some(Answer::Lose);
+            }
         }
         if ui.button("Cancel").on_hover_text("Stay here (Esc)").clicked() {
             answer = Some(Answer::Cancel);

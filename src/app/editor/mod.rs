@@ -264,6 +264,7 @@ impl Plugin for EditorPlugin {
             let request = OpenScene {
                 path: path.clone(),
                 defines: options.defines.clone(),
+                keeps_edits: false,
             };
             app.add_systems(Startup, move |mut requests: MessageWriter<OpenScene>| {
                 requests.write(request.clone());

@@ -1,6 +1,7 @@
-//! Edits that no file has are written aside now and then, and offered again after a crash. Each scene has a folder of its own for that:
-//! the scene as it was then, and a note of which file it is.
+//! Edits that no file has are written aside now and then, and offered again after a crash. Each scene has a folder of its own for that, and
+//! each run of the program: the scene as it was then, a note of which file it is, and a file that is locked while the program runs.
 
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -17,10 +18,11 @@ use super::state::EditorState;
 use super::toasts::{Tone, Topic};
 use crate::document::write_atomically;
 use crate::scene::write::{gather, save_description};
-use crate::scene::{OpenScene, SceneDescription, SceneState, SceneStatus};
+use crate::scene::{OpenScene, SceneDescription, SceneFile, SceneState, SceneStatus};
 
 const SCENE: &str = "scene.xml";
 const NOTE: &str = "about.json";
+const LOCK: &str = "lock";
 
 /// What is known of edits that were written aside.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -29,8 +31,6 @@ pub struct Note {
     pub scene: Option<PathBuf>,
     /// Seconds since 1970.
     pub time: u64,
-    /// The program that wrote it.
-    process: u32,
 }
 
 /// Edits that can be had back.
@@ -40,32 +40,47 @@ pub struct Offer {
     pub note: Note,
 }
 
+/// A folder that nobody else offers or removes while this is there.
+#[derive(Debug)]
+struct Aside {
+    folder: PathBuf,
+    /// None where files cannot be locked.
+    lock: Option<File>,
+}
+
 #[derive(Resource, Default)]
 pub struct Recovery {
     /// Of all scenes; None: nothing is written aside.
     folder: Option<PathBuf>,
-    /// The file of the scene, whatever was asked for since in vain.
-    scene: Option<PathBuf>,
+    /// Tells this run of the program from all others.
+    run: String,
     /// Since when there have been edits that are not written aside.
     since: Option<Instant>,
     is_due: bool,
     task: Option<Task<Result<(), String>>>,
     /// Folders that are of no use once the scene is saved.
-    mine: Vec<PathBuf>,
+    mine: Vec<Aside>,
     /// What the user is asked about.
     pub offer: Option<Offer>,
     /// Being opened.
-    returning: Option<Offer>,
-    /// The last load of the scene that was looked at.
-    revision: u64,
+    returning: Option<(Offer, Aside)>,
+    /// The last load of the scene that was looked at, and the last failure.
+    seen: (u64, u64),
 }
 
 impl Recovery {
     pub fn new(folder: Option<&Path>) -> Self {
+        let begun = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         Self {
             folder: folder.map(|folder| folder.join("recovery")),
+            run: format!("{}-{:x}", std::process::id(), begun.as_nanos()),
             ..Self::default()
         }
+    }
+
+    /// Whether the scene that is being opened is one that was written aside.
+    pub fn is_returning(&self) -> bool {
+        self.returning.is_some()
     }
 
     fn forget(&mut self) {
@@ -73,20 +88,40 @@ impl Recovery {
         if let Some(task) = self.task.take() {
             let _ = block_on(task);
         }
-        for folder in self.mine.drain(..) {
-            remove(&folder);
+        for aside in self.mine.drain(..) {
+            aside.remove();
         }
         self.since = None;
     }
+
+    /// Where this scene is written aside; None if that is nowhere.
+    fn folder_of(&self, scene: Option<&Path>) -> Option<PathBuf> {
+        let name = match scene {
+            Some(scene) => format!("{:016x}-{}", hash(scene.as_os_str().as_encoded_bytes()), self.run),
+            None => format!("untitled-{}", self.run),
+        };
+        Some(self.folder.as_ref()?.join(name))
+    }
 }
 
-/// Beside what else is in the folder of all.
-fn folder_of(all: &Path, scene: Option<&Path>) -> PathBuf {
-    let process = std::process::id();
-    all.join(match scene {
-        Some(scene) => format!("{:016x}-{process}", hash(scene.as_os_str().as_encoded_bytes())),
-        None => format!("untitled-{process}"),
-    })
+impl Aside {
+    /// None: another run of the program has it.
+    fn claim(folder: &Path) -> Option<Self> {
+        // A folder that cannot be written to is complained of when it is written to.
+        let _ = std::fs::create_dir_all(folder);
+        let lock = File::create(folder.join(LOCK)).ok();
+        let is_taken = |lock: &File| matches!(lock.try_lock(), Err(TryLockError::WouldBlock));
+        (!lock.as_ref().is_some_and(is_taken)).then(|| Self {
+            folder: folder.to_owned(),
+            lock,
+        })
+    }
+
+    fn remove(self) {
+        // Some systems remove no file that is open.
+        drop(self.lock);
+        remove(&self.folder);
+    }
 }
 
 /// FNV-1a: the same in every version of the program.
@@ -105,7 +140,6 @@ fn write_aside(folder: &Path, scene: &SceneDescription, path: Option<PathBuf>) -
     let note = Note {
         scene: path,
         time: since_1970.as_secs(),
-        process: std::process::id(),
     };
     let text = serde_json::to_vec_pretty(&note).map_err(|error| error.to_string())?;
     write_atomically(&folder.join(NOTE), text).map_err(described)
@@ -119,7 +153,7 @@ fn remove(folder: &Path) {
     }
 }
 
-/// The newest of what programs that run no more have left in `all`: for this scene, or for any. Not what is older than its scene.
+/// The newest of what programs that run no more have left in `all`: for this scene, or for any.
 fn find(all: &Path, scene: Option<&Path>) -> Option<Offer> {
     let folders = std::fs::read_dir(all).ok()?;
     let offers = folders.filter_map(|entry| {
@@ -129,33 +163,28 @@ fn find(all: &Path, scene: Option<&Path>) -> Option<Offer> {
     });
     offers
         .filter(|offer| scene.is_none() || offer.note.scene.as_deref() == scene)
-        .filter(|offer| offer.folder.join(SCENE).is_file() && !is_running(offer.note.process))
-        .filter(|offer| {
-            offer
-                .note
-                .scene
-                .as_ref()
-                .is_none_or(|scene| is_older(scene, &offer.note))
-        })
+        .filter(|offer| offer.folder.join(SCENE).is_file() && !is_in_use(&offer.folder))
         .max_by_key(|offer| offer.note.time)
 }
 
-/// Another window may be at work on it. Where processes cannot be looked for, none is.
-fn is_running(process: u32) -> bool {
-    process != std::process::id() && Path::new("/proc").join(process.to_string()).is_dir()
+/// Another window may be at work on it. Where files cannot be locked, none is.
+fn is_in_use(folder: &Path) -> bool {
+    let lock = File::open(folder.join(LOCK));
+    lock.is_ok_and(|lock| matches!(lock.try_lock(), Err(TryLockError::WouldBlock)))
 }
 
-fn is_older(scene: &Path, note: &Note) -> bool {
-    let changed = std::fs::metadata(scene).and_then(|data| data.modified());
-    let changed = changed.ok().and_then(|at| at.duration_since(UNIX_EPOCH).ok());
-    changed.is_none_or(|changed| changed.as_secs() <= note.time)
+/// Seconds since 1970 when the file was written last.
+fn changed_at(file: &Path) -> Option<u64> {
+    let changed = std::fs::metadata(file).and_then(|data| data.modified()).ok()?;
+    Some(changed.duration_since(UNIX_EPOCH).ok()?.as_secs())
 }
 
-/// Notices new scenes: what was left of them is offered, and what belonged to the scene before is of no use any more. To run after the
-/// history has begun anew.
+/// Notices new scenes, and those that cannot be read: what was left of them is offered, and what belonged to the scene before is of no use any
+/// more. To run after the history has begun anew.
 pub fn follow_scene(
     mut recovery: ResMut<Recovery>,
     mut status: ResMut<SceneStatus>,
+    mut file: ResMut<SceneFile>,
     mut history: ResMut<History>,
     mut state: ResMut<EditorState>,
     mut started: Local<bool>,
@@ -165,29 +194,32 @@ pub fn follow_scene(
     let Some(all) = recovery.folder.clone() else {
         return;
     };
-    if is_first && status.path.is_none() {
+    if is_first && status.subject().is_none() {
         recovery.offer = find(&all, None);
     }
-    if status.revision == recovery.revision {
-        if status.state == SceneState::Failed
-            && let Some(offer) = recovery.returning.take()
-        {
-            let file = offer.folder.join(SCENE);
-            let text = format!("{} could not be read; it is kept.", file.display());
-            state.toasts.add(Tone::Error, Topic::Other, text, None);
+    let seen = std::mem::replace(&mut recovery.seen, (status.revision, status.failures));
+    if seen.1 != status.failures {
+        match recovery.returning.take() {
+            Some((offer, _)) => {
+                let file = offer.folder.join(SCENE);
+                let text = format!("{} could not be read; it is kept.", file.display());
+                state.toasts.add(Tone::Error, Topic::Other, text, None);
+            }
+            // Of the open scene there is nothing left over.
+            None if status.asked == status.path => {}
+            None => recovery.offer = status.asked.as_deref().and_then(|scene| find(&all, Some(scene))),
         }
-        return;
     }
-    recovery.revision = status.revision;
-    if !status.fresh_load {
+    if seen.0 == status.revision || !status.fresh_load {
         return;
     }
     recovery.forget();
     match recovery.returning.take() {
-        Some(offer) => {
-            status.path.clone_from(&offer.note.scene);
+        Some((offer, aside)) => {
+            file.leave();
+            status.path = offer.note.scene;
             history.note_unsaved();
-            recovery.mine.push(offer.folder);
+            recovery.mine.push(aside);
             state.say("Recovered; save the scene to keep it");
         }
         None => recovery.offer = status.path.as_deref().and_then(|scene| find(&all, Some(scene))),
@@ -206,9 +238,6 @@ pub fn plan_autosave(
     recovery.is_due = false;
     if recovery.folder.is_none() {
         return;
-    }
-    if status.state == SceneState::Ready && recovery.scene != status.path {
-        recovery.scene.clone_from(&status.path);
     }
     if let Some(outcome) = recovery.task.as_mut().and_then(check_ready) {
         recovery.task = None;
@@ -241,13 +270,13 @@ pub fn is_due(recovery: Res<Recovery>) -> bool {
 pub fn autosave(world: &mut World) {
     let started = Instant::now();
     let scene = gather::describe(world);
+    let path = world.resource::<SceneStatus>().path.clone();
     let mut recovery = world.resource_mut::<Recovery>();
-    let path = recovery.scene.clone();
-    let Some(folder) = recovery.folder.as_deref().map(|all| folder_of(all, path.as_deref())) else {
+    let Some(folder) = recovery.folder_of(path.as_deref()) else {
         return;
     };
-    if !recovery.mine.contains(&folder) {
-        recovery.mine.push(folder.clone());
+    if !recovery.mine.iter().any(|aside| aside.folder == folder) {
+        recovery.mine.extend(Aside::claim(&folder));
     }
     recovery.since = Some(Instant::now());
     let task = IoTaskPool::get().spawn(async move { write_aside(&folder, &scene, path) });
@@ -267,16 +296,23 @@ pub fn clean_up(mut exits: MessageReader<AppExit>, mut recovery: ResMut<Recovery
 }
 
 /// Opens what was written aside.
-pub fn recover(world: &mut World, offer: Offer) {
+pub fn recover(world: &mut World, offer: Offer) -> Result<(), String> {
     let path = offer.folder.join(SCENE);
-    world.resource_mut::<Recovery>().returning = Some(offer);
-    let defines = Vec::new();
-    world.write_message(OpenScene { path, defines });
+    let aside = Aside::claim(&offer.folder).ok_or(IN_USE)?;
+    world.resource_mut::<Recovery>().returning = Some((offer, aside));
+    world.write_message(OpenScene {
+        path,
+        ..OpenScene::default()
+    });
+    Ok(())
 }
 
-pub fn discard(offer: &Offer) {
-    remove(&offer.folder);
+pub fn discard(offer: &Offer) -> Result<(), String> {
+    Aside::claim(&offer.folder).ok_or(IN_USE)?.remove();
+    Ok(())
 }
+
+const IN_USE: &str = "Another window is at work on those edits.";
 
 /// Asks what is to become of the edits; `offer` is None once that is answered.
 pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &mut Vec<Command>) {
@@ -293,10 +329,16 @@ pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &m
             None => "a scene that was never saved".to_owned(),
         };
         let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        let age = ago(since_1970.as_secs().saturating_sub(asked.note.time));
+        let since = |time: u64| ago(since_1970.as_secs().saturating_sub(time));
+        let age = since(asked.note.time);
         ui.label(format!(
             "The program ended {age} without saving the last edits of {scene}."
         ));
+        let changed = asked.note.scene.as_deref().map(changed_at);
+        if let Some(file) = changed.and_then(|changed| about_file(changed, asked.note.time, since)) {
+            ui.add_space(4.0);
+            ui.label(file);
+        }
         ui.add_space(8.0);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let recover = ui.button("Recover").on_hover_text("Open the scene with those edits");
@@ -316,6 +358,18 @@ pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &m
     if answer.is_some() || modal.should_close() {
         commands.extend(answer.map(Command::Shell));
         *offer = None;
+    }
+}
+
+/// What has become of the file since; `changed`: None if it is gone. Nothing if it is as it was.
+fn about_file(changed: Option<u64>, written: u64, since: impl Fn(u64) -> String) -> Option<String> {
+    match changed {
+        None => Some("That file is not there any more; saving makes it anew.".to_owned()),
+        Some(changed) if changed > written => Some(format!(
+            "The file was changed after that, {}: the edits here are older. Saving them replaces what is there.",
+            since(changed)
+        )),
+        Some(_) => None,
     }
 }
 
@@ -345,62 +399,79 @@ mod tests {
         folder
     }
 
-    /// Left by a program that runs no more: no process has the largest number.
     fn note(scene: Option<&Path>, time: u64) -> Note {
         Note {
             scene: scene.map(Path::to_owned),
             time,
-            process: u32::MAX,
         }
     }
 
     #[test]
     fn what_is_written_aside_is_found_for_its_scene() {
-        let all = tempfile::tempdir().expect("a temporary folder");
-        let path = all.path().join("box.xml");
-        let folder = folder_of(all.path(), Some(&path));
-        assert_ne!(folder, folder_of(all.path(), None));
+        let home = tempfile::tempdir().expect("a temporary folder");
+        let all = home.path().join("recovery");
+        let path = home.path().join("box.xml");
+        let folder = Recovery::new(Some(home.path()))
+            .folder_of(Some(&path))
+            .expect("a folder");
         write_aside(&folder, &SceneDescription::empty(), Some(path.clone())).expect("it can be written");
-        let offer = find(all.path(), Some(&path)).expect("there is one");
+        let offer = find(&all, Some(&path)).expect("there is one");
         assert_eq!(
             (&offer.folder, offer.note.scene.as_deref()),
             (&folder, Some(path.as_path()))
         );
-        assert_eq!(find(all.path(), Some(Path::new("/other.xml"))), None);
-        discard(&offer);
-        assert_eq!(find(all.path(), None), None);
+        assert_eq!(find(&all, Some(Path::new("/other.xml"))), None);
+        assert_eq!(discard(&offer), Ok(()));
+        assert_eq!(find(&all, None), None);
         assert!(!folder.exists());
     }
 
+    /// Numbers of processes come again.
     #[test]
-    fn the_newest_is_offered_and_nothing_older_than_its_scene() {
+    fn runs_do_not_share_folders() {
+        let folders: Vec<_> = (0..2)
+            .map(|_| Recovery::new(Some(Path::new("/home"))))
+            .flat_map(|run| [run.folder_of(None), run.folder_of(Some(Path::new("/a.xml")))])
+            .collect();
+        for (index, folder) in folders.iter().enumerate() {
+            assert!(!folders[..index].contains(folder), "{folders:?}");
+        }
+    }
+
+    #[test]
+    fn the_newest_is_offered_also_when_the_scene_is_newer() {
         let all = tempfile::tempdir().expect("a temporary folder");
         let path = all.path().join("box.xml");
         aside(all.path(), "a", &note(None, 1000));
         let newest = aside(all.path(), "b", &note(Some(&path), 2000));
-        assert_eq!(find(all.path(), None).map(|offer| offer.folder), Some(newest));
+        assert_eq!(find(all.path(), None).map(|offer| offer.folder), Some(newest.clone()));
         // The scene was saved long after.
         std::fs::write(&path, "<scene/>").expect("a temporary folder");
-        assert_eq!(find(all.path(), Some(&path)), None);
-        assert_eq!(find(all.path(), None).map(|offer| offer.note.time), Some(1000));
+        assert_eq!(find(all.path(), Some(&path)).map(|offer| offer.folder), Some(newest));
+        let told = |written| about_file(changed_at(&path), written, |_| "now".to_owned());
+        assert!(told(2000).is_some_and(|text| text.contains("changed after that, now")));
+        assert_eq!(told(u64::MAX), None);
+        assert!(about_file(None, 0, |_| String::new()).is_some_and(|text| text.contains("not there")));
     }
 
     #[test]
-    fn what_is_half_written_or_of_a_running_program_is_left_alone() {
+    fn what_is_half_written_or_in_use_is_left_alone() {
         let all = tempfile::tempdir().expect("a temporary folder");
         let path = Path::new("/box.xml");
         let half = aside(all.path(), "half", &note(Some(path), 1000));
         std::fs::remove_file(half.join(SCENE)).expect("it is there");
         std::fs::write(aside(all.path(), "odd", &note(None, 1)).join(NOTE), "{").expect("a temporary folder");
-        if cfg!(target_os = "linux") {
-            let process = 1;
-            let running = Note {
-                process,
-                ..note(Some(path), 3000)
-            };
-            aside(all.path(), "running", &running);
-        }
+        let folder = aside(all.path(), "running", &note(Some(path), 3000));
+        let running = Aside::claim(&folder).expect("nobody has it");
         assert_eq!(find(all.path(), None), None);
+        let offer = Offer {
+            folder: folder.clone(),
+            note: note(Some(path), 3000),
+        };
+        assert!(discard(&offer).is_err() && folder.join(SCENE).is_file());
+        // It crashes.
+        drop(running);
+        assert_eq!(find(all.path(), None), Some(offer));
         // Folders without a note are none of ours.
         let other = all.path().join("other");
         std::fs::create_dir(&other).expect("a temporary folder");

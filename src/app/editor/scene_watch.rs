@@ -11,6 +11,7 @@ use super::navigation::up_axis;
 use super::options::WantedCamera;
 use super::paths::PathInspector;
 use super::picking;
+use super::recovery::Recovery;
 use super::selection::Selection;
 use super::state::EditorState;
 use super::toasts::Topic;
@@ -30,13 +31,16 @@ pub fn follow_scene(
     mut mix: ResMut<LightMix>,
     mut paths: ResMut<PathInspector>,
     mut control: ResMut<RenderControl>,
-    mut seen: Local<(u64, SceneState, Option<PathBuf>)>,
+    recovery: Res<Recovery>,
+    mut seen: Local<(u64, u64)>,
+    mut was_asked: Local<bool>,
 ) {
-    if seen.0 == status.revision && seen.1 == status.state && seen.2 == status.path {
+    // Whoever asked for it wants to hear also that nothing has changed.
+    let is_answer = std::mem::replace(&mut *was_asked, status.state == SceneState::Loading);
+    if *seen == (status.revision, status.failures) {
         return;
     }
-    let now = (status.revision, status.state, status.path.clone());
-    let before = std::mem::replace(&mut *seen, now);
+    let before = std::mem::replace(&mut *seen, (status.revision, status.failures));
     let file = status
         .path
         .as_ref()
@@ -59,14 +63,17 @@ pub fn follow_scene(
             if control.region.is_some() {
                 control.region = None;
             }
-            if status.path.is_some() {
+            if status.path.is_some() && !recovery.is_returning() {
                 state.say(format!("Opened {file}"));
             }
         } else if !status.reload.is_unchanged() {
             state.say(format!("Reloaded {file}: {}", status.reload.text()));
+        } else if is_answer {
+            state.say(format!("Reloaded {file}: nothing new in it"));
         }
-    } else if status.state == SceneState::Failed {
-        let path = status.path.as_deref().unwrap_or(Path::new(""));
+    }
+    if status.failures != before.1 {
+        let path = status.subject().unwrap_or(Path::new(""));
         let diagnostics = &status.diagnostics;
         let mut errors = diagnostics.list.iter();
         let first = errors.find(|diagnostic| diagnostic.severity == Severity::Error);

@@ -32,7 +32,7 @@ pub enum Sheet {
     Preferences,
 }
 
-pub fn apply(world: &mut World, command: ShellCommand) {
+pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), String> {
     match command {
         ShellCommand::ShowPanel(panel) => world.get_resource_or_init::<Layout>().show(panel),
         ShellCommand::ClosePanel(panel) => world.get_resource_or_init::<Layout>().close(panel),
@@ -44,9 +44,10 @@ pub fn apply(world: &mut World, command: ShellCommand) {
             state.palette = Palette::default();
         }
         ShellCommand::SetPreferences(preferences) => world.insert_resource(preferences.within_range()),
-        ShellCommand::Recover(offer) => recovery::recover(world, offer),
-        ShellCommand::DiscardRecovery(offer) => recovery::discard(&offer),
+        ShellCommand::Recover(offer) => recovery::recover(world, offer)?,
+        ShellCommand::DiscardRecovery(offer) => recovery::discard(&offer)?,
     }
+    Ok(())
 }
 
 fn toggle_full_screen(world: &mut World) {

@@ -370,7 +370,7 @@ fn collect_boxes(current: &CurrentScene, overlay: &BvhOverlay, boxes: &mut Colle
 }
 
 fn placeholder(status: &SceneStatus) -> String {
-    let file = status.path.as_ref().map_or(String::new(), |path| {
+    let file = status.subject().map_or(String::new(), |path| {
         path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     });
     match status.state {

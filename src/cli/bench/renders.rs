@@ -87,6 +87,7 @@ fn render(scene: &Path, seed: u32, args: &RenderBenchArgs) -> Result<Render, Err
     let open = OpenScene {
         path: scene.to_owned(),
         defines: Vec::new(),
+        ..OpenScene::default()
     };
     let mut app = headless(open, args.common.threads.threads);
     let limits = Limits {

@@ -29,7 +29,8 @@ pub fn is_gltf(bytes: &[u8], path: &Path) -> bool {
     Gltf::is_gltf(bytes) || is_called_gltf(path)
 }
 
-fn is_called_gltf(path: &Path) -> bool {
+/// By its name.
+pub fn is_called_gltf(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     extension == "gltf" || extension == "glb"
 }

@@ -22,6 +22,7 @@ use self::parts::Moves;
 use self::patch::Draft;
 pub use self::portable::Extensions;
 use super::assets::SceneDefines;
+use super::assets::gltf_scene::is_called_gltf;
 use super::description::{DeclarationPlace, Identity, SceneDescription};
 use super::read::mesh_search::MeshSearch;
 use super::read::{self, settle};
@@ -123,16 +124,18 @@ pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions)
 
 /// An error if this would replace a file of another format.
 fn keep_foreign(scene: &SceneDescription, target: &Path) -> Result<(), SaveError> {
-    match &scene.remains.origin {
-        Some(origin) if origin.imported && settle(&origin.path) == *target => Err(SaveError::Foreign {
-            path: target.to_owned(),
-            proposal: target.with_extension(match target.extension() {
-                Some(extension) if extension == "xml" => "native.xml",
-                _ => "xml",
-            }),
-        }),
-        _ => Ok(()),
+    let origin = scene.remains.origin.as_ref();
+    let is_imported = origin.is_some_and(|origin| origin.imported && settle(&origin.path) == *target);
+    if !is_imported && !is_called_gltf(target) {
+        return Ok(());
     }
+    Err(SaveError::Foreign {
+        path: target.to_owned(),
+        proposal: target.with_extension(match target.extension() {
+            Some(extension) if extension == "xml" => "native.xml",
+            _ => "xml",
+        }),
+    })
 }
 
 fn write_file(path: &Path, content: impl AsRef<[u8]>) -> Result<(), SaveError> {

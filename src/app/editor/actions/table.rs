@@ -123,8 +123,15 @@ pub const ACTIONS: &[Action] = &[
     action(Group::File, "open", "Open…", &[command(Key::O)], |_| {
         Some(Command::ShowDialog(FileDialogKind::OpenScene))
     }),
-    action(Group::File, "reload", "Reload", &[plain(Key::F5)], |_| {
-        Some(Command::ReloadScene)
+    action(
+        Group::File,
+        "reload",
+        "Reload, keeping edits",
+        &[plain(Key::F5)],
+        |_| Some(Command::ReloadScene),
+    ),
+    action(Group::File, "revert", "Revert to the file", &[], |_| {
+        Some(Command::RevertScene)
     }),
     action(Group::File, "import", "Import…", &[command(Key::I)], |_| {
         Some(Command::ShowDialog(FileDialogKind::Import))

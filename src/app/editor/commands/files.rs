@@ -13,7 +13,7 @@ use crate::app::editor::state::EditorState;
 use crate::document;
 use crate::engine::{RenderState, RenderStatus};
 use crate::render::image_io::write_image;
-use crate::scene::{self, OpenScene, Placements, SceneState, SceneStatus, insert, write};
+use crate::scene::{self, OpenScene, Placements, SceneFile, SceneState, SceneStatus, insert, write};
 
 /// Where texts of the clipboard stand: files in them are named in full.
 pub const CLIPBOARD: &str = "/clipboard.xml";
@@ -25,7 +25,39 @@ pub fn new_scene(world: &mut World) {
 
 pub fn open_scene(world: &mut World, path: PathBuf) {
     let defines = world.resource::<SceneDefines>().0.clone();
-    world.write_message(OpenScene { path, defines });
+    let keeps_edits = false;
+    world.write_message(OpenScene {
+        path,
+        defines,
+        keeps_edits,
+    });
+}
+
+/// As if the file had changed on disk.
+pub fn reload_scene(world: &mut World) -> Result<(), String> {
+    let path = own_path(world)?;
+    if !world.resource::<SceneFile>().is_followed() {
+        return Err("These edits were recovered: save the scene, or revert to the file.".to_owned());
+    }
+    let defines = world.resource::<SceneDefines>().0.clone();
+    let keeps_edits = true;
+    world.write_message(OpenScene {
+        path,
+        defines,
+        keeps_edits,
+    });
+    Ok(())
+}
+
+pub fn revert_scene(world: &mut World) -> Result<(), String> {
+    let path = own_path(world)?;
+    open_scene(world, path);
+    Ok(())
+}
+
+fn own_path(world: &World) -> Result<PathBuf, String> {
+    let path = world.resource::<SceneStatus>().path.clone();
+    path.ok_or_else(|| "The scene has no file yet.".to_owned())
 }
 
 pub fn save(world: &mut World) -> Result<(), String> {
@@ -33,9 +65,18 @@ pub fn save(world: &mut World) -> Result<(), String> {
     if status.state == SceneState::Loading {
         return Err("A scene is still being read.".to_owned());
     }
-    match status.path.clone().filter(|_| status.state == SceneState::Ready) {
-        Some(path) => save_scene(world, &path),
-        None => {
+    let is_broken = status.file_is_broken;
+    match status.path.clone() {
+        Some(path) if !is_broken => save_scene(world, &path),
+        path => {
+            if let Some(path) = path {
+                // Somebody is writing it in a text editor.
+                let text = format!(
+                    "{} was changed elsewhere and is broken as it is now: choose another name",
+                    path.display()
+                );
+                world.resource_mut::<EditorState>().refuse(text);
+            }
             world.resource_mut::<EditorState>().dialog = Some(FileDialogKind::SaveScene);
             Ok(())
         }

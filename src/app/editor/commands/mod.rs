@@ -35,9 +35,7 @@ use super::state::{CommandQueue, EditorState};
 use super::toasts::Topic;
 use super::tool::Tool;
 use crate::engine::{CurrentScene, InputStamp, RenderControl, RenderFilm, WakeUp};
-use crate::scene::{
-    ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, SceneStatus, Sensor, Shape,
-};
+use crate::scene::{ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, Sensor, Shape};
 pub use view::{camera_pose, view_pose};
 
 /// Applies this frame's commands in order.
@@ -126,10 +124,8 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
     match command {
         Command::NewScene => files::new_scene(world),
         Command::OpenScene(path) => files::open_scene(world, path),
-        Command::ReloadScene => {
-            let path = world.resource::<SceneStatus>().path.clone();
-            files::open_scene(world, path.ok_or("No scene is open.")?);
-        }
+        Command::ReloadScene => files::reload_scene(world)?,
+        Command::RevertScene => files::revert_scene(world)?,
         Command::Save => files::save(world)?,
         Command::SaveScene(path) => files::save_scene(world, &path)?,
         Command::SaveImage(path) => files::save_image(world, &path)?,
@@ -224,7 +220,7 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
         }
         Command::DropDenoised => world.resource_mut::<Denoiser>().clear(),
         Command::ShowPanels(shown) => world.resource_mut::<EditorState>().panels_shown = shown,
-        Command::Shell(command) => shell::apply(world, command),
+        Command::Shell(command) => shell::apply(world, command)?,
         // The others are edits.
         _ => {}
     }
