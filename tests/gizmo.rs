@@ -93,6 +93,33 @@ fn turned_cube() -> Target {
     )
 }
 
+/// There nothing is seen of it, and there is no angle and no distance to follow.
+#[test]
+fn what_is_where_the_camera_is_stays_sound() {
+    let screen = screens()[0];
+    let eye = Vec3::new(3.0, 2.0, -8.0);
+    let target = cube(1, Affine3A::from_translation(eye));
+    for mode in [Mode::Move, Mode::Rotate, Mode::Scale] {
+        for constraint in [Constraint::Free, Constraint::Axis(0), Constraint::Plane(1)] {
+            let mut drag = begin(&[target], settings(mode), constraint, Pos2::new(400.0, 300.0));
+            let change = drag.follow(&screen, Pos2::new(430.0, 310.0), false, 1.0);
+            // An even scaling asks only how far the pointer has come.
+            let is_even = mode == Mode::Scale && constraint != Constraint::Axis(0);
+            assert!(change.is_none() || is_even, "{mode:?} {constraint:?}: {change:?}");
+            assert!(drag.apply(change).iter().all(|(_, pose)| pose.is_finite()));
+            let text = drag.text(change, 1.0);
+            assert!(!text.contains("NaN"), "{text}");
+        }
+    }
+    // A number still turns it.
+    let mut drag = begin(&[target], settings(Mode::Rotate), Constraint::Free, Pos2::ZERO);
+    drag.typed.press(Key::Num9);
+    let Change::Turned { axis, angle } = drag.follow(&screen, Pos2::ZERO, false, 1.0) else {
+        panic!("no turn");
+    };
+    assert!(axis.is_normalized() && (angle.to_degrees() - 9.0).abs() < 1e-4);
+}
+
 #[test]
 fn what_is_taken_hold_of_stays_under_the_pointer() {
     for screen in screens() {

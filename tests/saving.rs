@@ -335,7 +335,7 @@ fn what_is_new_looks_like_its_neighbours() {
         scene.shapes.push(sphere("ball"));
         scene.shapes[0].to_world.translation.y = 3.0;
     });
-    let expected = "\u{feff}<?xml version='1.0'?>\r\n<scene version='3.0.0'>\r\n\t<sensor type='perspective'/>\r\n\t<shape type='disk'>\r\n\t\t<transform name=\"to_world\">\r\n\t\t\t<translate value=\"0, 3, 0\"/>\r\n\t\t</transform>\r\n\t</shape> <!-- d -->\r\n\t<shape type=\"sphere\" id=\"ball\">\r\n\t\t<point name=\"center\" value=\"0, 0, 0\"/>\r\n\t\t<float name=\"radius\" value=\"2\"/>\r\n\t\t<boolean name=\"flip_normals\" value=\"false\"/>\r\n\t</shape>\r\n\r\n\t<!-- end -->\r\n</scene>\r\n";
+    let expected = "\u{feff}<?xml version='1.0'?>\r\n<scene version='3.0.0'>\r\n\t<sensor type='perspective'/>\r\n\t<shape type='disk'>\r\n\t\t<transform name=\"to_world\">\r\n\t\t\t<translate value=\"0, 3, 0\"/>\r\n\t\t</transform>\r\n\t</shape> <!-- d -->\r\n\t<shape type=\"sphere\" id=\"ball\">\r\n\t\t<float name=\"radius\" value=\"2\"/>\r\n\t</shape>\r\n\r\n\t<!-- end -->\r\n</scene>\r\n";
     assert_eq!(new, expected);
     let scene = folder.read("main.xml");
     assert_eq!(scene.shapes[1].identity.id.as_deref(), Some("ball"));

@@ -267,6 +267,49 @@ fn keys_alone_move_by_numbers() {
     assert_eq!(harness.state().gizmo.mode, Mode::Rotate);
 }
 
+/// A slow frame gets many keys at once: each amount is done before what ends it, and each drag is a step of its own.
+#[test]
+fn keys_of_one_frame_are_done_one_after_the_other() {
+    let mut harness = window();
+    let typed = [
+        [Key::G, Key::X, Key::Num2, Key::R].as_slice(),
+        &[
+            Key::Z,
+            Key::Num9,
+            Key::Num0,
+            Key::Enter,
+            Key::G,
+            Key::Y,
+            Key::Num1,
+            Key::Enter,
+        ],
+    ];
+    let mut begun = 0;
+    for key in typed.concat() {
+        for pressed in [true, false] {
+            harness.input_mut().events.push(egui::Event::Key {
+                key,
+                physical_key: None,
+                pressed,
+                repeat: false,
+                modifiers: Modifiers::NONE,
+            });
+        }
+    }
+    for _ in 0..6 {
+        harness.run_steps(1);
+        begun += usize::from(harness.state_mut().state.gizmo.take_begun());
+    }
+    let pose = harness.state().target.to_world;
+    // Turned around the middle of its bounds, which stay at the origin here.
+    assert!(
+        Vec3::from(pose.translation).abs_diff_eq(Vec3::new(0.0, 3.0, 0.0), 1e-5),
+        "{pose:?}"
+    );
+    assert!(pose.transform_vector3(Vec3::X).abs_diff_eq(Vec3::Y, 1e-5), "{pose:?}");
+    assert_eq!(begun, 3);
+}
+
 #[test]
 fn the_same_key_again_follows_the_mouse_until_a_click() {
     let mut harness = window();

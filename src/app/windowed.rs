@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
+use bevy::render::renderer::RenderAdapter;
 use bevy::render::settings::{Backends, RenderCreation, WgpuSettings};
 use bevy::window::{PresentMode, WindowResolution};
 use thiserror::Error;
@@ -75,8 +76,15 @@ pub fn windowed(options: WindowOptions) -> App {
             threads: worker_count(options.threads, true),
             ..default()
         })
-        .add_plugins(EditorPlugin(options));
+        .add_plugins(EditorPlugin(options))
+        .add_systems(Startup, keep_driver);
     app
+}
+
+/// Drivers leave functions to be called when the process ends. One that is unloaded before, with the last of what it has made, would be
+/// called where nothing is any more: it stays.
+fn keep_driver(adapter: Option<Res<RenderAdapter>>) {
+    std::mem::forget(adapter.map(|adapter| adapter.clone()));
 }
 
 /// On systems where windows need no display server to be named there always is one.

@@ -235,8 +235,14 @@ impl<'a, 'd> Reader<'a, 'd> {
         let dictionary = || self.asked.iter().map(String::as_str);
         for (property, read) in self.object.properties.iter().zip(&self.property_read) {
             if !read {
-                let message = format!("`{}` is not a parameter of {owner}", property.name);
-                let help = did_you_mean(&property.name, dictionary());
+                let name = &property.name;
+                // It was looked for as something else.
+                let message = if dictionary().any(|asked| asked == name) {
+                    format!("{} given for `{name}` has no effect in {owner}", property.value.kind())
+                } else {
+                    format!("`{name}` is not a parameter of {owner}")
+                };
+                let help = did_you_mean(name, dictionary());
                 self.diagnostics
                     .push(Severity::Warning, Some(property.span), message, help);
             }

@@ -3,20 +3,23 @@
 /// Longer names get no suggestion: the cost is quadratic in their length.
 const LONGEST: usize = 48;
 
-/// The candidate nearest to `name`, if it is near enough to be a slip of the pen: at most a third of the letters differ.
+/// The candidate nearest to `name`, if it is near enough to be a slip of the pen: at most a third of the letters differ. None for a name that
+/// is a candidate: it is no slip.
 pub fn closest<'c>(name: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<&'c str> {
     let length = name.chars().count();
     if length == 0 || length > LONGEST {
         return None;
     }
     let allowed = (length / 3).max(1);
-    candidates
+    let found = candidates
         .into_iter()
         .filter(|candidate| candidate.len() <= 4 * LONGEST && candidate.chars().count().abs_diff(length) <= allowed)
         .map(|candidate| (distance(name, candidate), candidate))
         .filter(|(distance, _)| *distance <= allowed)
-        .min()
+        .min_by_key(|(distance, candidate)| (*candidate != name, *distance, *candidate));
+    found
         .map(|(_, candidate)| candidate)
+        .filter(|candidate| *candidate != name)
 }
 
 /// The help line for it.
@@ -58,6 +61,7 @@ mod tests {
         assert_eq!(closest("distrbution", known), Some("distribution"));
         assert_eq!(closest("reflectance", known), None);
         assert_eq!(closest("", known), None);
+        assert_eq!(closest("alpha_u", ["alpha_v", "alpha_u"]), None);
         assert_eq!(closest(&"a".repeat(100_000), known), None);
     }
 }

@@ -20,6 +20,8 @@ pub struct RenderFilm {
     /// Counts the pictures that were begun; with a new number all that was shown is old, though worth showing until tiles arrive. A
     /// picture is begun here when its first tile arrives, until then the last one stays.
     pub job: u64,
+    /// Samples that every pixel of the region has that is rendered; those outside of it may have less.
+    pub samples: u32,
     /// The lights of each layer of the film.
     pub light_groups: Arc<[LightGroup]>,
     /// Of a lower resolution than asked for, see [`RenderControl::motion_scale`](super::RenderControl::motion_scale).
@@ -37,11 +39,6 @@ impl RenderFilm {
 
     pub fn has_dirty(&self) -> bool {
         !self.dirty.is_empty()
-    }
-
-    /// Whether a job has been begun since, of which nothing has arrived yet; `last_restart` is [`RenderStatus`](super::RenderStatus)'s.
-    pub fn is_of_the_past(&self, last_restart: Instant) -> bool {
-        self.begun.is_some_and(|begun| begun < last_restart)
     }
 
     fn has_room_for(&self, view: &View) -> bool {
@@ -64,6 +61,7 @@ impl RenderFilm {
         self.is_coarse = job.is_coarse;
         self.begun = Some(job.begun);
         self.job += 1;
+        self.samples = 0;
         self.dirty.clear();
     }
 

@@ -266,6 +266,9 @@ impl Job {
                 break;
             }
         }
+        if collected > 0 {
+            film.samples = self.least_samples();
+        }
         if collected > 0 && (self.run.is_none() || self.noise_estimated.elapsed() > NOISE_INTERVAL) {
             let tiles: Vec<Tile> = self.active.iter().map(|&index| self.tiles[index]).collect();
             self.noise = relative_noise(&film.film, &tiles);

@@ -1,14 +1,14 @@
 //! Things that come into a scene that is there: what a description has, as if it had been made in the editor; and descriptions of a part.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use bevy::prelude::*;
 
 use super::description::{DeclarationPlace, Identity, SceneDescription};
 use super::write::gather::describe_entities;
 use super::{
-    Authored, AuthoredScene, DeclaredIn, DocumentOrder, FirstNested, InstanceOf, MemberOf, SceneId, SecondNested,
-    ShapeGroup, ToWorld, UsesMaterial,
+    Authored, AuthoredScene, DeclaredIn, DocumentOrder, FirstNested, InstanceOf, Material, MemberOf, SceneId,
+    SecondNested, ShapeGroup, ToWorld, UsesMaterial,
 };
 use crate::document::Object;
 
@@ -78,8 +78,10 @@ fn collect_ids(object: &Object, ids: &mut HashSet<String>) {
     object.objects().for_each(|inner| collect_ids(inner, ids));
 }
 
-/// Adds everything but settings. Ids that are taken get numbers; of sensors their films come along.
+/// Adds everything but settings. Ids that are taken get numbers; of sensors their films come along. What shapes use of materials that are
+/// there already, equal and of the same id, is not added again.
 pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
+    let shared = shared_materials(world, scene);
     let mut order = next_order(world);
     let mut taken = names(world);
     let mut inserted = Inserted::default();
@@ -100,9 +102,11 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
         entity
     };
     let mut materials = Vec::with_capacity(scene.materials.len());
-    for material in &scene.materials {
-        let entity = spawn(world, &material.identity);
-        world.entity_mut(entity).insert(material.material.clone());
+    for (material, shared) in scene.materials.iter().zip(&shared) {
+        let entity = shared.unwrap_or_else(|| spawn(world, &material.identity));
+        if shared.is_none() {
+            world.entity_mut(entity).insert(material.material.clone());
+        }
         materials.push(entity);
     }
     let mut groups = Vec::with_capacity(scene.groups.len());
@@ -143,7 +147,8 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
             }
         }
     }
-    for (material, &entity) in scene.materials.iter().zip(&materials) {
+    let added = scene.materials.iter().zip(&materials).zip(&shared);
+    for ((material, &entity), _) in added.filter(|(_, shared)| shared.is_none()) {
         let mut nesting = world.entity_mut(entity);
         if let Some(first) = material.first {
             nesting.insert(FirstNested(materials[first]));
@@ -190,6 +195,49 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
     }
     inserted.objects = objects;
     inserted
+}
+
+/// For each material of the scene the one in the world that it would be a double of: used by a shape, of the same id, with the same inside.
+fn shared_materials(world: &mut World, scene: &SceneDescription) -> Vec<Option<Entity>> {
+    let mut known = world.query_filtered::<(&SceneId, Entity), With<Material>>();
+    let known: HashMap<&str, Entity> = known.iter(world).map(|(id, entity)| (id.0.as_str(), entity)).collect();
+    let mut shared = vec![None; scene.materials.len()];
+    for used in scene.shapes.iter().filter_map(|shape| shape.material) {
+        let id = scene.materials[used].identity.id.as_deref();
+        if let Some(&entity) = id.and_then(|id| known.get(id)) {
+            let mut pairs = Vec::new();
+            if is_same(world, scene, used, entity, &mut pairs) {
+                pairs
+                    .into_iter()
+                    .for_each(|(place, entity)| shared[place] = Some(entity));
+            }
+        }
+    }
+    shared
+}
+
+/// Whether the material is equal to that of the entity, with all that is inside; `pairs`: what is which.
+fn is_same(
+    world: &World,
+    scene: &SceneDescription,
+    place: usize,
+    entity: Entity,
+    pairs: &mut Vec<(usize, Entity)>,
+) -> bool {
+    let material = &scene.materials[place];
+    pairs.push((place, entity));
+    let insides = [
+        (material.first, world.get::<FirstNested>(entity).map(|nested| nested.0)),
+        (
+            material.second,
+            world.get::<SecondNested>(entity).map(|nested| nested.0),
+        ),
+    ];
+    world.get::<Material>(entity) == Some(&material.material)
+        && insides.into_iter().all(|(wanted, known)| match (wanted, known) {
+            (Some(place), Some(entity)) => is_same(world, scene, place, entity, pairs),
+            (wanted, known) => wanted.is_none() && known.is_none(),
+        })
 }
 
 /// These things with all that they refer to, and nothing else: of materials, groups and their members only what is needed. What the file said of

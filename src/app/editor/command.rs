@@ -264,11 +264,14 @@ impl AdditionKind {
         }
     }
 
-    pub fn of_name(name: &str) -> Option<Self> {
+    pub fn all() -> impl Iterator<Item = Self> {
         let plain = [Self::AreaLight, Self::Camera];
         let emitters = Emitter::PLUGINS.map(Self::Emitter);
-        let mut all = Self::SHAPES.into_iter().chain(plain).chain(emitters);
-        all.find(|kind| kind.name() == name)
+        Self::SHAPES.into_iter().chain(plain).chain(emitters)
+    }
+
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::all().find(|kind| kind.name() == name)
     }
 }
 

@@ -8,7 +8,7 @@ use std::time::Instant;
 use bevy::prelude::*;
 use crossbeam_channel::{Receiver, bounded};
 
-use super::light_mix::LightMix;
+use super::light_mix::{FilmLights, LightMix};
 use super::model::DenoiserState;
 use crate::color::Rgb;
 use crate::engine::{RenderControl, RenderFilm, WakeUp};
@@ -75,10 +75,10 @@ impl Denoiser {
         }
     }
 
-    /// Starts with the film as it is now, or once it has a sample of every pixel; what was at work before is cancelled.
-    /// `threads` is how many it may use.
-    pub fn start(&mut self, film: &RenderFilm, mix: &LightMix, threads: NonZeroUsize, wake_up: WakeUp) {
-        let samples = film.film.sample_count();
+    /// Starts with the film as it is now, or once it has a sample of every pixel of its region; what was at work before is cancelled.
+    /// `mix`: the factors on the layers of the film. `threads` is how many it may use.
+    pub fn start(&mut self, film: &RenderFilm, mix: Vec<Rgb>, threads: NonZeroUsize, wake_up: WakeUp) {
+        let samples = film.samples;
         self.is_wanted = samples == 0 && !self.unavailable;
         if self.is_wanted || self.unavailable {
             return;
@@ -87,7 +87,6 @@ impl Denoiser {
         let cancel = Arc::new(AtomicBool::new(false));
         let (sender, result) = bounded(1);
         let (flag, number, job, source) = (cancel.clone(), self.started, film.job, film.film.clone());
-        let mix = mix.factors(&film.light_groups);
         let work = move || {
             let started = Instant::now();
             let (color, albedo, normal) = (source.mixed(&mix), source.albedo(), source.normal());
@@ -136,10 +135,12 @@ pub fn collect_denoised(
     control: Res<RenderControl>,
     wake_up: Res<WakeUp>,
     mix: Res<LightMix>,
+    lights: Res<FilmLights>,
     mut state: ResMut<super::state::EditorState>,
 ) {
-    if denoiser.is_wanted && film.film.sample_count() > 0 {
-        denoiser.start(&film, &mix, control.threads, wake_up.clone());
+    if denoiser.is_wanted && film.samples > 0 {
+        let mix = mix.factors(&film.light_groups, &lights);
+        denoiser.start(&film, mix, control.threads, wake_up.clone());
     }
     let is_stale = |job: u64| job != film.job;
     if denoiser.work.as_ref().is_some_and(|work| is_stale(work.job)) {

@@ -1,16 +1,36 @@
 //! The mixing desk of the finished picture: a channel for every light, with strength, colour, solo and mute. Nothing is rendered anew;
 //! the film keeps each light in a layer. Baking writes strengths and colours to the lights themselves.
 
-use bevy::prelude::{Entity, Resource};
+use bevy::prelude::{Entity, Res, ResMut, Resource};
 
 use crate::color::Rgb;
-use crate::engine::LightGroup;
+use crate::engine::{LightGroup, RenderFilm};
 use crate::scene::{AreaLight, Emitter, EmitterKind, Parameter, Texture};
 
 /// The channels that are not neutral; a light without one is shown as it is.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct LightMix {
     channels: Vec<(Entity, Channel)>,
+    baked: Gains,
+}
+
+/// What has been baked into lights so far, in all.
+type Gains = Vec<(Entity, Rgb)>;
+
+/// What had been baked into the lights when the film was begun: until there is one with the lights as they are now, it is shown with the
+/// rest on top.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct FilmLights {
+    /// As [`RenderFilm::job`].
+    job: u64,
+    baked: Gains,
+}
+
+pub fn note_film_lights(mut lights: ResMut<FilmLights>, film: Res<RenderFilm>, mix: Res<LightMix>) {
+    if lights.job != film.job {
+        lights.job = film.job;
+        lights.baked.clone_from(&mix.baked);
+    }
 }
 
 /// What is done to one light.
@@ -64,25 +84,52 @@ impl LightMix {
         }
     }
 
+    /// Other channels; what was baked stays so.
+    pub fn with_channels(&self, of: Self) -> Self {
+        Self {
+            channels: of.channels,
+            baked: self.baked.clone(),
+        }
+    }
+
+    /// The light was multiplied by this in the scene; of its channel solo and mute are left.
+    pub fn note_baked(&mut self, light: Entity, gain: Rgb) {
+        self.set(light, self.channel(light).baked());
+        match self.baked.iter_mut().find(|(entity, _)| *entity == light) {
+            Some((_, baked)) => *baked *= gain,
+            None => self.baked.push((light, gain)),
+        }
+    }
+
     pub fn is_neutral(&self) -> bool {
         self.channels.is_empty()
     }
 
-    /// The factors on the layers of a film with these lights; none if all of them are one. Lights that share a layer have the channel
-    /// of the first.
-    pub fn factors(&self, groups: &[LightGroup]) -> Vec<Rgb> {
-        let channels = || groups.iter().map(|group| self.group_channel(group));
-        if channels().all(|channel| channel == Channel::default()) {
+    /// The factors on the layers of a film of these groups, begun with `lights`; none if all of them are one. Lights that share a layer have
+    /// the channel of the first.
+    pub fn factors(&self, groups: &[LightGroup], lights: &FilmLights) -> Vec<Rgb> {
+        let any_solo = groups.iter().any(|group| self.group_channel(group).solo);
+        let factor = |group: &LightGroup| match self.group_channel(group) {
+            Channel { mute: true, .. } => Rgb::ZERO,
+            Channel { solo: false, .. } if any_solo => Rgb::ZERO,
+            channel => channel.gain() * self.baked_since(group, lights),
+        };
+        let factors: Vec<Rgb> = groups.iter().map(factor).collect();
+        if factors.iter().all(|factor| *factor == Rgb::ONE) {
             return Vec::new();
         }
-        let any_solo = channels().any(|channel| channel.solo);
-        channels()
-            .map(|channel| match channel {
-                Channel { mute: true, .. } => Rgb::ZERO,
-                Channel { solo: false, .. } if any_solo => Rgb::ZERO,
-                _ => channel.gain(),
-            })
-            .collect()
+        factors
+    }
+
+    fn baked_since(&self, group: &LightGroup, lights: &FilmLights) -> Rgb {
+        let of = |gains: &Gains| {
+            let found = gains.iter().find(|(light, _)| group.entities.first() == Some(light));
+            found.map_or(Rgb::ONE, |(_, gain)| *gain)
+        };
+        let (now, then) = (of(&self.baked), of(&lights.baked));
+        // Of a light that was dark there is nothing in the film to be multiplied.
+        let ratio = |now: f32, then: f32| if now == then || then == 0.0 { 1.0 } else { now / then };
+        Rgb::new(ratio(now.x, then.x), ratio(now.y, then.y), ratio(now.z, then.z))
     }
 
     pub fn group_channel(&self, group: &LightGroup) -> Channel {
@@ -187,23 +234,63 @@ mod tests {
     fn factors_follow_the_channels() {
         let lights = lights();
         let groups = groups(&lights);
-        let mut mix = LightMix::default();
-        assert!(mix.factors(&groups).is_empty() && mix.is_neutral());
+        let (mut mix, film) = (LightMix::default(), FilmLights::default());
+        assert!(mix.factors(&groups, &film).is_empty() && mix.is_neutral());
         mix.set(lights[1], RED);
-        assert_eq!(mix.factors(&groups), [Rgb::ONE, 2.0 * Rgb::X, Rgb::ONE]);
+        assert_eq!(mix.factors(&groups, &film), [Rgb::ONE, 2.0 * Rgb::X, Rgb::ONE]);
         // Of another scene: not ours.
-        assert!(mix.factors(&groups[..1]).is_empty());
+        assert!(mix.factors(&groups[..1], &film).is_empty());
         let soloist = Channel {
             solo: true,
             ..Channel::default()
         };
         mix.set(lights[2], soloist);
-        assert_eq!(mix.factors(&groups), [Rgb::ZERO, Rgb::ZERO, Rgb::ONE]);
+        assert_eq!(mix.factors(&groups, &film), [Rgb::ZERO, Rgb::ZERO, Rgb::ONE]);
         mix.set(lights[2], Channel { mute: true, ..soloist });
-        assert_eq!(mix.factors(&groups), [Rgb::ZERO; 3]);
+        assert_eq!(mix.factors(&groups, &film), [Rgb::ZERO; 3]);
         mix.set(lights[2], Channel::default());
         mix.set(lights[1], Channel::default());
         assert!(mix.is_neutral());
+    }
+
+    /// Paused, or before the first tile: the film still has the lights as they were.
+    #[test]
+    fn a_film_from_before_the_bake_is_shown_with_the_mix() {
+        let lights = lights();
+        let groups = groups(&lights);
+        let mut mix = LightMix::default();
+        mix.set(lights[0], RED);
+        let shown = mix.factors(&groups, &FilmLights::default());
+        let before = mix.clone();
+        mix.note_baked(lights[0], RED.gain());
+        assert!(mix.is_neutral());
+        assert_eq!(mix.factors(&groups, &FilmLights::default()), shown);
+        // More of it, before there is another film.
+        mix.set(
+            lights[0],
+            Channel {
+                strength: 3.0,
+                ..Channel::default()
+            },
+        );
+        assert_eq!(
+            mix.factors(&groups, &FilmLights::default()),
+            [6.0 * Rgb::X, Rgb::ONE, Rgb::ONE]
+        );
+        mix = mix.with_channels(LightMix::default());
+        assert_eq!(mix.factors(&groups, &FilmLights::default()), shown);
+        // A film with the lights as they are now.
+        let film = FilmLights {
+            job: 2,
+            baked: mix.baked.clone(),
+        };
+        assert_eq!(mix.factors(&groups, &film), []);
+        // Taken back: the light is brighter in the film than in the scene, and the mix makes up for it.
+        assert_eq!(before.factors(&groups, &film)[0].x, 2.0 / 2.0);
+        assert_eq!(
+            before.with_channels(LightMix::default()).factors(&groups, &film)[0].x,
+            0.5
+        );
     }
 
     #[test]
@@ -219,7 +306,7 @@ mod tests {
             [(lights[0], 2.0 * Rgb::X), (lights[1], 2.0 * Rgb::X)]
         );
         let mut left = mix.clone();
-        left.set(lights[0], mix.channel(lights[0]).baked());
+        left.note_baked(lights[0], 2.0 * Rgb::X);
         assert_eq!(left.gains(&shared), []);
         assert!(left.channel(lights[0]).mute);
     }

@@ -119,6 +119,7 @@ impl Plugin for EditorPlugin {
             .init_resource::<selection::Selection>()
             .init_resource::<state::CommandQueue>()
             .init_resource::<light_mix::LightMix>()
+            .init_resource::<light_mix::FilmLights>()
             .init_resource::<compare::Comparison>()
             .init_resource::<gather::EditorModel>()
             .init_resource::<looks::Thumbnails>()
@@ -198,6 +199,7 @@ impl Plugin for EditorPlugin {
                         .chain()
                         .in_set(EditorSystems::Apply),
                     (
+                        light_mix::note_film_lights,
                         denoiser::collect_denoised,
                         picture::update_picture,
                         preview::update_previews,

@@ -10,11 +10,11 @@ use bevy_egui::{EguiTextureHandle, EguiUserTextures, egui};
 use super::compare::{CompareView, Comparison, compared};
 use super::denoiser::Denoiser;
 use super::display::{DisplayMode, DisplaySettings};
-use super::light_mix::LightMix;
+use super::light_mix::{FilmLights, LightMix};
 use super::painter::{self, Painter, Scales};
 use super::state::EditorState;
 use crate::color::Rgb;
-use crate::engine::{RenderFilm, RenderStatus};
+use crate::engine::RenderFilm;
 use crate::render::tile::tiles;
 
 #[derive(Resource)]
@@ -87,8 +87,8 @@ pub fn update_picture(
     mut changes: MessageWriter<AssetEvent<Image>>,
     state: Res<EditorState>,
     denoiser: Res<Denoiser>,
-    status: Res<RenderStatus>,
     mix: Res<LightMix>,
+    lights: Res<FilmLights>,
     comparison: Res<Comparison>,
 ) {
     let size = UVec2::new(film.film.width(), film.film.height());
@@ -99,11 +99,7 @@ pub fn update_picture(
     if let Some(shown) = picture.shown.as_ref().filter(|_| picture.job == film.job) {
         settings.mode = readable_mode(shown.display.mode, settings.mode);
     }
-    // Baked lights are in the next picture; this one has them as they were.
-    let mix = match &picture.shown {
-        Some(shown) if film.is_of_the_past(status.last_restart) => shown.mix.clone(),
-        _ => mix.factors(&film.light_groups),
-    };
+    let mix = mix.factors(&film.light_groups, &lights);
     let is_shaded = settings.mode == DisplayMode::Shaded;
     let denoised = denoiser.picture().filter(|picture| is_shaded && picture.mix == mix);
     let snapshot = comparison.snapshot.as_ref();

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 
 use super::history::History;
 use super::layout::Panel;
-use super::light_mix::LightMix;
+use super::light_mix::{FilmLights, LightMix};
 use super::navigation::up_axis;
 use super::options::WantedCamera;
 use super::paths::PathInspector;
@@ -29,6 +29,7 @@ pub fn follow_scene(
     mut history: ResMut<History>,
     mut free_view: ResMut<FreeView>,
     mut mix: ResMut<LightMix>,
+    mut film_lights: ResMut<FilmLights>,
     mut paths: ResMut<PathInspector>,
     mut control: ResMut<RenderControl>,
     recovery: Res<Recovery>,
@@ -58,7 +59,7 @@ pub fn follow_scene(
             history.clear();
             // All of the scene before.
             state.bookmarks = Default::default();
-            *mix = LightMix::default();
+            (*mix, *film_lights) = Default::default();
             paths.wanted = None;
             if control.region.is_some() {
                 control.region = None;

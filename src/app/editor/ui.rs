@@ -281,6 +281,9 @@ pub fn show_window(
             viewport(ui, &shown, &mut state.viewport, commands);
         }
     });
+    if state.viewport.gizmo.take_begun() {
+        state.interaction += 1;
+    }
     use_clipboard(&context, &presses, &mut shell.clipboard, commands);
     dialogs.show(&context, scene.status.path.as_deref(), state, commands);
     let sheets = SheetModel {

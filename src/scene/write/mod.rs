@@ -4,6 +4,7 @@
 //! in place, or at the top level and referred to. The document still knows where each part of it was read, so that it can be written over the
 //! old text ([`save`]); without that it makes a new file ([`write_anew`]).
 
+mod defaults;
 pub mod gather;
 pub mod lights;
 pub mod objects;
@@ -18,6 +19,7 @@ use std::sync::Arc;
 
 use bevy::prelude::World;
 
+use self::defaults::Defaults;
 use self::parts::Moves;
 use self::patch::Draft;
 pub use self::portable::Extensions;
@@ -225,6 +227,7 @@ struct Writer<'s> {
     ids: Vec<Option<String>>,
     /// Per material: where it is written; None for those that nobody needs any more.
     places: Vec<Option<DeclarationPlace>>,
+    defaults: Defaults,
 }
 
 impl<'s> Writer<'s> {
@@ -239,6 +242,7 @@ impl<'s> Writer<'s> {
                 .map(|material| material.identity.id.clone())
                 .collect(),
             places: vec![None; count],
+            defaults: Defaults::default(),
         };
         // Who uses what, in the order in which it is written.
         let mut uses: Vec<(DeclarationPlace, usize)> = Vec::new();
@@ -318,7 +322,10 @@ impl<'s> Writer<'s> {
         }
         for sensor in &scene.sensors {
             let current = objects::sensor(&sensor.sensor, &sensor.film, &sensor.to_world);
-            parts.push(self.finish(&sensor.identity, current));
+            parts.push(finish(
+                &sensor.identity,
+                Draft::new(sensor.identity.authored.as_ref(), current),
+            ));
         }
         for (index, material) in scene.materials.iter().enumerate() {
             if self.places[index] == Some(DeclarationPlace::TopLevel) {
@@ -340,7 +347,8 @@ impl<'s> Writer<'s> {
         }
         for emitter in &scene.emitters {
             let current = lights::emitter(&emitter.emitter, &emitter.to_world, self.folder);
-            parts.push(self.finish(&emitter.identity, current));
+            let draft = self.draft(emitter.identity.authored.as_ref(), current);
+            parts.push(finish(&emitter.identity, draft));
         }
         parts.extend(scene.remains.rest.iter().cloned());
         // Stable: things without a place of their own follow what they followed.
@@ -354,7 +362,7 @@ impl<'s> Writer<'s> {
     fn shape(&self, index: usize) -> Object {
         let shape = &self.scene.shapes[index];
         let current = objects::shape(&shape.shape, &shape.to_world, shape.area_light.as_ref(), self.folder);
-        let draft = Draft::new(shape.identity.authored.as_ref(), current);
+        let draft = self.draft(shape.identity.authored.as_ref(), current);
         let mut object = match shape.instance_of {
             Some(group) => {
                 let id = self.scene.groups[group].identity.id.clone();
@@ -396,16 +404,18 @@ impl<'s> Writer<'s> {
         }
     }
 
-    fn finish(&self, identity: &Identity, current: Object) -> (u32, Child) {
-        let mut object = Draft::new(identity.authored.as_ref(), current).object;
-        object.id.clone_from(&identity.id);
-        (identity.order, Child::Object(object))
+    /// What was made here says nothing that goes without saying.
+    fn draft(&self, authored: Option<&Authored>, current: Object) -> Draft {
+        match authored {
+            Some(_) => Draft::new(authored, current),
+            None => Draft::new(None, self.defaults.left_out(current)),
+        }
     }
 
     fn material(&self, index: usize) -> Object {
         let material = &self.scene.materials[index];
         let authored: Option<&Authored> = material.identity.authored.as_ref();
-        let draft = Draft::new(authored, objects::material(&material.material, self.folder));
+        let draft = self.draft(authored, objects::material(&material.material, self.folder));
         // What a stand-in stands for may have bsdfs inside that were never read; they stay.
         let is_stand_in = authored.is_some_and(|authored| authored.object.plugin != authored.as_read.plugin);
         let nested = self.nested(DeclarationPlace::Material(index), &[material.first, material.second]);
@@ -436,6 +446,12 @@ impl<'s> Writer<'s> {
         }
         children
     }
+}
+
+fn finish(identity: &Identity, draft: Draft) -> (u32, Child) {
+    let mut object = draft.object;
+    object.id.clone_from(&identity.id);
+    (identity.order, Child::Object(object))
 }
 
 fn identities(scene: &SceneDescription) -> impl Iterator<Item = &Identity> {

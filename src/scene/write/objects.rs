@@ -386,7 +386,8 @@ fn shortened(step: &TransformOp) -> TransformOp {
     }
 }
 
-fn short(numbers: Vec3) -> Vec3 {
+/// Six digits.
+pub(super) fn short(numbers: Vec3) -> Vec3 {
     numbers.map(|number| {
         let number = f64::from(number);
         if number == 0.0 {
@@ -446,10 +447,24 @@ fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
     let origin = Vec3::from(map.translation);
     // Far enough that the direction does not drown in the rounding of the place.
     let distance = origin.length().max(1.0);
-    is_rigid.then(|| TransformOp::LookAt {
-        origin,
-        target: origin + distance * rotation.z_axis,
-        up: rotation.y_axis,
+    is_rigid.then(|| {
+        let (target, up) = (origin + distance * rotation.z_axis, rotation.y_axis);
+        let plain = TransformOp::LookAt {
+            origin: short(origin),
+            target: short(target),
+            // Who stands upright does so in few words.
+            up: if up.y > 0.1 && rotation.x_axis.y.abs() < 1e-6 {
+                Vec3::Y
+            } else {
+                up
+            },
+        };
+        let made = plain.affine();
+        let is_turned_alike = made.matrix3.abs_diff_eq(map.matrix3, 5.0 * SHORTENED);
+        if is_turned_alike && made.translation.abs_diff_eq(map.translation, SHORTENED * distance) {
+            return plain;
+        }
+        TransformOp::LookAt { origin, target, up }
     })
 }
 

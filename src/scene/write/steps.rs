@@ -2,6 +2,7 @@
 
 use bevy::math::{Affine3A, Vec3};
 
+use super::objects::short;
 use crate::document::TransformOp;
 
 /// How far a map and its steps may be apart, relative to its largest element; numbers that differ by less are the same.
@@ -10,7 +11,9 @@ const SAME: f32 = 1e-5;
 /// What `now` does, said as much as possible as `old` says it.
 pub fn revised(old: &[TransformOp], now: &[TransformOp]) -> Vec<TransformOp> {
     let map = TransformOp::compose(now);
-    let candidates = [moved(old, &map), looking(old, &map), snapped(old, now)];
+    let exact = looking(old, &map);
+    let short = exact.as_deref().and_then(shortened);
+    let candidates = [moved(old, &map), short, exact, snapped(old, now)];
     let fits = |steps: &Vec<TransformOp>| {
         let size = |v: f32| v.abs().max(f32::MIN_POSITIVE);
         let made = TransformOp::compose(steps);
@@ -58,6 +61,18 @@ fn looking(old: &[TransformOp], map: &Affine3A) -> Option<Vec<TransformOp>> {
     Some(vec![TransformOp::LookAt {
         origin: snap(origin, now, size),
         target: snap(target, aim, size),
+        up,
+    }])
+}
+
+/// The same in six digits: arithmetic makes 3.9999998 of 4.
+fn shortened(looking: &[TransformOp]) -> Option<Vec<TransformOp>> {
+    let &[TransformOp::LookAt { origin, target, up }] = looking else {
+        return None;
+    };
+    Some(vec![TransformOp::LookAt {
+        origin: short(origin),
+        target: short(target),
         up,
     }])
 }
@@ -175,5 +190,28 @@ mod tests {
             up: Vec3::new(0.0, 2.0, 0.0),
         };
         assert_eq!(revised(&old, &now), [expected]);
+    }
+
+    #[test]
+    fn a_camera_that_was_moved_is_written_in_few_digits() {
+        let old = [TransformOp::LookAt {
+            origin: Vec3::new(0.0, 2.0, 9.5),
+            target: Vec3::new(0.0, 1.9, 0.0),
+            up: Vec3::Y,
+        }];
+        let map = TransformOp::LookAt {
+            origin: Vec3::new(0.7, 1.3, 5.1),
+            target: Vec3::new(-0.4, 0.9, 0.3),
+            up: Vec3::Y,
+        };
+        let now = [TransformOp::Matrix(bevy::math::Mat4::from(map.affine()))];
+        let [TransformOp::LookAt { origin, target, .. }] = revised(&old, &now)[..] else {
+            panic!("no look-at");
+        };
+        for number in [origin, target].iter().flat_map(Vec3::to_array) {
+            let text = number.to_string();
+            let digits = text.chars().filter(char::is_ascii_digit).count();
+            assert!(digits <= 7, "{text}");
+        }
     }
 }

@@ -51,8 +51,8 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), String> {
     };
     let entity = match addition.kind {
         AdditionKind::Sphere => {
-            let (center, radius) = (Vec3::ZERO, 1.0);
-            let pose = ToWorld(at(ground + up * size) * scale);
+            let (center, radius) = (Vec3::ZERO, size);
+            let pose = ToWorld(at(ground + up * size));
             edit.spawn((called, shape(ShapeKind::Sphere { center, radius }), pose))
         }
         AdditionKind::Cube => {
@@ -70,10 +70,10 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), String> {
         AdditionKind::Cylinder => {
             let kind = ShapeKind::Cylinder {
                 p0: Vec3::ZERO,
-                p1: 2.0 * Vec3::Z,
-                radius: 1.0,
+                p1: 2.0 * size * Vec3::Z,
+                radius: size,
             };
-            let pose = ToWorld(at(ground) * facing(up) * scale);
+            let pose = ToWorld(at(ground) * facing(up));
             edit.spawn((called, shape(kind), pose))
         }
         AdditionKind::AreaLight => {

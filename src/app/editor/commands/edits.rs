@@ -378,7 +378,7 @@ pub fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), 
             return Err("That is locked.".into());
         }
         if !pose.is_finite() {
-            continue;
+            return Err("Nothing can be so far away or so large.".into());
         }
         edit.set(entity, ToWorld(pose));
         // The one who moves the camera wants to see from there.

@@ -6,8 +6,9 @@ use super::view;
 use crate::app::editor::compare::{Comparison, Measured, Snapshot, figures};
 use crate::app::editor::denoiser::Denoiser;
 use crate::app::editor::display::DisplaySettings;
-use crate::app::editor::light_mix::LightMix;
+use crate::app::editor::light_mix::{FilmLights, LightMix};
 use crate::app::editor::state::EditorState;
+use crate::color::Rgb;
 use crate::engine::RenderFilm;
 use crate::render::exposure::auto_exposure;
 use crate::render::image_io::ImageRgb;
@@ -15,7 +16,7 @@ use crate::render::image_io::ImageRgb;
 /// As it is shown: with its lights mixed, and denoised if that is what is seen.
 pub fn picture(world: &World) -> ImageRgb {
     let film = world.resource::<RenderFilm>();
-    let mix = world.resource::<LightMix>().factors(&film.light_groups);
+    let mix = factors(world);
     let denoised = world.resource::<Denoiser>().picture();
     let pixels = match denoised.filter(|denoised| denoised.mix == mix) {
         Some(denoised) => denoised.radiance.clone(),
@@ -26,6 +27,13 @@ pub fn picture(world: &World) -> ImageRgb {
         height: film.film.height(),
         pixels,
     }
+}
+
+/// On the layers of the film, as its picture is shown.
+pub fn factors(world: &World) -> Vec<Rgb> {
+    let groups = &world.resource::<RenderFilm>().light_groups;
+    let lights = world.resource::<FilmLights>();
+    world.resource::<LightMix>().factors(groups, lights)
 }
 
 pub fn expose(world: &mut World) -> Result<(), String> {
@@ -42,7 +50,7 @@ pub fn take_snapshot(world: &mut World) -> Result<(), String> {
     if picture.pixels.is_empty() {
         return Err("There is no picture to keep.".to_owned());
     }
-    let samples = world.resource::<RenderFilm>().film.sample_count();
+    let samples = world.resource::<RenderFilm>().samples;
     let mut comparison = world.resource_mut::<Comparison>();
     comparison.snapshot = Some(Snapshot {
         size: [picture.width, picture.height],

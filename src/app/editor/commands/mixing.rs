@@ -22,7 +22,7 @@ pub fn bake(edit: &mut Edit) -> Result<(), String> {
     let all = gains.len();
     for (light, gain) in gains {
         match bake_one(edit, light, gain) {
-            Ok(()) => left.set(light, mix.channel(light).baked()),
+            Ok(()) => left.note_baked(light, gain),
             Err(reason) => {
                 let name = edit.world.get::<Name>(light).map_or("A light", |name| name.as_str());
                 refusals.push(format!("{name} {reason}."));

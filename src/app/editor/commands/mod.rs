@@ -191,7 +191,10 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
                 view::set_display(world, DisplaySettings { mode, ..display });
             }
         }
-        Command::SetLightMix(mix) => set_resource(world, mix),
+        Command::SetLightMix(mix) => {
+            let mix = world.get_resource_or_init::<LightMix>().with_channels(mix);
+            set_resource(world, mix);
+        }
         Command::ExposeAutomatically => finished::expose(world)?,
         Command::TakeSnapshot => finished::take_snapshot(world)?,
         Command::SetCompareView(view) => world.resource_mut::<Comparison>().view = view,
@@ -213,9 +216,14 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
         Command::Denoise => {
             let wake_up = world.resource::<WakeUp>().clone();
             let threads = world.resource::<RenderControl>().threads;
+            let is_paused = world.resource::<RenderControl>().paused;
+            let film = world.resource::<RenderFilm>();
+            if is_paused && film.samples == 0 {
+                return Err("Rendering is paused before there is a sample of every pixel.".to_owned());
+            }
+            let mix = finished::factors(world);
             world.resource_scope(|world, mut denoiser: Mut<Denoiser>| {
-                let (film, mix) = (world.resource::<RenderFilm>(), world.resource::<LightMix>());
-                denoiser.start(film, mix, threads, wake_up);
+                denoiser.start(world.resource::<RenderFilm>(), mix, threads, wake_up);
             });
         }
         Command::DropDenoised => world.resource_mut::<Denoiser>().clear(),

@@ -185,16 +185,38 @@ fn what_is_copied_can_be_pasted() {
     say(&mut world, Command::GiveMaterial { shape: ball });
     say(&mut world, Command::Copy);
     let text = world.resource_mut::<EditorState>().clipboard.take().expect("a text");
-    say(&mut world, Command::Paste(text));
+    let shapes_text = text.clone();
+    say(&mut world, Command::Paste(text.clone()));
     let copy = world.resource::<Selection>().active().expect("the copy");
     assert_ne!(copy, ball);
     assert_eq!(world.get::<Name>(copy).map(Name::as_str), Some("sphere-2"));
-    assert!(
-        world
-            .get::<UsesMaterial>(copy)
-            .is_some_and(|uses| world.get::<UsesMaterial>(ball) != Some(uses))
-    );
     assert_eq!(world.get::<Shape>(copy), world.get::<Shape>(ball));
+    // Its material is there already.
+    let uses = |world: &World, shape| world.get::<UsesMaterial>(shape).copied();
+    assert!(uses(&world, copy).is_some() && uses(&world, copy) == uses(&world, ball));
+    let materials = |world: &mut World| world.query::<&Material>().iter(world).count();
+    assert_eq!(materials(&mut world), 1);
+    // One that was changed meanwhile is another.
+    let material = uses(&world, ball).map(|uses| uses.0).expect("a material");
+    let red = Material::Diffuse {
+        reflectance: Rgb::X.into(),
+    };
+    say(&mut world, Command::SetMaterial(material, Box::new(red.clone())));
+    say(&mut world, Command::Paste(text.clone()));
+    let other = world.resource::<Selection>().active().expect("the copy");
+    assert_ne!(uses(&world, other), uses(&world, ball));
+    assert_eq!(materials(&mut world), 2);
+    // By itself it is copied.
+    say(&mut world, Command::Select(vec![material], Extend::Replace));
+    say(&mut world, Command::Copy);
+    let text = world.resource_mut::<EditorState>().clipboard.take().expect("a text");
+    say(&mut world, Command::Paste(text));
+    let copy = world.resource::<Selection>().active().expect("the copy");
+    assert_eq!((copy != material, world.get::<Material>(copy)), (true, Some(&red)));
+    // Into another scene it comes along.
+    let mut elsewhere = self::world();
+    say(&mut elsewhere, Command::Paste(shapes_text));
+    assert_eq!(materials(&mut elsewhere), 1);
 }
 
 #[test]

@@ -138,7 +138,9 @@ impl Drag {
             }
             Mode::Rotate => {
                 let axis = self.turning_axis(screen);
-                self.angle += wrapped(self.angle_at(screen, axis, pointer) - self.angle_at(screen, axis, self.last));
+                let turned = wrapped(self.angle_at(screen, axis, pointer) - self.angle_at(screen, axis, self.last));
+                // From where the camera is, no angle is seen.
+                self.angle += if turned.is_finite() { turned } else { 0.0 };
                 self.last = pointer;
                 Change::Turned {
                     axis,
@@ -146,7 +148,9 @@ impl Drag {
                 }
             }
             Mode::Scale => {
-                let factor = rounded(self.factor(screen, pointer), steps.factor).max(SMALLEST_FACTOR);
+                let factor = self.factor(screen, pointer);
+                let factor = if factor.is_finite() { factor } else { 1.0 };
+                let factor = rounded(factor, steps.factor).max(SMALLEST_FACTOR);
                 Change::Scaled(self.spread(factor))
             }
         }
@@ -192,7 +196,11 @@ impl Drag {
     fn turning_axis(&self, screen: &Screen) -> Vec3 {
         match self.constraint {
             Constraint::Axis(k) | Constraint::Plane(k) => self.frame.axes[k],
-            Constraint::Free => -screen.direction_to(self.frame.origin),
+            Constraint::Free => match screen.direction_to(self.frame.origin) {
+                // The camera is there.
+                Vec3::ZERO => -screen.forward(),
+                direction => -direction,
+            },
         }
     }
 

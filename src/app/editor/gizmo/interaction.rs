@@ -32,6 +32,10 @@ pub struct GizmoModel<'a> {
 pub struct GizmoState {
     lit: Option<Constraint>,
     held: Option<Held>,
+    /// A drag has begun since somebody asked.
+    begun: bool,
+    /// Keys of a frame that end what others of that frame have typed: the next frame's, when that is done.
+    waiting: Vec<Press>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -66,6 +70,11 @@ impl GizmoState {
         self.held.is_some()
     }
 
+    /// Whether a drag has begun since the last call: what it does is a step of its own.
+    pub fn take_begun(&mut self) -> bool {
+        std::mem::take(&mut self.begun)
+    }
+
     /// Follows the mouse and the keys of one frame.
     pub fn follow(
         &mut self,
@@ -91,7 +100,17 @@ impl GizmoState {
         if self.held.as_ref().is_some_and(|held| !held.is_of(model.targets)) {
             self.held = None;
         }
-        for press in presses {
+        let mut queue = std::mem::take(&mut self.waiting);
+        queue.extend(presses);
+        let mut is_typed = false;
+        for (place, press) in queue.iter().enumerate() {
+            let is_for_number = self.held.as_ref().is_some_and(|held| held.waits_for(press));
+            if is_typed && !is_for_number {
+                self.waiting = queue.split_off(place);
+                ui.request_repaint();
+                break;
+            }
+            is_typed |= is_for_number;
             if !self.take_key(press, pointer, screen, model, commands) {
                 rest.presses.push(*press);
             }
@@ -156,6 +175,7 @@ impl GizmoState {
         screen: &Screen,
         model: &GizmoModel,
     ) {
+        self.begun = true;
         self.held = frame(model.targets, &settings, ahead(screen, model)).map(|frame| Held {
             drag: Drag::new(frame, model.targets.to_vec(), settings, constraint, pointer),
             by,
@@ -244,6 +264,13 @@ impl GizmoState {
 }
 
 impl Held {
+    /// Whether the key is part of an amount that is being typed.
+    fn waits_for(&self, press: &Press) -> bool {
+        let is_plain = !press.modifiers.command && !press.modifiers.alt;
+        let is_amount = axis_of(press.key).is_some() || self.drag.typed.clone().press(press.key);
+        self.by == Hold::Keys && is_plain && is_amount
+    }
+
     /// Whether it is these objects that are dragged.
     fn is_of(&self, targets: &[Target]) -> bool {
         let dragged = self.drag.targets.iter().map(|target| target.entity);

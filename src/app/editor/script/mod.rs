@@ -14,7 +14,7 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
 use super::command::Command;
 use super::commands;
-use super::exit_door::save_window;
+use super::exit_door::{ExitDoor, save_window};
 use super::state::EditorState;
 use crate::engine::{RenderState, RenderStatus};
 use crate::scene::{SceneState, SceneStatus};
@@ -123,6 +123,10 @@ impl Script {
 
     fn fail(&mut self, world: &mut World, error: &str) {
         eprintln!("error: {}:{}: {error}", self.path.display(), self.number);
+        let door = world.get_resource_mut::<ExitDoor>();
+        if let Some(picture) = door.and_then(|mut door| door.give_up()) {
+            eprintln!("error: {}: no picture was written", picture.display());
+        }
         self.lines.clear();
         self.failed = true;
         world.write_message(AppExit::error());
@@ -145,7 +149,8 @@ impl Script {
                           mut exit: MessageWriter<AppExit>| {
                         script.screenshot_awaited = false;
                         if let Err(message) = save_window(&captured.image, &path) {
-                            eprintln!("error: {}: {message}", path.display());
+                            let (file, line) = (script.path.display(), script.number);
+                            eprintln!("error: {file}:{line}: {message}");
                             exit.write(AppExit::error());
                         }
                     },

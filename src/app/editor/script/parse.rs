@@ -41,7 +41,10 @@ pub const VERBS: [(&str, &str); 37] = [
     ("select", "NAME..."),
     ("select-also", "NAME..."),
     ("pick", "X,Y (0 to 1 from the upper left)"),
-    ("add", "KIND [name=NAME] [at=X,Y,Z] [size=S]"),
+    (
+        "add",
+        "KIND [name=NAME] [at=X,Y,Z (where it stands)] [size=S (half its extent)]",
+    ),
     ("move", "NAME X,Y,Z (by)"),
     ("rotate", "NAME X,Y,Z DEGREES (about its origin)"),
     ("scale", "NAME FACTOR (about its origin)"),
@@ -300,14 +303,17 @@ fn all_named(world: &mut World, names: &[&str]) -> Result<Vec<Entity>, String> {
 }
 
 fn addition(kind: &str, options: &[&str]) -> Result<Addition, String> {
-    let known = AdditionKind::of_name(kind).ok_or_else(|| format!("\"{kind}\" cannot be added"))?;
+    let known = AdditionKind::of_name(kind).ok_or_else(|| {
+        let names: Vec<&str> = AdditionKind::all().map(AdditionKind::name).collect();
+        format!("\"{kind}\" cannot be added, only {}", names.join(", "))
+    })?;
     let mut addition = Addition::from(known);
     for option in options {
         match option.split_once('=') {
             Some(("name", name)) => addition.name = Some(name.to_owned()),
             Some(("at", place)) => addition.at = Some(parse_vec3(place)?),
             Some(("size", size)) => addition.size = Some(parse_float(size)?),
-            _ => return Err(format!("`{option}` is not understood")),
+            _ => return Err(format!("expected name=, at= or size=, found `{option}`")),
         }
     }
     // The same whatever the camera sees.

@@ -1,0 +1,129 @@
+//! What need not be written of things that were made here: values that a reader supposes anyway. They are found by reading a plugin without any.
+
+use std::cell::RefCell;
+use std::path::Path;
+
+use super::{lights, objects};
+use crate::document::{Category, Object, parse_str};
+use crate::scene::read;
+
+/// Remembers what the plugins are without parameters; None for those that cannot be.
+#[derive(Default)]
+pub(super) struct Defaults(RefCell<Vec<(Category, String, Option<Object>)>>);
+
+impl Defaults {
+    /// The object without those properties that have their default.
+    pub fn left_out(&self, mut object: Object) -> Object {
+        let mut known = self.0.borrow_mut();
+        let is_it = |(category, plugin, _): &(Category, String, _)| {
+            (*category, plugin.as_str()) == (object.category, object.plugin.as_str())
+        };
+        let place = known.iter().position(is_it).unwrap_or_else(|| {
+            let plain = read_plain(object.category, &object.plugin);
+            known.push((object.category, object.plugin.clone(), plain));
+            known.len() - 1
+        });
+        if let Some(plain) = &known[place].2 {
+            let is_default = |name: &str, value| {
+                let mut properties = plain.properties.iter();
+                properties.any(|property| property.name == name && property.value == value)
+            };
+            object
+                .properties
+                .retain(|property| !is_default(&property.name, property.value.clone()));
+        }
+        object
+    }
+}
+
+fn read_plain(category: Category, plugin: &str) -> Option<Object> {
+    let folder = Path::new("/");
+    let text = format!(
+        "<scene version=\"3.0.0\"><{0} type=\"{plugin}\"/></scene>",
+        category.tag()
+    );
+    let mut document = parse_str(&text, Path::new("/plain.xml"), &[]);
+    let scene = read::read(&mut document);
+    if document.diagnostics.has_errors() {
+        return None;
+    }
+    let plain = match category {
+        Category::Shape => {
+            let shape = scene.shapes.first()?;
+            objects::shape(&shape.shape, &shape.to_world, None, folder)
+        }
+        Category::Bsdf => objects::material(&scene.materials.first()?.material, folder),
+        Category::Emitter => {
+            let emitter = scene.emitters.first()?;
+            lights::emitter(&emitter.emitter, &emitter.to_world, folder)
+        }
+        _ => return None,
+    };
+    (plain.plugin == plugin).then_some(plain)
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::{Affine3A, Vec3};
+
+    use super::*;
+    use crate::scene::{Emitter, Material, Shape, ShapeKind};
+
+    fn names(object: &Object) -> Vec<&str> {
+        object
+            .properties
+            .iter()
+            .map(|property| property.name.as_str())
+            .collect()
+    }
+
+    #[test]
+    fn only_what_differs_is_written() {
+        let defaults = Defaults::default();
+        let ball = |center, radius| Shape {
+            kind: ShapeKind::Sphere { center, radius },
+            ..Shape::default()
+        };
+        let written = |shape: &Shape, pose| defaults.left_out(objects::shape(shape, &pose, None, Path::new("/")));
+        let plain = written(&ball(Vec3::ZERO, 1.0), Affine3A::IDENTITY);
+        assert_eq!(names(&plain), [""; 0]);
+        let moved = Affine3A::from_translation(Vec3::X);
+        let placed = written(&ball(Vec3::ZERO, 0.5), moved);
+        assert_eq!(names(&placed), ["radius", "to_world"]);
+    }
+
+    /// Left out, they mean the same to the reader.
+    #[test]
+    fn what_is_left_out_is_supposed() {
+        let defaults = Defaults::default();
+        let folder = Path::new("/");
+        let reread = |object: Object| {
+            let mut root = Object::new(Category::Scene, "");
+            root.children.push(crate::document::Child::Object(object));
+            let document = crate::document::Document::new(Path::new("/a.xml"), root);
+            let text = crate::document::to_xml(&document).expect("it can be written");
+            read::read(&mut parse_str(&text, Path::new("/a.xml"), &[]))
+        };
+        let mut left_out = 0;
+        for plugin in Material::PLUGINS {
+            let material = Material::of_plugin(plugin).expect("a plugin");
+            let whole = objects::material(&material, folder);
+            let short = defaults.left_out(whole.clone());
+            left_out += whole.properties.len() - short.properties.len();
+            if *material.nested_count().start() == 0 {
+                assert_eq!(reread(short).materials[0].material, material, "{plugin}");
+            }
+        }
+        // Without a picture there is no environment.
+        for plugin in Emitter::PLUGINS.into_iter().filter(|plugin| *plugin != "envmap") {
+            let emitter = Emitter::of_plugin(plugin).expect("a plugin");
+            let whole = lights::emitter(&emitter, &Affine3A::IDENTITY, folder);
+            assert_eq!(
+                reread(defaults.left_out(whole)).emitters[0].emitter,
+                emitter,
+                "{plugin}"
+            );
+        }
+        assert!(left_out > 20, "{left_out}");
+    }
+}
