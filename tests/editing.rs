@@ -1,15 +1,18 @@
 //! Edits of a scene without a window: what is undone, redone and replayed.
 #![cfg(feature = "window")]
 
+use std::path::Path;
+
 use bevy::prelude::*;
 use numbers::Random;
 use sunroom::app::editor::command::Command;
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::history::History;
+use sunroom::app::editor::light_mix::{FilmLights, LightMix};
 use sunroom::app::editor::script::parse::{self, Step};
 use sunroom::app::editor::selection::Selection;
 use sunroom::app::editor::state::{CommandQueue, EditorState};
-use sunroom::engine::{CurrentScene, RenderControl};
+use sunroom::engine::{CurrentScene, LightGroup, RenderControl, RenderFilm};
 use sunroom::scene::write::gather;
 use sunroom::scene::*;
 
@@ -25,11 +28,26 @@ fn world() -> World {
     world.init_resource::<Selection>();
     world.init_resource::<History>();
     world.init_resource::<SceneStatus>();
+    world.init_resource::<LightMix>();
+    world.init_resource::<FilmLights>();
+    world.init_resource::<RenderFilm>();
     world
+}
+
+/// As the engine has them: every light in a layer of its own.
+fn keep_lights_apart(world: &mut World) {
+    let mut lights = world.query_filtered::<(&DocumentOrder, Entity), Or<(With<Emitter>, With<AreaLight>)>>();
+    let mut lights: Vec<(DocumentOrder, Entity)> = lights.iter(world).map(|(order, light)| (*order, light)).collect();
+    lights.sort();
+    let groups = lights
+        .into_iter()
+        .map(|(_, light)| LightGroup { entities: vec![light] });
+    world.resource_mut::<RenderFilm>().light_groups = groups.collect();
 }
 
 /// One line of a script; false if it could not be done.
 fn say(world: &mut World, line: &str) -> bool {
+    keep_lights_apart(world);
     match parse::line(world, line) {
         Ok(Some(Step::Do(command))) => apply(world, command).is_ok(),
         Err(_) => false,
@@ -102,8 +120,13 @@ mod numbers {
     }
 }
 
+/// Comes into the scene again and again.
+const PART: &str = "<scene version='3.0.0'><bsdf type='plastic' id='part-plastic'/>
+    <shape type='cube' id='part-cube'><ref id='part-plastic'/></shape>
+    <emitter type='point' id='part-light'/></scene>";
+
 /// A step as the lines that make it, the last of them the edit.
-fn random_step(world: &mut World, random: &mut Random) -> Option<Vec<String>> {
+fn random_step(world: &mut World, random: &mut Random, file: &Path) -> Option<Vec<String>> {
     let shapes = names::<With<Shape>>(world);
     let materials = names::<With<Material>>(world);
     let lights = names::<With<Emitter>>(world);
@@ -129,7 +152,7 @@ fn random_step(world: &mut World, random: &mut Random) -> Option<Vec<String>> {
         "directional",
     ];
     let one = |line: String| Some(vec![line]);
-    match random.below(18) {
+    match random.below(22) {
         0..3 => one(format!(
             "add {} at={} size=0.5",
             kinds[random.below(kinds.len())],
@@ -159,6 +182,19 @@ fn random_step(world: &mut World, random: &mut Random) -> Option<Vec<String>> {
                 "group".to_owned(),
             ]),
         },
+        17 => one(format!("lock {} {}", ["on", "off"][random.below(2)], anything?)),
+        18 => one(format!(
+            "put-into {} {} {}",
+            ["shelf", "shelf/upper", "none"][random.below(3)],
+            anything?,
+            random.one_of(&all)?
+        )),
+        19 => Some(vec![
+            "mix none".to_owned(),
+            format!("mix {} 0.{}", random.one_of(&lights)?, 1 + random.below(9)),
+            "bake-lights".to_owned(),
+        ]),
+        20 => one(format!("import-file {}", file.display())),
         16 => one(format!("put-before {} {}", anything?, random.one_of(&all)?)),
         _ => one(format!(
             "paste <shape type=\"sphere\" id=\"pasted\"><float name=\"radius\" value=\"{}\"/><bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf></shape>",
@@ -169,6 +205,9 @@ fn random_step(world: &mut World, random: &mut Random) -> Option<Vec<String>> {
 
 #[test]
 fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("part.xml");
+    std::fs::write(&file, PART).expect("a file");
     let mut world = world();
     let mut random = Random(0x5eed_1234_9abc_def1);
     // What a replay would have to do, and what could be done again, each a step of the history.
@@ -185,7 +224,7 @@ fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
                 done.extend(undone.pop());
             }
             _ => {
-                let Some(step) = random_step(&mut world, &mut random) else {
+                let Some(step) = random_step(&mut world, &mut random, &file) else {
                     continue;
                 };
                 world.resource_mut::<EditorState>().interaction += 1;
@@ -279,7 +318,13 @@ fn lines_that_cannot_be_done_say_why() {
         ("set ball roughness 1", "there is no `roughness`, only"),
         ("set ball reflectance 2", "within 0 to 1"),
         ("make ball difuse", "did you mean `diffuse`"),
-        ("add teapot", "\"teapot\" cannot be added"),
+        ("add teapot", "\"teapot\" cannot be added, only sphere, rectangle"),
+        ("add cube size=-1", "expected more than 0, found -1"),
+        (
+            "add cube at=0,0,0 colour=red",
+            "expected name=, at= or size=, found `colour=red`",
+        ),
+        ("limit-time -1", "expected at least 0"),
         ("move ball", "usage: move NAME X,Y,Z"),
         ("select \"ball", "not closed"),
         ("duplicate", "nothing is selected"),

@@ -43,6 +43,11 @@ pub fn write_atomically(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
+    // Otherwise the message would be about the name of a file that is not the user's.
+    if !folder.is_dir() {
+        let message = format!("there is no folder {}", folder.display());
+        return Err(io::Error::new(io::ErrorKind::NotFound, message));
+    }
     let mut builder = tempfile::Builder::new();
     builder.prefix(".sunroom-").suffix(".tmp");
     // As an ordinary new file would be: temporary ones are for their owner only.

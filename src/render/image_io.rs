@@ -75,6 +75,13 @@ pub fn write_image(path: &Path, image: &ImageRgb, display: &Display) -> Result<(
     write_atomically(path, &bytes)
 }
 
+/// Writes bytes that are for the display already, three a pixel, as PNG.
+pub fn write_png(path: &Path, size: [u32; 2], rgb: &[u8]) -> Result<(), ImageIoError> {
+    let mut bytes = Cursor::new(Vec::new());
+    PngEncoder::new(&mut bytes).write_image(rgb, size[0], size[1], ExtendedColorType::Rgb8)?;
+    write_atomically(path, &bytes.into_inner())
+}
+
 /// The bytes of a file.
 pub fn encode(image: &ImageRgb, format: FileFormat, display: &Display) -> Result<Vec<u8>, ImageIoError> {
     let (width, height) = (image.width, image.height);

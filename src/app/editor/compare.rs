@@ -68,23 +68,53 @@ pub enum CompareView {
     Difference,
 }
 
-/// The picture seen in a comparison; the picture itself where the two differ in shape. Of a picture of lower resolution each pixel is
-/// compared with the one of the snapshot that is nearest.
-pub fn compared(view: CompareView, picture: &[Rgb], size: [u32; 2], snapshot: &Snapshot) -> Vec<Rgb> {
-    let Some(kept) = snapshot.at_size(size).filter(|kept| kept.len() == picture.len()) else {
-        return picture.to_vec();
-    };
-    let pairs = picture.iter().zip(kept.iter());
-    match view {
-        CompareView::Off => picture.to_vec(),
-        CompareView::Difference => pairs.map(|(now, then)| (*now - *then).abs()).collect(),
-        CompareView::Wipe(share) => {
-            let width = size[0] as usize;
-            let border = (share.clamp(0.0, 1.0) * width as f32).round() as usize;
-            let choose =
-                |(place, (now, then)): (usize, (&Rgb, &Rgb))| if place % width < border { *then } else { *now };
-            pairs.enumerate().map(choose).collect()
+/// A comparison of pictures of one shape, pixel by pixel.
+#[derive(Clone, Debug)]
+pub struct PixelComparison<'a> {
+    view: CompareView,
+    /// The snapshot at the picture's size.
+    kept: Cow<'a, [Rgb]>,
+    width: u32,
+    /// Columns left of this are the snapshot's.
+    border: u32,
+}
+
+impl<'a> PixelComparison<'a> {
+    /// None where nothing is compared, as pictures of different shapes. Of a picture of lower resolution each pixel is compared with the one of
+    /// the snapshot that is nearest.
+    pub fn new(view: CompareView, snapshot: &'a Snapshot, size: [u32; 2]) -> Option<Self> {
+        let border = match view {
+            CompareView::Off => return None,
+            CompareView::Wipe(share) => (share.clamp(0.0, 1.0) * size[0] as f32).round() as u32,
+            CompareView::Difference => 0,
+        };
+        Some(Self {
+            view,
+            kept: snapshot.at_size(size)?,
+            width: size[0],
+            border,
+        })
+    }
+
+    /// What is seen there, column and row, of a picture that is `now` there.
+    pub fn pixel(&self, x: u32, y: u32, now: Rgb) -> Rgb {
+        let place = y as usize * self.width as usize + x as usize;
+        let then = self.kept.get(place).copied().unwrap_or_default();
+        match self.view {
+            CompareView::Difference => (now - then).abs(),
+            _ if x < self.border => then,
+            _ => now,
         }
+    }
+
+    /// A whole picture, row by row.
+    pub fn picture(&self, now: &[Rgb]) -> Vec<Rgb> {
+        let width = self.width.max(1);
+        let places = (0..).map(|place| (place % width, place / width));
+        now.iter()
+            .zip(places)
+            .map(|(&now, (x, y))| self.pixel(x, y, now))
+            .collect()
     }
 }
 
@@ -140,25 +170,27 @@ mod tests {
 
     #[test]
     fn a_wipe_shows_the_snapshot_on_the_left() {
-        let now = [Rgb::ZERO; 8];
+        let (now, snapshot) = ([Rgb::ZERO; 8], snapshot());
         let red = |share| {
-            let seen = compared(CompareView::Wipe(share), &now, [4, 2], &snapshot());
+            let comparison = PixelComparison::new(CompareView::Wipe(share), &snapshot, [4, 2]).expect("of one size");
+            let seen = comparison.picture(&now);
             seen.iter().map(|rgb| rgb.x as u32).collect::<Vec<_>>()
         };
         assert_eq!(red(0.5), [1, 1, 0, 0, 1, 1, 0, 0]);
         assert_eq!((red(0.0), red(7.0)), (vec![0; 8], vec![1; 8]));
         // At half the resolution.
-        let coarse = compared(CompareView::Wipe(0.5), &now[..2], [2, 1], &snapshot());
-        assert_eq!(coarse, [Rgb::ONE, Rgb::ZERO]);
+        let coarse = PixelComparison::new(CompareView::Wipe(0.5), &snapshot, [2, 1]).expect("of one shape");
+        assert_eq!(coarse.picture(&now[..2]), [Rgb::ONE, Rgb::ZERO]);
         // Of another shape: nothing to compare.
-        let other = compared(CompareView::Wipe(1.0), &now, [2, 4], &snapshot());
-        assert_eq!(other, now);
+        assert!(PixelComparison::new(CompareView::Wipe(1.0), &snapshot, [2, 4]).is_none());
+        assert!(PixelComparison::new(CompareView::Off, &snapshot, [4, 2]).is_none());
     }
 
     #[test]
     fn a_difference_has_no_sign() {
-        let now = [Rgb::new(0.25, 1.0, 3.0); 8];
-        let seen = compared(CompareView::Difference, &now, [4, 2], &snapshot());
+        let snapshot = snapshot();
+        let comparison = PixelComparison::new(CompareView::Difference, &snapshot, [4, 2]).expect("of one size");
+        let seen = comparison.picture(&[Rgb::new(0.25, 1.0, 3.0); 8]);
         assert_eq!(seen, [Rgb::new(0.75, 0.0, 2.0); 8]);
     }
 

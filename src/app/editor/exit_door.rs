@@ -76,7 +76,8 @@ pub fn drive_exit_door(
     }
     match door.step {
         Step::Waiting => {
-            if door.exit && scene.state == SceneState::Failed {
+            // A script says itself which of its lines that was.
+            if door.exit && scene.state == SceneState::Failed && script.as_ref().is_none_or(|script| script.is_done()) {
                 error!("The scene could not be loaded");
                 exit.write(AppExit::error());
                 door.step = Step::Done;

@@ -1,5 +1,6 @@
 //! From the film to the bytes on the screen, in every display mode. No rendering, no Bevy.
 
+use super::compare::PixelComparison;
 use super::display::{DisplayMode, DisplaySettings, HOTTEST_NOISE, HOTTEST_STEPS, heat};
 use crate::color::{Rgb, luminance};
 use crate::render::film::Film;
@@ -81,6 +82,8 @@ pub struct Painter<'a> {
     plain: Encoder,
     /// Mean luminance of the picture, only where noise is shown.
     brightness: f32,
+    /// Of light.
+    comparison: Option<PixelComparison<'a>>,
 }
 
 impl<'a> Painter<'a> {
@@ -96,7 +99,13 @@ impl<'a> Painter<'a> {
             tone: settings.tone().encoder(),
             plain: Display::default().encoder(),
             brightness,
+            comparison: None,
         }
+    }
+
+    /// Light is shown beside that of a snapshot.
+    pub fn compared(self, comparison: Option<PixelComparison<'a>>) -> Self {
+        Self { comparison, ..self }
     }
 
     /// Writes what the film has in `tiles` into `rgba` (row-major, as large as the film). Pixels the film has nothing for stay as they
@@ -117,6 +126,8 @@ impl<'a> Painter<'a> {
                             [] => pixel.radiance,
                             mix => self.film.mixed_pixel(x, y, mix).unwrap_or_default(),
                         };
+                        let comparison = self.comparison.as_ref();
+                        let radiance = comparison.map_or(radiance, |comparison| comparison.pixel(x, y, radiance));
                         if radiance != last.0 {
                             last = (radiance, self.tone.encode(radiance));
                         }

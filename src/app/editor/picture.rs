@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_egui::{EguiTextureHandle, EguiUserTextures, egui};
 
-use super::compare::{CompareView, Comparison, compared};
+use super::compare::{CompareView, Comparison, PixelComparison};
 use super::denoiser::Denoiser;
 use super::display::{DisplayMode, DisplaySettings};
 use super::light_mix::{FilmLights, LightMix};
@@ -132,14 +132,14 @@ pub fn update_picture(
         image.texture_descriptor.size = extent(size);
     }
     let tone = settings.tone();
-    match (snapshot, denoised) {
-        (Some(snapshot), denoised) => {
-            let picture = denoised.map_or_else(|| film.film.mixed(&shown.mix), |denoised| denoised.radiance.clone());
-            let seen = compared(comparison.view, &picture, size.to_array(), snapshot);
-            tone.encode_rgba(&seen, &mut pixels);
+    let compared = snapshot.and_then(|snapshot| PixelComparison::new(comparison.view, snapshot, size.to_array()));
+    match (denoised, compared) {
+        (Some(denoised), Some(compared)) => tone.encode_rgba(&compared.picture(&denoised.radiance), &mut pixels),
+        (Some(denoised), None) => tone.encode_rgba(&denoised.radiance, &mut pixels),
+        (None, compared) => {
+            let painter = Painter::new(&film.film, &settings, &scales).compared(compared);
+            painter.paint(&dirty, &mut pixels);
         }
-        (None, Some(denoised)) => tone.encode_rgba(&denoised.radiance, &mut pixels),
-        (None, None) => Painter::new(&film.film, &settings, &scales).paint(&dirty, &mut pixels),
     }
     image.data = Some(pixels);
     changes.write(AssetEvent::Modified {

@@ -124,11 +124,15 @@ pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions)
     write_file(path, document::to_xml(&document)?)
 }
 
+/// What other files are called, which nobody means to write a scene into.
+const FOREIGN: [&str; 9] = ["png", "jpg", "jpeg", "exr", "hdr", "pfm", "obj", "ply", "serialized"];
+
 /// An error if this would replace a file of another format.
 fn keep_foreign(scene: &SceneDescription, target: &Path) -> Result<(), SaveError> {
     let origin = scene.remains.origin.as_ref();
     let is_imported = origin.is_some_and(|origin| origin.imported && settle(&origin.path) == *target);
-    if !is_imported && !is_called_gltf(target) {
+    let extension = target.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if !is_imported && !is_called_gltf(target) && !FOREIGN.contains(&extension.as_str()) {
         return Ok(());
     }
     Err(SaveError::Foreign {

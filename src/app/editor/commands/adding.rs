@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use bevy::math::{Affine3A, Mat3, Quat};
 use bevy::prelude::*;
 
-use super::edits::select_new;
+use super::edits::{check_name, select_new};
 use super::files::CLIPBOARD;
 use super::{projection, view};
 use crate::app::editor::command::{Addition, AdditionKind};
@@ -26,6 +26,7 @@ use crate::scene::{
 const SIZE_IN_SCENE: f32 = 0.06;
 
 pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), String> {
+    check_name(addition.name.as_deref().unwrap_or_default())?;
     let state = edit.world.resource::<EditorState>();
     let up = state.navigation.up;
     let size = addition

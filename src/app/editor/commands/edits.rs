@@ -273,9 +273,7 @@ fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), String> {
     {
         return Ok(());
     }
-    if let Some(wrong) = name.chars().find(|c| is_no_name(*c)) {
-        return Err(format!("Names cannot have {wrong:?} in them."));
-    }
+    check_name(name)?;
     let is_own = edit
         .world
         .get::<Name>(entity)
@@ -285,6 +283,14 @@ fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), String> {
     }
     call(edit, entity, name);
     Ok(())
+}
+
+/// What the file could not have as an id.
+pub fn check_name(name: &str) -> Result<(), String> {
+    match name.chars().find(|c| is_no_name(*c)) {
+        Some(wrong) => Err(format!("Names cannot have {wrong:?} in them.")),
+        None => Ok(()),
+    }
 }
 
 /// Characters that ids cannot have.

@@ -12,7 +12,7 @@ use crate::app::editor::selection::Selection;
 use crate::app::editor::state::EditorState;
 use crate::document;
 use crate::engine::{RenderState, RenderStatus};
-use crate::render::image_io::write_image;
+use crate::render::image_io::{FileFormat, write_image, write_png};
 use crate::scene::{self, OpenScene, Placements, SceneFile, SceneState, SceneStatus, insert, write};
 
 /// Where texts of the clipboard stand: files in them are named in full.
@@ -65,7 +65,8 @@ pub fn save(world: &mut World) -> Result<(), String> {
     if status.state == SceneState::Loading {
         return Err("A scene is still being read.".to_owned());
     }
-    let is_broken = status.file_is_broken;
+    // One that is gone is written anew.
+    let is_broken = status.file_is_broken && status.path.as_ref().is_some_and(|path| path.exists());
     match status.path.clone() {
         Some(path) if !is_broken => save_scene(world, &path),
         path => {
@@ -97,9 +98,15 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), String> {
     if world.resource::<RenderStatus>().state == RenderState::Idle {
         return Err("There is no picture to save.".to_owned());
     }
-    let image = finished::picture(world);
-    let display = world.resource::<EditorState>().display.tone();
-    write_image(path, &image, &display).map_err(|error| error.to_string())?;
+    let display = world.resource::<EditorState>().display;
+    let is_png = FileFormat::from_path(path).is_ok_and(|format| format == FileFormat::Png);
+    let written = if is_png && !display.mode.is_light() {
+        let (size, rgb) = finished::painted(world);
+        write_png(path, size, &rgb)
+    } else {
+        write_image(path, &finished::picture(world), &display.tone())
+    };
+    written.map_err(|error| error.to_string())?;
     world
         .resource_mut::<EditorState>()
         .say(format!("Saved {}", path.display()));

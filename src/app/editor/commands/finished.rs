@@ -5,18 +5,24 @@ use bevy::prelude::*;
 use super::view;
 use crate::app::editor::compare::{Comparison, Measured, Snapshot, figures};
 use crate::app::editor::denoiser::Denoiser;
-use crate::app::editor::display::DisplaySettings;
+use crate::app::editor::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::light_mix::{FilmLights, LightMix};
+use crate::app::editor::painter::{Painter, Scales};
 use crate::app::editor::state::EditorState;
 use crate::color::Rgb;
 use crate::engine::RenderFilm;
 use crate::render::exposure::auto_exposure;
 use crate::render::image_io::ImageRgb;
+use crate::render::tile::tiles;
 
 /// As it is shown: with its lights mixed, and denoised if that is what is seen.
 pub fn picture(world: &World) -> ImageRgb {
     let film = world.resource::<RenderFilm>();
-    let mix = factors(world);
+    let mix = match world.resource::<EditorState>().display.mode {
+        // One light by itself.
+        mode @ DisplayMode::LightGroup(_) => Scales::of(&film.film, mode, Vec::new(), &Scales::default()).mix,
+        _ => factors(world),
+    };
     let denoised = world.resource::<Denoiser>().picture();
     let pixels = match denoised.filter(|denoised| denoised.mix == mix) {
         Some(denoised) => denoised.radiance.clone(),
@@ -27,6 +33,18 @@ pub fn picture(world: &World) -> ImageRgb {
         height: film.film.height(),
         pixels,
     }
+}
+
+/// What is shown of the film where that is no light: size, and three bytes a pixel; black where there is nothing yet.
+pub fn painted(world: &World) -> ([u32; 2], Vec<u8>) {
+    let film = &world.resource::<RenderFilm>().film;
+    let (width, height) = (film.width(), film.height());
+    let display = world.resource::<EditorState>().display;
+    let scales = Scales::of(film, display.mode, Vec::new(), &Scales::default());
+    let mut rgba = vec![0; 4 * width as usize * height as usize];
+    Painter::new(film, &display, &scales).paint(&tiles(width, height), &mut rgba);
+    let rgb = rgba.chunks_exact(4).flat_map(|pixel| pixel[..3].to_vec()).collect();
+    ([width, height], rgb)
 }
 
 /// On the layers of the film, as its picture is shown.

@@ -137,12 +137,17 @@ impl Assign<'_> {
     }
 }
 
-fn within(number: f32, range: &RangeInclusive<f32>) -> Result<f32, String> {
+pub(super) fn within(number: f32, range: &RangeInclusive<f32>) -> Result<f32, String> {
     if range.contains(&number) {
-        Ok(number)
-    } else {
-        Err(format!("expected {} to {}, found {number}", range.start(), range.end()))
+        return Ok(number);
     }
+    // The least and the greatest number there are say nothing to people.
+    let expected = match (*range.start(), *range.end()) {
+        (f32::MIN_POSITIVE, f32::MAX) => "more than 0".to_owned(),
+        (start, f32::MAX) => format!("at least {start}"),
+        (start, end) => format!("{start} to {end}"),
+    };
+    Err(format!("expected {expected}, found {number}"))
 }
 
 fn color(most: f32) -> impl Fn(&str) -> Result<Rgb, String> {

@@ -16,6 +16,7 @@ use super::command::Command;
 use super::commands;
 use super::exit_door::{ExitDoor, save_window};
 use super::state::EditorState;
+use crate::document::Severity;
 use crate::engine::{RenderState, RenderStatus};
 use crate::scene::{SceneState, SceneStatus};
 use parse::Step;
@@ -89,7 +90,10 @@ fn is_ready(world: &World, script: &mut Script) -> Result<bool, String> {
         return Ok(false);
     }
     if script.opens && scene.state == SceneState::Failed {
-        return Err("the scene cannot be read".to_owned());
+        let mut found = scene.diagnostics.list.iter();
+        let first = found.find(|found| found.severity == Severity::Error);
+        let reason = first.map_or(String::new(), |error| format!(": {}", scene.diagnostics.line(error)));
+        return Err(format!("the scene cannot be read{reason}"));
     }
     let status = world.resource::<RenderStatus>();
     if let Some(samples) = script.samples_awaited {

@@ -33,7 +33,7 @@ pub enum Step {
 }
 
 /// What there is beside the actions; for messages and the README.
-pub const VERBS: [(&str, &str); 37] = [
+pub const VERBS: [(&str, &str); 39] = [
     ("open", "FILE"),
     ("save-to", "FILE"),
     ("save-image-to", "FILE"),
@@ -56,7 +56,9 @@ pub const VERBS: [(&str, &str); 37] = [
     ("emit", "SHAPE RADIANCE|none"),
     ("rename", "NAME NAME"),
     ("hide-thing", "NAME..."),
+    ("lock", "on|off NAME..."),
     ("put-before", "NAME OTHER"),
+    ("put-into", "FOLDER|none NAME..."),
     ("look", "FROM AT (each X,Y,Z)"),
     ("look-through", "CAMERA"),
     ("go-to", "STEP (of the history)"),
@@ -70,7 +72,7 @@ pub const VERBS: [(&str, &str); 37] = [
     ("region", "none | X,Y X,Y (0 to 1 from the upper left)"),
     ("split-strategies", "on|off"),
     ("keep-lights-apart", "on|off"),
-    ("mix", "LIGHT STRENGTH [R,G,B]"),
+    ("mix", "none | LIGHT STRENGTH [R,G,B]"),
     ("compare", "off | wipe FRACTION | difference"),
     ("wait", "SAMPLES"),
     ("screenshot", "FILE"),
@@ -187,6 +189,13 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         }
         ("rename", [name, new]) => Command::Rename(named(world, name)?, (*new).to_owned()),
         ("hide-thing", names) if !names.is_empty() => Command::Hide(all_named(world, names)?, true),
+        ("lock", [switch, names @ ..]) if !names.is_empty() => {
+            Command::Lock(all_named(world, names)?, rendering::switch(switch)?)
+        }
+        ("put-into", [folder, names @ ..]) if !names.is_empty() => Command::PutInto {
+            things: all_named(world, names)?,
+            folder: (*folder != "none").then(|| (*folder).to_owned()),
+        },
         ("put-before", [name, other]) => Command::Reorder {
             moved: vec![named(world, name)?],
             before: Some(named(world, other)?),
@@ -228,6 +237,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("region", corners) => Command::SetRegion(rendering::region(corners)?),
         ("split-strategies", [switch]) => Command::SetStrategySplit(rendering::switch(switch)?),
         ("keep-lights-apart", [switch]) => Command::SetLightLayers(rendering::switch(switch)?),
+        ("mix", ["none"]) => Command::SetLightMix(LightMix::default()),
         ("mix", [light, gain @ ..]) => {
             let light = named(world, light)?;
             rendering::mix(world.resource::<LightMix>(), light, gain)?
@@ -312,7 +322,10 @@ fn addition(kind: &str, options: &[&str]) -> Result<Addition, String> {
         match option.split_once('=') {
             Some(("name", name)) => addition.name = Some(name.to_owned()),
             Some(("at", place)) => addition.at = Some(parse_vec3(place)?),
-            Some(("size", size)) => addition.size = Some(parse_float(size)?),
+            Some(("size", size)) => {
+                let size = assign::within(parse_float(size)?, &(f32::MIN_POSITIVE..=f32::MAX))?;
+                addition.size = Some(size);
+            }
             _ => return Err(format!("expected name=, at= or size=, found `{option}`")),
         }
     }

@@ -2,6 +2,8 @@
 
 use bevy::prelude::*;
 
+use super::assign::within;
+
 use crate::app::editor::command::Command;
 use crate::app::editor::compare::CompareView;
 use crate::app::editor::light_mix::{Channel, LightMix};
@@ -20,7 +22,7 @@ pub fn switch(text: &str) -> Result<bool, String> {
 pub fn limit(text: &str) -> Result<Option<f32>, String> {
     match text {
         "none" => Ok(None),
-        number => parse_float(number).map(Some),
+        number => within(parse_float(number)?, &(0.0..=f32::MAX)).map(Some),
     }
 }
 
