@@ -542,7 +542,8 @@ fn the_expected_work_of_small_trees_is_known() {
         Tlas::build(instances.into_iter().flatten().collect(), SplitMethod::Sah).expected_work()
     };
     let mesh = || Primitive::Mesh(blas.clone());
-    let near = |work: f64, expected: f64| assert!((work - expected).abs() < 1e-6, "{work}, not {expected}");
+    // The boxes of placed things are larger than the things by a few roundings of coordinates up to 4.
+    let near = |work: f64, expected: f64| assert!((work - expected).abs() < 1e-5, "{work}, not {expected}");
     near(two(Primitive::Sphere, Primitive::Sphere), 2.0 / 3.0);
     near(two(mesh(), Primitive::Sphere), 1.0);
     near(two(mesh(), mesh()), 4.0 / 3.0);

@@ -5,6 +5,8 @@ use bevy_egui::egui::{Pos2, Rect, Vec2, vec2};
 use egui_dock::{DockState, Node, NodeIndex, Split, Surface};
 use serde::{Deserialize, Serialize};
 
+use super::panel_sizes::WantedSizes;
+
 /// A part of the window that can be moved to another place, and closed, except the viewport.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -65,11 +67,11 @@ const RIGHT_SHARE: f32 = 0.32;
 
 /// The docked panels: a tree of splits with groups of panels at its leaves.
 #[derive(Resource, Clone)]
-pub struct Layout(pub DockState<Panel>);
+pub struct Layout(pub DockState<Panel>, pub(super) WantedSizes);
 
 impl Default for Layout {
     fn default() -> Self {
-        let mut layout = Self(DockState::new(vec![Panel::Viewport]));
+        let mut layout = Self(DockState::new(vec![Panel::Viewport]), WantedSizes::default());
         let open = |panel: &Panel| !Panel::CLOSED.contains(panel);
         for panel in Panel::RIGHT.into_iter().filter(open).chain(Panel::LEFT) {
             layout.show(panel);
@@ -138,7 +140,7 @@ impl Layout {
 
     /// None if it is of no layout, or of one that cannot be shown.
     pub fn from_json(value: &serde_json::Value) -> Option<Self> {
-        let layout = Self(DockState::deserialize(value).ok()?);
+        let layout = Self(DockState::deserialize(value).ok()?, WantedSizes::default());
         layout.is_sound().then_some(layout)
     }
 

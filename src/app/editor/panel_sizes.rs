@@ -1,15 +1,21 @@
 //! How large the docked panels are: beside the viewport they keep their width (or height) in points when the window is resized, and the
 //! viewport takes the rest. Where they are is in `layout`.
 
+use std::collections::HashMap;
+
 use bevy_egui::egui::{Rect, Vec2};
 use egui_dock::{Node, NodeIndex, Tree};
 
 use super::layout::{Layout, Panel};
 
 /// Of what a split divides, the most that stays with the side that is not the viewport's when there is little room.
-const LARGEST_SHARE: f32 = 0.4;
+const LARGEST_SHARE: f32 = 0.45;
 /// Rounding to pixels is no resizing.
 const TOLERANCE: f32 = 1.5;
+
+/// The sizes that panels beside the viewport would have if there were room, in points, by the split that divides them from it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WantedSizes(HashMap<NodeIndex, f32>);
 
 impl Layout {
     /// To be called with the room for all panels, in points, before they are shown.
@@ -18,8 +24,9 @@ impl Layout {
         let Some(before) = size_of(tree, NodeIndex::root()) else {
             return;
         };
+        self.1.note(tree);
         if (before - room).abs().max_elem() > TOLERANCE {
-            resize(tree, NodeIndex::root(), room);
+            resize(tree, NodeIndex::root(), room, &self.1);
         }
     }
 
@@ -27,6 +34,55 @@ impl Layout {
     pub(super) fn shown_in(mut self, room: Vec2) -> Self {
         assume(self.0.main_surface_mut(), NodeIndex::root(), room);
         self
+    }
+}
+
+impl WantedSizes {
+    /// What a side has that is not as large as it was made here was given to it by the user.
+    fn note(&mut self, tree: &Tree<Panel>) {
+        let mut sizes = HashMap::new();
+        for node in (0..tree.len()).map(NodeIndex) {
+            let Some(side) = Side::of(tree, node) else {
+                continue;
+            };
+            let known = self.0.get(&node).copied();
+            let is_as_made = |wanted: f32| (wanted.min(side.most()) - side.size).abs() <= TOLERANCE;
+            sizes.insert(node, known.filter(|wanted| is_as_made(*wanted)).unwrap_or(side.size));
+        }
+        self.0 = sizes;
+    }
+}
+
+/// The side of a split that the viewport is not in.
+struct Side {
+    is_first: bool,
+    size: f32,
+    /// Of both sides.
+    whole: f32,
+}
+
+impl Side {
+    /// None where there is no such split, or the viewport is in neither side.
+    fn of(tree: &Tree<Panel>, node: NodeIndex) -> Option<Self> {
+        let whole = size_of(tree, node)?[axis_of(tree, node)];
+        let (Node::Horizontal(split) | Node::Vertical(split)) = &tree[node] else {
+            return None;
+        };
+        let is_first = match [node.left(), node.right()].map(|side| holds_viewport(tree, side)) {
+            [false, true] => true,
+            [true, false] => false,
+            _ => return None,
+        };
+        let share = if is_first { split.fraction } else { 1.0 - split.fraction };
+        Some(Self {
+            is_first,
+            size: share * whole,
+            whole,
+        })
+    }
+
+    fn most(&self) -> f32 {
+        LARGEST_SHARE * self.whole
     }
 }
 
@@ -44,22 +100,21 @@ fn axis_of(tree: &Tree<Panel>, node: NodeIndex) -> usize {
     usize::from(matches!(tree[node], Node::Vertical(_)))
 }
 
-fn resize(tree: &mut Tree<Panel>, node: NodeIndex, to: Vec2) {
+fn resize(tree: &mut Tree<Panel>, node: NodeIndex, to: Vec2, wanted: &WantedSizes) {
     let Some(before) = size_of(tree, node) else {
         return;
     };
     let axis = axis_of(tree, node);
-    let shows_viewport = [node.left(), node.right()].map(|side| holds_viewport(tree, side));
+    let side = Side::of(tree, node);
     let (Node::Horizontal(split) | Node::Vertical(split)) = &mut tree[node] else {
         return;
     };
     let (share_before, room) = (split.fraction, to[axis].max(1.0));
-    let kept = |share: f32| (share * before[axis] / room).min(LARGEST_SHARE.max(share));
-    split.fraction = match shows_viewport {
-        [false, true] => kept(share_before),
-        [true, false] => 1.0 - kept(1.0 - share_before),
-        _ => share_before,
-    };
+    if let Some(side) = side {
+        let size = wanted.0.get(&node).copied().unwrap_or(side.size);
+        let share = (size / room).min(LARGEST_SHARE);
+        split.fraction = if side.is_first { share } else { 1.0 - share };
+    }
     split.rect = Rect::from_min_size(split.rect.min, to);
     for (side, was, is) in [
         (node.left(), share_before, split.fraction),
@@ -69,7 +124,7 @@ fn resize(tree: &mut Tree<Panel>, node: NodeIndex, to: Vec2) {
             // What lies between the two stays.
             size[axis] += is * to[axis] - was * before[axis];
             size[1 - axis] += to[1 - axis] - before[1 - axis];
-            resize(tree, side, size.max(Vec2::splat(1.0)));
+            resize(tree, side, size.max(Vec2::splat(1.0)), wanted);
         }
     }
 }
@@ -134,14 +189,31 @@ mod tests {
     }
 
     #[test]
-    fn in_a_small_window_all_is_there() {
+    fn in_a_small_window_all_is_there_and_in_a_large_one_again_as_it_was() {
         let mut layout = Layout::default().shown_in(vec2(1280.0, 680.0));
-        layout.fit(vec2(400.0, 300.0));
-        assert!(
-            widths(&layout, 400.0).into_iter().all(|width| width > 90.0),
-            "{:?}",
-            widths(&layout, 400.0)
-        );
+        let before = widths(&layout, 1280.0);
+        for width in [640.0, 400.0] {
+            layout.fit(vec2(width, 300.0));
+            let all = widths(&layout, width);
+            assert!(all.into_iter().all(|width| width > 90.0), "{all:?}");
+        }
+        layout.fit(vec2(1280.0, 680.0));
+        let after = widths(&layout, 1280.0);
+        let is_close = |(before, after): (f32, f32)| (before - after).abs() < 0.1;
+        assert!(before.into_iter().zip(after).all(is_close), "{before:?} {after:?}");
+    }
+
+    #[test]
+    fn what_the_user_makes_of_a_split_is_kept() {
+        let mut layout = Layout::default().shown_in(vec2(1280.0, 680.0));
+        layout.fit(vec2(1000.0, 680.0));
+        if let Node::Horizontal(split) = &mut layout.0.main_surface_mut()[NodeIndex::root()] {
+            split.fraction = 0.1;
+        }
+        layout.fit(vec2(1000.0, 680.0));
+        layout.fit(vec2(2000.0, 680.0));
+        let [left, ..] = widths(&layout, 2000.0);
+        assert!((left - 100.0).abs() < 0.1, "{left}");
     }
 
     #[test]
