@@ -88,6 +88,9 @@ impl SceneKeys {
     /// As [`Self::of`], but those without ids have the keys that they have in `base`.
     pub(super) fn recognised(scene: &SceneDescription, base: &FileBase) -> Self {
         let mut keys = Self::of(scene);
+        if base.things.is_empty() {
+            return keys;
+        }
         let contents = states(scene, &keys.entities(|_| Entity::PLACEHOLDER));
         let mut now: HashMap<(Kind, String), Vec<(&mut Key, ObjectState)>> = HashMap::new();
         for (key, (_, state, _)) in keys.in_order_mut().zip(contents) {

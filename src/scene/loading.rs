@@ -210,6 +210,7 @@ pub fn new_scene(world: &mut World) {
     *status = SceneStatus {
         state: SceneState::Ready,
         revision: status.revision + 1,
+        failures: status.failures,
         fresh_load: true,
         ..SceneStatus::default()
     };

@@ -12,7 +12,7 @@ use super::motion::Motion;
 use super::navigation::scale_of;
 use super::pacing::Pacing;
 use super::preferences::Preferences;
-use crate::scene::{ActiveSensor, FreeView, ToWorld};
+use crate::scene::{ActiveSensor, FreeView, SceneStatus, ToWorld};
 
 const DURATION: Duration = Duration::from_millis(180);
 /// The first step is seen in the frame of the command.
@@ -40,6 +40,8 @@ struct Course {
     /// The view from then on.
     end: FreeView,
     began: Instant,
+    /// Of the scene that it is in.
+    revision: u64,
 }
 
 /// Sends the view from the pose `from` to `end` and the camera in use, by a flight if that is wanted.
@@ -50,6 +52,7 @@ pub fn go(world: &mut World, from: Option<Affine3A>, end: FreeView, center: Opti
     let sensor = world.resource::<ActiveSensor>().0;
     let own = sensor.and_then(|sensor| world.get::<ToWorld>(sensor));
     let to = end.pose.or(own.map(|own| own.0));
+    let revision = world.get_resource::<SceneStatus>().map_or(0, |status| status.revision);
     let mut first = end;
     if let (Some(from), Some(to)) = (from, to)
         && from != to
@@ -65,6 +68,7 @@ pub fn go(world: &mut World, from: Option<Affine3A>, end: FreeView, center: Opti
             center,
             end,
             began,
+            revision,
         });
         first.pose = Some(from);
     }
@@ -88,6 +92,11 @@ pub fn fly_on(world: &mut World) {
     let Some(course) = world.resource::<Flights>().course else {
         return;
     };
+    if world.resource::<SceneStatus>().revision != course.revision {
+        // Another scene, or another camera in it.
+        world.resource_mut::<Flights>().course = None;
+        return;
+    }
     let share = course.began.elapsed().as_secs_f32() / DURATION.as_secs_f32();
     let is_over = share >= 1.0 || view_pose(world).is_none();
     let next = if is_over {
@@ -158,6 +167,7 @@ mod tests {
             to,
             center,
             end: FreeView::at(to),
+            revision: 0,
             began: Instant::now(),
         }
     }

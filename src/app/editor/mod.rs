@@ -162,8 +162,8 @@ impl Plugin for EditorPlugin {
                 (
                     scene_watch::choose_camera.run_if(scene_watch::camera_is_wanted),
                     scene_watch::follow_scene,
-                    stored_views::follow_views,
                     recovery::follow_scene,
+                    stored_views::follow_views,
                     preferences::note_scene,
                     (dropping::take_dropped_files, shell::note_close_requests),
                 )

@@ -222,3 +222,12 @@ pub struct Model {
     /// Scene files beside the open one.
     pub scene_files: Arc<Vec<PathBuf>>,
 }
+
+impl Model {
+    /// The shapes among what is selected.
+    pub fn selected_shapes(&self) -> Vec<Entity> {
+        let shapes = &self.outline.shapes;
+        let selected = shapes.iter().map(|item| item.entity);
+        selected.filter(|entity| self.selection.contains(*entity)).collect()
+    }
+}

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use bevy::prelude::*;
 
 use super::preferences::Preferences;
-use crate::engine::{RenderControl, RenderFilm, RenderStatus};
+use crate::engine::{RenderControl, RenderFilm, RenderState, RenderStatus};
 
 /// After so long without a change the picture stands still.
 const STILL: Duration = Duration::from_millis(150);
@@ -84,8 +84,10 @@ pub fn follow_motion(
     if control.motion_scale != scale {
         control.motion_scale = scale;
     }
+    // While nothing is rendered nothing becomes sharper: then the picture is what it is.
+    let is_busy = !control.paused && matches!(status.state, RenderState::Building | RenderState::Rendering);
     let is_there = !film.is_coarse && status.samples > 0;
-    motion.sharpens = moves || (motion.sharpens && !is_there);
+    motion.sharpens = moves || (motion.sharpens && is_busy && !is_there);
 }
 
 #[cfg(test)]
@@ -131,5 +133,30 @@ mod tests {
         assert!(motion.moves);
         motion.stop();
         assert!(!motion.step(now, Some(1.0)));
+    }
+
+    #[test]
+    fn a_paused_picture_is_waited_for_by_nobody() {
+        for (paused, is_settled) in [(false, false), (true, true)] {
+            let mut world = World::new();
+            world.insert_resource(Motion {
+                is_followed: true,
+                sharpens: true,
+                ..Motion::default()
+            });
+            world.insert_resource(RenderControl {
+                paused,
+                ..RenderControl::default()
+            });
+            world.insert_resource(RenderStatus {
+                state: RenderState::Rendering,
+                ..RenderStatus::default()
+            });
+            world.init_resource::<RenderFilm>();
+            world.resource_mut::<RenderFilm>().is_coarse = true;
+            world.init_resource::<Preferences>();
+            world.run_system_cached(follow_motion).expect("runs");
+            assert_eq!(world.resource::<Motion>().is_settled(), is_settled);
+        }
     }
 }

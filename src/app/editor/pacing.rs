@@ -44,6 +44,11 @@ impl Pacing {
         self.is_lively.load(Ordering::Relaxed)
     }
 
+    /// Nobody has done anything for a while.
+    pub fn rests(&self) -> bool {
+        self.last_input.is_none_or(|at| at.elapsed() >= AFTER_INPUT)
+    }
+
     /// To be told when commands are applied; `restarts`: the picture is begun anew by them.
     pub fn note_commands(&mut self, restarts: bool) {
         let now = Instant::now();
@@ -79,7 +84,7 @@ pub fn pace(
     denoiser: Res<Denoiser>,
     state: Res<EditorState>,
 ) {
-    let in_use = pacing.last_input.is_some_and(|at| at.elapsed() < AFTER_INPUT);
+    let in_use = !pacing.rests();
     let busy = matches!(
         status.state,
         RenderState::Loading | RenderState::Building | RenderState::Rendering

@@ -13,6 +13,7 @@ use super::gather::EditorModel;
 use super::looks::Ball;
 use super::material_tree::flattened;
 use super::model::Model;
+use super::pacing::Pacing;
 use super::state::EditorState;
 use super::studio::{Look, Studio};
 use crate::engine::{CurrentScene, WakeUp, pack_loose, yield_to_all, yield_to_window};
@@ -87,6 +88,7 @@ pub fn update_previews(
     state: Res<EditorState>,
     current: Res<CurrentScene>,
     wake_up: Res<WakeUp>,
+    pacing: Res<Pacing>,
 ) -> Result {
     previews.load_library(&model.0, &state);
     let wanted = wanted(&model.0, &state, &current, &previews.library);
@@ -108,7 +110,7 @@ pub fn update_previews(
         }
     }
     if previews.work.is_none()
-        && let Some((wanted, quality)) = previews.next(&wanted)
+        && let Some((wanted, quality)) = previews.next(&wanted, pacing.rests())
     {
         previews.work = start(wanted.ball, wanted.look.clone(), quality, wake_up.clone());
     }
@@ -130,6 +132,7 @@ struct Wanted {
     ball: Ball,
     look: Look,
     quality: Quality,
+    is_inspected: bool,
 }
 
 /// What panels show, the most important first.
@@ -148,12 +151,22 @@ fn wanted(model: &Model, state: &EditorState, current: &CurrentScene, library: &
             material: *current.material_of_entity.get(&entity)?,
         };
         let ball = Ball::Material(entity);
-        Some(Wanted { ball, look, quality })
+        Some(Wanted {
+            ball,
+            look,
+            quality,
+            is_inspected: quality != LISTED,
+        })
     });
     let of_library = state.library.in_sight.iter().filter_map(|&place| {
         let look = library.get(place)?.clone();
         let (ball, quality) = (Ball::Preset(place), LIBRARY);
-        Some(Wanted { ball, look, quality })
+        Some(Wanted {
+            ball,
+            look,
+            quality,
+            is_inspected: false,
+        })
     });
     of_scene.chain(of_library).collect()
 }
@@ -181,14 +194,15 @@ impl Previews {
         self.library = looks.collect();
     }
 
-    /// Rough ones of all come before a fine one of any.
-    fn next<'w>(&self, wanted: &'w [Wanted]) -> Option<(&'w Wanted, Quality)> {
+    /// Rough ones of all come before a fine one of any. While somebody is at work only what is inspected is rendered: the picture comes first.
+    fn next<'w>(&self, wanted: &'w [Wanted], rests: bool) -> Option<(&'w Wanted, Quality)> {
         let rough = |wanted: &Wanted| Quality {
             samples: ROUGH,
             ..wanted.quality
         };
-        let rough = wanted.iter().map(|wanted| (wanted, rough(wanted)));
-        let fine = wanted.iter().map(|wanted| (wanted, wanted.quality));
+        let wanted = wanted.iter().filter(|wanted| rests || wanted.is_inspected);
+        let rough = wanted.clone().map(|wanted| (wanted, rough(wanted)));
+        let fine = wanted.map(|wanted| (wanted, wanted.quality));
         rough.chain(fine).find(|&(wanted, quality)| {
             let picture = self.pictures.get(&wanted.ball);
             picture.is_none_or(|picture| picture.look != wanted.look || !picture.quality.reaches(quality))

@@ -199,7 +199,8 @@ pub fn follow_scene(
     }
     let seen = std::mem::replace(&mut recovery.seen, (status.revision, status.failures));
     if seen.1 != status.failures {
-        match recovery.returning.take() {
+        let is_it = |(offer, _): &mut (Offer, Aside)| status.asked == Some(offer.folder.join(SCENE));
+        match recovery.returning.take_if(is_it) {
             Some((offer, _)) => {
                 let file = offer.folder.join(SCENE);
                 let text = format!("{} could not be read; it is kept.", file.display());

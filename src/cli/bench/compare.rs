@@ -16,23 +16,20 @@ pub fn table(new: &Results, old: &Results) -> String {
             .map(|(what, ratio)| format!("{what} {ratio:.2}"))
             .collect();
         // Writing to a string does not fail.
-        let _ = writeln!(text, "{name:24} {}", ratios.join(", "));
+        let _ = writeln!(text, "{name:36} {}", ratios.join(", "));
     };
     for now in &new.renders {
-        match old.renders.iter().find(|before| is_same_render(before, now)) {
-            None => line(now.scene.clone(), &[]),
-            Some(before) => {
-                let cpu = before.cpu_seconds.zip(now.cpu_seconds);
-                line(
-                    now.scene.clone(),
-                    &[
-                        ("speed", before.seconds / now.seconds),
-                        ("CPU", cpu.map_or(f64::NAN, |(before, now)| before / now)),
-                        ("relMSE", before.rel_mse / now.rel_mse),
-                        ("relMSE x s", before.cost / now.cost),
-                    ],
-                );
-            }
+        if let Some(before) = old.renders.iter().find(|before| is_same_render(before, now)) {
+            let cpu = before.cpu_seconds.zip(now.cpu_seconds);
+            line(
+                now.scene.clone(),
+                &[
+                    ("speed", before.seconds / now.seconds),
+                    ("CPU", cpu.map_or(f64::NAN, |(before, now)| before / now)),
+                    ("relMSE", before.rel_mse / now.rel_mse),
+                    ("relMSE x s", before.cost / now.cost),
+                ],
+            );
         }
     }
     for now in &new.rays {

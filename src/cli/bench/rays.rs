@@ -126,6 +126,9 @@ fn parse(bytes: &[u8]) -> Result<Vec<Answered>, String> {
             rest.len()
         ));
     }
+    if records.is_empty() {
+        return Err("byte 8: expected rays, the file has none".to_owned());
+    }
     let float = |record: &[u8], place: usize| f32::from_bits(word(record, place));
     let vector = |record: &[u8], place: usize| Vec3::from_array([0, 1, 2].map(|k| float(record, place + k)));
     let answered = records.iter().map(|record| Answered {
@@ -157,9 +160,6 @@ fn check(blas: &Blas, set: &[Answered]) -> (usize, usize) {
 
 /// In 10^6 rays a second: the rays are dealt out evenly, and each thread goes over its own until enough time has passed.
 fn rate(blas: &Blas, rays: &[Ray], query: fn(&Blas, &Ray) -> bool, threads: usize) -> f64 {
-    if rays.is_empty() {
-        return f64::NAN;
-    }
     let share = rays.len().div_ceil(threads);
     std::thread::scope(|scope| {
         let workers: Vec<_> = rays
@@ -214,6 +214,7 @@ mod tests {
             (b"RAISE and shine!".to_vec(), "byte 0"),
             (file(2, 1, &[record]), "byte 4"),
             (file(1, 2, &[record]), "byte 8"),
+            (file(1, 0, &[]), "has none"),
         ] {
             let error = parse(&broken).expect_err("broken");
             assert!(error.contains(place), "{error}");

@@ -53,7 +53,6 @@ struct Render {
     pixels: Vec<Rgb>,
     seconds: f64,
     cpu_seconds: Option<f64>,
-    msamples_per_s: f64,
     mrays_per_s: f64,
 }
 
@@ -69,13 +68,13 @@ fn measure_scene(scene: &Path, args: &RenderBenchArgs) -> Result<RenderResult, E
     let (seconds, rel_mse) = (of(|render| render.seconds), median(noise));
     let cpu: Vec<f64> = renders.iter().filter_map(|render| render.cpu_seconds).collect();
     Ok(RenderResult {
-        scene: scene.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        scene: scene.to_string_lossy().into_owned(),
         width: args.size.0,
         height: args.size.1,
         spp: args.spp,
         seconds,
         cpu_seconds: (!cpu.is_empty()).then(|| median(cpu)),
-        msamples_per_s: of(|render| render.msamples_per_s),
+        msamples_per_s: f64::from(args.size.0) * f64::from(args.size.1) * f64::from(args.spp) / seconds / 1e6,
         mrays_per_s: of(|render| render.mrays_per_s),
         rel_mse,
         cost: rel_mse * seconds,
@@ -108,7 +107,6 @@ fn render(scene: &Path, seed: u32, args: &RenderBenchArgs) -> Result<Render, Err
         pixels: app.world().resource::<RenderFilm>().film.radiance(),
         seconds: status.seconds,
         cpu_seconds: cpu_seconds().zip(begin).map(|(end, begin)| end - begin),
-        msamples_per_s: status.msamples_per_s,
         mrays_per_s: status.mrays_per_s,
     })
 }

@@ -112,7 +112,7 @@ impl Results {
         if !self.renders.is_empty() {
             writeln!(
                 text,
-                "{:24} {:>9} {:>9} {:>10} {:>9} {:>11} {:>13}",
+                "{:36} {:>9} {:>9} {:>10} {:>9} {:>11} {:>13}",
                 "scene", "seconds", "CPU s", "Msamples/s", "Mrays/s", "relMSE", "relMSE x s"
             )?;
         }
@@ -120,7 +120,7 @@ impl Results {
             let cpu = render.cpu_seconds.map_or("-".to_owned(), |cpu| format!("{cpu:.2}"));
             writeln!(
                 text,
-                "{:24} {:>9.3} {cpu:>9} {:>10.2} {:>9.2} {:>11.6} {:>13.6}",
+                "{:36} {:>9.3} {cpu:>9} {:>10.2} {:>9.2} {:>11.6} {:>13.6}",
                 render.scene, render.seconds, render.msamples_per_s, render.mrays_per_s, render.rel_mse, render.cost,
             )?;
         }

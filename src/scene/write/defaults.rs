@@ -4,8 +4,11 @@ use std::cell::RefCell;
 use std::path::Path;
 
 use super::{lights, objects};
-use crate::document::{Category, Object, parse_str};
+use crate::document::{Category, Object, Property, parse_str};
 use crate::scene::read;
+
+/// What is supposed of these depends on others: they are always written.
+const DEPENDENT: [&str; 3] = ["beam_width", "fov", "fov_axis"];
 
 /// Remembers what the plugins are without parameters; None for those that cannot be.
 #[derive(Default)]
@@ -24,13 +27,13 @@ impl Defaults {
             known.len() - 1
         });
         if let Some(plain) = &known[place].2 {
-            let is_default = |name: &str, value| {
-                let mut properties = plain.properties.iter();
-                properties.any(|property| property.name == name && property.value == value)
+            let is_default = |property: &Property| {
+                let mut known = plain.properties.iter();
+                known.any(|plain| plain.name == property.name && plain.value == property.value)
             };
             object
                 .properties
-                .retain(|property| !is_default(&property.name, property.value.clone()));
+                .retain(|property| DEPENDENT.contains(&property.name.as_str()) || !is_default(property));
         }
         object
     }
@@ -67,7 +70,7 @@ mod tests {
     use bevy::math::{Affine3A, Vec3};
 
     use super::*;
-    use crate::scene::{Emitter, Material, Shape, ShapeKind};
+    use crate::scene::{Emitter, EmitterKind, FovAxis, Material, Shape, ShapeKind};
 
     fn names(object: &Object) -> Vec<&str> {
         object
@@ -125,5 +128,34 @@ mod tests {
             );
         }
         assert!(left_out > 20, "{left_out}");
+        // What is supposed of one may depend on another that was edited.
+        let changed = |plugin: &str, change: fn(&mut EmitterKind)| {
+            let mut emitter = Emitter::of_plugin(plugin).expect("a plugin");
+            change(&mut emitter.kind);
+            emitter
+        };
+        let spot = |kind: &mut EmitterKind| {
+            if let EmitterKind::Spot { cutoff_angle, .. } = kind {
+                *cutoff_angle = 40.0;
+            }
+        };
+        let narrow = |kind: &mut EmitterKind| {
+            if let EmitterKind::Projector { fov, fov_axis, .. } = kind {
+                (*fov, *fov_axis) = (30.0, FovAxis::Diagonal);
+            }
+        };
+        let turned = |kind: &mut EmitterKind| {
+            if let EmitterKind::Projector { fov_axis, .. } = kind {
+                *fov_axis = FovAxis::Y;
+            }
+        };
+        for emitter in [
+            changed("spot", spot),
+            changed("projector", narrow),
+            changed("projector", turned),
+        ] {
+            let whole = lights::emitter(&emitter, &Affine3A::IDENTITY, folder);
+            assert_eq!(reread(defaults.left_out(whole)).emitters[0].emitter, emitter);
+        }
     }
 }

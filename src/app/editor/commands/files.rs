@@ -85,6 +85,9 @@ pub fn save(world: &mut World) -> Result<(), String> {
 }
 
 pub fn save_scene(world: &mut World, path: &Path) -> Result<(), String> {
+    if world.resource::<SceneStatus>().state == SceneState::Loading {
+        return Err("A scene is still being read.".to_owned());
+    }
     let trouble = write::save(world, path).map_err(|error| error.to_string())?;
     world.resource_mut::<History>().note_saved();
     world.resource_mut::<EditorState>().say(match trouble {

@@ -64,17 +64,17 @@ pub fn apply_commands(world: &mut World) {
     }
 }
 
-/// Pictures are kept at the resolution that was asked for: until they have it, commands that want them wait, and those after them.
-fn keep_for_later(world: &mut World, mut commands: Vec<Command>) -> Vec<Command> {
-    let motion = world.get_resource_mut::<Motion>().filter(|motion| !motion.is_settled());
-    if let Some(mut motion) = motion
-        && let Some(first) = commands.iter().position(Command::keeps_picture)
-    {
+/// Pictures are kept at the resolution that was asked for: until they have it, commands that want them wait. All others are done.
+fn keep_for_later(world: &mut World, commands: Vec<Command>) -> Vec<Command> {
+    let Some(mut motion) = world.get_resource_mut::<Motion>().filter(|motion| !motion.is_settled()) else {
+        return commands;
+    };
+    let (later, now): (Vec<Command>, Vec<Command>) = commands.into_iter().partition(Command::keeps_picture);
+    if !later.is_empty() {
         motion.stop();
-        let later = commands.split_off(first);
         world.resource_mut::<CommandQueue>().0.extend(later);
     }
-    commands
+    now
 }
 
 /// As a command of this frame, but the error is handed back.

@@ -33,7 +33,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
                     let mut changed = other_before.clone();
                     if before.plugin() == after.plugin() {
                         carry_over(before, after, &mut changed, Vectors::Whole);
-                    } else {
+                    } else if other_before.plugin() == before.plugin() {
                         changed = emitter_turned_into(&changed, after.plugin());
                     }
                     edit.set(other, changed);
@@ -50,7 +50,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
                     let mut changed = other_before.clone();
                     if before.plugin() == after.plugin() {
                         carry_over(before, &**after, &mut changed, Vectors::Whole);
-                    } else if *other_before.nested_count().end() == 0 {
+                    } else if other_before.plugin() == before.plugin() {
                         changed = turned_into(&changed, after.plugin());
                     }
                     edit.set(other, changed);
@@ -66,12 +66,12 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
                 let known = edit.world.get::<AreaLight>(other).cloned();
                 match (&before, after, known) {
                     (_, None, _) => edit.remove::<AreaLight>(other),
-                    (None, Some(after), _) => edit.set(other, after.clone()),
+                    (None, Some(after), None) => edit.set(other, after.clone()),
                     (Some(before), Some(after), Some(mut changed)) => {
                         carry_over(before, after, &mut changed, Vectors::Whole);
                         edit.set(other, changed);
                     }
-                    (Some(_), Some(_), None) => {}
+                    (Some(_), Some(_), None) | (None, Some(_), Some(_)) => {}
                 }
             }
         }

@@ -231,13 +231,13 @@ fn without_material(inspected: &Inspected) -> &'static str {
     }
 }
 
-/// The inspected one among them.
-fn selected_shapes(inspected: &Inspected, model: &Model) -> Vec<Entity> {
-    let is_shape =
-        |entity: &Entity| *entity == inspected.entity || model.outline.shapes.iter().any(|item| item.entity == *entity);
-    let selected = model.selection.entities().iter().copied().filter(is_shape);
-    let others = selected.filter(|entity| *entity != inspected.entity);
-    others.chain([inspected.entity]).collect()
+/// The selected shapes, or the one that is inspected.
+fn several_or(inspected: Entity, model: &Model) -> Vec<Entity> {
+    let selected = model.selected_shapes();
+    match selected.contains(&inspected) {
+        true => selected,
+        false => vec![inspected],
+    }
 }
 
 fn material_rows(ui: &mut Ui, inspected: &Inspected, model: &Model, commands: &mut Vec<Command>) {
@@ -253,7 +253,7 @@ fn material_rows(ui: &mut Ui, inspected: &Inspected, model: &Model, commands: &m
         );
         if fields::choice(ui, "Uses", &mut used, &options) {
             commands.push(Command::UseMaterial {
-                shapes: selected_shapes(inspected, model),
+                shapes: several_or(inspected.entity, model),
                 material: used,
             });
         }

@@ -1,6 +1,5 @@
 //! The library of materials as a wall of balls: a click gives one to what is selected, a drag to a shape in the picture.
 
-use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Rect, Sense, Ui, vec2};
 
 use super::super::command::Command;
@@ -26,7 +25,6 @@ const NAME: f32 = 26.0;
 const GAP: f32 = 6.0;
 
 pub fn library(ui: &mut Ui, model: &Model, state: &mut LibraryState, commands: &mut Vec<Command>) {
-    state.in_sight.clear();
     ui.add(
         egui::TextEdit::singleline(&mut state.filter)
             .hint_text("Find")
@@ -77,13 +75,15 @@ fn cell(
         ui.painter().rect_stroke(face, 2.0, stroke, egui::StrokeKind::Inside);
     }
     name(ui, &preset.name, Rect::from_min_max(face.left_bottom(), rect.max));
-    response.dnd_set_drag_payload(DraggedPreset(preset.clone()));
-    let shapes = selected_shapes(model);
-    if response.clicked() && !shapes.is_empty() {
-        commands.push(Command::UsePreset {
-            preset: Box::new(preset.clone()),
-            shapes,
-        });
+    if response.drag_started() {
+        response.dnd_set_drag_payload(DraggedPreset(preset.clone()));
+    }
+    if response.clicked() {
+        let shapes = model.selected_shapes();
+        if !shapes.is_empty() {
+            let preset = Box::new(preset.clone());
+            commands.push(Command::UsePreset { preset, shapes });
+        }
     }
     response.on_hover_text("Click: for what is selected. Drag: onto a shape in the picture.");
 }
@@ -101,9 +101,4 @@ fn name(ui: &Ui, name: &str, place: Rect) {
     let galley = ui.painter().layout_job(job);
     ui.painter()
         .galley(place.center_top() + vec2(0.0, 2.0), galley, ui.visuals().text_color());
-}
-
-fn selected_shapes(model: &Model) -> Vec<Entity> {
-    let is_shape = |entity: &Entity| model.outline.shapes.iter().any(|item| item.entity == *entity);
-    model.selection.entities().iter().copied().filter(is_shape).collect()
 }

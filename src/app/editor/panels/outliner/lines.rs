@@ -9,7 +9,7 @@ use bevy::prelude::Entity;
 use super::super::super::model::{Item, Outline};
 
 /// Materials within materials, and folders within folders, deeper than this are not told apart.
-const DEEPEST: usize = 16;
+pub const DEEPEST: usize = 16;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Line {

@@ -55,7 +55,6 @@ pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands:
     }
     let height = ui.spacing().interact_size.y;
     let (lines, offset) = follow_selection(outline, selection.active(), height, ui, state);
-    state.materials_in_sight.clear();
     let mut area = egui::ScrollArea::vertical().auto_shrink(false);
     if let Some(offset) = offset {
         area = area.vertical_scroll_offset(offset);
@@ -110,7 +109,9 @@ fn follow_selection(
         for folder in folders_of(&item.name) {
             state.folding.closed.remove(folder);
         }
-        state.folding.open.extend(item.inside_of);
+        let outer = |entity: &Entity| item_of(outline, *entity).and_then(|item| item.inside_of);
+        let around = std::iter::successors(item.inside_of, outer);
+        state.folding.open.extend(around.take(lines::DEEPEST));
     }
     let lines = state.lines.of(outline, &state.filter, &state.folding);
     let offset = item.and_then(|item| {
