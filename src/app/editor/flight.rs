@@ -191,6 +191,7 @@ mod tests {
 
     fn world(attended: bool) -> (World, Affine3A, Affine3A) {
         let mut world = World::new();
+        world.init_resource::<SceneStatus>();
         let Course { from, to, .. } = course(None);
         let sensor = world.spawn((Sensor::default(), ToWorld(from))).id();
         world.insert_resource(ActiveSensor(Some(sensor)));
