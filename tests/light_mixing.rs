@@ -1,5 +1,6 @@
 //! Light mixing: a finished picture with its lights changed is the picture of the scene with its lights changed.
 
+mod engine_support;
 mod support;
 
 use std::f32::consts::FRAC_PI_2;
@@ -9,6 +10,7 @@ use std::sync::atomic::AtomicBool;
 use bevy::asset::AssetPlugin;
 use bevy::math::{Affine3A, Quat, Vec3};
 use bevy::prelude::*;
+use engine_support::look_along;
 use sunroom::accel::Primitive;
 use sunroom::color::Rgb;
 use sunroom::engine::{EnginePlugin, Limits, Outcome, RenderControl, RenderFilm, render_to_completion};
@@ -19,9 +21,7 @@ use sunroom::render::light_layers::LightGroups;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::tile::{render_preview, tiles};
 use sunroom::render::view::{Strategy, View};
-use sunroom::scene::{
-    ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, ScenePlugin, Sensor, Shape, ShapeKind, ToWorld,
-};
+use sunroom::scene::{AreaLight, DocumentOrder, Emitter, EmitterKind, ScenePlugin, Shape, ShapeKind, ToWorld};
 use sunroom::shading::{Bsdf, Dielectric, DielectricModel, Diffuse};
 use support::{SceneBuilder, camera, render, view};
 
@@ -193,16 +193,7 @@ fn every_light_of_the_scene_has_its_layer_when_asked_for() {
         )
     };
     let lamps = [world.spawn(lamp(1, -1.0)).id(), world.spawn(lamp(2, 1.0)).id()];
-    let film = sunroom::scene::Film {
-        width: 20,
-        height: 10,
-        sample_count: 4,
-        ..Default::default()
-    };
-    let sensor = world
-        .spawn((DocumentOrder(3), Sensor::default(), ToWorld::default(), film))
-        .id();
-    world.insert_resource(ActiveSensor(Some(sensor)));
+    look_along(world, 20, 10);
     world.resource_mut::<RenderControl>().threads = NonZeroUsize::MIN;
     let mut picture = |light_layers: bool| {
         app.world_mut().resource_mut::<RenderControl>().light_layers = light_layers;

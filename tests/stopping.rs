@@ -1,17 +1,18 @@
 //! When pictures stop, and that going on loses nothing.
 
+mod engine_support;
+
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
 use bevy::asset::AssetPlugin;
 use bevy::math::{Affine3A, Rect, Vec3};
 use bevy::prelude::*;
+use engine_support::look_along;
 use sunroom::color::Rgb;
 use sunroom::engine::{EnginePlugin, RenderControl, RenderFilm, RenderState, RenderStatus, StopReason};
 use sunroom::render::film::Film;
-use sunroom::scene::{
-    self, ActiveSensor, DocumentOrder, Emitter, EmitterKind, ScenePlugin, Sensor, Shape, ShapeKind, ToWorld,
-};
+use sunroom::scene::{DocumentOrder, Emitter, EmitterKind, ScenePlugin, Shape, ShapeKind, ToWorld};
 
 const ENDLESS: u32 = 1 << 30;
 
@@ -45,16 +46,7 @@ fn studio(control: impl FnOnce(&mut RenderControl)) -> App {
         }),
         ToWorld(lamp),
     ));
-    let film = scene::Film {
-        width: 80,
-        height: 40,
-        sample_count: 4,
-        ..Default::default()
-    };
-    let sensor = world
-        .spawn((DocumentOrder(3), Sensor::default(), ToWorld::default(), film))
-        .id();
-    world.insert_resource(ActiveSensor(Some(sensor)));
+    look_along(world, 80, 40);
     let mut settings = world.resource_mut::<RenderControl>();
     settings.threads = NonZeroUsize::MIN;
     control(&mut settings);

@@ -131,14 +131,14 @@ pub(super) fn dispatch_job(
         };
         // The old job goes first, so that its workers stop while the new one is being set up.
         *job = None;
-        let mut new = Job::new(
+        let new = Job::new(
             demand.extracted.scene.clone(),
             view,
             demand.extracted.light_groups.clone(),
             begins,
+            control.motion_scale < 1.0,
             since,
         );
-        new.is_coarse = control.motion_scale < 1.0;
         if !control.interactive {
             // Otherwise the last picture stays in the film until the first tile of the new one is there.
             film.begin(&new);

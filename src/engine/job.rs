@@ -85,6 +85,7 @@ impl Job {
         view: View,
         light_groups: Arc<[LightGroup]>,
         beginning: Beginning,
+        is_coarse: bool,
         since: Option<Instant>,
     ) -> Self {
         let mut order = tiles(view.width, view.height);
@@ -95,7 +96,7 @@ impl Job {
             light_groups,
             begun: Instant::now(),
             since,
-            is_coarse: false,
+            is_coarse,
             rays: 0,
             samples: 0,
             invalid: 0,

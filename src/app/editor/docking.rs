@@ -106,7 +106,7 @@ impl TabViewer for Panels<'_> {
             Panel::Outliner => {
                 outliner::outliner(ui, model, &mut state.outliner, commands);
             }
-            Panel::Library => library::library(ui, model, &mut state.library, commands),
+            Panel::Library => library::library(ui, model, &mut state.shelf, commands),
             Panel::Inspector => {
                 inspector::inspector(ui, model, state.navigation.scene_size, &mut state.inspector, commands);
             }

@@ -4,6 +4,7 @@
 //! [`command::Command`]s; `commands` writes those to the world; the engine reacts in the same frame; the texture follows the film.
 
 pub mod actions;
+pub mod addition;
 mod captions;
 pub mod command;
 pub mod commands;

@@ -74,7 +74,7 @@ impl Drop for Work {
 pub struct Previews {
     pictures: HashMap<Ball, Picture>,
     /// The looks of the library, in its order.
-    library: Vec<Look>,
+    presets: Vec<Look>,
     work: Option<Work>,
     /// Its thread ended before its time: trying again would do no good.
     given_up: Option<Look>,
@@ -91,7 +91,7 @@ pub fn update_previews(
     pacing: Res<Pacing>,
 ) -> Result {
     previews.load_library(&model.0, &state);
-    let wanted = wanted(&model.0, &state, &current, &previews.library);
+    let wanted = wanted(&model.0, &state, &current, &previews.presets);
     let finished = previews.take_passes(contexts.ctx_mut()?);
     let is_wanted = |work: &Work| {
         wanted
@@ -136,7 +136,7 @@ struct Wanted {
 }
 
 /// What panels show, the most important first.
-fn wanted(model: &Model, state: &EditorState, current: &CurrentScene, library: &[Look]) -> Vec<Wanted> {
+fn wanted(model: &Model, state: &EditorState, current: &CurrentScene, presets: &[Look]) -> Vec<Wanted> {
     let inspected = model.inspected.iter().flat_map(|inspected| &inspected.materials);
     let inspected = inspected
         .enumerate()
@@ -158,8 +158,8 @@ fn wanted(model: &Model, state: &EditorState, current: &CurrentScene, library: &
             is_inspected: quality != LISTED,
         })
     });
-    let of_library = state.library.in_sight.iter().filter_map(|&place| {
-        let look = library.get(place)?.clone();
+    let of_library = state.shelf.in_sight.iter().filter_map(|&place| {
+        let look = presets.get(place)?.clone();
         let (ball, quality) = (Ball::Preset(place), LIBRARY);
         Some(Wanted {
             ball,
@@ -180,7 +180,7 @@ impl Quality {
 impl Previews {
     /// When it is looked at for the first time.
     fn load_library(&mut self, model: &Model, state: &EditorState) {
-        if state.library.in_sight.is_empty() || self.library.len() == model.presets.len() {
+        if state.shelf.in_sight.is_empty() || self.presets.len() == model.presets.len() {
             return;
         }
         let (materials, outermost) = flattened(model.presets.iter().map(|preset| &preset.tree));
@@ -191,7 +191,7 @@ impl Previews {
             textures: textures.clone(),
             material: ids[place],
         });
-        self.library = looks.collect();
+        self.presets = looks.collect();
     }
 
     /// Rough ones of all come before a fine one of any. While somebody is at work only what is inspected is rendered: the picture comes first.
@@ -348,11 +348,11 @@ mod tests {
             ..Model::default()
         };
         let mut state = EditorState::default();
-        state.library.in_sight = vec![0];
+        state.shelf.in_sight = vec![0];
         let mut previews = Previews::default();
         previews.load_library(&model, &state);
-        assert_eq!(previews.library.len(), model.presets.len());
-        for (look, preset) in previews.library.iter().zip(model.presets.iter()) {
+        assert_eq!(previews.presets.len(), model.presets.len());
+        for (look, preset) in previews.presets.iter().zip(model.presets.iter()) {
             assert!(Studio::new(look, 8).is_some(), "{}", preset.path());
         }
     }

@@ -31,7 +31,8 @@ pub struct EditorState {
     /// To be brought to the front of its group, unless it is closed.
     pub wanted_panel: Option<Panel>,
     pub outliner: OutlinerState,
-    pub library: LibraryState,
+    /// The panel with the library of materials.
+    pub shelf: LibraryState,
     pub inspector: InspectorState,
     pub viewport: ViewportState,
     pub dialog: Option<FileDialogKind>,
@@ -63,7 +64,7 @@ impl Default for EditorState {
             panels_shown: true,
             wanted_panel: None,
             outliner: OutlinerState::default(),
-            library: LibraryState::default(),
+            shelf: LibraryState::default(),
             inspector: InspectorState::default(),
             viewport: ViewportState::default(),
             dialog: None,

@@ -190,7 +190,7 @@ pub fn show_window(
     let (state, commands, model) = (&mut *state, &mut Vec::new(), &model.0);
     // Panels that are shown say it anew.
     state.outliner.materials_in_sight.clear();
-    state.library.in_sight.clear();
+    state.shelf.in_sight.clear();
     let layout = &mut *shell.layout;
     // A question or a sheet that closes in this frame still had its keys.
     let is_free =

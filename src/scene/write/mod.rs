@@ -11,6 +11,7 @@ pub mod objects;
 mod parts;
 mod patch;
 mod portable;
+mod poses;
 mod steps;
 
 use std::collections::HashSet;

@@ -4,9 +4,10 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 
 use bevy::math::{Affine2, Affine3A};
-use glam::{Mat3, Mat4, Quat, Vec3, Vec4};
+use glam::{Mat4, Vec4};
 
 use super::lights::area_light;
+use super::poses::{as_look_at, as_steps};
 use crate::color::Rgb;
 use crate::document::paths::file_name;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
@@ -357,145 +358,5 @@ pub(super) fn with_view(object: Object, to_world: &Affine3A) -> Object {
     match as_look_at(to_world) {
         Some(step) if *to_world != Affine3A::IDENTITY => with(object, "to_world", Value::Transform(vec![step])),
         _ => with_to_world(object, to_world),
-    }
-}
-
-/// How far a map taken apart and put together again may be from itself, relative to its largest element.
-const RECOMPOSED: f32 = 1e-5;
-
-/// What shortening the numbers of a transform may change, relative to the largest of the linear part, and to each coordinate of the place: some
-/// units in the last place.
-const SHORTENED: f32 = 4e-7;
-
-/// The step with numbers of six digits: people write 3 and 90, arithmetic makes 2.9999998 and 90.00001 of them.
-fn shortened(step: &TransformOp) -> TransformOp {
-    match *step {
-        TransformOp::Scale(factors) => TransformOp::Scale(short(factors)),
-        TransformOp::Translate(by) => TransformOp::Translate(short(by)),
-        TransformOp::Rotate { axis, degrees } => TransformOp::Rotate {
-            axis: axis.map(|part| {
-                if (part - part.round()).abs() < 1e-6 {
-                    part.round()
-                } else {
-                    part
-                }
-            }),
-            degrees: short(Vec3::splat(degrees)).x,
-        },
-        other => other,
-    }
-}
-
-/// Six digits.
-pub(super) fn short(numbers: Vec3) -> Vec3 {
-    numbers.map(|number| {
-        let number = f64::from(number);
-        if number == 0.0 {
-            return 0.0;
-        }
-        let unit = 10f64.powf(number.abs().log10().floor() - 5.0);
-        ((number / unit).round() * unit) as f32
-    })
-}
-
-/// The map as scale, rotation and translation, each only where it does something; as a matrix when it has shear.
-pub fn as_steps(map: &Affine3A) -> Vec<TransformOp> {
-    let (scale, rotation, translation) = map.to_scale_rotation_translation();
-    let mut steps = Vec::new();
-    if !scale.abs_diff_eq(Vec3::ONE, 1e-6) {
-        steps.push(TransformOp::Scale(scale));
-    }
-    if rotation.is_normalized() && !rotation.abs_diff_eq(Quat::IDENTITY, 1e-7) {
-        let (axis, angle) = rotation.to_axis_angle();
-        steps.push(TransformOp::Rotate {
-            axis,
-            degrees: angle.to_degrees(),
-        });
-    }
-    if translation != Vec3::ZERO {
-        steps.push(TransformOp::Translate(translation));
-    }
-    let largest = map
-        .to_cols_array()
-        .iter()
-        .fold(0.0f32, |most, element| most.max(element.abs()));
-    let is_same =
-        |steps: &[TransformOp], tolerance: f32| TransformOp::compose(steps).abs_diff_eq(*map, tolerance * largest);
-    let short: Vec<TransformOp> = steps.iter().map(shortened).collect();
-    let shorter = TransformOp::compose(&short);
-    let linear = map
-        .matrix3
-        .to_cols_array()
-        .iter()
-        .fold(0.0f32, |most, part| most.max(part.abs()));
-    let moved = Vec3::from(shorter.translation - map.translation).abs();
-    let is_short_enough = shorter.matrix3.abs_diff_eq(map.matrix3, SHORTENED * linear)
-        && moved.cmple(SHORTENED * Vec3::from(map.translation).abs()).all();
-    if is_short_enough {
-        short
-    } else if is_same(&steps, RECOMPOSED) {
-        steps
-    } else {
-        vec![TransformOp::Matrix(Mat4::from(*map))]
-    }
-}
-
-/// A camera's pose as people write it; None if there is scale, shear or a mirror in it.
-fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
-    let rotation = Mat3::from(map.matrix3);
-    let is_rigid = (rotation.transpose() * rotation).abs_diff_eq(Mat3::IDENTITY, 1e-4) && rotation.determinant() > 0.0;
-    let origin = Vec3::from(map.translation);
-    // Far enough that the direction does not drown in the rounding of the place.
-    let distance = origin.length().max(1.0);
-    is_rigid.then(|| {
-        let (target, up) = (origin + distance * rotation.z_axis, rotation.y_axis);
-        let plain = TransformOp::LookAt {
-            origin: short(origin),
-            target: short(target),
-            // Who stands upright does so in few words.
-            up: if up.y > 0.1 && rotation.x_axis.y.abs() < 1e-6 {
-                Vec3::Y
-            } else {
-                up
-            },
-        };
-        let made = plain.affine();
-        let is_turned_alike = made.matrix3.abs_diff_eq(map.matrix3, 5.0 * SHORTENED);
-        if is_turned_alike && made.translation.abs_diff_eq(map.translation, SHORTENED * distance) {
-            return plain;
-        }
-        TransformOp::LookAt { origin, target, up }
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn maps_without_shear_become_steps() {
-        let turn = Quat::from_axis_angle(Vec3::new(1.0, 2.0, -0.5).normalize(), 2.0);
-        for scale in [Vec3::new(2.0, 0.5, 3.0), Vec3::new(-1.0, 1.0, 1.0), Vec3::splat(1e-3)] {
-            let map = Affine3A::from_scale_rotation_translation(scale, turn, Vec3::new(5.0, -7.0, 100.0));
-            let steps = as_steps(&map);
-            assert_eq!(steps.len(), 3, "{steps:?}");
-            assert!(TransformOp::compose(&steps).abs_diff_eq(map, 1e-3));
-        }
-        assert!(as_steps(&Affine3A::IDENTITY).is_empty());
-        let shear = Affine3A::from_mat3(Mat3::from_cols(Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Z));
-        assert_eq!(as_steps(&shear), [TransformOp::Matrix(Mat4::from(shear))]);
-    }
-
-    #[test]
-    fn a_camera_far_away_keeps_its_direction() {
-        let step = TransformOp::LookAt {
-            origin: Vec3::new(1000.0, 2000.0, -500.0),
-            target: Vec3::new(1000.5, 2000.2, -500.4),
-            up: Vec3::Y,
-        };
-        let map = step.affine();
-        let again = as_look_at(&map).map(|step| step.affine());
-        assert!(again.is_some_and(|again| again.abs_diff_eq(map, 1e-6 * 2000.0)));
-        assert_eq!(as_look_at(&Affine3A::from_scale(Vec3::splat(2.0))), None);
     }
 }

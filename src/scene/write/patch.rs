@@ -2,7 +2,7 @@
 
 use bevy::math::Affine3A;
 
-use super::objects::as_steps;
+use super::poses::as_steps;
 use super::steps;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
 use crate::scene::read::frame_along;

@@ -3,7 +3,8 @@
 use bevy_egui::egui::Key;
 
 use super::{Action, ActionContext, Group, Shortcut};
-use crate::app::editor::command::{AdditionKind, Command, Direction, FileDialogKind};
+use crate::app::editor::addition::AdditionKind;
+use crate::app::editor::command::{Command, Direction, FileDialogKind};
 use crate::app::editor::display::DisplaySettings;
 use crate::app::editor::gizmo::{Axes, GizmoSettings, Mode};
 use crate::app::editor::orbit::AxisView;

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::edits::{check_name, select_new};
 use super::files::CLIPBOARD;
 use super::{projection, view};
-use crate::app::editor::command::{Addition, AdditionKind};
+use crate::app::editor::addition::{Addition, AdditionKind};
 use crate::app::editor::history::Edit;
 use crate::app::editor::picking;
 use crate::app::editor::state::EditorState;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use bevy::math::Affine3A;
 
 use super::*;
-use crate::app::editor::command::{Addition, AdditionKind};
+use crate::app::editor::addition::{Addition, AdditionKind};
 use crate::app::editor::material_tree::MaterialTree;
 use crate::color::Rgb;
 use crate::engine::ViewMode;

@@ -7,7 +7,8 @@ use bevy::prelude::*;
 
 use super::{assign, rendering};
 use crate::app::editor::actions::{self, ActionContext};
-use crate::app::editor::command::{Addition, AdditionKind, Command};
+use crate::app::editor::addition::{Addition, AdditionKind};
+use crate::app::editor::command::Command;
 use crate::app::editor::commands::view_pose;
 use crate::app::editor::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::gather::EditorModel;

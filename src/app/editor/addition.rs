@@ -1,0 +1,70 @@
+//! What can be added to the scene, and how it is told where.
+
+use bevy::math::Vec3;
+
+use crate::scene::Emitter;
+
+/// Something new in the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Addition {
+    pub kind: AdditionKind,
+    /// None: named after its kind.
+    pub name: Option<String>,
+    /// World space, where it stands or shines from; None: ahead of the camera, on what is seen there.
+    pub at: Option<Vec3>,
+    /// Half its extent in world units; None: what suits the scene.
+    pub size: Option<f32>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AdditionKind {
+    Sphere,
+    Rectangle,
+    Cube,
+    Disk,
+    Cylinder,
+    /// A rectangle that shines downwards.
+    AreaLight,
+    /// One of [`Emitter::PLUGINS`].
+    Emitter(&'static str),
+    Camera,
+}
+
+impl From<AdditionKind> for Addition {
+    fn from(kind: AdditionKind) -> Self {
+        Self {
+            kind,
+            name: None,
+            at: None,
+            size: None,
+        }
+    }
+}
+
+impl AdditionKind {
+    pub const SHAPES: [Self; 5] = [Self::Sphere, Self::Rectangle, Self::Cube, Self::Disk, Self::Cylinder];
+
+    /// The word for it in names and scripts.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sphere => "sphere",
+            Self::Rectangle => "rectangle",
+            Self::Cube => "cube",
+            Self::Disk => "disk",
+            Self::Cylinder => "cylinder",
+            Self::AreaLight => "area",
+            Self::Emitter(plugin) => plugin,
+            Self::Camera => "camera",
+        }
+    }
+
+    pub fn all() -> impl Iterator<Item = Self> {
+        let plain = [Self::AreaLight, Self::Camera];
+        let emitters = Emitter::PLUGINS.map(Self::Emitter);
+        Self::SHAPES.into_iter().chain(plain).chain(emitters)
+    }
+
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::all().find(|kind| kind.name() == name)
+    }
+}

@@ -1,0 +1,18 @@
+//! What tests of the engine share.
+
+use bevy::prelude::*;
+use sunroom::scene::{ActiveSensor, DocumentOrder, Film, Sensor, ToWorld};
+
+/// Looks along +z from the origin, with a film of so many pixels and four samples of each.
+pub fn look_along(world: &mut World, width: u32, height: u32) {
+    let film = Film {
+        width,
+        height,
+        sample_count: 4,
+        ..default()
+    };
+    let sensor = world
+        .spawn((DocumentOrder(3), Sensor::default(), ToWorld::default(), film))
+        .id();
+    world.insert_resource(ActiveSensor(Some(sensor)));
+}
