@@ -25,6 +25,7 @@ pub fn run(args: EditArgs) -> ExitCode {
         after_spp: args.after_spp,
         exit: args.exit,
         measure_latency: args.measure_latency,
+        undrawn: args.undrawn,
         timeout: args.timeout,
     };
     windowed::run(options).unwrap_or_else(report::error)

@@ -95,6 +95,9 @@ struct EditArgs {
     /// Fly, drag a mesh, change a material and a light, undo: N times each, and print how long the picture took to follow
     #[arg(long, value_name = "N")]
     measure_latency: Option<u32>,
+    /// With --measure-latency: do not draw the window, so that what a software graphics driver takes is not in the figures
+    #[arg(long, requires = "measure_latency")]
+    undrawn: bool,
     /// With --exit: fail if it is not done after this time
     #[arg(long, value_name = "TIME", default_value = "10m", value_parser = parse::duration)]
     timeout: std::time::Duration,

@@ -127,7 +127,7 @@ impl Plugin for EditorPlugin {
             .init_resource::<preview::Previews>()
             .init_resource::<dialogs::Dialogs>()
             .init_resource::<latency::FrameTimes>()
-            .init_resource::<pacing::Pacing>()
+            .insert_resource(pacing::Pacing::new(options.undrawn))
             .insert_resource(denoiser::Denoiser::new())
             .insert_resource(SceneDefines(options.defines.clone()))
             .insert_resource(WantedCamera(options.camera.clone()))

@@ -28,6 +28,8 @@ pub struct WindowOptions {
     pub exit: bool,
     /// Does edits of several kinds this many times each and prints how long it took until the picture followed.
     pub measure_latency: Option<u32>,
+    /// Everything is done but the drawing of the window's pixels, as if the graphics driver took no time.
+    pub undrawn: bool,
     /// With `exit`: the program fails if it is not done after this time.
     pub timeout: Duration,
 }
@@ -45,6 +47,7 @@ impl Default for WindowOptions {
             after_spp: 1,
             exit: false,
             measure_latency: None,
+            undrawn: false,
             timeout: Duration::from_secs(600),
         }
     }

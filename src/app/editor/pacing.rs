@@ -36,9 +36,18 @@ pub struct Pacing {
     /// Results wake the event loop at once, shared with the threads that have them.
     is_lively: Arc<AtomicBool>,
     draws_on_cpu: bool,
+    /// Nothing is drawn at all: see [`super::options::WindowOptions::undrawn`].
+    undrawn: bool,
 }
 
 impl Pacing {
+    pub fn new(undrawn: bool) -> Self {
+        Self {
+            undrawn,
+            ..Self::default()
+        }
+    }
+
     /// Frames follow each other without rest.
     pub fn is_lively(&self) -> bool {
         self.is_lively.load(Ordering::Relaxed)
@@ -114,7 +123,7 @@ pub fn hold_back_frame(mut pacing: ResMut<Pacing>, picture: Res<Picture>, mut ca
         pacing.waiting_since = None;
     }
     let waits = pacing.waiting_since.is_some_and(|since| since.elapsed() < LONGEST_HOLD);
-    let draws = !(pacing.draws_on_cpu && waits);
+    let draws = !pacing.undrawn && !(pacing.draws_on_cpu && waits);
     if draws {
         pacing.drawn = picture.revision;
         pacing.waiting_since = None;
