@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, DAffine3, Mat3A, Vec3, Vec3A};
 
 use super::blas::{Blas, MeshHit};
+use super::surface::Rounding;
 use super::traverse::Steps;
 use crate::geometry::local::LocalHit;
 use crate::geometry::{cylinder, disk, rectangle, sphere};
@@ -32,6 +33,7 @@ pub struct Instance {
     pub flip_normals: bool,
     /// Whether the transform turns a right hand into a left one.
     pub(super) mirrored: bool,
+    pub(super) rounding: Rounding,
 }
 
 impl Instance {
@@ -64,6 +66,7 @@ impl Instance {
             face_normals: false,
             flip_normals: false,
             mirrored: determinant < 0.0,
+            rounding: Rounding::new(&world_from_local, &local_from_world),
         })
     }
 

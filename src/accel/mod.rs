@@ -21,6 +21,6 @@ pub use build::{LeafShape, SplitMethod};
 pub use bvh::{Bvh, BvhBox, BvhStats};
 pub use instance::{Instance, Primitive};
 pub use placement::Placement;
-pub use surface::SurfacePoint;
+pub use surface::{Detail, SurfacePoint};
 pub use tlas::{Hit, Tlas};
 pub use traverse::Steps;

@@ -3,12 +3,12 @@
 //! Conventions are Mitsuba 3's: a mesh's geometric normal is that of the transformed triangle (a mirroring transform turns it around),
 //! its vertex normals go by the inverse transpose and are not made to agree with it; the normals of other shapes go by the inverse transpose.
 
-use glam::{Mat3A, Vec2, Vec3, Vec3A};
+use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 
 use super::blas::Blas;
 use super::instance::{Instance, Primitive};
 use super::tlas::{Hit, Tlas};
-use crate::geometry::local::LocalSurface;
+use crate::geometry::local::{LocalSurface, Parametrisation};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::{cylinder, disk, rectangle, sphere, triangle};
 use crate::math::{Frame, Ray, gamma};
@@ -23,11 +23,19 @@ pub struct SurfacePoint {
     pub geometric_normal: Vec3,
     /// Unit length; may lie on the other side than the geometric one.
     pub shading_normal: Vec3,
+    /// Zero, as the derivatives, with [`Detail::Plain`].
     pub uv: Vec2,
     /// How `position` moves with u and with v (Mitsuba 3's parametrisation; world lengths). Zero at the poles of spheres (`dp_du`) and the
     /// centres of disks; any two tangents where a mesh's texture coordinates are degenerate. Normals that are flipped do not change them.
     pub dp_du: Vec3,
     pub dp_dv: Vec3,
+}
+
+/// How much of a [`SurfacePoint`] is wanted: what depends on texture coordinates can cost as much as all the rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Detail {
+    Plain,
+    Parametrised,
 }
 
 impl SurfacePoint {
@@ -46,20 +54,29 @@ impl Tlas {
         }
     }
 
-    /// The surface at `hit`, which must be what `ray` met here.
+    /// The surface at `hit`, which must be what `ray` met here, with everything.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.surface_in(ray, hit, Detail::Parametrised)
+    }
+
+    /// [`Self::surface`] with no more than `detail`.
+    pub fn surface_in(&self, ray: &Ray, hit: &Hit, detail: Detail) -> SurfacePoint {
         match self.placement_at(hit) {
-            None => self.shape_at(hit).surface(ray, hit),
-            Some(placement) => placement.place(&self.shape_at(hit).surface(&placement.group_ray(ray), hit)),
+            None => self.shape_at(hit).surface(ray, hit, detail),
+            Some(placement) => {
+                let in_group = self.shape_at(hit).surface(&placement.group_ray(ray), hit, detail);
+                placement.place(&in_group)
+            }
         }
     }
 }
 
 impl Instance {
     /// The surface at `hit`, which must be what `ray` met on this instance.
-    fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+    #[inline]
+    fn surface(&self, ray: &Ray, hit: &Hit, detail: Detail) -> SurfacePoint {
         let local = match &self.primitive {
-            Primitive::Mesh(blas) => mesh_surface(blas, hit),
+            Primitive::Mesh(blas) => triangle::surface(blas.mesh().corners(hit.primitive as usize), hit.u, hit.v),
             Primitive::Sphere => sphere::surface(&self.local_ray(ray), hit.t),
             Primitive::Rectangle => rectangle::surface(hit.u, hit.v),
             Primitive::Disk => disk::surface(hit.u, hit.v),
@@ -71,20 +88,47 @@ impl Instance {
             _ => geometric,
         };
         let side = if self.flip_normals { -1.0 } else { 1.0 };
-        let (mut dp_du, mut dp_dv) = [local.dp_du, local.dp_dv]
-            .map(|v| self.world_from_local.transform_vector3(v))
-            .into();
-        if local.dp_du == Vec3::ZERO && matches!(self.primitive, Primitive::Mesh(_)) {
-            (dp_du, dp_dv) = geometric.any_orthonormal_pair();
-        }
+        let parametrisation = match detail {
+            Detail::Plain => Parametrisation::default(),
+            Detail::Parametrised => self.parametrisation(hit, local.position, geometric),
+        };
         SurfacePoint {
             position: self.world_from_local.transform_point3(local.position),
             error: self.world_error(&local),
             geometric_normal: side * geometric,
             shading_normal: side * shading,
-            uv: local.uv,
-            dp_du,
-            dp_dv,
+            uv: parametrisation.uv,
+            dp_du: parametrisation.dp_du,
+            dp_dv: parametrisation.dp_dv,
+        }
+    }
+
+    /// With derivatives in world space. `position` is local, `geometric` the world's unit normal.
+    #[inline(never)]
+    fn parametrisation(&self, hit: &Hit, position: Vec3, geometric: Vec3) -> Parametrisation {
+        let local = match &self.primitive {
+            Primitive::Mesh(blas) => {
+                let mesh = blas.mesh();
+                let triangle = hit.primitive as usize;
+                let uvs = match mesh.triangles[triangle].map(|corner| mesh.uvs.get(corner as usize)) {
+                    [Some(&a), Some(&b), Some(&c)] => Some([a, b, c]),
+                    _ => None,
+                };
+                triangle::parametrisation(mesh.corners(triangle), hit.u, hit.v, uvs)
+            }
+            Primitive::Sphere => sphere::parametrisation(position),
+            Primitive::Rectangle => rectangle::parametrisation(hit.u, hit.v),
+            Primitive::Disk => disk::parametrisation(hit.u, hit.v),
+            Primitive::Cylinder => cylinder::parametrisation(position),
+        };
+        if local.dp_du == Vec3::ZERO && matches!(self.primitive, Primitive::Mesh(_)) {
+            let (dp_du, dp_dv) = geometric.any_orthonormal_pair();
+            return Parametrisation { dp_du, dp_dv, ..local };
+        }
+        Parametrisation {
+            dp_du: self.world_from_local.transform_vector3(local.dp_du),
+            dp_dv: self.world_from_local.transform_vector3(local.dp_dv),
+            ..local
         }
     }
 
@@ -118,25 +162,32 @@ impl Instance {
 
     /// The local error taken to the world, with the rounding of the way out and of a next ray's way back in.
     fn world_error(&self, local: &LocalSurface) -> f32 {
-        let out = absolute(&self.world_from_local.matrix3);
-        let back = absolute(&self.local_from_world.matrix3);
-        let position = Vec3A::from(local.position.abs());
-        let image = out * position;
-        let round_trip = gamma(8) * (back * image);
-        let error = out * (Vec3A::from(local.error) + round_trip);
-        let translation = self.world_from_local.translation.abs();
-        (error + gamma(4) * image + gamma(2) * translation).max_element()
+        let error = self.rounding.of_error * Vec3A::from(local.error)
+            + self.rounding.of_position * Vec3A::from(local.position.abs())
+            + self.rounding.of_translation;
+        error.max_element()
     }
 }
 
-fn mesh_surface(blas: &Blas, hit: &Hit) -> LocalSurface {
-    let mesh = blas.mesh();
-    let corners = mesh.corners(hit.primitive as usize);
-    let surface = triangle::surface(corners, hit.u, hit.v);
-    let uvs = mesh.triangles[hit.primitive as usize].map(|corner| mesh.uvs.get(corner as usize));
-    match uvs {
-        [Some(&a), Some(&b), Some(&c)] => triangle::with_texture_coordinates(surface, [a, b, c]),
-        _ => surface,
+/// What bounds the rounding of an instance's transforms, per coordinate, in world units.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rounding {
+    /// From the local error, as it arrives in the world.
+    of_error: Mat3A,
+    /// From the magnitudes of the local position.
+    of_position: Mat3A,
+    of_translation: Vec3A,
+}
+
+impl Rounding {
+    pub fn new(world_from_local: &Affine3A, local_from_world: &Affine3A) -> Self {
+        let out = absolute(&world_from_local.matrix3);
+        let back = absolute(&local_from_world.matrix3);
+        Self {
+            of_error: out,
+            of_position: out * (back * out) * gamma(8) + out * gamma(4),
+            of_translation: gamma(2) * world_from_local.translation.abs(),
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};
 
-use super::local::{LocalHit, LocalSurface};
+use super::local::{LocalHit, LocalSurface, Parametrisation};
 use crate::math::{Ray, gamma};
 
 /// The nearer of the two crossings that has 0 < t < t_max and lies between the ends. Both sides are met.
@@ -36,8 +36,6 @@ pub fn intersect(ray: &Ray) -> Option<LocalHit> {
 }
 
 /// The surface where `ray` meets the cylinder at parameter `t`; the normal points outwards.
-///
-/// uv = (angle from +x towards +y in turns, in [0, 1), z).
 pub fn surface(ray: &Ray, t: f32) -> LocalSurface {
     let on_ray = ray.origin.as_dvec3() + f64::from(t) * ray.dir.as_dvec3();
     let around = on_ray.truncate().normalize_or(glam::DVec2::X).as_vec2();
@@ -46,8 +44,14 @@ pub fn surface(ray: &Ray, t: f32) -> LocalSurface {
         position,
         error: gamma(3) * around.abs().extend(0.0),
         normal: around.extend(0.0),
+    }
+}
+
+/// At a point of the cylinder: uv = (angle from +x towards +y in turns, in [0, 1), z).
+pub fn parametrisation(position: Vec3) -> Parametrisation {
+    Parametrisation {
         uv: uv(position),
-        dp_du: TAU * Vec3::new(-around.y, around.x, 0.0),
+        dp_du: TAU * Vec3::new(-position.y, position.x, 0.0),
         dp_dv: Vec3::Z,
     }
 }

@@ -22,7 +22,11 @@ pub struct LocalSurface {
     pub error: Vec3,
     /// Geometric normal, not of unit length.
     pub normal: Vec3,
-    /// Mitsuba 3's parametrisation of the shape.
+}
+
+/// Where a point lies in Mitsuba 3's parametrisation of its shape; local space. Apart from [`LocalSurface`], for most paths never ask.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Parametrisation {
     pub uv: Vec2,
     /// How `position` moves with u and with v; both zero where the parametrisation is degenerate on a whole triangle.
     pub dp_du: Vec3,

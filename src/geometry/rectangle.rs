@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::local::{LocalHit, LocalSurface};
+use super::local::{LocalHit, LocalSurface, Parametrisation};
 use crate::math::Ray;
 
 /// Plane test, then the bounds. The hit's u, v are the local x, y.
@@ -12,12 +12,18 @@ pub fn intersect(ray: &Ray) -> Option<LocalHit> {
     (t > 0.0 && t < ray.t_max && u.abs() <= 1.0 && v.abs() <= 1.0).then_some(LocalHit { t, u, v })
 }
 
-/// The surface at local (x, y); uv runs from 0 to 1 along x and y.
+/// The surface at local (x, y).
 pub fn surface(x: f32, y: f32) -> LocalSurface {
     LocalSurface {
         position: Vec3::new(x, y, 0.0),
         error: Vec3::ZERO,
         normal: Vec3::Z,
+    }
+}
+
+/// At local (x, y): uv runs from 0 to 1 along x and y.
+pub fn parametrisation(x: f32, y: f32) -> Parametrisation {
+    Parametrisation {
         uv: Vec2::new(0.5 * x + 0.5, 0.5 * y + 0.5),
         dp_du: 2.0 * Vec3::X,
         dp_dv: 2.0 * Vec3::Y,

@@ -7,7 +7,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::local::{LocalHit, LocalSurface};
+use super::local::{LocalHit, LocalSurface, Parametrisation};
 use crate::math::{Ray, gamma};
 
 /// The nearest of the two crossings with 0 < t < t_max.
@@ -33,9 +33,6 @@ pub fn intersect(ray: &Ray) -> Option<LocalHit> {
 }
 
 /// The surface where `ray` meets the sphere at parameter `t`; the normal points outwards and has unit length.
-///
-/// uv = (phi / 2 pi in [0, 1), theta / pi in [0, 1]) with phi from +x towards +y and theta from +z. At the poles, where nothing moves with
-/// u, v grows towards +x.
 pub fn surface(ray: &Ray, t: f32) -> LocalSurface {
     let on_ray = ray.origin.as_dvec3() + f64::from(t) * ray.dir.as_dvec3();
     let position = on_ray.try_normalize().unwrap_or(DVec3::Z).as_vec3();
@@ -43,6 +40,13 @@ pub fn surface(ray: &Ray, t: f32) -> LocalSurface {
         position,
         error: gamma(3) * position.abs(),
         normal: position,
+    }
+}
+
+/// At a point of the sphere: uv = (phi / 2 pi in [0, 1), theta / pi in [0, 1]) with phi from +x towards +y and theta from +z. At the poles, where nothing moves with
+/// u, v grows towards +x.
+pub fn parametrisation(position: Vec3) -> Parametrisation {
+    Parametrisation {
         uv: uv(position),
         dp_du: TAU * Vec3::new(-position.y, position.x, 0.0),
         dp_dv: PI * down(position),

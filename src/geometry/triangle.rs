@@ -9,7 +9,7 @@ use std::ops::{Add, Mul, Sub};
 
 use glam::{Vec2, Vec3};
 
-use super::local::{LocalHit, LocalSurface};
+use super::local::{LocalHit, LocalSurface, Parametrisation};
 use crate::math::{Ray, gamma};
 
 /// Which sides of a triangle can be hit. The front is the side from which its corners turn counter-clockwise.
@@ -95,8 +95,7 @@ pub fn is_regular(corners: [Vec3; 3]) -> bool {
     corners.iter().all(|p| p.is_finite()) && normal.is_finite() && normal != Vec3::ZERO
 }
 
-/// The surface at the weights `u`, `v` of corners 1 and 2; `uv` is (u, v), as for a mesh without texture coordinates
-/// ([`with_texture_coordinates`]).
+/// The surface at the weights `u`, `v` of corners 1 and 2.
 pub fn surface(corners: [Vec3; 3], u: f32, v: f32) -> LocalSurface {
     let [a, b, c] = corners;
     let w = 1.0 - u - v;
@@ -116,24 +115,27 @@ pub fn surface(corners: [Vec3; 3], u: f32, v: f32) -> LocalSurface {
         position,
         error: interpolation + Vec3::splat(plane.min(MAX_PLANE_ERROR * longest)),
         normal,
-        uv: Vec2::new(u, v),
-        dp_du: edge_b,
-        dp_dv: edge_c,
     }
 }
 
-/// `surface`, which [`surface`] gave, with the parametrisation that takes the values `uvs` at the corners. Where those have no area,
-/// the derivatives are zero.
-pub fn with_texture_coordinates(surface: LocalSurface, uvs: [Vec2; 3]) -> LocalSurface {
-    let (u, v) = (surface.uv.x, surface.uv.y);
+/// At the weights `u`, `v` of corners 1 and 2 the parametrisation that takes the values `uvs` at the corners; without them uv is (u, v).
+/// Where they have no area, the derivatives are zero.
+pub fn parametrisation(corners: [Vec3; 3], u: f32, v: f32, uvs: Option<[Vec2; 3]>) -> Parametrisation {
+    let (edge_b, edge_c) = (corners[1] - corners[0], corners[2] - corners[0]);
+    let Some(uvs) = uvs else {
+        return Parametrisation {
+            uv: Vec2::new(u, v),
+            dp_du: edge_b,
+            dp_dv: edge_c,
+        };
+    };
     let (to_b, to_c) = (uvs[1] - uvs[0], uvs[2] - uvs[0]);
     let determinant = to_b.perp_dot(to_c);
     let inverse = if determinant == 0.0 { 0.0 } else { determinant.recip() };
-    LocalSurface {
+    Parametrisation {
         uv: (1.0 - u - v) * uvs[0] + u * uvs[1] + v * uvs[2],
-        dp_du: (to_c.y * surface.dp_du - to_b.y * surface.dp_dv) * inverse,
-        dp_dv: (to_b.x * surface.dp_dv - to_c.x * surface.dp_du) * inverse,
-        ..surface
+        dp_du: (to_c.y * edge_b - to_b.y * edge_c) * inverse,
+        dp_dv: (to_b.x * edge_c - to_c.x * edge_b) * inverse,
     }
 }
 

@@ -45,8 +45,15 @@ impl LightChoice {
         }
     }
 
-    /// The choice that `u` in [0, 1) stands for, with its probability; None if nothing shines on `reference`.
-    pub fn sample(&self, reference: &LightReference, u: f64) -> Option<(Chosen, f32)> {
+    /// The choice that `u` in [0, 1) stands for, with its probability; None if nothing shines on `reference`. Where there is only one
+    /// `u` is not asked for.
+    pub fn sample(&self, reference: &LightReference, u: impl FnOnce() -> f64) -> Option<(Chosen, f32)> {
+        if self.infinite.is_none()
+            && let Some(only) = self.finite.as_ref()?.only()
+        {
+            return Some((Chosen::Part(only), 1.0));
+        }
+        let u = u();
         let infinite_share = f64::from(self.infinite_share);
         if u < infinite_share {
             let sample = self.infinite.as_ref()?.sample((u / infinite_share) as f32);

@@ -243,8 +243,8 @@ impl SurfaceLight {
         if let Parameter::Texture(_) = self.radiance {
             let local = self.local_from_world.transform_point3(point.position);
             hit.uv = match (&self.shape, &self.mesh) {
-                (EmitterShape::Rectangle(_), _) => rectangle::surface(local.x, local.y).uv,
-                (EmitterShape::Disk(_), _) => disk::surface(local.x, local.y).uv,
+                (EmitterShape::Rectangle(_), _) => rectangle::parametrisation(local.x, local.y).uv,
+                (EmitterShape::Disk(_), _) => disk::parametrisation(local.x, local.y).uv,
                 (EmitterShape::Sphere(_) | EmitterShape::Ellipsoid(_), _) => sphere::uv(local.normalize_or_zero()),
                 (EmitterShape::Cylinder(_), _) => cylinder::uv(local),
                 (EmitterShape::Mesh(triangles), Some(mesh)) => {

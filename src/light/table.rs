@@ -53,6 +53,8 @@ pub struct LightTable {
     textures: Arc<TextureTable>,
     /// Lights that are seen where a ray meets nothing.
     seen_at_infinity: Vec<LightId>,
+    /// By [`LightId`], whether it looks different from place to place.
+    textured: Vec<bool>,
 }
 
 impl LightTable {
@@ -60,6 +62,7 @@ impl LightTable {
     pub fn build(sources: &[WeightedSource], geometry: &Tlas, textures: &Arc<TextureTable>) -> Self {
         let mut table = Self {
             textures: textures.clone(),
+            textured: sources.iter().map(|weighted| weighted.source.is_textured()).collect(),
             ..Self::default()
         };
         let (mut part_bounds, mut infinite_weights) = (Vec::new(), Vec::new());
@@ -139,9 +142,14 @@ impl LightTable {
         self.places.is_empty()
     }
 
+    /// Whether what it emits depends on the surface's texture coordinates.
+    pub fn is_textured(&self, id: LightId) -> bool {
+        self.textured[id.0 as usize]
+    }
+
     /// Chooses a light by `u_choice`, then a direction to it by `u`. None where the chosen light sends nothing to `reference`.
     pub fn sample(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<(LightId, LightSample)> {
-        let (chosen, pmf) = self.choice.sample(reference, refined(u_choice, u))?;
+        let (chosen, pmf) = self.choice.sample(reference, || refined(u_choice, u))?;
         let (id, sample) = match chosen {
             Chosen::Part(part) => {
                 let finite = &self.finite[self.light_of_part[part as usize] as usize];

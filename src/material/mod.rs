@@ -16,7 +16,7 @@ pub use textured::{TexturedBase, TexturedBsdf, TexturedFacets, TexturedSpecular}
 
 use glam::Vec3;
 
-use crate::accel::SurfacePoint;
+use crate::accel::{Detail, SurfacePoint};
 use crate::color::Rgb;
 use crate::shading::Bsdf;
 use crate::texture::{Parameter, TexturePoint, TextureTable};
@@ -87,6 +87,8 @@ pub struct MaterialTable {
     materials: Vec<Material>,
     /// Whether light can pass straight through any of them.
     lets_through: bool,
+    /// Per material.
+    parametrised: Vec<bool>,
 }
 
 impl MaterialTable {
@@ -107,6 +109,7 @@ impl MaterialTable {
             _ => false,
         });
         Ok(Self {
+            parametrised: nesting::parametrised(&materials),
             materials,
             lets_through,
         })
@@ -134,6 +137,14 @@ impl MaterialTable {
         self.lets_through
     }
 
+    /// What of a surface [`Self::scattering`] has to know.
+    pub fn detail(&self, id: MaterialId) -> Detail {
+        match self.parametrised[id.0 as usize] {
+            true => Detail::Parametrised,
+            false => Detail::Plain,
+        }
+    }
+
     /// How the surface at `point` scatters light to `wo`, a unit vector in world space. `at` is where its textures are looked up.
     pub fn scattering(
         &self,
@@ -142,7 +153,7 @@ impl MaterialTable {
         wo: Vec3,
         textures: &TextureTable,
         at: &TexturePoint,
-    ) -> Scattering {
+    ) -> Scattering<'_> {
         nesting::resolve(&self.materials, id, point, wo, textures, at)
     }
 }

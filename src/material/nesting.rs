@@ -1,5 +1,7 @@
 //! Materials inside materials: which are allowed, and what they amount to at a place.
 
+use std::borrow::Cow;
+
 use glam::Vec3;
 
 use super::bump::{Bump, Orientation, displaced_normal};
@@ -7,7 +9,7 @@ use super::scattering::{Part, Scattering};
 use super::{BumpOptions, Material, MaterialId};
 use crate::accel::SurfacePoint;
 use crate::shading::Bsdf;
-use crate::texture::{TexturePoint, TextureTable};
+use crate::texture::{Parameter, TexturePoint, TextureTable};
 
 /// Models that a material may mix at one place.
 pub const LARGEST_MIX: usize = 8;
@@ -64,6 +66,34 @@ pub(super) fn check(materials: &[Material]) -> Result<(), MaterialTableError> {
     Ok(())
 }
 
+/// Per material, whether what it is at a place depends on the surface's texture coordinates or tangents.
+pub(super) fn parametrised(materials: &[Material]) -> Vec<bool> {
+    let mut found: Vec<bool> = materials.iter().map(is_parametrised).collect();
+    loop {
+        let mut is_settled = true;
+        for (place, material) in materials.iter().enumerate() {
+            let mut nested = material.nested().into_iter().flatten();
+            if !found[place] && nested.any(|nested| found[nested.0 as usize]) {
+                (found[place], is_settled) = (true, false);
+            }
+        }
+        if is_settled {
+            return found;
+        }
+    }
+}
+
+/// By itself, without what is nested.
+fn is_parametrised(material: &Material) -> bool {
+    match material {
+        Material::Plain(bsdf) => !bsdf.is_isotropic(),
+        Material::TwoSided { .. } | Material::Null => false,
+        Material::Blend { weight, .. } => matches!(weight, Parameter::Texture(_)),
+        Material::Mask { opacity, .. } => matches!(opacity, Parameter::Texture(_)),
+        Material::Textured(_) | Material::NormalMap { .. } | Material::BumpMap { .. } => true,
+    }
+}
+
 /// Most models that a material can amount to; None if it is nested too deep.
 fn count_parts(materials: &[Material], index: usize, known: &mut [Option<usize>], depth: usize) -> Option<usize> {
     if depth > DEEPEST {
@@ -87,14 +117,14 @@ fn count_parts(materials: &[Material], index: usize, known: &mut [Option<usize>]
 }
 
 /// What `id` is at a place.
-pub(super) fn resolve(
-    materials: &[Material],
+pub(super) fn resolve<'a>(
+    materials: &'a [Material],
     id: MaterialId,
     point: &SurfacePoint,
     wo: Vec3,
     textures: &TextureTable,
     at: &TexturePoint,
-) -> Scattering {
+) -> Scattering<'a> {
     // It is large: made where it will stay.
     let mut scattering = Scattering::new(wo);
     let upright = Orientation {
@@ -113,26 +143,26 @@ pub(super) fn resolve(
     scattering
 }
 
-struct Resolver<'a> {
+struct Resolver<'a, 'b> {
     materials: &'a [Material],
-    point: &'a SurfacePoint,
+    point: &'b SurfacePoint,
     wo: Vec3,
-    textures: &'a TextureTable,
-    at: &'a TexturePoint<'a>,
-    scattering: &'a mut Scattering,
+    textures: &'b TextureTable,
+    at: &'b TexturePoint<'b>,
+    scattering: &'b mut Scattering<'a>,
 }
 
-impl Resolver<'_> {
+impl<'a> Resolver<'a, '_> {
     fn add(&mut self, id: MaterialId, weight: f32, orientation: Orientation, bump: Option<Bump>) {
         if weight <= 0.0 {
             return;
         }
         let materials = self.materials;
         match &materials[id.0 as usize] {
-            Material::Plain(bsdf) => self.push(*bsdf, weight, orientation, bump),
+            Material::Plain(bsdf) => self.push(Cow::Borrowed(bsdf), weight, orientation, bump),
             Material::Textured(textured) => {
                 let bsdf = textured.at(self.textures, self.at);
-                self.push(bsdf, weight, orientation, bump);
+                self.push(Cow::Owned(bsdf), weight, orientation, bump);
             }
             Material::TwoSided { front, back } => {
                 if orientation.to_local(self.wo).z > 0.0 {
@@ -197,9 +227,10 @@ impl Resolver<'_> {
         }
     }
 
-    fn push(&mut self, bsdf: Bsdf, weight: f32, orientation: Orientation, bump: Option<Bump>) {
+    fn push(&mut self, bsdf: Cow<'a, Bsdf>, weight: f32, orientation: Orientation, bump: Option<Bump>) {
         self.scattering.push(Part {
             weight,
+            wo: orientation.to_local(self.wo),
             orientation,
             bump,
             bsdf,

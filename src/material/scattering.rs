@@ -2,6 +2,8 @@
 //!
 //! Directions are unit vectors in world space; `wo` is part of the value. Contracts are those of [`crate::shading`].
 
+use std::borrow::Cow;
+
 use arrayvec::ArrayVec;
 use glam::{Vec2, Vec3};
 
@@ -11,19 +13,22 @@ use crate::color::Rgb;
 use crate::shading::{Bsdf, BsdfSample};
 
 /// A model, its share, and how it lies in the world.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Part {
+#[derive(Clone, Debug)]
+pub(super) struct Part<'a> {
     pub weight: f32,
+    /// The scattering's `wo` as it lies in the orientation.
+    pub wo: Vec3,
     pub orientation: Orientation,
     pub bump: Option<Bump>,
-    pub bsdf: Bsdf,
+    /// Models are large: those that are the same everywhere stay in the table.
+    pub bsdf: Cow<'a, Bsdf>,
 }
 
 /// What a surface does with light at one place, seen from one direction.
 #[derive(Clone, Debug)]
-pub struct Scattering {
+pub struct Scattering<'a> {
     wo: Vec3,
-    parts: ArrayVec<Part, LARGEST_MIX>,
+    parts: ArrayVec<Part<'a>, LARGEST_MIX>,
     /// Share of the light that goes on as if nothing were there.
     passing: f32,
 }
@@ -56,31 +61,24 @@ pub struct ScatterSample {
     pub eta: f32,
 }
 
-impl Part {
-    fn wo(&self, wo: Vec3) -> Vec3 {
-        self.orientation.to_local(wo)
-    }
-
+impl Part<'_> {
     fn factor(&self, wi: Vec3) -> f32 {
         self.bump.map_or(1.0, |bump| bump.factor(wi))
     }
 
     /// f |cos wi| and its density, both times the weight.
-    fn eval_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+    fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
         let factor = self.factor(wi);
         if factor == 0.0 {
             return (Rgb::ZERO, 0.0);
         }
-        let (wo, wi) = (self.wo(wo), self.orientation.to_local(wi));
-        (
-            self.weight * factor * self.bsdf.eval(wo, wi),
-            self.weight * self.bsdf.pdf(wo, wi),
-        )
+        let (value, pdf) = self.bsdf.eval_and_pdf(self.wo, self.orientation.to_local(wi));
+        (self.weight * factor * value, self.weight * pdf)
     }
 
     /// In world space and with the bump's factor; not weighted.
-    fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        let sample = self.bsdf.sample(self.wo(wo), u_lobe, u)?;
+    fn sample(&self, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        let sample = self.bsdf.sample(self.wo, u_lobe, u)?;
         let wi = self.orientation.to_world(sample.wi);
         let factor = self.factor(wi);
         (factor > 0.0).then_some(BsdfSample {
@@ -91,7 +89,7 @@ impl Part {
     }
 }
 
-impl Scattering {
+impl<'a> Scattering<'a> {
     pub(super) fn new(wo: Vec3) -> Self {
         Self {
             wo,
@@ -101,7 +99,7 @@ impl Scattering {
     }
 
     /// The table has made sure that there is room.
-    pub(super) fn push(&mut self, part: Part) {
+    pub(super) fn push(&mut self, part: Part<'a>) {
         self.parts.push(part);
     }
 
@@ -112,7 +110,7 @@ impl Scattering {
     /// f |cos wi| and the solid angle density with which [`Self::sample`] returns `wi`, both without delta and null lobes.
     pub fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
         self.parts.iter().fold((Rgb::ZERO, 0.0), |(value, pdf), part| {
-            let (part_value, part_pdf) = part.eval_and_pdf(self.wo, wi);
+            let (part_value, part_pdf) = part.eval_and_pdf(wi);
             (value + part_value, pdf + part_pdf)
         })
     }
@@ -120,7 +118,7 @@ impl Scattering {
     /// A direction for the path to go on, from independent uniform numbers. None if the light is absorbed.
     pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<ScatterSample> {
         if let ([part], 0.0) = (&self.parts[..], self.passing) {
-            return Some(self.only(part, part.sample(self.wo, u_lobe, u)?, 1.0));
+            return Some(self.only(part, part.sample(u_lobe, u)?, 1.0));
         }
         if u_lobe < self.passing {
             return Some(ScatterSample {
@@ -143,7 +141,7 @@ impl Scattering {
         }
         let part = &self.parts[chosen];
         let u_part = (left / part.weight).clamp(0.0, 1.0 - f32::EPSILON);
-        let sample = part.sample(self.wo, u_part, u)?;
+        let sample = part.sample(u_part, u)?;
         if sample.is_delta {
             return Some(self.only(part, sample, part.weight));
         }
@@ -152,7 +150,7 @@ impl Scattering {
         let start = (pdf * sample.weight, pdf);
         let others = self.parts.iter().enumerate().filter(|&(index, _)| index != chosen);
         let (value, pdf) = others.fold(start, |(value, pdf), (_, other)| {
-            let (other_value, other_pdf) = other.eval_and_pdf(self.wo, sample.wi);
+            let (other_value, other_pdf) = other.eval_and_pdf(sample.wi);
             (value + other_value, pdf + other_pdf)
         });
         Some(ScatterSample {
@@ -182,7 +180,7 @@ impl Scattering {
 
     /// What a shadow ray against `wo` finds of the light behind.
     pub fn passing(&self) -> Rgb {
-        let of_part = |part: &Part| part.weight * part.factor(-self.wo) * part.bsdf.passing(part.wo(self.wo));
+        let of_part = |part: &Part| part.weight * part.factor(-self.wo) * part.bsdf.passing(part.wo);
         Rgb::splat(self.passing) + self.parts.iter().map(of_part).sum::<Rgb>()
     }
 

@@ -24,6 +24,9 @@ impl Frame {
     /// A frame around the unit vector `n` with s as near to `tangent` (of any length) as it can be; [`Self::from_normal`] if that is zero
     /// or parallel to `n`.
     pub fn from_normal_and_tangent(n: Vec3, tangent: Vec3) -> Self {
+        if tangent == Vec3::ZERO {
+            return Self::from_normal(n);
+        }
         let across = tangent - n * n.dot(tangent);
         match across.try_normalize() {
             Some(s) if across.length_squared() > PARALLEL * tangent.length_squared() => Self { s, t: n.cross(s), n },

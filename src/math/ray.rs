@@ -46,18 +46,8 @@ pub fn offset_origin(position: Vec3, error: f32, normal: Vec3, dir: Vec3) -> Vec
     let distance = error * (normal.x.abs() + normal.y.abs() + normal.z.abs());
     let side = if dir.dot(normal) < 0.0 { -1.0 } else { 1.0 };
     let moved = position + normal * (side * distance);
-    let round = |moved: f32, from: f32| {
-        if moved > from {
-            moved.next_up()
-        } else if moved < from {
-            moved.next_down()
-        } else {
-            moved
-        }
-    };
-    Vec3::new(
-        round(moved.x, position.x),
-        round(moved.y, position.y),
-        round(moved.z, position.z),
-    )
+    // One step of the last digit or two, away from where it was.
+    let step = moved.abs().max(position.abs()) * f32::EPSILON;
+    let change = moved - position;
+    moved + Vec3::select(change.cmpeq(Vec3::ZERO), Vec3::ZERO, step.copysign(change))
 }

@@ -4,9 +4,9 @@
 use glam::{Vec2, Vec3};
 
 use super::observer::{Bounce, MetEmitter, PathEnd, PathObserver, PathVertex, SampledLight};
-use super::scene::{FirstHit, RenderScene, SurfaceSlot};
+use super::scene::{RenderScene, SurfaceSlot};
 use super::view::{PathSettings, Strategy};
-use crate::accel::SurfacePoint;
+use crate::accel::{Hit, SurfacePoint};
 use crate::color::Rgb;
 use crate::light::{LightId, LightReference, LightSample, SurfaceHit, Target};
 use crate::material::{Lobe, Scattering};
@@ -23,7 +23,7 @@ pub struct PathSample {
     /// Distance from the camera ray's origin to the first surface; 0 where there is none.
     pub depth: f32,
     /// None where the camera ray meets nothing.
-    pub first_hit: Option<FirstHit>,
+    pub first_hit: Option<Hit>,
     /// Rays traced, shadow rays included.
     pub rays: u32,
 }
@@ -80,15 +80,11 @@ pub fn trace_path(
             observer.ended(PathEnd::Escaped);
             return result;
         };
-        let point = scene.geometry.surface(&ray, &hit);
         let slot = scene.slot(&hit);
+        let point = scene.surface(&ray, &hit, &slot);
         if depth == 0 {
             result.depth = hit.t;
-            result.first_hit = Some(FirstHit {
-                instance: hit.instance,
-                material: slot.material,
-                uv: point.uv,
-            });
+            result.first_hit = Some(hit);
         }
         observer.vertex(&PathVertex {
             position: point.position,
@@ -244,10 +240,9 @@ fn shadow_ray(scene: &RenderScene, mut origin: Vec3, light: &LightSample, crossi
         if crossed >= crossings {
             return Rgb::ZERO;
         }
-        let point = scene.geometry.surface(&shadow, &hit);
-        arriving *= scene
-            .scattering(scene.slot(&hit).material, &hit, &point, -light.wi)
-            .passing();
+        let slot = scene.slot(&hit);
+        let point = scene.surface(&shadow, &hit, &slot);
+        arriving *= scene.scattering(slot.material, &hit, &point, -light.wi).passing();
         if arriving == Rgb::ZERO {
             break;
         }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use crate::accel::{Hit, Primitive, SurfacePoint, Tlas};
+use crate::accel::{Detail, Hit, Primitive, SurfacePoint, Tlas};
 use crate::light::{LightId, LightTable};
 use crate::material::{MaterialId, MaterialTable, Scattering};
 use crate::math::Ray;
@@ -75,6 +75,16 @@ impl RenderScene {
         self.surfaces.slots[(first + offset) as usize]
     }
 
+    /// The surface that `ray` met at `hit`, with what its material and its light have to know.
+    pub fn surface(&self, ray: &Ray, hit: &Hit, slot: &SurfaceSlot) -> SurfacePoint {
+        let is_textured = slot.light.is_some_and(|light| self.lights.is_textured(light));
+        let detail = match is_textured {
+            true => Detail::Parametrised,
+            false => self.materials.detail(slot.material),
+        };
+        self.geometry.surface_in(ray, hit, detail)
+    }
+
     /// What is remembered of the hit of a camera ray.
     pub fn first_hit(&self, ray: &Ray, hit: &Hit) -> FirstHit {
         FirstHit {
@@ -85,7 +95,7 @@ impl RenderScene {
     }
 
     /// How the surface at `hit` scatters light to `wo`, a unit vector in world space.
-    pub fn scattering(&self, material: MaterialId, hit: &Hit, point: &SurfacePoint, wo: Vec3) -> Scattering {
+    pub fn scattering(&self, material: MaterialId, hit: &Hit, point: &SurfacePoint, wo: Vec3) -> Scattering<'_> {
         let at = self.texture_point(hit, point);
         self.materials.scattering(material, point, wo, &self.textures, &at)
     }

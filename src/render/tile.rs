@@ -132,7 +132,9 @@ pub fn render_tile(
                 let (mut sample, weight) = render_layered(scene, view, UVec2::new(x, y), index, &mut layers);
                 result.rays += u64::from(sample.rays);
                 if index == 0 {
-                    result.first_hits.push(sample.first_hit);
+                    result
+                        .first_hits
+                        .push(first_hit(scene, view, UVec2::new(x, y), &sample));
                 }
                 if is_finite(&sample) {
                     // The guides are not weighted: they are to be free of noise and within their range before they are sharp.
@@ -179,7 +181,7 @@ pub fn render_preview(
             layers.begin_pixel();
             let (sample, _) = render_layered(scene, view, pixel, 0, &mut layers);
             result.rays += u64::from(sample.rays);
-            result.first_hits.push(sample.first_hit);
+            result.first_hits.push(first_hit(scene, view, pixel, &sample));
             result.blocks.push(if is_finite(&sample) {
                 layers.add_sample(1.0);
                 sample.into()
@@ -224,13 +226,19 @@ pub(super) fn render_sample(
             let hit = scene.geometry.intersect_counting(&camera.ray, &mut steps);
             PathSample {
                 radiance: Rgb::splat(steps.total() as f32),
-                first_hit: hit.map(|hit| scene.first_hit(&camera.ray, &hit)),
+                first_hit: hit,
                 rays: 1,
                 ..PathSample::default()
             }
         }
     };
     (sample, camera.weight)
+}
+
+/// Of sample 0 of a pixel.
+fn first_hit(scene: &RenderScene, view: &View, pixel: UVec2, sample: &PathSample) -> Option<FirstHit> {
+    let hit = sample.first_hit?;
+    Some(scene.first_hit(&view.camera_sample(pixel, 0).ray, &hit))
 }
 
 fn is_finite(sample: &PathSample) -> bool {

@@ -74,12 +74,22 @@ impl Microfacet {
         }
     }
 
-    /// One roughness for both directions: the root mean square.
-    pub fn mean_alpha(&self) -> f32 {
-        let [x, y] = match self {
+    fn alpha(&self) -> [f32; 2] {
+        match self {
             Self::Beckmann(beckmann) => beckmann.alpha(),
             Self::Ggx(ggx) => ggx.alpha(),
-        };
+        }
+    }
+
+    /// Whether it is as rough along both tangents.
+    pub fn is_isotropic(&self) -> bool {
+        let [x, y] = self.alpha();
+        x == y
+    }
+
+    /// One roughness for both directions: the root mean square.
+    pub fn mean_alpha(&self) -> f32 {
+        let [x, y] = self.alpha();
         (0.5 * (x * x + y * y)).sqrt()
     }
 }

@@ -97,6 +97,16 @@ impl Bsdf {
         }
     }
 
+    /// [`Self::eval`] and [`Self::pdf`], at the cost of one where they have much in common.
+    pub fn eval_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        match self {
+            Self::Diffuse(diffuse) => (diffuse.eval(wo, wi), diffuse.pdf(wo, wi)),
+            Self::RoughConductor(rough) => rough.eval_and_pdf(wo, wi),
+            Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => (Rgb::ZERO, 0.0),
+            _ => (self.eval(wo, wi), self.pdf(wo, wi)),
+        }
+    }
+
     /// Solid angle density with which [`Self::sample`] returns `wi`, without delta lobes.
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         match self {
@@ -142,6 +152,23 @@ impl Bsdf {
             | Self::PrincipledThin(_) => true,
             Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => false,
             Self::Metal(metal) => !metal.is_delta(),
+        }
+    }
+
+    /// Whether it looks the same when the surface is turned about its normal.
+    pub fn is_isotropic(&self) -> bool {
+        match self {
+            Self::RoughConductor(rough) => rough.distribution.is_isotropic(),
+            Self::RoughDielectric(rough) => rough.distribution.is_isotropic(),
+            Self::Principled(principled) => principled.anisotropic == 0.0,
+            Self::PrincipledThin(thin) => thin.anisotropic == 0.0,
+            Self::Diffuse(_)
+            | Self::Conductor(_)
+            | Self::Dielectric(_)
+            | Self::Metal(_)
+            | Self::ThinDielectric(_)
+            | Self::Plastic(_)
+            | Self::RoughPlastic(_) => true,
         }
     }
 

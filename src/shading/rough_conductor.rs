@@ -33,17 +33,22 @@ impl RoughConductor {
         })
     }
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+    pub(super) fn eval_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         let Some(m) = half_vector(wo, wi) else {
-            return Rgb::ZERO;
+            return (Rgb::ZERO, 0.0);
         };
         let facets = &self.distribution;
-        let geometry = facets.density(m) * facets.g1_over_four_cos(wo) * facets.g1(wi);
-        self.gain(wo) * self.specular.reflectance(wo.dot(m)) * geometry
+        let seen = facets.density(m) * facets.g1_over_four_cos(wo);
+        let value = self.gain(wo) * self.specular.reflectance(wo.dot(m)) * (seen * facets.g1(wi));
+        // The density of the visible normal over the Jacobian 4 (wo . m) of reflection.
+        (value, seen / facets.masking_ratio(wo))
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        self.eval_and_pdf(wo, wi).0
     }
 
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        // The density of the visible normal over the Jacobian 4 (wo . m) of reflection.
         half_vector(wo, wi).map_or(0.0, |m| self.distribution.reflected_density(wo, m))
     }
 

@@ -61,7 +61,7 @@ impl Placed {
     }
 
     /// `wo` in the local frame.
-    pub fn scattering(&self, wo: Vec3) -> Scattering {
+    pub fn scattering(&self, wo: Vec3) -> Scattering<'_> {
         let at = TexturePoint::of_uv(self.uv);
         self.table
             .scattering(self.root, &self.surface(), world(wo), &self.textures, &at)

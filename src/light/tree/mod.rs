@@ -54,6 +54,11 @@ impl LightTree {
         build::build(emitters)
     }
 
+    /// The emitter, if there is but one.
+    pub fn only(&self) -> Option<u32> {
+        self.only
+    }
+
     /// The emitter that `u` in [0, 1) stands for, with its probability. None where the bounds turn out to hold nothing that sends light
     /// to `reference`.
     pub fn sample(&self, reference: &LightReference, u: f64) -> Option<(u32, f32)> {
