@@ -13,23 +13,23 @@ pub const DARK: f32 = 0.1;
 ///
 /// Over the pixels of `tiles` that have two samples or more; None if there are none, or where all is black.
 pub fn relative_noise(film: &Film, tiles: &[Tile]) -> Option<f32> {
-    let pixels = || {
-        let of_tile = |tile: &Tile| {
-            let (x, y) = (tile.x..tile.x + tile.width, tile.y..tile.y + tile.height);
-            y.flat_map(move |y| x.clone().map(move |x| (x, y)))
-        };
-        tiles.iter().flat_map(of_tile).filter_map(|(x, y)| {
-            let error = film.standard_error(x, y)?;
-            let mean = luminance(film.pixel(x, y)?.radiance);
-            Some((f64::from(error), f64::from(mean).abs()))
-        })
+    let of_tile = |tile: &Tile| {
+        let (x, y) = (tile.x..tile.x + tile.width, tile.y..tile.y + tile.height);
+        y.flat_map(move |y| x.clone().map(move |x| (x, y)))
     };
-    let (count, total) = pixels().fold((0.0, 0.0), |(count, total), (_, mean)| (count + 1.0, total + mean));
+    let of_pixel = |(x, y)| {
+        let error = film.standard_error(x, y)?;
+        let mean = luminance(film.pixel(x, y)?.radiance);
+        Some((f64::from(error), f64::from(mean).abs()))
+    };
+    let pixels: Vec<(f64, f64)> = tiles.iter().flat_map(of_tile).filter_map(of_pixel).collect();
+    let (count, total) = (pixels.len() as f64, pixels.iter().map(|(_, mean)| mean).sum::<f64>());
     if total <= 0.0 {
         return None;
     }
     let least = f64::from(DARK) * total / count;
-    let squares: f64 = pixels().map(|(error, mean)| (error / mean.max(least)).powi(2)).sum();
+    let relative = |(error, mean): &(f64, f64)| (error / mean.max(least)).powi(2);
+    let squares: f64 = pixels.iter().map(relative).sum();
     Some((squares / count).sqrt() as f32)
 }
 
