@@ -123,7 +123,7 @@ pub fn hold_back_frame(mut pacing: ResMut<Pacing>, picture: Res<Picture>, mut ca
         pacing.waiting_since = None;
     }
     let waits = pacing.waiting_since.is_some_and(|since| since.elapsed() < LONGEST_HOLD);
-    let draws = !pacing.undrawn && !(pacing.draws_on_cpu && waits);
+    let draws = !(pacing.undrawn || pacing.draws_on_cpu && waits);
     if draws {
         pacing.drawn = picture.revision;
         pacing.waiting_since = None;
