@@ -1,80 +1,380 @@
-//! Ray queries on one thread, and builds: a generated mesh, and the shared models with their ray sets where those are present.
+//! One thread's ray queries, and builds, beside the best that the crate obvhs does with the same rays in the same process.
+//!
+//! `cargo bench --bench rays -- [--rounds N] [--mine] [MESH [RAYS...]]` takes a mesh and files of rays (see `sunroom bench rays`). Without
+//! files the rays are made here: those of a pinhole camera, and cosine-distributed ones that leave random hits of those. Without a mesh
+//! it takes a generated one and the shared models. `--mine` leaves obvhs out. Rates are in 10^6 rays per second of the thread's own time, medians over rounds
+//! in which all take turns.
 
 #[path = "../tests/accel_support/random.rs"]
 mod random;
-#[path = "../tests/accel_support/shared_data.rs"]
-mod shared_data;
 #[path = "../tests/accel_support/wavy_sphere.rs"]
 mod wavy_sphere;
 
 use std::hint::black_box;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use glam::Vec3;
+use obvhs::BvhBuildParams;
+use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
+use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
+use obvhs::ray::RayHit;
+use obvhs::rt_triangle::RtTriangle;
+use obvhs::triangle::Triangle;
 use random::Random;
-use shared_data::{answered_rays, model};
 use sunroom::accel::{Blas, SplitMethod};
-use sunroom::geometry::mesh::MeshData;
+use sunroom::geometry::{mesh::MeshData, obj::load_obj, ply::load_ply};
 use sunroom::math::Ray;
 use wavy_sphere::wavy_sphere;
 
-fn queries(criterion: &mut Criterion, name: &str, blas: &Blas, rays: &[Ray]) {
-    let mut group = criterion.benchmark_group("rays");
-    group
-        .sample_size(10)
-        .measurement_time(Duration::from_secs(2))
-        .throughput(Throughput::Elements(rays.len() as u64));
-    group.bench_with_input(BenchmarkId::new("closest", name), rays, |bencher, rays| {
-        bencher.iter(|| {
-            rays.iter()
-                .filter(|ray| blas.intersect(black_box(ray)).is_some())
-                .count()
-        });
-    });
-    group.bench_with_input(BenchmarkId::new("any", name), rays, |bencher, rays| {
-        bencher.iter(|| rays.iter().filter(|ray| blas.occluded(black_box(ray))).count());
-    });
+type Failure = Box<dyn std::error::Error>;
+
+/// Of a generated set, whose pinhole pictures are square.
+const PICTURE: usize = 512;
+
+/// What traces rays: closest hits and any hits, each over a whole set.
+trait Tracer {
+    fn closest(&self, rays: &[Ray]) -> usize;
+    fn any(&self, rays: &[Ray]) -> usize;
 }
 
-fn build(criterion: &mut Criterion, name: &str, mesh: &Arc<MeshData>) {
-    let mut group = criterion.benchmark_group("build");
-    group
-        .sample_size(10)
-        .measurement_time(Duration::from_secs(2))
-        .throughput(Throughput::Elements(mesh.triangles.len() as u64));
-    for (method, label) in [(SplitMethod::Sah, "sah"), (SplitMethod::Median, "median")] {
-        group.bench_with_input(BenchmarkId::new(label, name), mesh, |bencher, mesh| {
-            bencher.iter(|| Blas::build(mesh.clone(), method));
-        });
+impl Tracer for Blas {
+    fn closest(&self, rays: &[Ray]) -> usize {
+        rays.iter()
+            .filter(|ray| self.intersect(black_box(ray)).is_some())
+            .count()
+    }
+
+    fn any(&self, rays: &[Ray]) -> usize {
+        rays.iter().filter(|ray| self.occluded(black_box(ray))).count()
     }
 }
 
-fn generated(criterion: &mut Criterion) {
-    let mesh = Arc::new(wavy_sphere(200));
-    let blas = Blas::build(mesh.clone(), SplitMethod::Sah);
-    let mut random = Random::new(1);
-    let incoherent: Vec<Ray> = (0..1 << 16)
-        .map(|_| Ray::new(1.5 * random.in_cube(), random.direction()))
-        .collect();
-    queries(criterion, "wavy_sphere_random", &blas, &incoherent);
-    build(criterion, "wavy_sphere", &mesh);
+/// A hierarchy of obvhs with its triangles in the order of the leaves.
+struct Peer<Hierarchy> {
+    hierarchy: Hierarchy,
+    triangles: Vec<RtTriangle>,
 }
 
-fn shared_models(criterion: &mut Criterion) {
-    if let Some(mesh) = model("bunny.obj") {
-        let blas = Blas::build(Arc::new(mesh), SplitMethod::Sah);
-        for name in ["primary", "bounce"] {
-            if let Some(answered) = answered_rays(&format!("rays_bunny_{name}_262144.bin")) {
-                let rays: Vec<Ray> = answered.into_iter().map(|(ray, ..)| ray).collect();
-                queries(criterion, &format!("bunny_{name}"), &blas, &rays);
+fn peer_ray(ray: &Ray) -> obvhs::ray::Ray {
+    let vector = |v: Vec3| v.to_array().into();
+    obvhs::ray::Ray::new(vector(ray.origin), vector(ray.dir), 0.0, ray.t_max)
+}
+
+macro_rules! trace_with {
+    ($hierarchy:ty) => {
+        impl Tracer for Peer<$hierarchy> {
+            fn closest(&self, rays: &[Ray]) -> usize {
+                let hit = |ray: &&Ray| {
+                    let mut hit = RayHit::none();
+                    self.hierarchy
+                        .ray_traverse(peer_ray(black_box(ray)), &mut hit, |ray, id| {
+                            self.triangles[id].intersect(ray)
+                        });
+                    black_box(&hit).t < f32::INFINITY
+                };
+                rays.iter().filter(hit).count()
+            }
+
+            fn any(&self, rays: &[Ray]) -> usize {
+                let hit = |ray: &&Ray| {
+                    !self
+                        .hierarchy
+                        .ray_traverse_miss(peer_ray(black_box(ray)), |ray, id| {
+                            self.triangles[id].intersect(ray)
+                        })
+                };
+                rays.iter().filter(hit).count()
             }
         }
+    };
+}
+
+trace_with!(Bvh2);
+trace_with!(CwBvh);
+
+/// Every layout of obvhs that may be its best.
+fn peers(triangles: &[Triangle]) -> Vec<(String, Box<dyn Tracer>)> {
+    let in_order = |order: &[u32]| order.iter().map(|&id| (&triangles[id as usize]).into()).collect();
+    let mut peers: Vec<(String, Box<dyn Tracer>)> = Vec::new();
+    let builds = [
+        ("fast", BvhBuildParams::fast_build()),
+        ("medium", BvhBuildParams::medium_build()),
+        ("slow", BvhBuildParams::slow_build()),
+        ("very slow", BvhBuildParams::very_slow_build()),
+    ];
+    for (name, build) in builds {
+        let hierarchy = build_bvh2_from_tris(triangles, build, &mut Duration::default());
+        let triangles_in_order = in_order(&hierarchy.primitive_indices);
+        peers.push((
+            format!("bvh2 {name}"),
+            Box::new(Peer {
+                hierarchy,
+                triangles: triangles_in_order,
+            }),
+        ));
+        let hierarchy = build_cwbvh_from_tris(triangles, build, &mut Duration::default());
+        let triangles_in_order = in_order(&hierarchy.primitive_indices);
+        peers.push((
+            format!("cwbvh {name}"),
+            Box::new(Peer {
+                hierarchy,
+                triangles: triangles_in_order,
+            }),
+        ));
     }
-    if let Some(mesh) = model("dragon.ply") {
-        build(criterion, "dragon", &Arc::new(mesh));
+    peers
+}
+
+fn main() -> Result<(), Failure> {
+    let (mut rounds, mut with_peers, mut files) = (5, true, Vec::new());
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--rounds" => rounds = arguments.next().ok_or("--rounds wants a number")?.parse()?,
+            "--mine" => with_peers = false,
+            // Cargo's own.
+            "--bench" => {}
+            _ => files.push(PathBuf::from(argument)),
+        }
+    }
+    let settings = Settings { rounds, with_peers };
+    if let Some((mesh, files)) = files.split_first() {
+        let sets = files.iter().map(|file| Ok((name(file), read_rays(file)?)));
+        return settings.compare(&name(mesh), load(mesh)?, sets.collect::<Result<_, Failure>>()?);
+    }
+    let mut random = Random::new(1);
+    let incoherent = (0..1 << 16).map(|_| Ray::new(1.5 * random.in_cube(), random.direction()));
+    settings.compare(
+        "wavy sphere",
+        wavy_sphere(200),
+        vec![("random".to_owned(), incoherent.collect())],
+    )?;
+    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    let mut of_bunny = Vec::new();
+    for set in ["primary", "bounce"] {
+        let file = shared.join(format!("rays/rays_bunny_{set}_262144.bin"));
+        if file.exists() {
+            of_bunny.push((set.to_owned(), read_rays(&file)?));
+        }
+    }
+    for (mesh, sets) in [("models/bunny.obj", of_bunny), ("models/dragon.ply", Vec::new())] {
+        let mesh = shared.join(mesh);
+        if mesh.exists() {
+            settings.compare(&name(&mesh), load(&mesh)?, sets)?;
+        } else {
+            println!("{} is not there", mesh.display());
+        }
+    }
+    Ok(())
+}
+
+fn name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+struct Settings {
+    rounds: usize,
+    with_peers: bool,
+}
+
+impl Settings {
+    /// Without `sets` they are made.
+    fn compare(&self, name: &str, mesh: MeshData, sets: Vec<(String, Vec<Ray>)>) -> Result<(), Failure> {
+        let mesh = Arc::new(mesh);
+        let triangles: Vec<Triangle> = (0..mesh.triangles.len())
+            .map(|index| {
+                let [v0, v1, v2] = mesh.corners(index).map(|corner| corner.to_array().into());
+                Triangle { v0, v1, v2 }
+            })
+            .collect();
+        let blas = self.compare_builds(name, &mesh, &triangles);
+        let peers = if self.with_peers { peers(&triangles) } else { Vec::new() };
+        let sets = if sets.is_empty() {
+            let primary = pinhole(&mesh);
+            let bounce = bounces(&blas, &primary);
+            vec![("primary".to_owned(), primary), ("bounce".to_owned(), bounce)]
+        } else {
+            sets
+        };
+        for (set, rays) in &sets {
+            self.compare_rates(&format!("{set} closest"), &blas, &peers, rays, |tracer, rays| {
+                tracer.closest(rays)
+            });
+            self.compare_rates(&format!("{set} any"), &blas, &peers, rays, |tracer, rays| {
+                tracer.any(rays)
+            });
+        }
+        Ok(())
+    }
+
+    fn compare_builds(&self, name: &str, mesh: &Arc<MeshData>, triangles: &[Triangle]) -> Blas {
+        let (mut own, mut peer) = (Vec::new(), Vec::new());
+        let seconds = |build: &dyn Fn()| {
+            let begin = Instant::now();
+            build();
+            begin.elapsed().as_secs_f64()
+        };
+        for _ in 0..self.rounds {
+            own.push(seconds(&|| {
+                black_box(Blas::build(mesh.clone(), SplitMethod::Sah));
+            }));
+            if self.with_peers {
+                peer.push(seconds(&|| {
+                    let fast = BvhBuildParams::fast_build();
+                    black_box(build_bvh2_from_tris(triangles, fast, &mut Duration::default()));
+                }));
+            }
+        }
+        let blas = Blas::build(mesh.clone(), SplitMethod::Sah);
+        println!(
+            "{name}: built in {:.4} s (all threads), {:.1} bytes per triangle, SAH cost {:.2}; obvhs bvh2 fast {:.4} s",
+            median(&mut own),
+            blas.stats().bytes as f64 / mesh.triangles.len() as f64,
+            blas.stats().sah_cost,
+            median(&mut peer),
+        );
+        blas
+    }
+
+    fn compare_rates(
+        &self,
+        what: &str,
+        blas: &Blas,
+        peers: &[(String, Box<dyn Tracer>)],
+        rays: &[Ray],
+        query: fn(&dyn Tracer, &[Ray]) -> usize,
+    ) {
+        let mut own = Vec::new();
+        let mut others = vec![Vec::new(); peers.len()];
+        for _ in 0..self.rounds {
+            own.push(rate(blas, rays, query));
+            for (peer, rates) in peers.iter().zip(&mut others) {
+                rates.push(rate(&*peer.1, rays, query));
+            }
+        }
+        let own = median(&mut own);
+        let hits = 100.0 * query(blas, rays) as f64 / rays.len() as f64;
+        print!("  {what}: {own:.2} Mrays/s ({hits:.1} % hit)");
+        let best = peers
+            .iter()
+            .zip(&mut others)
+            .map(|((layout, _), rates)| (median(rates), layout));
+        match best.max_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((best, layout)) => println!(", obvhs {best:.2} ({layout}), ratio {:.2}", own / best),
+            None => println!(),
+        }
     }
 }
 
-criterion_group!(benches, generated, shared_models);
-criterion_main!(benches);
+/// In 10^6 rays per second of this thread.
+fn rate(tracer: &dyn Tracer, rays: &[Ray], query: fn(&dyn Tracer, &[Ray]) -> usize) -> f64 {
+    let begin = thread_seconds();
+    let mut traced = 0;
+    loop {
+        black_box(query(tracer, rays));
+        traced += rays.len();
+        let seconds = thread_seconds() - begin;
+        if seconds > 0.1 {
+            return traced as f64 / seconds / 1e6;
+        }
+    }
+}
+
+/// What this thread has had of a processor; the time of day where the system does not say.
+fn thread_seconds() -> f64 {
+    let of_thread = std::fs::read_to_string("/proc/thread-self/schedstat")
+        .ok()
+        .and_then(|text| text.split(' ').next()?.parse::<f64>().ok());
+    of_thread.map_or_else(
+        || {
+            std::time::SystemTime::UNIX_EPOCH
+                .elapsed()
+                .unwrap_or_default()
+                .as_secs_f64()
+        },
+        |nanoseconds| nanoseconds * 1e-9,
+    )
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+fn load(path: &Path) -> Result<MeshData, Failure> {
+    let bytes = std::fs::read(path)?;
+    let loaded = if path.extension().is_some_and(|extension| extension == "obj") {
+        load_obj(&bytes, &mut |_| Err(std::io::ErrorKind::NotFound.into()))?
+    } else {
+        load_ply(&bytes)?
+    };
+    Ok(loaded.mesh)
+}
+
+fn read_rays(path: &Path) -> Result<Vec<Ray>, Failure> {
+    let bytes = std::fs::read(path)?;
+    let records = bytes
+        .strip_prefix(b"RAYS")
+        .and_then(|rest| rest.get(12..))
+        .ok_or("not a file of rays")?;
+    let vector = |record: &[[u8; 4]]| Vec3::new(number(record[0]), number(record[1]), number(record[2]));
+    let number_ray = |record: &[[u8; 4]; 8]| Ray::new(vector(&record[..3]), vector(&record[3..6]));
+    Ok(records
+        .as_chunks::<4>()
+        .0
+        .as_chunks::<8>()
+        .0
+        .iter()
+        .map(number_ray)
+        .collect())
+}
+
+fn number(bytes: [u8; 4]) -> f32 {
+    f32::from_le_bytes(bytes)
+}
+
+/// Row by row, looking at the middle of the mesh from a little above, from as far as its box is long.
+fn pinhole(mesh: &MeshData) -> Vec<Ray> {
+    let bounds = mesh.bounds();
+    let back = Vec3::new(0.27, 0.32, 0.91).normalize();
+    let origin = bounds.center() + bounds.extent().length() * back;
+    let (right, up) = (
+        Vec3::Y.cross(back).normalize(),
+        back.cross(Vec3::Y.cross(back)).normalize(),
+    );
+    let across = |pixel: usize| ((pixel as f32 + 0.5) / PICTURE as f32 - 0.5) * 0.83;
+    (0..PICTURE * PICTURE)
+        .map(|pixel| {
+            let (x, y) = (across(pixel % PICTURE), across(pixel / PICTURE));
+            Ray::new(origin, (x * right - y * up - back).normalize())
+        })
+        .collect()
+}
+
+/// As many rays in no order, which leave random hits of `primary` on the side they came from.
+fn bounces(blas: &Blas, primary: &[Ray]) -> Vec<Ray> {
+    let hits: Vec<(Vec3, Vec3)> = primary
+        .iter()
+        .filter_map(|ray| {
+            let hit = blas.intersect(ray)?;
+            let [a, b, c] = blas.mesh().corners(hit.triangle as usize);
+            let normal = (b - a).cross(c - a).normalize();
+            let normal = if normal.dot(ray.dir) > 0.0 { -normal } else { normal };
+            let point = a + hit.u * (b - a) + hit.v * (c - a);
+            Some((point + 1e-6 * blas.bounds().extent().length() * normal, normal))
+        })
+        .collect();
+    let mut random = Random::new(1);
+    if hits.is_empty() {
+        return Vec::new();
+    }
+    (0..primary.len())
+        .map(|_| {
+            let (point, normal) = hits[random.next_u32() as usize % hits.len()];
+            // The sum of a unit normal and a point on the unit sphere is distributed as the cosine.
+            Ray::new(point, (normal + 0.9999 * random.direction()).normalize())
+        })
+        .collect()
+}

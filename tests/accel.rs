@@ -12,7 +12,7 @@ use std::sync::Arc;
 use glam::{Affine3A, EulerRot, Mat3A, Quat, Vec3, Vec3A};
 use random::Random;
 use shared_data::{answered_rays, model};
-use sunroom::accel::{Blas, Bvh, Instance, LeafShape, Placement, Primitive, SplitMethod, Steps, Tlas};
+use sunroom::accel::{Blas, Bvh, Instance, Placement, Primitive, SplitMethod, Steps, Tlas};
 use sunroom::geometry::mesh::MeshData;
 use sunroom::geometry::triangle::{self, Faces};
 use sunroom::math::{Aabb, Ray};
@@ -243,11 +243,8 @@ fn hostile_boxes_are_all_found() {
     ];
     for (name, boxes) in &cases {
         for method in METHODS {
-            for leaf in [1, 3, 8].map(|align| LeafShape {
-                max_primitives: align,
-                align,
-            }) {
-                let bvh = Bvh::build(boxes, method, leaf);
+            for leaf_size in [1, 3, 8] {
+                let bvh = Bvh::build(boxes, method, leaf_size);
                 bvh.validate(boxes)
                     .unwrap_or_else(|error| panic!("{name}, {method:?}: {error}"));
                 for _ in 0..20 {
@@ -560,11 +557,7 @@ fn the_expected_work_of_small_trees_is_known() {
     let row: Vec<Aabb> = (0..9)
         .map(|i| Aabb::from_points([Vec3::new(i as f32, 0.0, 0.0), Vec3::new(i as f32 + 1.0, 1.0, 1.0)]))
         .collect();
-    let shape = LeafShape {
-        max_primitives: 1,
-        align: 1,
-    };
-    let bvh = Bvh::build(&row, SplitMethod::Median, shape);
+    let bvh = Bvh::build(&row, SplitMethod::Median, 1);
     let mut by_hand = 0.0;
     bvh.visit_boxes(|found| {
         if found.depth > 0 {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::build::{LeafShape, SplitMethod};
+use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
 use super::packet::{LANES, PacketRay, TrianglePacket};
 use super::traverse::Steps;
@@ -34,7 +34,7 @@ pub struct MeshHit {
 impl Blas {
     /// Triangles without area, with corners that are not finite or do not exist, are left out: no ray can hit them.
     pub fn build(mesh: Arc<MeshData>, method: SplitMethod) -> Self {
-        let bvh = Bvh::build(&triangle_bounds(&mesh), method, LEAF);
+        let bvh = Bvh::build(&triangle_bounds(&mesh), method, LANES);
         let packets = bvh
             .order()
             .par_chunks(LANES)
@@ -121,11 +121,6 @@ impl Blas {
         &self.packets[range.start / LANES..range.end.div_ceil(LANES)]
     }
 }
-
-const LEAF: LeafShape = LeafShape {
-    max_primitives: LANES,
-    align: LANES,
-};
 
 /// The box of every triangle, empty for those that are left out.
 fn triangle_bounds(mesh: &MeshData) -> Vec<Aabb> {

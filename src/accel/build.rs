@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::binning::{Bins, Grid};
 use super::bvh::can_be_hit;
-use super::node::{Node, WIDTH};
+use super::node::{Child, Node, WIDTH};
 use super::sets::{Reference, Set};
 use crate::math::Aabb;
 
@@ -21,15 +21,6 @@ pub enum SplitMethod {
     /// Where the surface area heuristic expects the least work.
     #[default]
     Sah,
-}
-
-/// What leaves look like.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LeafShape {
-    /// Sets of more primitives are divided (except in a linear list). At least 1.
-    pub max_primitives: usize,
-    /// Primitives that are tested together: leaves start at multiples of it in the order, and cost as many tests as it takes. At least 1.
-    pub align: usize,
 }
 
 pub(super) struct Tree {
@@ -49,11 +40,12 @@ impl Tree {
     }
 
     /// Appends a subtree, whose indices count from its own start.
-    fn append(&mut self, mut subtree: Self) {
-        let (nodes, order) = (self.nodes.len() as u32, self.order.len() as u32);
+    fn append(&mut self, mut subtree: Self, leaf_size: usize) {
+        let (nodes, blocks) = (self.nodes.len(), self.order.len() / leaf_size);
         for node in &mut subtree.nodes {
-            for slot in 0..node.slots_used() {
-                node.child[slot] += if node.count[slot] == 0 { nodes } else { order };
+            let used = node.slots_used();
+            for child in &mut node.children[..used] {
+                *child = child.moved(nodes, blocks);
             }
         }
         self.nodes.append(&mut subtree.nodes);
@@ -62,7 +54,7 @@ impl Tree {
     }
 }
 
-/// Fills a leaf up to its alignment.
+/// Fills a leaf up to its size.
 pub(super) const NO_PRIMITIVE: u32 = u32::MAX;
 
 /// From this depth on sets are halved by count, largest first, which ends within [`MAX_DEPTH`] for any u32 number of primitives.
@@ -75,16 +67,13 @@ const PARALLEL_BINNING: usize = 1 << 16;
 
 struct Builder {
     method: SplitMethod,
-    leaf: LeafShape,
+    leaf_size: usize,
     /// Makes areas independent of the scene's unit, so that neither huge nor tiny scenes leave f32.
     scale: f32,
 }
 
-pub(super) fn build(bounds: &[Aabb], method: SplitMethod, leaf: LeafShape) -> Tree {
-    let leaf = LeafShape {
-        max_primitives: leaf.max_primitives.max(1),
-        align: leaf.align.max(1),
-    };
+/// With leaves of up to `leaf_size` primitives; a linear list is one leaf of all.
+pub(super) fn build(bounds: &[Aabb], method: SplitMethod, leaf_size: usize) -> Tree {
     let mut references: Vec<Reference> = bounds
         .iter()
         .zip(0..)
@@ -99,15 +88,15 @@ pub(super) fn build(bounds: &[Aabb], method: SplitMethod, leaf: LeafShape) -> Tr
     let extent = (all.bounds.max - all.bounds.min).max_element();
     let builder = Builder {
         method,
-        leaf,
+        leaf_size,
         scale: if extent > 0.0 {
             extent.recip().clamp(f32::MIN_POSITIVE, f32::MAX)
         } else {
             1.0
         },
     };
-    let expected_leaves = references.len() / leaf.max_primitives;
-    let mut tree = Tree::with_capacity(expected_leaves / 2, expected_leaves * leaf.align * 2);
+    let expected_leaves = references.len() / leaf_size;
+    let mut tree = Tree::with_capacity(expected_leaves / 2, 2 * references.len());
     if references.is_empty() {
         tree.nodes.push(Node::EMPTY);
         tree.depth = 1;
@@ -119,11 +108,11 @@ pub(super) fn build(bounds: &[Aabb], method: SplitMethod, leaf: LeafShape) -> Tr
 
 impl Builder {
     fn is_leaf(&self, set: &Set) -> bool {
-        set.len <= self.leaf.max_primitives || self.method == SplitMethod::Linear
+        set.len <= self.leaf_size || self.method == SplitMethod::Linear
     }
 
     /// Appends the node over `set`, which is all of `references`, and everything below it; returns its index.
-    fn build_node(&self, references: &mut [Reference], set: Set, depth: usize, tree: &mut Tree) -> u32 {
+    fn build_node(&self, references: &mut [Reference], set: Set, depth: usize, tree: &mut Tree) -> usize {
         let index = tree.nodes.len();
         tree.nodes.push(Node::EMPTY);
         tree.depth = tree.depth.max(depth + 1);
@@ -138,37 +127,38 @@ impl Builder {
         }
         if set.len < PARALLEL {
             for (slot, child, part) in parts {
-                let (target, count) = self.build_child(part, child, depth, tree);
-                tree.nodes[index].set(slot, &child.bounds.to_aabb(), target, count);
+                let target = self.build_child(part, child, depth, tree);
+                tree.nodes[index].set(slot, &child.bounds.to_aabb(), target);
             }
         } else {
             let subtrees: Vec<_> = parts
                 .into_par_iter()
                 .map(|(slot, child, part)| {
                     let mut subtree = Tree::with_capacity(0, 0);
-                    let (target, count) = self.build_child(part, child, depth, &mut subtree);
-                    (slot, child, target, count, subtree)
+                    let target = self.build_child(part, child, depth, &mut subtree);
+                    (slot, child, target, subtree)
                 })
                 .collect();
-            for (slot, child, target, count, subtree) in subtrees {
-                let base = if count == 0 { tree.nodes.len() } else { tree.order.len() };
-                tree.nodes[index].set(slot, &child.bounds.to_aabb(), base as u32 + target, count);
-                tree.append(subtree);
+            for (slot, child, target, subtree) in subtrees {
+                let target = target.moved(tree.nodes.len(), tree.order.len() / self.leaf_size);
+                tree.nodes[index].set(slot, &child.bounds.to_aabb(), target);
+                tree.append(subtree, self.leaf_size);
             }
         }
-        index as u32
+        index
     }
 
-    /// Appends a leaf or an inner node for `set`; returns what the parent's slot holds: `child` and `count`.
-    fn build_child(&self, references: &mut [Reference], set: &Set, depth: usize, tree: &mut Tree) -> (u32, u32) {
+    /// Appends a leaf or an inner node for `set`; returns what the parent's slot holds.
+    fn build_child(&self, references: &mut [Reference], set: &Set, depth: usize, tree: &mut Tree) -> Child {
         if !self.is_leaf(set) {
-            return (self.build_node(references, *set, depth + 1, tree), 0);
+            return Child::node(self.build_node(references, *set, depth + 1, tree));
         }
-        let first = tree.order.len();
+        let block = tree.order.len() / self.leaf_size;
         tree.order.extend(references.iter().map(|reference| reference.index));
         tree.order
-            .resize(tree.order.len().next_multiple_of(self.leaf.align), NO_PRIMITIVE);
-        (first as u32, set.len as u32)
+            .resize(tree.order.len().next_multiple_of(self.leaf_size), NO_PRIMITIVE);
+        // A linear list says how long it is itself.
+        Child::leaf(block, set.len.min(self.leaf_size))
     }
 
     /// The sets that become a node's children, in the order of their references.
@@ -213,7 +203,7 @@ impl Builder {
         } else {
             Bins::fill(&grid, references)
         };
-        let (axis, boundary) = bins.cheapest(&grid, self.leaf.align, self.scale)?;
+        let (axis, boundary) = bins.cheapest(&grid, self.leaf_size, self.scale)?;
 
         let (mut left, mut right) = (Set::empty(set.start), Set::empty(0));
         let mut end = references.len();

@@ -1,7 +1,9 @@
 //! The hierarchy itself: what it stores, its figures, its check. Building is in `build`, walking in `traverse`.
 
-use super::build::{LeafShape, MAX_DEPTH, NO_PRIMITIVE, SplitMethod, Tree, build};
-use super::node::{Node, WIDTH};
+use std::ops::Range;
+
+use super::build::{MAX_DEPTH, NO_PRIMITIVE, SplitMethod, Tree, build};
+use super::node::{Child, MAX_LEAF, Node, WIDTH};
 use crate::math::Aabb;
 
 /// A wide (8 children a node) bounding volume hierarchy over boxes.
@@ -10,8 +12,11 @@ use crate::math::Aabb;
 #[derive(Clone, Debug)]
 pub struct Bvh {
     pub(super) nodes: Vec<Node>,
-    /// Primitive indices in leaf order. Each leaf starts at a multiple of the leaf shape's `align`; gaps hold [`NO_PRIMITIVE`].
+    /// Primitive indices in leaf order. Each leaf starts at a multiple of `leaf_size`; gaps hold [`NO_PRIMITIVE`].
     order: Vec<u32>,
+    leaf_size: usize,
+    /// How many primitives the only leaf of a linear list has.
+    linear: Option<usize>,
     /// Levels of nodes, at most [`MAX_DEPTH`].
     pub(super) depth: usize,
 }
@@ -42,13 +47,30 @@ pub struct BvhBox {
 }
 
 impl Bvh {
-    /// Builds over `bounds`. Boxes that are empty or have a NaN hold nothing that a ray could hit and are left out.
-    pub fn build(bounds: &[Aabb], method: SplitMethod, leaf: LeafShape) -> Self {
-        let Tree { nodes, order, depth } = build(bounds, method, leaf);
-        Self { nodes, order, depth }
+    /// Builds over `bounds`, with leaves of up to `leaf_size` primitives (1 to 8), which are taken to be tested together. Boxes that are
+    /// empty or have a NaN hold nothing that a ray could hit and are left out.
+    pub fn build(bounds: &[Aabb], method: SplitMethod, leaf_size: usize) -> Self {
+        let leaf_size = leaf_size.clamp(1, MAX_LEAF);
+        let Tree { nodes, order, depth } = build(bounds, method, leaf_size);
+        let listed = || order.iter().filter(|&&primitive| primitive != NO_PRIMITIVE).count();
+        let linear = (method == SplitMethod::Linear).then(listed);
+        Self {
+            nodes,
+            order,
+            leaf_size,
+            linear,
+            depth,
+        }
     }
 
-    /// Primitive indices in leaf order; `u32::MAX` fills a leaf up to its alignment.
+    /// Where the leaf `child` lies in the order.
+    #[inline(always)]
+    pub(super) fn leaf_range(&self, child: Child) -> Range<usize> {
+        let start = child.index() * self.leaf_size;
+        start..start + self.linear.unwrap_or(child.count())
+    }
+
+    /// Primitive indices in leaf order; `u32::MAX` fills a leaf up to its size.
     pub fn order(&self) -> &[u32] {
         &self.order
     }
@@ -75,15 +97,19 @@ impl Bvh {
         while let Some((index, depth)) = pending.pop() {
             let node = &self.nodes[index];
             for slot in 0..node.slots_used() {
-                let is_leaf = node.count[slot] > 0;
+                let child = node.children[slot];
                 visit(BvhBox {
                     bounds: node.bounds(slot),
                     depth,
-                    is_leaf,
-                    primitives: node.count[slot],
+                    is_leaf: child.is_leaf(),
+                    primitives: if child.is_leaf() {
+                        self.leaf_range(child).len() as u32
+                    } else {
+                        0
+                    },
                 });
-                if !is_leaf {
-                    pending.push((node.child[slot] as usize, depth + 1));
+                if !child.is_leaf() {
+                    pending.push((child.index(), depth + 1));
                 }
             }
         }
@@ -99,11 +125,11 @@ impl Bvh {
         while let Some((index, depth)) = pending.pop() {
             let node = &self.nodes[index];
             stats.max_depth = stats.max_depth.max(depth);
-            for slot in 0..node.slots_used() {
-                if node.count[slot] > 0 {
+            for child in &node.children[..node.slots_used()] {
+                if child.is_leaf() {
                     stats.leaves += 1;
                 } else {
-                    pending.push((node.child[slot] as usize, depth + 1));
+                    pending.push((child.index(), depth + 1));
                 }
             }
         }
@@ -119,16 +145,17 @@ impl Bvh {
         for node in &self.nodes {
             for slot in 0..node.slots_used() {
                 let share = f64::from(node.bounds(slot).half_area()) / root_area;
-                let first = node.child[slot] as usize;
-                work += share
-                    * match node.count[slot] as usize {
-                        0 => 1.0,
-                        count => self.order[first..first + count]
-                            .iter()
-                            .copied()
-                            .map(&of_primitive)
-                            .sum(),
-                    };
+                let child = node.children[slot];
+                let own = if child.is_leaf() {
+                    self.order[self.leaf_range(child)]
+                        .iter()
+                        .copied()
+                        .map(&of_primitive)
+                        .sum()
+                } else {
+                    1.0
+                };
+                work += share * own;
             }
         }
         if work.is_finite() { work } else { 0.0 }
@@ -154,7 +181,7 @@ impl Bvh {
             }
             let used = node.slots_used();
             for slot in used..WIDTH {
-                if !node.bounds(slot).is_empty() || node.count[slot] != 0 {
+                if !node.bounds(slot).is_empty() || node.children[slot] != Child::NONE {
                     return Err(format!("node {index}: empty slot {slot} is not empty"));
                 }
             }
@@ -163,12 +190,12 @@ impl Bvh {
                 if !parent.contains(&bounds_here) {
                     return Err(format!("node {index}: child {slot} is not within its parent's box"));
                 }
-                if node.count[slot] == 0 {
-                    pending.push((node.child[slot] as usize, depth + 1, bounds_here));
+                let child = node.children[slot];
+                if !child.is_leaf() {
+                    pending.push((child.index(), depth + 1, bounds_here));
                     continue;
                 }
-                let first = node.child[slot] as usize;
-                let leaf = self.order.get(first..first + node.count[slot] as usize);
+                let leaf = self.order.get(self.leaf_range(child));
                 for &primitive in leaf.ok_or_else(|| format!("node {index}: leaf {slot} is out of range"))? {
                     let found = seen
                         .get_mut(primitive as usize)

@@ -9,6 +9,7 @@ mod build;
 mod bvh;
 mod instance;
 mod node;
+mod order;
 mod packet;
 mod placement;
 mod sets;
@@ -17,7 +18,7 @@ mod tlas;
 mod traverse;
 
 pub use blas::{Blas, MeshHit};
-pub use build::{LeafShape, SplitMethod};
+pub use build::SplitMethod;
 pub use bvh::{Bvh, BvhBox, BvhStats};
 pub use instance::{Instance, Primitive};
 pub use placement::Placement;

@@ -12,36 +12,79 @@ pub(super) const WIDTH: usize = 8;
 
 /// Up to eight children, which fill the slots from the first on. Empty slots have empty boxes, which no ray hits.
 #[derive(Clone, Debug)]
-#[repr(C, align(64))]
+#[repr(C, align(32))]
 pub(super) struct Node {
     /// `planes[axis][0]` are the lower, `planes[axis][1]` the upper faces.
     planes: [[f32x8; 2]; 3],
-    /// A node's index if `count` is zero, else where the leaf's primitives start in the order.
-    pub child: [u32; WIDTH],
-    /// Primitives of a leaf; zero for inner children and empty slots.
-    pub count: [u32; WIDTH],
+    pub children: [Child; WIDTH],
 }
 
-pub(super) const NO_CHILD: u32 = u32::MAX;
+/// What a slot of a node holds, in 32 bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Child(pub u32);
+
+/// The most primitives of a leaf.
+pub(super) const MAX_LEAF: usize = 8;
+
+impl Child {
+    pub const NONE: Self = Self(u32::MAX);
+    const LEAF: u32 = 1 << 31;
+    /// Below the number of a leaf's primitives, less one.
+    const COUNT_SHIFT: u32 = 28;
+
+    pub fn node(index: usize) -> Self {
+        Self(index as u32)
+    }
+
+    /// The `block`-th leaf, of 1 to [`MAX_LEAF`] primitives.
+    pub fn leaf(block: usize, count: usize) -> Self {
+        Self(Self::LEAF | (count as u32 - 1) << Self::COUNT_SHIFT | block as u32)
+    }
+
+    #[inline(always)]
+    pub fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+
+    /// Of a node or of a leaf's block.
+    #[inline(always)]
+    pub fn index(self) -> usize {
+        let mask = if self.is_leaf() {
+            (1 << Self::COUNT_SHIFT) - 1
+        } else {
+            !Self::LEAF
+        };
+        (self.0 & mask) as usize
+    }
+
+    /// Of a leaf's primitives.
+    #[inline(always)]
+    pub fn count(self) -> usize {
+        (self.0 >> Self::COUNT_SHIFT & (MAX_LEAF as u32 - 1)) as usize + 1
+    }
+
+    /// The same child where nodes and leaves are counted from later on.
+    pub fn moved(self, nodes: usize, blocks: usize) -> Self {
+        Self(self.0 + if self.is_leaf() { blocks } else { nodes } as u32)
+    }
+}
 
 impl Node {
     pub const EMPTY: Self = Self {
         planes: [[f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY)]; 3],
-        child: [NO_CHILD; WIDTH],
-        count: [0; WIDTH],
+        children: [Child::NONE; WIDTH],
     };
 
-    pub fn set(&mut self, slot: usize, bounds: &Aabb, child: u32, count: u32) {
+    pub fn set(&mut self, slot: usize, bounds: &Aabb, child: Child) {
         for axis in 0..3 {
             self.planes[axis][0].as_mut_array()[slot] = bounds.min[axis];
             self.planes[axis][1].as_mut_array()[slot] = bounds.max[axis];
         }
-        self.child[slot] = child;
-        self.count[slot] = count;
+        self.children[slot] = child;
     }
 
     pub fn slots_used(&self) -> usize {
-        self.child.iter().take_while(|&&child| child != NO_CHILD).count()
+        self.children.iter().take_while(|&&child| child != Child::NONE).count()
     }
 
     pub fn bounds(&self, slot: usize) -> Aabb {
@@ -52,27 +95,17 @@ impl Node {
         }
     }
 
-    /// Where `ray` enters each box, and a bit per box for those that it meets before `t_max`.
+    /// Where `ray` enters each box, and all bits set in the lanes of those that it meets before `t_max`.
     #[inline(always)]
-    pub fn entries(&self, ray: &RaySlabs, t_max: f32) -> ([f32; WIDTH], u32) {
-        let faces = |axis: usize| {
-            let [lower, upper] = &self.planes[axis];
-            let (near, far) = if ray.reversed[axis] {
-                (upper, lower)
-            } else {
-                (lower, upper)
-            };
-            let distance = |face: &f32x8, origin: f32x8| (*face - origin) * ray.inverse[axis];
-            (
-                distance(near, ray.origin_near[axis]),
-                distance(far, ray.origin_far[axis]),
-            )
+    pub fn entries(&self, ray: &RaySlabs, t_max: f32) -> (f32x8, f32x8) {
+        let side = |axis: usize, far: u32, origin: f32x8| {
+            (self.planes[axis][((ray.reversed[axis] ^ far) & 1) as usize] - origin) * ray.inverse[axis]
         };
-        let (near, far) = ([0, 1, 2].map(|axis| faces(axis).0), [0, 1, 2].map(|axis| faces(axis).1));
+        let near = [0, 1, 2].map(|axis| side(axis, 0, ray.origin_near[axis]));
+        let far = [0, 1, 2].map(|axis| side(axis, 1, ray.origin_far[axis]));
         let enter = near[0].fast_max(near[1]).fast_max(near[2].fast_max(f32x8::ZERO));
         let leave = far[0].fast_min(far[1]).fast_min(far[2]) * f32x8::splat(EXIT_SCALE);
-        let mask = enter.simd_le(leave.fast_min(f32x8::splat(t_max))).to_bitmask();
-        (enter.to_array(), mask)
+        (enter, enter.simd_le(leave.fast_min(f32x8::splat(t_max))))
     }
 }
 
@@ -85,8 +118,8 @@ pub(super) struct RaySlabs {
     origin_near: [f32x8; 3],
     origin_far: [f32x8; 3],
     inverse: [f32x8; 3],
-    /// Whether the ray enters a slab through its upper face.
-    reversed: [bool; 3],
+    /// 1 where the ray enters a slab through its upper face, else 0.
+    reversed: [u32; 3],
 }
 
 impl RaySlabs {
@@ -106,7 +139,7 @@ impl RaySlabs {
             origin_near: (ray.origin + margin).to_array().map(f32x8::splat),
             origin_far: (ray.origin - margin).to_array().map(f32x8::splat),
             inverse: ray.dir.recip().clamp(Vec3::MIN, Vec3::MAX).to_array().map(f32x8::splat),
-            reversed: ray.dir.to_array().map(f32::is_sign_negative),
+            reversed: ray.dir.to_array().map(|component| component.to_bits() >> 31),
         })
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::blas::Blas;
-use super::build::{LeafShape, SplitMethod};
+use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
 use super::instance::{Instance, Primitive};
 use super::placement::Placement;
@@ -70,9 +70,9 @@ impl Tlas {
             groups,
             first_shape,
             placements,
-            bvh: Bvh::build(&[], method, LEAF),
+            bvh: Bvh::build(&[], method, LEAF_SIZE),
         };
-        tlas.bvh = Bvh::build(&tlas.item_bounds(), method, LEAF);
+        tlas.bvh = Bvh::build(&tlas.item_bounds(), method, LEAF_SIZE);
         tlas
     }
 
@@ -275,7 +275,4 @@ impl Tlas {
 }
 
 /// Instances are dear to test, boxes are cheap.
-const LEAF: LeafShape = LeafShape {
-    max_primitives: 1,
-    align: 1,
-};
+const LEAF_SIZE: usize = 1;

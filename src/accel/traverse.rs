@@ -2,9 +2,12 @@
 
 use std::ops::{AddAssign, Range};
 
+use arrayvec::ArrayVec;
+
 use super::build::MAX_DEPTH;
 use super::bvh::Bvh;
-use super::node::{RaySlabs, WIDTH};
+use super::node::{Child, RaySlabs, WIDTH};
+use super::order::far_to_near;
 use crate::math::Ray;
 
 /// The work of a traversal.
@@ -27,27 +30,9 @@ impl AddAssign for Steps {
     }
 }
 
-/// Stack entries for a hierarchy of some depth: every node on the way down leaves at most all but one of its children behind.
-const fn stack_for(depth: usize) -> usize {
-    depth * (WIDTH - 1) + 1
-}
-
-/// Clearing the stack for the deepest hierarchy would cost a tenth of a ray; most are shallower than this.
-const SHALLOW: usize = 9;
-
-/// A child waiting on the stack: its entry distance above its place (node index and slot), so that keys sort by distance.
-fn key(entry: f32, node: usize, slot: usize) -> u64 {
-    u64::from(entry.to_bits()) << 32 | (node * WIDTH + slot) as u64
-}
-
-fn entry_of(key: u64) -> f32 {
-    f32::from_bits((key >> 32) as u32)
-}
-
-fn place_of(key: u64) -> (usize, usize) {
-    let place = key as u32 as usize;
-    (place / WIDTH, place % WIDTH)
-}
+/// Stack entries for the deepest hierarchy: every node on the way down leaves at most all but one of its children behind. The last pushes
+/// all its slots, those that are not met on top.
+const STACK: usize = MAX_DEPTH * (WIDTH - 1) + WIDTH;
 
 impl Bvh {
     /// Visits every leaf that may hold a hit, roughly from near to far. `leaf` gets a range of [`Bvh::order`] and the distance within
@@ -77,68 +62,51 @@ impl Bvh {
         &self,
         ray: &Ray,
         steps: &mut Steps,
-        leaf: impl FnMut(Range<usize>, &mut f32) -> bool,
-    ) -> bool {
-        if self.depth <= SHALLOW {
-            self.walk_with_stack::<ANY, COUNT, { stack_for(SHALLOW) }>(ray, steps, leaf)
-        } else {
-            self.walk_with_stack::<ANY, COUNT, { stack_for(MAX_DEPTH) }>(ray, steps, leaf)
-        }
-    }
-
-    #[inline(always)]
-    fn walk_with_stack<const ANY: bool, const COUNT: bool, const STACK: usize>(
-        &self,
-        ray: &Ray,
-        steps: &mut Steps,
         mut leaf: impl FnMut(Range<usize>, &mut f32) -> bool,
     ) -> bool {
         let Some(slabs) = RaySlabs::new(ray) else {
             return false;
         };
         let mut t_max = ray.t_max;
-        let mut stack = [0u64; STACK];
-        let mut height = 0;
+        // Children that wait, and where the ray enters them.
+        let mut waiting = ArrayVec::<u64, STACK>::new();
         let mut current = 0;
         loop {
             let node = &self.nodes[current];
             if COUNT {
                 steps.boxes += node.slots_used() as u32;
             }
-            let (entries, mut hits) = node.entries(&slabs, t_max);
-            let base = height;
-            while hits != 0 {
-                let slot = hits.trailing_zeros() as usize % WIDTH;
-                hits &= hits - 1;
-                let new = key(entries[slot], current, slot);
-                // The nearest goes on top.
-                let mut at = height;
-                while !ANY && at > base && stack[at - 1] < new {
-                    stack[at] = stack[at - 1];
-                    at -= 1;
-                }
-                stack[at] = new;
-                height += 1;
+            let (enter, met) = node.entries(&slabs, t_max);
+            let mask = met.to_bitmask();
+            let count = mask.count_ones() as usize;
+            if count == 1 {
+                waiting.push(u64::from(node.children[mask.trailing_zeros() as usize % WIDTH].0));
+            } else if count > 1 {
+                let sorted = far_to_near(enter, met, node.children.each_ref().map(|child| child.0));
+                let height = waiting.len() + count;
+                let pushed: [u64; WIDTH] = std::array::from_fn(|lane| {
+                    u64::from(sorted.entries[lane].to_bits()) << 32 | u64::from(sorted.children[lane])
+                });
+                // The stack is deep enough by construction.
+                let _ = waiting.try_extend_from_slice(&pushed);
+                waiting.truncate(height);
             }
             current = loop {
-                if height == 0 {
+                let Some(top) = waiting.pop() else {
                     return false;
-                }
-                height -= 1;
-                let top = stack[height];
-                if !ANY && entry_of(top) > t_max {
+                };
+                if !ANY && f32::from_bits((top >> 32) as u32) > t_max {
                     continue;
                 }
-                let (parent, slot) = place_of(top);
-                let parent = &self.nodes[parent];
-                let (child, count) = (parent.child[slot] as usize, parent.count[slot] as usize);
-                if count == 0 {
-                    break child;
+                let child = Child(top as u32);
+                if !child.is_leaf() {
+                    break child.index();
                 }
+                let range = self.leaf_range(child);
                 if COUNT {
-                    steps.primitives += count as u32;
+                    steps.primitives += range.len() as u32;
                 }
-                if leaf(child..child + count, &mut t_max) && ANY {
+                if leaf(range, &mut t_max) && ANY {
                     return true;
                 }
             };

@@ -1,0 +1,78 @@
+//! The children that a ray meets, sorted from far to near, so that a walk can put them on its stack as they are.
+//!
+//! A sort of eight lanes without branches (bitonic: Batcher, Sorting networks and their applications, 1968): how many children are met, and
+//! in what order, is what a processor guesses worst.
+
+use wide::{f32x8, u32x8};
+
+use super::node::WIDTH;
+
+/// The first of both are those of the children that are met; what follows is arbitrary.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FarToNear {
+    /// Where the ray enters, rounded down by at most 7 units in the last place.
+    pub entries: [f32; WIDTH],
+    pub children: [u32; WIDTH],
+}
+
+/// The bits of an entry distance that make way for the number of a lane.
+const LANE: u32 = WIDTH as u32 - 1;
+/// Turns the order of distances, which have no sign, around; and leaves the lanes alone.
+const REVERSED: u32 = !LANE & i32::MAX as u32;
+
+/// `entries` are not negative, `met` has all bits set in the lanes that count and none in others.
+#[inline(always)]
+pub(super) fn far_to_near(entries: f32x8, met: f32x8, children: [u32; WIDTH]) -> FarToNear {
+    let distance: u32x8 = bytemuck::cast(entries);
+    let met: u32x8 = bytemuck::cast(met);
+    let lanes = u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
+    // What is not met comes last.
+    let mut keys = (((distance & !LANE) | lanes) ^ REVERSED) | !met;
+
+    // Each lane is compared with a partner; the upper one of the two keeps the greater.
+    let mut exchange = |partner: [u32; WIDTH]| {
+        let other = keys.shuffle_wrapping(u32x8::new(partner));
+        let is_upper = std::array::from_fn(|lane| if partner[lane] < lane as u32 { u32::MAX } else { 0 });
+        keys = u32x8::new(is_upper).bitselect(keys.max(other), keys.min(other));
+    };
+    exchange([1, 0, 3, 2, 5, 4, 7, 6]);
+    exchange([3, 2, 1, 0, 7, 6, 5, 4]);
+    exchange([1, 0, 3, 2, 5, 4, 7, 6]);
+    exchange([7, 6, 5, 4, 3, 2, 1, 0]);
+    exchange([2, 3, 0, 1, 6, 7, 4, 5]);
+    exchange([1, 0, 3, 2, 5, 4, 7, 6]);
+
+    FarToNear {
+        entries: bytemuck::cast((keys ^ REVERSED) & !LANE),
+        children: u32x8::new(children).shuffle_wrapping(keys).to_array(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn children_come_from_far_to_near() {
+        let distances = [0.0, 3.5, f32::MIN_POSITIVE, 1e30, 3.5, 1.0, f32::MAX, 2.0];
+        let children = [10, 11, 12, 13, 14, 15, 16, 17];
+        for rotation in 0..WIDTH {
+            let mut entries = distances;
+            entries.rotate_left(rotation);
+            for mask in 0..1u32 << WIDTH {
+                let met = std::array::from_fn(|lane| f32::from_bits(if mask >> lane & 1 == 1 { u32::MAX } else { 0 }));
+                let sorted = far_to_near(f32x8::from(entries), f32x8::from(met), children);
+                let count = mask.count_ones() as usize;
+                assert!(sorted.entries[..count].is_sorted_by(|a, b| a >= b));
+                let mut seen = 0;
+                for (entry, child) in sorted.entries.into_iter().zip(sorted.children).take(count) {
+                    let lane = child as usize - 10;
+                    seen |= 1 << lane;
+                    let below = entries[lane].to_bits() - entry.to_bits();
+                    assert!(below < WIDTH as u32, "{entry} for {}", entries[lane]);
+                }
+                assert_eq!(seen, mask);
+            }
+        }
+    }
+}
