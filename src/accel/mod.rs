@@ -7,6 +7,7 @@ mod binning;
 mod blas;
 mod build;
 mod bvh;
+mod collapse;
 mod instance;
 mod node;
 mod order;

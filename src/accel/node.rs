@@ -62,11 +62,6 @@ impl Child {
     pub fn count(self) -> usize {
         (self.0 >> Self::COUNT_SHIFT & (MAX_LEAF as u32 - 1)) as usize + 1
     }
-
-    /// The same child where nodes and leaves are counted from later on.
-    pub fn moved(self, nodes: usize, blocks: usize) -> Self {
-        Self(self.0 + if self.is_leaf() { blocks } else { nodes } as u32)
-    }
 }
 
 impl Node {
