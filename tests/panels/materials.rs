@@ -1,0 +1,289 @@
+//! Materials in the inspector, and the library.
+
+use bevy::math::Vec2;
+use bevy::prelude::Entity;
+use bevy_egui::egui::{self, Key, Modifiers, Pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use sunroom::app::editor::command::{Command, FileDialogKind};
+use sunroom::app::editor::material_drop::drop_target;
+use sunroom::app::editor::material_tree::MaterialTree;
+use sunroom::app::editor::model::{Inspected, InspectedMaterial, MaterialPlace, Model, Outline};
+use sunroom::app::editor::panels::library;
+use sunroom::app::editor::panels::library::LibraryState;
+use sunroom::app::editor::presets;
+use sunroom::app::editor::selection::Selection;
+use sunroom::color::Rgb;
+use sunroom::scene::{ConductorIor, Material, Parameter, Shape, SquarePath, Texture};
+
+use crate::inspector::inspect;
+use crate::subjects::{checkerboard, textured, with_material};
+use crate::{Shown, click, drag, drag_between, entity, item, slide};
+
+fn only_material(commands: &[Command]) -> &Material {
+    match commands.last() {
+        Some(Command::SetMaterial(target, material)) if *target == entity(7) => material,
+        other => panic!("no material was set: {other:?}"),
+    }
+}
+
+#[test]
+fn a_constant_becomes_a_texture_and_back() {
+    let red = Rgb::new(0.6, 0.1, 0.1);
+    let mut harness = inspect(with_material(Material::Diffuse {
+        reflectance: red.into(),
+    }));
+    click(&mut harness, "Reflectance source");
+    click(&mut harness, "checkerboard");
+    let Material::Diffuse {
+        reflectance: Parameter::Texture(Texture::Checkerboard { color0, .. }),
+    } = only_material(&harness.state().commands)
+    else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert_eq!(**color0, red.into());
+
+    let mut harness = inspect(with_material(textured(checkerboard())));
+    click(&mut harness, "Reflectance source");
+    click(&mut harness, "colour");
+    let grey = Material::Diffuse {
+        reflectance: Rgb::splat(0.4).into(),
+    };
+    assert_eq!(only_material(&harness.state().commands), &grey);
+}
+
+#[test]
+fn a_texture_opens_and_is_edited_in_place() {
+    let mut harness = inspect(with_material(textured(checkerboard())));
+    assert!(harness.query_by_label("Colour 1 R").is_none());
+    click(&mut harness, "Reflectance");
+    drag(&mut harness, "Repeats U", 30.0);
+    let Material::Diffuse {
+        reflectance: Parameter::Texture(Texture::Checkerboard { to_uv, color1, .. }),
+    } = only_material(&harness.state().commands)
+    else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert!(
+        to_uv.matrix2.x_axis.x > 1.0 && to_uv.matrix2.y_axis.y == 1.0,
+        "{to_uv:?}"
+    );
+    assert!(color1.constant().is_none(), "what is inside stays");
+    // A picture within the checkerboard.
+    harness.state_mut().commands.clear();
+    click(&mut harness, "Colour 1 source");
+    click(&mut harness, "picture\u{2026}");
+    let dialog = Command::ShowDialog(FileDialogKind::OpenPicture {
+        owner: entity(7),
+        parameter: "reflectance",
+        place: SquarePath::WHOLE.within(0),
+    });
+    assert_eq!(harness.state().commands, [dialog]);
+}
+
+#[test]
+fn colours_are_typed_as_srgb_too() {
+    let mut harness = inspect(with_material(Material::Diffuse {
+        reflectance: Rgb::splat(0.5).into(),
+    }));
+    click(&mut harness, "lin");
+    assert_eq!(harness.state().commands, [], "another notation is the same colour");
+    harness.get_by_label("Reflectance hex").focus();
+    harness.run_steps(2);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.event(egui::Event::Text("#ff0080".into()));
+    harness.run_steps(3);
+    let Material::Diffuse { reflectance } = only_material(&harness.state().commands) else {
+        panic!("another kind")
+    };
+    let color = reflectance.constant().expect("no texture");
+    // 0x80 is 21.6 % of the light, see IEC 61966-2-1.
+    assert!(color.abs_diff_eq(Rgb::new(1.0, 0.0, 0.2159), 1e-3), "{color}");
+}
+
+fn shown_tree(commands: &[Command]) -> (&[Entity], &MaterialTree) {
+    match commands {
+        [Command::BuildMaterial { targets, tree }] => (targets, tree),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn presets_go_to_all_that_is_selected() {
+    let mut harness = inspect(with_material(Material::default()));
+    harness.state_mut().given.presets = std::sync::Arc::new(presets::load().0);
+    harness.state_mut().given.selection = Selection::of([entity(5), entity(7)]);
+    harness.run_steps(2);
+    click(&mut harness, "Presets");
+    harness.get_by_label_contains("Metal").click();
+    harness.run_steps(4);
+    click(&mut harness, "gold");
+    let (targets, tree) = shown_tree(&harness.state().commands);
+    assert_eq!(targets, [entity(5), entity(7)]);
+    let Material::Conductor { ior, .. } = &tree.material else {
+        panic!("{tree:?}")
+    };
+    assert_eq!(*ior, ConductorIor::Named("Au".into()));
+}
+
+#[test]
+fn a_preset_is_clicked_or_dragged_out_of_the_library() {
+    let model = Model {
+        presets: std::sync::Arc::new(presets::load().0),
+        outline: std::sync::Arc::new(Outline {
+            shapes: vec![item(5, "ball"), item(6, "floor")],
+            ..Outline::default()
+        }),
+        selection: Selection::of([entity(5), entity(9)]),
+        ..Model::default()
+    };
+    let state = std::sync::Mutex::new(LibraryState::default());
+    let shown = Shown {
+        given: model,
+        commands: Vec::new(),
+    };
+    let mut harness = Harness::builder().with_size(egui::vec2(600.0, 400.0)).build_ui_state(
+        move |ui, shown: &mut Shown<Model>| {
+            let mut state = state.lock().expect("one thread");
+            let Shown { given, commands } = shown;
+            egui::Panel::left("library").exact_size(220.0).show(ui, |ui| {
+                library::library(ui, given, &mut state, commands);
+            });
+            let picture = ui.available_rect_before_wrap();
+            let response = ui.interact(picture, egui::Id::new("picture"), egui::Sense::click_and_drag());
+            drop_target(ui, &response, picture, commands);
+        },
+        shown,
+    );
+    harness.run_steps(3);
+    click(&mut harness, "silver");
+    // The light among what is selected has no material.
+    assert!(matches!(
+        &harness.state().commands[..],
+        [Command::UsePreset { preset, shapes }] if preset.path() == "Metal/silver" && *shapes == [entity(5)]
+    ));
+    let gold = harness.get_by_label("gold").rect().center();
+    drag_between(&mut harness, gold, Pos2::new(410.0, 200.0));
+    let Some(Command::DropPreset { preset, at }) = harness.state().commands.last() else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert_eq!(preset.path(), "Metal/gold");
+    assert!(at.abs_diff_eq(Vec2::splat(0.5), 0.1), "{at}");
+}
+
+#[test]
+fn a_shape_without_a_material_takes_a_preset_too() {
+    let mut harness = inspect(Inspected {
+        shape: Some(Shape::default()),
+        ..Inspected::new(entity(5), "wall")
+    });
+    harness.state_mut().given.presets = std::sync::Arc::new(presets::load().0);
+    click(&mut harness, "Presets");
+    harness.get_by_label_contains("Glass").click();
+    harness.run_steps(4);
+    click(&mut harness, "diamond");
+    let (targets, tree) = shown_tree(&harness.state().commands);
+    assert_eq!((targets, tree.material.plugin()), (&[entity(5)][..], "dielectric"));
+}
+
+#[test]
+fn a_material_is_put_into_another_and_taken_out() {
+    let mut harness = inspect(with_material(Material::default()));
+    click(&mut harness, "Layers");
+    harness.get_by_label_contains("Put it into").click();
+    harness.run_steps(4);
+    click(&mut harness, "bump map");
+    let (targets, tree) = shown_tree(&harness.state().commands);
+    assert_eq!(targets, [entity(7)]);
+    assert_eq!(*tree, MaterialTree::from(Material::default()).wrapped("bumpmap"));
+
+    let mut wrapped = with_material(Material::of_plugin("bumpmap").unwrap());
+    wrapped.materials[0].inside = vec![entity(9)];
+    wrapped.materials.push(InspectedMaterial {
+        entity: entity(9),
+        name: "clay".into(),
+        material: Material::default(),
+        place: MaterialPlace::Inside,
+        users: 0,
+        inside: Vec::new(),
+    });
+    let mut harness = inspect(wrapped);
+    harness
+        .get_all_by_label("Layers")
+        .next()
+        .expect("that of the bump map")
+        .click();
+    harness.run_steps(4);
+    click(&mut harness, "Take the bump map off");
+    let (targets, tree) = shown_tree(&harness.state().commands);
+    assert_eq!((targets, tree.clone()), (&[entity(7)][..], Material::default().into()));
+}
+
+#[test]
+fn a_slider_changes_its_parameter_and_no_other() {
+    let reflectance = Rgb::new(0.8, 0.6, 1.0 / 3.0);
+    let mut harness = inspect(with_material(Material::Metal {
+        reflectance: reflectance.into(),
+        fuzz: 0.1.into(),
+    }));
+    slide(&mut harness, "Fuzz", 0.5);
+    let Material::Metal {
+        reflectance: kept,
+        fuzz,
+    } = only_material(&harness.state().commands)
+    else {
+        panic!("another kind")
+    };
+    assert_eq!(*kept, reflectance.into());
+    assert!(
+        fuzz.constant().is_some_and(|fuzz| (0.4..0.6).contains(&fuzz)),
+        "{fuzz:?}"
+    );
+}
+
+#[test]
+fn a_colour_channel_can_be_dragged() {
+    let mut harness = inspect(with_material(Material::Diffuse {
+        reflectance: Rgb::splat(0.5).into(),
+    }));
+    drag(&mut harness, "Reflectance G", 40.0);
+    let Material::Diffuse { reflectance } = only_material(&harness.state().commands) else {
+        panic!("another kind")
+    };
+    let reflectance = reflectance.constant().expect("no texture");
+    assert_eq!((reflectance.x, reflectance.z), (0.5, 0.5));
+    assert!(reflectance.y > 0.5 && reflectance.y <= 1.0, "{reflectance}");
+}
+
+#[test]
+fn a_material_turns_into_another_kind() {
+    let mut harness = inspect(with_material(Material::Diffuse {
+        reflectance: Rgb::splat(0.5).into(),
+    }));
+    click(&mut harness, "Type");
+    click(&mut harness, "dielectric");
+    assert!(matches!(
+        only_material(&harness.state().commands),
+        Material::Dielectric { .. }
+    ));
+}
+
+#[test]
+fn a_shape_takes_another_material_or_a_new_one() {
+    let shape = Inspected {
+        shape: Some(Shape::default()),
+        uses_material: Some(entity(30)),
+        ..Inspected::new(entity(5), "wall")
+    };
+    let mut harness = inspect(shape.clone());
+    click(&mut harness, "Uses");
+    click(&mut harness, "glass");
+    let used = Command::UseMaterial {
+        shapes: vec![entity(5)],
+        material: Some(entity(31)),
+    };
+    assert_eq!(harness.state().commands, [used]);
+    let mut harness = inspect(shape);
+    click(&mut harness, "New material for this shape");
+    assert_eq!(harness.state().commands, [Command::GiveMaterial { shape: entity(5) }]);
+}

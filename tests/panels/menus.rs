@@ -1,0 +1,151 @@
+//! Menus, messages, the history and the status line.
+
+use std::path::PathBuf;
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use sunroom::app::editor::actions::ActionContext;
+use sunroom::app::editor::command::Command;
+use sunroom::app::editor::display::DisplaySettings;
+use sunroom::app::editor::gizmo::GizmoSettings;
+use sunroom::app::editor::layout;
+use sunroom::app::editor::layout::Layout;
+use sunroom::app::editor::model::{DenoiserState, HistoryModel, Model, Notice, Outline, StatusModel};
+use sunroom::app::editor::overlay::BvhOverlay;
+use sunroom::app::editor::panels::menu_bar::{MenuState, menu_bar};
+use sunroom::app::editor::panels::{diagnostics, history, status};
+use sunroom::app::editor::selection::Selection;
+use sunroom::app::editor::shell::ShellCommand;
+use sunroom::engine::{RenderState, RenderStatus};
+
+use crate::{Panel, Shown, click, entity, item, show, show_at};
+
+fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
+    let model = Model {
+        status: StatusModel {
+            denoiser,
+            ..StatusModel::default()
+        },
+        scene_files: std::sync::Arc::new(vec!["/there/cornell-box.xml".into()]),
+        outline: std::sync::Arc::new(Outline {
+            sensors: vec![item(9, "from above")],
+            ..Outline::default()
+        }),
+        ..Model::default()
+    };
+    show_at(640.0, model, |ui, model, commands| {
+        let state = MenuState {
+            context: ActionContext {
+                display: DisplaySettings::default(),
+                overlay: BvhOverlay::default(),
+                gizmo: GizmoSettings::default(),
+                paused: model.status.paused,
+                panels_shown: true,
+                selection: &Selection::default(),
+                tool: Default::default(),
+                safe_frame: false,
+                flying: false,
+            },
+            camera: None,
+            layout: &Layout::default(),
+            recent: &[PathBuf::from("/lately/room.xml")],
+        };
+        menu_bar(ui, model, state, commands);
+    })
+}
+
+#[test]
+fn menus_say_commands() {
+    let mut harness = menus(DenoiserState::Idle);
+    assert_eq!(harness.state().commands, []);
+    click(&mut harness, "File");
+    harness.get_by_label_contains("Reload").click();
+    harness.run_steps(3);
+    click(&mut harness, "View");
+    harness.get_by_label_contains("BVH boxes").click();
+    harness.run_steps(3);
+    click(&mut harness, "View");
+    harness.get_by_label_contains("Cameras").click();
+    harness.run_steps(4);
+    click(&mut harness, "from above");
+    click(&mut harness, "Window");
+    click(&mut harness, "History");
+    click(&mut harness, "Pause");
+    click(&mut harness, "Denoise");
+    let boxes = BvhOverlay {
+        shown: true,
+        ..BvhOverlay::default()
+    };
+    let expected = [
+        Command::ReloadScene,
+        Command::SetOverlay(boxes),
+        Command::LookThrough(entity(9)),
+        Command::Shell(ShellCommand::ClosePanel(layout::Panel::History)),
+        Command::SetPaused(true),
+        Command::Denoise,
+    ];
+    assert_eq!(harness.state().commands, expected);
+}
+
+#[test]
+fn without_a_denoiser_there_is_nothing_to_press() {
+    let mut harness = menus(DenoiserState::Unavailable);
+    click(&mut harness, "Denoise");
+    assert_eq!(harness.state().commands, []);
+}
+
+#[test]
+fn messages_show_place_and_help() {
+    let notices = vec![Notice {
+        is_error: true,
+        place: Some("box.xml:12:5".into()),
+        text: "unknown plugin `glas`".into(),
+        help: Some("did you mean `dielectric`?".into()),
+        excerpt: Some("12 | <bsdf type=\"glas\">\n     ^^^^".into()),
+    }];
+    let harness = show(notices, |ui, notices, _| diagnostics::diagnostics(ui, notices));
+    for text in ["error", "box.xml:12:5", "unknown plugin `glas`"] {
+        assert!(harness.query_by_label(text).is_some(), "{text}");
+    }
+    assert!(harness.query_by_label_contains("did you mean").is_some());
+    assert!(harness.query_by_label_contains("^^^^").is_some());
+}
+
+#[test]
+fn a_click_in_the_history_goes_there() {
+    let model = HistoryModel {
+        done: vec!["Add: ball".into(), "Move: ball".into()],
+        undone: vec!["Hide: ball".into()],
+    };
+    let mut harness = show(model, history::history);
+    // Where we are already there is nowhere to go.
+    click(&mut harness, "Move: ball");
+    click(&mut harness, "Hide: ball");
+    click(&mut harness, "As opened");
+    assert_eq!(harness.state().commands, [Command::GoTo(3), Command::GoTo(0)]);
+}
+
+#[test]
+fn the_status_line_has_the_figures() {
+    let status = RenderStatus {
+        state: RenderState::Rendering,
+        samples: 5,
+        target: 64,
+        mrays_per_s: 2.345,
+        triangles: 871_414,
+        ..RenderStatus::default()
+    };
+    let model = StatusModel {
+        status,
+        ..StatusModel::default()
+    };
+    let line: Panel<StatusModel> = |ui, model, _| status::status_line(ui, model);
+    let harness = show_at(1280.0, model.clone(), line);
+    for text in ["Rendering", "2.35 Mrays/s", "871,414 triangles"] {
+        assert!(harness.query_by_label(text).is_some(), "{text}");
+    }
+    // What has no room is left out, not cut off.
+    let harness = show_at(340.0, model, line);
+    assert!(harness.query_by_label("Rendering").is_some());
+    assert!(harness.query_by_label("871,414 triangles").is_none());
+}

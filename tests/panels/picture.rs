@@ -1,0 +1,317 @@
+//! The picture: its keys, its mouse, and what is dropped on it.
+
+use bevy::math::{Affine3A, Vec2, Vec3};
+use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use sunroom::app::editor::actions::ActionContext;
+use sunroom::app::editor::command::{Command, FileDialogKind};
+use sunroom::app::editor::display::{DisplayMode, DisplaySettings};
+use sunroom::app::editor::gizmo::GizmoSettings;
+use sunroom::app::editor::gizmo::interaction::GizmoModel;
+use sunroom::app::editor::material_drop::drop_target;
+use sunroom::app::editor::model::{Model, Outline};
+use sunroom::app::editor::navigation::Navigation;
+use sunroom::app::editor::outline::SelectionOutline;
+use sunroom::app::editor::overlay::{BoxList, BvhOverlay};
+use sunroom::app::editor::panels::outliner;
+use sunroom::app::editor::panels::outliner::OutlinerState;
+use sunroom::app::editor::selection::{Extend, Selection};
+use sunroom::app::editor::viewport::{ViewportModel, ViewportState, viewport};
+use sunroom::engine::CurrentScene;
+use sunroom::render::camera::Camera;
+
+use crate::editor_support::presses;
+use crate::{Shown, click, drag, entity, item, press_at, with_outline};
+
+/// The picture in a panel of 340 x 240 points, with a text field and a number above it.
+pub struct Picture {
+    commands: Vec<Command>,
+    state: ViewportState,
+    text: String,
+    number: f32,
+    pose: Affine3A,
+}
+
+pub fn picture() -> Harness<'static, Picture> {
+    let picture = Picture {
+        commands: Vec::new(),
+        state: ViewportState::default(),
+        text: String::new(),
+        number: 1.0,
+        pose: Affine3A::IDENTITY,
+    };
+    let (boxes, outline, current) = (BoxList::default(), SelectionOutline::default(), CurrentScene::default());
+    let selection = Selection::of([entity(1)]);
+    let mut harness = Harness::builder().with_size(egui::vec2(340.0, 240.0)).build_ui_state(
+        move |ui, picture: &mut Picture| {
+            ui.horizontal(|ui| {
+                ui.add(egui::TextEdit::singleline(&mut picture.text).desired_width(60.0));
+                let name = ui.label("number").id;
+                ui.add(egui::DragValue::new(&mut picture.number)).labelled_by(name);
+            });
+            let locked = Default::default();
+            let model = ViewportModel {
+                picture: Some((egui::TextureId::default(), [200, 100])),
+                proportions: [200, 100],
+                mouse: egui::Vec2::ZERO,
+                placeholder: "",
+                pose: Some(picture.pose),
+                camera: Some(Camera::new(picture.pose, 60.0, 2.0, 0.01, 100.0, None)),
+                boxes: &boxes,
+                outline: &outline,
+                icons: &[],
+                gizmo: GizmoModel {
+                    settings: GizmoSettings::default(),
+                    targets: &[],
+                    length_step: 1.0,
+                    up: Vec3::Y,
+                    current: &current,
+                },
+                locked: &locked,
+                current: &current,
+                paths: &Default::default(),
+                legend: None,
+                captions: &[],
+                region: None,
+                navigation: Navigation::default(),
+                keys: ActionContext {
+                    display: DisplaySettings::default(),
+                    overlay: BvhOverlay::default(),
+                    gizmo: GizmoSettings::default(),
+                    paused: false,
+                    panels_shown: true,
+                    selection: &selection,
+                    tool: Default::default(),
+                    safe_frame: false,
+                    flying: false,
+                },
+                presses: &presses(ui),
+                enabled: true,
+            };
+            viewport(ui, &model, &mut picture.state, &mut picture.commands);
+        },
+        picture,
+    );
+    harness.run_steps(3);
+    harness
+}
+
+fn last_pose(harness: &Harness<Picture>) -> Option<Affine3A> {
+    harness.state().commands.iter().rev().find_map(|command| match command {
+        Command::MoveView(pose) => Some(*pose),
+        _ => None,
+    })
+}
+
+const MIDDLE: Pos2 = Pos2::new(170.0, 130.0);
+
+#[test]
+fn a_material_is_dragged_from_the_list_onto_the_picture() {
+    let outline = Outline {
+        materials: vec![item(31, "glass")],
+        ..Outline::default()
+    };
+    let state = std::sync::Mutex::new(OutlinerState::default());
+    let shown = Shown {
+        given: with_outline(outline, Selection::default()),
+        commands: Vec::new(),
+    };
+    let mut harness = Harness::builder().with_size(egui::vec2(540.0, 240.0)).build_ui_state(
+        move |ui, shown: &mut Shown<Model>| {
+            let mut state = state.lock().expect("one thread");
+            let Shown { given, commands } = shown;
+            egui::Panel::left("list").exact_size(200.0).show(ui, |ui| {
+                outliner::outliner(ui, given, &mut state, commands);
+            });
+            let picture = ui.available_rect_before_wrap();
+            let response = ui.interact(picture, egui::Id::new("picture"), egui::Sense::click_and_drag());
+            drop_target(ui, &response, picture, commands);
+        },
+        shown,
+    );
+    harness.run_steps(3);
+    let line = harness.get_by_label("glass").rect().center();
+    let target = Pos2::new(380.0, 120.0);
+    harness.hover_at(line);
+    harness.run_steps(1);
+    harness.drag_at(line);
+    harness.run_steps(1);
+    for step in 1..=6 {
+        harness.hover_at(line.lerp(target, step as f32 / 6.0));
+        harness.run_steps(1);
+    }
+    harness.drop_at(target);
+    harness.run_steps(2);
+    let [Command::DropMaterial { material, at }] = harness.state().commands[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert_eq!(material, entity(31));
+    assert!(at.min_element() > 0.2 && at.max_element() < 0.8, "{at}");
+}
+
+#[test]
+fn a_click_picks_and_a_drag_looks() {
+    let mut harness = picture();
+    assert_eq!(harness.state().commands, []);
+    press_at(&mut harness, MIDDLE);
+    let [Command::Pick(film, Extend::Replace)] = harness.state().commands[..] else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert!(film.abs_diff_eq(Vec2::splat(0.5), 0.1), "{film}");
+    harness.state_mut().commands.clear();
+    harness.drag_at(MIDDLE);
+    for step in 1..=5 {
+        harness.hover_at(MIDDLE + egui::vec2(15.0 * step as f32, 0.0));
+        harness.run_steps(1);
+    }
+    harness.drop_at(MIDDLE + egui::vec2(75.0, 0.0));
+    harness.run_steps(1);
+    let pose = last_pose(&harness).expect("looked around");
+    assert!(
+        pose.matrix3.z_axis.x < 0.0,
+        "to the right is -x: {}",
+        pose.matrix3.z_axis
+    );
+    assert!(
+        !harness
+            .state()
+            .commands
+            .iter()
+            .any(|command| matches!(command, Command::Pick(..)))
+    );
+}
+
+#[test]
+fn keys_fly_unless_a_text_is_being_typed() {
+    let mut harness = picture();
+    harness.key_down(Key::W);
+    harness.run_steps(2);
+    harness.key_up(Key::W);
+    harness.run_steps(1);
+    assert!(last_pose(&harness).is_some_and(|pose| pose.translation.z > 0.0));
+
+    harness.get_by_role(egui::accesskit::Role::TextInput).focus();
+    harness.run_steps(2);
+    harness.state_mut().commands.clear();
+    harness.key_down(Key::W);
+    harness.key_press(Key::Space);
+    harness.run_steps(2);
+    harness.key_up(Key::W);
+    harness.run_steps(1);
+    assert_eq!(harness.state().commands, []);
+}
+
+#[test]
+fn keys_work_again_right_after_a_number_was_dragged() {
+    let mut harness = picture();
+    drag(&mut harness, "number", 30.0);
+    assert!(harness.state().number > 1.0);
+    harness.state_mut().commands.clear();
+    harness.key_press(Key::N);
+    harness.run_steps(2);
+    assert_eq!(harness.state().commands, [Command::Denoise]);
+}
+
+#[test]
+fn a_number_is_typed_without_side_effects() {
+    let mut harness = picture();
+    click(&mut harness, "number");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.event(egui::Event::Text("42".into()));
+    harness.key_press(Key::B);
+    harness.run_steps(2);
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(harness.state().number, 42.0);
+    assert_eq!(harness.state().commands, []);
+}
+
+#[test]
+fn keys_are_commands() {
+    let display = DisplaySettings::default();
+    let table = [
+        (Key::Space, Modifiers::NONE, Command::SetPaused(true)),
+        (Key::R, Modifiers::SHIFT, Command::Restart),
+        (
+            Key::Tab,
+            Modifiers::NONE,
+            Command::SetDisplay(DisplaySettings {
+                mode: DisplayMode::Albedo,
+                ..display
+            }),
+        ),
+        (
+            Key::CloseBracket,
+            Modifiers::NONE,
+            Command::SetDisplay(DisplaySettings {
+                exposure: 0.25,
+                ..display
+            }),
+        ),
+        (
+            Key::B,
+            Modifiers::NONE,
+            Command::SetOverlay(BvhOverlay {
+                shown: true,
+                ..BvhOverlay::default()
+            }),
+        ),
+        (Key::F, Modifiers::NONE, Command::FrameSelection),
+        (Key::Home, Modifiers::NONE, Command::FrameAll),
+        (Key::N, Modifiers::NONE, Command::Denoise),
+        (
+            Key::Escape,
+            Modifiers::NONE,
+            Command::Select(Vec::new(), Extend::Replace),
+        ),
+        (
+            Key::O,
+            Modifiers::COMMAND,
+            Command::ShowDialog(FileDialogKind::OpenScene),
+        ),
+        (Key::S, Modifiers::COMMAND, Command::Save),
+        (
+            Key::S,
+            Modifiers::COMMAND | Modifiers::SHIFT,
+            Command::ShowDialog(FileDialogKind::SaveScene),
+        ),
+        (Key::Z, Modifiers::COMMAND, Command::Undo),
+        (Key::Z, Modifiers::COMMAND | Modifiers::SHIFT, Command::Redo),
+        (Key::H, Modifiers::NONE, Command::Hide(vec![entity(1)], true)),
+        (Key::H, Modifiers::ALT, Command::ShowAll),
+    ];
+    let mut harness = picture();
+    for (key, modifiers, expected) in table {
+        harness.state_mut().commands.clear();
+        harness.key_press_modifiers(modifiers, key);
+        harness.run_steps(2);
+        assert_eq!(harness.state().commands, [expected], "{key:?}");
+    }
+}
+
+#[test]
+fn the_wheel_dollies_and_with_the_right_button_sets_the_speed() {
+    let wheel = || egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Line,
+        delta: egui::vec2(0.0, 1.0),
+        phase: egui::TouchPhase::Move,
+        modifiers: Modifiers::NONE,
+    };
+    let mut harness = picture();
+    harness.hover_at(MIDDLE);
+    harness.run_steps(1);
+    harness.event(wheel());
+    harness.run_steps(1);
+    assert!(last_pose(&harness).is_some_and(|pose| pose.translation.z > 0.0));
+    harness.state_mut().commands.clear();
+    harness.event(egui::Event::PointerButton {
+        pos: MIDDLE,
+        button: PointerButton::Secondary,
+        pressed: true,
+        modifiers: Modifiers::NONE,
+    });
+    harness.event(wheel());
+    harness.run_steps(1);
+    assert!(matches!(harness.state().commands[..], [Command::SetSpeed(speed)] if speed > 1.0));
+}

@@ -1,0 +1,157 @@
+//! The render panel, with the mixing desk and comparisons.
+
+use egui_kittest::Harness;
+use sunroom::app::editor::command::Command;
+use sunroom::app::editor::compare::CompareView;
+use sunroom::app::editor::display::{DisplayMode, DisplaySettings};
+use sunroom::app::editor::light_mix::{Channel, LightMix};
+use sunroom::app::editor::model::{ComparisonModel, MixingModel, RenderModel};
+use sunroom::app::editor::overlay::BvhOverlay;
+use sunroom::app::editor::panels::render;
+use sunroom::scene::{IntegratorSettings, Strategy};
+
+use crate::{Shown, click, entity, show, slide};
+
+fn render_panel(model: RenderModel) -> Harness<'static, Shown<RenderModel>> {
+    show(model, |ui, model, commands| {
+        render::render(ui, model, DisplaySettings::default(), BvhOverlay::default(), commands);
+    })
+}
+
+#[test]
+fn the_render_panel_sets_what_it_shows() {
+    let model = RenderModel {
+        target_samples: 100_000,
+        resolution_scale: 0.333_333_34,
+        integrator: IntegratorSettings {
+            max_depth: Some(1000),
+            ..IntegratorSettings::default()
+        },
+        ..RenderModel::default()
+    };
+    let mut harness = render_panel(model);
+    assert_eq!(harness.state().commands, [], "out of range and yet untouched");
+    slide(&mut harness, "Samples", 0.3);
+    assert!(matches!(
+        harness.state().commands.last(),
+        Some(Command::SetTargetSamples(2..=200))
+    ));
+    slide(&mut harness, "Resolution", 0.5);
+    assert!(matches!(harness.state().commands.last(), Some(Command::SetResolutionScale(s)) if (0.4..0.7).contains(s)));
+    slide(&mut harness, "Exposure", 0.6);
+    assert!(matches!(harness.state().commands.last(), Some(Command::SetDisplay(d)) if d.exposure > 0.0));
+    slide(&mut harness, "Depth limit", 0.1);
+    assert!(matches!(
+        harness.state().commands.last(),
+        Some(Command::SetIntegrator(IntegratorSettings {
+            max_depth: Some(1..20),
+            ..
+        }))
+    ));
+    click(&mut harness, "Sampling");
+    click(&mut harness, "lights only");
+    assert!(matches!(
+        harness.state().commands.last(),
+        Some(Command::SetIntegrator(IntegratorSettings {
+            strategy: Strategy::Light,
+            ..
+        }))
+    ));
+    click(&mut harness, "Show");
+    click(&mut harness, "Normal");
+    assert!(matches!(harness.state().commands.last(), Some(Command::SetDisplay(d)) if d.mode == DisplayMode::Normal));
+    click(&mut harness, "Start again");
+    assert_eq!(harness.state().commands.last(), Some(&Command::Restart));
+}
+
+#[test]
+fn limits_have_a_switch_and_a_number() {
+    let mut harness = render_panel(RenderModel::default());
+    click(&mut harness, "Limit time");
+    click(&mut harness, "Limit noise");
+    let expected = [Command::SetTimeLimit(Some(60.0)), Command::SetNoiseTarget(Some(0.02))];
+    assert_eq!(harness.state().commands, expected);
+    let mut harness = render_panel(RenderModel {
+        time_limit: Some(5.0),
+        noise_target: Some(0.1),
+        region: Some(bevy::math::Rect::new(0.0, 0.0, 0.5, 0.5)),
+        ..RenderModel::default()
+    });
+    slide(&mut harness, "Noise", 0.9);
+    assert!(matches!(harness.state().commands.last(), Some(Command::SetNoiseTarget(Some(n))) if *n > 0.1));
+    click(&mut harness, "Limit time");
+    assert_eq!(harness.state().commands.last(), Some(&Command::SetTimeLimit(None)));
+    slide(&mut harness, "Right", 0.9);
+    let last = harness.state().commands.last().cloned();
+    assert!(
+        matches!(last, Some(Command::SetRegion(Some(part))) if part.max.x > 0.6 && part.min.x == 0.0),
+        "{last:?}"
+    );
+    click(&mut harness, "Only a part");
+    assert_eq!(harness.state().commands.last(), Some(&Command::SetRegion(None)));
+}
+
+#[test]
+fn every_light_has_its_channel() {
+    let mut harness = render_panel(RenderModel::default());
+    click(&mut harness, "Mix lights");
+    assert_eq!(harness.state().commands, [Command::SetLightLayers(true)]);
+    let mut mix = LightMix::default();
+    let loud = Channel {
+        strength: 3.0,
+        ..Channel::default()
+    };
+    mix.set(entity(2), loud);
+    let mut harness = render_panel(RenderModel {
+        mixing: MixingModel {
+            is_on: true,
+            mix: mix.clone(),
+            lights: vec![(entity(1), "sky".to_owned()), (entity(2), "lamp".to_owned())],
+        },
+        ..RenderModel::default()
+    });
+    assert_eq!(harness.state().commands, []);
+    click(&mut harness, "sky M");
+    let muted = Channel {
+        mute: true,
+        ..Channel::default()
+    };
+    let mut expected = mix.clone();
+    expected.set(entity(1), muted);
+    assert_eq!(harness.state().commands.last(), Some(&Command::SetLightMix(expected)));
+    click(&mut harness, "lamp S");
+    let mut expected = mix;
+    expected.set(entity(2), Channel { solo: true, ..loud });
+    assert_eq!(harness.state().commands.last(), Some(&Command::SetLightMix(expected)));
+    click(&mut harness, "Bake");
+    assert_eq!(harness.state().commands.last(), Some(&Command::BakeLights));
+    click(&mut harness, "Reset");
+    assert_eq!(
+        harness.state().commands.last(),
+        Some(&Command::SetLightMix(LightMix::default()))
+    );
+}
+
+#[test]
+fn pictures_are_compared_with_a_snapshot() {
+    let mut harness = render_panel(RenderModel::default());
+    click(&mut harness, "Take snapshot");
+    assert_eq!(harness.state().commands, [Command::TakeSnapshot]);
+    let mut harness = render_panel(RenderModel {
+        comparison: ComparisonModel {
+            snapshot: Some(16),
+            view: CompareView::Wipe(0.25),
+            figures: None,
+        },
+        ..RenderModel::default()
+    });
+    slide(&mut harness, "Border", 0.75);
+    let last = harness.state().commands.last().cloned();
+    assert!(matches!(last, Some(Command::SetCompareView(CompareView::Wipe(at))) if at > 0.5));
+    click(&mut harness, "Compare");
+    click(&mut harness, "difference");
+    let difference = Command::SetCompareView(CompareView::Difference);
+    assert_eq!(harness.state().commands.last(), Some(&difference));
+    click(&mut harness, "Measure");
+    assert_eq!(harness.state().commands.last(), Some(&Command::Measure));
+}
