@@ -77,7 +77,8 @@ fn numpad_digit(code: KeyCode) -> Option<Key> {
     digits.into_iter().find(|(known, _)| *known == code).map(|(_, key)| key)
 }
 
-fn modifier(key: &LogicalKey) -> Option<Modifiers> {
+/// What a key is that changes what others mean.
+pub fn modifier(key: &LogicalKey) -> Option<Modifiers> {
     let is_mac = cfg!(target_os = "macos");
     match key {
         LogicalKey::Control => Some(Modifiers {

@@ -65,10 +65,12 @@ mod style;
 pub mod toasts;
 pub mod tool;
 pub mod toolbar;
+mod typing;
 mod ui;
 pub mod viewport;
 
 use bevy::asset::AssetEventSystems;
+use bevy::input::InputSystems;
 use bevy::prelude::*;
 use bevy_egui::{EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet, EguiPrimaryContextPass};
 
@@ -171,6 +173,7 @@ impl Plugin for EditorPlugin {
                     .chain()
                     .after(SceneSystems::Follow),
             )
+            .add_systems(PreUpdate, typing::order_keys.before(InputSystems))
             .add_systems(
                 PreUpdate,
                 quiet::drop_repeated_modifiers

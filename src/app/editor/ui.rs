@@ -178,11 +178,17 @@ pub fn show_window(
     mut scene: Scene,
     mut keys: KeyEvents,
     mut focus: Local<Option<egui::Id>>,
+    mut is_typing: Local<bool>,
     mut seen: Local<Seen>,
 ) -> Result {
     let presses = keys.presses();
     count_interactions(contexts.ctx_mut()?, &presses, &mut state, &mut focus);
     let context = contexts.ctx_mut()?.clone();
+    // A field that is left and a list that closes in this frame still had its keys.
+    let presses = match *is_typing || egui::Popup::is_any_open(&context) {
+        true => Vec::new(),
+        false => presses,
+    };
     let builder = egui::UiBuilder::new()
         .layer_id(egui::LayerId::background())
         .max_rect(context.viewport_rect());
@@ -314,6 +320,9 @@ pub fn show_window(
     shell.guard.show(&context, unsaved, commands);
     state.toasts.show(&context, state.viewport_place, commands);
     queue.0.append(commands);
+    *is_typing = context
+        .memory(|memory| memory.focused())
+        .is_some_and(|focused| focused != egui::Id::new(PICTURE));
     Ok(())
 }
 

@@ -1,0 +1,152 @@
+//! Keys in the order in which they came. A frame knows one state of the modifier keys and one holder of the keyboard, but a slow one may
+//! have had a click into a number, Control and A and some digits. What comes after a change of either waits for the next frame.
+
+use bevy::ecs::message::MessageCursor;
+use bevy::input::keyboard::{KeyboardFocusLost, KeyboardInput};
+use bevy::prelude::*;
+use bevy::window::{RequestRedraw, WindowEvent};
+
+use super::keys::modifier;
+
+/// Before anything reads the keyboard.
+pub fn order_keys(
+    mut keys: ResMut<Messages<KeyboardInput>>,
+    mut events: MessageReader<WindowEvent>,
+    mut focus_lost: MessageReader<KeyboardFocusLost>,
+    mut redraws: MessageWriter<RequestRedraw>,
+    mut read: Local<MessageCursor<KeyboardInput>>,
+    mut waiting: Local<Vec<KeyboardInput>>,
+) {
+    let before_button = before_button(events.read());
+    if focus_lost.read().count() > 0 {
+        // Nothing is held any more then; the rest of what was typed is for nobody.
+        waiting.clear();
+    }
+    let held = waiting.len();
+    waiting.extend(read.read(&keys).cloned());
+    let free = before_button.map_or(waiting.len(), |count| held + count);
+    let now = batch(&waiting).min(free).min(waiting.len());
+    if held == 0 && now == waiting.len() {
+        waiting.clear();
+        return;
+    }
+    keys.clear();
+    keys.write_batch(waiting.drain(..now));
+    read.clear(&keys);
+    if !waiting.is_empty() {
+        redraws.write(RequestRedraw);
+    }
+}
+
+/// Keys that came before the first mouse button of the frame; None without one.
+fn before_button<'a>(events: impl Iterator<Item = &'a WindowEvent>) -> Option<usize> {
+    let (mut keys, mut found) = (0, None);
+    for event in events {
+        match event {
+            WindowEvent::KeyboardInput(_) => keys += 1,
+            WindowEvent::MouseButtonInput(_) => found = found.or(Some(keys)),
+            _ => {}
+        }
+    }
+    found
+}
+
+/// How many of the keys, from the first on, go with one state of the modifiers: that of the first that is none.
+fn batch(keys: &[KeyboardInput]) -> usize {
+    let mut has_press = false;
+    let next = keys.iter().position(|key| {
+        let is_modifier = modifier(&key.logical_key).is_some();
+        let is_next = is_modifier && has_press;
+        has_press |= !is_modifier && key.state.is_pressed();
+        is_next
+    });
+    next.unwrap_or(keys.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::input::ButtonState::{self, Pressed, Released};
+    use bevy::input::keyboard::{Key, KeyCode};
+    use bevy::input::mouse::{MouseButton, MouseButtonInput};
+
+    use super::*;
+
+    const CONTROL: (KeyCode, Key) = (KeyCode::ControlLeft, Key::Control);
+
+    fn letter(code: KeyCode, text: &str) -> (KeyCode, Key) {
+        (code, Key::Character(text.into()))
+    }
+
+    /// What is read of the keyboard in each frame after all of this came in the first; None is a mouse button.
+    fn frames(came: &[Option<((KeyCode, Key), ButtonState)>]) -> Vec<Vec<(KeyCode, ButtonState)>> {
+        let mut world = World::new();
+        world.init_resource::<Messages<KeyboardInput>>();
+        world.init_resource::<Messages<WindowEvent>>();
+        world.init_resource::<Messages<KeyboardFocusLost>>();
+        world.init_resource::<Messages<RequestRedraw>>();
+        let window = Entity::PLACEHOLDER;
+        for event in came {
+            let Some(((key_code, logical_key), state)) = event.clone() else {
+                let (button, state) = (MouseButton::Left, Pressed);
+                world.write_message(WindowEvent::from(MouseButtonInput { button, state, window }));
+                continue;
+            };
+            let (text, repeat) = (None, false);
+            let key = KeyboardInput {
+                key_code,
+                logical_key,
+                state,
+                text,
+                repeat,
+                window,
+            };
+            world.write_message(WindowEvent::from(key.clone()));
+            world.write_message(key);
+        }
+        let system = world.register_system(order_keys);
+        let mut reader = MessageCursor::default();
+        let mut frames = Vec::new();
+        for _ in 0..came.len() + 1 {
+            world.run_system(system).expect("runs");
+            let keys = world.resource::<Messages<KeyboardInput>>();
+            frames.push(reader.read(keys).map(|key| (key.key_code, key.state)).collect());
+        }
+        while frames.last().is_some_and(Vec::is_empty) {
+            frames.pop();
+        }
+        frames
+    }
+
+    #[test]
+    fn a_letter_keeps_the_modifiers_it_was_pressed_with() {
+        let (a, five) = (letter(KeyCode::KeyA, "a"), letter(KeyCode::Digit5, "5"));
+        let came = [
+            (CONTROL, Pressed),
+            (a.clone(), Pressed),
+            (a, Released),
+            (CONTROL, Released),
+            (five, Pressed),
+        ];
+        let seen = frames(&came.map(Some));
+        let first = vec![
+            (KeyCode::ControlLeft, Pressed),
+            (KeyCode::KeyA, Pressed),
+            (KeyCode::KeyA, Released),
+        ];
+        let second = vec![(KeyCode::ControlLeft, Released), (KeyCode::Digit5, Pressed)];
+        assert_eq!(seen, [first, second]);
+    }
+
+    #[test]
+    fn what_is_typed_after_a_click_is_for_what_was_clicked() {
+        let (a, b) = (letter(KeyCode::KeyA, "a"), letter(KeyCode::KeyB, "b"));
+        let seen = frames(&[Some((a, Pressed)), None, Some((b, Pressed))]);
+        assert_eq!(seen, [vec![(KeyCode::KeyA, Pressed)], vec![(KeyCode::KeyB, Pressed)]]);
+    }
+
+    #[test]
+    fn plain_typing_waits_for_nothing() {
+        let typed = ["a", "b", "c"].map(|text| Some((letter(KeyCode::KeyA, text), Pressed)));
+        assert_eq!(frames(&typed).len(), 1);
+    }
+}
