@@ -10,9 +10,9 @@ pub struct Addition {
     pub kind: AdditionKind,
     /// None: named after its kind.
     pub name: Option<String>,
-    /// World space, where it stands or shines from; None: ahead of the camera, on what is seen there.
+    /// World space, where it stands or shines from; None: on what is seen in the middle of the picture, the first thing at the origin.
     pub at: Option<Vec3>,
-    /// Half its extent in world units; None: what suits the scene.
+    /// Half its extent in world units; None: what suits the view.
     pub size: Option<f32>,
 }
 

@@ -422,6 +422,8 @@ pub enum FileDialogKind {
     SaveScene,
     SaveImage,
     Import,
+    /// A picture of all directions, to be the scene's light from everywhere.
+    OpenEnvironment,
     /// The picture of the texture that this parameter of the material or the light is, or that is at a place within it.
     OpenPicture {
         owner: Entity,

@@ -7,6 +7,7 @@ use bevy_egui::egui;
 use egui_file_dialog::{DialogState, FileDialog};
 
 use super::command::{Command, FileDialogKind};
+use super::commands::ENVIRONMENTS;
 use super::gather::SCENE_FILES;
 use super::state::EditorState;
 use super::ui::picked;
@@ -36,7 +37,9 @@ impl Dialogs {
         if self.open.as_ref().is_none_or(|(kind, _)| *kind != wanted) {
             let start = match wanted {
                 FileDialogKind::SaveImage => self.image_folder.as_deref(),
-                FileDialogKind::OpenPicture { .. } => self.picture_folder.as_deref().or(scene.and_then(Path::parent)),
+                FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => {
+                    self.picture_folder.as_deref().or(scene.and_then(Path::parent))
+                }
                 FileDialogKind::OpenScene | FileDialogKind::SaveScene | FileDialogKind::Import => {
                     Some(Path::new("scenes")).filter(|folder| folder.is_dir())
                 }
@@ -58,7 +61,7 @@ impl Dialogs {
             let folder = path.parent().map(Path::to_path_buf);
             match kind {
                 FileDialogKind::SaveImage => self.image_folder = folder,
-                FileDialogKind::OpenPicture { .. } => self.picture_folder = folder,
+                FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => self.picture_folder = folder,
                 FileDialogKind::OpenScene | FileDialogKind::SaveScene | FileDialogKind::Import => {}
             }
             commands.push(picked(*kind, path));
@@ -94,6 +97,14 @@ fn opened(kind: FileDialogKind, scene: Option<&Path>, start: &Path) -> FileDialo
                 .title("Import a mesh, a scene or an environment")
                 .add_file_filter_extensions("Meshes, scenes, environments", known)
                 .default_file_filter("Meshes, scenes, environments");
+            dialog.pick_file();
+            dialog
+        }
+        FileDialogKind::OpenEnvironment => {
+            let mut dialog = dialog
+                .title("Choose an environment map")
+                .add_file_filter_extensions("Environment maps", ENVIRONMENTS.to_vec())
+                .default_file_filter("Environment maps");
             dialog.pick_file();
             dialog
         }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use bevy::math::{Vec2, Vec3};
+use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
 
 use crate::engine::CurrentScene;
@@ -53,11 +53,32 @@ pub fn surface(current: &CurrentScene, ray: &Ray, is_passed: impl Fn(Entity) -> 
     None
 }
 
-/// How far the first thing is in the middle of the picture.
-pub fn distance_ahead(current: &CurrentScene) -> Option<f32> {
+/// The first place on a surface in the middle of the picture.
+pub fn ahead(current: &CurrentScene) -> Option<Vec3> {
     let (scene, view) = (current.scene.as_ref()?, current.view.as_ref()?);
     let ray = view.camera.ray(Vec2::splat(0.5), Vec2::splat(0.5));
-    scene.geometry.intersect(&ray).map(|hit| hit.t)
+    scene.geometry.intersect(&ray).map(|hit| ray.at(hit.t))
+}
+
+/// How far that is from the camera, not from where it begins to see.
+pub fn distance_ahead(current: &CurrentScene) -> Option<f32> {
+    let camera = &current.view.as_ref()?.camera;
+    ahead(current).map(|seen| camera.project(seen).1)
+}
+
+/// World units from the lower to the upper edge of the picture, or across it where that is less, at the depth of a point; None without a
+/// view, and behind the camera. `pose`: world from camera.
+pub fn view_height(current: &CurrentScene, pose: &Affine3A, at: Vec3) -> Option<f32> {
+    let camera = &current.view.as_ref()?.camera;
+    let (place, depth) = camera.project(at);
+    // Short enough that its ends are seen alike.
+    let step = 1e-2 * depth;
+    let across = [pose.matrix3.x_axis, pose.matrix3.y_axis].map(|axis| {
+        let (beside, _) = camera.project(at + Vec3::from(axis).normalize_or_zero() * step);
+        step / (beside - place).length()
+    });
+    let least = across[0].min(across[1]);
+    (depth > 0.0 && least.is_finite()).then_some(least)
 }
 
 /// World bounds of everything; None without geometry.
@@ -101,7 +122,6 @@ pub fn half_fov(camera: &Camera) -> f32 {
 pub(super) mod tests {
     use std::sync::Arc;
 
-    use bevy::math::Affine3A;
     use bevy::prelude::World;
 
     use super::*;

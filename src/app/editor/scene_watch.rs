@@ -64,6 +64,9 @@ pub fn follow_scene(
             if control.region.is_some() {
                 control.region = None;
             }
+            if status.path.is_none() {
+                state.navigation.scene_size = NEW_SCENE;
+            }
             if status.path.is_some() && !recovery.is_returning() {
                 state.say(format!("Opened {file}"));
             }
@@ -119,7 +122,7 @@ pub fn measure_scene(
     current: Res<CurrentScene>,
     status: Res<SceneStatus>,
     mut state: ResMut<EditorState>,
-    mut looked_at: Local<Option<(PathBuf, f32)>>,
+    mut looked_at: Local<Option<(Option<PathBuf>, f32)>>,
 ) {
     if !current.is_changed() {
         return;
@@ -127,11 +130,9 @@ pub fn measure_scene(
     let Some(bounds) = picking::scene_bounds(&current) else {
         return;
     };
-    if let Some(path) = &status.path
-        && looked_at.as_ref().is_none_or(|(seen, _)| seen != path)
-    {
+    if looked_at.as_ref().is_none_or(|(seen, _)| *seen != status.path) {
         let distance = picking::distance_ahead(&current).unwrap_or(f32::INFINITY);
-        *looked_at = Some((path.clone(), distance));
+        *looked_at = Some((status.path.clone(), distance));
     }
     let ahead = looked_at.as_ref().map_or(f32::INFINITY, |(_, distance)| *distance);
     let size = bounds.extent().length().min(SIZE_PER_DISTANCE * ahead);
@@ -139,6 +140,9 @@ pub fn measure_scene(
         state.navigation.scene_size = size;
     }
 }
+
+/// World units, of one in which there is nothing yet.
+const NEW_SCENE: f32 = 5.0;
 
 /// A subject is about as large as it is far, and there is something around it.
 const SIZE_PER_DISTANCE: f32 = 2.0;

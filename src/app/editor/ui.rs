@@ -402,7 +402,7 @@ pub fn picked(kind: FileDialogKind, path: std::path::PathBuf) -> Command {
         FileDialogKind::OpenScene => Command::OpenScene(path),
         FileDialogKind::SaveScene => Command::SaveScene(path),
         FileDialogKind::SaveImage => Command::SaveImage(path),
-        FileDialogKind::Import => Command::Import(path),
+        FileDialogKind::Import | FileDialogKind::OpenEnvironment => Command::Import(path),
         FileDialogKind::OpenPicture {
             owner,
             parameter,

@@ -255,6 +255,9 @@ pub const ACTIONS: &[Action] = &[
     action(Group::Add, "add-constant", "Constant sky", &[], |_| {
         Some(addition(AdditionKind::Emitter("constant")))
     }),
+    action(Group::Add, "add-envmap", "Environment map…", &[], |_| {
+        Some(Command::ShowDialog(FileDialogKind::OpenEnvironment))
+    }),
     action(Group::Add, "add-sunsky", "Sun and sky", &[], |_| {
         Some(addition(AdditionKind::Emitter("sunsky")))
     }),

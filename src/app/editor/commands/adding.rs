@@ -7,14 +7,13 @@ use bevy::prelude::*;
 
 use super::edits::{check_name, select_new};
 use super::files::CLIPBOARD;
+use super::spot::{self, Spot};
 use super::{projection, view};
 use crate::app::editor::addition::{Addition, AdditionKind};
 use crate::app::editor::history::Edit;
-use crate::app::editor::picking;
 use crate::app::editor::state::EditorState;
 use crate::color::Rgb;
 use crate::document::{Diagnostics, Severity, parse_str};
-use crate::engine::CurrentScene;
 use crate::scene::assets::scene_asset::load_document;
 use crate::scene::insert::{free_name, insert, names, next_order};
 use crate::scene::{
@@ -22,19 +21,44 @@ use crate::scene::{
     SceneId, Sensor, Shape, ShapeKind, SquarePath, ToWorld, read,
 };
 
-/// Of the scene's extent, half the size of something new.
-const SIZE_IN_SCENE: f32 = 0.06;
+/// Height of a light above what it shines on, and of what is flat above what it lies on, in half sizes.
+const ABOVE: f32 = 4.0;
+const FLAT: f32 = 0.01;
+/// Radians; turns by it never come back to where one was.
+const GOLDEN_ANGLE: f32 = 2.399_963;
+/// Pictures that can be the light from everywhere.
+pub const ENVIRONMENTS: [&str; 6] = ["hdr", "exr", "png", "jpg", "jpeg", "pfm"];
 
 pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), String> {
     check_name(addition.name.as_deref().unwrap_or_default())?;
-    let state = edit.world.resource::<EditorState>();
-    let up = state.navigation.up;
-    let size = addition
-        .size
-        .unwrap_or_else(|| rounded(SIZE_IN_SCENE * state.navigation.scene_size));
-    let ground = addition.at.unwrap_or_else(|| ahead(edit.world));
+    let up = edit.world.resource::<EditorState>().navigation.up;
+    let spot = match (addition.at, addition.size) {
+        (Some(foot), Some(size)) => Spot {
+            foot,
+            size,
+            is_on_surface: false,
+        },
+        (at, size) => {
+            let is_light = matches!(addition.kind, AdditionKind::AreaLight | AdditionKind::Emitter(_));
+            let found = spot::find(edit.world, size, lift(addition.kind), is_light);
+            Spot {
+                foot: at.unwrap_or(found.foot),
+                is_on_surface: at.is_none() && found.is_on_surface,
+                ..found
+            }
+        }
+    };
+    let Spot { foot, size, .. } = spot;
     // A light that is not placed hangs above what it shines on.
-    let above = addition.at.unwrap_or(ground + up * (4.0 * size));
+    let above = match addition.at {
+        Some(at) => at,
+        None => foot + up * spot::headroom(edit.world, foot, ABOVE * size),
+    };
+    // What is flat does not lie in what it lies on.
+    let ground = match spot.is_on_surface {
+        true => foot + up * (FLAT * size),
+        false => foot,
+    };
     let scale = Affine3A::from_scale(Vec3::splat(size));
     let at = Affine3A::from_translation;
     // Of axes that are the world's this makes exact zeros and ones.
@@ -53,11 +77,11 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), String> {
     let entity = match addition.kind {
         AdditionKind::Sphere => {
             let (center, radius) = (Vec3::ZERO, size);
-            let pose = ToWorld(at(ground + up * size));
+            let pose = ToWorld(at(foot + up * size));
             edit.spawn((called, shape(ShapeKind::Sphere { center, radius }), pose))
         }
         AdditionKind::Cube => {
-            let pose = ToWorld(at(ground + up * size) * scale);
+            let pose = ToWorld(at(foot + up * size) * scale);
             edit.spawn((called, shape(ShapeKind::Cube), pose))
         }
         AdditionKind::Rectangle => {
@@ -74,7 +98,7 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), String> {
                 p1: 2.0 * size * Vec3::Z,
                 radius: size,
             };
-            let pose = ToWorld(at(ground) * facing(up));
+            let pose = ToWorld(at(foot) * facing(up));
             edit.spawn((called, shape(kind), pose))
         }
         AdditionKind::AreaLight => {
@@ -90,14 +114,15 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), String> {
             edit.spawn((called, sensor, film, ToWorld(pose)))
         }
         AdditionKind::Emitter(plugin) => {
-            let emitter = emitter(plugin, above.distance(ground).max(size))?;
+            let emitter = emitter(plugin, above.distance(foot).max(size))?;
             let pose = match emitter.kind {
                 EmitterKind::Constant { .. } => Affine3A::IDENTITY,
                 EmitterKind::Environment { .. } => turned_up(up, Vec3::Y),
                 // Its sky is above its xy plane.
                 EmitterKind::SunSky(_) => turned_up(up, Vec3::Z),
                 EmitterKind::Directional { .. } => {
-                    let aslant = up.any_orthonormal_vector() * 0.5 - up;
+                    let turn = Quat::from_axis_angle(up, GOLDEN_ANGLE * suns(edit.world) as f32);
+                    let aslant = turn * (up.any_orthonormal_vector() * 0.5) - up;
                     facing(aslant.normalize_or(-up))
                 }
                 _ => at(above) * facing(-up),
@@ -122,7 +147,7 @@ fn emitter(plugin: &'static str, distance: f32) -> Result<Emitter, String> {
         }
         EmitterKind::Projector { .. } => {}
         EmitterKind::Point { intensity } | EmitterKind::Spot { intensity, .. } => {
-            *intensity = Rgb::splat(rounded(std::f32::consts::PI * distance * distance));
+            *intensity = Rgb::splat(spot::rounded(std::f32::consts::PI * distance * distance));
         }
         EmitterKind::Directional { irradiance } => *irradiance = Rgb::splat(2.0),
         EmitterKind::Constant { .. } | EmitterKind::SunSky(_) => {}
@@ -130,28 +155,25 @@ fn emitter(plugin: &'static str, distance: f32) -> Result<Emitter, String> {
     Ok(emitter)
 }
 
+/// How far above its foot a thing is placed, in half sizes.
+fn lift(kind: AdditionKind) -> f32 {
+    match kind {
+        AdditionKind::Sphere | AdditionKind::Cube => 1.0,
+        AdditionKind::Rectangle | AdditionKind::Disk | AdditionKind::Cylinder | AdditionKind::Camera => 0.0,
+        AdditionKind::AreaLight | AdditionKind::Emitter(_) => ABOVE,
+    }
+}
+
+/// Lights that are infinitely far away in one direction.
+fn suns(world: &mut World) -> usize {
+    let mut emitters = world.query::<&Emitter>();
+    let is_sun = |emitter: &&Emitter| matches!(emitter.kind, EmitterKind::Directional { .. });
+    emitters.iter(world).filter(is_sun).count()
+}
+
 /// The rotation that takes `from` to `up`.
 fn turned_up(up: Vec3, from: Vec3) -> Affine3A {
     Affine3A::from_quat(Quat::from_rotation_arc(from, up))
-}
-
-/// To one digit.
-fn rounded(size: f32) -> f32 {
-    let size = f64::from(size.max(f32::MIN_POSITIVE));
-    let digit = 10f64.powf(size.log10().floor());
-    (((size / digit).round() * digit) as f32).max(f32::MIN_POSITIVE)
-}
-
-/// What is seen in the middle of the picture, or a point before the camera.
-fn ahead(world: &World) -> Vec3 {
-    let Some(pose) = view::view_pose(world) else {
-        return Vec3::ZERO;
-    };
-    let current = world.get_resource::<CurrentScene>();
-    let size = world.resource::<EditorState>().navigation.scene_size;
-    let distance = current.and_then(picking::distance_ahead).unwrap_or(0.5 * size);
-    let forward = Vec3::from(pose.matrix3.z_axis).normalize_or(Vec3::Z);
-    Vec3::from(pose.translation) + forward * distance
 }
 
 /// Where the view is, as the camera in use.
@@ -184,7 +206,7 @@ pub fn import(edit: &mut Edit, path: &Path) -> Result<(), String> {
         "obj" => add_mesh(edit, path, MeshFormat::Obj),
         "ply" => add_mesh(edit, path, MeshFormat::Ply),
         "serialized" => add_mesh(edit, path, MeshFormat::Serialized),
-        "hdr" | "exr" | "png" | "jpg" | "jpeg" | "pfm" => set_environment(edit, path),
+        picture if ENVIRONMENTS.contains(&picture) => set_environment(edit, path),
         "xml" | "gltf" | "glb" => {
             let mut document = load_document(&path, &[]).map_err(|error| error.to_string())?;
             let scene = read::read(&mut document);
@@ -316,16 +338,4 @@ fn insert_all(edit: &mut Edit, scene: SceneDescription, diagnostics: &Diagnostic
     edit.spawned(inserted.all);
     select_new(edit, inserted.objects);
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_have_one_digit() {
-        assert_eq!(rounded(0.0537), 0.05);
-        assert!((rounded(2371.0) - 2000.0).abs() < 1e-2);
-        assert!(rounded(0.0) > 0.0);
-    }
 }

@@ -12,6 +12,7 @@ mod mixing;
 mod placing;
 mod projection;
 mod several;
+mod spot;
 mod view;
 
 use bevy::prelude::*;
@@ -36,6 +37,7 @@ use super::toasts::Topic;
 use super::tool::Tool;
 use crate::engine::{CurrentScene, InputStamp, RenderControl, RenderFilm, WakeUp};
 use crate::scene::{ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, Sensor, Shape};
+pub use adding::ENVIRONMENTS;
 pub use view::{camera_pose, view_pose};
 
 /// Applies this frame's commands in order.

@@ -1,0 +1,356 @@
+//! Where new things go, and how large they are, if nobody says: in the middle of the picture, on what is there, beside what is like them.
+
+use bevy::math::{Affine3A, Vec3};
+use bevy::prelude::*;
+
+use super::view;
+use crate::app::editor::picking::{self, SeenSurface};
+use crate::app::editor::state::EditorState;
+use crate::engine::CurrentScene;
+use crate::math::{Aabb, Ray};
+use crate::scene::{AreaLight, Emitter, EmitterKind, Shape, ToWorld};
+
+/// Half the size of the first thing of a scene, world units.
+const FIRST: f32 = 0.5;
+/// Half the size of others, of the height of what is seen where they go.
+const SIZE_IN_VIEW: f32 = 0.125;
+/// From the middle of one new thing to that of the next, in half sizes.
+const APART: f32 = 2.5;
+/// What is no wider than so many half sizes is not stood upon: new things go beside it.
+const WIDEST_BESIDE: f32 = 3.0;
+/// So many places are tried.
+const MOST_TRIED: usize = 64;
+/// The ground is looked at where it is no farther than so many times what there is.
+const FARTHEST: f32 = 3.0;
+/// Of the distance to the eye, how far above a surface one is well off it.
+const OFF: f32 = 1e-3;
+
+/// Where a new thing goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Where it stands, world space.
+    pub foot: Vec3,
+    /// Half its size.
+    pub size: f32,
+    /// It stands on something.
+    pub is_on_surface: bool,
+}
+
+/// `lift`: from the foot to where it is placed, in half sizes.
+pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> Spot {
+    let taken = Taken::of(world, is_light);
+    let nothing = CurrentScene::default();
+    let current = world.get_resource::<CurrentScene>().unwrap_or(&nothing);
+    let up = world.resource::<EditorState>().navigation.up;
+    let pose = view::view_pose(world).unwrap_or_default();
+    let ground = Ground::of(current, up);
+    let seen = match taken.has_shapes {
+        true => looked_at(current, &pose, &ground),
+        false => Vec3::ZERO,
+    };
+    let suits = || match taken.has_shapes {
+        true => picking::view_height(current, &pose, seen).map_or(FIRST, |height| rounded(SIZE_IN_VIEW * height)),
+        false => FIRST,
+    };
+    let size = size.unwrap_or_else(suits);
+    let taken = taken.only_like(current, size, up);
+    let ahead = Vec3::from(pose.matrix3.z_axis).normalize_or(Vec3::Z);
+    let right = -Vec3::from(pose.matrix3.x_axis)
+        .reject_from(up)
+        .normalize_or(up.any_orthonormal_vector());
+    let first = match taken.has_shapes {
+        true => below(current, seen, ahead, &ground, size),
+        false => (seen, None),
+    };
+    let walk = |way: Vec3| {
+        let mut spot = first;
+        for _ in 0..MOST_TRIED {
+            let (foot, on) = spot;
+            let beside = match on.and_then(|on| picking::bounds_of(current, on.entity)) {
+                Some(bounds) if is_like(&bounds, size, up) => {
+                    bounds.center() + way * (0.5 * bounds.extent().dot(way.abs()))
+                }
+                _ if taken.is_at(foot, up * size, lift) => foot + way * ((APART - 1.0) * size),
+                _ => break,
+            };
+            // From above all that is like it.
+            spot = fall(current, beside + way * size + up * (APART * size), &ground);
+        }
+        spot
+    };
+    // On the side where there is room sooner.
+    let [one, other] = [right, -right].map(walk);
+    let is_nearer = one.0.distance(seen) <= other.0.distance(seen);
+    let (foot, on) = if is_nearer { one } else { other };
+    Spot {
+        foot,
+        size,
+        is_on_surface: on.is_some(),
+    }
+}
+
+/// How far up from here is free, at most `wanted`.
+pub fn headroom(world: &World, foot: Vec3, wanted: f32) -> f32 {
+    let up = world.resource::<EditorState>().navigation.up;
+    let Some(current) = world.get_resource::<CurrentScene>() else {
+        return wanted;
+    };
+    let start = foot + up * (OFF * wanted);
+    let above = picking::surface(current, &Ray::new(start, up), |_| false);
+    above.map_or(wanted, |above| wanted.min(0.9 * above.position.distance(foot)))
+}
+
+/// Places of the lights, or of the shapes, that there are already.
+struct Taken {
+    places: Vec<(Entity, Vec3)>,
+    has_shapes: bool,
+}
+
+impl Taken {
+    fn of(world: &mut World, lights: bool) -> Self {
+        let has_place = |emitter: &Emitter| {
+            !emitter.is_environment()
+                && !matches!(
+                    emitter.kind,
+                    EmitterKind::Constant { .. } | EmitterKind::Directional { .. }
+                )
+        };
+        let mut things = world.query::<(Entity, &ToWorld, Has<Shape>, Has<AreaLight>, Option<&Emitter>)>();
+        let places = things
+            .iter(world)
+            .filter(|(_, _, is_shape, shines, emitter)| match lights {
+                true => *shines || emitter.is_some_and(has_place),
+                false => *is_shape && !shines,
+            })
+            .map(|(entity, pose, ..)| (entity, pose.0.translation.into()))
+            .collect();
+        let has_shapes = world.query::<&Shape>().iter(world).next().is_some();
+        Self { places, has_shapes }
+    }
+
+    /// Without what a new thing may stand in the middle of, as a floor.
+    fn only_like(mut self, current: &CurrentScene, size: f32, up: Vec3) -> Self {
+        let entities: Vec<Entity> = self.places.iter().map(|(entity, _)| *entity).collect();
+        let mut bounds = picking::bounds_of_each(current, &entities).into_iter();
+        self.places
+            .retain(|_| bounds.next().flatten().is_none_or(|bounds| is_like(&bounds, size, up)));
+        self
+    }
+
+    /// Whether something new would be in one of them. `upwards`: as long as half its size.
+    fn is_at(&self, foot: Vec3, upwards: Vec3, lift: f32) -> bool {
+        let size = upwards.length();
+        self.places.iter().any(|(_, place)| {
+            let from = *place - foot;
+            let height = from.dot(upwards) / (size * size);
+            height > -1.0 && height < lift + 1.0 && from.reject_from(upwards).length() < size
+        })
+    }
+}
+
+/// What is below everything.
+struct Ground {
+    up: Vec3,
+    /// Along `up`.
+    height: f32,
+    bounds: Option<Aabb>,
+}
+
+impl Ground {
+    fn of(current: &CurrentScene, up: Vec3) -> Self {
+        let bounds = picking::scene_bounds(current);
+        let lowest = |bounds: Aabb| bounds.center().dot(up) - 0.5 * bounds.extent().dot(up.abs());
+        let height = bounds.map_or(0.0, lowest);
+        Self { up, height, bounds }
+    }
+
+    fn under(&self, point: Vec3) -> Vec3 {
+        point + self.up * (self.height - point.dot(self.up))
+    }
+
+    /// From the eye to the far side of what there is.
+    fn reach(&self, eye: Vec3) -> f32 {
+        let reach = |bounds: Aabb| bounds.center().distance(eye) + 0.5 * bounds.extent().length();
+        self.bounds.map_or(eye.length(), reach).max(f32::MIN_POSITIVE)
+    }
+}
+
+/// A point of a surface in the middle of the picture, or of the ground, or just ahead.
+fn looked_at(current: &CurrentScene, pose: &Affine3A, ground: &Ground) -> Vec3 {
+    if let Some(seen) = picking::ahead(current) {
+        return seen;
+    }
+    let eye = Vec3::from(pose.translation);
+    let forward = Vec3::from(pose.matrix3.z_axis).normalize_or(Vec3::Z);
+    let reach = ground.reach(eye);
+    let way = (ground.height - eye.dot(ground.up)) / forward.dot(ground.up);
+    match way > 0.0 && way < FARTHEST * reach {
+        true => eye + forward * way,
+        false => eye + forward * (0.5 * reach),
+    }
+}
+
+/// Where something stands that is put there: on a surface that faces up, else before it and on what is below.
+fn below(current: &CurrentScene, seen: Vec3, ahead: Vec3, ground: &Ground, size: f32) -> (Vec3, Option<SeenSurface>) {
+    let off = OFF * size;
+    let found = fall(current, seen + ground.up * off, ground);
+    match found {
+        (foot, Some(_)) if foot.distance(seen) < 4.0 * off => found,
+        _ => fall(
+            current,
+            seen - ahead.reject_from(ground.up).normalize_or_zero() * size - ahead * off,
+            ground,
+        ),
+    }
+}
+
+/// The first surface below a point, or the ground.
+fn fall(current: &CurrentScene, from: Vec3, ground: &Ground) -> (Vec3, Option<SeenSurface>) {
+    let below = picking::surface(current, &Ray::new(from, -ground.up), |_| false);
+    (below.map_or(ground.under(from), |below| below.position), below)
+}
+
+/// Whether this is a thing among things, and not what they stand on.
+fn is_like(bounds: &Aabb, size: f32, up: Vec3) -> bool {
+    let across = bounds.extent() * (Vec3::ONE - up.abs());
+    across.max_element() <= WIDEST_BESIDE * size
+}
+
+/// To one digit.
+pub fn rounded(size: f32) -> f32 {
+    let size = f64::from(size.max(f32::MIN_POSITIVE));
+    let digit = 10f64.powf(size.log10().floor());
+    (((size / digit).round() * digit) as f32).max(f32::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::accel::{Instance, Primitive, SplitMethod, Tlas};
+    use crate::app::editor::studio;
+    use crate::render::camera::Camera;
+    use crate::render::scene::RenderScene;
+    use crate::render::view::View;
+    use crate::scene::{ActiveSensor, FreeView};
+
+    /// Looks along -z at the origin, a little from above; only beyond `near` it sees.
+    fn world(near: f32) -> World {
+        let eye = Vec3::new(0.0, 2.0, 6.0);
+        let pose =
+            Affine3A::look_at_rh(eye, Vec3::ZERO, Vec3::Y).inverse() * Affine3A::from_rotation_y(std::f32::consts::PI);
+        let mut world = World::new();
+        let sensor = world.spawn(ToWorld(pose)).id();
+        world.insert_resource(ActiveSensor(Some(sensor)));
+        world.init_resource::<FreeView>();
+        world.init_resource::<EditorState>();
+        world.insert_resource(CurrentScene {
+            view: Some(View {
+                camera: Camera::new(pose, 40.0, 1.0, near, 1e3, None),
+                ..studio::view(16)
+            }),
+            ..CurrentScene::default()
+        });
+        world
+    }
+
+    /// Adds shapes with these poses to the world and to the picture.
+    fn show(world: &mut World, shapes: &[(Primitive, Affine3A)]) {
+        let entities = shapes
+            .iter()
+            .map(|(_, pose)| world.spawn((Shape::default(), ToWorld(*pose))).id());
+        let entities: Vec<Entity> = entities.collect();
+        let instances = shapes
+            .iter()
+            .filter_map(|(primitive, pose)| Instance::new(primitive.clone(), *pose));
+        let scene = RenderScene {
+            geometry: Arc::new(Tlas::build(instances.collect(), SplitMethod::Sah)),
+            surfaces: Arc::default(),
+            materials: Arc::default(),
+            textures: Arc::default(),
+            lights: Arc::default(),
+        };
+        let mut current = world.resource_mut::<CurrentScene>();
+        current.scene = Some(scene);
+        current.entity_of_instance = entities.into();
+    }
+
+    /// Its top is at y = 0.
+    fn floor() -> (Primitive, Affine3A) {
+        let level = Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2);
+        (Primitive::Rectangle, level * Affine3A::from_scale(Vec3::splat(20.0)))
+    }
+
+    #[test]
+    fn the_first_thing_is_at_the_origin_and_later_ones_are_not_smaller_and_smaller() {
+        let mut world = world(0.01);
+        let first = find(&mut world, None, 1.0, false);
+        assert_eq!((first.foot, first.size), (Vec3::ZERO, FIRST));
+        let ball = |at: Vec3| {
+            (
+                Primitive::Sphere,
+                Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(FIRST)),
+            )
+        };
+        let mut balls = vec![ball(Vec3::Y * FIRST)];
+        for _ in 0..4 {
+            show(&mut world, &balls);
+            let next = find(&mut world, None, 1.0, false);
+            assert!(next.size > 0.5 * FIRST && next.size < 2.0 * FIRST, "{next:?}");
+            assert!(next.foot.y.abs() < 1e-3, "{next:?}");
+            let middle = next.foot + Vec3::Y * next.size;
+            for (_, other) in &balls {
+                let apart = Vec3::from(other.translation).distance(middle);
+                assert!(apart > 0.99 * (FIRST + next.size), "{apart} {next:?}");
+            }
+            balls.push(ball(middle + Vec3::Y * (FIRST - next.size)));
+        }
+    }
+
+    #[test]
+    fn things_stand_on_what_is_seen_wherever_the_camera_begins_to_see() {
+        for near in [0.01, 3.0] {
+            let mut world = world(near);
+            show(&mut world, &[floor()]);
+            let spot = find(&mut world, None, 1.0, false);
+            assert!(spot.is_on_surface && spot.foot.length() < 1e-3, "{near}: {spot:?}");
+            // Before a wall they stand on the floor.
+            let wall = (
+                Primitive::Rectangle,
+                Affine3A::from_translation(Vec3::Z) * Affine3A::from_scale(Vec3::splat(9.0)),
+            );
+            show(&mut world, &[floor(), wall]);
+            let spot = find(&mut world, None, 1.0, false);
+            assert!(
+                spot.foot.y.abs() < 1e-3 && spot.foot.z > 1.0 + 0.9 * spot.size,
+                "{near}: {spot:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn lights_are_not_put_into_each_other() {
+        let mut world = world(0.01);
+        show(&mut world, &[floor()]);
+        let mut places: Vec<Vec3> = Vec::new();
+        for _ in 0..4 {
+            let spot = find(&mut world, None, 4.0, true);
+            let place = spot.foot + Vec3::Y * (4.0 * spot.size);
+            assert!(
+                places.iter().all(|other| other.distance(place) > spot.size),
+                "{places:?} {place}"
+            );
+            places.push(place);
+            let pose = ToWorld(Affine3A::from_translation(place));
+            world.spawn((pose, Emitter::of_plugin("point").expect("a plugin")));
+        }
+    }
+
+    #[test]
+    fn sizes_have_one_digit() {
+        assert_eq!(rounded(0.0537), 0.05);
+        assert!((rounded(2371.0) - 2000.0).abs() < 1e-2);
+        assert!(rounded(0.0) > 0.0);
+    }
+}
