@@ -16,6 +16,16 @@ pub struct Shape {
     pub flip_normals: bool,
 }
 
+impl Shape {
+    /// Where it is in its own space, as users know it: the centre of a sphere, of others the origin.
+    pub fn middle(&self) -> Vec3 {
+        match self.kind {
+            ShapeKind::Sphere { center, .. } => center,
+            _ => Vec3::ZERO,
+        }
+    }
+}
+
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 pub enum ShapeKind {
     /// `center` and `radius` in local space.

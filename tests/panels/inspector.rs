@@ -5,10 +5,11 @@ use bevy_egui::egui::{self, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use sunroom::app::editor::command::Command;
+use sunroom::app::editor::mixed::Mixed;
 use sunroom::app::editor::model::{Inspected, Model, Outline};
 use sunroom::app::editor::panels::inspector::{InspectorState, inspector};
 use sunroom::app::editor::selection::Selection;
-use sunroom::scene::{Lens, Material, Sensor, Shape};
+use sunroom::scene::{Lens, Material, Sensor, Shape, ShapeKind};
 
 use crate::subjects::{awkward, every_inspected, with_material};
 use crate::{Shown, click, drag, entity, item, slide};
@@ -197,4 +198,73 @@ fn camera_sliders_set_the_sensor() {
     harness.state_mut().commands.clear();
     click(&mut harness, "Look through this camera");
     assert_eq!(harness.state().commands, [Command::LookThrough(entity(3))]);
+}
+
+#[test]
+fn a_sphere_has_one_place() {
+    let ball = |at: Vec3| Inspected {
+        to_world: Some(Affine3A::from_scale_rotation_translation(
+            Vec3::splat(2.0),
+            bevy::math::Quat::from_rotation_y(1.0),
+            at,
+        )),
+        shape: Some(Shape {
+            kind: ShapeKind::Sphere {
+                center: Vec3::X,
+                radius: 1.0,
+            },
+            ..Shape::default()
+        }),
+        ..Inspected::new(entity(7), "ball")
+    };
+    let mut harness = inspect(ball(Vec3::Y * 3.0));
+    assert!(harness.query_by_label("Centre").is_none());
+    drag(&mut harness, "Position X", 20.0);
+    let middle = |pose: &Affine3A| pose.transform_point3(Vec3::X);
+    let before = middle(&ball(Vec3::Y * 3.0).to_world.expect("a place"));
+    let Some(Command::Transform(poses)) = harness.state().commands.last() else {
+        panic!("{:?}", harness.state().commands)
+    };
+    let moved = middle(&poses[0].1) - before;
+    assert!(moved.x > 0.0 && moved.y.abs() < 1e-5 && moved.z.abs() < 1e-5, "{moved}");
+    // Turned and scaled it stays where it is.
+    let mut harness = inspect(ball(Vec3::Y * 3.0));
+    drag(&mut harness, "Scale X", 20.0);
+    let Some(Command::Transform(poses)) = harness.state().commands.last() else {
+        panic!("{:?}", harness.state().commands)
+    };
+    assert!(middle(&poses[0].1).abs_diff_eq(before, 1e-5));
+    assert!(poses[0].1 != ball(Vec3::Y * 3.0).to_world.expect("a place"));
+}
+
+#[test]
+fn where_the_selected_differ_it_is_said() {
+    let ball = |radius: f32| Inspected {
+        to_world: Some(Affine3A::IDENTITY),
+        shape: Some(Shape {
+            kind: ShapeKind::Sphere {
+                center: Vec3::ZERO,
+                radius,
+            },
+            ..Shape::default()
+        }),
+        ..Inspected::new(entity(7), "ball")
+    };
+    let marks = |others: &[Inspected]| {
+        let shown = ball(1.0);
+        let mixed = Mixed::of(&shown, others);
+        let harness = inspect(Inspected { mixed, ..shown });
+        harness
+            .query_all_by_label("mixed")
+            .map(|mark| mark.rect())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(marks(&[ball(1.0)]), []);
+    let marked = marks(&[ball(1.0), ball(2.0)]);
+    let harness = inspect(ball(1.0));
+    let row = harness.get_by_label("Radius").rect();
+    assert!(
+        matches!(marked[..], [mark] if mark.center().y > row.top() && mark.center().y < row.bottom()),
+        "{marked:?}"
+    );
 }

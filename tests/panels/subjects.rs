@@ -17,6 +17,7 @@ pub fn with_material(material: Material) -> Inspected {
             name: "paint".into(),
             material,
             place: MaterialPlace::Whole,
+            mixed: Default::default(),
             users: 1,
             inside: Vec::new(),
         }],

@@ -13,6 +13,7 @@ use super::denoiser::Denoiser;
 use super::history::History;
 use super::latency::FrameTimes;
 use super::light_mix::LightMix;
+use super::mixed::Mixed;
 use super::model::{
     ComparisonModel, HistoryModel, Inspected, InspectedMaterial, Item, MaterialPlace, Model, Notice, Outline,
     StatusModel,
@@ -214,11 +215,20 @@ pub fn gather_selection(
     if selection.entities().iter().any(|entity| !parts.contains(*entity)) {
         selection.retain(|entity| parts.contains(*entity));
     }
-    model.0.inspected = selection
-        .active()
-        .and_then(|entity| inspect(entity, &parts, &materials));
+    let inspected = |entity: Entity| inspect(entity, &parts, &materials);
+    model.0.inspected = selection.active().and_then(inspected).map(|shown| {
+        let others = selection.entities().iter().filter(|other| **other != shown.entity);
+        let others: Vec<Inspected> = others
+            .take(MOST_COMPARED)
+            .filter_map(|other| inspected(*other))
+            .collect();
+        shown.compared(&others)
+    });
     model.0.selection = selection.clone();
 }
+
+/// Of a selection, to see where they differ.
+const MOST_COMPARED: usize = 256;
 
 fn inspect(entity: Entity, parts: &Query<Parts, IsThing>, materials: &Query<MaterialParts>) -> Option<Inspected> {
     let (naming, to_world, shape, area_light, emitter, sensor, film, uses, is_crowd) = parts.get(entity).ok()?;
@@ -277,6 +287,7 @@ fn collect_materials(
         name: naming.name(material::kind_name(material)),
         material: material.clone(),
         place,
+        mixed: Mixed::default(),
         users: users.map_or(0, |users| users.iter().count()),
         inside: nested.into_iter().flatten().collect(),
     });

@@ -29,6 +29,7 @@ pub mod light_mix;
 pub mod looks;
 pub mod material_drop;
 pub mod material_tree;
+pub mod mixed;
 pub mod model;
 mod motion;
 pub mod navigation;

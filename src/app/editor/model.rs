@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::{Entity, Rect};
 
 use super::compare::{CompareView, Measured};
 use super::light_mix::LightMix;
 use super::looks::Looks;
+use super::mixed::Mixed;
 use super::presets::Preset;
 use super::selection::Selection;
 use crate::engine::RenderStatus;
@@ -63,6 +64,8 @@ pub struct InspectedMaterial {
     pub material: Material,
     /// What it is within another.
     pub place: MaterialPlace,
+    /// What of it differs from those in its place within others that are selected.
+    pub mixed: Mixed,
     /// Shapes that use it.
     pub users: usize,
     /// Those in it.
@@ -96,6 +99,8 @@ pub struct Inspected {
     pub sensor: Option<Sensor>,
     pub film: Option<Film>,
     pub uses_material: Option<Entity>,
+    /// What differs among all that is selected, but for materials.
+    pub mixed: Mixed,
     /// The material itself, or the shape's, and those nested in it.
     pub materials: Vec<InspectedMaterial>,
 }
@@ -114,8 +119,25 @@ impl Inspected {
             sensor: None,
             film: None,
             uses_material: None,
+            mixed: Mixed::default(),
             materials: Vec::new(),
         }
+    }
+
+    /// With what differs in others that are selected, too.
+    pub fn compared(mut self, others: &[Self]) -> Self {
+        self.mixed = Mixed::of(&self, others);
+        for (place, entry) in self.materials.iter_mut().enumerate() {
+            let alike = others.iter().filter_map(|other| other.materials.get(place));
+            entry.mixed = Mixed::of_values(&entry.material, alike.map(|other| &other.material));
+        }
+        self
+    }
+
+    /// World from a space whose origin is where the thing is.
+    pub fn pose(&self) -> Option<Affine3A> {
+        let middle = self.shape.as_ref().map_or(Vec3::ZERO, Shape::middle);
+        Some(self.to_world? * Affine3A::from_translation(middle))
     }
 }
 

@@ -104,11 +104,15 @@ fn carry<C: Component<Mutability = bevy::ecs::component::Mutable> + PartialRefle
     }
 }
 
-/// Coordinates that were changed are set to the same number, turns and scales are done to each about its own origin.
+/// Coordinates that were changed are set to the same number, turns and scales are done to each about where it is.
 fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: impl Iterator<Item = Entity>) {
     let Some(before) = edit.world.get::<ToWorld>(entity).map(|pose| pose.0) else {
         return;
     };
+    let middle = middle(edit.world, entity);
+    let [before, after] = [before * middle, after * middle];
+    // Of the way there and back to a sphere's centre.
+    let rounding = ROUNDING * (before.translation.abs() + (before.matrix3 * middle.translation).abs());
     let turn = before.matrix3.inverse() * after.matrix3;
     let turn = if turn.is_finite() && before.matrix3 != after.matrix3 {
         turn
@@ -120,14 +124,24 @@ fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: impl Iter
         let Some(mut pose) = edit.world.get::<ToWorld>(other).map(|pose| pose.0).filter(|_| !stays) else {
             continue;
         };
+        let own = self::middle(edit.world, other);
+        pose *= own;
         pose.matrix3 *= turn;
         for axis in 0..3 {
-            if before.translation[axis] != after.translation[axis] {
+            if (before.translation[axis] - after.translation[axis]).abs() > rounding[axis] {
                 pose.translation[axis] = after.translation[axis];
             }
         }
-        edit.set(other, ToWorld(pose));
+        edit.set(other, ToWorld(pose * own.inverse()));
     }
+}
+
+/// A few units in the last place of numbers that are added.
+const ROUNDING: f32 = 4.0 * f32::EPSILON;
+
+fn middle(world: &World, entity: Entity) -> Affine3A {
+    let middle = world.get::<Shape>(entity).map_or(Vec3::ZERO, Shape::middle);
+    Affine3A::from_translation(middle)
 }
 
 /// The materials in the same place as this one within what other selected things are made of.

@@ -8,10 +8,15 @@ use std::ops::RangeInclusive;
 use bevy::math::Vec3;
 use bevy_egui::egui::{self, Response, Ui};
 
+use super::super::mixed::Mixed;
 use super::words::Words;
 
 /// Width of the names' column in points.
 pub const NAME_WIDTH: f32 = 88.0;
+/// Of it for the word where the selected things differ.
+const MIXED_WIDTH: f32 = 32.0;
+/// The tag of a part of a panel that knows of differences.
+const MIXED: &str = "mixed";
 /// Width of a slider's number.
 const VALUE_WIDTH: f32 = 54.0;
 
@@ -64,17 +69,40 @@ pub fn row<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, control: impl FnOnc
 pub fn name_cell<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>) -> Response {
     let caption = caption.into();
     let size = egui::vec2(NAME_WIDTH, ui.spacing().interact_size.y);
+    let is_mixed = is_mixed(ui, caption);
     let layout = egui::Layout::left_to_right(egui::Align::Center);
     let label = ui
         .allocate_ui_with_layout(size, layout, |ui| {
             ui.set_min_size(size);
-            ui.add(egui::Label::new(caption.text).truncate())
+            if is_mixed {
+                ui.set_max_width(NAME_WIDTH - MIXED_WIDTH);
+            }
+            let label = ui.add(egui::Label::new(caption.text).truncate());
+            if is_mixed {
+                let place = egui::Rect::from_min_size(ui.min_rect().right_top(), egui::vec2(MIXED_WIDTH, size.y));
+                let word = egui::RichText::new("mixed").small().color(ui.visuals().warn_fg_color);
+                ui.put(place, egui::Label::new(word))
+                    .on_hover_text("The selected objects differ here; this is the value of the one selected last");
+            }
+            label
         })
         .inner;
     match caption.words {
         None => label,
         Some(words) => label.on_hover_ui(|ui| explain(ui, words)),
     }
+}
+
+/// Rows in it say where the selected things differ. Within another one only the inner counts.
+pub fn compared<R>(ui: &mut Ui, mixed: &Mixed, content: impl FnOnce(&mut Ui) -> R) -> R {
+    let info = egui::UiStackInfo::default().with_tag_value(MIXED, mixed.clone());
+    ui.scope_builder(egui::UiBuilder::new().ui_stack_info(info), content)
+        .inner
+}
+
+fn is_mixed(ui: &Ui, caption: Caption) -> bool {
+    let mixed = ui.stack().iter().find_map(|ui| ui.tags().get_downcast::<Mixed>(MIXED));
+    mixed.is_some_and(|mixed| mixed.has(caption.words.map_or(caption.text, |words| words.name)))
 }
 
 /// What is told of a parameter.

@@ -29,7 +29,9 @@ pub fn inspector(ui: &mut Ui, model: &Model, scene_size: f32, state: &mut Inspec
         return;
     };
     let mut edits = Vec::new();
-    sections(ui, inspected, model, scene_size, state, &mut edits);
+    fields::compared(ui, &inspected.mixed, |ui| {
+        sections(ui, inspected, model, scene_size, state, &mut edits);
+    });
     let several = model.selection.entities().len() > 1;
     commands.extend(edits.into_iter().map(|edit| match several && edit.is_about_one() {
         true => Command::OnSelection(Box::new(edit)),
@@ -51,9 +53,7 @@ fn sections(
     });
     let others = model.selection.entities().len().saturating_sub(1);
     if others > 0 {
-        ui.weak(format!(
-            "and {others} more: a change here is made to all that have the same"
-        ));
+        ui.weak(format!("and {others} more. Changes every selected object."));
     }
     if let Some(to_world) = inspected.to_world {
         section(ui, "Transform", |ui| {
@@ -138,7 +138,9 @@ fn pose(
     state: &mut InspectorState,
     commands: &mut Vec<Command>,
 ) {
-    let mut edited = to_world;
+    // About where it is: a sphere's centre is in the scene, whatever its own space.
+    let middle = Affine3A::from_translation(inspected.shape.as_ref().map_or(Vec3::ZERO, Shape::middle));
+    let mut edited = to_world * middle;
     let freedom = match (&inspected.shape, &inspected.emitter) {
         (Some(_), _) => Freedom::Affine,
         (None, Some(emitter)) if emitter.is_environment() => Freedom::Turning,
@@ -150,6 +152,7 @@ fn pose(
     };
     let moved = transform::transform(ui, &mut edited, freedom, scene_size, &mut state.angles);
     if (spun || moved) && edited.is_finite() {
+        let edited = edited * middle.inverse();
         commands.push(Command::Transform(vec![(inspected.entity, edited)]));
     }
 }
@@ -166,10 +169,10 @@ fn up_axis(kind: &EmitterKind) -> Vec3 {
 fn shape_rows(ui: &mut Ui, shape: &mut Shape, triangles: Option<usize>) -> bool {
     let mut changed = false;
     match &mut shape.kind {
-        ShapeKind::Sphere { center, radius } => {
+        // Its centre is its position.
+        ShapeKind::Sphere { radius, .. } => {
             fields::note(ui, "Type", "sphere");
             let speed = 0.01 * radius.abs().max(1e-3);
-            changed |= fields::vector(ui, "Centre", center, speed, "");
             changed |= fields::number(ui, "Radius", radius, speed, 1e-4..=f32::MAX);
         }
         ShapeKind::Rectangle => fields::note(ui, "Type", "rectangle"),
@@ -272,7 +275,7 @@ fn material_rows(ui: &mut Ui, inspected: &Inspected, model: &Model, commands: &m
         ui.push_id(entry.entity, |ui| {
             material_header(ui, entry, model, commands);
             let mut edited = entry.material.clone();
-            let edit = material::material(ui, &mut edited, &model.looks);
+            let edit = fields::compared(ui, &entry.mixed, |ui| material::material(ui, &mut edited, &model.looks));
             if edit.changed {
                 commands.push(Command::SetMaterial(entry.entity, Box::new(edited)));
             }

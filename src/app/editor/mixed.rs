@@ -1,0 +1,223 @@
+//! What differs among several selected things, so that the panel can say that the value it shows is that of one of them.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use bevy::math::{Affine3A, Vec3};
+use bevy::reflect::{PartialReflect, ReflectRef};
+
+use super::model::Inspected;
+
+/// Rows whose values differ, by [`key`] of their names.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Mixed(Arc<BTreeSet<String>>);
+
+/// Fields that rows, or files, call something else.
+const OTHER_NAMES: [(&str, &str); 21] = [
+    ("kind", "type"),
+    ("p0", "from"),
+    ("p1", "to"),
+    ("face_normals", "flat_shading"),
+    ("path", "file"),
+    ("radiance", "colour"),
+    ("intensity", "colour"),
+    ("irradiance", "colour"),
+    ("picture", "filename"),
+    ("interior", "int_ior"),
+    ("exterior", "ext_ior"),
+    ("ior", "material"),
+    ("u", "alpha_u"),
+    ("v", "alpha_v"),
+    ("index", "specular"),
+    ("aperture_radius", "aperture"),
+    ("aperture_radius", "f-stop"),
+    ("focus_distance", "focus_at"),
+    ("blade_rotation", "turned_by"),
+    ("sample_count", "samples"),
+    ("sun", "sun_direction"),
+];
+
+/// How a row is known: in small letters, without spaces.
+pub fn key(name: &str) -> String {
+    name.to_lowercase().replace(' ', "_")
+}
+
+impl Mixed {
+    /// Of these things, the first of which is shown.
+    pub fn of(shown: &Inspected, others: &[Inspected]) -> Self {
+        let mut found = BTreeSet::new();
+        for other in others {
+            if let (Some(one), Some(two)) = (shown.pose(), other.pose()) {
+                poses(&one, &two, &mut found);
+            }
+            if shown.shape.is_some() && other.shape.is_some() {
+                if shown.uses_material != other.uses_material {
+                    found.insert("uses".to_owned());
+                }
+                if shown.area_light.is_some() != other.area_light.is_some() {
+                    found.insert("emits_light".to_owned());
+                }
+            }
+            both("shape", &shown.shape, &other.shape, &mut found);
+            both("light", &shown.area_light, &other.area_light, &mut found);
+            both("type", &shown.emitter, &other.emitter, &mut found);
+            both("camera", &shown.sensor, &other.sensor, &mut found);
+            both("film", &shown.film, &other.film, &mut found);
+        }
+        Self(Arc::new(found))
+    }
+
+    /// Of two values and more of one type, the first of which is shown.
+    pub fn of_values<'v, T: PartialReflect>(shown: &T, others: impl Iterator<Item = &'v T>) -> Self {
+        let mut found = BTreeSet::new();
+        for other in others {
+            differ("type", shown, other, &mut found);
+        }
+        Self(Arc::new(found))
+    }
+
+    /// `name`: of the row, or of its parameter in the file.
+    pub fn has(&self, name: &str) -> bool {
+        !self.0.is_empty() && self.0.contains(&key(name))
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+fn poses(one: &Affine3A, two: &Affine3A, found: &mut BTreeSet<String>) {
+    // What rounding leaves of a turn and back.
+    const SAME: f32 = 1e-5;
+    let axes = |pose: &Affine3A| [pose.matrix3.x_axis, pose.matrix3.y_axis, pose.matrix3.z_axis].map(Vec3::from);
+    let lengths = |pose: &Affine3A| Vec3::from_array(axes(pose).map(Vec3::length));
+    let [turn, other_turn] = [one, two].map(|pose| axes(pose).map(Vec3::normalize_or_zero));
+    if one.translation != two.translation {
+        found.insert("position".to_owned());
+    }
+    if !lengths(one).abs_diff_eq(lengths(two), SAME * lengths(one).max_element()) {
+        found.insert("scale".to_owned());
+    }
+    if turn
+        .iter()
+        .zip(other_turn)
+        .any(|(one, two)| !one.abs_diff_eq(two, SAME))
+    {
+        found.insert("rotation".to_owned());
+    }
+}
+
+fn both<T: PartialReflect>(name: &str, one: &Option<T>, two: &Option<T>, found: &mut BTreeSet<String>) {
+    if let (Some(one), Some(two)) = (one, two) {
+        differ(name, one, two, found);
+    }
+}
+
+/// What one of two values does not have is not different.
+fn differ(name: &str, one: &dyn PartialReflect, two: &dyn PartialReflect, found: &mut BTreeSet<String>) {
+    if one.reflect_partial_eq(two) == Some(true) {
+        return;
+    }
+    match (one.reflect_ref(), two.reflect_ref()) {
+        (ReflectRef::Struct(own), ReflectRef::Struct(its)) if !one.represents::<Vec3>() => {
+            for place in 0..own.field_len() {
+                if let (Some(name), Some(own), Some(its)) =
+                    (own.name_at(place), own.field_at(place), its.field_at(place))
+                {
+                    differ(name, own, its, found);
+                }
+            }
+        }
+        (ReflectRef::Enum(own), ReflectRef::Enum(its)) => {
+            let is_same = own.variant_name() == its.variant_name();
+            if !is_same || own.field_len() == 0 {
+                add(name, found);
+            }
+            for place in 0..own.field_len() {
+                match (own.name_at(place), own.field_at(place)) {
+                    (Some(inner), Some(own)) => {
+                        if let Some(its) = its.field(inner) {
+                            differ(inner, own, its, found);
+                        }
+                    }
+                    (None, Some(own)) if is_same => {
+                        if let Some(its) = its.field_at(place) {
+                            differ(name, own, its, found);
+                        }
+                    }
+                    _ => {}
+                }
+            }
+        }
+        _ => add(name, found),
+    }
+}
+
+fn add(name: &str, found: &mut BTreeSet<String>) {
+    let others = OTHER_NAMES.iter().filter(|(field, _)| *field == name);
+    found.extend(others.map(|(_, row)| (*row).to_owned()));
+    found.insert(key(name));
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::prelude::Entity;
+
+    use super::*;
+    use crate::color::Rgb;
+    use crate::scene::{ConductorIor, Distribution, Material, Roughness, Shape, ShapeKind};
+
+    fn thing(radius: f32, place: Vec3) -> Inspected {
+        let center = Vec3::ZERO;
+        Inspected {
+            shape: Some(Shape {
+                kind: ShapeKind::Sphere { center, radius },
+                ..Shape::default()
+            }),
+            to_world: Some(Affine3A::from_translation(place)),
+            ..Inspected::new(Entity::PLACEHOLDER, "ball")
+        }
+    }
+
+    #[test]
+    fn only_what_differs_is_mixed() {
+        let shown = thing(1.0, Vec3::ZERO);
+        let same = Mixed::of(&shown, &[thing(1.0, Vec3::ZERO)]);
+        assert!(same.is_empty(), "{same:?}");
+        let mixed = Mixed::of(&shown, &[thing(1.0, Vec3::ZERO), thing(2.0, Vec3::X)]);
+        let has = ["Radius", "Position", "Rotation", "Scale", "Flip normals", "Uses"].map(|row| mixed.has(row));
+        assert_eq!(has, [true, true, false, false, false, false], "{mixed:?}");
+    }
+
+    #[test]
+    fn a_spheres_centre_is_its_position() {
+        let mut other = thing(1.0, Vec3::ZERO);
+        other.shape = Some(Shape {
+            kind: ShapeKind::Sphere {
+                center: Vec3::X,
+                radius: 1.0,
+            },
+            ..Shape::default()
+        });
+        assert!(Mixed::of(&thing(1.0, Vec3::ZERO), &[other.clone()]).has("position"));
+        assert!(!Mixed::of(&thing(1.0, Vec3::X), &[other]).has("position"));
+    }
+
+    #[test]
+    fn parameters_are_called_as_in_the_file() {
+        let metal = |alpha: f32| Material::RoughConductor {
+            distribution: Distribution::Ggx,
+            ior: ConductorIor::Named("Au".into()),
+            specular_reflectance: Rgb::ONE.into(),
+            alpha: Roughness::Isotropic(alpha.into()),
+            multiple_scattering: false,
+        };
+        let mixed = Mixed::of_values(&metal(0.1), [metal(0.2)].iter());
+        assert!(
+            mixed.has("alpha") && !mixed.has("distribution") && !mixed.has("type"),
+            "{mixed:?}"
+        );
+        let paint = Material::default();
+        assert!(Mixed::of_values(&metal(0.1), [paint].iter()).has("type"));
+    }
+}
