@@ -153,8 +153,8 @@ fn remove(folder: &Path) {
     }
 }
 
-/// The newest of what programs that run no more have left in `all`: for this scene, or for any.
-fn find(all: &Path, scene: Option<&Path>) -> Option<Offer> {
+/// The newest of what programs that run no more have left in `all` and that is meant.
+fn find(all: &Path, is_meant: impl Fn(&Note) -> bool) -> Option<Offer> {
     let folders = std::fs::read_dir(all).ok()?;
     let offers = folders.filter_map(|entry| {
         let folder = entry.ok()?.path();
@@ -162,9 +162,14 @@ fn find(all: &Path, scene: Option<&Path>) -> Option<Offer> {
         Some(Offer { folder, note })
     });
     offers
-        .filter(|offer| scene.is_none() || offer.note.scene.as_deref() == scene)
-        .filter(|offer| offer.folder.join(SCENE).is_file() && !is_in_use(&offer.folder))
+        .filter(|offer| is_meant(&offer.note) && offer.folder.join(SCENE).is_file() && !is_in_use(&offer.folder))
         .max_by_key(|offer| offer.note.time)
+}
+
+/// Of this scene, or else, once in a run, of one that was never saved: no file brings it back.
+fn left_over(all: &Path, scene: Option<&Path>, is_first: bool) -> Option<Offer> {
+    let own = find(all, |note| scene.is_some() && note.scene.as_deref() == scene);
+    own.or_else(|| find(all, |note| is_first && note.scene.is_none()))
 }
 
 /// Another window may be at work on it. Where files cannot be locked, none is.
@@ -195,7 +200,7 @@ pub fn follow_scene(
         return;
     };
     if is_first && status.subject().is_none() {
-        recovery.offer = find(&all, None);
+        recovery.offer = find(&all, |_| true);
     }
     let seen = std::mem::replace(&mut recovery.seen, (status.revision, status.failures));
     if seen.1 != status.failures {
@@ -208,7 +213,7 @@ pub fn follow_scene(
             }
             // Of the open scene there is nothing left over.
             None if status.asked == status.path => {}
-            None => recovery.offer = status.asked.as_deref().and_then(|scene| find(&all, Some(scene))),
+            None => recovery.offer = left_over(&all, status.asked.as_deref(), false),
         }
     }
     if seen.0 == status.revision || !status.fresh_load {
@@ -223,7 +228,7 @@ pub fn follow_scene(
             recovery.mine.push(aside);
             state.say("Recovered; save the scene to keep it");
         }
-        None => recovery.offer = status.path.as_deref().and_then(|scene| find(&all, Some(scene))),
+        None => recovery.offer = left_over(&all, status.path.as_deref(), seen.0 == 0),
     }
 }
 
@@ -289,7 +294,6 @@ pub fn autosave(world: &mut World) {
 pub fn clean_up(mut exits: MessageReader<AppExit>, mut recovery: ResMut<Recovery>) {
     if exits.read().any(AppExit::is_success) {
         if let Some(task) = recovery.task.take() {
-            // What is written now would otherwise be left over.
             let _ = block_on(task);
         }
         recovery.forget();
@@ -416,14 +420,14 @@ mod tests {
             .folder_of(Some(&path))
             .expect("a folder");
         write_aside(&folder, &SceneDescription::empty(), Some(path.clone())).expect("it can be written");
-        let offer = find(&all, Some(&path)).expect("there is one");
+        let offer = left_over(&all, Some(&path), false).expect("there is one");
         assert_eq!(
             (&offer.folder, offer.note.scene.as_deref()),
             (&folder, Some(path.as_path()))
         );
-        assert_eq!(find(&all, Some(Path::new("/other.xml"))), None);
+        assert_eq!(left_over(&all, Some(Path::new("/other.xml")), true), None);
         assert_eq!(discard(&offer), Ok(()));
-        assert_eq!(find(&all, None), None);
+        assert_eq!(find(&all, |_| true), None);
         assert!(!folder.exists());
     }
 
@@ -443,12 +447,17 @@ mod tests {
     fn the_newest_is_offered_also_when_the_scene_is_newer() {
         let all = tempfile::tempdir().expect("a temporary folder");
         let path = all.path().join("box.xml");
-        aside(all.path(), "a", &note(None, 1000));
+        let lost = aside(all.path(), "a", &note(None, 1000));
         let newest = aside(all.path(), "b", &note(Some(&path), 2000));
-        assert_eq!(find(all.path(), None).map(|offer| offer.folder), Some(newest.clone()));
+        let folder = |offer: Option<Offer>| offer.map(|offer| offer.folder);
+        assert_eq!(folder(find(all.path(), |_| true)), Some(newest.clone()));
         // The scene was saved long after.
         std::fs::write(&path, "<scene/>").expect("a temporary folder");
-        assert_eq!(find(all.path(), Some(&path)).map(|offer| offer.folder), Some(newest));
+        assert_eq!(folder(left_over(all.path(), Some(&path), true)), Some(newest));
+        // The program opens some scene even if none is asked for.
+        let other = Some(Path::new("/other.xml"));
+        assert_eq!(folder(left_over(all.path(), other, true)), Some(lost));
+        assert_eq!(left_over(all.path(), other, false), None);
         let told = |written| about_file(changed_at(&path), written, |_| "now".to_owned());
         assert!(told(2000).is_some_and(|text| text.contains("changed after that, now")));
         assert_eq!(told(u64::MAX), None);
@@ -464,7 +473,7 @@ mod tests {
         std::fs::write(aside(all.path(), "odd", &note(None, 1)).join(NOTE), "{").expect("a temporary folder");
         let folder = aside(all.path(), "running", &note(Some(path), 3000));
         let running = Aside::claim(&folder).expect("nobody has it");
-        assert_eq!(find(all.path(), None), None);
+        assert_eq!(find(all.path(), |_| true), None);
         let offer = Offer {
             folder: folder.clone(),
             note: note(Some(path), 3000),
@@ -472,7 +481,7 @@ mod tests {
         assert!(discard(&offer).is_err() && folder.join(SCENE).is_file());
         // It crashes.
         drop(running);
-        assert_eq!(find(all.path(), None), Some(offer));
+        assert_eq!(find(all.path(), |_| true), Some(offer));
         // Folders without a note are none of ours.
         let other = all.path().join("other");
         std::fs::create_dir(&other).expect("a temporary folder");

@@ -107,7 +107,14 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), String> {
         let (size, rgb) = finished::painted(world);
         write_png(path, size, &rgb)
     } else {
-        write_image(path, &finished::picture(world), &display.tone())
+        let picture = finished::picture(world);
+        // Whoever saves radiance wants that of the scene.
+        let picture = if is_png {
+            finished::compared(world, picture)
+        } else {
+            picture
+        };
+        write_image(path, &picture, &display.tone())
     };
     written.map_err(|error| error.to_string())?;
     world

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::view;
-use crate::app::editor::compare::{Comparison, Measured, Snapshot, figures};
+use crate::app::editor::compare::{Comparison, Measured, PixelComparison, Snapshot, figures};
 use crate::app::editor::denoiser::Denoiser;
 use crate::app::editor::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::light_mix::{FilmLights, LightMix};
@@ -32,6 +32,21 @@ pub fn picture(world: &World) -> ImageRgb {
         width: film.film.width(),
         height: film.film.height(),
         pixels,
+    }
+}
+
+/// The picture with the snapshot wiped over it, or their difference, if that is what is seen.
+pub fn compared(world: &World, picture: ImageRgb) -> ImageRgb {
+    let comparison = world.resource::<Comparison>();
+    let is_shaded = world.resource::<EditorState>().display.mode == DisplayMode::Shaded;
+    let snapshot = comparison.snapshot.as_ref().filter(|_| is_shaded);
+    let size = [picture.width, picture.height];
+    match snapshot.and_then(|snapshot| PixelComparison::new(comparison.view, snapshot, size)) {
+        Some(compared) => ImageRgb {
+            pixels: compared.picture(&picture.pixels),
+            ..picture
+        },
+        None => picture,
     }
 }
 
