@@ -15,6 +15,7 @@ use sunroom::app::editor::gizmo::interaction::GizmoModel;
 use sunroom::app::editor::gizmo::{Axes, GizmoSettings, Mode, Target};
 use sunroom::app::editor::icons::{Icon, IconKind};
 use sunroom::app::editor::keys::Press;
+use sunroom::app::editor::model::Outline;
 use sunroom::app::editor::navigation::Navigation;
 use sunroom::app::editor::orbit::AxisView;
 use sunroom::app::editor::outline::SelectionOutline;
@@ -78,6 +79,7 @@ fn window() -> Harness<'static, Window> {
     };
     let selection = Selection::of([entity(1)]);
     let (boxes, outline, current) = (BoxList::default(), SelectionOutline::default(), CurrentScene::default());
+    let things = Outline::default();
     let mut harness = Harness::builder().with_size(SIZE).build_ui_state(
         move |ui, window: &mut Window| {
             let locked = Default::default();
@@ -99,6 +101,7 @@ fn window() -> Harness<'static, Window> {
                     current: &current,
                 },
                 locked: &locked,
+                things: &things,
                 current: &current,
                 paths: &Default::default(),
                 legend: None,

@@ -6,7 +6,7 @@ use bevy_egui::egui::{self, Key, Modifiers, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::command::{Command, FileDialogKind};
-use sunroom::app::editor::material_drop::drop_target;
+use sunroom::app::editor::material_drop::{Takers, drop_target};
 use sunroom::app::editor::material_tree::MaterialTree;
 use sunroom::app::editor::model::{Inspected, InspectedMaterial, MaterialPlace, Model, Outline};
 use sunroom::app::editor::panels::library;
@@ -151,7 +151,12 @@ fn a_preset_is_clicked_or_dragged_out_of_the_library() {
             });
             let picture = ui.available_rect_before_wrap();
             let response = ui.interact(picture, egui::Id::new("picture"), egui::Sense::click_and_drag());
-            drop_target(ui, &response, picture, commands);
+            let takers = Takers {
+                current: &Default::default(),
+                things: &given.outline,
+                locked: &Default::default(),
+            };
+            drop_target(ui, &response, picture, takers, commands);
         },
         shown,
     );
@@ -204,6 +209,7 @@ fn a_material_is_put_into_another_and_taken_out() {
         name: "clay".into(),
         material: Material::default(),
         place: MaterialPlace::Inside,
+        mixed: Default::default(),
         users: 0,
         inside: Vec::new(),
     });

@@ -108,3 +108,39 @@ fn the_outliner_hides_renames_and_puts_into_folders() {
         Some(&Command::Rename(entity(3), "ground".to_owned()))
     );
 }
+
+#[test]
+fn what_is_selected_elsewhere_is_seen_in_the_list() {
+    let things = |first: u32, count: u32| {
+        (first..first + count)
+            .map(|index| item(index, &format!("thing {index}")))
+            .collect()
+    };
+    let outline = Outline {
+        shapes: things(1, 100),
+        lights: things(200, 100),
+        ..Outline::default()
+    };
+    let state = std::sync::Mutex::new(OutlinerState::default());
+    let shown = Shown {
+        given: with_outline(outline, Selection::default()),
+        commands: Vec::new(),
+    };
+    let mut harness = Harness::builder().with_size(egui::vec2(240.0, 300.0)).build_ui_state(
+        move |ui, shown: &mut Shown<Model>| {
+            let mut state = state.lock().expect("one thread");
+            outliner::outliner(ui, &shown.given, &mut state, &mut shown.commands);
+        },
+        shown,
+    );
+    harness.run_steps(3);
+    // Closes the shapes: the triangle is left of their heading.
+    let heading = harness.get_by_label("Shapes").rect();
+    press_at(&mut harness, heading.left_center() - egui::vec2(8.0, 0.0));
+    assert!(harness.query_by_label("thing 1").is_none());
+    for wanted in [60, 250] {
+        harness.state_mut().given.selection = Selection::of([entity(wanted)]);
+        harness.run_steps(4);
+        assert!(harness.query_by_label(&format!("thing {wanted}")).is_some(), "{wanted}");
+    }
+}

@@ -9,7 +9,7 @@ use sunroom::app::editor::command::{Command, FileDialogKind};
 use sunroom::app::editor::display::{DisplayMode, DisplaySettings};
 use sunroom::app::editor::gizmo::GizmoSettings;
 use sunroom::app::editor::gizmo::interaction::GizmoModel;
-use sunroom::app::editor::material_drop::drop_target;
+use sunroom::app::editor::material_drop::{Takers, drop_target};
 use sunroom::app::editor::model::{Model, Outline};
 use sunroom::app::editor::navigation::Navigation;
 use sunroom::app::editor::outline::SelectionOutline;
@@ -42,7 +42,7 @@ pub fn picture() -> Harness<'static, Picture> {
         pose: Affine3A::IDENTITY,
     };
     let (boxes, outline, current) = (BoxList::default(), SelectionOutline::default(), CurrentScene::default());
-    let selection = Selection::of([entity(1)]);
+    let (selection, things) = (Selection::of([entity(1)]), Outline::default());
     let mut harness = Harness::builder().with_size(egui::vec2(340.0, 240.0)).build_ui_state(
         move |ui, picture: &mut Picture| {
             ui.horizontal(|ui| {
@@ -70,6 +70,7 @@ pub fn picture() -> Harness<'static, Picture> {
                 },
                 locked: &locked,
                 current: &current,
+                things: &things,
                 paths: &Default::default(),
                 legend: None,
                 captions: &[],
@@ -126,7 +127,12 @@ fn a_material_is_dragged_from_the_list_onto_the_picture() {
             });
             let picture = ui.available_rect_before_wrap();
             let response = ui.interact(picture, egui::Id::new("picture"), egui::Sense::click_and_drag());
-            drop_target(ui, &response, picture, commands);
+            let takers = Takers {
+                current: &Default::default(),
+                things: &given.outline,
+                locked: &Default::default(),
+            };
+            drop_target(ui, &response, picture, takers, commands);
         },
         shown,
     );

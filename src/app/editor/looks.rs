@@ -157,7 +157,7 @@ fn shrunk(image: &Image) -> egui::ColorImage {
 }
 
 impl Looks {
-    /// An empty place as long as there is no picture.
+    /// A plain disc as long as there is no picture.
     pub fn paint_ball(&self, ui: &egui::Ui, ball: Ball, rect: egui::Rect) {
         match self.balls.get(&ball) {
             Some(texture) => {
@@ -165,7 +165,9 @@ impl Looks {
                 ui.painter().image(*texture, rect, whole, egui::Color32::WHITE);
             }
             None => {
-                ui.painter().rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
+                let radius = 0.42 * rect.size().min_elem();
+                let color = ui.visuals().widgets.noninteractive.bg_stroke.color;
+                ui.painter().circle_filled(rect.center(), radius, color);
             }
         }
     }

@@ -119,11 +119,7 @@ pub fn update_previews(
             .pictures
             .retain(|ball, _| wanted.iter().any(|wanted| wanted.ball == *ball));
     }
-    let shown = wanted.iter().filter_map(|wanted| {
-        let picture = previews.pictures.get(&wanted.ball)?;
-        Some((wanted.ball, picture.texture.id()))
-    });
-    model.0.looks.balls = shown.collect();
+    model.0.looks.balls = previews.shown();
     Ok(())
 }
 
@@ -192,6 +188,12 @@ impl Previews {
             material: ids[place],
         });
         self.presets = looks.collect();
+    }
+
+    /// All there are: what a panel shows that comes to the front is there in its first frame.
+    fn shown(&self) -> HashMap<Ball, egui::TextureId> {
+        let pictures = self.pictures.iter();
+        pictures.map(|(&ball, picture)| (ball, picture.texture.id())).collect()
     }
 
     /// Rough ones of all come before a fine one of any. While somebody is at work only what is inspected is rendered: the picture comes first.

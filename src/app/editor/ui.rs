@@ -268,6 +268,7 @@ pub fn show_window(
             current: &scene.current,
         },
         locked,
+        things: &model.outline,
         current: &scene.current,
         legend: legend.as_ref(),
         captions: &captions,

@@ -13,7 +13,8 @@ use super::display::{DisplayMode, Legend, heat};
 use super::gizmo::interaction::{GizmoModel, GizmoState, Rest};
 use super::icons::{self, Icon};
 use super::keys::{self, Press};
-use super::material_drop::drop_target;
+use super::material_drop::{Takers, drop_target};
+use super::model::Outline;
 use super::navigation::{FlyInput, Navigation};
 use super::outline::{Level, SelectionOutline};
 use super::overlay::{BoxList, MAX_BOXES, edges};
@@ -45,6 +46,8 @@ pub struct ViewportModel<'a> {
     pub gizmo: GizmoModel<'a>,
     /// Not to be selected.
     pub locked: &'a EntityHashSet,
+    /// What things are called.
+    pub things: &'a Outline,
     /// To ask what is where.
     pub current: &'a CurrentScene,
     /// Of false colours, where there are any.
@@ -68,6 +71,38 @@ pub struct ViewportState {
     pub gizmo: GizmoState,
     pub pointer: PointerState,
     flying: bool,
+    speed: SpeedTag,
+}
+
+/// The speed is told of while it matters.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct SpeedTag {
+    /// That of the last frame; None before the first.
+    known: Option<f32>,
+    /// Seconds of egui's clock.
+    until: f64,
+}
+
+/// Seconds that the speed stays on the picture after flying, and after it was set.
+const SPEED_STAYS: f64 = 1.5;
+
+impl SpeedTag {
+    fn follow(&mut self, ui: &Ui, flying: bool, speed: f32) {
+        let now = ui.input(|input| input.time);
+        let is_set = self.known.is_some_and(|known| known != speed);
+        self.known = Some(speed);
+        if flying || is_set {
+            self.until = now + SPEED_STAYS;
+        }
+        if self.is_shown(ui) {
+            ui.ctx()
+                .request_repaint_after(Duration::from_secs_f64(self.until - now));
+        }
+    }
+
+    fn is_shown(&self, ui: &Ui) -> bool {
+        self.known.is_some() && ui.input(|input| input.time) < self.until
+    }
 }
 
 /// The id of the picture: whatever has the keyboard when no other widget wants it.
@@ -107,7 +142,12 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     if model.picture.is_some() {
         toolbar(ui, panel, model.gizmo.settings, model.gizmo.length_step, commands);
     }
-    drop_target(ui, &response, picture, commands);
+    let takers = Takers {
+        current: model.current,
+        things: model.things,
+        locked: model.locked,
+    };
+    drop_target(ui, &response, picture, takers, commands);
     ui.advance_cursor_after_rect(panel);
 }
 
@@ -164,13 +204,15 @@ fn act(
             seconds: input.unstable_dt,
         }
     });
-    state.flying = state.pointer.is_looking() || fly.direction != Vec3::ZERO;
+    let is_moving = fly.direction != Vec3::ZERO;
+    state.flying = state.pointer.is_looking() || is_moving;
     if let Some(pose) = moved {
         let flown = model.navigation.fly(pose, &fly).unwrap_or(pose);
         if Some(flown) != model.pose && flown.is_finite() {
             commands.push(Command::MoveView(flown));
         }
     }
+    state.speed.follow(ui, is_moving, model.navigation.speed);
     if state.flying {
         // Time passes without further events while a key is held.
         ui.ctx().request_repaint_after(Duration::from_millis(16));
@@ -284,7 +326,7 @@ fn paint_over(
         let figures = model.boxes.figures(&model.keys.overlay);
         tag(&painter, corner, Align2::LEFT_TOP, &figures);
     }
-    if model.pose.is_some() {
+    if model.pose.is_some() && state.speed.is_shown(ui) {
         let speed = format!(
             "speed {:.2}x, {:.3} units/s",
             model.navigation.speed,

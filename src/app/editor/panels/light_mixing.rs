@@ -44,12 +44,13 @@ pub fn light_mixing(ui: &mut Ui, model: &MixingModel, display: DisplaySettings, 
 fn channel_rows(ui: &mut Ui, name: &str, channel: &mut Channel) -> bool {
     let mut changed = false;
     ui.horizontal(|ui| {
-        ui.add(egui::Label::new(name).truncate());
+        ui.add(egui::Label::new(egui::RichText::new(name).strong()).truncate());
         for (letter, hint, value) in [
             ("S", "Solo: only lights with this", &mut channel.solo),
             ("M", "Mute: without this light", &mut channel.mute),
         ] {
-            let button = ui.selectable_label(*value, letter).on_hover_text(hint);
+            let button = egui::Button::selectable(*value, letter).frame_when_inactive(true);
+            let button = ui.add(button).on_hover_text(hint);
             button.widget_info(|| {
                 let name = format!("{name} {letter}");
                 egui::WidgetInfo::selected(egui::WidgetType::SelectableLabel, true, *value, name)
@@ -71,7 +72,8 @@ fn channel_rows(ui: &mut Ui, name: &str, channel: &mut Channel) -> bool {
 fn alone_button(ui: &mut Ui, place: u8, display: DisplaySettings, commands: &mut Vec<Command>) {
     let alone = DisplayMode::LightGroup(place);
     let is_alone = display.mode == alone;
-    if ui.selectable_label(is_alone, "Show its layer").clicked() {
+    let button = egui::Button::selectable(is_alone, "Show its layer").frame_when_inactive(true);
+    if ui.add(button).clicked() {
         let mode = if is_alone { DisplayMode::Shaded } else { alone };
         commands.push(Command::SetDisplay(DisplaySettings { mode, ..display }));
     }

@@ -106,6 +106,13 @@ fn follow_selection(
     state.shown_active = active;
     let item = active.filter(|_| is_new).and_then(|entity| item_of(outline, entity));
     if let Some(item) = item {
+        if let Some((heading, _)) = outline
+            .groups()
+            .into_iter()
+            .find(|(_, items)| items.iter().any(|other| other.entity == item.entity))
+        {
+            state.folding.closed.remove(heading);
+        }
         for folder in folders_of(&item.name) {
             state.folding.closed.remove(folder);
         }
