@@ -8,6 +8,7 @@ pub mod app;
 pub mod color;
 pub mod document;
 pub mod engine;
+pub mod files;
 pub mod geometry;
 pub mod gltf;
 pub mod light;

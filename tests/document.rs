@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 use glam::{Mat4, Vec3};
 use sunroom::document::{
     Category, Child, Diagnostics, Document, Object, Property, Reader, Severity, SourceError, Span, TransformOp, Value,
-    load, parse_str, to_xml, write_atomically,
+    load, parse_str, to_xml,
 };
+use sunroom::files::write_atomically;
 
 fn parse(text: &str) -> Document {
     parse_str(text, Path::new("scene.xml"), &[])

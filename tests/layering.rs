@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 /// that a folder can have more rights than the one around it. A module that is not in the table is a violation.
 const RULES: &[(&str, &[&str], bool)] = &[
     ("math", &[], false),
+    ("files", &[], false),
     ("color", &["math"], false),
     ("sampling", &["math"], false),
     ("geometry", &["math", "color", "sampling"], false),
@@ -24,19 +25,23 @@ const RULES: &[(&str, &[&str], bool)] = &[
     ),
     ("light", BELOW_SHADING, false),
     ("medium", BELOW_SHADING, false),
-    ("render", KERNEL, false),
+    ("render", &["KERNEL", "files"], false),
     ("document", &["math", "color"], false),
     ("gltf", &["math", "color", "geometry", "document"], false),
-    ("scene", &["math", "color", "document"], true),
+    ("scene", &["math", "color", "files", "document"], true),
     (
         "scene/assets",
         &["math", "color", "document", "geometry", "gltf", "texture"],
         true,
     ),
     ("engine", &["KERNEL", "document", "scene"], true),
-    ("app", &["KERNEL", "document", "scene", "engine"], true),
+    ("app", &["KERNEL", "files", "document", "scene", "engine"], true),
     // The program on top of the library: there everything goes.
-    ("cli", &["KERNEL", "document", "gltf", "scene", "engine", "app"], true),
+    (
+        "cli",
+        &["KERNEL", "files", "document", "gltf", "scene", "engine", "app"],
+        true,
+    ),
     ("main", &["KERNEL", "document", "scene", "engine", "app", "cli"], true),
 ];
 

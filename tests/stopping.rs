@@ -136,6 +136,32 @@ fn noise_stops_it_and_less_noise_takes_more_samples() {
 }
 
 #[test]
+fn around_a_region_nothing_of_an_older_picture_stays() {
+    let mut app = studio(|control| {
+        control.interactive = true;
+        control.region = Some(Rect::new(0.0, 0.0, 0.3, 0.3));
+    });
+    finish(&mut app);
+    let (first, job) = film(&app);
+    let mut lamps = app.world_mut().query::<&mut Emitter>();
+    for mut lamp in lamps.iter_mut(app.world_mut()) {
+        *lamp = Emitter::from(EmitterKind::Constant {
+            radiance: Rgb::splat(3.0),
+        });
+    }
+    app.update();
+    finish(&mut app);
+    let (second, next_job) = film(&app);
+    assert!(next_job > job);
+    for (x, y) in (0..40).flat_map(|y| (0..80).map(move |x| (x, y))) {
+        let [before, after] = [&first, &second].map(|film| film.pixel(x, y).map(|pixel| pixel.radiance.x));
+        assert!(before.is_some() && after > before, "{x} {y}: {before:?} {after:?}");
+        let is_inside = x < 32 && y < 32;
+        assert_eq!(second.samples(x, y) > 0, is_inside, "{x} {y}");
+    }
+}
+
+#[test]
 fn a_region_gets_samples_and_the_rest_keeps_its_own() {
     let mut app = studio(|_| {});
     assert_eq!(finish(&mut app), Some(StopReason::Samples));

@@ -32,4 +32,4 @@ pub use parse::{load, parse_str};
 pub use reader::Reader;
 pub use source::SourceError;
 pub use transform::TransformOp;
-pub use write::{WriteError, to_xml, write_atomically};
+pub use write::{WriteError, to_xml};

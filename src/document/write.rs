@@ -1,11 +1,9 @@
-//! [`Document`] to XML text that reads back to the same tree, and that text to disk.
+//! [`Document`] to XML text that reads back to the same tree.
 //!
 //! Includes and defaults are gone by then: one file is written, with every value spelled out. File names are written as they are; one
 //! that was relative to an include or to another folder has to be made so by the caller before.
 
 use std::fmt::Write as _;
-use std::io::{self, Write as _};
-use std::path::Path;
 
 use glam::Vec3;
 
@@ -33,34 +31,6 @@ pub fn to_xml(document: &Document) -> Result<String, WriteError> {
         .map(|folder| folder.display().to_string());
     writer.object(&document.root, &search_folders.collect::<Vec<_>>())?;
     Ok(writer.text)
-}
-
-/// Replaces a file's content in one step: readers see the old text or the new, never half of it.
-pub fn write_atomically(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
-    // Through a symbolic link to the file itself, so that the link stays.
-    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let folder = match target.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    // Otherwise the message would be about the name of a file that is not the user's.
-    if !folder.is_dir() {
-        let message = format!("there is no folder {}", folder.display());
-        return Err(io::Error::new(io::ErrorKind::NotFound, message));
-    }
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".sunroom-").suffix(".tmp");
-    // As an ordinary new file would be: temporary ones are for their owner only.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder)?;
-    if let Ok(old) = std::fs::metadata(&target) {
-        file.as_file().set_permissions(old.permissions())?;
-    }
-    file.write_all(content.as_ref())?;
-    file.as_file().sync_all()?;
-    file.persist(&target).map_err(|error| error.error)?;
-    Ok(())
 }
 
 /// A part of a scene file, for a place in an existing one: lines after the first begin with `margin`, the last one is not ended.

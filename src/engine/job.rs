@@ -187,17 +187,24 @@ impl Job {
         if self.failure.is_some() || reached.is_some() {
             return;
         }
-        let preview = match self.beginning {
-            Beginning::Preview(step) if self.preview_left > 0 => {
-                self.preview_left = self.active.len();
-                Some(step)
-            }
-            _ => None,
+        let (previews, step) = match self.beginning {
+            Beginning::Preview(step) if self.preview_left > 0 => (self.previews(), step),
+            _ => (Vec::new(), 1),
         };
+        self.preview_left = previews.len();
         let tiles: Vec<(usize, u32)> = self.active.iter().map(|&index| (index, self.done[index])).collect();
-        let queue = WorkQueue::new(&tiles, goal.samples, preview);
+        let queue = WorkQueue::new(&tiles, goal.samples, &previews, step);
         self.running_since = Some(Instant::now());
         self.run = Some(Run::start(pool, queue, self.preview_left, self.work(), waker));
+    }
+
+    /// All tiles, for around a region nothing of an older picture shall stay; those of the region first.
+    fn previews(&self) -> Vec<usize> {
+        let mut is_active = vec![false; self.tiles.len()];
+        self.active.iter().for_each(|&index| is_active[index] = true);
+        let mut all: Vec<usize> = (0..self.tiles.len()).collect();
+        all.sort_by_key(|&index| !is_active[index]);
+        all
     }
 
     fn work(&self) -> Box<Work> {

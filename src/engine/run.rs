@@ -168,7 +168,7 @@ mod tests {
     fn start(pool: &ThreadPool, items: usize, work: Box<Work>) -> Run {
         Run::start(
             pool,
-            WorkQueue::new(&(0..items).map(|index| (index, 0)).collect::<Vec<_>>(), 1, None),
+            WorkQueue::new(&(0..items).map(|index| (index, 0)).collect::<Vec<_>>(), 1, &[], 1),
             0,
             work,
             Waker::new(&WakeUp::default()),

@@ -75,15 +75,14 @@ struct QueueState {
 }
 
 impl WorkQueue {
-    /// `tiles`: the index of each tile to be rendered and the samples that it has; `target`: those it shall have; `preview`: the edge of
-    /// its blocks in pixels, if there is to be one.
-    pub fn new(tiles: &[(usize, u32)], target: u32, preview: Option<u32>) -> Self {
-        let previews = tiles.iter().rev().filter(|_| preview.is_some());
+    /// `tiles`: the index of each tile to be rendered and the samples that it has; `target`: those it shall have; `previews`: tiles that are
+    /// shown coarsely before, in blocks of `step` pixels.
+    pub fn new(tiles: &[(usize, u32)], target: u32, previews: &[usize], step: u32) -> Self {
         Self {
             state: Mutex::new(QueueState {
                 begun: tiles.iter().map(|&(_, done)| done).max().unwrap_or(0),
-                step: preview.unwrap_or(1),
-                previews: previews.map(|&(index, _)| index).collect(),
+                step,
+                previews: previews.iter().rev().copied().collect(),
                 waiting: tiles.iter().map(|&(index, done)| Reverse((done, index))).collect(),
                 target,
             }),
@@ -157,7 +156,7 @@ mod tests {
 
     #[test]
     fn every_tile_has_its_turn_in_every_pass() {
-        let queue = WorkQueue::new(&[(0, 0), (1, 0)], 3, Some(4));
+        let queue = WorkQueue::new(&[(0, 0), (1, 0)], 3, &[0, 1], 4);
         let expected = [
             (0, 0, 0),
             (1, 0, 0),
@@ -173,7 +172,7 @@ mod tests {
 
     #[test]
     fn what_was_interrupted_or_raised_goes_on_at_the_same_places() {
-        let queue = WorkQueue::new(&[(0, 4), (1, 2), (2, 8)], 8, None);
+        let queue = WorkQueue::new(&[(0, 4), (1, 2), (2, 8)], 8, &[], 1);
         assert_eq!(all(&queue), [(1, 2, 4), (0, 4, 8), (1, 4, 8)]);
         queue.set_target(10);
         assert_eq!(all(&queue), [(0, 8, 10), (1, 8, 10), (2, 8, 10)]);
@@ -183,7 +182,7 @@ mod tests {
 
     #[test]
     fn a_begun_pass_is_finished() {
-        let queue = WorkQueue::new(&[(0, 0), (1, 0), (2, 0)], 1000, None);
+        let queue = WorkQueue::new(&[(0, 0), (1, 0), (2, 0)], 1000, &[], 1);
         (0..4).for_each(|_| assert!(queue.claim().is_some()));
         assert_eq!(queue.finish_pass(), 2);
         assert_eq!(all(&queue), [(1, 1, 2), (2, 1, 2)]);
@@ -200,7 +199,7 @@ mod tests {
         let everything: Vec<usize> = (0..6).collect();
         assert_eq!(within(1.5, 0.0, 2.0, 1.0), everything);
         assert_eq!(tiles_in(None, &tiles, UVec2::new(96, 64)), everything);
-        let queue = WorkQueue::new(&[(3, 0), (5, 1)], 2, Some(4));
+        let queue = WorkQueue::new(&[(3, 0), (5, 1)], 2, &[3, 5], 4);
         assert_eq!(all(&queue), [(3, 0, 0), (5, 0, 0), (3, 0, 1), (3, 1, 2), (5, 1, 2)]);
     }
 

@@ -3,8 +3,7 @@
 //! A file is complete or not there: it is written beside its place under another name and then renamed. What a picture
 //! looks like on a display is decided in [`super::tonemap`]; standard output is the caller's business, see [`encode`]. What reads pictures is [`crate::texture::load_image`].
 
-use std::fs;
-use std::io::{Cursor, Write};
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use image::codecs::hdr::HdrEncoder;
@@ -15,6 +14,7 @@ use thiserror::Error;
 
 use super::tonemap::Display;
 use crate::color::Rgb;
+use crate::files::write_atomically;
 
 /// A picture of linear Rec. 709 radiance, row by row from the top left.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,8 +59,6 @@ impl FileFormat {
 pub enum ImageIoError {
     #[error("{}: the name of a picture ends in .exr, .hdr or .png", .0.display())]
     UnknownFormat(PathBuf),
-    #[error("{}: there is no folder {}", .path.display(), .folder.display())]
-    NoFolder { path: PathBuf, folder: PathBuf },
     #[error("cannot write {}: {source}", .path.display())]
     Write { path: PathBuf, source: std::io::Error },
     #[error("cannot encode the picture: {0}")]
@@ -72,14 +70,14 @@ pub enum ImageIoError {
 /// Writes in the format that the extension names. `display` matters to PNG only: the others hold the radiance itself.
 pub fn write_image(path: &Path, image: &ImageRgb, display: &Display) -> Result<(), ImageIoError> {
     let bytes = encode(image, FileFormat::from_path(path)?, display)?;
-    write_atomically(path, &bytes)
+    write(path, &bytes)
 }
 
 /// Writes bytes that are for the display already, three a pixel, as PNG.
 pub fn write_png(path: &Path, size: [u32; 2], rgb: &[u8]) -> Result<(), ImageIoError> {
     let mut bytes = Cursor::new(Vec::new());
     PngEncoder::new(&mut bytes).write_image(rgb, size[0], size[1], ExtendedColorType::Rgb8)?;
-    write_atomically(path, &bytes.into_inner())
+    write(path, &bytes.into_inner())
 }
 
 /// The bytes of a file.
@@ -119,45 +117,17 @@ fn storable_in_rgbe(component: f32) -> f32 {
     if component > 0.0 { component.min(1e38) } else { 0.0 }
 }
 
-/// Either `path` holds all of `bytes` afterwards, or what it held before. A symbolic link stays one.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), ImageIoError> {
-    let failed = |source| ImageIoError::Write {
+fn write(path: &Path, bytes: &[u8]) -> Result<(), ImageIoError> {
+    write_atomically(path, bytes).map_err(|source| ImageIoError::Write {
         path: path.to_path_buf(),
         source,
-    };
-    let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    let folder = match place.parent() {
-        Some(folder) if folder.as_os_str().is_empty() => Path::new("."),
-        Some(folder) => folder,
-        None => return Err(failed(std::io::ErrorKind::IsADirectory.into())),
-    };
-    if !folder.exists() {
-        return Err(ImageIoError::NoFolder {
-            path: path.to_path_buf(),
-            folder: folder.to_path_buf(),
-        });
-    }
-    let mut file = part_file()
-        .tempfile_in(folder)
-        .map_err(|error| failed(error.kind().into()))?;
-    file.write_all(bytes)
-        .and_then(|()| file.as_file().sync_all())
-        .map_err(failed)?;
-    file.persist(&place).map_err(|error| failed(error.error))?;
-    Ok(())
-}
-
-fn part_file() -> tempfile::Builder<'static, 'static> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".sunroom-").suffix(".part");
-    // A picture is for everyone whom the user's umask lets in, unlike a usual temporary file.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder
+    })
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use glam::Vec3;
 
     use super::*;

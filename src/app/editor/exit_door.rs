@@ -10,7 +10,7 @@ use super::latency::{FrameTimes, LatencyProbe};
 use super::motion::Motion;
 use super::script::Script;
 use crate::engine::{RenderState, RenderStatus};
-use crate::render::image_io::write_atomically;
+use crate::files::write_atomically;
 use crate::scene::{SceneState, SceneStatus};
 
 #[derive(Resource)]
@@ -137,7 +137,7 @@ pub fn save_window(image: &Image, path: &std::path::Path) -> Result<(), String> 
         .to_rgb8()
         .write_to(&mut png, image::ImageFormat::Png)
         .map_err(|error| error.to_string())?;
-    write_atomically(path, &png.into_inner()).map_err(|error| error.to_string())
+    write_atomically(path, png.into_inner()).map_err(|error| error.to_string())
 }
 
 /// The figures of this run, once, when it ends.

@@ -14,7 +14,7 @@ use super::gizmo::Steps;
 use super::layout::Layout;
 use super::navigation::SPEED_RANGE;
 use super::state::EditorState;
-use crate::document::write_atomically;
+use crate::files::write_atomically;
 use crate::scene::{SceneState, SceneStatus};
 
 /// Of the file's format.

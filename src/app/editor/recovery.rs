@@ -16,7 +16,7 @@ use super::preferences::Preferences;
 use super::shell::ShellCommand;
 use super::state::EditorState;
 use super::toasts::{Tone, Topic};
-use crate::document::write_atomically;
+use crate::files::write_atomically;
 use crate::scene::write::{gather, save_description};
 use crate::scene::{OpenScene, SceneDescription, SceneFile, SceneState, SceneStatus};
 

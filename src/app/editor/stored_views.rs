@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::state::EditorState;
-use crate::document::write_atomically;
+use crate::files::write_atomically;
 use crate::scene::{SceneState, SceneStatus};
 
 /// A view to come back to.

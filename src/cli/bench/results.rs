@@ -96,7 +96,7 @@ impl Results {
         if super::super::render::is_stdout(path) {
             super::super::render::print(text.as_bytes())?;
         } else {
-            sunroom::document::write_atomically(path, text).map_err(|error| format!("{}: {error}", path.display()))?;
+            sunroom::files::write_atomically(path, text).map_err(|error| format!("{}: {error}", path.display()))?;
         }
         Ok(())
     }

@@ -32,6 +32,7 @@ use super::read::{self, settle};
 use super::{Authored, IntegratorSettings, loading, rebase};
 use crate::document::revision::{Destination, move_files, revise};
 use crate::document::{self, Category, Child, Document, Object, Span};
+use crate::files::write_atomically;
 
 /// Materials inside materials; deeper ones are written at the top level instead. More than reading allows.
 const DEEPEST: usize = 40;
@@ -146,7 +147,7 @@ fn keep_foreign(scene: &SceneDescription, target: &Path) -> Result<(), SaveError
 }
 
 fn write_file(path: &Path, content: impl AsRef<[u8]>) -> Result<(), SaveError> {
-    document::write_atomically(path, content).map_err(|source| SaveError::File {
+    write_atomically(path, content).map_err(|source| SaveError::File {
         path: path.to_owned(),
         source,
     })
