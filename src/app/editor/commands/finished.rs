@@ -109,3 +109,37 @@ pub fn measure(world: &mut World) -> Result<(), String> {
         None => Err("The picture and the snapshot differ in size.".to_owned()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::editor::compare::CompareView;
+
+    #[test]
+    fn what_is_compared_is_saved_compared() {
+        let mut world = World::new();
+        world.init_resource::<EditorState>();
+        let snapshot = Some(Snapshot {
+            size: [4, 1],
+            radiance: vec![Rgb::ONE; 4],
+            samples: 1,
+        });
+        world.insert_resource(Comparison {
+            snapshot,
+            ..Comparison::default()
+        });
+        let mut saved = |view: CompareView| {
+            world.resource_mut::<Comparison>().view = view;
+            let picture = ImageRgb {
+                width: 4,
+                height: 1,
+                pixels: vec![Rgb::splat(3.0); 4],
+            };
+            let red = |pixel: &Rgb| pixel.x;
+            compared(&world, picture).pixels.iter().map(red).collect::<Vec<f32>>()
+        };
+        assert_eq!(saved(CompareView::Off), [3.0; 4]);
+        assert_eq!(saved(CompareView::Wipe(0.5)), [1.0, 1.0, 3.0, 3.0]);
+        assert_eq!(saved(CompareView::Difference), [2.0; 4]);
+    }
+}
