@@ -66,8 +66,11 @@ impl TrianglePacket {
         let zero = Lanes::ZERO;
         let lowest = u.fast_min(v).fast_min(w);
         let highest = u.fast_max(v).fast_max(w);
-        let t = volumes.t_numerator / volumes.determinant;
         let inside = lowest.simd_ge(zero) | highest.simd_le(zero);
+        if inside.none() {
+            return (zero, volumes.weights, 0);
+        }
+        let t = volumes.t_numerator / volumes.determinant;
         // A degenerate triangle gives t = 0 / 0, which no comparison lets through.
         let hits = inside & t.simd_gt(zero) & t.simd_lt(Lanes::splat(t_max));
         (t, volumes.weights, hits.to_bitmask())

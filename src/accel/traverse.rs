@@ -81,6 +81,13 @@ impl Bvh {
             let count = mask.count_ones() as usize;
             if count == 1 {
                 waiting.push(u64::from(node.children[mask.trailing_zeros() as usize % WIDTH].0));
+            } else if ANY {
+                // In no order: any hit will do.
+                let mut met = mask;
+                while met != 0 {
+                    waiting.push(u64::from(node.children[met.trailing_zeros() as usize % WIDTH].0));
+                    met &= met - 1;
+                }
             } else if count > 1 {
                 let sorted = far_to_near(enter, met, node.children.each_ref().map(|child| child.0));
                 let height = waiting.len() + count;
