@@ -2,7 +2,7 @@
 //!
 //! Only the way into the group is stored; the way out is needed once per hit, and found again by inversion then.
 
-use glam::{DAffine3, DMat3, Mat3, Vec3, Vec3A};
+use glam::{Affine3A, DAffine3, DMat3, Mat3, Vec3, Vec3A};
 
 use super::surface::SurfacePoint;
 use crate::math::{Aabb, Ray, gamma};
@@ -19,7 +19,7 @@ pub struct Placement {
 
 impl Placement {
     /// `None` if the transform is singular, not finite, or has an inverse beyond f32.
-    pub fn new(group: u32, world_from_group: &glam::Affine3A) -> Option<Self> {
+    pub fn new(group: u32, world_from_group: &Affine3A) -> Option<Self> {
         // In f64, so that small scales do not make the determinant vanish.
         let wide = DMat3::from_cols(
             world_from_group.matrix3.x_axis.as_dvec3(),
@@ -50,11 +50,16 @@ impl Placement {
     }
 
     /// The exact inverse of the way in, as rays see it.
-    fn world_from_group(&self) -> DAffine3 {
+    fn exact_world_from_group(&self) -> DAffine3 {
         DAffine3 {
             matrix3: self.group_from_world.as_dmat3().inverse(),
             translation: self.origin.as_dvec3(),
         }
+    }
+
+    pub fn world_from_group(&self) -> Affine3A {
+        let exact = self.exact_world_from_group();
+        Affine3A::from_mat3_translation(exact.matrix3.as_mat3(), exact.translation.as_vec3())
     }
 
     /// World bounds of a group with these bounds of its own, a little wider than exact.
@@ -62,7 +67,7 @@ impl Placement {
         if group.is_empty() {
             return Aabb::EMPTY;
         }
-        let world_from_group = self.world_from_group();
+        let world_from_group = self.exact_world_from_group();
         let matrix = world_from_group.matrix3;
         let absolute = DMat3::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs());
         let center = world_from_group.transform_point3(group.center().as_dvec3());
@@ -77,7 +82,7 @@ impl Placement {
 
     /// A surface of the group, taken to the world. Normals go by the inverse transpose and keep their side, as in Mitsuba.
     pub(super) fn place(&self, point: &SurfacePoint) -> SurfacePoint {
-        let world_from_group = self.world_from_group();
+        let world_from_group = self.exact_world_from_group();
         let linear = world_from_group.matrix3.as_mat3();
         let out = Mat3::from_cols(linear.x_axis.abs(), linear.y_axis.abs(), linear.z_axis.abs());
         let inward = &self.group_from_world;

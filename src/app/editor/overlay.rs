@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bevy::math::{Affine3A, Vec2, Vec3};
 
 use super::panels::status::counted;
-use crate::accel::{BvhBox, BvhStats, Primitive, Tlas};
+use crate::accel::{Blas, BvhBox, BvhStats, Placement, Primitive, Tlas};
 use crate::math::Aabb;
 use crate::render::camera::Camera;
 
@@ -63,24 +63,61 @@ pub fn boxes(geometry: &Tlas, overlay: &BvhOverlay) -> BoxList {
         expected_work: geometry.expected_work(),
         ..BoxList::default()
     };
-    list.count(&geometry.stats());
     let mut counted = HashSet::new();
-    geometry
-        .bvh()
-        .visit_boxes(|found| list.offer(&found, overlay, &Affine3A::IDENTITY, true));
-    for instance in geometry.instances() {
-        if let Primitive::Mesh(blas) = &instance.primitive {
-            if counted.insert(Arc::as_ptr(blas)) {
-                list.count(&blas.stats());
-            }
-            blas.bvh()
-                .visit_boxes(|found| list.offer(&found, overlay, &instance.world_from_local, false));
+    list.add(geometry, overlay, &mut counted);
+    let of_group = |group: &Arc<Tlas>| {
+        let mut list = BoxList::default();
+        list.add(group, overlay, &mut counted);
+        list
+    };
+    let groups: Vec<BoxList> = geometry.groups().iter().map(of_group).collect();
+    for group in &groups {
+        list.nodes += group.nodes;
+        list.bytes += group.bytes;
+    }
+    for placement in geometry.placements() {
+        if let Some(group) = groups.get(placement.group as usize) {
+            list.place(group, placement);
         }
     }
     list
 }
 
 impl BoxList {
+    /// The boxes of a hierarchy over shapes and of their meshes. `counted` has the meshes whose nodes are among the figures.
+    fn add(&mut self, geometry: &Tlas, overlay: &BvhOverlay, counted: &mut HashSet<*const Blas>) {
+        self.count(&geometry.stats());
+        geometry
+            .bvh()
+            .visit_boxes(|found| self.offer(&found, overlay, &Affine3A::IDENTITY, true));
+        for instance in geometry.instances() {
+            if let Primitive::Mesh(blas) = &instance.primitive {
+                if counted.insert(Arc::as_ptr(blas)) {
+                    self.count(&blas.stats());
+                }
+                blas.bvh()
+                    .visit_boxes(|found| self.offer(&found, overlay, &instance.world_from_local, false));
+            }
+        }
+    }
+
+    /// The boxes of a group once more, where it stands.
+    fn place(&mut self, group: &Self, placement: &Placement) {
+        self.total += group.total;
+        self.leaves += group.leaves;
+        self.mesh_leaves += group.mesh_leaves;
+        self.triangles += group.triangles;
+        let room = MAX_BOXES - self.boxes.len();
+        if room > 0 {
+            let world_from_group = placement.world_from_group();
+            let placed = group.boxes.iter().take(room).map(|in_group| WorldBox {
+                corners: in_group.corners.map(|corner| world_from_group.transform_point3(corner)),
+                ..*in_group
+            });
+            self.boxes.extend(placed);
+        }
+    }
+
     fn count(&mut self, stats: &BvhStats) {
         self.nodes += stats.nodes;
         self.bytes += stats.bytes;
@@ -209,6 +246,40 @@ mod tests {
         assert!(text.contains("depth 0: 1 node, 0 leaves\n"), "{text}");
         let leaves = boxes(&scene(), &overlay(40, true));
         assert!(leaves.figures(&overlay(40, true)).contains("to depth 40: 20 leaves\n"));
+    }
+
+    #[test]
+    fn groups_show_wherever_they_stand() {
+        let at = |x: f32| Placement::new(0, &Affine3A::from_translation(Vec3::X * x)).expect("regular");
+        let lone = scene().instances()[0].clone();
+        let all = Tlas::with_placements(
+            vec![lone],
+            vec![Arc::new(scene())],
+            vec![at(100.0), at(200.0)],
+            SplitMethod::Sah,
+        );
+        let roots = boxes(
+            &all,
+            &BvhOverlay {
+                shown: true,
+                depth: 0,
+                leaves_only: false,
+            },
+        );
+        // The box around everything and those of the two places.
+        assert_eq!((roots.total, roots.boxes.len()), (3, 3));
+        let moved = roots.boxes[2].corners[0] - roots.boxes[1].corners[0];
+        assert!(moved.abs_diff_eq(Vec3::X * 100.0, 1e-3), "{moved}");
+        assert!(roots.nodes > boxes(&scene(), &BvhOverlay::default()).nodes);
+        let leaves = boxes(
+            &all,
+            &BvhOverlay {
+                shown: true,
+                depth: 40,
+                leaves_only: true,
+            },
+        );
+        assert_eq!(leaves.total, 3 + 2 * 20);
     }
 
     #[test]
