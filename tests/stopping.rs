@@ -142,7 +142,7 @@ fn around_a_region_nothing_of_an_older_picture_stays() {
         control.region = Some(Rect::new(0.0, 0.0, 0.3, 0.3));
     });
     finish(&mut app);
-    let (first, job) = film(&app);
+    let first = region_and_rest(&app);
     let mut lamps = app.world_mut().query::<&mut Emitter>();
     for mut lamp in lamps.iter_mut(app.world_mut()) {
         *lamp = Emitter::from(EmitterKind::Constant {
@@ -151,14 +151,30 @@ fn around_a_region_nothing_of_an_older_picture_stays() {
     }
     app.update();
     finish(&mut app);
-    let (second, next_job) = film(&app);
-    assert!(next_job > job);
-    for (x, y) in (0..40).flat_map(|y| (0..80).map(move |x| (x, y))) {
-        let [before, after] = [&first, &second].map(|film| film.pixel(x, y).map(|pixel| pixel.radiance.x));
-        assert!(before.is_some() && after > before, "{x} {y}: {before:?} {after:?}");
-        let is_inside = x < 32 && y < 32;
-        assert_eq!(second.samples(x, y) > 0, is_inside, "{x} {y}");
-    }
+    let second = region_and_rest(&app);
+    assert!(first.iter().zip(&second).all(|(before, after)| after > before));
+    // A picture of another size begins without a preview, but not around the region.
+    change(&mut app, |control| {
+        control.film_size_override = Some(UVec2::new(120, 60))
+    });
+    app.update();
+    finish(&mut app);
+    assert_eq!(region_and_rest(&app).len(), 120 * 60);
+}
+
+/// What every pixel shows. The first tile, or the first two, have samples and the others none.
+fn region_and_rest(app: &App) -> Vec<f32> {
+    let (film, _) = film(app);
+    let (width, height) = (film.width(), film.height());
+    let shown = |(x, y)| {
+        let is_inside = x < 32 * (width * 3 / 10).div_ceil(32) && y < 32;
+        assert_eq!(film.samples(x, y) > 0, is_inside, "{x} {y}");
+        film.pixel(x, y).expect("something to show").radiance.x
+    };
+    (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .map(shown)
+        .collect()
 }
 
 #[test]

@@ -27,6 +27,7 @@ pub(super) struct Branch {
 }
 
 impl Branch {
+    /// Also a place for what will be an inner node.
     pub fn leaf(set: &Set) -> Self {
         Self {
             bounds: set.bounds,
@@ -39,7 +40,7 @@ impl Branch {
         }
     }
 
-    /// A place for what will be an inner node; `scale` makes areas independent of the scene's unit.
+    /// The node over two that are finished; `scale` makes areas independent of the scene's unit.
     pub fn inner(set: &Set, left: &Self, right: &Self, right_index: usize, scale: f32) -> Self {
         let mut divided = [f32::INFINITY; WIDTH];
         let mut left_slots = [0; WIDTH];

@@ -96,7 +96,7 @@ struct EditArgs {
     #[arg(long, value_name = "N")]
     measure_latency: Option<u32>,
     /// With --measure-latency: do not draw the window, so that what a software graphics driver takes is not in the figures
-    #[arg(long, requires = "measure_latency")]
+    #[arg(long, requires = "measure_latency", conflicts_with = "screenshot")]
     undrawn: bool,
     /// With --exit: fail if it is not done after this time
     #[arg(long, value_name = "TIME", default_value = "10m", value_parser = parse::duration)]

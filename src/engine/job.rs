@@ -34,6 +34,8 @@ pub(super) enum Beginning {
 
 /// Edge of a preview's blocks in pixels of the full resolution.
 const PREVIEW_STEP: f32 = 4.0;
+/// The same of what lies around a region, in a picture that begins without a preview.
+const STEP_AROUND_REGION: u32 = 2;
 
 impl Beginning {
     /// In blocks that are about as large whatever part of the resolution is rendered.
@@ -107,7 +109,7 @@ impl Job {
             active: (0..order.len()).collect(),
             done: vec![0; order.len()],
             early: BTreeMap::new(),
-            preview_left: if beginning == Beginning::Whole { 0 } else { order.len() },
+            preview_left: order.len(),
             beginning,
             tiles: order.into(),
             run: None,
@@ -187,9 +189,13 @@ impl Job {
         if self.failure.is_some() || reached.is_some() {
             return;
         }
-        let (previews, step) = match self.beginning {
-            Beginning::Preview(step) if self.preview_left > 0 => (self.previews(), step),
-            _ => (Vec::new(), 1),
+        let step = match self.beginning {
+            Beginning::Whole => STEP_AROUND_REGION,
+            Beginning::Preview(step) => step,
+        };
+        let previews = match self.preview_left {
+            0 => Vec::new(),
+            _ => self.previews(),
         };
         self.preview_left = previews.len();
         let tiles: Vec<(usize, u32)> = self.active.iter().map(|&index| (index, self.done[index])).collect();
@@ -198,13 +204,19 @@ impl Job {
         self.run = Some(Run::start(pool, queue, self.preview_left, self.work(), waker));
     }
 
-    /// All tiles, for around a region nothing of an older picture shall stay; those of the region first.
+    /// The tiles to be shown coarsely before, those of the region first. Around it nothing of an older picture shall stay, however the
+    /// picture begins.
     fn previews(&self) -> Vec<usize> {
         let mut is_active = vec![false; self.tiles.len()];
         self.active.iter().for_each(|&index| is_active[index] = true);
-        let mut all: Vec<usize> = (0..self.tiles.len()).collect();
-        all.sort_by_key(|&index| !is_active[index]);
-        all
+        let inside = self
+            .active
+            .iter()
+            .copied()
+            .filter(|_| self.beginning != Beginning::Whole);
+        inside
+            .chain((0..self.tiles.len()).filter(|&index| !is_active[index]))
+            .collect()
     }
 
     fn work(&self) -> Box<Work> {

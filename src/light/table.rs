@@ -53,7 +53,7 @@ pub struct LightTable {
     textures: Arc<TextureTable>,
     /// Lights that are seen where a ray meets nothing.
     seen_at_infinity: Vec<LightId>,
-    /// By [`LightId`], whether it looks different from place to place.
+    /// By [`LightId`], see [`Self::is_textured`].
     textured: Vec<bool>,
 }
 
@@ -142,7 +142,7 @@ impl LightTable {
         self.places.is_empty()
     }
 
-    /// Whether what it emits depends on the surface's texture coordinates.
+    /// Whether what it sends is a texture's; a surface's light is then asked for with texture coordinates.
     pub fn is_textured(&self, id: LightId) -> bool {
         self.textured[id.0 as usize]
     }

@@ -1,6 +1,6 @@
 //! What the editor does when a scene has been opened or read anew.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use bevy::prelude::*;
 
@@ -122,7 +122,7 @@ pub fn measure_scene(
     current: Res<CurrentScene>,
     status: Res<SceneStatus>,
     mut state: ResMut<EditorState>,
-    mut looked_at: Local<Option<(Option<PathBuf>, f32)>>,
+    mut looked_at: Local<Option<(u64, f32)>>,
 ) {
     if !current.is_changed() {
         return;
@@ -130,11 +130,12 @@ pub fn measure_scene(
     let Some(bounds) = picking::scene_bounds(&current) else {
         return;
     };
-    if looked_at.as_ref().is_none_or(|(seen, _)| *seen != status.path) {
+    let is_other_scene = |(load, _)| status.fresh_load && load != status.revision;
+    if looked_at.is_none_or(is_other_scene) {
         let distance = picking::distance_ahead(&current).unwrap_or(f32::INFINITY);
-        *looked_at = Some((status.path.clone(), distance));
+        *looked_at = Some((status.revision, distance));
     }
-    let ahead = looked_at.as_ref().map_or(f32::INFINITY, |(_, distance)| *distance);
+    let ahead = looked_at.map_or(f32::INFINITY, |(_, distance)| distance);
     let size = bounds.extent().length().min(SIZE_PER_DISTANCE * ahead);
     if size.is_finite() && size > 0.0 && size != state.navigation.scene_size {
         state.navigation.scene_size = size;

@@ -193,7 +193,7 @@ fn facing(place: Vec3, target: Vec3, half_size: Vec2) -> Affine3A {
     Affine3A::from_mat3_translation(turn, place) * Affine3A::from_scale(half_size.extend(1.0))
 }
 
-/// Of a square picture.
+/// Of a picture of `edge` pixels squared: a little from above at the ball and the ground before it.
 pub fn view(edge: u32) -> View {
     let (eye, target) = (Vec3::new(0.0, -6.4, 2.7), Vec3::new(0.0, 0.0, 0.96));
     let forward = (target - eye).normalize();
