@@ -1,8 +1,8 @@
 //! Keys in the order in which they came. A frame knows one state of the modifier keys and one holder of the keyboard, but a slow one may
-//! have had a click into a number, Control and A and some digits. What comes after a change of either waits for the next frame.
+//! have had a click into a number, Control and A, some digits and Enter. What comes after a change of either waits for the next frame.
 
 use bevy::ecs::message::MessageCursor;
-use bevy::input::keyboard::{KeyboardFocusLost, KeyboardInput};
+use bevy::input::keyboard::{Key, KeyboardFocusLost, KeyboardInput};
 use bevy::prelude::*;
 use bevy::window::{RequestRedraw, WindowEvent};
 
@@ -18,10 +18,7 @@ pub fn order_keys(
     mut waiting: Local<Vec<KeyboardInput>>,
 ) {
     let before_button = before_button(events.read());
-    if focus_lost.read().count() > 0 {
-        // Nothing is held any more then; the rest of what was typed is for nobody.
-        waiting.clear();
-    }
+    let is_focus_lost = focus_lost.read().count() > 0;
     let held = waiting.len();
     waiting.extend(read.read(&keys).cloned());
     let free = before_button.map_or(waiting.len(), |count| held + count);
@@ -33,6 +30,10 @@ pub fn order_keys(
     keys.clear();
     keys.write_batch(waiting.drain(..now));
     read.clear(&keys);
+    if is_focus_lost {
+        // Nothing is held any more after this frame: what went down and would be played then stayed down.
+        waiting.retain(|key| !key.state.is_pressed());
+    }
     if !waiting.is_empty() {
         redraws.write(RequestRedraw);
     }
@@ -51,22 +52,29 @@ fn before_button<'a>(events: impl Iterator<Item = &'a WindowEvent>) -> Option<us
     found
 }
 
-/// How many of the keys, from the first on, go with one state of the modifiers: that of the first that is none.
+/// How many of the keys, from the first on, go with one state of the modifiers, that of the first that is none, and to one who has the keyboard.
 fn batch(keys: &[KeyboardInput]) -> usize {
-    let mut has_press = false;
+    let (mut has_press, mut has_left) = (false, false);
     let next = keys.iter().position(|key| {
         let is_modifier = modifier(&key.logical_key).is_some();
-        let is_next = is_modifier && has_press;
+        let is_next = has_left || (is_modifier && has_press);
         has_press |= !is_modifier && key.state.is_pressed();
+        // Slow frames would never come to the end of those that a held key repeats.
+        has_left |= key.state.is_pressed() && !key.repeat && leaves(&key.logical_key);
         is_next
     });
     next.unwrap_or(keys.len())
 }
 
+/// Whether somebody else may have the keyboard after it.
+fn leaves(key: &Key) -> bool {
+    matches!(key, Key::Enter | Key::Tab | Key::Escape)
+}
+
 #[cfg(test)]
 mod tests {
     use bevy::input::ButtonState::{self, Pressed, Released};
-    use bevy::input::keyboard::{Key, KeyCode};
+    use bevy::input::keyboard::KeyCode;
     use bevy::input::mouse::{MouseButton, MouseButtonInput};
 
     use super::*;
@@ -79,7 +87,18 @@ mod tests {
 
     /// What is read of the keyboard in each frame after all of this came in the first; None is a mouse button.
     fn frames(came: &[Option<((KeyCode, Key), ButtonState)>]) -> Vec<Vec<(KeyCode, ButtonState)>> {
+        frames_in(World::new(), came)
+    }
+
+    /// Likewise, with the focus lost in the first frame.
+    fn frames_without_focus(came: &[Option<((KeyCode, Key), ButtonState)>]) -> Vec<Vec<(KeyCode, ButtonState)>> {
         let mut world = World::new();
+        world.init_resource::<Messages<KeyboardFocusLost>>();
+        world.write_message(KeyboardFocusLost);
+        frames_in(world, came)
+    }
+
+    fn frames_in(mut world: World, came: &[Option<((KeyCode, Key), ButtonState)>]) -> Vec<Vec<(KeyCode, ButtonState)>> {
         world.init_resource::<Messages<KeyboardInput>>();
         world.init_resource::<Messages<WindowEvent>>();
         world.init_resource::<Messages<KeyboardFocusLost>>();
@@ -142,6 +161,41 @@ mod tests {
         let (a, b) = (letter(KeyCode::KeyA, "a"), letter(KeyCode::KeyB, "b"));
         let seen = frames(&[Some((a, Pressed)), None, Some((b, Pressed))]);
         assert_eq!(seen, [vec![(KeyCode::KeyA, Pressed)], vec![(KeyCode::KeyB, Pressed)]]);
+    }
+
+    #[test]
+    fn nothing_goes_down_after_the_focus_is_lost() {
+        let (s, w) = (letter(KeyCode::KeyS, "s"), letter(KeyCode::KeyW, "w"));
+        let came = [
+            (CONTROL, Pressed),
+            (s, Pressed),
+            (CONTROL, Released),
+            (w, Pressed),
+            ((KeyCode::AltLeft, Key::Alt), Pressed),
+        ];
+        let first = vec![(KeyCode::ControlLeft, Pressed), (KeyCode::KeyS, Pressed)];
+        let second = vec![(KeyCode::ControlLeft, Released)];
+        assert_eq!(frames_without_focus(&came.map(Some)), [first, second]);
+    }
+
+    #[test]
+    fn what_is_typed_after_a_key_that_moves_the_focus_is_for_the_next() {
+        for (code, key) in [
+            (KeyCode::Enter, Key::Enter),
+            (KeyCode::Tab, Key::Tab),
+            (KeyCode::Escape, Key::Escape),
+        ] {
+            let (five, w) = (letter(KeyCode::Digit5, "5"), letter(KeyCode::KeyW, "w"));
+            let came = [
+                (five, Pressed),
+                ((code, key.clone()), Pressed),
+                ((code, key), Released),
+                (w, Pressed),
+            ];
+            let first = vec![(KeyCode::Digit5, Pressed), (code, Pressed)];
+            let second = vec![(code, Released), (KeyCode::KeyW, Pressed)];
+            assert_eq!(frames(&came.map(Some)), [first, second]);
+        }
     }
 
     #[test]
