@@ -264,4 +264,13 @@ impl Emitter {
     pub fn is_environment(&self) -> bool {
         matches!(self.kind, EmitterKind::Environment { .. } | EmitterKind::SunSky(_))
     }
+
+    /// Whether it is somewhere, and not infinitely far away.
+    pub fn has_place(&self) -> bool {
+        !self.is_environment()
+            && !matches!(
+                self.kind,
+                EmitterKind::Constant { .. } | EmitterKind::Directional { .. }
+            )
+    }
 }

@@ -5,8 +5,9 @@ use std::collections::HashMap;
 use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
 
+use crate::accel::Detail;
 use crate::engine::CurrentScene;
-use crate::math::{Aabb, Ray};
+use crate::math::{Aabb, Ray, offset_origin};
 use crate::render::camera::Camera;
 
 /// The shape seen at a place of the picture, (0, 0) top left, (1, 1) bottom right.
@@ -21,7 +22,18 @@ pub fn pick(current: &CurrentScene, film: Vec2) -> Option<Entity> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenSurface {
     pub position: Vec3,
+    /// Bound on how far `position` lies off the surface, per coordinate.
+    error: f32,
+    /// The geometric one on the side that was seen, unit length.
+    pub normal: Vec3,
     pub entity: Entity,
+}
+
+impl SeenSurface {
+    /// A place before the surface, `distance` world units from it or as far as it takes to be clear of it.
+    pub fn before(&self, distance: f32) -> Vec3 {
+        offset_origin(self.position, self.error.max(distance), self.normal, self.normal)
+    }
 }
 
 /// Rays that go through what is passed over are begun anew behind it, at most so often.
@@ -43,8 +55,12 @@ pub fn surface(current: &CurrentScene, ray: &Ray, is_passed: impl Fn(Entity) -> 
         let hit = geometry.intersect(&rest)?;
         let entity = *current.entity_of_instance.get(hit.instance as usize)?;
         if !is_passed(entity) {
+            let point = geometry.surface_in(&rest, &hit, Detail::Plain);
+            let normal = point.geometric_normal;
             return Some(SeenSurface {
-                position: rest.at(hit.t),
+                position: point.position,
+                error: point.error,
+                normal: if normal.dot(ray.dir) > 0.0 { -normal } else { normal },
                 entity,
             });
         }
@@ -54,16 +70,15 @@ pub fn surface(current: &CurrentScene, ray: &Ray, is_passed: impl Fn(Entity) -> 
 }
 
 /// The first place on a surface in the middle of the picture.
-pub fn ahead(current: &CurrentScene) -> Option<Vec3> {
-    let (scene, view) = (current.scene.as_ref()?, current.view.as_ref()?);
-    let ray = view.camera.ray(Vec2::splat(0.5), Vec2::splat(0.5));
-    scene.geometry.intersect(&ray).map(|hit| ray.at(hit.t))
+pub fn ahead(current: &CurrentScene) -> Option<SeenSurface> {
+    let camera = &current.view.as_ref()?.camera;
+    surface(current, &camera.ray(Vec2::splat(0.5), Vec2::splat(0.5)), |_| false)
 }
 
 /// How far that is from the camera, not from where it begins to see.
 pub fn distance_ahead(current: &CurrentScene) -> Option<f32> {
     let camera = &current.view.as_ref()?.camera;
-    ahead(current).map(|seen| camera.project(seen).1)
+    ahead(current).map(|seen| camera.project(seen.position).1)
 }
 
 /// World units from the lower to the upper edge of the picture, or across it where that is less, at the depth of a point; None without a

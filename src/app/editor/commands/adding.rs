@@ -32,32 +32,32 @@ pub const ENVIRONMENTS: [&str; 6] = ["hdr", "exr", "png", "jpg", "jpeg", "pfm"];
 pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), String> {
     check_name(addition.name.as_deref().unwrap_or_default())?;
     let up = edit.world.resource::<EditorState>().navigation.up;
+    let is_light = matches!(addition.kind, AdditionKind::AreaLight | AdditionKind::Emitter(_));
     let spot = match (addition.at, addition.size) {
-        (Some(foot), Some(size)) => Spot {
-            foot,
-            size,
-            is_on_surface: false,
-        },
+        _ if !has_spot(addition.kind) => Spot::default(),
+        (Some(foot), Some(size)) => Spot { foot, size, on: None },
         (at, size) => {
-            let is_light = matches!(addition.kind, AdditionKind::AreaLight | AdditionKind::Emitter(_));
             let found = spot::find(edit.world, size, lift(addition.kind), is_light);
-            Spot {
-                foot: at.unwrap_or(found.foot),
-                is_on_surface: at.is_none() && found.is_on_surface,
-                ..found
+            match at {
+                Some(foot) => Spot {
+                    foot,
+                    on: None,
+                    ..found
+                },
+                None => found,
             }
         }
     };
-    let Spot { foot, size, .. } = spot;
+    let Spot { foot, size, on } = spot;
     // A light that is not placed hangs above what it shines on.
     let above = match addition.at {
-        Some(at) => at,
-        None => foot + up * spot::headroom(edit.world, foot, ABOVE * size),
+        None if is_light && has_spot(addition.kind) => foot + up * spot::headroom(edit.world, &spot, ABOVE * size),
+        _ => foot,
     };
     // What is flat does not lie in what it lies on.
-    let ground = match spot.is_on_surface {
-        true => foot + up * (FLAT * size),
-        false => foot,
+    let ground = match on {
+        Some(_) => foot + up * (FLAT * size),
+        None => foot,
     };
     let scale = Affine3A::from_scale(Vec3::splat(size));
     let at = Affine3A::from_translation;
@@ -120,11 +120,7 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), String> {
                 EmitterKind::Environment { .. } => turned_up(up, Vec3::Y),
                 // Its sky is above its xy plane.
                 EmitterKind::SunSky(_) => turned_up(up, Vec3::Z),
-                EmitterKind::Directional { .. } => {
-                    let turn = Quat::from_axis_angle(up, GOLDEN_ANGLE * suns(edit.world) as f32);
-                    let aslant = turn * (up.any_orthonormal_vector() * 0.5) - up;
-                    facing(aslant.normalize_or(-up))
-                }
+                EmitterKind::Directional { .. } => facing(free_direction(&sun_directions(edit.world), up)),
                 _ => at(above) * facing(-up),
             };
             if is_sky(&emitter) {
@@ -164,11 +160,37 @@ fn lift(kind: AdditionKind) -> f32 {
     }
 }
 
-/// Lights that are infinitely far away in one direction.
-fn suns(world: &mut World) -> usize {
-    let mut emitters = world.query::<&Emitter>();
-    let is_sun = |emitter: &&Emitter| matches!(emitter.kind, EmitterKind::Directional { .. });
-    emitters.iter(world).filter(is_sun).count()
+/// Whether a spot is looked for.
+fn has_spot(kind: AdditionKind) -> bool {
+    match kind {
+        AdditionKind::Camera => false,
+        AdditionKind::Emitter(plugin) => Emitter::of_plugin(plugin).is_some_and(|emitter| emitter.has_place()),
+        _ => true,
+    }
+}
+
+/// Where lights shine that are infinitely far away in one direction.
+fn sun_directions(world: &mut World) -> Vec<Vec3> {
+    let mut emitters = world.query::<(&Emitter, &ToWorld)>();
+    let suns = emitters
+        .iter(world)
+        .filter(|(emitter, _)| matches!(emitter.kind, EmitterKind::Directional { .. }));
+    suns.map(|(_, pose)| Vec3::from(pose.0.matrix3.z_axis).normalize_or_zero())
+        .collect()
+}
+
+/// Downwards and aslant, other than all of these.
+fn free_direction(known: &[Vec3], up: Vec3) -> Vec3 {
+    let aslant = |turns: usize| {
+        let turn = Quat::from_axis_angle(up, GOLDEN_ANGLE * turns as f32);
+        (turn * (up.any_orthonormal_vector() * 0.5) - up).normalize_or(-up)
+    };
+    // Well above rounding, well below what is seen.
+    let is_free = |direction: &Vec3| !known.iter().any(|known| known.abs_diff_eq(*direction, 1e-3));
+    (0..known.len())
+        .map(aslant)
+        .find(is_free)
+        .unwrap_or_else(|| aslant(known.len()))
 }
 
 /// The rotation that takes `from` to `up`.
@@ -195,10 +217,15 @@ fn camera(world: &World) -> (Affine3A, Sensor, Film) {
     )
 }
 
+/// In small letters; empty without one.
+pub fn extension(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
+}
+
 /// A file's content joins the scene.
 pub fn import(edit: &mut Edit, path: &Path) -> Result<(), String> {
     let path = read::settle(path);
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let extension = extension(&path);
     if !path.is_file() {
         return Err(format!("{}: there is no such file.", path.display()));
     }
@@ -338,4 +365,25 @@ fn insert_all(edit: &mut Edit, scene: SceneDescription, diagnostics: &Diagnostic
     edit.spawned(inserted.all);
     select_new(edit, inserted.objects);
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sun_shines_where_no_other_does() {
+        let mut suns = Vec::new();
+        for _ in 0..3 {
+            let next = free_direction(&suns, Vec3::Y);
+            assert!(
+                next.y < 0.0 && suns.iter().all(|sun: &Vec3| sun.distance(next) > 0.1),
+                "{suns:?}"
+            );
+            suns.push(next);
+        }
+        // The place of one that was deleted is free again.
+        let first = suns.remove(0);
+        assert!(free_direction(&suns, Vec3::Y).distance(first) < 1e-3);
+    }
 }

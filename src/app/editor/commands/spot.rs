@@ -8,7 +8,7 @@ use crate::app::editor::picking::{self, SeenSurface};
 use crate::app::editor::state::EditorState;
 use crate::engine::CurrentScene;
 use crate::math::{Aabb, Ray};
-use crate::scene::{AreaLight, Emitter, EmitterKind, Shape, ToWorld};
+use crate::scene::{AreaLight, Emitter, MemberOf, Shape, ToWorld};
 
 /// Half the size of the first thing of a scene, world units.
 const FIRST: f32 = 0.5;
@@ -22,19 +22,24 @@ const WIDEST_BESIDE: f32 = 3.0;
 const MOST_TRIED: usize = 64;
 /// The ground is looked at where it is no farther than so many times what there is.
 const FARTHEST: f32 = 3.0;
-/// Of the distance to the eye, how far above a surface one is well off it.
+/// In half sizes, how far off a surface one looks from it.
 const OFF: f32 = 1e-3;
+/// Cosine of the angle to the upward direction: what is steeper is a wall, and not stood upon.
+const STEEPEST: f32 = 0.1;
 
 /// Where a new thing goes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spot {
     /// Where it stands, world space.
     pub foot: Vec3,
     /// Half its size.
     pub size: f32,
-    /// It stands on something.
-    pub is_on_surface: bool,
+    /// What it stands on, if that is something.
+    pub on: Option<SeenSurface>,
 }
+
+/// A foot, and what is there.
+type Place = (Vec3, Option<SeenSurface>);
 
 /// `lift`: from the foot to where it is placed, in half sizes.
 pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> Spot {
@@ -44,9 +49,11 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
     let up = world.resource::<EditorState>().navigation.up;
     let pose = view::view_pose(world).unwrap_or_default();
     let ground = Ground::of(current, up);
-    let seen = match taken.has_shapes {
-        true => looked_at(current, &pose, &ground),
-        false => Vec3::ZERO,
+    let surface = picking::ahead(current).filter(|_| taken.has_shapes);
+    let seen = match surface {
+        Some(surface) => surface.position,
+        None if taken.has_shapes => looked_at(&pose, &ground),
+        None => Vec3::ZERO,
     };
     let suits = || match taken.has_shapes {
         true => picking::view_height(current, &pose, seen).map_or(FIRST, |height| rounded(SIZE_IN_VIEW * height)),
@@ -58,14 +65,35 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
     let right = -Vec3::from(pose.matrix3.x_axis)
         .reject_from(up)
         .normalize_or(up.any_orthonormal_vector());
-    let first = match taken.has_shapes {
-        true => below(current, seen, ahead, &ground, size),
-        false => (seen, None),
+    let towards_eye = -ahead.reject_from(up).normalize_or_zero() * size;
+    let stand = match surface {
+        Some(surface) if surface.normal.dot(up) > STEEPEST => (surface.position, Some(surface)),
+        // Before what does not face up, and on what is below.
+        Some(surface) => {
+            let before = surface.before(OFF * size);
+            let step = match is_free(current, before, towards_eye, |_| false) {
+                true => towards_eye,
+                false => Vec3::ZERO,
+            };
+            fall(current, before + step, &ground)
+        }
+        None if taken.has_shapes => fall(current, seen + towards_eye - ahead * (OFF * size), &ground),
+        None => (seen, None),
     };
-    let walk = |way: Vec3| {
-        let mut spot = first;
+    let is_passed = |entity: Entity| {
+        let bounds = picking::bounds_of(current, entity);
+        bounds.is_some_and(|bounds| is_like(&bounds, size, up))
+    };
+    // Beside a thing among things, whichever side of it is seen.
+    let start = match surface {
+        Some(surface) if is_passed(surface.entity) => (surface.position, Some(surface)),
+        _ => stand,
+    };
+    // None: something is in the way that is no thing among things.
+    let walk = |way: Vec3| -> Option<Place> {
+        let mut place = start;
         for _ in 0..MOST_TRIED {
-            let (foot, on) = spot;
+            let (foot, on) = place;
             let beside = match on.and_then(|on| picking::bounds_of(current, on.entity)) {
                 Some(bounds) if is_like(&bounds, size, up) => {
                     bounds.center() + way * (0.5 * bounds.extent().dot(way.abs()))
@@ -73,34 +101,37 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
                 _ if taken.is_at(foot, up * size, lift) => foot + way * ((APART - 1.0) * size),
                 _ => break,
             };
+            let next = beside + way * size;
+            // As high as its middle, as far as its far side.
+            let step = (next - foot).reject_from(up) + way * size;
+            if !is_free(current, foot + up * size, step, is_passed) {
+                return None;
+            }
             // From above all that is like it.
-            spot = fall(current, beside + way * size + up * (APART * size), &ground);
+            place = fall(current, next + up * (APART * size), &ground);
         }
-        spot
+        Some(place)
     };
     // On the side where there is room sooner.
-    let [one, other] = [right, -right].map(walk);
-    let is_nearer = one.0.distance(seen) <= other.0.distance(seen);
-    let (foot, on) = if is_nearer { one } else { other };
-    Spot {
-        foot,
-        size,
-        is_on_surface: on.is_some(),
-    }
+    let sides = [right, -right].into_iter().filter_map(walk);
+    let nearest = sides.min_by(|(one, _), (other, _)| one.distance(seen).total_cmp(&other.distance(seen)));
+    let (foot, on) = nearest.unwrap_or(stand);
+    Spot { foot, size, on }
 }
 
-/// How far up from here is free, at most `wanted`.
-pub fn headroom(world: &World, foot: Vec3, wanted: f32) -> f32 {
+/// How far up from there is free, at most `wanted`.
+pub fn headroom(world: &World, spot: &Spot, wanted: f32) -> f32 {
     let up = world.resource::<EditorState>().navigation.up;
     let Some(current) = world.get_resource::<CurrentScene>() else {
         return wanted;
     };
-    let start = foot + up * (OFF * wanted);
+    let off = OFF * wanted;
+    let start = spot.on.map_or(spot.foot + up * off, |on| on.before(off));
     let above = picking::surface(current, &Ray::new(start, up), |_| false);
-    above.map_or(wanted, |above| wanted.min(0.9 * above.position.distance(foot)))
+    above.map_or(wanted, |above| wanted.min(0.9 * above.position.distance(spot.foot)))
 }
 
-/// Places of the lights, or of the shapes, that there are already.
+/// Middles of the lights, or of the shapes, that there are already.
 struct Taken {
     places: Vec<(Entity, Vec3)>,
     has_shapes: bool,
@@ -108,32 +139,41 @@ struct Taken {
 
 impl Taken {
     fn of(world: &mut World, lights: bool) -> Self {
-        let has_place = |emitter: &Emitter| {
-            !emitter.is_environment()
-                && !matches!(
-                    emitter.kind,
-                    EmitterKind::Constant { .. } | EmitterKind::Directional { .. }
-                )
-        };
-        let mut things = world.query::<(Entity, &ToWorld, Has<Shape>, Has<AreaLight>, Option<&Emitter>)>();
+        type Parts = (
+            Entity,
+            &'static ToWorld,
+            Option<&'static Shape>,
+            Has<AreaLight>,
+            Option<&'static Emitter>,
+        );
+        // Members of groups are where the instances of those are.
+        let mut things = world.query_filtered::<Parts, Without<MemberOf>>();
         let places = things
             .iter(world)
-            .filter(|(_, _, is_shape, shines, emitter)| match lights {
-                true => *shines || emitter.is_some_and(has_place),
-                false => *is_shape && !shines,
+            .filter(|(_, _, shape, shines, emitter)| match lights {
+                true => *shines || emitter.is_some_and(Emitter::has_place),
+                false => shape.is_some() && !shines,
             })
-            .map(|(entity, pose, ..)| (entity, pose.0.translation.into()))
+            .map(|(entity, pose, shape, ..)| {
+                let middle = shape.map_or(Vec3::ZERO, Shape::middle);
+                (entity, pose.0.transform_point3(middle))
+            })
             .collect();
         let has_shapes = world.query::<&Shape>().iter(world).next().is_some();
         Self { places, has_shapes }
     }
 
-    /// Without what a new thing may stand in the middle of, as a floor.
+    /// Without what a new thing may stand in the middle of, as a floor. What is in the picture has its middle there.
     fn only_like(mut self, current: &CurrentScene, size: f32, up: Vec3) -> Self {
         let entities: Vec<Entity> = self.places.iter().map(|(entity, _)| *entity).collect();
         let mut bounds = picking::bounds_of_each(current, &entities).into_iter();
-        self.places
-            .retain(|_| bounds.next().flatten().is_none_or(|bounds| is_like(&bounds, size, up)));
+        self.places.retain_mut(|(_, place)| match bounds.next().flatten() {
+            Some(bounds) => {
+                *place = bounds.center();
+                is_like(&bounds, size, up)
+            }
+            None => true,
+        });
         self
     }
 
@@ -175,11 +215,8 @@ impl Ground {
     }
 }
 
-/// A point of a surface in the middle of the picture, or of the ground, or just ahead.
-fn looked_at(current: &CurrentScene, pose: &Affine3A, ground: &Ground) -> Vec3 {
-    if let Some(seen) = picking::ahead(current) {
-        return seen;
-    }
+/// A point of the ground in the middle of the picture, or just ahead.
+fn looked_at(pose: &Affine3A, ground: &Ground) -> Vec3 {
     let eye = Vec3::from(pose.translation);
     let forward = Vec3::from(pose.matrix3.z_axis).normalize_or(Vec3::Z);
     let reach = ground.reach(eye);
@@ -190,22 +227,13 @@ fn looked_at(current: &CurrentScene, pose: &Affine3A, ground: &Ground) -> Vec3 {
     }
 }
 
-/// Where something stands that is put there: on a surface that faces up, else before it and on what is below.
-fn below(current: &CurrentScene, seen: Vec3, ahead: Vec3, ground: &Ground, size: f32) -> (Vec3, Option<SeenSurface>) {
-    let off = OFF * size;
-    let found = fall(current, seen + ground.up * off, ground);
-    match found {
-        (foot, Some(_)) if foot.distance(seen) < 4.0 * off => found,
-        _ => fall(
-            current,
-            seen - ahead.reject_from(ground.up).normalize_or_zero() * size - ahead * off,
-            ground,
-        ),
-    }
+/// Whether nothing is on the way but what may be passed.
+fn is_free(current: &CurrentScene, from: Vec3, step: Vec3, is_passed: impl Fn(Entity) -> bool) -> bool {
+    step == Vec3::ZERO || picking::surface(current, &Ray::segment(from, from + step), is_passed).is_none()
 }
 
 /// The first surface below a point, or the ground.
-fn fall(current: &CurrentScene, from: Vec3, ground: &Ground) -> (Vec3, Option<SeenSurface>) {
+fn fall(current: &CurrentScene, from: Vec3, ground: &Ground) -> Place {
     let below = picking::surface(current, &Ray::new(from, -ground.up), |_| false);
     (below.map_or(ground.under(from), |below| below.position), below)
 }
@@ -233,13 +261,15 @@ mod tests {
     use crate::render::camera::Camera;
     use crate::render::scene::RenderScene;
     use crate::render::view::View;
-    use crate::scene::{ActiveSensor, FreeView};
+    use crate::scene::{ActiveSensor, FreeView, ShapeKind};
 
     /// Looks along -z at the origin, a little from above; only beyond `near` it sees.
     fn world(near: f32) -> World {
-        let eye = Vec3::new(0.0, 2.0, 6.0);
-        let pose =
-            Affine3A::look_at_rh(eye, Vec3::ZERO, Vec3::Y).inverse() * Affine3A::from_rotation_y(std::f32::consts::PI);
+        world_from(Vec3::new(0.0, 2.0, 6.0), Vec3::ZERO, near)
+    }
+
+    fn world_from(eye: Vec3, at: Vec3, near: f32) -> World {
+        let pose = Affine3A::look_at_rh(eye, at, Vec3::Y).inverse() * Affine3A::from_rotation_y(std::f32::consts::PI);
         let mut world = World::new();
         let sensor = world.spawn(ToWorld(pose)).id();
         world.insert_resource(ActiveSensor(Some(sensor)));
@@ -282,17 +312,20 @@ mod tests {
         (Primitive::Rectangle, level * Affine3A::from_scale(Vec3::splat(20.0)))
     }
 
+    fn ball(at: Vec3) -> (Primitive, Affine3A) {
+        let pose = Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(FIRST));
+        (Primitive::Sphere, pose)
+    }
+
+    fn moved((primitive, pose): (Primitive, Affine3A), by: Vec3) -> (Primitive, Affine3A) {
+        (primitive, Affine3A::from_translation(by) * pose)
+    }
+
     #[test]
     fn the_first_thing_is_at_the_origin_and_later_ones_are_not_smaller_and_smaller() {
         let mut world = world(0.01);
         let first = find(&mut world, None, 1.0, false);
         assert_eq!((first.foot, first.size), (Vec3::ZERO, FIRST));
-        let ball = |at: Vec3| {
-            (
-                Primitive::Sphere,
-                Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(FIRST)),
-            )
-        };
         let mut balls = vec![ball(Vec3::Y * FIRST)];
         for _ in 0..4 {
             show(&mut world, &balls);
@@ -314,7 +347,7 @@ mod tests {
             let mut world = world(near);
             show(&mut world, &[floor()]);
             let spot = find(&mut world, None, 1.0, false);
-            assert!(spot.is_on_surface && spot.foot.length() < 1e-3, "{near}: {spot:?}");
+            assert!(spot.on.is_some() && spot.foot.length() < 1e-3, "{near}: {spot:?}");
             // Before a wall they stand on the floor.
             let wall = (
                 Primitive::Rectangle,
@@ -327,6 +360,62 @@ mod tests {
                 "{near}: {spot:?}"
             );
         }
+    }
+
+    #[test]
+    fn nothing_stands_on_a_ceiling_that_is_looked_up_at() {
+        let mut world = world_from(Vec3::new(0.0, -2.0, 6.0), Vec3::ZERO, 0.01);
+        show(&mut world, &[floor(), moved(floor(), Vec3::NEG_Y * 3.0)]);
+        let spot = find(&mut world, None, 1.0, false);
+        assert!(spot.on.is_some() && (spot.foot.y + 3.0).abs() < 1e-3, "{spot:?}");
+    }
+
+    #[test]
+    fn nothing_is_put_behind_a_wall_beside_what_is_there() {
+        let turned = Affine3A::from_rotation_y(std::f32::consts::FRAC_PI_2) * Affine3A::from_scale(Vec3::splat(9.0));
+        let wall = |x: f32| moved((Primitive::Rectangle, turned), Vec3::X * x);
+        for side in [-1.0, 1.0] {
+            let mut world = world(0.01);
+            show(&mut world, &[floor(), ball(Vec3::Y * FIRST), wall(0.8 * side)]);
+            let spot = find(&mut world, None, 1.0, false);
+            assert!(spot.foot.x * side < -FIRST, "{spot:?}");
+        }
+        let mut world = world(0.01);
+        show(&mut world, &[floor(), ball(Vec3::Y * FIRST), wall(0.8), wall(-0.8)]);
+        let spot = find(&mut world, None, 1.0, false);
+        assert!(spot.foot.x.abs() < 0.8, "{spot:?}");
+    }
+
+    #[test]
+    fn far_from_the_origin_things_stand_as_they_do_near_it() {
+        // Steps of floats are about a thousandth there.
+        let far = Vec3::new(-1.1e4, 1.3e4, 0.9e4);
+        let mut world = world_from(far + Vec3::new(0.0, 2.0, 6.0), far, 0.01);
+        show(&mut world, &[moved(floor(), far)]);
+        let spot = find(&mut world, None, 1.0, false);
+        assert!(spot.on.is_some() && spot.foot.distance(far) < 0.05, "{spot:?}");
+        assert_eq!(headroom(&world, &spot, 0.5), 0.5);
+    }
+
+    #[test]
+    fn a_light_is_where_its_shape_is() {
+        let mut world = world(0.01);
+        show(&mut world, &[floor()]);
+        let spot = find(&mut world, None, 4.0, true);
+        let shape = Shape {
+            kind: ShapeKind::Sphere {
+                center: spot.foot + Vec3::Y * (4.0 * spot.size) - Vec3::X * 5.0,
+                radius: 0.1,
+            },
+            ..Shape::default()
+        };
+        let pose = ToWorld(Affine3A::from_translation(Vec3::X * 5.0));
+        let light = world.spawn((shape, pose, AreaLight::default())).id();
+        let group = world.spawn_empty().id();
+        let is_apart = |world: &mut World| find(world, Some(spot.size), 4.0, true).foot.distance(spot.foot) > spot.size;
+        assert!(is_apart(&mut world));
+        world.entity_mut(light).insert(MemberOf(group));
+        assert!(!is_apart(&mut world));
     }
 
     #[test]
