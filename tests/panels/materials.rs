@@ -209,6 +209,7 @@ fn a_material_is_put_into_another_and_taken_out() {
         name: "clay".into(),
         material: Material::default(),
         place: MaterialPlace::Inside,
+        path: vec![0],
         mixed: Default::default(),
         users: 0,
         inside: Vec::new(),

@@ -17,6 +17,7 @@ pub fn with_material(material: Material) -> Inspected {
             name: "paint".into(),
             material,
             place: MaterialPlace::Whole,
+            path: Vec::new(),
             mixed: Default::default(),
             users: 1,
             inside: Vec::new(),

@@ -263,7 +263,7 @@ fn inspect(entity: Entity, parts: &Query<Parts, IsThing>, materials: &Query<Mate
         collect_materials(
             first,
             MaterialPlace::Whole,
-            DEEPEST_NESTING,
+            Vec::new(),
             materials,
             &mut inspected.materials,
         );
@@ -274,7 +274,7 @@ fn inspect(entity: Entity, parts: &Query<Parts, IsThing>, materials: &Query<Mate
 fn collect_materials(
     entity: Entity,
     place: MaterialPlace,
-    depth: usize,
+    path: Vec<usize>,
     materials: &Query<MaterialParts>,
     found: &mut Vec<InspectedMaterial>,
 ) {
@@ -287,11 +287,12 @@ fn collect_materials(
         name: naming.name(material::kind_name(material)),
         material: material.clone(),
         place,
+        path: path.clone(),
         mixed: Mixed::default(),
         users: users.map_or(0, |users| users.iter().count()),
         inside: nested.into_iter().flatten().collect(),
     });
-    if depth == 0 {
+    if path.len() == DEEPEST_NESTING {
         return;
     }
     let places = match material {
@@ -299,10 +300,13 @@ fn collect_materials(
         Material::Blend { .. } => [MaterialPlace::First, MaterialPlace::Second],
         _ => [MaterialPlace::Inside; 2],
     };
-    for (inner, place) in nested.into_iter().zip(places) {
-        if let Some(inner) = inner {
-            collect_materials(inner, place, depth - 1, materials, found);
-        }
+    let inside = nested
+        .into_iter()
+        .zip(places)
+        .filter_map(|(inner, place)| Some((inner?, place)));
+    for (step, (inner, place)) in inside.enumerate() {
+        let path = path.iter().copied().chain([step]).collect();
+        collect_materials(inner, place, path, materials, found);
     }
 }
 

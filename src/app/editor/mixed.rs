@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bevy::math::{Affine3A, Vec3};
 use bevy::reflect::{PartialReflect, ReflectRef};
 
+use super::commands::rounding;
 use super::model::Inspected;
 
 /// Rows whose values differ, by [`key`] of their names.
@@ -13,7 +14,7 @@ use super::model::Inspected;
 pub struct Mixed(Arc<BTreeSet<String>>);
 
 /// Fields that rows, or files, call something else.
-const OTHER_NAMES: [(&str, &str); 21] = [
+const OTHER_NAMES: [(&str, &str); 22] = [
     ("kind", "type"),
     ("p0", "from"),
     ("p1", "to"),
@@ -34,7 +35,18 @@ const OTHER_NAMES: [(&str, &str); 21] = [
     ("focus_distance", "focus_at"),
     ("blade_rotation", "turned_by"),
     ("sample_count", "samples"),
+    ("stddev", "width_of_it"),
     ("sun", "sun_direction"),
+];
+
+/// Parts of fields that have rows of their own, and what those are called.
+const PARTS: [(&str, &str, &str); 6] = [
+    ("principal_point_offset", "x", "shift_right"),
+    ("principal_point_offset", "y", "shift_down"),
+    ("crop", "x", "left"),
+    ("crop", "y", "top"),
+    ("crop", "width", "crop_width"),
+    ("crop", "height", "crop_height"),
 ];
 
 /// How a row is known: in small letters, without spaces.
@@ -47,9 +59,7 @@ impl Mixed {
     pub fn of(shown: &Inspected, others: &[Inspected]) -> Self {
         let mut found = BTreeSet::new();
         for other in others {
-            if let (Some(one), Some(two)) = (shown.pose(), other.pose()) {
-                poses(&one, &two, &mut found);
-            }
+            poses(shown, other, &mut found);
             if shown.shape.is_some() && other.shape.is_some() {
                 if shown.uses_material != other.uses_material {
                     found.insert("uses".to_owned());
@@ -86,13 +96,17 @@ impl Mixed {
     }
 }
 
-fn poses(one: &Affine3A, two: &Affine3A, found: &mut BTreeSet<String>) {
+fn poses(shown: &Inspected, other: &Inspected, found: &mut BTreeSet<String>) {
+    let (Some(one), Some(two)) = (&shown.pose(), &other.pose()) else {
+        return;
+    };
     // What rounding leaves of a turn and back.
     const SAME: f32 = 1e-5;
     let axes = |pose: &Affine3A| [pose.matrix3.x_axis, pose.matrix3.y_axis, pose.matrix3.z_axis].map(Vec3::from);
     let lengths = |pose: &Affine3A| Vec3::from_array(axes(pose).map(Vec3::length));
     let [turn, other_turn] = [one, two].map(|pose| axes(pose).map(Vec3::normalize_or_zero));
-    if one.translation != two.translation {
+    let off = rounding(one, shown.middle()) + rounding(two, other.middle());
+    if (one.translation - two.translation).abs().cmpgt(off).any() {
         found.insert("position".to_owned());
     }
     if !lengths(one).abs_diff_eq(lengths(two), SAME * lengths(one).max_element()) {
@@ -121,10 +135,11 @@ fn differ(name: &str, one: &dyn PartialReflect, two: &dyn PartialReflect, found:
     match (one.reflect_ref(), two.reflect_ref()) {
         (ReflectRef::Struct(own), ReflectRef::Struct(its)) if !one.represents::<Vec3>() => {
             for place in 0..own.field_len() {
-                if let (Some(name), Some(own), Some(its)) =
+                if let (Some(field), Some(own), Some(its)) =
                     (own.name_at(place), own.field_at(place), its.field_at(place))
                 {
-                    differ(name, own, its, found);
+                    let part = PARTS.iter().find(|(whole, part, _)| *whole == name && *part == field);
+                    differ(part.map_or(field, |(.., row)| row), own, its, found);
                 }
             }
         }
@@ -161,11 +176,13 @@ fn add(name: &str, found: &mut BTreeSet<String>) {
 
 #[cfg(test)]
 mod tests {
+    use bevy::math::Vec2;
     use bevy::prelude::Entity;
 
     use super::*;
+    use crate::app::editor::model::{InspectedMaterial, MaterialPlace};
     use crate::color::Rgb;
-    use crate::scene::{ConductorIor, Distribution, Material, Roughness, Shape, ShapeKind};
+    use crate::scene::{ConductorIor, Crop, Distribution, Film, Material, Roughness, Sensor, Shape, ShapeKind};
 
     fn thing(radius: f32, place: Vec3) -> Inspected {
         let center = Vec3::ZERO;
@@ -201,6 +218,106 @@ mod tests {
         });
         assert!(Mixed::of(&thing(1.0, Vec3::ZERO), &[other.clone()]).has("position"));
         assert!(!Mixed::of(&thing(1.0, Vec3::X), &[other]).has("position"));
+    }
+
+    #[test]
+    fn places_that_were_made_the_same_are_the_same() {
+        let turn = Affine3A::from_rotation_y(0.7) * Affine3A::from_scale(Vec3::splat(1.3));
+        let at = |center: Vec3, place: Vec3| {
+            let mut ball = thing(1.0, Vec3::ZERO);
+            ball.shape = Some(Shape {
+                kind: ShapeKind::Sphere { center, radius: 1.0 },
+                ..Shape::default()
+            });
+            let pose = Affine3A::from_translation(place) * turn;
+            ball.to_world = Some(pose * Affine3A::from_translation(-center));
+            ball
+        };
+        let place = Vec3::new(0.1, 0.7, -3.3);
+        for center in [Vec3::new(12.3, 0.4, 7.7), Vec3::new(-0.3, 55.5, 0.9)] {
+            let shown = at(Vec3::ZERO, place);
+            assert!(!Mixed::of(&shown, &[at(center, place)]).has("position"), "{center}");
+            assert!(Mixed::of(&shown, &[at(center, place + Vec3::X * 1e-3)]).has("position"));
+        }
+    }
+
+    #[test]
+    fn materials_are_compared_along_the_same_path() {
+        let entry = |path: &[usize], material: Material| InspectedMaterial {
+            entity: Entity::PLACEHOLDER,
+            name: "material".into(),
+            material,
+            place: MaterialPlace::Inside,
+            path: path.to_vec(),
+            mixed: Mixed::default(),
+            users: 0,
+            inside: Vec::new(),
+        };
+        let plugin = |name| Material::of_plugin(name).expect("a plugin");
+        let made_of = |materials| Inspected {
+            materials,
+            ..thing(1.0, Vec3::ZERO)
+        };
+        let shown = made_of(vec![
+            entry(&[], Material::TwoSided),
+            entry(&[0], plugin("diffuse")),
+            entry(&[1], plugin("plastic")),
+        ]);
+        // Its front has one more in it.
+        let other = made_of(vec![
+            entry(&[], Material::TwoSided),
+            entry(&[0], plugin("bumpmap")),
+            entry(&[0, 0], plugin("diffuse")),
+            entry(&[1], plugin("plastic")),
+        ]);
+        let differ = shown
+            .compared(&[other])
+            .materials
+            .into_iter()
+            .map(|entry| entry.mixed.has("type"));
+        assert_eq!(differ.collect::<Vec<bool>>(), [false, true, false]);
+    }
+
+    #[test]
+    fn parts_are_called_as_their_rows() {
+        let camera = |offset: Vec2, crop: Crop| Inspected {
+            sensor: Some(Sensor {
+                principal_point_offset: offset,
+                ..Sensor::default()
+            }),
+            film: Some(Film {
+                crop: Some(crop),
+                ..Film::default()
+            }),
+            ..Inspected::new(Entity::PLACEHOLDER, "camera")
+        };
+        let crop = Crop {
+            width: 10,
+            height: 10,
+            ..Crop::default()
+        };
+        let mixed = Mixed::of(
+            &camera(Vec2::ZERO, crop),
+            &[camera(
+                Vec2::Y,
+                Crop {
+                    x: 3,
+                    width: 20,
+                    ..crop
+                },
+            )],
+        );
+        let rows = [
+            "Shift right",
+            "Shift down",
+            "Left",
+            "Top",
+            "Crop width",
+            "Crop height",
+            "Width",
+        ];
+        let marked = rows.map(|row| mixed.has(row));
+        assert_eq!(marked, [false, true, true, false, true, false, false], "{mixed:?}");
     }
 
     #[test]

@@ -64,7 +64,9 @@ pub struct InspectedMaterial {
     pub material: Material,
     /// What it is within another.
     pub place: MaterialPlace,
-    /// What of it differs from those in its place within others that are selected.
+    /// Which of those inside to take, from the outermost material to this one.
+    pub path: Vec<usize>,
+    /// What of it differs from those at the same path within others that are selected.
     pub mixed: Mixed,
     /// Shapes that use it.
     pub users: usize,
@@ -127,8 +129,11 @@ impl Inspected {
     /// With what differs in others that are selected, too.
     pub fn compared(mut self, others: &[Self]) -> Self {
         self.mixed = Mixed::of(&self, others);
-        for (place, entry) in self.materials.iter_mut().enumerate() {
-            let alike = others.iter().filter_map(|other| other.materials.get(place));
+        for entry in &mut self.materials {
+            let path = &entry.path;
+            let alike = others
+                .iter()
+                .filter_map(|other| other.materials.iter().find(|material| material.path == *path));
             entry.mixed = Mixed::of_values(&entry.material, alike.map(|other| &other.material));
         }
         self
@@ -136,8 +141,12 @@ impl Inspected {
 
     /// World from a space whose origin is where the thing is.
     pub fn pose(&self) -> Option<Affine3A> {
-        let middle = self.shape.as_ref().map_or(Vec3::ZERO, Shape::middle);
-        Some(self.to_world? * Affine3A::from_translation(middle))
+        Some(self.to_world? * Affine3A::from_translation(self.middle()))
+    }
+
+    /// In its own space, see [`Shape::middle`].
+    pub fn middle(&self) -> Vec3 {
+        self.shape.as_ref().map_or(Vec3::ZERO, Shape::middle)
     }
 }
 

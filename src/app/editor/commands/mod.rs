@@ -37,7 +37,8 @@ use super::toasts::Topic;
 use super::tool::Tool;
 use crate::engine::{CurrentScene, InputStamp, RenderControl, RenderFilm, WakeUp};
 use crate::scene::{ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, Sensor, Shape};
-pub use adding::ENVIRONMENTS;
+pub use adding::{ENVIRONMENTS, extension};
+pub use several::rounding;
 pub use view::{camera_pose, view_pose};
 
 /// Applies this frame's commands in order.

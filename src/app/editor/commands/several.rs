@@ -1,6 +1,6 @@
 //! An edit of the active thing done to all that is selected: everything of the same sort gets the same change.
 
-use bevy::math::{Affine3A, Mat3A};
+use bevy::math::{Affine3A, Mat3A, Vec3A};
 use bevy::prelude::*;
 use bevy::reflect::PartialReflect;
 
@@ -111,8 +111,7 @@ fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: impl Iter
     };
     let middle = middle(edit.world, entity);
     let [before, after] = [before * middle, after * middle];
-    // Of the way there and back to a sphere's centre.
-    let rounding = ROUNDING * (before.translation.abs() + (before.matrix3 * middle.translation).abs());
+    let rounding = rounding(&before, middle.translation.into());
     let turn = before.matrix3.inverse() * after.matrix3;
     let turn = if turn.is_finite() && before.matrix3 != after.matrix3 {
         turn
@@ -136,8 +135,12 @@ fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: impl Iter
     }
 }
 
-/// A few units in the last place of numbers that are added.
-const ROUNDING: f32 = 4.0 * f32::EPSILON;
+/// What the way to a shape's middle and back may change of where it is, per coordinate. `pose`: world from a space whose origin is there.
+pub fn rounding(pose: &Affine3A, middle: Vec3) -> Vec3A {
+    // A few units in the last place of numbers that are added.
+    const ROUNDING: f32 = 4.0 * f32::EPSILON;
+    ROUNDING * (pose.translation.abs() + (pose.matrix3 * Vec3A::from(middle)).abs())
+}
 
 fn middle(world: &World, entity: Entity) -> Affine3A {
     let middle = world.get::<Shape>(entity).map_or(Vec3::ZERO, Shape::middle);
