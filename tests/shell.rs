@@ -20,7 +20,8 @@ use sunroom::app::editor::overlay::BvhOverlay;
 use sunroom::app::editor::palette::Palette;
 use sunroom::app::editor::panels::preferences::preferences;
 use sunroom::app::editor::preferences::{Preferences, ThemeChoice};
-use sunroom::app::editor::recovery::{self, Offer};
+use sunroom::app::editor::recovery::Offer;
+use sunroom::app::editor::recovery_question;
 use sunroom::app::editor::selection::{Extend, Selection};
 use sunroom::app::editor::shell::ShellCommand;
 use sunroom::app::editor::shortcuts::shortcuts;
@@ -264,7 +265,7 @@ fn offer() -> Offer {
 fn recovery_is_offered_once() {
     let ask = || {
         show(Some(offer()), |egui, shown| {
-            recovery::question(egui, &mut shown.it, &mut shown.commands);
+            recovery_question::question(egui, &mut shown.it, &mut shown.commands);
         })
     };
     let mut harness = ask();

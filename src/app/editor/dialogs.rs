@@ -7,10 +7,9 @@ use bevy_egui::egui;
 use egui_file_dialog::{DialogState, FileDialog};
 
 use super::command::{Command, FileDialogKind};
-use super::commands::ENVIRONMENTS;
+use super::commands::{ENVIRONMENTS, extension};
 use super::gather::SCENE_FILES;
 use super::state::EditorState;
-use super::ui::picked;
 
 #[derive(Resource, Default)]
 pub struct Dialogs {
@@ -64,12 +63,42 @@ impl Dialogs {
                 FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => self.picture_folder = folder,
                 FileDialogKind::OpenScene | FileDialogKind::SaveScene | FileDialogKind::Import => {}
             }
-            commands.push(picked(*kind, path));
+            match picked(*kind, path) {
+                Ok(command) => commands.push(command),
+                Err(message) => state.refuse(message),
+            }
             state.dialog = None;
         } else if *dialog.state() != DialogState::Open {
             state.dialog = None;
         }
     }
+}
+
+/// What a finished dialog asks for; of a file that it is not for, a message.
+fn picked(kind: FileDialogKind, path: PathBuf) -> Result<Command, String> {
+    Ok(match kind {
+        FileDialogKind::OpenScene => Command::OpenScene(path),
+        FileDialogKind::SaveScene => Command::SaveScene(path),
+        FileDialogKind::SaveImage => Command::SaveImage(path),
+        FileDialogKind::OpenEnvironment if !ENVIRONMENTS.contains(&extension(&path).as_str()) => {
+            let known = ENVIRONMENTS.join(", ");
+            return Err(format!(
+                "{}: not a picture for an environment ({known})",
+                path.display()
+            ));
+        }
+        FileDialogKind::Import | FileDialogKind::OpenEnvironment => Command::Import(path),
+        FileDialogKind::OpenPicture {
+            owner,
+            parameter,
+            place,
+        } => Command::SetPicture {
+            owner,
+            parameter,
+            place,
+            path,
+        },
+    })
 }
 
 /// Beside scenes.
@@ -150,6 +179,15 @@ fn proposed_name(scene: Option<&Path>, otherwise: &str, extension: &str) -> Stri
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_environment_is_a_picture() {
+        let chosen = |path: &str| picked(FileDialogKind::OpenEnvironment, path.into());
+        assert!(chosen("room.xml").is_err() && chosen("room").is_err());
+        assert_eq!(chosen("sky.HDR"), Ok(Command::Import("sky.HDR".into())));
+        let imported = picked(FileDialogKind::Import, "room.xml".into());
+        assert_eq!(imported, Ok(Command::Import("room.xml".into())));
+    }
 
     #[test]
     fn files_are_named_after_the_scene() {

@@ -52,6 +52,7 @@ pub mod presets;
 mod preview;
 mod quiet;
 pub mod recovery;
+pub mod recovery_question;
 mod scene_watch;
 pub mod screen;
 pub mod script;

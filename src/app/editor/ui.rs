@@ -7,7 +7,7 @@ use bevy_egui::{EguiClipboard, EguiContexts, egui};
 
 use super::actions::ActionContext;
 use super::captions::captions;
-use super::command::{Command, FileDialogKind};
+use super::command::Command;
 use super::commands::camera_pose;
 use super::compare::CompareView;
 use super::dialogs::Dialogs;
@@ -30,7 +30,8 @@ use super::paths::PathInspector;
 use super::picking;
 use super::picture::Picture;
 use super::preferences::{Preferences, PreferencesFile};
-use super::recovery::{self, Recovery};
+use super::recovery::Recovery;
+use super::recovery_question;
 use super::selection::Selection;
 use super::sheet::{self, SheetModel};
 use super::state::{CommandQueue, EditorState};
@@ -302,7 +303,7 @@ pub fn show_window(
         problem: shell.preferences_file.problem.as_deref(),
     };
     sheet::show(&context, model, sheets, state, commands);
-    recovery::question(&context, &mut shell.recovery.offer, commands);
+    recovery_question::question(&context, &mut shell.recovery.offer, commands);
     if shell.dropped.hovering > 0 {
         dropping::hint(&context, state.viewport_place);
     }
@@ -394,25 +395,5 @@ fn placeholder(status: &SceneStatus) -> String {
         SceneState::Loading => format!("Loading {file}"),
         SceneState::Ready => format!("Preparing {file}"),
         SceneState::Failed => format!("{file} could not be read; see Messages at the right"),
-    }
-}
-
-/// What a finished dialog asks for.
-pub fn picked(kind: FileDialogKind, path: std::path::PathBuf) -> Command {
-    match kind {
-        FileDialogKind::OpenScene => Command::OpenScene(path),
-        FileDialogKind::SaveScene => Command::SaveScene(path),
-        FileDialogKind::SaveImage => Command::SaveImage(path),
-        FileDialogKind::Import | FileDialogKind::OpenEnvironment => Command::Import(path),
-        FileDialogKind::OpenPicture {
-            owner,
-            parameter,
-            place,
-        } => Command::SetPicture {
-            owner,
-            parameter,
-            place,
-            path,
-        },
     }
 }
