@@ -388,13 +388,17 @@ mod tests {
 
     #[test]
     fn far_from_the_origin_things_stand_as_they_do_near_it() {
-        // Steps of floats are about a thousandth there.
-        let far = Vec3::new(-1.1e4, 1.3e4, 0.9e4);
-        let mut world = world_from(far + Vec3::new(0.0, 2.0, 6.0), far, 0.01);
-        show(&mut world, &[moved(floor(), far)]);
-        let spot = find(&mut world, None, 1.0, false);
-        assert!(spot.on.is_some() && spot.foot.distance(far) < 0.05, "{spot:?}");
-        assert_eq!(headroom(&world, &spot, 0.5), 0.5);
+        // Steps of floats are about a hundredth there.
+        let far = Vec3::new(-1.1e5, 1.3e5, 0.9e5);
+        for angle in [0.0f32, 0.1, 0.2, 0.3] {
+            let mut world = world_from(far + Vec3::new(0.0, 2.0, 6.0), far, 0.01);
+            let (primitive, level) = floor();
+            let tilted = (primitive, Affine3A::from_rotation_z(angle) * level);
+            show(&mut world, &[moved(tilted, far)]);
+            let spot = find(&mut world, None, 1.0, false);
+            assert!(spot.on.is_some() && spot.foot.distance(far) < 0.1, "{angle}: {spot:?}");
+            assert_eq!(headroom(&world, &spot, 0.1), 0.1, "{angle}");
+        }
     }
 
     #[test]
