@@ -18,6 +18,8 @@ pub struct Dialogs {
     image_folder: Option<PathBuf>,
     /// Where a picture was last taken from.
     picture_folder: Option<PathBuf>,
+    /// Where something was last imported from.
+    import_folder: Option<PathBuf>,
 }
 
 impl Dialogs {
@@ -34,16 +36,19 @@ impl Dialogs {
             return;
         };
         if self.open.as_ref().is_none_or(|(kind, _)| *kind != wanted) {
-            let start = match wanted {
-                FileDialogKind::SaveImage => self.image_folder.as_deref(),
-                FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => {
-                    self.picture_folder.as_deref().or(scene.and_then(Path::parent))
-                }
-                FileDialogKind::OpenScene | FileDialogKind::SaveScene | FileDialogKind::Import => {
-                    Some(Path::new("scenes")).filter(|folder| folder.is_dir())
-                }
+            let beside_scene = scene
+                .and_then(Path::parent)
+                .filter(|folder| !folder.as_os_str().is_empty())
+                .map(Path::to_path_buf);
+            let examples = || Some(PathBuf::from("scenes")).filter(|folder| folder.is_dir());
+            let before = match wanted {
+                FileDialogKind::SaveImage => self.image_folder.clone(),
+                FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => self.picture_folder.clone(),
+                FileDialogKind::Import => self.import_folder.clone(),
+                FileDialogKind::OpenScene | FileDialogKind::SaveScene => None,
             };
-            let dialog = opened(wanted, scene, start.unwrap_or(Path::new(".")));
+            let start = before.or(beside_scene).or_else(examples).unwrap_or_else(|| ".".into());
+            let dialog = opened(wanted, scene, &start);
             self.open = Some((wanted, dialog));
         }
         let Some((kind, dialog)) = &mut self.open else {
@@ -61,7 +66,8 @@ impl Dialogs {
             match kind {
                 FileDialogKind::SaveImage => self.image_folder = folder,
                 FileDialogKind::OpenPicture { .. } | FileDialogKind::OpenEnvironment => self.picture_folder = folder,
-                FileDialogKind::OpenScene | FileDialogKind::SaveScene | FileDialogKind::Import => {}
+                FileDialogKind::Import => self.import_folder = folder,
+                FileDialogKind::OpenScene | FileDialogKind::SaveScene => {}
             }
             match picked(*kind, path) {
                 Ok(command) => commands.push(command),

@@ -15,6 +15,7 @@ mod several;
 mod spot;
 mod view;
 
+use bevy::math::Mat3A;
 use bevy::prelude::*;
 
 use super::command::{Command, Effect};
@@ -36,7 +37,9 @@ use super::state::{CommandQueue, EditorState};
 use super::toasts::Topic;
 use super::tool::Tool;
 use crate::engine::{CurrentScene, InputStamp, RenderControl, RenderFilm, WakeUp};
-use crate::scene::{ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, Sensor, Shape};
+use crate::scene::{
+    ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, Sensor, Shape, ToWorld,
+};
 pub use adding::{ENVIRONMENTS, extension};
 pub use several::rounding;
 pub use view::{camera_pose, view_pose};
@@ -107,11 +110,12 @@ pub fn apply(world: &mut World, command: Command) -> Result<(), String> {
 
 fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), String> {
     let (label, targets) = (command.label(), command.targets());
+    let verb = verb(world, &command);
     let interaction = world.resource::<EditorState>().interaction;
     let mut edit = Edit::begin(world);
     match edits::apply(&mut edit, command) {
         Ok(()) => {
-            let title = edit.titled(label, &targets);
+            let title = edit.titled(verb, &targets);
             keep_what_is_there(edit.world);
             edit.finish(title, merges.then_some((interaction, (label, targets))));
             Ok(())
@@ -121,6 +125,27 @@ fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), String>
             Err(message)
         }
     }
+}
+
+/// [`Command::label`], but a change of pose says what it does to the first.
+fn verb(world: &World, command: &Command) -> &'static str {
+    let change = match command {
+        Command::Transform(poses) => poses.first().and_then(|(entity, after)| {
+            let before = world.get::<ToWorld>(*entity)?.0.matrix3;
+            Some([before, after.matrix3])
+        }),
+        _ => None,
+    };
+    let Some([before, after]) = change.filter(|[before, after]| before != after) else {
+        return command.label();
+    };
+    // Turning keeps the lengths of the axes.
+    let lengths = |matrix: Mat3A| [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.length());
+    let is_turn = lengths(before)
+        .iter()
+        .zip(lengths(after))
+        .all(|(before, after)| (after - before).abs() <= 1e-4 * before);
+    if is_turn { "Rotate" } else { "Scale" }
 }
 
 fn act(world: &mut World, command: Command) -> Result<(), String> {

@@ -125,6 +125,33 @@ fn add(world: &mut World, kind: AdditionKind) -> Entity {
 }
 
 #[test]
+fn the_history_says_what_a_change_of_pose_does() {
+    let mut world = world();
+    let ball = add(&mut world, AdditionKind::Cube);
+    let pose = world.get::<ToWorld>(ball).expect("a pose").0;
+    let last = |world: &World| {
+        world
+            .resource::<History>()
+            .labels()
+            .0
+            .last()
+            .map(|label| label.to_string())
+    };
+    for (change, verb) in [
+        (Affine3A::from_translation(Vec3::X), "Move"),
+        (Affine3A::from_rotation_y(1.0), "Rotate"),
+        (Affine3A::from_scale(Vec3::splat(2.0)), "Scale"),
+    ] {
+        world.resource_mut::<EditorState>().interaction += 1;
+        let after = pose * change;
+        say(&mut world, Command::Transform(vec![(ball, after)]));
+        let label = last(&world).expect("a step");
+        assert!(label.starts_with(verb), "{label}");
+        say(&mut world, Command::Undo);
+    }
+}
+
+#[test]
 fn a_drag_is_one_step_and_comes_back() {
     let mut world = world();
     let ball = add(&mut world, AdditionKind::Sphere);

@@ -223,6 +223,7 @@ pub fn quantity<'a>(
         .range(range)
         .clamp_existing_to_range(false)
         .max_decimals(4)
+        .custom_formatter(legible)
         .suffix(unit);
     let changed = row(ui, caption, |ui| ui.add(drag)).changed();
     write_back(changed, value, copy)
@@ -240,6 +241,19 @@ pub fn integer<'a, N: egui::emath::Numeric>(
         .clamp_existing_to_range(false);
     let changed = row(ui, caption, |ui| ui.add(drag)).changed();
     write_back(changed, value, copy)
+}
+
+/// A number in few characters: of what is large three digits and the power of ten, and no minus before a zero.
+fn legible(number: f64, decimals: RangeInclusive<usize>) -> String {
+    const LARGEST: f64 = 1e7;
+    if number.abs() >= LARGEST {
+        return format!("{number:.2e}");
+    }
+    let text = egui::emath::format_with_decimals_in_range(number, decimals);
+    match text.strip_prefix('-') {
+        Some(unsigned) if unsigned.bytes().all(|byte| byte == b'0' || byte == b'.') => unsigned.to_owned(),
+        _ => text,
+    }
 }
 
 /// Three numbers; the controls are named "`name` X", "`name` Y", "`name` Z".
@@ -302,6 +316,7 @@ pub fn number_cells<const N: usize>(
             .range(style.range)
             .clamp_existing_to_range(false)
             .max_decimals(3);
+        let drag = drag.custom_formatter(legible);
         let response = ui.add_sized([width, ui.spacing().interact_size.y], drag);
         response.widget_info(|| {
             let mut info = egui::WidgetInfo::drag_value(true, shown);
@@ -359,4 +374,20 @@ pub fn write_back<T>(changed: bool, value: &mut T, copy: T) -> bool {
         *value = copy;
     }
     changed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_stay_short() {
+        let shown = |number: f64| legible(number, 0..=3);
+        assert_eq!(shown(1.5), "1.5");
+        assert_eq!(shown(-1e-9), "0");
+        assert_eq!(legible(-1e-9, 2..=3), "0.00");
+        assert_eq!(shown(-0.25), "-0.25");
+        assert_eq!(shown(f64::from(f32::MAX)), "3.40e38");
+        assert_eq!(shown(-2e7), "-2.00e7");
+    }
 }
