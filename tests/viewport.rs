@@ -6,11 +6,10 @@ mod editor_support;
 use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
-use editor_support::presses;
+use editor_support::{context, presses};
 use egui_kittest::Harness;
 use sunroom::app::editor::actions::ActionContext;
 use sunroom::app::editor::command::{Command, Direction};
-use sunroom::app::editor::display::DisplaySettings;
 use sunroom::app::editor::gizmo::interaction::GizmoModel;
 use sunroom::app::editor::gizmo::{Axes, GizmoSettings, Mode, Target};
 use sunroom::app::editor::icons::{Icon, IconKind};
@@ -19,7 +18,7 @@ use sunroom::app::editor::model::Outline;
 use sunroom::app::editor::navigation::Navigation;
 use sunroom::app::editor::orbit::AxisView;
 use sunroom::app::editor::outline::SelectionOutline;
-use sunroom::app::editor::overlay::{BoxList, BvhOverlay};
+use sunroom::app::editor::overlay::BoxList;
 use sunroom::app::editor::panels::transform::Freedom;
 use sunroom::app::editor::screen::Screen;
 use sunroom::app::editor::selection::{Extend, Selection};
@@ -112,15 +111,8 @@ fn window() -> Harness<'static, Window> {
                     ..Navigation::default()
                 },
                 keys: ActionContext {
-                    display: DisplaySettings::default(),
-                    overlay: BvhOverlay::default(),
                     gizmo: window.gizmo,
-                    paused: false,
-                    panels_shown: true,
-                    selection: &selection,
-                    tool: Default::default(),
-                    safe_frame: false,
-                    flying: false,
+                    ..context(&selection)
                 },
                 presses: &presses(ui),
                 enabled: true,
@@ -384,18 +376,7 @@ fn digits_of_the_numpad_are_views_along_axes() {
         numpad: true,
     };
     let selection = Selection::default();
-    let context = ActionContext {
-        display: DisplaySettings::default(),
-        overlay: BvhOverlay::default(),
-        gizmo: GizmoSettings::default(),
-        paused: false,
-        panels_shown: true,
-        selection: &selection,
-        tool: Default::default(),
-        safe_frame: false,
-        flying: false,
-    };
-    let commands = sunroom::app::editor::keys::shortcuts(&[press], &context);
+    let commands = sunroom::app::editor::keys::shortcuts(&[press], &context(&selection));
     assert_eq!(commands, [Command::LookAlong(AxisView::Top)]);
 }
 

@@ -1,7 +1,12 @@
 //! What tests of the editor share.
 
 use bevy_egui::egui;
+use sunroom::app::editor::actions::ActionContext;
+use sunroom::app::editor::display::DisplaySettings;
+use sunroom::app::editor::gizmo::GizmoSettings;
 use sunroom::app::editor::keys::Press;
+use sunroom::app::editor::overlay::BvhOverlay;
+use sunroom::app::editor::selection::Selection;
 
 /// The keys that went down this frame, as the window hands them to the editor.
 pub fn presses(ui: &egui::Ui) -> Vec<Press> {
@@ -20,4 +25,19 @@ pub fn presses(ui: &egui::Ui) -> Vec<Press> {
         _ => None,
     };
     ui.input(|input| input.events.iter().filter_map(press).collect())
+}
+
+/// What keys refer to in an editor that was just opened.
+pub fn context(selection: &Selection) -> ActionContext<'_> {
+    ActionContext {
+        display: DisplaySettings::default(),
+        overlay: BvhOverlay::default(),
+        gizmo: GizmoSettings::default(),
+        paused: false,
+        panels_shown: true,
+        selection,
+        tool: Default::default(),
+        safe_frame: false,
+        flying: false,
+    }
 }

@@ -18,6 +18,7 @@ use bevy_egui::egui::{self, Pos2, Ui};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::command::Command;
+use sunroom::app::editor::material_drop::{Takers, drop_target};
 use sunroom::app::editor::model::{Item, Model, Outline};
 use sunroom::app::editor::selection::Selection;
 use sunroom::color::Rgb;
@@ -46,6 +47,38 @@ fn show_at<T: 'static>(width: f32, given: T, panel: Panel<T>) -> Harness<'static
     };
     let mut harness = Harness::builder().with_size(egui::vec2(width, 900.0)).build_ui_state(
         move |ui, shown: &mut Shown<T>| panel(ui, &shown.given, &mut shown.commands),
+        shown,
+    );
+    harness.run_steps(3);
+    harness
+}
+
+/// A panel of `width` points beside a picture that takes materials which are dragged onto it.
+fn show_beside_picture(
+    size: egui::Vec2,
+    width: f32,
+    model: Model,
+    mut panel: impl FnMut(&mut Ui, &Model, &mut Vec<Command>) + 'static,
+) -> Harness<'static, Shown<Model>> {
+    let shown = Shown {
+        given: model,
+        commands: Vec::new(),
+    };
+    let mut harness = Harness::builder().with_size(size).build_ui_state(
+        move |ui, shown: &mut Shown<Model>| {
+            let Shown { given, commands } = shown;
+            egui::Panel::left("panel")
+                .exact_size(width)
+                .show(ui, |ui| panel(ui, given, commands));
+            let picture = ui.available_rect_before_wrap();
+            let response = ui.interact(picture, egui::Id::new("picture"), egui::Sense::click_and_drag());
+            let takers = Takers {
+                current: &Default::default(),
+                things: &given.outline,
+                locked: &Default::default(),
+            };
+            drop_target(ui, &response, picture, takers, commands);
+        },
         shown,
     );
     harness.run_steps(3);

@@ -3,10 +3,8 @@
 use bevy::math::Vec2;
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Modifiers, Pos2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::command::{Command, FileDialogKind};
-use sunroom::app::editor::material_drop::{Takers, drop_target};
 use sunroom::app::editor::material_tree::MaterialTree;
 use sunroom::app::editor::model::{Inspected, InspectedMaterial, MaterialPlace, Model, Outline};
 use sunroom::app::editor::panels::library;
@@ -18,7 +16,7 @@ use sunroom::scene::{ConductorIor, Material, Parameter, Shape, SquarePath, Textu
 
 use crate::inspector::inspect;
 use crate::subjects::{checkerboard, textured, with_material};
-use crate::{Shown, click, drag, drag_between, entity, item, slide};
+use crate::{click, drag, drag_between, entity, item, show_beside_picture, slide};
 
 fn only_material(commands: &[Command]) -> &Material {
     match commands.last() {
@@ -137,30 +135,10 @@ fn a_preset_is_clicked_or_dragged_out_of_the_library() {
         selection: Selection::of([entity(5), entity(9)]),
         ..Model::default()
     };
-    let state = std::sync::Mutex::new(LibraryState::default());
-    let shown = Shown {
-        given: model,
-        commands: Vec::new(),
-    };
-    let mut harness = Harness::builder().with_size(egui::vec2(600.0, 400.0)).build_ui_state(
-        move |ui, shown: &mut Shown<Model>| {
-            let mut state = state.lock().expect("one thread");
-            let Shown { given, commands } = shown;
-            egui::Panel::left("library").exact_size(220.0).show(ui, |ui| {
-                library::library(ui, given, &mut state, commands);
-            });
-            let picture = ui.available_rect_before_wrap();
-            let response = ui.interact(picture, egui::Id::new("picture"), egui::Sense::click_and_drag());
-            let takers = Takers {
-                current: &Default::default(),
-                things: &given.outline,
-                locked: &Default::default(),
-            };
-            drop_target(ui, &response, picture, takers, commands);
-        },
-        shown,
-    );
-    harness.run_steps(3);
+    let mut state = LibraryState::default();
+    let mut harness = show_beside_picture(egui::vec2(600.0, 400.0), 220.0, model, move |ui, model, commands| {
+        library::library(ui, model, &mut state, commands);
+    });
     click(&mut harness, "silver");
     // The light among what is selected has no material.
     assert!(matches!(

@@ -4,13 +4,11 @@ use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::actions::ActionContext;
 use sunroom::app::editor::command::{Command, FileDialogKind};
 use sunroom::app::editor::display::{DisplayMode, DisplaySettings};
 use sunroom::app::editor::gizmo::GizmoSettings;
 use sunroom::app::editor::gizmo::interaction::GizmoModel;
-use sunroom::app::editor::material_drop::{Takers, drop_target};
-use sunroom::app::editor::model::{Model, Outline};
+use sunroom::app::editor::model::Outline;
 use sunroom::app::editor::navigation::Navigation;
 use sunroom::app::editor::outline::SelectionOutline;
 use sunroom::app::editor::overlay::{BoxList, BvhOverlay};
@@ -21,8 +19,8 @@ use sunroom::app::editor::viewport::{ViewportModel, ViewportState, viewport};
 use sunroom::engine::CurrentScene;
 use sunroom::render::camera::Camera;
 
-use crate::editor_support::presses;
-use crate::{Shown, click, drag, entity, item, press_at, with_outline};
+use crate::editor_support::{context, presses};
+use crate::{click, drag, entity, item, press_at, show_beside_picture, with_outline};
 
 /// The picture in a panel of 340 x 240 points, with a text field and a number above it.
 pub struct Picture {
@@ -76,17 +74,7 @@ pub fn picture() -> Harness<'static, Picture> {
                 captions: &[],
                 region: None,
                 navigation: Navigation::default(),
-                keys: ActionContext {
-                    display: DisplaySettings::default(),
-                    overlay: BvhOverlay::default(),
-                    gizmo: GizmoSettings::default(),
-                    paused: false,
-                    panels_shown: true,
-                    selection: &selection,
-                    tool: Default::default(),
-                    safe_frame: false,
-                    flying: false,
-                },
+                keys: context(&selection),
                 presses: &presses(ui),
                 enabled: true,
             };
@@ -113,30 +101,11 @@ fn a_material_is_dragged_from_the_list_onto_the_picture() {
         materials: vec![item(31, "glass")],
         ..Outline::default()
     };
-    let state = std::sync::Mutex::new(OutlinerState::default());
-    let shown = Shown {
-        given: with_outline(outline, Selection::default()),
-        commands: Vec::new(),
-    };
-    let mut harness = Harness::builder().with_size(egui::vec2(540.0, 240.0)).build_ui_state(
-        move |ui, shown: &mut Shown<Model>| {
-            let mut state = state.lock().expect("one thread");
-            let Shown { given, commands } = shown;
-            egui::Panel::left("list").exact_size(200.0).show(ui, |ui| {
-                outliner::outliner(ui, given, &mut state, commands);
-            });
-            let picture = ui.available_rect_before_wrap();
-            let response = ui.interact(picture, egui::Id::new("picture"), egui::Sense::click_and_drag());
-            let takers = Takers {
-                current: &Default::default(),
-                things: &given.outline,
-                locked: &Default::default(),
-            };
-            drop_target(ui, &response, picture, takers, commands);
-        },
-        shown,
-    );
-    harness.run_steps(3);
+    let mut state = OutlinerState::default();
+    let model = with_outline(outline, Selection::default());
+    let mut harness = show_beside_picture(egui::vec2(540.0, 240.0), 200.0, model, move |ui, model, commands| {
+        outliner::outliner(ui, model, &mut state, commands);
+    });
     let line = harness.get_by_label("glass").rect().center();
     let target = Pos2::new(380.0, 120.0);
     harness.hover_at(line);

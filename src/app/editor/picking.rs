@@ -147,22 +147,27 @@ pub(super) mod tests {
     pub fn spheres(places: &[Vec3]) -> (CurrentScene, Vec<Entity>) {
         let mut world = World::new();
         let entities: Vec<Entity> = places.iter().map(|_| world.spawn_empty().id()).collect();
-        let instances = places
+        let shapes = places
             .iter()
-            .filter_map(|place| Instance::new(Primitive::Sphere, Affine3A::from_translation(*place)));
-        let scene = RenderScene {
+            .map(|place| (Primitive::Sphere, Affine3A::from_translation(*place)));
+        let current = CurrentScene {
+            scene: Some(scene_of(shapes)),
+            entity_of_instance: entities.clone().into(),
+            ..CurrentScene::default()
+        };
+        (current, entities)
+    }
+
+    /// Nothing but shapes where they are.
+    pub fn scene_of(shapes: impl Iterator<Item = (Primitive, Affine3A)>) -> RenderScene {
+        let instances = shapes.filter_map(|(primitive, pose)| Instance::new(primitive, pose));
+        RenderScene {
             geometry: Arc::new(Tlas::build(instances.collect(), SplitMethod::Sah)),
             surfaces: Arc::default(),
             materials: Arc::default(),
             textures: Arc::default(),
             lights: Arc::default(),
-        };
-        let current = CurrentScene {
-            scene: Some(scene),
-            entity_of_instance: entities.clone().into(),
-            ..CurrentScene::default()
-        };
-        (current, entities)
+        }
     }
 
     #[test]

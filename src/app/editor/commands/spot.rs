@@ -253,13 +253,11 @@ pub fn rounded(size: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
-    use crate::accel::{Instance, Primitive, SplitMethod, Tlas};
+    use crate::accel::Primitive;
+    use crate::app::editor::picking::tests::scene_of;
     use crate::app::editor::studio;
     use crate::render::camera::Camera;
-    use crate::render::scene::RenderScene;
     use crate::render::view::View;
     use crate::scene::{ActiveSensor, FreeView, ShapeKind};
 
@@ -291,18 +289,8 @@ mod tests {
             .iter()
             .map(|(_, pose)| world.spawn((Shape::default(), ToWorld(*pose))).id());
         let entities: Vec<Entity> = entities.collect();
-        let instances = shapes
-            .iter()
-            .filter_map(|(primitive, pose)| Instance::new(primitive.clone(), *pose));
-        let scene = RenderScene {
-            geometry: Arc::new(Tlas::build(instances.collect(), SplitMethod::Sah)),
-            surfaces: Arc::default(),
-            materials: Arc::default(),
-            textures: Arc::default(),
-            lights: Arc::default(),
-        };
         let mut current = world.resource_mut::<CurrentScene>();
-        current.scene = Some(scene);
+        current.scene = Some(scene_of(shapes.iter().cloned()));
         current.entity_of_instance = entities.into();
     }
 
