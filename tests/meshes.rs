@@ -130,6 +130,115 @@ fn the_three_ply_formats_say_the_same() {
     }
 }
 
+/// Records that are all of one length, but for the faces of one corner more that `is_quad` asks for; numbers of many types, colours and other values of
+/// vertices and faces.
+fn even_ply(format: Format, seed: u64, is_quad: impl Fn(usize) -> bool) -> Vec<u8> {
+    let mut random = Random(seed);
+    let vertices = 4 + random.below(10_000);
+    let faces = 1 + random.below(10_000);
+    let (number, index, normal) = match seed % 3 {
+        0 => (
+            "float",
+            "int",
+            "property float nx\nproperty float ny\nproperty float nz\n",
+        ),
+        1 => (
+            "float",
+            "uint",
+            "property float nx\nproperty float nz\nproperty double ny\n",
+        ),
+        _ => ("double", "ushort", ""),
+    };
+    let header = format!(
+        "element vertex {vertices}\nproperty uchar flags\nproperty {number} x\nproperty {number} y\nproperty {number} z\n{normal}\
+         property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float u\nproperty float v\n\
+         element face {faces}\nproperty short kind\nproperty list uchar {index} vertex_indices\nproperty float heat_x\n"
+    );
+    ply(format, &header, |body| {
+        for _ in 0..vertices {
+            put!(body, 7u8);
+            for _ in 0..3 {
+                match number {
+                    "float" => put!(body, random.float()),
+                    _ => put!(body, f64::from(random.float())),
+                }
+            }
+            if !normal.is_empty() {
+                put!(body, random.float());
+                put!(body, random.float());
+                match normal.contains("double") {
+                    true => put!(body, f64::from(random.float())),
+                    false => put!(body, random.float()),
+                }
+            }
+            for _ in 0..3 {
+                put!(body, random.next() as u8);
+            }
+            put!(body, random.float());
+            put!(body, random.float());
+        }
+        for face in 0..faces {
+            put!(body, -3i16);
+            let corners = 3 + u8::from(is_quad(face));
+            put!(body, corners);
+            for _ in 0..corners {
+                let corner = random.below(vertices);
+                match index {
+                    "int" => put!(body, corner as i32),
+                    "uint" => put!(body, corner as u32),
+                    _ => put!(body, corner as u16),
+                }
+            }
+            put!(body, random.float());
+        }
+    })
+}
+
+#[test]
+fn records_of_one_length_say_the_same_as_text() {
+    for seed in 0..24 {
+        let quad = (seed % 4 == 3).then_some(Random(seed).below(10_000));
+        let [ascii, little, big] = FORMATS.map(|format| {
+            let bytes = even_ply(format, seed, |face| Some(face) == quad);
+            load_ply(&bytes).unwrap_or_else(|error| panic!("seed {seed}: {error}"))
+        });
+        assert_sound(&ascii.mesh);
+        let names: Vec<&str> = ascii.mesh.attributes.iter().map(|attribute| &*attribute.name).collect();
+        assert_eq!(names, ["vertex_color", "face_heat"]);
+        assert!(ascii == little && little == big, "seed {seed}");
+    }
+}
+
+#[test]
+fn an_error_amid_records_of_one_length_names_its_byte() {
+    let whole = even_ply(Format::Little, 0, |_| false);
+    let vertices = load_ply(&whole).unwrap().mesh.positions.len();
+    let body = whole.windows(11).position(|window| window == b"end_header\n").unwrap() + 11;
+    let second_face = body + vertices * (1 + 24 + 3 + 8) + (2 + 1 + 12 + 4);
+    let with = |at: usize, bytes: &[u8]| {
+        let mut broken = whole.clone();
+        broken[at..at + bytes.len()].copy_from_slice(bytes);
+        load_ply(&broken).map(|_| ())
+    };
+    let y = body + 36 * 5 + 5;
+    let place = Place::Byte(y as u64);
+    assert_eq!(
+        with(y, &f32::INFINITY.to_le_bytes()),
+        Err(MeshError::NotFinite { place })
+    );
+    let last_corner = second_face + 2 + 1 + 8;
+    let error = |index: i32| MeshError::IndexOutOfRange {
+        place: Place::Byte(last_corner as u64),
+        what: "vertex",
+        index: index.into(),
+        count: vertices as u64,
+    };
+    for index in [-1, vertices as i32, i32::MIN] {
+        assert_eq!(with(last_corner, &index.to_le_bytes()), Err(error(index)));
+    }
+    assert_eq!(with(last_corner, &(vertices as i32 - 1).to_le_bytes()), Ok(()));
+}
+
 /// A tetrahedron of nothing but the simplest properties.
 fn plain_ply(format: Format) -> Vec<u8> {
     let header = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n\

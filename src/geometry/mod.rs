@@ -13,6 +13,7 @@ mod obj_lines;
 pub mod ply;
 mod ply_attributes;
 mod ply_header;
+mod ply_records;
 mod ply_source;
 mod polygon;
 pub mod primitives;

@@ -8,6 +8,7 @@
 //! Counts of the header are checked against the bytes really there before anything is allocated or looped over.
 
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
 use super::attribute::AttributeDomain;
 use super::mesh::MeshData;
@@ -61,7 +62,7 @@ fn read_body(header: &Header, mut source: impl Source) -> Result<LoadedMesh, Mes
         }
     }
     if !source.rest().trim_ascii().is_empty() {
-        warnings.add(source.place(), "what follows the promised elements is ignored");
+        warnings.add(source.next_place(), "what follows the promised elements is ignored");
     }
     if mesh.triangles.is_empty() {
         return Err(MeshError::NoTriangles);
@@ -142,7 +143,7 @@ fn skip_property(kind: Kind, source: &mut impl Source) -> Result<(), MeshError> 
 
 fn list_length(count: Scalar, source: &mut impl Source) -> Result<u64, MeshError> {
     let length = source.number(count)?;
-    if length >= 0.0 && length.fract() == 0.0 {
+    if length as u64 as f64 == length {
         Ok(length as u64)
     } else {
         Err(MeshError::syntax(
@@ -189,6 +190,10 @@ fn read_vertices(element: &Element, source: &mut impl Source, mesh: &mut MeshDat
             (property.kind, slot.unwrap_or_else(|| slot_of(&property.name)))
         })
         .collect();
+    if vertices_abreast(element, source, &plan, mesh, &mut attributes) {
+        mesh.attributes.extend(attributes.finish());
+        return Ok(());
+    }
     mesh.positions.reserve_exact(count);
     mesh.normals.reserve_exact(if has_normals { count } else { 0 });
     mesh.uvs.reserve_exact(if uv_names.is_some() { count } else { 0 });
@@ -223,13 +228,56 @@ fn read_vertices(element: &Element, source: &mut impl Source, mesh: &mut MeshDat
     Ok(())
 }
 
+/// Reads the vertices by all threads at once, unless there is a list or anything odd among them; then nothing is read.
+fn vertices_abreast(
+    element: &Element,
+    source: &mut impl Source,
+    plan: &[(Kind, usize)],
+    mesh: &mut MeshData,
+    attributes: &mut Attributes,
+) -> bool {
+    let Some(records) = source.records(element, None) else {
+        return false;
+    };
+    let column = |wanted: usize| {
+        let column = |(property, &(kind, slot)): (usize, &(Kind, usize))| match kind {
+            Kind::Scalar(scalar) if slot == wanted => Some((property, scalar)),
+            _ => None,
+        };
+        plan.iter().enumerate().rev().find_map(column)
+    };
+    let columns = |first: usize| [0, 1, 2].map(|i| column(first + i));
+    let [Some(x), Some(y), Some(z)] = columns(0) else {
+        return false;
+    };
+    let positions: Vec<Vec3> = records.vectors([x, y, z]);
+    if !positions.par_iter().all(|position| position.is_finite()) {
+        return false;
+    }
+    mesh.positions = positions;
+    if let [Some(x), Some(y), Some(z)] = columns(3) {
+        mesh.normals = records.vectors([x, y, z]);
+    }
+    if let [Some(u), Some(v)] = [6, 7].map(column) {
+        mesh.uvs = records.vectors([u, v]);
+        mesh.uvs
+            .iter_mut()
+            .filter(|uv| !uv.is_finite())
+            .for_each(|uv| *uv = Vec2::ZERO);
+    }
+    attributes.read(&records);
+    let bytes = records.bytes().len();
+    source.skip(bytes as u64, Scalar::U8).is_ok()
+}
+
 fn vertex_index(item: Scalar, source: &mut impl Source, vertex_count: u64) -> Result<u32, MeshError> {
     let index = source.number(item)?;
     checked_index(index, source, vertex_count)
 }
 
 fn checked_index(index: f64, source: &impl Source, vertex_count: u64) -> Result<u32, MeshError> {
-    if index >= 0.0 && index < vertex_count as f64 && index.fract() == 0.0 {
+    // Not of negative or broken numbers.
+    if index as u32 as f64 == index && index < vertex_count as f64 {
         Ok(index as u32)
     } else {
         Err(MeshError::IndexOutOfRange {
@@ -249,8 +297,17 @@ fn read_faces(
     warnings: &mut Warnings,
 ) -> Result<(), MeshError> {
     let faces = element.count as usize;
-    mesh.triangles.reserve(faces);
     let mut attributes = Attributes::new(element, AttributeDomain::Triangle, |_| false, faces);
+    if let Some(mut triangles) = triangles_abreast(element, source, vertex_count, &mut attributes) {
+        if mesh.triangles.is_empty() {
+            mesh.triangles = triangles;
+        } else {
+            mesh.triangles.append(&mut triangles);
+        }
+        mesh.attributes.extend(attributes.finish());
+        return Ok(());
+    }
+    mesh.triangles.reserve(faces);
     for _ in 0..faces {
         let before = mesh.triangles.len();
         for (i, property) in element.properties.iter().enumerate() {
@@ -283,6 +340,34 @@ fn read_faces(
     }
     mesh.attributes.extend(attributes.finish());
     Ok(())
+}
+
+/// Reads the faces by all threads at once if all are triangles and nothing is odd; otherwise nothing is read.
+fn triangles_abreast(
+    element: &Element,
+    source: &mut impl Source,
+    vertex_count: u64,
+    attributes: &mut Attributes,
+) -> Option<Vec<[u32; 3]>> {
+    let mut lists = element
+        .properties
+        .iter()
+        .enumerate()
+        .filter(|(_, p)| matches!(p.kind, Kind::List { .. }));
+    let (Some((list, property)), None) = (lists.next(), lists.next()) else {
+        return None;
+    };
+    let Kind::List { count, item } = property.kind else {
+        return None;
+    };
+    let records = source
+        .records(element, Some(3))
+        .filter(|_| is_index_list(&property.name, property.kind))?;
+    let triangles = records.triangles(list, count, item, vertex_count)?;
+    attributes.read(&records);
+    let bytes = records.bytes().len();
+    source.skip(bytes as u64, Scalar::U8).ok()?;
+    Some(triangles)
 }
 
 fn read_strips(

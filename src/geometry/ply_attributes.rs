@@ -9,6 +9,7 @@
 
 use super::attribute::{AttributeDomain, AttributeValues, MeshAttribute};
 use super::ply_header::{Element, Kind, Property, Scalar};
+use super::ply_records::Records;
 use crate::color::linear_from_srgb;
 
 /// Attributes while an element is read: numbers are set in any order, and one record after the other is pushed.
@@ -63,6 +64,21 @@ impl Attributes {
 
     pub fn set(&mut self, place: usize, number: f64) {
         self.record[place] = number;
+    }
+
+    /// Reads those of all records, each of one vertex or triangle.
+    pub fn read(&mut self, records: &Records) {
+        if self.attributes.is_empty() {
+            return;
+        }
+        records.each(|number| {
+            for (property, place) in self.places.iter().enumerate() {
+                if let Some(place) = *place {
+                    self.record[place] = number(property, self.types[place]);
+                }
+            }
+            self.push(1);
+        });
     }
 
     /// Ends a record, which counts for `times` vertices or triangles.

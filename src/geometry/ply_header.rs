@@ -52,6 +52,33 @@ impl Scalar {
         }
     }
 
+    /// The number at the beginning of a binary record's bytes; 0 where they end early.
+    #[inline]
+    pub fn number(self, bytes: &[u8], big_endian: bool) -> f64 {
+        macro_rules! read {
+            ($number:ty) => {{
+                let bytes = bytes.first_chunk().copied().unwrap_or_default();
+                if big_endian {
+                    <$number>::from_be_bytes(bytes) as f64
+                } else {
+                    <$number>::from_le_bytes(bytes) as f64
+                }
+            }};
+        }
+        match self {
+            Self::I8 => read!(i8),
+            Self::U8 => read!(u8),
+            Self::I16 => read!(i16),
+            Self::U16 => read!(u16),
+            Self::I32 => read!(i32),
+            Self::U32 => read!(u32),
+            Self::I64 => read!(i64),
+            Self::U64 => read!(u64),
+            Self::F32 => read!(f32),
+            Self::F64 => read!(f64),
+        }
+    }
+
     /// The largest value of a type of whole numbers.
     pub fn largest_whole(self) -> Option<f64> {
         Some(match self {

@@ -1,7 +1,8 @@
 //! The numbers of a PLY body, be it text or binary in either byte order.
 
 use super::mesh_file::{MeshError, Place, excerpt};
-use super::ply_header::Scalar;
+use super::ply_header::{Element, Scalar};
+use super::ply_records::Records;
 
 /// Numbers of the body one after the other. An `f64` holds every number type of PLY exactly, but for integers beyond 2⁵³ that no index or
 /// position needs.
@@ -10,8 +11,12 @@ pub(super) trait Source {
     fn skip(&mut self, count: u64, scalar: Scalar) -> Result<(), MeshError>;
     /// Of the number read last.
     fn place(&self) -> Place;
+    /// Of what was not read yet.
+    fn next_place(&self) -> Place;
     /// What was not read yet.
     fn rest(&self) -> &[u8];
+    /// The records of an element that comes next, should its lists all have `items` items; see [`Records::new`]. `None` of a text.
+    fn records(&self, element: &Element, items: Option<usize>) -> Option<Records<'_>>;
 
     fn bytes_left(&self) -> u64 {
         self.rest().len() as u64
@@ -34,16 +39,6 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
         }
     }
 
-    #[inline]
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], MeshError> {
-        self.last = self.end - self.rest.len() as u64;
-        let Some((&taken, rest)) = self.rest.split_first_chunk::<N>() else {
-            return Err(self.ended());
-        };
-        self.rest = rest;
-        Ok(taken)
-    }
-
     #[cold]
     fn ended(&self) -> MeshError {
         MeshError::Truncated {
@@ -56,28 +51,12 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
 impl<const BIG_ENDIAN: bool> Source for Binary<'_, BIG_ENDIAN> {
     #[inline]
     fn number(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
-        macro_rules! read {
-            ($number:ty) => {{
-                let bytes = self.take()?;
-                if BIG_ENDIAN {
-                    <$number>::from_be_bytes(bytes) as f64
-                } else {
-                    <$number>::from_le_bytes(bytes) as f64
-                }
-            }};
-        }
-        Ok(match scalar {
-            Scalar::I8 => read!(i8),
-            Scalar::U8 => read!(u8),
-            Scalar::I16 => read!(i16),
-            Scalar::U16 => read!(u16),
-            Scalar::I32 => read!(i32),
-            Scalar::U32 => read!(u32),
-            Scalar::I64 => read!(i64),
-            Scalar::U64 => read!(u64),
-            Scalar::F32 => read!(f32),
-            Scalar::F64 => read!(f64),
-        })
+        self.last = self.end - self.rest.len() as u64;
+        let Some((number, rest)) = self.rest.split_at_checked(scalar.size()) else {
+            return Err(self.ended());
+        };
+        self.rest = rest;
+        Ok(scalar.number(number, BIG_ENDIAN))
     }
 
     fn skip(&mut self, count: u64, scalar: Scalar) -> Result<(), MeshError> {
@@ -93,8 +72,16 @@ impl<const BIG_ENDIAN: bool> Source for Binary<'_, BIG_ENDIAN> {
         Place::Byte(self.last)
     }
 
+    fn next_place(&self) -> Place {
+        Place::Byte(self.end - self.rest.len() as u64)
+    }
+
     fn rest(&self) -> &[u8] {
         self.rest
+    }
+
+    fn records(&self, element: &Element, items: Option<usize>) -> Option<Records<'_>> {
+        Records::new(element, items, self.rest, BIG_ENDIAN)
     }
 }
 
@@ -162,7 +149,15 @@ impl Source for Ascii<'_> {
         Place::Line(self.line)
     }
 
+    fn next_place(&self) -> Place {
+        self.place()
+    }
+
     fn rest(&self) -> &[u8] {
         self.rest
+    }
+
+    fn records(&self, _: &Element, _: Option<usize>) -> Option<Records<'_>> {
+        None
     }
 }

@@ -4,9 +4,9 @@
 //! polygonal facets", Journal of Graphics Tools 3(1), 1998). Mitsuba 3.9 does the same when a mesh file has no normals and
 //! `face_normals` is off, so pictures agree.
 
-use std::f32::consts::PI;
-
 use glam::Vec3;
+use rayon::prelude::*;
+use wide::{f32x4, u32x4};
 
 use super::mesh::MeshData;
 use super::mesh_file::Warnings;
@@ -14,26 +14,139 @@ use super::mesh_file::Warnings;
 /// The normal of a vertex that no triangle with an area touches; never seen by a ray, but unit length all the same.
 pub const NORMAL_OF_LONE_VERTEX: Vec3 = Vec3::X;
 
+/// Triangles that are looked at abreast.
+const LANES: usize = 4;
+
+/// Smaller meshes are done before other threads have woken up.
+const FEWEST_TO_SHARE: usize = 1 << 13;
+
 /// One unit normal per position. Every index must be below `positions.len()`.
 ///
 /// Triangles without area count for nothing; a vertex whose triangles cancel out, or that has none, gets [`NORMAL_OF_LONE_VERTEX`].
+/// Threads share out the vertices, and each takes their triangles in order: the sums do not depend on how many there are.
 pub fn angle_weighted_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; positions.len()];
-    for &triangle in triangles {
-        let corners = triangle.map(|i| positions[i as usize]);
-        let edges = [0, 1, 2].map(|k| unit(corners[(k + 1) % 3] - corners[k]));
-        let [Some(a), Some(b), Some(c)] = edges else { continue };
-        // Of unit edges, so that a tiny triangle's cross product does not underflow.
-        let Some(normal) = unit(a.cross(-c)) else { continue };
-        let angles = [angle_between(a, -c), angle_between(b, -a), angle_between(c, -b)];
-        for (vertex, angle) in triangle.into_iter().zip(angles) {
-            sums[vertex as usize] += normal * angle;
+    let shares = match triangles.len() {
+        0..FEWEST_TO_SHARE => 1,
+        _ => rayon::current_num_threads(),
+    };
+    let share = positions.len().div_ceil(shares).max(1);
+    sums.par_chunks_mut(share).enumerate().for_each(|(i, sums)| {
+        add_normals(positions, triangles, i * share, sums);
+        for sum in sums {
+            *sum = unit(*sum).unwrap_or(NORMAL_OF_LONE_VERTEX);
+        }
+    });
+    sums
+}
+
+/// Adds the weighted normals of all triangles to the sums of the vertices from `first` on.
+fn add_normals(positions: &[Vec3], triangles: &[[u32; 3]], first: usize, sums: &mut [Vec3]) {
+    // There are at most as many vertices as indices.
+    let (first, count) = (first as u32, sums.len() as u32);
+    let is_here = |vertex: u32| vertex.wrapping_sub(first) < count;
+    for block in triangles.chunks(LANES) {
+        if !block
+            .as_flattened()
+            .iter()
+            .fold(false, |any, &vertex| any | is_here(vertex))
+        {
+            continue;
+        }
+        let Weighted { normal, angles } = weighted(positions, block);
+        let [x, y, z] = [normal[0].to_array(), normal[1].to_array(), normal[2].to_array()];
+        let angles = [angles[0].to_array(), angles[1].to_array(), angles[2].to_array()];
+        for (lane, triangle) in block.iter().enumerate() {
+            let normal = Vec3::new(x[lane], y[lane], z[lane]);
+            // No number where there is no area.
+            if !normal.is_finite() {
+                continue;
+            }
+            for (&vertex, angle) in triangle.iter().zip(&angles) {
+                if is_here(vertex) {
+                    sums[(vertex - first) as usize] += normal * angle[lane];
+                }
+            }
         }
     }
-    for sum in &mut sums {
-        *sum = unit(*sum).unwrap_or(NORMAL_OF_LONE_VERTEX);
+}
+
+/// Of [`LANES`] triangles.
+struct Weighted {
+    normal: [f32x4; 3],
+    /// At each corner, in [0, π].
+    angles: [f32x4; 3],
+}
+
+/// Of at most [`LANES`] triangles. Edges are scaled by a power of two to lengths around 1, then so is their cross product, so that nothing under- or
+/// overflows; an angle is the arc whose tangent is the length of the cross product, the same at all corners, over the dot product.
+#[inline(always)]
+fn weighted(positions: &[Vec3], block: &[[u32; 3]]) -> Weighted {
+    // What is beyond the end of the mesh is never looked at.
+    let triangle = |lane: usize| block[lane.min(block.len() - 1)];
+    let triangles = [triangle(0), triangle(1), triangle(2), triangle(3)];
+    let corner = |k: usize| {
+        let position = |lane: usize| positions[triangles[lane][k] as usize];
+        let (p, q, r, s) = (position(0), position(1), position(2), position(3));
+        [[p.x, q.x, r.x, s.x], [p.y, q.y, r.y, s.y], [p.z, q.z, r.z, s.z]].map(f32x4::new)
+    };
+    let corners = [corner(0), corner(1), corner(2)];
+    let [a, b, c] = [
+        sub(corners[1], corners[0]),
+        sub(corners[2], corners[1]),
+        sub(corners[0], corners[2]),
+    ];
+    let (_, to_one) = power_of_two(largest(a).fast_max(largest(b)).fast_max(largest(c)));
+    let [a, b, c] = [scaled(a, to_one), scaled(b, to_one), scaled(c, to_one)];
+    let normal = cross(c, a);
+    let (size, to_one) = power_of_two(largest(normal));
+    let normal = scaled(normal, to_one);
+    let length = dot(normal, normal).sqrt();
+    let double_area = length * size;
+    let angle = |before, after| double_area.atan2(-dot(before, after));
+    Weighted {
+        normal: scaled(normal, f32x4::ONE / length),
+        angles: [angle(c, a), angle(a, b), angle(b, c)],
     }
-    sums
+}
+
+#[inline(always)]
+fn sub(a: [f32x4; 3], b: [f32x4; 3]) -> [f32x4; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+fn scaled(v: [f32x4; 3], factor: f32x4) -> [f32x4; 3] {
+    [v[0] * factor, v[1] * factor, v[2] * factor]
+}
+
+/// The power of two at or below a positive number, and its inverse; 0 and 2^127 below 2^-126, 2^127 and 0 from there on.
+#[inline(always)]
+fn power_of_two(x: f32x4) -> (f32x4, f32x4) {
+    let exponent = bytemuck::cast::<_, u32x4>(x) & u32x4::splat(0xff << 23);
+    (
+        bytemuck::cast(exponent),
+        bytemuck::cast(u32x4::splat(254 << 23) - exponent),
+    )
+}
+
+#[inline(always)]
+fn dot(a: [f32x4; 3], b: [f32x4; 3]) -> f32x4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn cross(a: [f32x4; 3], b: [f32x4; 3]) -> [f32x4; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+#[inline(always)]
+fn largest(v: [f32x4; 3]) -> f32x4 {
+    v[0].abs().fast_max(v[1].abs()).fast_max(v[2].abs())
 }
 
 /// Computes all normals where the file has none, and those it has but that are no directions; the others become unit length.
@@ -59,21 +172,18 @@ pub(super) fn complete_normals(mesh: &mut MeshData, warnings: &mut Warnings) {
 
 /// The direction of `vector`, whatever its length, even where the square of that is beyond an `f32`; `None` for zero and what is not finite.
 pub fn unit(vector: Vec3) -> Option<Vec3> {
+    let square = vector.length_squared();
+    if (1e-30..1e30).contains(&square) {
+        return Some(vector / square.sqrt());
+    }
     let size = vector.abs().max_element();
     (vector.is_finite() && size > 0.0).then(|| (vector / size).normalize())
 }
 
-/// The angle between unit vectors in [0, π], from half the chord: accurate near 0 and π, where the arc cosine is not.
-fn angle_between(a: Vec3, b: Vec3) -> f32 {
-    if a.dot(b) < 0.0 {
-        PI - 2.0 * (0.5 * (a + b).length()).min(1.0).asin()
-    } else {
-        2.0 * (0.5 * (b - a).length()).min(1.0).asin()
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
 
     #[test]
@@ -122,11 +232,67 @@ mod tests {
         }
     }
 
+    /// The definition, in f64.
+    fn expected(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
+        let mut sums = vec![DVec3::ZERO; positions.len()];
+        for triangle in triangles {
+            let corners = triangle.map(|i| positions[i as usize].as_dvec3());
+            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+            for k in 0..3 {
+                let [at, next, last] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
+                sums[triangle[k] as usize] += normal * (next - at).angle_between(last - at);
+            }
+        }
+        sums.iter().map(|sum| sum.normalize()).collect()
+    }
+
+    /// A bumpy sheet in the given order of its rows, with long thin triangles where `step` is small.
+    fn sheet(size: u32, step: f32, row: impl Fn(u32) -> u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let height = |i: u32, j: u32| 0.5 * (0.7 * i as f32).sin() + 0.3 * (1.3 * j as f32).cos();
+        let mut positions = vec![Vec3::ZERO; (size * size) as usize];
+        let index = |i: u32, j: u32| row(i) * size + j;
+        let mut triangles = Vec::new();
+        for i in 0..size {
+            for j in 0..size {
+                positions[index(i, j) as usize] = Vec3::new(i as f32, step * j as f32, height(i, j));
+                if i + 1 < size && j + 1 < size {
+                    let [a, b, c, d] = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)];
+                    triangles.extend([[a, b, c], [a, c, d]]);
+                }
+            }
+        }
+        (positions, triangles)
+    }
+
     #[test]
-    fn angles_are_right_at_the_ends() {
-        let nearly = Vec3::new(1.0, 1e-4, 0.0).normalize();
-        assert!((angle_between(Vec3::X, nearly) - 1e-4).abs() < 1e-8);
-        assert!((PI - angle_between(-Vec3::X, nearly) - 1e-4).abs() < 1e-6);
-        assert!((angle_between(Vec3::X, Vec3::Y) - PI / 2.0).abs() < 1e-6);
+    fn normals_are_the_definitions() {
+        // A cross product of edges at an angle of 0.01 loses a hundredth of its seven digits.
+        for (step, tolerance) in [(1.0, 1e-5), (0.01, 3e-4)] {
+            let (positions, triangles) = sheet(16, step, |row| row);
+            let normals = angle_weighted_normals(&positions, &triangles);
+            for (normal, expected) in normals.iter().zip(expected(&positions, &triangles)) {
+                assert!(
+                    (normal.as_dvec3() - expected).length() < tolerance,
+                    "{step}: {normal} {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn sums_do_not_depend_on_the_number_of_threads() {
+        // In order, and with rows far from their neighbours, so that all threads meet all triangles.
+        for stride in [1, 37] {
+            let (positions, triangles) = sheet(80, 1.0, |row| row * stride % 80);
+            assert!(triangles.len() > FEWEST_TO_SHARE);
+            let [one, three] = [1, 3].map(|threads| {
+                let pool = rayon::ThreadPoolBuilder::new()
+                    .num_threads(threads)
+                    .build()
+                    .expect("a pool");
+                pool.install(|| angle_weighted_normals(&positions, &triangles))
+            });
+            assert_eq!(one, three);
+        }
     }
 }

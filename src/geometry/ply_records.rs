@@ -1,0 +1,120 @@
+//! Binary PLY elements whose records are all of one length, read by all threads at once: vertices without lists, and faces that are all
+//! triangles.
+//!
+//! It says only that something is odd (a fourth corner, an index out of range): then the reader that takes one number after the other has
+//! its turn, which knows what to say of it.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use super::ply_header::{Element, Kind, Scalar};
+
+/// Records that one thread reads in one go: far more work than it is to ask for it.
+const STRETCH: usize = 1 << 12;
+
+/// An element's records one after the other.
+pub(super) struct Records<'a> {
+    bytes: &'a [u8],
+    big_endian: bool,
+    length: usize,
+    /// Where each of the element's properties begins in a record.
+    offsets: Vec<usize>,
+}
+
+impl<'a> Records<'a> {
+    /// At the beginning of `body`, if a list has `items` items wherever there is one. `None` where there is a list all the same, or where the body is too
+    /// short.
+    pub fn new(element: &Element, items: Option<usize>, body: &'a [u8], big_endian: bool) -> Option<Self> {
+        let mut length = 0;
+        let mut offsets = Vec::with_capacity(element.properties.len());
+        for property in &element.properties {
+            offsets.push(length);
+            length += match property.kind {
+                Kind::Scalar(scalar) => scalar.size(),
+                Kind::List { count, item } => count.size() + items? * item.size(),
+            };
+        }
+        let whole = usize::try_from(element.count).ok()?.checked_mul(length)?;
+        (length > 0).then_some(Self {
+            bytes: body.get(..whole)?,
+            big_endian,
+            length,
+            offsets,
+        })
+    }
+
+    pub fn bytes(&self) -> &'a [u8] {
+        self.bytes
+    }
+
+    /// Calls `each` with every record in turn, as what gives the number of a property.
+    pub fn each(&self, mut each: impl FnMut(&dyn Fn(usize, Scalar) -> f64)) {
+        for record in self.bytes.chunks_exact(self.length) {
+            each(&|property, scalar| scalar.number(&record[self.offsets[property]..], self.big_endian));
+        }
+    }
+
+    /// Per record the vector of `N` properties.
+    pub fn vectors<const N: usize, V: From<[f32; N]> + Clone + Default + Send>(
+        &self,
+        properties: [(usize, Scalar); N],
+    ) -> Vec<V> {
+        let fields = properties.map(|(property, scalar)| (self.offsets[property], scalar));
+        let first = fields[0].0;
+        let in_a_row = (0..N).all(|i| fields[i] == (first + 4 * i, Scalar::F32));
+        if in_a_row {
+            return self.read(|record| self.words::<N>(&record[first..]).map(f32::from_bits).into());
+        }
+        let number =
+            |record: &[u8], (offset, scalar): (usize, Scalar)| scalar.number(&record[offset..], self.big_endian) as f32;
+        self.read(|record| fields.map(|field| number(record, field)).into())
+    }
+
+    /// The lists of property `list`, if all have three items that are indices below `vertex_count`.
+    pub fn triangles(&self, list: usize, count: Scalar, item: Scalar, vertex_count: u64) -> Option<Vec<[u32; 3]>> {
+        // Negative ones are then too large.
+        let count_of_indices = u32::try_from(vertex_count).ok().filter(|&count| count <= 1 << 31)?;
+        if !matches!(item, Scalar::I32 | Scalar::U32) {
+            return None;
+        }
+        let offset = self.offsets[list];
+        let is_odd = AtomicBool::new(false);
+        let triangle = |record: &[u8]| {
+            let list = &record[offset..];
+            let corners = self.words::<3>(&list[count.size()..]);
+            if count.number(list, self.big_endian) != 3.0 || corners.iter().any(|&corner| corner >= count_of_indices) {
+                is_odd.store(true, Ordering::Relaxed);
+            }
+            corners
+        };
+        let triangles = self.read(triangle);
+        (!is_odd.into_inner()).then_some(triangles)
+    }
+
+    /// What `read` makes of each record.
+    fn read<T: Clone + Default + Send>(&self, read: impl Fn(&[u8]) -> T + Sync) -> Vec<T> {
+        let mut all = vec![T::default(); self.bytes.len() / self.length];
+        all.par_chunks_mut(STRETCH)
+            .zip(self.bytes.par_chunks(STRETCH * self.length))
+            .for_each(|(some, bytes)| {
+                for (one, record) in some.iter_mut().zip(bytes.chunks_exact(self.length)) {
+                    *one = read(record);
+                }
+            });
+        all
+    }
+
+    /// Numbers of four bytes at the beginning of `bytes`; 0 beyond their end.
+    #[inline(always)]
+    fn words<const N: usize>(&self, bytes: &[u8]) -> [u32; N] {
+        let mut words = [0; N];
+        for (word, bytes) in words.iter_mut().zip(bytes.as_chunks::<4>().0) {
+            *word = u32::from_le_bytes(*bytes);
+            if self.big_endian {
+                *word = word.swap_bytes();
+            }
+        }
+        words
+    }
+}
