@@ -117,16 +117,40 @@ impl Warnings {
     const MOST_KINDS: usize = 32;
 
     pub fn add(&mut self, place: impl fmt::Display, message: &str) {
-        if let Some(known) = self.kinds.iter_mut().find(|kind| kind.message == message) {
-            known.count += 1;
-        } else if self.kinds.len() < Self::MOST_KINDS {
-            self.kinds.push(Kind {
+        match self.known(message) {
+            Some(known) => known.count += 1,
+            None => self.add_kind(Kind {
                 place: place.to_string(),
                 message: message.to_owned(),
                 count: 1,
-            });
+            }),
+        }
+    }
+
+    /// Adds those of what comes after.
+    pub fn append(&mut self, after: Self) {
+        for kind in after.kinds {
+            match self.known(&kind.message) {
+                Some(known) => known.count += kind.count,
+                None => self.add_kind(kind),
+            }
+        }
+        self.left_out += after.left_out;
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.kinds.is_empty()
+    }
+
+    fn known(&mut self, message: &str) -> Option<&mut Kind> {
+        self.kinds.iter_mut().find(|kind| kind.message == message)
+    }
+
+    fn add_kind(&mut self, kind: Kind) {
+        if self.kinds.len() < Self::MOST_KINDS {
+            self.kinds.push(kind);
         } else {
-            self.left_out += 1;
+            self.left_out += kind.count;
         }
     }
 

@@ -2,6 +2,7 @@
 
 pub mod attribute;
 pub mod cylinder;
+mod decimal;
 pub mod disk;
 pub mod local;
 pub mod mesh;
@@ -10,6 +11,8 @@ mod mtl;
 pub mod mtl_map;
 pub mod obj;
 mod obj_lines;
+mod obj_part;
+mod obj_vertices;
 pub mod ply;
 mod ply_attributes;
 mod ply_header;

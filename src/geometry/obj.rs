@@ -14,17 +14,33 @@ use std::collections::HashMap;
 use std::io;
 
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
 use super::mesh::{MeshData, MtlMaterial};
-use super::mesh_file::{LoadedMesh, MeshError, Place, Warnings, decode, excerpt};
+use super::mesh_file::{LoadedMesh, MeshError, Place, Warnings, excerpt};
 use super::mtl::{default_material, read_mtl};
-use super::obj_lines::{Lines, words};
+use super::obj_lines::stretches;
+use super::obj_part::{Corner, Counts, NONE, Part};
+use super::obj_vertices::SharedVertices;
 use super::polygon::triangulate;
-use super::vertex_normals::unit;
+use super::vertex_normals::{angle_weighted_normals, unit};
 
-/// Reads a whole OBJ file. `library` fetches the MTL files it names, relative to it, with `/` between folders; one that cannot be
+/// Reads a whole OBJ file by all threads. `library` fetches the MTL files it names, relative to it, with `/` between folders; one that cannot be
 /// had is a warning. Errors name the line.
 pub fn load_obj(bytes: &[u8], library: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>) -> Result<LoadedMesh, MeshError> {
+    load_in_stretches(bytes, STRETCH, library)
+}
+
+/// In bytes: enough for a thread to be busy with, little enough for all to end at once.
+const STRETCH: usize = 1 << 18;
+/// More libraries than any real file names, few enough to look for.
+const MOST_LIBRARIES: usize = 64;
+
+fn load_in_stretches(
+    bytes: &[u8],
+    length: usize,
+    library: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>,
+) -> Result<LoadedMesh, MeshError> {
     // Every statement takes two bytes, so all counts below fit 32 bits.
     if bytes.len() > u32::MAX as usize {
         return Err(MeshError::TooLarge {
@@ -33,7 +49,12 @@ pub fn load_obj(bytes: &[u8], library: &mut dyn FnMut(&str) -> io::Result<Vec<u8
         });
     }
     let mut warnings = Warnings::default();
-    let statements = Statements::read(bytes, library, &mut warnings)?;
+    let mut statements = Statements::read(
+        bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes),
+        length,
+        &mut warnings,
+    )?;
+    statements.add_libraries(library, &mut warnings);
     statements.check_indices()?;
     let mut mesh = statements.build(&mut warnings);
     if mesh.triangles.is_empty() {
@@ -46,251 +67,163 @@ pub fn load_obj(bytes: &[u8], library: &mut dyn FnMut(&str) -> io::Result<Vec<u8
     })
 }
 
-/// Stands for an index that a corner does not give, and for "no material yet".
-const NONE: u32 = u32::MAX;
-/// More libraries than any real file names, few enough to look for.
-const MOST_LIBRARIES: usize = 64;
-
-/// Indices from 0 into the file's positions, uvs and normals.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct Corner {
-    position: u32,
-    uv: u32,
-    normal: u32,
-}
-
-struct Face {
-    first_corner: u32,
-    corner_count: u32,
-    /// Index into the used names.
-    material: u32,
-    line: u32,
-}
-
 /// The file's statements as they stand.
-#[derive(Default)]
 struct Statements {
     positions: Vec<Vec3>,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
-    corners: Vec<Corner>,
-    faces: Vec<Face>,
-    used_names: Vec<String>,
+    /// The rest, in the order of the file.
+    parts: Vec<Part>,
     materials: Vec<MtlMaterial>,
 }
 
 impl Statements {
-    fn read(
-        bytes: &[u8],
-        library: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>,
-        warnings: &mut Warnings,
-    ) -> Result<Self, MeshError> {
-        let mut read = Self::default();
-        let mut index_of_name: HashMap<String, u32> = HashMap::new();
-        let mut material = NONE;
-        let mut libraries: Vec<String> = Vec::new();
-        for (line, text) in Lines::new(bytes) {
-            let place = Place::Line(line.into());
-            let mut rest = words(&text);
-            let Some(keyword) = rest.next() else { continue };
-            match keyword {
-                b"v" => {
-                    let position = Vec3::from(numbers(rest, place, &text, "three coordinates")?);
-                    if !position.is_finite() {
-                        return Err(MeshError::NotFinite { place });
-                    }
-                    read.positions.push(position);
-                }
-                b"vn" => read
-                    .normals
-                    .push(numbers(rest, place, &text, "three components of a normal")?.into()),
-                b"vt" => read.uvs.push(texture_coordinate(rest, place, &text)?),
-                b"f" | b"fo" => read.add_face(rest, line, material, warnings)?,
-                b"usemtl" => {
-                    let name = decode(argument(&text, keyword));
-                    material = match index_of_name.get(&*name) {
-                        Some(&known) => known,
-                        None => {
-                            let new = read.used_names.len() as u32;
-                            read.used_names.push(name.to_string());
-                            index_of_name.insert(name.into_owned(), new);
-                            new
-                        }
-                    };
-                }
-                b"mtllib" => {
-                    let names = decode(argument(&text, keyword)).replace('\\', "/");
-                    if libraries.contains(&names) {
-                        continue;
-                    }
-                    if libraries.len() == MOST_LIBRARIES {
-                        warnings.add(place, "further material libraries are ignored");
-                        continue;
-                    }
-                    read.add_libraries(&names, place, library, warnings);
-                    libraries.push(names);
-                }
-                b"o" | b"g" | b"s" | b"mg" | b"l" | b"p" => {}
-                _ => warnings.add(place, &format!("the statement {} is ignored", excerpt(keyword))),
-            }
-        }
-        Ok(read)
-    }
-
-    fn add_face<'a>(
-        &mut self,
-        words: impl Iterator<Item = &'a [u8]>,
-        line: u32,
-        material: u32,
-        warnings: &mut Warnings,
-    ) -> Result<(), MeshError> {
-        let place = Place::Line(line.into());
-        let first_corner = self.corners.len();
-        for word in words {
-            let mut indices = word.split(|&byte| byte == b'/');
-            let mut next = |what: &'static str, defined: usize| match indices.next() {
-                None | Some(b"") => Ok(NONE),
-                Some(text) => zero_based(text, what, defined, place),
-            };
-            let corner = Corner {
-                position: next("vertex", self.positions.len())?,
-                uv: next("texture coordinate", self.uvs.len())?,
-                normal: next("normal", self.normals.len())?,
-            };
-            if corner.position == NONE || indices.next().is_some() {
-                return Err(MeshError::syntax(
-                    place,
-                    "a corner such as 1, 1/2, 1//3 or 1/2/3",
-                    excerpt(word),
-                ));
-            }
-            self.corners.push(corner);
-        }
-        let corner_count = self.corners.len() - first_corner;
-        if corner_count < 3 {
-            self.corners.truncate(first_corner);
-            warnings.add(place, "a face with fewer than three corners is skipped");
-            return Ok(());
-        }
-        self.faces.push(Face {
-            first_corner: first_corner as u32,
-            corner_count: corner_count as u32,
-            material,
-            line,
+    fn read(text: &[u8], length: usize, warnings: &mut Warnings) -> Result<Self, MeshError> {
+        let texts = stretches(text, length);
+        let read = |(i, text): (usize, &&[u8])| Part::read(text, (i == 0).then_some(Counts::default()));
+        let mut parts: Vec<Part> = texts.par_iter().enumerate().map(read).collect();
+        let counts_before = parts.iter().scan(Counts::default(), |counts, part| {
+            let before = *counts;
+            *counts = before + part.counts();
+            Some(before)
         });
-        Ok(())
+        let counts_before: Vec<Counts> = counts_before.collect();
+        let readings = parts.par_iter_mut().zip(&texts).zip(counts_before);
+        readings.for_each(|((part, text), before)| part.follow(before, text));
+        for part in &mut parts {
+            if let Some(error) = part.error.take() {
+                return Err(error);
+            }
+            warnings.append(std::mem::take(&mut part.warnings));
+        }
+        Ok(Self {
+            positions: joined(&mut parts, |part| &mut part.positions),
+            uvs: joined(&mut parts, |part| &mut part.uvs),
+            normals: joined(&mut parts, |part| &mut part.normals),
+            parts,
+            materials: Vec::new(),
+        })
     }
 
-    /// `names` is one file name, spaces and all; or, if there is no such file, several.
-    fn add_libraries(
-        &mut self,
-        names: &str,
-        place: Place,
-        library: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>,
-        warnings: &mut Warnings,
-    ) {
-        let unreadable = |name: &str, error: io::Error| {
-            let name = excerpt(name.as_bytes());
-            format!("the material library {name} cannot be read: {error}")
-        };
-        let whole = names.trim_matches('"');
-        let several: Vec<&str> = names.split_whitespace().take(MOST_LIBRARIES).collect();
-        match library(whole) {
-            Ok(bytes) => self.materials.extend(read_mtl(&bytes, whole, warnings)),
-            Err(error) if several.len() < 2 => warnings.add(place, &unreadable(whole, error)),
-            Err(_) => {
-                for name in several {
-                    match library(name) {
-                        Ok(bytes) => self.materials.extend(read_mtl(&bytes, name, warnings)),
-                        Err(error) => warnings.add(place, &unreadable(name, error)),
-                    }
-                }
+    fn add_libraries(&mut self, library: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>, warnings: &mut Warnings) {
+        let mut known: Vec<String> = Vec::new();
+        for (line, names) in self.parts.iter_mut().flat_map(|part| part.libraries.drain(..)) {
+            let place = Place::Line(line.into());
+            if known.contains(&names) {
+                continue;
             }
+            if known.len() == MOST_LIBRARIES {
+                warnings.add(place, "further material libraries are ignored");
+                continue;
+            }
+            let materials = read_libraries(&names, place, library, warnings);
+            self.materials.extend(materials);
+            known.push(names);
         }
     }
 
     /// Indices may point forward, so they are checked when all is read. Texture coordinates and normals of a file that defines none at
     /// all are forgiven: [`Self::build`] leaves them out.
     fn check_indices(&self) -> Result<(), MeshError> {
-        for face in &self.faces {
-            for corner in self.corners_of(face) {
-                let pools = [
-                    ("vertex", corner.position, self.positions.len(), true),
-                    ("texture coordinate", corner.uv, self.uvs.len(), !self.uvs.is_empty()),
-                    ("normal", corner.normal, self.normals.len(), !self.normals.is_empty()),
-                ];
-                for (what, index, count, must_exist) in pools {
-                    if must_exist && index != NONE && index as usize >= count {
-                        return Err(MeshError::IndexOutOfRange {
-                            place: Place::Line(face.line.into()),
-                            what,
-                            index: i64::from(index) + 1,
-                            count: count as u64,
-                        });
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn corners_of(&self, face: &Face) -> &[Corner] {
-        &self.corners[face.first_corner as usize..][..face.corner_count as usize]
+        let forgiving = |count: usize| if count == 0 { usize::MAX } else { count };
+        let pools = [
+            ("vertex", self.positions.len()),
+            ("texture coordinate", forgiving(self.uvs.len())),
+            ("normal", forgiving(self.normals.len())),
+        ];
+        let error_of = |corner: &Corner, place: Place| {
+            let indices = [corner.position, corner.uv, corner.normal];
+            let mut both = indices.into_iter().zip(pools);
+            let (index, (what, count)) = both.find(|&(index, (_, count))| index != NONE && index as usize >= count)?;
+            Some(MeshError::IndexOutOfRange {
+                place,
+                what,
+                index: i64::from(index) + 1,
+                count: count as u64,
+            })
+        };
+        let first_error = |part: &Part| {
+            let mut errors = part.faces.iter().flat_map(|face| {
+                let corners = part.corners_of(face).iter();
+                corners.filter_map(|corner| error_of(corner, part.place_of(face)))
+            });
+            errors.next()
+        };
+        self.parts.par_iter().find_map_first(first_error).map_or(Ok(()), Err)
     }
 
     /// Everything but the materials. `material_of_triangle` holds nothing yet.
     fn build(&self, warnings: &mut Warnings) -> MeshData {
-        let mut mesh = MeshData::default();
-        let mut vertices = SharedVertices::new(self);
+        let mut vertices = SharedVertices::new(self.positions.len());
+        let ids: Vec<Vec<u32>> = self.parts.iter().map(|part| vertices.ids_of(&part.corners)).collect();
+        let parts = self.parts.par_iter().zip(ids);
+        let triangles: Vec<Vec<[u32; 3]>> = parts.map(|(part, ids)| self.triangles_of(part, &ids)).collect();
+        let mut mesh = MeshData {
+            triangles: triangles.concat(),
+            ..MeshData::default()
+        };
+        drop(triangles);
+
+        let sources = vertices.into_corners();
+        let position_of = |source: &Corner| self.positions[source.position as usize];
+        mesh.positions = sources.par_iter().map(position_of).collect();
+        if !self.uvs.is_empty() && sources.iter().any(|source| source.uv != NONE) {
+            let uv_of = |source: &Corner| self.uvs.get(source.uv as usize).copied().unwrap_or_default();
+            mesh.uvs = sources.par_iter().map(uv_of).collect();
+        }
+        self.add_normals(&mut mesh, &sources, warnings);
+        mesh
+    }
+
+    fn triangles_of(&self, part: &Part, ids: &[u32]) -> Vec<[u32; 3]> {
+        let mut triangles = Vec::with_capacity(part.corners.len() - 2 * part.faces.len());
         let mut outline = Vec::new();
-        let mut ids = Vec::new();
-        mesh.triangles.reserve(self.faces.len());
-        for face in &self.faces {
-            let corners = self.corners_of(face);
+        for face in &part.faces {
+            let ids = &ids[face.first_corner as usize..][..face.corner_count as usize];
+            if let &[a, b, c] = ids {
+                triangles.push([a, b, c]);
+                continue;
+            }
+            let corners = part.corners_of(face);
             outline.clear();
             outline.extend(corners.iter().map(|corner| self.positions[corner.position as usize]));
-            ids.clear();
-            ids.extend(corners.iter().map(|&corner| vertices.id_of(corner)));
-            triangulate(&outline, |triangle| mesh.triangles.push(triangle.map(|i| ids[i])));
+            triangulate(&outline, |triangle| triangles.push(triangle.map(|i| ids[i])));
         }
+        triangles
+    }
 
-        let sources = vertices.sources;
-        mesh.positions = sources
-            .iter()
-            .map(|source| self.positions[source.position as usize])
-            .collect();
-        if sources.iter().any(|source| source.uv != NONE) && !self.uvs.is_empty() {
-            let uv_of = |source: &Corner| self.uvs.get(source.uv as usize).copied().unwrap_or_default();
-            mesh.uvs = sources.iter().map(uv_of).collect();
+    fn add_normals(&self, mesh: &mut MeshData, sources: &[Corner], warnings: &mut Warnings) {
+        let given = |source: &Corner| unit(*self.normals.get(source.normal as usize)?);
+        let mut lacking = sources.len();
+        if !self.normals.is_empty() {
+            mesh.normals = sources
+                .par_iter()
+                .map(|source| given(source).unwrap_or(Vec3::NAN))
+                .collect();
+            lacking = mesh.normals.iter().filter(|normal| normal.is_nan()).count();
         }
-        let given = |source: &Corner| {
-            self.normals
-                .get(source.normal as usize)
-                .and_then(|&normal| unit(normal))
-        };
-        let lacking = sources.iter().filter(|source| given(source).is_none()).count();
-        if lacking > 0 {
-            mesh = mesh.with_vertex_normals();
-        } else {
-            mesh.normals = vec![Vec3::ZERO; sources.len()];
+        if lacking == 0 {
+            return;
         }
-        if lacking < sources.len() {
-            for (normal, source) in mesh.normals.iter_mut().zip(&sources) {
-                *normal = given(source).unwrap_or(*normal);
-            }
-            if lacking > 0 {
-                warnings.add(
-                    format_args!("{lacking} of {} vertices", sources.len()),
-                    "without a usable normal of their own get one computed from the triangles",
-                );
+        let computed = angle_weighted_normals(&mesh.positions, &mesh.triangles);
+        if lacking == sources.len() {
+            mesh.normals = computed;
+            return;
+        }
+        for (normal, computed) in mesh.normals.iter_mut().zip(computed) {
+            if normal.is_nan() {
+                *normal = computed;
             }
         }
-        mesh
+        warnings.add(
+            format_args!("{lacking} of {} vertices", sources.len()),
+            "without a usable normal of their own get one computed from the triangles",
+        );
     }
 
     fn assign_materials(mut self, mesh: &mut MeshData, warnings: &mut Warnings) -> Result<(), MeshError> {
         if self.materials.is_empty() {
-            if !self.used_names.is_empty() {
+            if self.parts.iter().any(|part| !part.used_names.is_empty()) {
                 warnings.add("usemtl", "materials are named, but there is no library that has any");
             }
             return Ok(());
@@ -305,30 +238,34 @@ impl Statements {
             stand_ins.push(default_material(name));
             self.materials.len() + stand_ins.len() - 1
         };
-        let mut index_of_used = Vec::with_capacity(self.used_names.len());
-        for name in &self.used_names {
-            index_of_used.push(index_of_name.get(name.as_str()).copied().unwrap_or_else(|| {
-                let quoted = excerpt(name.as_bytes());
-                warnings.add("usemtl", &format!("no library has the material {quoted}; it is grey"));
-                stand_in(name)
-            }));
+        // Per part and name it uses.
+        let mut indices: Vec<Vec<usize>> = Vec::with_capacity(self.parts.len());
+        for part in &self.parts {
+            let mut of_part = Vec::with_capacity(part.used_names.len());
+            for name in &part.used_names {
+                let index = index_of_name.entry(name).or_insert_with(|| {
+                    let quoted = excerpt(name.as_bytes());
+                    warnings.add("usemtl", &format!("no library has the material {quoted}; it is grey"));
+                    stand_in(name)
+                });
+                of_part.push(*index);
+            }
+            indices.push(of_part);
         }
-        let index_of_none = if self.faces.iter().any(|face| face.material == NONE) {
-            stand_in("")
-        } else {
-            0
-        };
-        for face in &self.faces {
-            let index = index_of_used
-                .get(face.material as usize)
-                .copied()
-                .unwrap_or(index_of_none);
-            let index = u16::try_from(index).map_err(|_| MeshError::TooLarge {
-                what: "the number of materials",
-                limit: u16::MAX.into(),
-            })?;
-            let triangles = face.corner_count as usize - 2;
-            mesh.material_of_triangle.extend(std::iter::repeat_n(index, triangles));
+        let mut index_of_none = None;
+        let mut current = None;
+        for (part, indices) in self.parts.iter().zip(&indices) {
+            for face in &part.faces {
+                let index = indices.get(face.material as usize).copied().or(current);
+                let index = index.unwrap_or_else(|| *index_of_none.get_or_insert_with(|| stand_in("")));
+                let index = u16::try_from(index).map_err(|_| MeshError::TooLarge {
+                    what: "the number of materials",
+                    limit: u16::MAX.into(),
+                })?;
+                let triangles = face.corner_count as usize - 2;
+                mesh.material_of_triangle.extend(std::iter::repeat_n(index, triangles));
+            }
+            current = indices.get(part.material as usize).copied().or(current);
         }
         self.materials.extend(stand_ins);
         mesh.materials = self.materials;
@@ -336,97 +273,112 @@ impl Statements {
     }
 }
 
-/// Gives each distinct corner one vertex, numbered by first use.
-struct SharedVertices {
-    /// The corner each vertex comes from.
-    sources: Vec<Corner>,
-    /// Per position the vertex that has neither uv nor normal: most files need no more than this.
-    plain: Vec<u32>,
-    others: HashMap<Corner, u32>,
-}
-
-impl SharedVertices {
-    fn new(file: &Statements) -> Self {
-        Self {
-            sources: Vec::with_capacity(file.positions.len().min(file.corners.len())),
-            plain: vec![NONE; file.positions.len()],
-            others: HashMap::new(),
-        }
+/// Takes an array from each part.
+fn joined<T>(parts: &mut [Part], array: impl Fn(&mut Part) -> &mut Vec<T>) -> Vec<T> {
+    let mut all = Vec::with_capacity(parts.iter_mut().map(|part| array(part).len()).sum());
+    for part in parts {
+        all.extend(std::mem::take(array(part)));
     }
-
-    fn id_of(&mut self, corner: Corner) -> u32 {
-        let next = self.sources.len() as u32;
-        let id = if corner.uv == NONE && corner.normal == NONE {
-            let known = &mut self.plain[corner.position as usize];
-            if *known == NONE {
-                *known = next;
-            }
-            *known
-        } else {
-            *self.others.entry(corner).or_insert(next)
-        };
-        if id == next {
-            self.sources.push(corner);
-        }
-        id
-    }
+    all
 }
 
-/// The text after the keyword, which may hold spaces.
-fn argument<'a>(text: &'a [u8], keyword: &[u8]) -> &'a [u8] {
-    text.trim_ascii_start()[keyword.len()..].trim_ascii()
-}
-
-fn numbers<'a, const N: usize>(
-    mut words: impl Iterator<Item = &'a [u8]>,
+/// The materials of the library or libraries: `names` is one file name, spaces and all; or, if there is no such file, several.
+fn read_libraries(
+    names: &str,
     place: Place,
-    line: &[u8],
-    expected: &str,
-) -> Result<[f32; N], MeshError> {
-    let mut numbers = [0.0; N];
-    for number in &mut numbers {
-        *number = words
-            .next()
-            .and_then(parse_number)
-            .ok_or_else(|| MeshError::syntax(place, expected, excerpt(line)))?;
-    }
-    Ok(numbers)
-}
-
-/// One to three numbers, of which two count. What is not finite becomes 0.
-fn texture_coordinate<'a>(
-    mut words: impl Iterator<Item = &'a [u8]>,
-    place: Place,
-    line: &[u8],
-) -> Result<Vec2, MeshError> {
-    let [u] = numbers(&mut words, place, line, "one to three texture coordinates")?;
-    let v = match words.next() {
-        None => 0.0,
-        Some(word) => parse_number(word)
-            .ok_or_else(|| MeshError::syntax(place, "one to three texture coordinates", excerpt(line)))?,
+    library: &mut dyn FnMut(&str) -> io::Result<Vec<u8>>,
+    warnings: &mut Warnings,
+) -> Vec<MtlMaterial> {
+    let unreadable = |name: &str, error: io::Error| {
+        let name = excerpt(name.as_bytes());
+        format!("the material library {name} cannot be read: {error}")
     };
-    let uv = Vec2::new(u, v);
-    Ok(if uv.is_finite() { uv } else { Vec2::ZERO })
+    let whole = names.trim_matches('"');
+    let several: Vec<&str> = names.split_whitespace().take(MOST_LIBRARIES).collect();
+    let mut materials = Vec::new();
+    match library(whole) {
+        Ok(bytes) => materials.extend(read_mtl(&bytes, whole, warnings)),
+        Err(error) if several.len() < 2 => warnings.add(place, &unreadable(whole, error)),
+        Err(_) => {
+            for name in several {
+                match library(name) {
+                    Ok(bytes) => materials.extend(read_mtl(&bytes, name, warnings)),
+                    Err(error) => warnings.add(place, &unreadable(name, error)),
+                }
+            }
+        }
+    }
+    materials
 }
 
-fn parse_number(word: &[u8]) -> Option<f32> {
-    std::str::from_utf8(word).ok()?.parse().ok()
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// An index of the file, from 1 or backwards from -1 with `defined` so far, as an index from 0; not yet checked against the whole file.
-fn zero_based(text: &[u8], what: &'static str, defined: usize, place: Place) -> Result<u32, MeshError> {
-    let index: i64 = std::str::from_utf8(text)
-        .ok()
-        .and_then(|text| text.parse().ok())
-        .ok_or_else(|| MeshError::syntax(place, format!("the index of a {what}"), excerpt(text)))?;
-    let from_zero = if index < 0 { defined as i64 + index } else { index - 1 };
-    match u32::try_from(from_zero) {
-        Ok(found) if found != NONE => Ok(found),
-        _ => Err(MeshError::IndexOutOfRange {
-            place,
-            what,
-            index,
-            count: defined as u64,
-        }),
+    /// Every turn of the format, with what a stretch cannot know alone: lines, materials in use, indices that count backwards.
+    const TRICKY: &str = "\u{feff}# tricky\r\nmtllib a.mtl\\\n b.mtl\r\nv 0 0 0\rv 1 0 0\nv 1 1 0 0.5 0.5 0.5\nv 0 1 \\\r\n0\nf 1 2 3\nusemtl red\n\
+        vt 0 0\nvt 1\nvt 1 1 1\nvt nan 1\nvn 0 0 1\nvn 0 0 0\nf 1/1 2/2 3/3 4/4\nf -4/-4/-2 -3/-3/-1 -2/-2/-2\ng one\n\nusemtl none\nodd 1\n\
+        f 9 10 11\nusemtl red\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nvn 0 0 2\nf -4//-1 -3//-1 -2//-1 -1//-1\nmtllib c.mtl\nf 1 2\ns off\n\
+        v 7 0 0\nv 8 0 1e-1\nv +7.5 1 0\nf -3 -2 -1 # end\nodd 2\nodder\nf -3 \\\n-2 \\\n-1\nf 5 6 7 8 \\\n11 # \\\nv 9 9 9\nf 11//2 10//3 9//1\n";
+
+    fn load(text: &str, length: usize) -> (Result<LoadedMesh, MeshError>, Vec<String>) {
+        let mut asked = Vec::new();
+        let mut library = |name: &str| {
+            asked.push(name.to_owned());
+            match name {
+                "c.mtl" => Ok(b"newmtl red\nKd 1 0 0\n".to_vec()),
+                _ => Err(io::ErrorKind::NotFound.into()),
+            }
+        };
+        let loaded = load_in_stretches(text.as_bytes(), length, &mut library);
+        (loaded, asked)
+    }
+
+    #[test]
+    fn stretches_of_any_length_give_the_same_mesh() {
+        let whole = load(TRICKY, usize::MAX);
+        let mesh = &whole.0.as_ref().expect("loads").mesh;
+        assert_eq!((mesh.triangles.len(), mesh.materials.len()), (13, 3));
+        assert_eq!(whole.1, ["a.mtl  b.mtl", "a.mtl", "b.mtl", "c.mtl"]);
+        for length in 0..TRICKY.len() {
+            assert_eq!(load(TRICKY, length), whole, "{length}");
+        }
+        for (ends, other) in [
+            ("\n", TRICKY.replace('\r', "")),
+            ("\r", TRICKY.replace("\r\n", "\n").replace('\n', "\r")),
+        ] {
+            let whole = load(&other, usize::MAX);
+            for length in 0..TRICKY.len() {
+                assert_eq!(load(&other, length), whole, "{ends:?} {length}");
+            }
+        }
+    }
+
+    #[test]
+    fn stretches_of_any_length_give_the_same_error() {
+        // Each line in turn is spoilt, and later ones too: the first error is the one to tell.
+        let lines: Vec<&str> = TRICKY.split_inclusive('\n').collect();
+        for wrong in [
+            "v 1 2 x\n",
+            "f -9 -1 -1\n",
+            "f 1 2 99\n",
+            "f 1 2 3/9\n",
+            "vn 1\n",
+            "v inf 0 0\n",
+            "f 1 a 2\n",
+        ] {
+            let mut errors = 0;
+            for at in 0..lines.len() {
+                let text = [&lines[..at], &[wrong], &lines[at..], &["f 99 99 99\nv x\n"]]
+                    .concat()
+                    .concat();
+                let whole = load(&text, usize::MAX);
+                errors += u32::from(whole.0.is_err());
+                for length in [0, 1, 7, 30, 100, text.len() / 2] {
+                    assert_eq!(load(&text, length), whole, "{wrong} {at} {length}");
+                }
+            }
+            assert_eq!(errors as usize, lines.len());
+        }
     }
 }

@@ -1,0 +1,311 @@
+//! Reads the statements of a stretch of an OBJ file as they stand.
+//!
+//! What a stretch says depends on those before it in little: the numbers of its lines, and what indices that count backwards mean. So
+//! stretches are read side by side, and those where that matters once more when it is known: see [`Part::follow`].
+
+use std::collections::HashMap;
+
+use glam::{Vec2, Vec3};
+
+use super::decimal::{leading_f32, leading_u32};
+use super::mesh_file::{MeshError, Place, Warnings, decode, excerpt};
+use super::obj_lines::{Lines, Words};
+
+/// Stands for an index that a corner does not give, and for "no material yet".
+pub const NONE: u32 = u32::MAX;
+
+/// Indices from 0 into the file's positions, uvs and normals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Corner {
+    pub position: u32,
+    pub uv: u32,
+    pub normal: u32,
+}
+
+pub struct Face {
+    pub first_corner: u32,
+    pub corner_count: u32,
+    /// Index into the names this part uses, or [`NONE`] before the first of them.
+    pub material: u32,
+    /// Of the part, from 1.
+    pub line: u32,
+}
+
+/// How much a text holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    pub lines: u32,
+    pub positions: usize,
+    pub uvs: usize,
+    pub normals: usize,
+}
+
+impl std::ops::Add for Counts {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            lines: self.lines + other.lines,
+            positions: self.positions + other.positions,
+            uvs: self.uvs + other.uvs,
+            normals: self.normals + other.normals,
+        }
+    }
+}
+
+#[derive(Default)]
+pub struct Part {
+    /// What the file holds before; nothing if that is not known yet.
+    before: Counts,
+    knows_before: bool,
+    /// The lines up to an error.
+    pub lines: u32,
+    pub positions: Vec<Vec3>,
+    pub uvs: Vec<Vec2>,
+    pub normals: Vec<Vec3>,
+    pub corners: Vec<Corner>,
+    pub faces: Vec<Face>,
+    pub used_names: Vec<String>,
+    /// The name that was used last as an index, or [`NONE`].
+    pub material: u32,
+    /// Lines and arguments of `mtllib`, from the first line of the file on.
+    pub libraries: Vec<(u32, String)>,
+    pub warnings: Warnings,
+    /// The first one; nothing is read after it.
+    pub error: Option<MeshError>,
+    /// Some indices are not known yet.
+    counts_backwards: bool,
+}
+
+impl Part {
+    /// `before`: what the file holds before `text`, if that is known.
+    pub fn read(text: &[u8], before: Option<Counts>) -> Self {
+        let mut part = Self {
+            before: before.unwrap_or_default(),
+            knows_before: before.is_some(),
+            material: NONE,
+            ..Self::default()
+        };
+        let mut index_of_name = HashMap::new();
+        let mut lines = Lines::new(text);
+        for (line, statement) in lines.by_ref() {
+            if let Err(error) = part.read_statement(&statement, line, &mut index_of_name) {
+                part.error = Some(error);
+                break;
+            }
+        }
+        part.lines = lines.taken();
+        part
+    }
+
+    pub fn counts(&self) -> Counts {
+        Counts {
+            lines: self.lines,
+            positions: self.positions.len(),
+            uvs: self.uvs.len(),
+            normals: self.normals.len(),
+        }
+    }
+
+    /// Makes this what it is after a text of `before`, given the text it was read from.
+    pub fn follow(&mut self, before: Counts, text: &[u8]) {
+        let matters =
+            self.counts_backwards || self.error.is_some() || !self.warnings.is_empty() || !self.libraries.is_empty();
+        if matters && !self.knows_before {
+            *self = Self::read(text, Some(before));
+        }
+        self.before = before;
+    }
+
+    pub fn corners_of(&self, face: &Face) -> &[Corner] {
+        &self.corners[face.first_corner as usize..][..face.corner_count as usize]
+    }
+
+    /// In the file.
+    pub fn place_of(&self, face: &Face) -> Place {
+        Place::Line((self.before.lines + face.line).into())
+    }
+
+    fn read_statement(
+        &mut self,
+        text: &[u8],
+        line: u32,
+        index_of_name: &mut HashMap<String, u32>,
+    ) -> Result<(), MeshError> {
+        let place = Place::Line((self.before.lines + line).into());
+        let mut words = Words::new(text);
+        let Some(keyword) = words.next() else {
+            return Ok(());
+        };
+        match keyword {
+            b"v" => {
+                let position = Vec3::from(numbers(&mut words, place, text, "three coordinates")?);
+                if !position.is_finite() {
+                    return Err(MeshError::NotFinite { place });
+                }
+                self.positions.push(position);
+            }
+            b"vn" => {
+                let normal = numbers(&mut words, place, text, "three components of a normal")?;
+                self.normals.push(normal.into());
+            }
+            b"vt" => self.uvs.push(texture_coordinate(&mut words, place, text)?),
+            b"f" | b"fo" => self.add_face(&mut words, line, place)?,
+            b"usemtl" => {
+                let name = decode(argument(text, keyword));
+                self.material = match index_of_name.get(&*name) {
+                    Some(&known) => known,
+                    None => {
+                        let new = self.used_names.len() as u32;
+                        self.used_names.push(name.to_string());
+                        index_of_name.insert(name.into_owned(), new);
+                        new
+                    }
+                };
+            }
+            b"mtllib" => {
+                let names = decode(argument(text, keyword)).replace('\\', "/");
+                self.libraries.push((self.before.lines + line, names));
+            }
+            b"o" | b"g" | b"s" | b"mg" | b"l" | b"p" => {}
+            _ => {
+                let message = format!("the statement {} is ignored", excerpt(keyword));
+                self.warnings.add(place, &message);
+            }
+        }
+        Ok(())
+    }
+
+    fn add_face(&mut self, words: &mut Words, line: u32, place: Place) -> Result<(), MeshError> {
+        let first_corner = self.corners.len();
+        loop {
+            let corner = match words.next_if(plain_corner) {
+                Some(corner) => corner,
+                None => match words.next() {
+                    Some(word) => self.corner(word, place)?,
+                    None => break,
+                },
+            };
+            self.corners.push(corner);
+        }
+        let corner_count = self.corners.len() - first_corner;
+        if corner_count < 3 {
+            self.corners.truncate(first_corner);
+            self.warnings
+                .add(place, "a face with fewer than three corners is skipped");
+            return Ok(());
+        }
+        self.faces.push(Face {
+            first_corner: first_corner as u32,
+            corner_count: corner_count as u32,
+            material: self.material,
+            line,
+        });
+        Ok(())
+    }
+
+    fn corner(&mut self, word: &[u8], place: Place) -> Result<Corner, MeshError> {
+        let mut indices = word.split(|&byte| byte == b'/');
+        let mut next = |what: &'static str, before: usize, here: usize| match indices.next() {
+            None | Some(b"") => Ok(NONE),
+            Some([b'-', ..]) if !self.knows_before => {
+                self.counts_backwards = true;
+                Ok(0)
+            }
+            Some(text) => zero_based(text, what, before + here, place),
+        };
+        let corner = Corner {
+            position: next("vertex", self.before.positions, self.positions.len())?,
+            uv: next("texture coordinate", self.before.uvs, self.uvs.len())?,
+            normal: next("normal", self.before.normals, self.normals.len())?,
+        };
+        if corner.position == NONE || indices.next().is_some() {
+            let expected = "a corner such as 1, 1/2, 1//3 or 1/2/3";
+            return Err(MeshError::syntax(place, expected, excerpt(word)));
+        }
+        Ok(corner)
+    }
+}
+
+/// The corner at the beginning of `text` and its length, if it is written as most are: in whole numbers from 1 on.
+#[inline]
+fn plain_corner(text: &[u8]) -> Option<(Corner, usize)> {
+    let mut indices = [NONE; 3];
+    let mut end = 0;
+    for (i, index) in indices.iter_mut().enumerate() {
+        if i > 0 {
+            match text.get(end) {
+                Some(b'/') => end += 1,
+                _ => break,
+            }
+        }
+        if let Some((number, length)) = leading_u32(&text[end..]) {
+            *index = number.checked_sub(1)?;
+            end += length;
+        }
+    }
+    let [position, uv, normal] = indices;
+    let corner = Corner { position, uv, normal };
+    (position != NONE).then_some((corner, end))
+}
+
+/// The text after the keyword, which may hold spaces.
+fn argument<'a>(text: &'a [u8], keyword: &[u8]) -> &'a [u8] {
+    text.trim_ascii_start()[keyword.len()..].trim_ascii()
+}
+
+#[inline]
+fn numbers<const N: usize>(
+    words: &mut Words,
+    place: Place,
+    line: &[u8],
+    expected: &str,
+) -> Result<[f32; N], MeshError> {
+    let mut numbers = [0.0; N];
+    for number in &mut numbers {
+        *number = next_number(words).ok_or_else(|| MeshError::syntax(place, expected, excerpt(line)))?;
+    }
+    Ok(numbers)
+}
+
+#[inline]
+fn next_number(words: &mut Words) -> Option<f32> {
+    words.next_if(leading_f32).or_else(|| parse_number(words.next()?))
+}
+
+fn parse_number(word: &[u8]) -> Option<f32> {
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// One to three numbers, of which two count. What is not finite becomes 0.
+fn texture_coordinate(words: &mut Words, place: Place, line: &[u8]) -> Result<Vec2, MeshError> {
+    const EXPECTED: &str = "one to three texture coordinates";
+    let [u] = numbers(words, place, line, EXPECTED)?;
+    let v = match words.next_if(leading_f32) {
+        Some(v) => v,
+        None => match words.next() {
+            None => 0.0,
+            Some(word) => parse_number(word).ok_or_else(|| MeshError::syntax(place, EXPECTED, excerpt(line)))?,
+        },
+    };
+    let uv = Vec2::new(u, v);
+    Ok(if uv.is_finite() { uv } else { Vec2::ZERO })
+}
+
+/// An index of the file, from 1 or backwards from -1 with `defined` so far, as an index from 0; not yet checked against the whole file.
+fn zero_based(text: &[u8], what: &'static str, defined: usize, place: Place) -> Result<u32, MeshError> {
+    let index: i64 = std::str::from_utf8(text)
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .ok_or_else(|| MeshError::syntax(place, format!("the index of a {what}"), excerpt(text)))?;
+    let from_zero = if index < 0 { defined as i64 + index } else { index - 1 };
+    match u32::try_from(from_zero) {
+        Ok(found) if found != NONE => Ok(found),
+        _ => Err(MeshError::IndexOutOfRange {
+            place,
+            what,
+            index,
+            count: defined as u64,
+        }),
+    }
+}
