@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
@@ -23,7 +23,7 @@ use obvhs::ray::RayHit;
 use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 use random::Random;
-use sunroom::accel::{Blas, SplitMethod};
+use sunroom::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
 use sunroom::geometry::{mesh::MeshData, obj::load_obj, ply::load_ply};
 use sunroom::math::Ray;
 use wavy_sphere::wavy_sphere;
@@ -48,6 +48,35 @@ impl Tracer for Blas {
 
     fn any(&self, rays: &[Ray]) -> usize {
         rays.iter().filter(|ray| self.occluded(black_box(ray))).count()
+    }
+}
+
+/// A scene of the mesh alone, whose rays go sixteen at a time.
+struct Together(Tlas);
+
+impl Together {
+    fn of(blas: &Blas) -> Result<Self, Failure> {
+        let mesh = Primitive::Mesh(Arc::new(blas.clone()));
+        let instance = Instance::new(mesh, Affine3A::IDENTITY).ok_or("not a place")?;
+        Ok(Self(Tlas::build(vec![instance], SplitMethod::Sah)))
+    }
+
+    fn count(rays: &[Ray], query: impl Fn(&[Ray; 16]) -> usize) -> usize {
+        // What is left over is not worth a measurement.
+        rays.as_chunks().0.iter().map(|rays| query(black_box(rays))).sum()
+    }
+}
+
+impl Tracer for Together {
+    fn closest(&self, rays: &[Ray]) -> usize {
+        Self::count(rays, |rays| {
+            let hits = self.0.intersect_many(rays, u32::MAX);
+            hits.iter().filter(|hit| hit.is_some()).count()
+        })
+    }
+
+    fn any(&self, rays: &[Ray]) -> usize {
+        Self::count(rays, |rays| self.0.occluded_many(rays, u32::MAX).count_ones() as usize)
     }
 }
 
@@ -191,6 +220,8 @@ impl Settings {
             .collect();
         let blas = self.compare_builds(name, &mesh, &triangles);
         let peers = if self.with_peers { peers(&triangles) } else { Vec::new() };
+        let together = Together::of(&blas)?;
+        let own: [&dyn Tracer; 2] = [&blas, &together];
         let sets = if sets.is_empty() {
             let primary = pinhole(&mesh);
             let bounce = bounces(&blas, &primary);
@@ -199,10 +230,10 @@ impl Settings {
             sets
         };
         for (set, rays) in &sets {
-            self.compare_rates(&format!("{set} closest"), &blas, &peers, rays, |tracer, rays| {
+            self.compare_rates(&format!("{set} closest"), own, &peers, rays, |tracer, rays| {
                 tracer.closest(rays)
             });
-            self.compare_rates(&format!("{set} any"), &blas, &peers, rays, |tracer, rays| {
+            self.compare_rates(&format!("{set} any"), own, &peers, rays, |tracer, rays| {
                 tracer.any(rays)
             });
         }
@@ -241,28 +272,34 @@ impl Settings {
     fn compare_rates(
         &self,
         what: &str,
-        blas: &Blas,
+        own: [&dyn Tracer; 2],
         peers: &[(String, Box<dyn Tracer>)],
         rays: &[Ray],
         query: fn(&dyn Tracer, &[Ray]) -> usize,
     ) {
-        let mut own = Vec::new();
+        let mut rates_of_own = [Vec::new(), Vec::new()];
         let mut others = vec![Vec::new(); peers.len()];
         for _ in 0..self.rounds {
-            own.push(rate(blas, rays, query));
+            for (tracer, rates) in own.iter().zip(&mut rates_of_own) {
+                rates.push(rate(*tracer, rays, query));
+            }
             for (peer, rates) in peers.iter().zip(&mut others) {
                 rates.push(rate(&*peer.1, rays, query));
             }
         }
-        let own = median(&mut own);
-        let hits = 100.0 * query(blas, rays) as f64 / rays.len() as f64;
-        print!("  {what}: {own:.2} Mrays/s ({hits:.1} % hit)");
+        let [alone, together] = rates_of_own.each_mut().map(|rates| median(rates));
+        let hits = 100.0 * query(own[0], rays) as f64 / rays.len() as f64;
+        print!("  {what}: {alone:.2} Mrays/s alone, {together:.2} sixteen together ({hits:.1} % hit)");
         let best = peers
             .iter()
             .zip(&mut others)
             .map(|((layout, _), rates)| (median(rates), layout));
         match best.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((best, layout)) => println!(", obvhs {best:.2} ({layout}), ratio {:.2}", own / best),
+            Some((best, layout)) => println!(
+                ", obvhs {best:.2} ({layout}), ratios {:.2} and {:.2}",
+                alone / best,
+                together / best
+            ),
             None => println!(),
         }
     }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
+use super::node::Child;
 use super::packet::{LANES, PacketRay, TrianglePacket};
 use super::traverse::Steps;
 use crate::geometry::mesh::MeshData;
@@ -17,7 +18,7 @@ use crate::math::{Aabb, Ray};
 #[derive(Clone, Debug)]
 pub struct Blas {
     mesh: Arc<MeshData>,
-    bvh: Bvh,
+    pub(super) bvh: Bvh,
     packets: Vec<TrianglePacket>,
 }
 
@@ -116,8 +117,16 @@ impl Blas {
         })
     }
 
+    /// Asks for the memory of the first triangles of the leaf `child`.
     #[inline(always)]
-    fn packets_of(&self, range: Range<usize>) -> &[TrianglePacket] {
+    pub(super) fn prefetch(&self, child: Child) {
+        if let Some(packet) = self.packets.get(child.index()) {
+            packet.prefetch();
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn packets_of(&self, range: Range<usize>) -> &[TrianglePacket] {
         &self.packets[range.start / LANES..range.end.div_ceil(LANES)]
     }
 }

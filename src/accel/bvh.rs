@@ -70,6 +70,14 @@ impl Bvh {
         start..start + self.linear.unwrap_or(child.count())
     }
 
+    /// Asks for the memory of the node `child`.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, child: Child) {
+        if let Some(node) = self.nodes.get(child.index()) {
+            node.prefetch();
+        }
+    }
+
     /// Primitive indices in leaf order; `u32::MAX` fills a leaf up to its size.
     pub fn order(&self) -> &[u32] {
         &self.order

@@ -127,10 +127,7 @@ impl Instance {
                 let MeshHit { t, triangle, u, v } = blas.closest::<COUNT>(ray, steps)?;
                 Some((LocalHit { t, u, v }, triangle))
             }
-            Primitive::Sphere => sphere::intersect(ray).map(|hit| (hit, 0)),
-            Primitive::Rectangle => rectangle::intersect(ray).map(|hit| (hit, 0)),
-            Primitive::Disk => disk::intersect(ray).map(|hit| (hit, 0)),
-            Primitive::Cylinder => cylinder::intersect(ray).map(|hit| (hit, 0)),
+            shape => shape.intersect(ray).map(|hit| (hit, 0)),
         }
     }
 
@@ -139,10 +136,21 @@ impl Instance {
         let ray = &self.local_ray(ray);
         match &self.primitive {
             Primitive::Mesh(blas) => blas.occluded(ray),
-            Primitive::Sphere => sphere::intersect(ray).is_some(),
-            Primitive::Rectangle => rectangle::intersect(ray).is_some(),
-            Primitive::Disk => disk::intersect(ray).is_some(),
-            Primitive::Cylinder => cylinder::intersect(ray).is_some(),
+            shape => shape.intersect(ray).is_some(),
+        }
+    }
+}
+
+impl Primitive {
+    /// The nearest hit of a local ray; `None` for a mesh, which has a hierarchy to walk.
+    #[inline(always)]
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<LocalHit> {
+        match self {
+            Self::Mesh(_) => None,
+            Self::Sphere => sphere::intersect(ray),
+            Self::Rectangle => rectangle::intersect(ray),
+            Self::Disk => disk::intersect(ray),
+            Self::Cylinder => cylinder::intersect(ray),
         }
     }
 }

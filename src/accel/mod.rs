@@ -9,6 +9,8 @@ mod build;
 mod bvh;
 mod collapse;
 mod instance;
+mod many;
+mod memory;
 mod node;
 mod order;
 mod packet;

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use wide::f32x8;
 
+use super::memory::prefetch;
 use crate::geometry::triangle::volumes;
 use crate::math::Ray;
 
@@ -11,7 +12,7 @@ type Lanes = f32x8;
 
 /// Corners in structure-of-arrays form. Unused lanes repeat one point, which no ray hits.
 #[derive(Clone, Debug)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub(super) struct TrianglePacket {
     /// `corners[corner][axis]`, a triangle per lane.
     corners: [[Lanes; 3]; 3],
@@ -27,18 +28,18 @@ pub(super) struct PacketHit {
     pub v: f32,
 }
 
-/// A ray, repeated in every lane.
+/// A ray as the packet test wants it.
 pub(super) struct PacketRay {
-    origin: [Lanes; 3],
-    dir: [Lanes; 3],
+    origin: [f32; 3],
+    dir: [f32; 3],
 }
 
 impl PacketRay {
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         Self {
-            origin: ray.origin.to_array().map(Lanes::splat),
-            dir: ray.dir.to_array().map(Lanes::splat),
+            origin: ray.origin.to_array(),
+            dir: ray.dir.to_array(),
         }
     }
 }
@@ -61,7 +62,7 @@ impl TrianglePacket {
     /// Ray parameters, weights, and a bit for each lane whose triangle is met within 0 < t < t_max.
     #[inline(always)]
     fn test(&self, ray: &PacketRay, t_max: f32) -> (Lanes, [Lanes; 3], u32) {
-        let volumes = volumes(ray.origin, ray.dir, self.corners);
+        let volumes = volumes(ray.origin.map(Lanes::splat), ray.dir.map(Lanes::splat), self.corners);
         let [u, v, w] = volumes.weights;
         let zero = Lanes::ZERO;
         let lowest = u.fast_min(v).fast_min(w);
@@ -100,6 +101,13 @@ impl TrianglePacket {
             u: weights[1][nearest] / sum,
             v: weights[2][nearest] / sum,
         })
+    }
+
+    /// Asks for its memory.
+    #[inline(always)]
+    pub fn prefetch(&self) {
+        // Of the vectors each second one begins a cache line.
+        self.corners.as_flattened().iter().step_by(2).for_each(prefetch);
     }
 
     #[inline(always)]

@@ -24,7 +24,7 @@ pub struct Tlas {
     first_shape: Vec<usize>,
     placements: Vec<Placement>,
     /// Over the instances and, counted on from them, the placements.
-    bvh: Bvh,
+    pub(super) bvh: Bvh,
 }
 
 /// A hit in the world.
@@ -160,7 +160,7 @@ impl Tlas {
     }
 
     #[inline(always)]
-    fn group_of(&self, placement: &Placement) -> &Tlas {
+    pub(super) fn group_of(&self, placement: &Placement) -> &Tlas {
         &self.groups[placement.group as usize]
     }
 

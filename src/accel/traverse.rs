@@ -2,11 +2,12 @@
 
 use std::ops::{AddAssign, Range};
 
-use arrayvec::ArrayVec;
+use arrayvec::{ArrayVec, CapacityError};
+use wide::f32x8;
 
 use super::build::MAX_DEPTH;
 use super::bvh::Bvh;
-use super::node::{Child, RaySlabs, WIDTH};
+use super::node::{Child, Node, RaySlabs, WIDTH};
 use super::order::far_to_near;
 use crate::math::Ray;
 
@@ -33,6 +34,24 @@ impl AddAssign for Steps {
 /// Stack entries for the deepest hierarchy: every node on the way down leaves at most all but one of its children behind. The last pushes
 /// all its slots, those that are not met on top.
 const STACK: usize = MAX_DEPTH * (WIDTH - 1) + WIDTH;
+
+/// Puts the children that are met onto a stack, the nearest on top, each below the bits of where the ray enters. It fails if less than
+/// [`WIDTH`] places are left, and then does nothing.
+#[inline(always)]
+pub(super) fn push_sorted<const ROOM: usize>(
+    node: &Node,
+    enter: f32x8,
+    met: f32x8,
+    waiting: &mut ArrayVec<u64, ROOM>,
+) -> Result<(), CapacityError> {
+    let sorted = far_to_near(enter, met, node.children.each_ref().map(|child| child.0));
+    let height = waiting.len() + met.to_bitmask().count_ones() as usize;
+    let pushed: [u64; WIDTH] =
+        std::array::from_fn(|lane| u64::from(sorted.entries[lane].to_bits()) << 32 | u64::from(sorted.children[lane]));
+    waiting.try_extend_from_slice(&pushed)?;
+    waiting.truncate(height);
+    Ok(())
+}
 
 impl Bvh {
     /// Visits every leaf that may hold a hit, roughly from near to far. `leaf` gets a range of [`Bvh::order`] and the distance within
@@ -89,14 +108,8 @@ impl Bvh {
                     met &= met - 1;
                 }
             } else if count > 1 {
-                let sorted = far_to_near(enter, met, node.children.each_ref().map(|child| child.0));
-                let height = waiting.len() + count;
-                let pushed: [u64; WIDTH] = std::array::from_fn(|lane| {
-                    u64::from(sorted.entries[lane].to_bits()) << 32 | u64::from(sorted.children[lane])
-                });
                 // The stack is deep enough by construction.
-                let _ = waiting.try_extend_from_slice(&pushed);
-                waiting.truncate(height);
+                let _ = push_sorted(node, enter, met, &mut waiting);
             }
             current = loop {
                 let Some(top) = waiting.pop() else {

@@ -1,0 +1,351 @@
+//! Rays walked several at a time, a step of each in turn: while the memory that one needs is on its way, the others work. In large scenes
+//! most of a lone ray's time is waiting.
+//!
+//! Each ray takes the very steps that it would take alone. Those at inner nodes are taken together, those at triangles and those at
+//! shapes, so that the processor has little to guess.
+
+use arrayvec::ArrayVec;
+
+use super::blas::Blas;
+use super::bvh::Bvh;
+use super::instance::Primitive;
+use super::node::{Child, RaySlabs};
+use super::packet::PacketRay;
+use super::tlas::{Hit, Tlas};
+use super::traverse::push_sorted;
+use crate::math::Ray;
+
+impl Tlas {
+    /// [`Tlas::intersect`] of each ray whose bit is set in `active`, `None` for the others. `N` is at most 32.
+    pub fn intersect_many<const N: usize>(&self, rays: &[Ray; N], active: u32) -> [Option<Hit>; N] {
+        let mut hits = [None; N];
+        self.walk_many::<false, N>(rays, active, |index, walk| {
+            hits[index] = if walk.lost {
+                self.intersect(&rays[index])
+            } else {
+                walk.hit
+            };
+        });
+        hits
+    }
+
+    /// [`Tlas::occluded`] of each ray whose bit is set in `active`; the others' bits are zero. `N` is at most 32.
+    pub fn occluded_many<const N: usize>(&self, rays: &[Ray; N], active: u32) -> u32 {
+        let mut occluded = 0;
+        self.walk_many::<true, N>(rays, active, |index, walk| {
+            let hit = if walk.lost {
+                self.occluded(&rays[index])
+            } else {
+                walk.hit.is_some()
+            };
+            occluded |= u32::from(hit) << index;
+        });
+        occluded
+    }
+
+    /// With `ANY` a walk ends at its first hit.
+    #[inline(always)]
+    fn walk_many<const ANY: bool, const N: usize>(
+        &self,
+        rays: &[Ray; N],
+        active: u32,
+        mut finish: impl FnMut(usize, &Walk<ANY>),
+    ) {
+        const { assert!(N <= u32::BITS as usize) };
+        let mut walks: [Walk<ANY>; N] = std::array::from_fn(|index| Walk::new(self, &rays[index]));
+        let mut turns = Turns::default();
+        for (index, walk) in walks.iter_mut().enumerate() {
+            if active >> index & 1 == 1 {
+                walk.begin();
+                turns.give(index, walk.go_on());
+            }
+        }
+        while !turns.is_empty() {
+            let now = std::mem::take(&mut turns);
+            for index in now.at_nodes {
+                let walk = &mut walks[index as usize];
+                walk.visit_node();
+                turns.give(index as usize, walk.go_on());
+            }
+            let asked = turns.prefetch(&walks, [0; 2]);
+            for index in now.at_triangles {
+                let walk = &mut walks[index as usize];
+                walk.visit_triangles();
+                turns.give(index as usize, walk.go_on());
+            }
+            for index in now.at_shapes {
+                let walk = &mut walks[index as usize];
+                walk.visit_shape();
+                turns.give(index as usize, walk.go_on());
+            }
+            turns.prefetch(&walks, asked);
+        }
+        for (index, walk) in walks.iter().enumerate() {
+            finish(index, walk);
+        }
+    }
+}
+
+/// What a ray visits next.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Node,
+    Triangles,
+    Shape,
+    Nowhere,
+}
+
+/// The rays that have a step to take, by where.
+#[derive(Default)]
+struct Turns<const N: usize> {
+    at_nodes: ArrayVec<u8, N>,
+    at_triangles: ArrayVec<u8, N>,
+    at_shapes: ArrayVec<u8, N>,
+}
+
+impl<const N: usize> Turns<N> {
+    #[inline(always)]
+    fn give(&mut self, index: usize, place: Place) {
+        // All lists get it and all but one forget it, which needs no guess.
+        let give = |list: &mut ArrayVec<u8, N>, here: bool| {
+            let len = list.len();
+            list.push(index as u8);
+            list.truncate(len + usize::from(here));
+        };
+        give(&mut self.at_nodes, place == Place::Node);
+        give(&mut self.at_triangles, place == Place::Triangles);
+        give(&mut self.at_shapes, place == Place::Shape);
+    }
+
+    fn is_empty(&self) -> bool {
+        self.at_nodes.is_empty() && self.at_triangles.is_empty() && self.at_shapes.is_empty()
+    }
+
+    /// Asks for the memory of the nodes and triangles after the first `asked` of each, and says how many there are.
+    #[inline(always)]
+    fn prefetch<const ANY: bool>(&self, walks: &[Walk<ANY>; N], asked: [usize; 2]) -> [usize; 2] {
+        for &index in self.at_nodes.iter().skip(asked[0]) {
+            let walk = &walks[index as usize];
+            walk.level.bvh.prefetch(walk.next);
+        }
+        for &index in self.at_triangles.iter().skip(asked[1]) {
+            let walk = &walks[index as usize];
+            if let Some(mesh) = walk.level.mesh {
+                mesh.prefetch(walk.next);
+            }
+        }
+        [self.at_nodes.len(), self.at_triangles.len()]
+    }
+}
+
+/// A ray in one space: the world, a group in it, or a mesh in either.
+#[derive(Clone, Copy)]
+struct Level<'a> {
+    /// The world or the group.
+    scene: &'a Tlas,
+    mesh: Option<&'a Blas>,
+    /// The mesh's, or else the scene's.
+    bvh: &'a Bvh,
+    ray: Ray,
+    slabs: RaySlabs,
+    /// How many children wait in the spaces around.
+    floor: usize,
+    /// Which in the world the group is.
+    placement: Option<u32>,
+    /// Which in the scene the mesh is.
+    shape: u32,
+}
+
+/// Children that may wait in all spaces together; those of a million triangles are about fifty at most.
+const WAITING: usize = 96;
+
+struct Walk<'a, const ANY: bool> {
+    level: Level<'a>,
+    around: ArrayVec<Level<'a>, 2>,
+    /// As a lone ray's, those of inner spaces on top.
+    waiting: ArrayVec<u64, WAITING>,
+    next: Child,
+    t_max: f32,
+    hit: Option<Hit>,
+    /// The ray needs more than there is room for, and must go alone.
+    lost: bool,
+}
+
+impl<'a, const ANY: bool> Walk<'a, ANY> {
+    /// Of a ray that goes nowhere yet.
+    #[inline(always)]
+    fn new(scene: &'a Tlas, ray: &Ray) -> Self {
+        Self {
+            level: Level {
+                scene,
+                mesh: None,
+                bvh: &scene.bvh,
+                ray: *ray,
+                slabs: RaySlabs::default(),
+                floor: 0,
+                placement: None,
+                shape: 0,
+            },
+            around: ArrayVec::new(),
+            waiting: ArrayVec::new(),
+            next: Child::ROOT,
+            t_max: ray.t_max,
+            hit: None,
+            lost: false,
+        }
+    }
+
+    #[inline(always)]
+    fn begin(&mut self) {
+        if let Some(slabs) = RaySlabs::new(&self.level.ray) {
+            self.level.slabs = slabs;
+            self.waiting.push(u64::from(Child::ROOT.0));
+        }
+    }
+
+    /// Into a space within the present one.
+    #[inline(always)]
+    fn enter(&mut self, inner: Level<'a>) {
+        let Some(slabs) = RaySlabs::new(&inner.ray) else {
+            return;
+        };
+        let floor = self.waiting.len();
+        let outer = std::mem::replace(&mut self.level, Level { slabs, floor, ..inner });
+        self.lost |= self.around.try_push(outer).is_err();
+        self.lost |= self.waiting.try_push(u64::from(Child::ROOT.0)).is_err();
+    }
+
+    /// To the nearest that waits, out of spaces where nothing does.
+    #[inline(always)]
+    fn go_on(&mut self) -> Place {
+        if self.lost || ANY && self.hit.is_some() {
+            return Place::Nowhere;
+        }
+        loop {
+            if self.waiting.len() == self.level.floor {
+                let Some(outer) = self.around.pop() else {
+                    return Place::Nowhere;
+                };
+                self.level = outer;
+                continue;
+            }
+            let Some(top) = self.waiting.pop() else {
+                return Place::Nowhere;
+            };
+            if f32::from_bits((top >> 32) as u32) > self.t_max {
+                continue;
+            }
+            self.next = Child(top as u32);
+            return match (self.next.is_leaf(), self.level.mesh) {
+                (false, _) => Place::Node,
+                (true, Some(_)) => Place::Triangles,
+                (true, None) => Place::Shape,
+            };
+        }
+    }
+
+    #[inline(always)]
+    fn visit_node(&mut self) {
+        let node = &self.level.bvh.nodes[self.next.index()];
+        let (enter, met) = node.entries(&self.level.slabs, self.t_max);
+        self.lost |= push_sorted(node, enter, met, &mut self.waiting).is_err();
+    }
+
+    #[inline(always)]
+    fn visit_triangles(&mut self) {
+        let Some(mesh) = self.level.mesh else {
+            return;
+        };
+        let lanes = PacketRay::new(&self.level.ray);
+        for packet in mesh.packets_of(mesh.bvh.leaf_range(self.next)) {
+            if let Some(found) = packet.closest(&lanes, self.t_max) {
+                self.take(self.level.shape, found.triangle, found.t, [found.u, found.v]);
+            }
+        }
+    }
+
+    /// Out of line as in [`Tlas::intersect`]: most steps are within meshes.
+    #[inline(never)]
+    fn visit_shape(&mut self) {
+        let level = self.level;
+        let &[item] = &level.bvh.order()[level.bvh.leaf_range(self.next)] else {
+            // A linear list.
+            self.lost = true;
+            return;
+        };
+        let ray = Ray {
+            t_max: self.t_max,
+            ..level.ray
+        };
+        let Some(shape) = level.scene.instances().get(item as usize) else {
+            let placement = &level.scene.placements()[item as usize - level.scene.instances().len()];
+            let group = level.scene.group_of(placement);
+            self.enter(Level {
+                scene: group,
+                bvh: &group.bvh,
+                ray: placement.group_ray(&ray),
+                placement: Some(item),
+                ..level
+            });
+            return;
+        };
+        let ray = shape.local_ray(&ray);
+        if let Primitive::Mesh(mesh) = &shape.primitive {
+            self.enter(Level {
+                mesh: Some(mesh),
+                bvh: mesh.bvh(),
+                ray,
+                shape: item,
+                ..level
+            });
+        } else if let Some(hit) = shape.primitive.intersect(&ray) {
+            self.take(item, 0, hit.t, [hit.u, hit.v]);
+        }
+    }
+
+    #[inline(always)]
+    fn take(&mut self, shape: u32, primitive: u32, t: f32, [u, v]: [f32; 2]) {
+        self.t_max = t;
+        self.hit = Some(Hit {
+            t,
+            instance: self.level.placement.unwrap_or(shape),
+            member: self.level.placement.map_or(0, |_| shape),
+            primitive,
+            u,
+            v,
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Affine3A, Vec3};
+
+    use super::*;
+    use crate::accel::{Instance, SplitMethod};
+
+    /// Ever larger spheres away from the ray's origin, whose boxes it meets and whose surfaces it does not, and one that it hits behind
+    /// them: their tree is a chain.
+    #[test]
+    fn rays_that_need_too_much_room_go_alone() {
+        let sphere = |center: Vec3, radius: f32| {
+            let placed = Affine3A::from_translation(center) * Affine3A::from_scale(Vec3::splat(radius));
+            Instance::new(Primitive::Sphere, placed).unwrap()
+        };
+        let mut shapes: Vec<Instance> = (0..110)
+            .map(|power| 2f32.powi(power - 50))
+            .map(|size| sphere(size * Vec3::X, 0.3 * size))
+            .collect();
+        let dir = Vec3::new(1.0, 0.28, 0.28);
+        shapes.push(sphere(2f32.powi(61) * dir, 2f32.powi(58)));
+        let scene = Tlas::build(shapes, SplitMethod::Sah);
+        let rays = [Ray::new(Vec3::ZERO, dir), Ray::new(Vec3::ZERO, -dir)];
+        let mut lost = [false; 2];
+        scene.walk_many::<false, 2>(&rays, 3, |index, walk| lost[index] = walk.lost);
+        assert_eq!(lost, [true, false]);
+        let alone = rays.map(|ray| scene.intersect(&ray));
+        assert_eq!(alone.map(|hit| hit.map(|hit| hit.instance)), [Some(110), None]);
+        assert_eq!(scene.intersect_many(&rays, 3), alone);
+        assert_eq!(scene.occluded_many(&rays, 3), 1);
+    }
+}

@@ -1,0 +1,98 @@
+//! Rays that are walked together get the answers that they get alone.
+
+#[path = "accel_support/random.rs"]
+mod random;
+#[path = "accel_support/wavy_sphere.rs"]
+mod wavy_sphere;
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Quat, Vec3};
+use random::Random;
+use sunroom::accel::{Blas, Instance, Placement, Primitive, SplitMethod, Tlas};
+use sunroom::math::Ray;
+use wavy_sphere::wavy_sphere;
+
+fn transform(random: &mut Random, size: f32) -> Affine3A {
+    let scale = size * (0.5 + Vec3::new(random.unit(), random.unit(), random.unit()));
+    let rotation = Quat::from_axis_angle(random.direction(), 6.0 * random.unit());
+    Affine3A::from_scale_rotation_translation(scale, rotation, 2.0 * random.in_cube())
+}
+
+/// Every kind of shape, the mesh of 1800 triangles among them.
+fn shapes(count: usize, size: f32, random: &mut Random) -> Vec<Instance> {
+    let mesh = Primitive::Mesh(Arc::new(Blas::build(Arc::new(wavy_sphere(30)), SplitMethod::Sah)));
+    let kinds = [
+        mesh,
+        Primitive::Sphere,
+        Primitive::Rectangle,
+        Primitive::Disk,
+        Primitive::Cylinder,
+    ];
+    let kinds = kinds.iter().cycle().take(count);
+    kinds
+        .map(|kind| Instance::new(kind.clone(), transform(random, size)).unwrap())
+        .collect()
+}
+
+/// Through the middle and past it, some short, along axes, or no rays at all.
+fn ray(random: &mut Random) -> Ray {
+    let origin = 3.0 * random.in_cube();
+    let mut ray = Ray::new(origin, random.in_cube() - origin);
+    match random.next_u32() % 8 {
+        0 => ray.t_max = random.unit(),
+        1 => ray.dir = Vec3::new(0.0, -0.0, -1.0),
+        2 => ray.dir = random.direction(),
+        3 if random.unit() < 0.2 => ray.dir = Vec3::ZERO,
+        4 if random.unit() < 0.2 => ray.origin.x = f32::NAN,
+        5 if random.unit() < 0.2 => ray.t_max = 0.0,
+        _ => {}
+    }
+    ray
+}
+
+fn check<const N: usize>(name: &str, scene: &Tlas, random: &mut Random) {
+    let (mut met, mut missed) = (0, 0);
+    for round in 0..400 {
+        let rays: [Ray; N] = std::array::from_fn(|_| ray(random));
+        let active = if round % 3 == 0 { random.next_u32() } else { u32::MAX };
+        let is_active = |index: usize| active >> index & 1 == 1;
+        let hits = scene.intersect_many(&rays, active);
+        let occluded = scene.occluded_many(&rays, active);
+        for (index, ray) in rays.iter().enumerate() {
+            let alone = scene.intersect(ray).filter(|_| is_active(index));
+            assert_eq!(hits[index], alone, "{name}: {ray:?}");
+            let alone = is_active(index) && scene.occluded(ray);
+            assert_eq!(occluded >> index & 1 == 1, alone, "{name}: {ray:?}");
+            met += usize::from(alone);
+            missed += usize::from(!alone);
+        }
+        assert_eq!(u64::from(occluded) >> N, 0);
+    }
+    assert!(met > 40 && missed > 40, "{name}: {met} of {}", met + missed);
+}
+
+#[test]
+fn rays_together_get_the_answers_they_get_alone() {
+    let random = &mut Random::new(5);
+    for method in [SplitMethod::Sah, SplitMethod::Median, SplitMethod::Linear] {
+        for count in [1, 5, 60] {
+            let scene = Tlas::build(shapes(count, 0.4, random), method);
+            check::<16>(&format!("{count} shapes, {method:?}"), &scene, random);
+        }
+        let groups = vec![
+            Arc::new(Tlas::build(shapes(12, 0.3, random), method)),
+            Arc::new(Tlas::build(shapes(1, 0.5, random), SplitMethod::Sah)),
+        ];
+        let placed = (0..30)
+            .map(|i| Placement::new(i % 2, &transform(random, 0.2)).unwrap())
+            .collect();
+        let scene = Tlas::with_placements(shapes(7, 0.2, random), groups, placed, SplitMethod::Sah);
+        check::<5>(&format!("groups, {method:?}"), &scene, random);
+        check::<32>(&format!("groups, {method:?}"), &scene, random);
+    }
+    assert_eq!(
+        Tlas::build(Vec::new(), SplitMethod::Sah).intersect_many(&[Ray::new(Vec3::ZERO, Vec3::X); 3], 7),
+        [None; 3]
+    );
+}
