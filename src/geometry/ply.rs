@@ -15,6 +15,7 @@ use super::mesh::MeshData;
 use super::mesh_file::{LoadedMesh, MeshError, Place, Warnings};
 use super::ply_attributes::Attributes;
 use super::ply_header::{Element, Format, Header, Kind, Scalar, parse_header};
+use super::ply_records::Records;
 use super::ply_source::{Ascii, Binary, Source};
 use super::vertex_normals::complete_normals;
 
@@ -236,7 +237,7 @@ fn vertices_abreast(
     mesh: &mut MeshData,
     attributes: &mut Attributes,
 ) -> bool {
-    let Some(records) = source.records(element, None) else {
+    let Some(records) = source.binary().and_then(|body| Records::new(element, None, body)) else {
         return false;
     };
     let column = |wanted: usize| {
@@ -328,6 +329,10 @@ fn read_faces(
                 source.skip(corners, item)?;
                 continue;
             }
+            if add_fan(source, item, corners, vertex_count, &mut mesh.triangles) {
+                source.skip(corners, item)?;
+                continue;
+            }
             let first = vertex_index(item, source, vertex_count)?;
             let mut last = vertex_index(item, source, vertex_count)?;
             for _ in 2..corners {
@@ -340,6 +345,35 @@ fn read_faces(
     }
     mesh.attributes.extend(attributes.finish());
     Ok(())
+}
+
+/// Adds the fan of a list of indices that comes next, of at least three, if it is binary and all is well; it is not passed over.
+#[inline]
+fn add_fan(source: &impl Source, item: Scalar, corners: u64, vertex_count: u64, triangles: &mut Vec<[u32; 3]>) -> bool {
+    let Some(numbers) = source.binary().filter(|_| matches!(item, Scalar::I32 | Scalar::U32)) else {
+        return false;
+    };
+    let words = usize::try_from(corners)
+        .ok()
+        .and_then(|corners| numbers.bytes.as_chunks::<4>().0.get(..corners));
+    let Some([first, second, others @ ..]) = words else {
+        return false;
+    };
+    let before = triangles.len();
+    let (first, mut last) = (numbers.word(*first), numbers.word(*second));
+    let mut largest = first.max(last);
+    for next in others {
+        let next = numbers.word(*next);
+        triangles.push([first, last, next]);
+        largest = largest.max(next);
+        last = next;
+    }
+    // Negative indices are large here, so that there must not be as many vertices.
+    let is_good = u64::from(largest) < vertex_count.min(1 << 31);
+    if !is_good {
+        triangles.truncate(before);
+    }
+    is_good
 }
 
 /// Reads the faces by all threads at once if all are triangles and nothing is odd; otherwise nothing is read.
@@ -360,9 +394,10 @@ fn triangles_abreast(
     let Kind::List { count, item } = property.kind else {
         return None;
     };
-    let records = source
-        .records(element, Some(3))
+    let body = source
+        .binary()
         .filter(|_| is_index_list(&property.name, property.kind))?;
+    let records = Records::new(element, Some(3), body)?;
     let triangles = records.triangles(list, count, item, vertex_count)?;
     attributes.read(&records);
     let bytes = records.bytes().len();

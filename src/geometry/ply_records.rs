@@ -9,23 +9,23 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::ply_header::{Element, Kind, Scalar};
+use super::ply_source::BinaryNumbers;
 
 /// Records that one thread reads in one go: far more work than it is to ask for it.
 const STRETCH: usize = 1 << 12;
 
 /// An element's records one after the other.
 pub(super) struct Records<'a> {
-    bytes: &'a [u8],
-    big_endian: bool,
+    numbers: BinaryNumbers<'a>,
     length: usize,
     /// Where each of the element's properties begins in a record.
     offsets: Vec<usize>,
 }
 
 impl<'a> Records<'a> {
-    /// At the beginning of `body`, if a list has `items` items wherever there is one. `None` where there is a list all the same, or where the body is too
-    /// short.
-    pub fn new(element: &Element, items: Option<usize>, body: &'a [u8], big_endian: bool) -> Option<Self> {
+    /// At the beginning of `body`, if a list has `items` items wherever there is one. `None` where there is a list all the same, or where
+    /// the body is too short.
+    pub fn new(element: &Element, items: Option<usize>, body: BinaryNumbers<'a>) -> Option<Self> {
         let mut length = 0;
         let mut offsets = Vec::with_capacity(element.properties.len());
         for property in &element.properties {
@@ -37,21 +37,23 @@ impl<'a> Records<'a> {
         }
         let whole = usize::try_from(element.count).ok()?.checked_mul(length)?;
         (length > 0).then_some(Self {
-            bytes: body.get(..whole)?,
-            big_endian,
+            numbers: BinaryNumbers {
+                bytes: body.bytes.get(..whole)?,
+                ..body
+            },
             length,
             offsets,
         })
     }
 
     pub fn bytes(&self) -> &'a [u8] {
-        self.bytes
+        self.numbers.bytes
     }
 
     /// Calls `each` with every record in turn, as what gives the number of a property.
     pub fn each(&self, mut each: impl FnMut(&dyn Fn(usize, Scalar) -> f64)) {
-        for record in self.bytes.chunks_exact(self.length) {
-            each(&|property, scalar| scalar.number(&record[self.offsets[property]..], self.big_endian));
+        for record in self.numbers.bytes.chunks_exact(self.length) {
+            each(&|property, scalar| scalar.number(&record[self.offsets[property]..], self.numbers.big_endian));
         }
     }
 
@@ -66,8 +68,9 @@ impl<'a> Records<'a> {
         if in_a_row {
             return self.read(|record| self.words::<N>(&record[first..]).map(f32::from_bits).into());
         }
-        let number =
-            |record: &[u8], (offset, scalar): (usize, Scalar)| scalar.number(&record[offset..], self.big_endian) as f32;
+        let number = |record: &[u8], (offset, scalar): (usize, Scalar)| {
+            scalar.number(&record[offset..], self.numbers.big_endian) as f32
+        };
         self.read(|record| fields.map(|field| number(record, field)).into())
     }
 
@@ -79,11 +82,17 @@ impl<'a> Records<'a> {
             return None;
         }
         let offset = self.offsets[list];
+        let first = self.numbers.bytes.get(offset..)?;
+        if count.number(first, self.numbers.big_endian) != 3.0 {
+            return None;
+        }
         let is_odd = AtomicBool::new(false);
         let triangle = |record: &[u8]| {
             let list = &record[offset..];
             let corners = self.words::<3>(&list[count.size()..]);
-            if count.number(list, self.big_endian) != 3.0 || corners.iter().any(|&corner| corner >= count_of_indices) {
+            if count.number(list, self.numbers.big_endian) != 3.0
+                || corners.iter().any(|&corner| corner >= count_of_indices)
+            {
                 is_odd.store(true, Ordering::Relaxed);
             }
             corners
@@ -94,9 +103,9 @@ impl<'a> Records<'a> {
 
     /// What `read` makes of each record.
     fn read<T: Clone + Default + Send>(&self, read: impl Fn(&[u8]) -> T + Sync) -> Vec<T> {
-        let mut all = vec![T::default(); self.bytes.len() / self.length];
+        let mut all = vec![T::default(); self.numbers.bytes.len() / self.length];
         all.par_chunks_mut(STRETCH)
-            .zip(self.bytes.par_chunks(STRETCH * self.length))
+            .zip(self.numbers.bytes.par_chunks(STRETCH * self.length))
             .for_each(|(some, bytes)| {
                 for (one, record) in some.iter_mut().zip(bytes.chunks_exact(self.length)) {
                     *one = read(record);
@@ -110,10 +119,7 @@ impl<'a> Records<'a> {
     fn words<const N: usize>(&self, bytes: &[u8]) -> [u32; N] {
         let mut words = [0; N];
         for (word, bytes) in words.iter_mut().zip(bytes.as_chunks::<4>().0) {
-            *word = u32::from_le_bytes(*bytes);
-            if self.big_endian {
-                *word = word.swap_bytes();
-            }
+            *word = self.numbers.word(*bytes);
         }
         words
     }

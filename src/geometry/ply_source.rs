@@ -1,8 +1,7 @@
 //! The numbers of a PLY body, be it text or binary in either byte order.
 
 use super::mesh_file::{MeshError, Place, excerpt};
-use super::ply_header::{Element, Scalar};
-use super::ply_records::Records;
+use super::ply_header::Scalar;
 
 /// Numbers of the body one after the other. An `f64` holds every number type of PLY exactly, but for integers beyond 2⁵³ that no index or
 /// position needs.
@@ -15,11 +14,26 @@ pub(super) trait Source {
     fn next_place(&self) -> Place;
     /// What was not read yet.
     fn rest(&self) -> &[u8];
-    /// The records of an element that comes next, should its lists all have `items` items; see [`Records::new`]. `None` of a text.
-    fn records(&self, element: &Element, items: Option<usize>) -> Option<Records<'_>>;
+    /// What was not read yet, with the order of bytes in its numbers. `None` of a text.
+    fn binary(&self) -> Option<BinaryNumbers<'_>>;
 
     fn bytes_left(&self) -> u64 {
         self.rest().len() as u64
+    }
+}
+
+#[derive(Clone, Copy)]
+pub(super) struct BinaryNumbers<'a> {
+    pub bytes: &'a [u8],
+    pub big_endian: bool,
+}
+
+impl BinaryNumbers<'_> {
+    /// A number of four bytes.
+    #[inline(always)]
+    pub fn word(&self, bytes: [u8; 4]) -> u32 {
+        let word = u32::from_le_bytes(bytes);
+        if self.big_endian { word.swap_bytes() } else { word }
     }
 }
 
@@ -80,8 +94,11 @@ impl<const BIG_ENDIAN: bool> Source for Binary<'_, BIG_ENDIAN> {
         self.rest
     }
 
-    fn records(&self, element: &Element, items: Option<usize>) -> Option<Records<'_>> {
-        Records::new(element, items, self.rest, BIG_ENDIAN)
+    fn binary(&self) -> Option<BinaryNumbers<'_>> {
+        Some(BinaryNumbers {
+            bytes: self.rest,
+            big_endian: BIG_ENDIAN,
+        })
     }
 }
 
@@ -157,7 +174,7 @@ impl Source for Ascii<'_> {
         self.rest
     }
 
-    fn records(&self, _: &Element, _: Option<usize>) -> Option<Records<'_>> {
+    fn binary(&self) -> Option<BinaryNumbers<'_>> {
         None
     }
 }

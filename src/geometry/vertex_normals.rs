@@ -155,18 +155,24 @@ pub(super) fn complete_normals(mesh: &mut MeshData, warnings: &mut Warnings) {
         mesh.normals = angle_weighted_normals(&mesh.positions, &mesh.triangles);
         return;
     }
-    let mut computed = Vec::new();
-    for i in 0..mesh.normals.len() {
-        mesh.normals[i] = unit(mesh.normals[i]).unwrap_or_else(|| {
-            if computed.is_empty() {
-                computed = angle_weighted_normals(&mesh.positions, &mesh.triangles);
-            }
-            warnings.add(
-                "normals",
-                "a normal that is zero or not finite is computed from the triangles instead",
-            );
-            computed[i]
-        });
+    mesh.normals
+        .par_iter_mut()
+        .for_each(|normal| *normal = unit(*normal).unwrap_or(Vec3::NAN));
+    if !mesh.normals.iter().any(|normal| normal.is_nan()) {
+        return;
+    }
+    let computed = angle_weighted_normals(&mesh.positions, &mesh.triangles);
+    for (normal, computed) in mesh
+        .normals
+        .iter_mut()
+        .zip(computed)
+        .filter(|(normal, _)| normal.is_nan())
+    {
+        *normal = computed;
+        warnings.add(
+            "normals",
+            "a normal that is zero or not finite is computed from the triangles instead",
+        );
     }
 }
 
