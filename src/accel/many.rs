@@ -60,25 +60,26 @@ impl Tlas {
                 turns.give(index, walk.go_on());
             }
         }
-        while !turns.is_empty() {
+        while turns != Turns::default() {
             let now = std::mem::take(&mut turns);
-            for index in now.at_nodes {
-                let walk = &mut walks[index as usize];
+            for index in members::<N>(now.at_nodes) {
+                let walk = &mut walks[index];
                 walk.visit_node();
-                turns.give(index as usize, walk.go_on());
+                turns.give(index, walk.go_on());
             }
-            let asked = turns.prefetch(&walks, [0; 2]);
-            for index in now.at_triangles {
-                let walk = &mut walks[index as usize];
+            let asked = turns;
+            turns.prefetch(&walks);
+            for index in members::<N>(now.at_triangles) {
+                let walk = &mut walks[index];
                 walk.visit_triangles();
-                turns.give(index as usize, walk.go_on());
+                turns.give(index, walk.go_on());
             }
-            for index in now.at_shapes {
-                let walk = &mut walks[index as usize];
+            for index in members::<N>(now.at_shapes) {
+                let walk = &mut walks[index];
                 walk.visit_shape();
-                turns.give(index as usize, walk.go_on());
+                turns.give(index, walk.go_on());
             }
-            turns.prefetch(&walks, asked);
+            turns.without(asked).prefetch(&walks);
         }
         for (index, walk) in walks.iter().enumerate() {
             finish(index, walk);
@@ -95,47 +96,54 @@ enum Place {
     Nowhere,
 }
 
-/// The rays that have a step to take, by where.
-#[derive(Default)]
-struct Turns<const N: usize> {
-    at_nodes: ArrayVec<u8, N>,
-    at_triangles: ArrayVec<u8, N>,
-    at_shapes: ArrayVec<u8, N>,
+/// The rays that have a step to take, by where, a bit for each.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+struct Turns {
+    at_nodes: u32,
+    at_triangles: u32,
+    at_shapes: u32,
 }
 
-impl<const N: usize> Turns<N> {
+impl Turns {
     #[inline(always)]
     fn give(&mut self, index: usize, place: Place) {
-        // All lists get it and all but one forget it, which needs no guess.
-        let give = |list: &mut ArrayVec<u8, N>, here: bool| {
-            let len = list.len();
-            list.push(index as u8);
-            list.truncate(len + usize::from(here));
-        };
-        give(&mut self.at_nodes, place == Place::Node);
-        give(&mut self.at_triangles, place == Place::Triangles);
-        give(&mut self.at_shapes, place == Place::Shape);
+        self.at_nodes |= u32::from(place == Place::Node) << index;
+        self.at_triangles |= u32::from(place == Place::Triangles) << index;
+        self.at_shapes |= u32::from(place == Place::Shape) << index;
     }
 
-    fn is_empty(&self) -> bool {
-        self.at_nodes.is_empty() && self.at_triangles.is_empty() && self.at_shapes.is_empty()
+    fn without(self, other: Self) -> Self {
+        Self {
+            at_nodes: self.at_nodes & !other.at_nodes,
+            at_triangles: self.at_triangles & !other.at_triangles,
+            at_shapes: self.at_shapes & !other.at_shapes,
+        }
     }
 
-    /// Asks for the memory of the nodes and triangles after the first `asked` of each, and says how many there are.
+    /// Asks for the memory that the rays need, but for shapes.
     #[inline(always)]
-    fn prefetch<const ANY: bool>(&self, walks: &[Walk<ANY>; N], asked: [usize; 2]) -> [usize; 2] {
-        for &index in self.at_nodes.iter().skip(asked[0]) {
-            let walk = &walks[index as usize];
+    fn prefetch<const ANY: bool, const N: usize>(self, walks: &[Walk<ANY>; N]) {
+        for index in members::<N>(self.at_nodes) {
+            let walk = &walks[index];
             walk.level.bvh.prefetch(walk.next);
         }
-        for &index in self.at_triangles.iter().skip(asked[1]) {
-            let walk = &walks[index as usize];
+        for index in members::<N>(self.at_triangles) {
+            let walk = &walks[index];
             if let Some(mesh) = walk.level.mesh {
                 mesh.prefetch(walk.next);
             }
         }
-        [self.at_nodes.len(), self.at_triangles.len()]
     }
+}
+
+/// The places of the bits that are set, all below `N`.
+#[inline(always)]
+fn members<const N: usize>(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let index = mask.trailing_zeros() as usize;
+        mask &= mask.wrapping_sub(1);
+        (index < N).then_some(index)
+    })
 }
 
 /// A ray in one space: the world, a group in it, or a mesh in either.
