@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
-use super::node::Child;
+use super::memory::Table;
 use super::packet::{LANES, PacketRay, TrianglePacket};
 use super::traverse::Steps;
 use crate::geometry::mesh::MeshData;
@@ -19,7 +19,7 @@ use crate::math::{Aabb, Ray};
 pub struct Blas {
     mesh: Arc<MeshData>,
     pub(super) bvh: Bvh,
-    packets: Vec<TrianglePacket>,
+    packets: Table<TrianglePacket>,
 }
 
 /// A hit of a mesh; `u`, `v` are the barycentric weights of the triangle's corners 1 and 2.
@@ -36,17 +36,16 @@ impl Blas {
     /// Triangles without area, with corners that are not finite or do not exist, are left out: no ray can hit them.
     pub fn build(mesh: Arc<MeshData>, method: SplitMethod) -> Self {
         let bvh = Bvh::build(&triangle_bounds(&mesh), method, LANES);
-        let packets = bvh
-            .order()
-            .par_chunks(LANES)
-            .map(|chunk| {
-                let mut packet = TrianglePacket::EMPTY;
+        let mut packets = Table::zeroed(bvh.order().len().div_ceil(LANES));
+        packets
+            .par_iter_mut()
+            .zip(bvh.order().par_chunks(LANES))
+            .for_each(|(packet, chunk)| {
+                *packet = TrianglePacket::EMPTY;
                 for (lane, &triangle) in chunk.iter().enumerate().filter(|&(_, &triangle)| triangle != u32::MAX) {
                     packet.set(lane, mesh.corners(triangle as usize), triangle);
                 }
-                packet
-            })
-            .collect();
+            });
         Self { mesh, bvh, packets }
     }
 
@@ -66,7 +65,7 @@ impl Blas {
     /// The hierarchy's figures; `bytes` includes the triangles in leaf order, but not the mesh.
     pub fn stats(&self) -> BvhStats {
         let mut stats = self.bvh.stats();
-        stats.bytes += size_of_val(self.packets.as_slice());
+        stats.bytes += size_of_val(&*self.packets);
         stats
     }
 
@@ -90,8 +89,9 @@ impl Blas {
     pub(super) fn closest<const COUNT: bool>(&self, ray: &Ray, steps: &mut Steps) -> Option<MeshHit> {
         let mut hit = None;
         let lanes = PacketRay::new(ray);
+        let packets = self.packets();
         self.bvh.closest::<COUNT>(ray, steps, |range, t_max| {
-            for packet in self.packets_of(range) {
+            for packet in &packets[Self::packets_of(range)] {
                 if let Some(found) = packet.closest(&lanes, *t_max) {
                     *t_max = found.t;
                     hit = Some(MeshHit {
@@ -110,24 +110,24 @@ impl Blas {
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
         let lanes = PacketRay::new(ray);
+        let packets = self.packets();
         self.bvh.any(ray, |range| {
-            self.packets_of(range)
+            packets[Self::packets_of(range)]
                 .iter()
                 .any(|packet| packet.any(&lanes, ray.t_max))
         })
     }
 
-    /// Asks for the memory of the first triangles of the leaf `child`.
+    /// In the order of the leaves.
     #[inline(always)]
-    pub(super) fn prefetch(&self, child: Child) {
-        if let Some(packet) = self.packets.get(child.index()) {
-            packet.prefetch();
-        }
+    pub(super) fn packets(&self) -> &[TrianglePacket] {
+        &self.packets
     }
 
+    /// Where among the packets a leaf's triangles are, which are in `range` of the order.
     #[inline(always)]
-    pub(super) fn packets_of(&self, range: Range<usize>) -> &[TrianglePacket] {
-        &self.packets[range.start / LANES..range.end.div_ceil(LANES)]
+    pub(super) fn packets_of(range: Range<usize>) -> Range<usize> {
+        range.start / LANES..range.end.div_ceil(LANES)
     }
 }
 

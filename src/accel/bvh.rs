@@ -63,19 +63,16 @@ impl Bvh {
         }
     }
 
+    /// Whether all primitives are in one leaf of any size.
+    pub(super) fn is_linear(&self) -> bool {
+        self.linear.is_some()
+    }
+
     /// Where the leaf `child` lies in the order.
     #[inline(always)]
     pub(super) fn leaf_range(&self, child: Child) -> Range<usize> {
         let start = child.index() * self.leaf_size;
         start..start + self.linear.unwrap_or(child.count())
-    }
-
-    /// Asks for the memory of the node `child`.
-    #[inline(always)]
-    pub(super) fn prefetch(&self, child: Child) {
-        if let Some(node) = self.nodes.get(child.index()) {
-            node.prefetch();
-        }
     }
 
     /// Primitive indices in leaf order; `u32::MAX` fills a leaf up to its size.

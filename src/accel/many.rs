@@ -6,11 +6,10 @@
 
 use arrayvec::ArrayVec;
 
-use super::blas::Blas;
 use super::bvh::Bvh;
 use super::instance::Primitive;
 use super::node::{Child, RaySlabs};
-use super::packet::PacketRay;
+use super::packet::{PacketRay, TrianglePacket};
 use super::tlas::{Hit, Tlas};
 use super::traverse::push_sorted;
 use crate::math::Ray;
@@ -125,12 +124,14 @@ impl Turns {
     fn prefetch<const ANY: bool, const N: usize>(self, walks: &[Walk<ANY>; N]) {
         for index in members::<N>(self.at_nodes) {
             let walk = &walks[index];
-            walk.level.bvh.prefetch(walk.next);
+            if let Some(node) = walk.level.bvh.nodes.get(walk.next.index()) {
+                node.prefetch();
+            }
         }
         for index in members::<N>(self.at_triangles) {
             let walk = &walks[index];
-            if let Some(mesh) = walk.level.mesh {
-                mesh.prefetch(walk.next);
+            if let Some(packet) = walk.level.packets.get(walk.next.index()) {
+                packet.prefetch();
             }
         }
     }
@@ -151,13 +152,14 @@ fn members<const N: usize>(mut mask: u32) -> impl Iterator<Item = usize> {
 struct Level<'a> {
     /// The world or the group.
     scene: &'a Tlas,
-    mesh: Option<&'a Blas>,
     /// The mesh's, or else the scene's.
     bvh: &'a Bvh,
+    /// The mesh's, or else none.
+    packets: &'a [TrianglePacket],
     ray: Ray,
     slabs: RaySlabs,
     /// How many children wait in the spaces around.
-    floor: usize,
+    floor: u32,
     /// Which in the world the group is.
     placement: Option<u32>,
     /// Which in the scene the mesh is.
@@ -186,8 +188,8 @@ impl<'a, const ANY: bool> Walk<'a, ANY> {
         Self {
             level: Level {
                 scene,
-                mesh: None,
                 bvh: &scene.bvh,
+                packets: &[],
                 ray: *ray,
                 slabs: RaySlabs::default(),
                 floor: 0,
@@ -217,7 +219,7 @@ impl<'a, const ANY: bool> Walk<'a, ANY> {
         let Some(slabs) = RaySlabs::new(&inner.ray) else {
             return;
         };
-        let floor = self.waiting.len();
+        let floor = self.waiting.len() as u32;
         let outer = std::mem::replace(&mut self.level, Level { slabs, floor, ..inner });
         self.lost |= self.around.try_push(outer).is_err();
         self.lost |= self.waiting.try_push(u64::from(Child::ROOT.0)).is_err();
@@ -230,7 +232,7 @@ impl<'a, const ANY: bool> Walk<'a, ANY> {
             return Place::Nowhere;
         }
         loop {
-            if self.waiting.len() == self.level.floor {
+            if self.waiting.len() == self.level.floor as usize {
                 let Some(outer) = self.around.pop() else {
                     return Place::Nowhere;
                 };
@@ -244,10 +246,10 @@ impl<'a, const ANY: bool> Walk<'a, ANY> {
                 continue;
             }
             self.next = Child(top as u32);
-            return match (self.next.is_leaf(), self.level.mesh) {
+            return match (self.next.is_leaf(), self.level.packets.is_empty()) {
                 (false, _) => Place::Node,
-                (true, Some(_)) => Place::Triangles,
-                (true, None) => Place::Shape,
+                (true, false) => Place::Triangles,
+                (true, true) => Place::Shape,
             };
         }
     }
@@ -261,14 +263,9 @@ impl<'a, const ANY: bool> Walk<'a, ANY> {
 
     #[inline(always)]
     fn visit_triangles(&mut self) {
-        let Some(mesh) = self.level.mesh else {
-            return;
-        };
-        let lanes = PacketRay::new(&self.level.ray);
-        for packet in mesh.packets_of(mesh.bvh.leaf_range(self.next)) {
-            if let Some(found) = packet.closest(&lanes, self.t_max) {
-                self.take(self.level.shape, found.triangle, found.t, [found.u, found.v]);
-            }
+        let packet = &self.level.packets[self.next.index()];
+        if let Some(found) = packet.closest(&PacketRay::new(&self.level.ray), self.t_max) {
+            self.take(self.level.shape, found.triangle, found.t, [found.u, found.v]);
         }
     }
 
@@ -276,7 +273,8 @@ impl<'a, const ANY: bool> Walk<'a, ANY> {
     #[inline(never)]
     fn visit_shape(&mut self) {
         let level = self.level;
-        let &[item] = &level.bvh.order()[level.bvh.leaf_range(self.next)] else {
+        let bvh = &level.scene.bvh;
+        let &[item] = &bvh.order()[bvh.leaf_range(self.next)] else {
             // A linear list.
             self.lost = true;
             return;
@@ -299,9 +297,11 @@ impl<'a, const ANY: bool> Walk<'a, ANY> {
         };
         let ray = shape.local_ray(&ray);
         if let Primitive::Mesh(mesh) = &shape.primitive {
+            // A leaf of a linear list has many packets.
+            self.lost |= mesh.bvh().is_linear();
             self.enter(Level {
-                mesh: Some(mesh),
                 bvh: mesh.bvh(),
+                packets: mesh.packets(),
                 ray,
                 shape: item,
                 ..level

@@ -3,6 +3,7 @@
 //! Eight child boxes in structure-of-arrays form, one per vector lane. The test is the slab method, made conservative by widening the
 //! exit distance (PBR 4th ed. section 6.8.2). Directions are inverted so that no component is infinite, hence no product is NaN.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use wide::f32x8;
 
@@ -12,7 +13,7 @@ use crate::math::{Aabb, Ray, gamma};
 pub(super) const WIDTH: usize = 8;
 
 /// Up to eight children, which fill the slots from the first on. Empty slots have empty boxes, which no ray hits.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(super) struct Node {
     /// `planes[axis][0]` are the lower, `planes[axis][1]` the upper faces.
@@ -21,7 +22,8 @@ pub(super) struct Node {
 }
 
 /// What a slot of a node holds, in 32 bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
 pub(super) struct Child(pub u32);
 
 /// The most primitives of a leaf.

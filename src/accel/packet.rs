@@ -1,5 +1,6 @@
 //! Triangles tested together: the arithmetic of [`crate::geometry::triangle`] over the lanes of a packet.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use wide::f32x8;
 
@@ -11,7 +12,7 @@ pub(super) const LANES: usize = 8;
 type Lanes = f32x8;
 
 /// Corners in structure-of-arrays form. Unused lanes repeat one point, which no ray hits.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct TrianglePacket {
     /// `corners[corner][axis]`, a triangle per lane.
