@@ -45,6 +45,11 @@ impl LightChoice {
         }
     }
 
+    /// Whether there is but one thing to choose.
+    pub fn is_certain(&self) -> bool {
+        self.infinite.is_none() && self.finite.as_ref().is_some_and(|finite| finite.only().is_some())
+    }
+
     /// The choice that `u` in [0, 1) stands for, with its probability; None if nothing shines on `reference`. Where there is only one
     /// `u` is not asked for.
     pub fn sample(&self, reference: &LightReference, u: impl FnOnce() -> f64) -> Option<(Chosen, f32)> {

@@ -17,6 +17,7 @@ mod environment;
 mod finite;
 mod hosek_wilkie;
 mod infinite;
+pub mod lanes;
 mod point;
 mod projector;
 mod rectangle;

@@ -2,8 +2,12 @@
 
 use glam::{Vec2, Vec3};
 
+use super::LightId;
+use super::lanes::SoleRectangle;
 use super::surface::{SurfaceHit, SurfaceSample, solid_angle_pdf};
+use crate::color::Rgb;
 use crate::math::Aabb;
+use crate::sampling::lanes::RectangleLanes;
 use crate::sampling::{PiecewiseBilinear2d, Rectangle, SphericalRectangle};
 
 /// `corner + a edge_u + b edge_v`, a and b in [0, 1].
@@ -75,6 +79,21 @@ impl RectangleLight {
         }
         let position = self.corner + u.x * self.edge_u + u.y * self.edge_v;
         SurfaceSample::from_area(position, self.normal, self.pdf_area, reference)
+    }
+
+    /// What is needed to sample it from many places at once; None unless it is uniform in solid angle.
+    pub fn sole(&self, id: LightId, radiance: Rgb, error: f32) -> Option<SoleRectangle> {
+        let rectangle = self.rectangle.as_ref().filter(|_| self.density.is_none())?;
+        Some(SoleRectangle {
+            id,
+            radiance,
+            rectangle: RectangleLanes::new(rectangle),
+            corner: self.corner,
+            edges: [self.edge_u, self.edge_v],
+            normal: self.normal,
+            pdf_area: self.pdf_area,
+            error,
+        })
     }
 
     fn seen_from(&self, reference: Vec3) -> Option<SphericalRectangle> {

@@ -5,8 +5,10 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec2, Vec3};
 
+use super::LightId;
 use super::bounds::{LightBounds, NormalCone};
 use super::cylinder::CylinderLight;
+use super::lanes::SoleRectangle;
 use super::rectangle::RectangleLight;
 use super::sphere::{EllipsoidLight, SphereLight};
 use super::texture_density::{self, mean_luminance};
@@ -140,6 +142,14 @@ impl SurfaceLight {
             light.brightness = brightness;
         }
         Some(light)
+    }
+
+    /// What is needed to sample it from many places at once; None if it is no rectangle of one radiance.
+    pub fn sole_rectangle(&self, id: LightId) -> Option<SoleRectangle> {
+        match (&self.shape, self.radiance) {
+            (EmitterShape::Rectangle(light), Parameter::Constant(radiance)) => light.sole(id, radiance, self.error),
+            _ => None,
+        }
     }
 
     /// A mesh has one per triangle.

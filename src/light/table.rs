@@ -134,6 +134,15 @@ impl LightTable {
         })
     }
 
+    /// The only light there is, if it is finite and has one part.
+    pub(super) fn only(&self) -> Option<(LightId, &FiniteLight)> {
+        let [finite] = &self.finite[..] else {
+            return None;
+        };
+        (self.infinite.is_empty() && self.light_of_part.len() == 1 && self.choice.is_certain())
+            .then_some((finite.id, &finite.light))
+    }
+
     pub fn len(&self) -> usize {
         self.places.len()
     }

@@ -145,6 +145,21 @@ impl MaterialTable {
         }
     }
 
+    /// The one model that a surface is made of about its own shading normal, and the side it is seen from (1, or -1 from behind), where
+    /// `cos` is the cosine of the direction it is seen from. None if it is not as simple as that.
+    #[inline(always)]
+    pub fn plain(&self, mut id: MaterialId, cos: f32) -> Option<(&Bsdf, f32)> {
+        let mut side = 1.0;
+        loop {
+            match self.materials.get(id.0 as usize)? {
+                Material::Plain(bsdf) => return Some((bsdf, side)),
+                Material::TwoSided { front, .. } if cos * side > 0.0 => id = *front,
+                Material::TwoSided { back, .. } => (id, side) = (*back, -side),
+                _ => return None,
+            }
+        }
+    }
+
     /// How the surface at `point` scatters light to `wo`, a unit vector in world space. `at` is where its textures are looked up.
     pub fn scattering(
         &self,

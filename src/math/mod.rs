@@ -5,6 +5,7 @@
 mod aabb;
 mod erf;
 mod frame;
+pub mod lanes;
 mod quadrature;
 mod ray;
 mod rounding;

@@ -7,6 +7,7 @@ pub mod film;
 pub mod filter;
 pub mod image_io;
 pub mod inspect;
+mod lanes;
 pub mod light_layers;
 pub mod noise;
 pub mod observer;

@@ -9,7 +9,7 @@ use super::view::{PathSettings, Strategy};
 use crate::accel::{Hit, SurfacePoint};
 use crate::color::Rgb;
 use crate::light::{LightId, LightReference, LightSample, SurfaceHit, Target};
-use crate::material::{Lobe, Scattering};
+use crate::material::Lobe;
 use crate::math::{Ray, offset_origin};
 use crate::sampling::{Sampler, power_heuristic};
 
@@ -29,19 +29,37 @@ pub struct PathSample {
 }
 
 /// Dimensions of the sampler before the first bounce (pixel and lens), and per bounce.
-const CAMERA_DIMENSIONS: u32 = 2;
-const BOUNCE_DIMENSIONS: u32 = 5;
+pub(super) const CAMERA_DIMENSIONS: u32 = 2;
+pub(super) const BOUNCE_DIMENSIONS: u32 = 5;
 
 /// A path goes on with this probability at most, so that bright enclosures end too.
-const HIGHEST_SURVIVAL: f32 = 0.95;
+pub(super) const HIGHEST_SURVIVAL: f32 = 0.95;
 
 /// How the path came to its current vertex; what the weight of an emitter met there depends on.
-#[derive(Clone, Copy)]
-enum Arrival {
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Arrival {
     /// From the camera or a specular bounce: no other technique could have found the emitter.
     Only,
     /// By a bsdf with this density per solid angle, leaving `from`.
     Sampled { pdf: f32, from: LightReference },
+}
+
+/// A path under way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Path {
+    /// Where it goes next.
+    pub ray: Ray,
+    pub throughput: Rgb,
+    /// Squared relative index of refraction so far: radiance is scaled by it inside glass, and roulette must not see that.
+    pub eta_squared: f32,
+    pub arrival: Arrival,
+    /// Whether the guides of the result are taken.
+    pub guided: bool,
+    /// Surfaces met so far.
+    pub depth: u32,
+    pub sampler: Sampler,
+    /// So far.
+    pub result: PathSample,
 }
 
 /// One sample of the radiance arriving along `-ray.dir` at the ray's origin. `observer` is told of it and cannot change it; with `()`
@@ -49,91 +67,73 @@ enum Arrival {
 pub fn trace_path(
     scene: &RenderScene,
     settings: &PathSettings,
-    mut ray: Ray,
-    sampler: &mut Sampler,
+    ray: Ray,
+    sampler: Sampler,
     observer: &mut impl PathObserver,
 ) -> PathSample {
-    let mut result = PathSample::default();
-    let mut throughput = Rgb::ONE;
-    // Squared relative index of refraction so far: radiance is scaled by it inside glass, and roulette must not see that.
-    let mut eta_squared = 1.0;
-    let mut arrival = Arrival::Only;
-    let mut guided = false;
-    let mut depth = 0;
-
+    let mut path = Path::new(ray, sampler);
     loop {
-        result.rays += 1;
-        let Some(hit) = scene.geometry.intersect(&ray) else {
-            if depth > 0 || !settings.hide_emitters {
-                for &light in scene.lights.infinite() {
-                    let found = arrival.weigh(settings.strategy, |from| {
-                        scene.lights.pdf_of_escape(light, from, ray.dir)
-                    });
-                    let met = found.emitter(light, scene.lights.radiance_from(light, ray.dir), throughput);
-                    result.radiance += met.contribution;
-                    observer.emitter_met(&met);
-                }
-            }
-            if !guided {
-                result.albedo = result.radiance.clamp(Rgb::ZERO, Rgb::ONE);
-            }
-            observer.ended(PathEnd::Escaped);
-            return result;
+        let hit = scene.geometry.intersect(&path.ray);
+        if !path.advance(scene, settings, hit, observer) {
+            return path.result;
+        }
+    }
+}
+
+impl Path {
+    pub fn new(ray: Ray, sampler: Sampler) -> Self {
+        Self {
+            ray,
+            throughput: Rgb::ONE,
+            eta_squared: 1.0,
+            arrival: Arrival::Only,
+            guided: false,
+            depth: 0,
+            sampler,
+            result: PathSample::default(),
+        }
+    }
+
+    /// Takes the path to `hit`, the nearest of its ray, and turns it to where it goes on. False if it ends.
+    #[inline(always)]
+    pub fn advance(
+        &mut self,
+        scene: &RenderScene,
+        settings: &PathSettings,
+        hit: Option<Hit>,
+        observer: &mut impl PathObserver,
+    ) -> bool {
+        self.result.rays += 1;
+        let Some(hit) = hit else {
+            self.escape(scene, settings, observer);
+            return false;
         };
         let slot = scene.slot(&hit);
-        let point = scene.surface(&ray, &hit, &slot);
-        if depth == 0 {
-            result.depth = hit.t;
-            result.first_hit = Some(hit);
-        }
-        observer.vertex(&PathVertex {
-            position: point.position,
-            normal: point.shading_normal,
-            instance: hit.instance,
-            material: slot.material,
-        });
+        let point = scene.surface(&self.ray, &hit, &slot);
+        self.arrive(scene, settings, &hit, &slot, &point, observer);
 
-        if let Some(light) = slot.light
-            && (depth > 0 || !settings.hide_emitters)
-        {
-            let on_light = SurfaceHit {
-                position: point.position,
-                normal: point.geometric_normal,
-                primitive: hit.primitive,
-                barycentric: Vec2::new(hit.u, hit.v),
-                uv: point.uv,
-            };
-            let emitted = scene.lights.emitted(light, &on_light, -ray.dir);
-            if emitted != Rgb::ZERO {
-                let found = arrival.weigh(settings.strategy, |from| {
-                    scene.lights.pdf_of_hit(light, from, &on_light)
-                });
-                let met = found.emitter(light, emitted, throughput);
-                result.radiance += met.contribution;
-                observer.emitter_met(&met);
-            }
-        }
-
-        let scattering = scene.scattering(slot.material, &hit, &point, -ray.dir);
+        let wo = -self.ray.dir;
+        let scattering = scene.scattering(slot.material, &hit, &point, wo);
         let smooth = scattering.has_smooth_lobe();
 
-        depth += 1;
+        self.depth += 1;
+        let depth = self.depth;
         if depth >= settings.max_depth {
-            if !guided {
-                result.guide(throughput, &scattering, &slot, &point);
+            if !self.guided {
+                self.guide(scattering.albedo(), &slot, &point);
             }
             observer.ended(PathEnd::DepthLimit);
-            return result;
+            return false;
         }
+        let sampler = &mut self.sampler;
         sampler.start_dimension(CAMERA_DIMENSIONS + (depth - 1) * BOUNCE_DIMENSIONS);
         let (u_light, u_light_point) = (sampler.next_1d(), sampler.next_2d());
         let (u_lobe, u_bsdf) = (sampler.next_1d(), sampler.next_2d());
         let sample = scattering.sample(u_lobe, u_bsdf);
 
         let passes = sample.is_some_and(|sample| sample.lobe == Lobe::Null);
-        if !guided && !passes && (smooth || slot.light.is_some()) {
-            guided = true;
-            result.guide(throughput, &scattering, &slot, &point);
+        if !self.guided && !passes && (smooth || slot.light.is_some()) {
+            self.guide(scattering.albedo(), &slot, &point);
         }
 
         let reference = LightReference {
@@ -143,7 +143,7 @@ pub fn trace_path(
         if smooth && let Some((id, light)) = scene.lights.sample(&reference, u_light, u_light_point) {
             let (value, pdf) = scattering.eval_and_pdf(light.wi);
             if let Some(weight) = light_weight(settings.strategy, &light, pdf) {
-                let reflected = throughput * value * light.radiance * (weight / light.pdf);
+                let reflected = self.throughput * value * light.radiance * (weight / light.pdf);
                 let mut sampled = SampledLight {
                     light: id,
                     sample: light,
@@ -155,10 +155,10 @@ pub fn trace_path(
                 if reflected != Rgb::ZERO {
                     let origin = offset_origin(point.position, point.error, point.geometric_normal, light.wi);
                     let crossings = settings.max_depth - depth - 1;
-                    let arriving = shadow_ray(scene, origin, &light, crossings, &mut result.rays);
+                    let arriving = shadow_ray(scene, origin, &light, crossings, &mut self.result.rays);
                     sampled.arriving = Some(arriving);
                     sampled.contribution = reflected * arriving;
-                    result.radiance += sampled.contribution;
+                    self.result.radiance += sampled.contribution;
                 }
                 observer.light_sampled(&sampled);
             }
@@ -166,56 +166,120 @@ pub fn trace_path(
 
         let Some(sample) = sample else {
             observer.ended(PathEnd::Absorbed);
-            return result;
+            return false;
         };
-        throughput *= sample.weight;
-        eta_squared *= sample.eta * sample.eta;
-        if throughput == Rgb::ZERO {
+        self.throughput *= sample.weight;
+        self.eta_squared *= sample.eta * sample.eta;
+        if self.throughput == Rgb::ZERO {
             observer.ended(PathEnd::Absorbed);
-            return result;
+            return false;
         }
-        arrival = match sample.lobe {
-            Lobe::Smooth => Arrival::Sampled {
-                pdf: sample.pdf,
-                from: reference,
-            },
-            Lobe::Delta => Arrival::Only,
+        match sample.lobe {
+            Lobe::Smooth => {
+                self.arrival = Arrival::Sampled {
+                    pdf: sample.pdf,
+                    from: reference,
+                }
+            }
+            Lobe::Delta => self.arrival = Arrival::Only,
             // Shadow rays pass as well: the weights stay those of the vertex before.
-            Lobe::Null => arrival,
-        };
-        ray = Ray::new(
+            Lobe::Null => {}
+        }
+        self.ray = Ray::new(
             offset_origin(point.position, point.error, point.geometric_normal, sample.wi),
             sample.wi,
         );
 
         let mut survival = 1.0;
         if depth >= settings.rr_depth {
-            survival = (throughput.max_element() * eta_squared).min(HIGHEST_SURVIVAL);
-            if sampler.next_1d() >= survival {
+            survival = (self.throughput.max_element() * self.eta_squared).min(HIGHEST_SURVIVAL);
+            if self.sampler.next_1d() >= survival {
                 observer.ended(PathEnd::Roulette);
-                return result;
+                return false;
             }
-            throughput /= survival;
+            self.throughput /= survival;
         }
         observer.bounced(&Bounce {
             wi: sample.wi,
             lobe: sample.lobe,
             pdf: sample.pdf,
             survival,
-            throughput,
+            throughput: self.throughput,
         });
+        true
     }
-}
 
-impl PathSample {
-    /// What the denoiser is told of the surface that the path has come to.
-    fn guide(&mut self, throughput: Rgb, scattering: &Scattering, slot: &SurfaceSlot, point: &SurfacePoint) {
+    /// Leaves the scene.
+    #[inline(always)]
+    pub fn escape(&mut self, scene: &RenderScene, settings: &PathSettings, observer: &mut impl PathObserver) {
+        if self.depth > 0 || !settings.hide_emitters {
+            for &light in scene.lights.infinite() {
+                let found = self.arrival.weigh(settings.strategy, |from| {
+                    scene.lights.pdf_of_escape(light, from, self.ray.dir)
+                });
+                let met = found.emitter(light, scene.lights.radiance_from(light, self.ray.dir), self.throughput);
+                self.result.radiance += met.contribution;
+                observer.emitter_met(&met);
+            }
+        }
+        if !self.guided {
+            self.result.albedo = self.result.radiance.clamp(Rgb::ZERO, Rgb::ONE);
+        }
+        observer.ended(PathEnd::Escaped);
+    }
+
+    /// Comes to the surface at `hit` and sees what it emits.
+    #[inline(always)]
+    pub fn arrive(
+        &mut self,
+        scene: &RenderScene,
+        settings: &PathSettings,
+        hit: &Hit,
+        slot: &SurfaceSlot,
+        point: &SurfacePoint,
+        observer: &mut impl PathObserver,
+    ) {
+        if self.depth == 0 {
+            self.result.depth = hit.t;
+            self.result.first_hit = Some(*hit);
+        }
+        observer.vertex(&PathVertex {
+            position: point.position,
+            normal: point.shading_normal,
+            instance: hit.instance,
+            material: slot.material,
+        });
+        if let Some(light) = slot.light
+            && (self.depth > 0 || !settings.hide_emitters)
+        {
+            let on_light = SurfaceHit {
+                position: point.position,
+                normal: point.geometric_normal,
+                primitive: hit.primitive,
+                barycentric: Vec2::new(hit.u, hit.v),
+                uv: point.uv,
+            };
+            let emitted = scene.lights.emitted(light, &on_light, -self.ray.dir);
+            if emitted != Rgb::ZERO {
+                let found = self.arrival.weigh(settings.strategy, |from| {
+                    scene.lights.pdf_of_hit(light, from, &on_light)
+                });
+                let met = found.emitter(light, emitted, self.throughput);
+                self.result.radiance += met.contribution;
+                observer.emitter_met(&met);
+            }
+        }
+    }
+
+    /// Tells the denoiser of the surface that the path has come to, whose colour is `albedo` unless it is a light.
+    pub fn guide(&mut self, albedo: Rgb, slot: &SurfaceSlot, point: &SurfacePoint) {
+        self.guided = true;
         let colour = match slot.light {
             Some(_) => Rgb::ONE,
-            None => scattering.albedo(),
+            None => albedo,
         };
-        self.albedo = (throughput * colour).clamp(Rgb::ZERO, Rgb::ONE);
-        self.normal = point.shading_normal;
+        self.result.albedo = (self.throughput * colour).clamp(Rgb::ZERO, Rgb::ONE);
+        self.result.normal = point.shading_normal;
     }
 }
 

@@ -5,11 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{UVec2, Vec3};
 
+use super::lanes::{self, Job};
 use super::light_layers::LayerSums;
 use super::observer::PathObserver;
 use super::path::{PathSample, trace_path};
 use super::scene::{FirstHit, RenderScene};
-use super::view::View;
+use super::view::{Integrator, PathSettings, View};
 use crate::accel::Steps;
 use crate::color::{Rgb, luminance};
 
@@ -103,7 +104,7 @@ pub struct TilePreview {
     pub rays: u64,
 }
 
-/// Renders samples `samples` of every pixel of `tile`; None if `cancel` was set meanwhile (it is read once per row).
+/// Renders samples `samples` of every pixel of `tile`; None if `cancel` was set meanwhile (it is read now and then).
 pub fn render_tile(
     scene: &RenderScene,
     view: &View,
@@ -121,20 +122,26 @@ pub fn render_tile(
         invalid: 0,
     };
     let mut layers = LayerSums::new(&view.light_groups);
-    for y in tile.y..tile.y + tile.height {
-        if cancel.load(Ordering::Relaxed) {
-            return None;
-        }
-        for x in tile.x..tile.x + tile.width {
+    let rows_at_once = match Traced::settings_for_lanes(scene, view) {
+        Some(_) => (SAMPLES_AT_ONCE / (tile.width * samples.len() as u32).max(1)).max(1),
+        None => 1,
+    };
+    let bottom = tile.y + tile.height;
+    for top in (tile.y..bottom).step_by(rows_at_once as usize) {
+        let pixels = (top..bottom.min(top + rows_at_once))
+            .flat_map(|y| (tile.x..tile.x + tile.width).map(move |x| UVec2::new(x, y)));
+        let jobs = pixels
+            .clone()
+            .flat_map(|pixel| samples.clone().map(move |index| Job { pixel, index }));
+        let mut traced = Traced::new(scene, view, jobs, cancel)?;
+        for pixel in pixels {
             let mut sum = PixelSum::default();
             layers.begin_pixel();
             for index in samples.clone() {
-                let (mut sample, weight) = render_layered(scene, view, UVec2::new(x, y), index, &mut layers);
+                let (mut sample, weight) = traced.next(Job { pixel, index }, &mut layers);
                 result.rays += u64::from(sample.rays);
                 if index == 0 {
-                    result
-                        .first_hits
-                        .push(first_hit(scene, view, UVec2::new(x, y), &sample));
+                    result.first_hits.push(first_hit(scene, view, pixel, &sample));
                 }
                 if is_finite(&sample) {
                     // The guides are not weighted: they are to be free of noise and within their range before they are sharp.
@@ -151,6 +158,9 @@ pub fn render_tile(
     }
     Some(result)
 }
+
+/// About as many samples are traced before they are summed up: enough for all lanes to be busy, few enough for the cache.
+const SAMPLES_AT_ONCE: u32 = 4096;
 
 /// Renders one sample in the middle of each block of `step` x `step` pixels; None if cancelled.
 pub fn render_preview(
@@ -171,27 +181,78 @@ pub fn render_preview(
     };
     let mut layers = LayerSums::new(&view.light_groups);
     let (right, bottom) = (tile.x + tile.width, tile.y + tile.height);
-    for y in (tile.y..bottom).step_by(step as usize) {
-        if cancel.load(Ordering::Relaxed) {
-            return None;
-        }
-        for x in (tile.x..right).step_by(step as usize) {
-            // Of a single sample the filter's weight would only change the brightness.
-            let pixel = UVec2::new(middle(x, right), middle(y, bottom));
-            layers.begin_pixel();
-            let (sample, _) = render_layered(scene, view, pixel, 0, &mut layers);
-            result.rays += u64::from(sample.rays);
-            result.first_hits.push(first_hit(scene, view, pixel, &sample));
-            result.blocks.push(if is_finite(&sample) {
-                layers.add_sample(1.0);
-                sample.into()
-            } else {
-                PixelSum::default()
-            });
-            result.layers.extend_from_slice(layers.of_pixel());
-        }
+    let starts = |start: u32, end: u32| (start..end).step_by(step as usize);
+    // Of a single sample the filter's weight would only change the brightness.
+    let jobs = starts(tile.y, bottom).flat_map(|y| {
+        starts(tile.x, right).map(move |x| Job {
+            pixel: UVec2::new(middle(x, right), middle(y, bottom)),
+            index: 0,
+        })
+    });
+    let mut traced = Traced::new(scene, view, jobs.clone(), cancel)?;
+    for job in jobs {
+        layers.begin_pixel();
+        let (sample, _) = traced.next(job, &mut layers);
+        result.rays += u64::from(sample.rays);
+        result.first_hits.push(first_hit(scene, view, job.pixel, &sample));
+        result.blocks.push(if is_finite(&sample) {
+            layers.add_sample(1.0);
+            sample.into()
+        } else {
+            PixelSum::default()
+        });
+        result.layers.extend_from_slice(layers.of_pixel());
     }
     Some(result)
+}
+
+/// Samples one after another: from lanes where those suit, else traced when they are asked for.
+struct Traced<'a> {
+    scene: &'a RenderScene,
+    view: &'a View,
+    from_lanes: Option<std::vec::IntoIter<(PathSample, f32)>>,
+}
+
+impl<'a> Traced<'a> {
+    /// None where paths are traced one by one: they are not all alike, are watched, or have shadow rays that ask what they meet.
+    fn settings_for_lanes(scene: &RenderScene, view: &View) -> Option<PathSettings> {
+        match view.integrator {
+            Integrator::Path(settings) if view.light_groups.count() == 0 && !scene.materials.lets_through() => {
+                Some(settings)
+            }
+            _ => None,
+        }
+    }
+
+    /// None if cancelled.
+    fn new(
+        scene: &'a RenderScene,
+        view: &'a View,
+        jobs: impl Iterator<Item = Job>,
+        cancel: &AtomicBool,
+    ) -> Option<Self> {
+        let from_lanes = match Self::settings_for_lanes(scene, view) {
+            Some(settings) => {
+                let jobs: Vec<Job> = jobs.collect();
+                Some(lanes::trace(scene, view, &settings, &jobs, cancel)?.into_iter())
+            }
+            None if cancel.load(Ordering::Relaxed) => return None,
+            None => None,
+        };
+        Some(Self {
+            scene,
+            view,
+            from_lanes,
+        })
+    }
+
+    /// The next sample and what its light counts; `job` is the next of the list.
+    fn next(&mut self, job: Job, layers: &mut LayerSums) -> (PathSample, f32) {
+        match self.from_lanes.as_mut().and_then(Iterator::next) {
+            Some(sample) => sample,
+            None => render_layered(self.scene, self.view, job.pixel, job.index, layers),
+        }
+    }
 }
 
 /// A sample with its light sorted into layers, if there are any, and what that light counts.
@@ -218,9 +279,9 @@ pub(super) fn render_sample(
     index: u32,
     observer: &mut impl PathObserver,
 ) -> (PathSample, f32) {
-    let mut camera = view.camera_sample(pixel, index);
+    let camera = view.camera_sample(pixel, index);
     let sample = match view.path_settings(pixel) {
-        Some(settings) => trace_path(scene, &settings, camera.ray, &mut camera.sampler, observer),
+        Some(settings) => trace_path(scene, &settings, camera.ray, camera.sampler, observer),
         None => {
             let mut steps = Steps::default();
             let hit = scene.geometry.intersect_counting(&camera.ray, &mut steps);

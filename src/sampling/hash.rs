@@ -4,8 +4,8 @@
 //! then two rounds in which the words are multiplied into each other. Every output word depends on every input word. Not for
 //! cryptography.
 
-const MULTIPLIER: u32 = 1_664_525;
-const INCREMENT: u32 = 1_013_904_223;
+pub(super) const MULTIPLIER: u32 = 1_664_525;
+pub(super) const INCREMENT: u32 = 1_013_904_223;
 
 fn congruential(word: u32) -> u32 {
     word.wrapping_mul(MULTIPLIER).wrapping_add(INCREMENT)

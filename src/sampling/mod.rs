@@ -5,9 +5,11 @@
 mod bilinear;
 mod distribution;
 pub mod hash;
+pub mod lanes;
 mod mis;
 mod sampler;
 mod spherical_rectangle;
+mod spherical_rectangle_lanes;
 mod spherical_triangle;
 pub mod warp;
 

@@ -87,6 +87,14 @@ impl Sampler {
         Vec2::new(unit_float(x), unit_float(y))
     }
 
+    pub(super) fn key(&self) -> [u32; 2] {
+        self.key
+    }
+
+    pub(super) fn index(&self) -> u32 {
+        self.index
+    }
+
     fn advance(&mut self) -> u32 {
         let dimension = self.dimension;
         self.dimension = dimension.wrapping_add(1);

@@ -9,8 +9,8 @@ use std::f64::consts::TAU;
 /// Cosine of the edges' angle up to which a parallelogram counts as a rectangle: the rounding of an `f32` transform, no more.
 const PERPENDICULARITY: f64 = 1e-5;
 
-/// Below this solid angle (sr) area sampling is as good, and this one runs out of digits.
-const SMALLEST_SOLID_ANGLE: f64 = 1e-6;
+/// Below this solid angle (sr) area sampling is as good, and this one runs out of digits in single precision.
+pub(super) const SMALLEST_SOLID_ANGLE: f64 = 1e-3;
 
 /// A rectangle, prepared to be looked at from many points.
 #[derive(Clone, Copy, Debug)]
@@ -84,6 +84,12 @@ impl Rectangle {
             width,
             height,
         })
+    }
+
+    /// Corner, unit vectors along the edges, lengths of the edges.
+    pub(super) fn parts(&self) -> (Vec3, [Vec3; 2], [f32; 2]) {
+        let axes = [self.x, self.y].map(|axis| axis.as_vec3());
+        (self.corner, axes, [self.width as f32, self.height as f32])
     }
 
     /// From a point in the same space, on either side. `None` if it lies in the rectangle's plane, or if the solid angle is tiny: sample by

@@ -18,6 +18,7 @@ mod diffuse;
 pub mod fresnel;
 mod ggx;
 pub mod ior;
+pub mod lanes;
 mod metal;
 mod microalbedo;
 mod microfacet;

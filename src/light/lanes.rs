@@ -1,0 +1,78 @@
+//! The commonest light for sixteen surfaces at once: a scene's only light, a rectangle that is equally bright all over.
+
+use glam::Vec3;
+
+use super::LightId;
+use super::finite::FiniteLight;
+use super::table::LightTable;
+use crate::color::Rgb;
+use crate::math::lanes::{Lanes, Vec3Lanes, offset_origins};
+use crate::sampling::lanes::RectangleLanes;
+
+/// A rectangle that is the only light.
+#[derive(Clone, Copy, Debug)]
+pub struct SoleRectangle {
+    pub id: LightId,
+    pub radiance: Rgb,
+    pub(super) rectangle: RectangleLanes,
+    pub(super) corner: Vec3,
+    pub(super) edges: [Vec3; 2],
+    pub(super) normal: Vec3,
+    pub(super) pdf_area: f32,
+    /// Bound on the rounding error of its points.
+    pub(super) error: f32,
+}
+
+/// A direction towards the light per lane, as [`super::LightSample`].
+#[derive(Clone, Copy, Debug)]
+pub struct RectangleLightSampleLanes {
+    pub wi: Vec3Lanes,
+    /// Where the shadow ray ends.
+    pub target: Vec3Lanes,
+    pub pdf: Lanes,
+    /// The lanes that it shines on.
+    pub is_valid: Lanes,
+}
+
+impl SoleRectangle {
+    /// None if the scene has other lights, or another.
+    pub fn of(lights: &LightTable) -> Option<Self> {
+        let (id, light) = lights.only()?;
+        match light {
+            FiniteLight::Surface(light) => light.sole_rectangle(id),
+            _ => None,
+        }
+    }
+
+    /// As [`LightTable::sample`] from the positions `reference`.
+    #[inline(always)]
+    pub fn sample(&self, reference: Vec3Lanes, u: [Lanes; 2]) -> RectangleLightSampleLanes {
+        let zero = Lanes::ZERO;
+        let normal = Vec3Lanes::splat(self.normal);
+        let from_corner = reference - Vec3Lanes::splat(self.corner);
+        let before = from_corner.dot(normal).simd_gt(zero);
+        let seen = self.rectangle.sample(reference, u);
+        let mut position = seen.position;
+        let mut pdf = Lanes::ONE / seen.solid_angle;
+        let tiny = before & !seen.is_valid;
+        if tiny.any() {
+            let by_area = Vec3Lanes::splat(self.corner)
+                .plus_scaled(u[0], Vec3Lanes::splat(self.edges[0]))
+                .plus_scaled(u[1], Vec3Lanes::splat(self.edges[1]));
+            let to_reference = reference - by_area;
+            let distance_squared = to_reference.length_squared();
+            let cos = to_reference.dot(normal).abs() / distance_squared.sqrt();
+            position = Vec3Lanes::select(tiny, by_area, position);
+            pdf = tiny.select(Lanes::splat(self.pdf_area) * distance_squared / cos, pdf);
+        }
+        let toward = position - reference;
+        let wi = toward.normalize();
+        let target = offset_origins(position, Lanes::splat(self.error), normal, -toward);
+        RectangleLightSampleLanes {
+            wi,
+            target,
+            pdf,
+            is_valid: before & pdf.simd_gt(zero) & pdf.simd_lt(Lanes::splat(f32::INFINITY)) & wi.x.is_finite(),
+        }
+    }
+}

@@ -1,0 +1,300 @@
+//! Sixteen numbers, vectors or conditions side by side, for code that does the same to sixteen paths at once.
+//!
+//! A condition is a number per lane whose bits are all set or all clear, as comparisons give them, or a bit per lane in a `u32`.
+
+use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub};
+
+use glam::Vec3;
+use wide::{f32x16, u32x16};
+
+/// How many lie side by side.
+pub const LANES: usize = 16;
+
+/// A number per lane.
+pub type Lanes = f32x16;
+
+/// A word per lane.
+pub type WordLanes = u32x16;
+
+/// A vector per lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Vec3Lanes {
+    pub x: Lanes,
+    pub y: Lanes,
+    pub z: Lanes,
+}
+
+/// An orthonormal frame per lane, as [`crate::math::Frame`].
+#[derive(Clone, Copy, Debug)]
+pub struct FrameLanes {
+    pub s: Vec3Lanes,
+    pub t: Vec3Lanes,
+    pub n: Vec3Lanes,
+}
+
+/// The condition that holds in the lanes whose bit is set.
+#[inline(always)]
+pub fn lanes_of(bits: u32) -> Lanes {
+    const BIT_OF_LANE: WordLanes = WordLanes::new([
+        1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768,
+    ]);
+    bytemuck::cast((WordLanes::splat(bits) & BIT_OF_LANE).simd_eq(BIT_OF_LANE))
+}
+
+/// The lanes whose bit is set, in order.
+#[inline(always)]
+pub fn each_lane(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = (bits != 0).then(|| bits.trailing_zeros() as usize % LANES);
+        bits &= bits.wrapping_sub(1);
+        lane
+    })
+}
+
+/// `magnitude` with the sign of `sign`.
+#[inline(always)]
+pub fn copy_sign(magnitude: Lanes, sign: Lanes) -> Lanes {
+    let sign_bit = Lanes::splat(-0.0);
+    (magnitude & !sign_bit) | (sign & sign_bit)
+}
+
+impl Vec3Lanes {
+    pub const ZERO: Self = Self::of(Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
+
+    #[inline(always)]
+    pub const fn of(x: Lanes, y: Lanes, z: Lanes) -> Self {
+        Self { x, y, z }
+    }
+
+    /// The same in every lane.
+    #[inline(always)]
+    pub fn splat(v: Vec3) -> Self {
+        Self::of(Lanes::splat(v.x), Lanes::splat(v.y), Lanes::splat(v.z))
+    }
+
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Vec3 {
+        Vec3::new(
+            self.x.as_array()[lane],
+            self.y.as_array()[lane],
+            self.z.as_array()[lane],
+        )
+    }
+
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, v: Vec3) {
+        self.x.as_mut_array()[lane] = v.x;
+        self.y.as_mut_array()[lane] = v.y;
+        self.z.as_mut_array()[lane] = v.z;
+    }
+
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> Lanes {
+        self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
+    }
+
+    #[inline(always)]
+    pub fn length_squared(self) -> Lanes {
+        self.dot(self)
+    }
+
+    /// Of unit length; not finite where there is no direction.
+    #[inline(always)]
+    pub fn normalize(self) -> Self {
+        self * (Lanes::ONE / self.length_squared().sqrt())
+    }
+
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        Self::of(self.x.abs(), self.y.abs(), self.z.abs())
+    }
+
+    #[inline(always)]
+    pub fn max_element(self) -> Lanes {
+        self.x.fast_max(self.y).fast_max(self.z)
+    }
+
+    /// `self + scale v`.
+    #[inline(always)]
+    pub fn plus_scaled(self, scale: Lanes, v: Self) -> Self {
+        Self::of(
+            scale.mul_add(v.x, self.x),
+            scale.mul_add(v.y, self.y),
+            scale.mul_add(v.z, self.z),
+        )
+    }
+
+    /// Where `condition` holds `yes`, else `no`.
+    #[inline(always)]
+    pub fn select(condition: Lanes, yes: Self, no: Self) -> Self {
+        Self::of(
+            condition.select(yes.x, no.x),
+            condition.select(yes.y, no.y),
+            condition.select(yes.z, no.z),
+        )
+    }
+
+    /// Zero where `condition` does not hold.
+    #[inline(always)]
+    pub fn only(self, condition: Lanes) -> Self {
+        Self::of(self.x & condition, self.y & condition, self.z & condition)
+    }
+
+    #[inline(always)]
+    pub fn map(self, f: impl Fn(Lanes) -> Lanes) -> Self {
+        Self::of(f(self.x), f(self.y), f(self.z))
+    }
+}
+
+impl Add for Vec3Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self::of(self.x + other.x, self.y + other.y, self.z + other.z)
+    }
+}
+
+impl AddAssign for Vec3Lanes {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl Sub for Vec3Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self::of(self.x - other.x, self.y - other.y, self.z - other.z)
+    }
+}
+
+impl Neg for Vec3Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|x| -x)
+    }
+}
+
+/// Component by component.
+impl Mul for Vec3Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self::of(self.x * other.x, self.y * other.y, self.z * other.z)
+    }
+}
+
+impl Mul<Lanes> for Vec3Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, scale: Lanes) -> Self {
+        Self::of(self.x * scale, self.y * scale, self.z * scale)
+    }
+}
+
+impl MulAssign for Vec3Lanes {
+    #[inline(always)]
+    fn mul_assign(&mut self, other: Self) {
+        *self = *self * other;
+    }
+}
+
+impl FrameLanes {
+    /// Around unit vectors, as [`crate::math::Frame::from_normal`].
+    #[inline(always)]
+    pub fn from_normal(n: Vec3Lanes) -> Self {
+        let one = Lanes::ONE;
+        let sign = copy_sign(one, n.z);
+        let a = -one / (sign + n.z);
+        let b = n.x * n.y * a;
+        Self {
+            s: Vec3Lanes::of(sign * n.x * n.x * a + one, sign * b, -sign * n.x),
+            t: Vec3Lanes::of(b, n.y * n.y * a + sign, -n.y),
+            n,
+        }
+    }
+
+    #[inline(always)]
+    pub fn to_local(&self, v: Vec3Lanes) -> Vec3Lanes {
+        Vec3Lanes::of(v.dot(self.s), v.dot(self.t), v.dot(self.n))
+    }
+
+    #[inline(always)]
+    pub fn to_world(&self, v: Vec3Lanes) -> Vec3Lanes {
+        (self.s * v.x).plus_scaled(v.y, self.t).plus_scaled(v.z, self.n)
+    }
+}
+
+/// [`crate::math::offset_origin`] in every lane.
+#[inline(always)]
+pub fn offset_origins(position: Vec3Lanes, error: Lanes, normal: Vec3Lanes, dir: Vec3Lanes) -> Vec3Lanes {
+    let size = normal.abs();
+    let distance = copy_sign(error * (size.x + size.y + size.z), dir.dot(normal));
+    let moved = position.plus_scaled(distance, normal);
+    let away = |moved: Lanes, position: Lanes| {
+        let step = moved.abs().fast_max(position.abs()) * Lanes::splat(f32::EPSILON);
+        let change = moved - position;
+        moved + (copy_sign(step, change) & change.simd_ne(Lanes::ZERO))
+    };
+    Vec3Lanes::of(
+        away(moved.x, position.x),
+        away(moved.y, position.y),
+        away(moved.z, position.z),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Frame, offset_origin};
+
+    fn vectors(seed: u32) -> [Vec3; LANES] {
+        std::array::from_fn(|lane| {
+            let k = seed + 7 * lane as u32;
+            let part = |factor: f32| (k as f32 * factor).fract() * 2.0 - 1.0;
+            Vec3::new(part(0.754_878), part(0.569_84), part(0.311_7))
+        })
+    }
+
+    fn lanes(vectors: &[Vec3; LANES]) -> Vec3Lanes {
+        let mut lanes = Vec3Lanes::ZERO;
+        vectors.iter().enumerate().for_each(|(lane, &v)| lanes.set(lane, v));
+        lanes
+    }
+
+    #[test]
+    fn bits_and_lanes_are_the_same_condition() {
+        for bits in [0, 1, 0x8000, 0xffff, 0x5a5a] {
+            assert_eq!(lanes_of(bits).to_bitmask(), bits);
+            assert_eq!(each_lane(bits).map(|lane| 1 << lane).sum::<u32>(), bits);
+        }
+    }
+
+    #[test]
+    fn frames_and_offsets_are_those_of_one() {
+        for seed in 0..200 {
+            let normals = vectors(seed).map(Vec3::normalize);
+            let (positions, dirs) = (vectors(seed + 1000).map(|v| 10.0 * v), vectors(seed + 2000));
+            let frame = FrameLanes::from_normal(lanes(&normals));
+            let local = frame.to_local(lanes(&dirs));
+            let world = frame.to_world(lanes(&dirs));
+            let moved = offset_origins(lanes(&positions), Lanes::splat(1e-6), lanes(&normals), lanes(&dirs));
+            for lane in 0..LANES {
+                let expected = Frame::from_normal(normals[lane]);
+                assert!(local.get(lane).abs_diff_eq(expected.to_local(dirs[lane]), 1e-6));
+                assert!(world.get(lane).abs_diff_eq(expected.to_world(dirs[lane]), 1e-6));
+                let expected = offset_origin(positions[lane], 1e-6, normals[lane], dirs[lane]);
+                // A few steps of the last digit of 10.
+                assert!(
+                    moved.get(lane).abs_diff_eq(expected, 4e-6),
+                    "{} {expected}",
+                    moved.get(lane)
+                );
+                let side = dirs[lane].dot(normals[lane]).signum();
+                assert!((moved.get(lane) - positions[lane]).dot(normals[lane]) * side > 0.0);
+            }
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! [`Sampler`] and the maps of [`super::warp`] for sixteen paths at once.
+
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+
+pub use super::spherical_rectangle_lanes::RectangleLanes;
+
+use super::sampler::{Sampler, SequenceKind};
+use crate::math::lanes::{Lanes, WordLanes};
+
+/// The samplers of sixteen paths, whatever their pixels and indices.
+#[derive(Clone, Debug)]
+pub struct SamplerLanes {
+    kind: SequenceKind,
+    key: [WordLanes; 2],
+    index: WordLanes,
+}
+
+impl SamplerLanes {
+    pub fn new(kind: SequenceKind) -> Self {
+        Self {
+            kind,
+            key: [WordLanes::ZERO; 2],
+            index: WordLanes::ZERO,
+        }
+    }
+
+    /// From now on lane `lane` has the numbers of `sampler`, which must be of this kind.
+    pub fn set(&mut self, lane: usize, sampler: &Sampler) {
+        let (key, index) = (sampler.key(), sampler.index());
+        self.key[0].as_mut_array()[lane] = key[0];
+        self.key[1].as_mut_array()[lane] = key[1];
+        self.index.as_mut_array()[lane] = index;
+    }
+
+    /// What [`Sampler::next_1d`] gives at these dimensions.
+    #[inline(always)]
+    pub fn at_1d(&self, dimension: WordLanes) -> Lanes {
+        unit_floats(match self.kind {
+            SequenceKind::Independent => pcg4d([self.key[0], self.key[1], self.index, dimension])[0],
+            SequenceKind::Sobol => {
+                let [shuffle_seed, seed, _] = pcg3d([self.key[0], self.key[1], dimension]);
+                let index = reverse_bits(scramble_reversed(self.index, shuffle_seed));
+                reverse_bits(scramble_reversed(index, seed))
+            }
+        })
+    }
+
+    /// What [`Sampler::next_2d`] gives at these dimensions.
+    #[inline(always)]
+    pub fn at_2d(&self, dimension: WordLanes) -> [Lanes; 2] {
+        let words = match self.kind {
+            SequenceKind::Independent => {
+                let [x, y, ..] = pcg4d([self.key[0], self.key[1], self.index, dimension]);
+                [x, y]
+            }
+            SequenceKind::Sobol => {
+                let [shuffle_seed, seed_x, seed_y] = pcg3d([self.key[0], self.key[1], dimension]);
+                let index = reverse_bits(scramble_reversed(self.index, shuffle_seed));
+                [
+                    reverse_bits(scramble_reversed(index, seed_x)),
+                    reverse_bits(scramble_reversed(sobol_second_reversed(index), seed_y)),
+                ]
+            }
+        };
+        words.map(unit_floats)
+    }
+}
+
+#[inline(always)]
+fn reverse_bits(words: WordLanes) -> WordLanes {
+    // Written as a loop, which compilers know an instruction for.
+    let mut words = words.to_array();
+    for word in &mut words {
+        *word = word.reverse_bits();
+    }
+    words.into()
+}
+
+#[inline(always)]
+fn unit_floats(bits: WordLanes) -> Lanes {
+    Lanes::from_i32x16(bytemuck::cast(bits >> 8)) * Lanes::splat(1.0 / (1 << 24) as f32)
+}
+
+#[inline(always)]
+fn word(value: u32) -> WordLanes {
+    WordLanes::splat(value)
+}
+
+#[inline(always)]
+fn congruential(words: WordLanes) -> WordLanes {
+    words * word(super::hash::MULTIPLIER) + word(super::hash::INCREMENT)
+}
+
+/// [`super::hash::pcg3d`].
+#[inline(always)]
+fn pcg3d(words: [WordLanes; 3]) -> [WordLanes; 3] {
+    let multiply = |v: &mut [WordLanes; 3]| {
+        v[0] = v[0] + v[1] * v[2];
+        v[1] = v[1] + v[2] * v[0];
+        v[2] = v[2] + v[0] * v[1];
+    };
+    let mut v = words.map(congruential);
+    multiply(&mut v);
+    v = v.map(|word| word ^ (word >> 16));
+    multiply(&mut v);
+    v
+}
+
+/// [`super::hash::pcg4d`].
+#[inline(always)]
+fn pcg4d(words: [WordLanes; 4]) -> [WordLanes; 4] {
+    let multiply = |v: &mut [WordLanes; 4]| {
+        v[0] = v[0] + v[1] * v[3];
+        v[1] = v[1] + v[2] * v[0];
+        v[2] = v[2] + v[0] * v[1];
+        v[3] = v[3] + v[1] * v[2];
+    };
+    let mut v = words.map(congruential);
+    multiply(&mut v);
+    v = v.map(|word| word ^ (word >> 16));
+    multiply(&mut v);
+    v
+}
+
+#[inline(always)]
+fn scramble_reversed(mut x: WordLanes, seed: WordLanes) -> WordLanes {
+    x = x ^ (x * word(0x3d20_adea));
+    x = x + seed;
+    x = x * ((seed >> 16) | word(1));
+    x = x ^ (x * word(0x0552_6c56));
+    x ^ (x * word(0x53a2_2864))
+}
+
+#[inline(always)]
+fn sobol_second_reversed(index: WordLanes) -> WordLanes {
+    let mut x = index;
+    x = x ^ (x >> 16);
+    x = x ^ ((x & word(0xff00_ff00)) >> 8);
+    x = x ^ ((x & word(0xf0f0_f0f0)) >> 4);
+    x = x ^ ((x & word(0xcccc_cccc)) >> 2);
+    x ^ ((x & word(0xaaaa_aaaa)) >> 1)
+}
+
+/// [`super::warp::concentric_disk`].
+#[inline(always)]
+pub fn concentric_disk([u, v]: [Lanes; 2]) -> [Lanes; 2] {
+    let (x, y) = (u + u - Lanes::ONE, v + v - Lanes::ONE);
+    let is_wide = x.abs().simd_gt(y.abs());
+    let radius = is_wide.select(x, y);
+    let ratio = is_wide.select(y, x) / radius;
+    let eighth = Lanes::splat(FRAC_PI_4) * ratio;
+    let angle = is_wide.select(eighth, Lanes::splat(FRAC_PI_2) - eighth);
+    let (sin, cos) = angle.sin_cos();
+    // 0 / 0 in the very middle.
+    let is_off_centre = radius.simd_ne(Lanes::ZERO);
+    [(radius * cos) & is_off_centre, (radius * sin) & is_off_centre]
+}
+
+/// [`super::power_heuristic`] of densities that are not both infinite.
+#[inline(always)]
+pub fn power_heuristics(pdf: Lanes, other_pdf: Lanes) -> Lanes {
+    let ratio = other_pdf / pdf;
+    (Lanes::ONE / ratio.mul_add(ratio, Lanes::ONE)) & pdf.simd_ne(Lanes::ZERO)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{UVec2, Vec2};
+
+    use super::*;
+    use crate::math::lanes::LANES;
+    use crate::sampling::{power_heuristic, warp};
+
+    #[test]
+    fn numbers_are_the_samplers() {
+        for kind in [SequenceKind::Independent, SequenceKind::Sobol] {
+            let mut lanes = SamplerLanes::new(kind);
+            let mut samplers: Vec<Sampler> = (0..LANES as u32)
+                .map(|lane| Sampler::new(kind, UVec2::new(17 * lane, 1000 - lane), lane * lane, 5))
+                .collect();
+            for (lane, sampler) in samplers.iter().enumerate() {
+                lanes.set(lane, sampler);
+            }
+            for dimension in [0, 1, 2, 77, 12_345] {
+                let dimensions: [u32; LANES] = std::array::from_fn(|lane| dimension + lane as u32);
+                let (single, pair) = (lanes.at_1d(dimensions.into()), lanes.at_2d(dimensions.into()));
+                for (lane, sampler) in samplers.iter_mut().enumerate() {
+                    sampler.start_dimension(dimensions[lane]);
+                    assert_eq!(single.as_array()[lane], sampler.next_1d());
+                    sampler.start_dimension(dimensions[lane]);
+                    let expected = sampler.next_2d();
+                    assert_eq!(pair.map(|numbers| numbers.as_array()[lane]), expected.to_array());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn disks_and_weights_are_those_of_one() {
+        let at = |k: usize| Vec2::new((k as f32 * 0.618_034).fract(), (k as f32 * 0.414_214).fract());
+        for start in (0..4096).step_by(LANES) {
+            let mut points: [Vec2; LANES] = std::array::from_fn(|lane| at(start + lane));
+            points[3] = Vec2::splat(0.5);
+            let u = points.map(|point| point.x);
+            let v = points.map(|point| point.y);
+            let [x, y] = concentric_disk([u.into(), v.into()]);
+            let weight = power_heuristics(u.into(), v.into());
+            for lane in 0..LANES {
+                let expected = warp::concentric_disk(points[lane]);
+                let found = Vec2::new(x.as_array()[lane], y.as_array()[lane]);
+                assert!(found.abs_diff_eq(expected, 1e-6), "{found} {expected}");
+                let expected = power_heuristic(points[lane].x, points[lane].y);
+                assert!((weight.as_array()[lane] - expected).abs() < 1e-6);
+            }
+        }
+        assert_eq!(power_heuristics(Lanes::ZERO, Lanes::ONE).as_array()[0], 0.0);
+    }
+}

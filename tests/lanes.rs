@@ -1,0 +1,236 @@
+//! Paths traced side by side, as pictures are, against the same paths one by one.
+
+mod support;
+
+use std::sync::atomic::AtomicBool;
+
+use glam::{Affine3A, Quat, UVec2, Vec3};
+use sunroom::accel::Primitive;
+use sunroom::light::LightSource;
+use sunroom::material::{BumpOptions, Material, MaterialId};
+use sunroom::render::path::trace_path;
+use sunroom::render::scene::RenderScene;
+use sunroom::render::tile::{render_preview, render_tile, tiles};
+use sunroom::render::view::{Integrator, PathSettings, Strategy, View};
+use sunroom::sampling::SequenceKind;
+use sunroom::shading::{
+    Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Ggx, Metal, Microfacet, RoughConductor,
+};
+use sunroom::texture::Parameter;
+
+use support::{SceneBuilder, camera, square_mesh, view};
+
+const SIZE: u32 = 48;
+const SAMPLES: u32 = 6;
+
+fn diffuse(reflectance: [f32; 3]) -> Bsdf {
+    Bsdf::Diffuse(Diffuse {
+        reflectance: Vec3::from(reflectance),
+    })
+}
+
+fn gold() -> ConductorSpecular {
+    ConductorSpecular {
+        eta: Vec3::new(0.14, 0.37, 1.44),
+        k: Vec3::new(3.98, 2.39, 1.6),
+        specular_reflectance: Vec3::ONE,
+    }
+}
+
+fn placed(at: Vec3, turned: Quat, size: f32) -> Affine3A {
+    Affine3A::from_scale_rotation_translation(Vec3::splat(size), turned, at)
+}
+
+/// A room with a floor and walls, and balls of every kind of model: those that are traced in lanes and those that are not.
+fn room() -> SceneBuilder {
+    let mut room = SceneBuilder::default();
+    let down = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
+    let floor = placed(Vec3::NEG_Y, down, 3.0);
+    room.add(Primitive::Rectangle, floor, diffuse([0.5, 0.6, 0.7]), None);
+    room.add(
+        square_mesh(),
+        placed(Vec3::NEG_Z * 2.0, Quat::IDENTITY, 3.0),
+        diffuse([0.8, 0.3, 0.3]),
+        None,
+    );
+    let ball = |x: f32, z: f32| placed(Vec3::new(x, -0.6, z), Quat::IDENTITY, 0.4);
+    let rough = Bsdf::RoughConductor(RoughConductor {
+        specular: gold(),
+        distribution: Microfacet::Ggx(Ggx::new(0.2, 0.2)),
+        multiple_scattering: None,
+    });
+    let glass = Bsdf::Dielectric(Dielectric {
+        eta: 1.5,
+        model: DielectricModel::Exact,
+        specular_reflectance: Vec3::ONE,
+        specular_transmittance: Vec3::ONE,
+    });
+    let fuzzy = Bsdf::Metal(Metal {
+        color: Vec3::new(0.9, 0.8, 0.7),
+        fuzz: 0.3,
+    });
+    room.add(Primitive::Sphere, ball(-1.0, 0.0), rough, None);
+    room.add(Primitive::Sphere, ball(0.0, 0.3), glass, None);
+    room.add(Primitive::Sphere, ball(1.0, 0.0), fuzzy, None);
+    room.add(
+        Primitive::Sphere,
+        ball(-0.5, -1.0),
+        Bsdf::Conductor(Conductor { specular: gold() }),
+        None,
+    );
+    // Black from behind on its own, here the same on both sides; materials count in the order they are added.
+    let two_sided = Material::TwoSided {
+        front: MaterialId(0),
+        back: MaterialId(1),
+    };
+    let leaning = Quat::from_rotation_y(0.7) * Quat::from_rotation_x(-0.4);
+    room.add(
+        square_mesh(),
+        placed(Vec3::new(0.8, -0.4, -1.0), leaning, 0.5),
+        two_sided,
+        None,
+    );
+    let bumped = Material::BumpMap {
+        nested: MaterialId(0),
+        height: Parameter::Constant(1.0),
+        scale: 1.0,
+        options: BumpOptions {
+            flip_invalid_normals: true,
+            use_shadowing_function: true,
+        },
+    };
+    room.add(
+        Primitive::Disk,
+        placed(Vec3::new(-1.2, 0.0, -1.5), Quat::IDENTITY, 0.5),
+        bumped,
+        None,
+    );
+    room
+}
+
+fn with_lamp() -> RenderScene {
+    let mut room = room();
+    let up = Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
+    room.add(
+        Primitive::Rectangle,
+        placed(Vec3::new(0.2, 1.5, 0.5), up, 0.5),
+        diffuse([0.2, 0.2, 0.2]),
+        Some(Vec3::new(9.0, 8.0, 7.0)),
+    );
+    room.build()
+}
+
+fn with_many_lights() -> RenderScene {
+    let mut room = room();
+    room.add(
+        Primitive::Sphere,
+        placed(Vec3::new(1.0, 1.0, 0.5), Quat::IDENTITY, 0.2),
+        diffuse([0.2, 0.2, 0.2]),
+        Some(Vec3::new(9.0, 8.0, 7.0)),
+    );
+    room.light(LightSource::Point {
+        position: Vec3::new(-1.0, 1.0, 1.0),
+        intensity: Vec3::splat(2.0),
+    });
+    room.light(LightSource::Constant {
+        radiance: Vec3::new(0.1, 0.2, 0.3),
+    });
+    room.build()
+}
+
+fn settings(max_depth: u32, rr_depth: u32, hide_emitters: bool, strategy: Strategy) -> PathSettings {
+    PathSettings {
+        max_depth,
+        rr_depth,
+        hide_emitters,
+        strategy,
+    }
+}
+
+fn look(settings: PathSettings, sequence: SequenceKind) -> View {
+    let camera = camera(Vec3::new(0.0, 0.3, 4.0), Vec3::new(0.0, -0.2, 0.0), 45.0);
+    View {
+        integrator: Integrator::Path(settings),
+        sequence,
+        ..view(camera, SIZE, settings.max_depth, settings.strategy)
+    }
+}
+
+/// Pixels that may differ: where rounding sends a path elsewhere, after many a bounce off balls.
+const STRAYS: usize = (SIZE * SIZE) as usize / 100;
+
+fn compare(what: &str, scene: &RenderScene, settings: PathSettings, sequence: SequenceKind) {
+    let view = look(settings, sequence);
+    let (mut strays, mut rays, mut expected_rays) = (0, 0, 0);
+    for tile in tiles(SIZE, SIZE) {
+        let found = render_tile(scene, &view, tile, 0..SAMPLES, &AtomicBool::new(false)).expect("not cancelled");
+        assert_eq!(found.invalid, 0, "{what}");
+        rays += found.rays;
+        let places =
+            (tile.y..tile.y + tile.height).flat_map(|y| (tile.x..tile.x + tile.width).map(move |x| UVec2::new(x, y)));
+        for (number, (place, pixel)) in places.zip(&found.pixels).enumerate() {
+            let mut sums = [Vec3::ZERO; 3];
+            let mut depth = 0.0;
+            for index in 0..SAMPLES {
+                let begin = view.camera_sample(place, index);
+                let sample = trace_path(scene, &settings, begin.ray, begin.sampler, &mut ());
+                expected_rays += u64::from(sample.rays);
+                sums[0] += sample.radiance * begin.weight;
+                sums[1] += sample.albedo;
+                sums[2] += sample.normal;
+                depth += sample.depth;
+                if index == 0 {
+                    let instance = sample.first_hit.map(|hit| hit.instance);
+                    assert_eq!(
+                        found.first_hits[number].map(|hit| hit.instance),
+                        instance,
+                        "{what} at {place}"
+                    );
+                }
+            }
+            assert_eq!(pixel.depth, depth, "{what}: camera rays are the same, at {place}");
+            let pairs = sums.into_iter().zip([pixel.radiance, pixel.albedo, pixel.normal]);
+            let is_near = |(a, b): (Vec3, Vec3)| a.abs_diff_eq(b, 1e-3 * a.abs().max_element() + 1e-4);
+            strays += usize::from(!pairs.map(is_near).all(|near| near));
+        }
+    }
+    assert!(strays <= STRAYS, "{what}: {strays} pixels differ");
+    let difference = rays.abs_diff(expected_rays);
+    assert!(
+        difference * 1000 <= expected_rays,
+        "{what}: {rays} rays, {expected_rays}"
+    );
+}
+
+#[test]
+fn pictures_are_those_of_paths_one_by_one() {
+    let scenes = [("one lamp", with_lamp()), ("many lights", with_many_lights())];
+    for (what, scene) in &scenes {
+        for strategy in [Strategy::Mis, Strategy::Light, Strategy::Bsdf] {
+            compare(what, scene, settings(8, 5, false, strategy), SequenceKind::Sobol);
+        }
+        compare(
+            what,
+            scene,
+            settings(u32::MAX, 1, false, Strategy::Mis),
+            SequenceKind::Independent,
+        );
+        compare(what, scene, settings(2, 5, true, Strategy::Mis), SequenceKind::Sobol);
+        compare(what, scene, settings(1, 5, false, Strategy::Mis), SequenceKind::Sobol);
+    }
+}
+
+/// Whatever the tile, and whatever else is traced beside it, a sample is the same.
+#[test]
+fn samples_do_not_depend_on_their_neighbours() {
+    let scene = with_lamp();
+    let view = look(settings(8, 5, false, Strategy::Mis), SequenceKind::Sobol);
+    let go = AtomicBool::new(false);
+    let tile = tiles(SIZE, SIZE)[0];
+    let preview = render_preview(&scene, &view, tile, 4, &go).expect("not cancelled");
+    let whole = render_tile(&scene, &view, tile, 0..1, &go).expect("not cancelled");
+    for (number, block) in preview.blocks.iter().enumerate() {
+        let (x, y) = (number as u32 % 8 * 4 + 2, number as u32 / 8 * 4 + 2);
+        assert_eq!(*block, whole.pixels[(y * tile.width + x) as usize], "block {number}");
+    }
+}
