@@ -95,9 +95,9 @@ fn congruential(words: WordLanes) -> WordLanes {
 #[inline(always)]
 fn pcg3d(words: [WordLanes; 3]) -> [WordLanes; 3] {
     let multiply = |v: &mut [WordLanes; 3]| {
-        v[0] = v[0] + v[1] * v[2];
-        v[1] = v[1] + v[2] * v[0];
-        v[2] = v[2] + v[0] * v[1];
+        v[0] += v[1] * v[2];
+        v[1] += v[2] * v[0];
+        v[2] += v[0] * v[1];
     };
     let mut v = words.map(congruential);
     multiply(&mut v);
@@ -110,10 +110,10 @@ fn pcg3d(words: [WordLanes; 3]) -> [WordLanes; 3] {
 #[inline(always)]
 fn pcg4d(words: [WordLanes; 4]) -> [WordLanes; 4] {
     let multiply = |v: &mut [WordLanes; 4]| {
-        v[0] = v[0] + v[1] * v[3];
-        v[1] = v[1] + v[2] * v[0];
-        v[2] = v[2] + v[0] * v[1];
-        v[3] = v[3] + v[1] * v[2];
+        v[0] += v[1] * v[3];
+        v[1] += v[2] * v[0];
+        v[2] += v[0] * v[1];
+        v[3] += v[1] * v[2];
     };
     let mut v = words.map(congruential);
     multiply(&mut v);
@@ -124,20 +124,20 @@ fn pcg4d(words: [WordLanes; 4]) -> [WordLanes; 4] {
 
 #[inline(always)]
 fn scramble_reversed(mut x: WordLanes, seed: WordLanes) -> WordLanes {
-    x = x ^ (x * word(0x3d20_adea));
-    x = x + seed;
-    x = x * ((seed >> 16) | word(1));
-    x = x ^ (x * word(0x0552_6c56));
+    x ^= x * word(0x3d20_adea);
+    x += seed;
+    x *= (seed >> 16) | word(1);
+    x ^= x * word(0x0552_6c56);
     x ^ (x * word(0x53a2_2864))
 }
 
 #[inline(always)]
 fn sobol_second_reversed(index: WordLanes) -> WordLanes {
     let mut x = index;
-    x = x ^ (x >> 16);
-    x = x ^ ((x & word(0xff00_ff00)) >> 8);
-    x = x ^ ((x & word(0xf0f0_f0f0)) >> 4);
-    x = x ^ ((x & word(0xcccc_cccc)) >> 2);
+    x ^= x >> 16;
+    x ^= (x & word(0xff00_ff00)) >> 8;
+    x ^= (x & word(0xf0f0_f0f0)) >> 4;
+    x ^= (x & word(0xcccc_cccc)) >> 2;
     x ^ ((x & word(0xaaaa_aaaa)) >> 1)
 }
 
@@ -205,11 +205,11 @@ mod tests {
             let v = points.map(|point| point.y);
             let [x, y] = concentric_disk([u.into(), v.into()]);
             let weight = power_heuristics(u.into(), v.into());
-            for lane in 0..LANES {
-                let expected = warp::concentric_disk(points[lane]);
+            for (lane, &point) in points.iter().enumerate() {
+                let expected = warp::concentric_disk(point);
                 let found = Vec2::new(x.as_array()[lane], y.as_array()[lane]);
                 assert!(found.abs_diff_eq(expected, 1e-6), "{found} {expected}");
-                let expected = power_heuristic(points[lane].x, points[lane].y);
+                let expected = power_heuristic(point.x, point.y);
                 assert!((weight.as_array()[lane] - expected).abs() < 1e-6);
             }
         }

@@ -183,7 +183,7 @@ mod tests {
                     origins.set(lane, middle + direction * 0.02 * 500f32.powf(b.y));
                 }
                 let sample = lanes.sample(origins, [points.map(|p| p.x).into(), points.map(|p| p.y).into()]);
-                for lane in 0..LANES {
+                for (lane, &point) in points.iter().enumerate() {
                     let seen = rectangle.seen_from(origins.get(lane));
                     let is_valid = sample.is_valid.to_bitmask() >> lane & 1 == 1;
                     let Some(seen) = seen.filter(|_| is_valid) else {
@@ -197,7 +197,7 @@ mod tests {
                     let height = offset.dot(edges[0].cross(edges[1]).normalize()).abs();
                     let allowed = 4e-6 + 8e-7 * (offset.length() + corner.length()) / height;
                     worst_angle = worst_angle.max((found / seen.solid_angle() - 1.0).abs() / allowed);
-                    let place = sample.position.get(lane) - seen.sample(points[lane]);
+                    let place = sample.position.get(lane) - seen.sample(point);
                     let relative = place.dot(edges[0].normalize()).abs() / edges[0].length();
                     worst_place =
                         worst_place.max(relative.max(place.dot(edges[1].normalize()).abs() / edges[1].length()));

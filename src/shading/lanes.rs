@@ -273,7 +273,7 @@ impl BsdfSampleLanes {
         self.weight = Vec3Lanes::select(condition, other.weight, self.weight);
         self.pdf = condition.select(other.pdf, self.pdf);
         self.eta = condition.select(other.eta, self.eta);
-        self.returned = self.returned | (other.returned & condition);
+        self.returned |= other.returned & condition;
     }
 }
 

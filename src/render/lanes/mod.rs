@@ -307,7 +307,7 @@ impl<'a> Paths<'a> {
         } = self.vertices;
         let bsdf = &self.vertices.bsdf;
         let one_further: WordLanes = bytemuck::cast(here);
-        self.depth = self.depth + (WordLanes::splat(1) & one_further);
+        self.depth += WordLanes::splat(1) & one_further;
         let dimension = (self.depth - WordLanes::splat(1)) * WordLanes::splat(BOUNCE_DIMENSIONS)
             + WordLanes::splat(CAMERA_DIMENSIONS);
         let at = |draw: u32| dimension + WordLanes::splat(draw);
@@ -370,7 +370,7 @@ impl<'a> Paths<'a> {
             let brightest = self.throughput.max_element() * self.eta_squared;
             let survival = brightest.fast_min(Lanes::splat(HIGHEST_SURVIVAL));
             let survives = self.sampler.at_1d(at(4)).simd_lt(survival);
-            goes_on = goes_on & (survives | !plays);
+            goes_on &= survives | !plays;
             let scaled = self.throughput * (Lanes::ONE / survival);
             self.throughput = Vec3Lanes::select(plays, scaled, self.throughput);
         }
