@@ -189,9 +189,9 @@ fn compare(what: &str, scene: &RenderScene, settings: PathSettings, sequence: Se
                 }
             }
             assert_eq!(pixel.depth, depth, "{what}: camera rays are the same, at {place}");
-            let pairs = sums.into_iter().zip([pixel.radiance, pixel.albedo, pixel.normal]);
+            let mut pairs = sums.into_iter().zip([pixel.radiance, pixel.albedo, pixel.normal]);
             let is_near = |(a, b): (Vec3, Vec3)| a.abs_diff_eq(b, 1e-3 * a.abs().max_element() + 1e-4);
-            strays += usize::from(!pairs.map(is_near).all(|near| near));
+            strays += usize::from(!pairs.all(is_near));
         }
     }
     assert!(strays <= STRAYS, "{what}: {strays} pixels differ");
