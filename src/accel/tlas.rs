@@ -8,9 +8,11 @@ use rayon::prelude::*;
 use super::blas::Blas;
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
+use super::few::{FewShapes, RayLanes};
 use super::instance::{Instance, Primitive};
 use super::placement::Placement;
 use super::traverse::Steps;
+use crate::math::lanes::{LANES, each_lane};
 use crate::math::{Aabb, Ray};
 
 /// The shapes of a scene and the groups of shapes that stand in it many times, with a hierarchy over their world bounds.
@@ -25,6 +27,8 @@ pub struct Tlas {
     placements: Vec<Placement>,
     /// Over the instances and, counted on from them, the placements.
     pub(super) bvh: Bvh,
+    /// If there are few shapes and nothing else.
+    few: Option<FewShapes>,
 }
 
 /// A hit in the world.
@@ -65,12 +69,14 @@ impl Tlas {
                 first
             })
             .collect();
+        let few = FewShapes::new(&instances).filter(|_| placements.is_empty());
         let mut tlas = Self {
             instances,
             groups,
             first_shape,
             placements,
             bvh: Bvh::build(&[], method, LEAF_SIZE),
+            few,
         };
         tlas.bvh = Bvh::build(&tlas.item_bounds(), method, LEAF_SIZE);
         tlas
@@ -253,6 +259,28 @@ impl Tlas {
             member: hit.instance,
             ..hit
         })
+    }
+
+    /// [`Self::intersect`] for each of the lanes in `active`; None in the others.
+    pub fn intersect_lanes(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
+        if let Some(few) = &self.few {
+            return few.closest(&self.instances, rays, active);
+        }
+        let mut hits = [None; LANES];
+        for lane in each_lane(active) {
+            hits[lane] = self.intersect(&rays.get(lane));
+        }
+        hits
+    }
+
+    /// [`Self::occluded`] for each of the lanes in `active`, a bit per lane; clear in the others.
+    pub fn occluded_lanes(&self, rays: &RayLanes, active: u32) -> u32 {
+        if let Some(few) = &self.few {
+            return few.any(&self.instances, rays, active);
+        }
+        each_lane(active)
+            .map(|lane| u32::from(self.occluded(&rays.get(lane))) << lane)
+            .sum()
     }
 
     /// Whether anything is hit with 0 < t < t_max.

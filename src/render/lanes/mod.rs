@@ -15,7 +15,7 @@ use self::vertices::Vertices;
 use super::path::{Arrival, BOUNCE_DIMENSIONS, CAMERA_DIMENSIONS, HIGHEST_SURVIVAL, Path, PathSample};
 use super::scene::RenderScene;
 use super::view::{PathSettings, Strategy, View};
-use crate::accel::Hit;
+use crate::accel::{Hit, RayLanes};
 use crate::light::lanes::SoleRectangle;
 use crate::light::{LightReference, Target};
 use crate::math::Ray;
@@ -223,15 +223,12 @@ impl<'a> Paths<'a> {
     }
 
     fn step(&mut self) {
-        let mut hits = [None; LANES];
-        for lane in each_lane(self.active) {
-            let ray = Ray {
-                origin: self.origin.get(lane),
-                dir: self.dir.get(lane),
-                t_max: self.t_max.as_array()[lane],
-            };
-            hits[lane] = self.scene.geometry.intersect(&ray);
-        }
+        let rays = RayLanes {
+            origin: self.origin,
+            dir: self.dir,
+            t_max: self.t_max,
+        };
+        let hits = self.scene.geometry.intersect_lanes(&rays, self.active);
         self.vertices.clear();
         for lane in each_lane(self.active) {
             self.arrive(lane, hits[lane]);
@@ -332,21 +329,16 @@ impl<'a> Paths<'a> {
             let counts = light.is_valid & lanes_of(smooth) & reflected.max_element().simd_ne(zero);
             let asked = counts.to_bitmask();
             let origin = offset_origins(position, error, geometric_normal, light.wi);
-            let toward = light.target - origin;
-            let mut lit = 0;
+            let is_infinite = lanes_of(light.infinite);
+            let shadows = RayLanes {
+                origin,
+                dir: Vec3Lanes::select(is_infinite, light.wi, light.target - origin),
+                t_max: is_infinite.select(Lanes::splat(f32::INFINITY), Lanes::ONE),
+            };
             for lane in each_lane(asked) {
                 self.homes[lane].path.result.rays += 1;
-                let shadow = if light.infinite >> lane & 1 == 1 {
-                    Ray::new(origin.get(lane), light.wi.get(lane))
-                } else {
-                    Ray {
-                        origin: origin.get(lane),
-                        dir: toward.get(lane),
-                        t_max: 1.0,
-                    }
-                };
-                lit |= u32::from(!self.scene.geometry.occluded(&shadow)) << lane;
             }
+            let lit = asked & !self.scene.geometry.occluded_lanes(&shadows, asked);
             self.radiance += reflected.only(lanes_of(lit));
         }
 

@@ -1,0 +1,317 @@
+//! Scenes of a few shapes: sixteen rays at once against one shape after the other, without a hierarchy.
+//!
+//! Rays of different paths have little in common, but where there are only a few shapes most of them have to be tested anyway. Rectangles,
+//! spheres and meshes of a few triangles are tested in vectors, a ray per lane; of other meshes only the box, and then by each ray that
+//! meets it.
+
+use glam::{Affine3A, Vec3};
+
+use super::instance::{Instance, Primitive};
+use super::tiny_mesh::TinyMesh;
+use super::tlas::Hit;
+use super::traverse::Steps;
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, copy_sign, each_lane, lanes_of};
+use crate::math::{Aabb, Ray, gamma};
+
+/// Above this the hierarchy wins.
+const MOST_SHAPES: usize = 24;
+
+/// Rays in lanes, as [`Ray`].
+#[derive(Clone, Copy, Debug)]
+pub struct RayLanes {
+    pub origin: Vec3Lanes,
+    pub dir: Vec3Lanes,
+    pub t_max: Lanes,
+}
+
+/// The shapes of a scene that has few, the cheap ones first.
+#[derive(Clone, Debug)]
+pub(super) struct FewShapes {
+    shapes: Vec<FewShape>,
+}
+
+#[derive(Clone, Debug)]
+struct FewShape {
+    /// Index into the instances.
+    instance: u32,
+    kind: Kind,
+    /// Rows of the matrix from the world, and the place in the world.
+    rows: [Vec3; 3],
+    place: glam::Vec3,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    Rectangle,
+    Sphere,
+    TinyMesh(TinyMesh),
+    /// With its local bounds.
+    Boxed(Aabb),
+    Other,
+}
+
+/// The nearest hits so far.
+struct Nearest {
+    t: Lanes,
+    u: Lanes,
+    v: Lanes,
+    /// Index into the shapes, a small whole number.
+    shape: Lanes,
+    /// The triangle, likewise; of boxed meshes it lies in `primitives`.
+    triangle: Lanes,
+    primitives: [u32; LANES],
+}
+
+impl RayLanes {
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Ray {
+        Ray {
+            origin: self.origin.get(lane),
+            dir: self.dir.get(lane),
+            t_max: self.t_max.as_array()[lane],
+        }
+    }
+}
+
+impl FewShapes {
+    /// None if they are too many.
+    pub fn new(instances: &[Instance]) -> Option<Self> {
+        if instances.len() > MOST_SHAPES {
+            return None;
+        }
+        let mut shapes: Vec<FewShape> = (0..)
+            .zip(instances)
+            .map(|(index, shape)| FewShape::new(index, shape))
+            .collect();
+        shapes.sort_by_key(|shape| match &shape.kind {
+            Kind::Rectangle | Kind::Sphere => 0,
+            Kind::Other => 1,
+            Kind::TinyMesh(_) => 2,
+            Kind::Boxed(_) => 3,
+        });
+        Some(Self { shapes })
+    }
+
+    /// Of the lanes in `active`.
+    pub fn closest(&self, instances: &[Instance], rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
+        let mut nearest = Nearest {
+            t: rays.t_max,
+            u: Lanes::ZERO,
+            v: Lanes::ZERO,
+            shape: Lanes::splat(-1.0),
+            triangle: Lanes::ZERO,
+            primitives: [0; LANES],
+        };
+        for (number, shape) in self.shapes.iter().enumerate() {
+            let number = Lanes::splat(number as f32);
+            match &shape.kind {
+                Kind::Rectangle => {
+                    let (t, u, v, met) = rectangle(&shape.local(rays), nearest.t);
+                    nearest.take(met, [t, u, v, number, Lanes::ZERO]);
+                }
+                Kind::Sphere => {
+                    let (t, met) = sphere(&shape.local(rays), nearest.t);
+                    nearest.take(met, [t, Lanes::ZERO, Lanes::ZERO, number, Lanes::ZERO]);
+                }
+                Kind::TinyMesh(mesh) => {
+                    let local = shape.local(rays);
+                    if (meets(mesh.bounds(), &local, nearest.t) & lanes_of(active)).none() {
+                        continue;
+                    }
+                    // The weights are divided once, for the triangle that is left.
+                    let mut sum = Lanes::ONE;
+                    mesh.each_hit(&local, |t, weights, triangle| {
+                        let met = t.simd_lt(nearest.t) & t.simd_gt(Lanes::ZERO) & weights.inside;
+                        let triangle = Lanes::splat(triangle as f32);
+                        sum = met.select(weights.sum, sum);
+                        nearest.take(met, [t, weights.u, weights.v, number, triangle]);
+                        false
+                    });
+                    let scale = Lanes::ONE / sum;
+                    nearest.u *= scale;
+                    nearest.v *= scale;
+                }
+                Kind::Boxed(bounds) => {
+                    let met = meets(bounds, &shape.local(rays), nearest.t).to_bitmask() & active;
+                    nearest.ask(met, number, &instances[shape.instance as usize], rays);
+                }
+                Kind::Other => nearest.ask(active, number, &instances[shape.instance as usize], rays),
+            }
+        }
+        std::array::from_fn(|lane| {
+            let shape = nearest.shape.as_array()[lane];
+            if active >> lane & 1 == 0 || shape < 0.0 {
+                return None;
+            }
+            let shape = &self.shapes[shape as usize];
+            let triangle = nearest.triangle.as_array()[lane];
+            Some(Hit {
+                t: nearest.t.as_array()[lane],
+                instance: shape.instance,
+                member: 0,
+                primitive: match &shape.kind {
+                    Kind::TinyMesh(mesh) => mesh.triangle(triangle as usize),
+                    _ => nearest.primitives[lane],
+                },
+                u: nearest.u.as_array()[lane],
+                v: nearest.v.as_array()[lane],
+            })
+        })
+    }
+
+    /// A bit for each of the lanes in `active` whose ray meets anything.
+    pub fn any(&self, instances: &[Instance], rays: &RayLanes, active: u32) -> u32 {
+        let mut hit = 0;
+        for shape in &self.shapes {
+            let left = active & !hit;
+            if left == 0 {
+                break;
+            }
+            hit |= active
+                & match &shape.kind {
+                    Kind::Rectangle => rectangle(&shape.local(rays), rays.t_max).3.to_bitmask(),
+                    Kind::Sphere => sphere(&shape.local(rays), rays.t_max).1.to_bitmask(),
+                    Kind::TinyMesh(mesh) => {
+                        let local = shape.local(rays);
+                        if (meets(mesh.bounds(), &local, rays.t_max) & lanes_of(left)).none() {
+                            continue;
+                        }
+                        let mut met = Lanes::ZERO;
+                        mesh.each_hit(&local, |t, weights, _| {
+                            met |= t.simd_lt(rays.t_max) & t.simd_gt(Lanes::ZERO) & weights.inside;
+                            left & !met.to_bitmask() == 0
+                        });
+                        met.to_bitmask()
+                    }
+                    Kind::Boxed(bounds) => {
+                        let met = meets(bounds, &shape.local(rays), rays.t_max).to_bitmask() & left;
+                        shape.occluded(met, instances, rays)
+                    }
+                    Kind::Other => shape.occluded(left, instances, rays),
+                };
+        }
+        hit
+    }
+}
+
+impl FewShape {
+    fn new(index: u32, instance: &Instance) -> Self {
+        let kind = match &instance.primitive {
+            Primitive::Rectangle => Kind::Rectangle,
+            Primitive::Sphere => Kind::Sphere,
+            Primitive::Mesh(blas) => match TinyMesh::new(blas.mesh()) {
+                Some(mesh) => Kind::TinyMesh(mesh),
+                None => Kind::Boxed(blas.bounds()),
+            },
+            Primitive::Disk | Primitive::Cylinder => Kind::Other,
+        };
+        let Affine3A { matrix3: linear, .. } = &instance.local_from_world;
+        Self {
+            instance: index,
+            kind,
+            rows: [0, 1, 2].map(|row| linear.row(row).into()),
+            place: instance.world_from_local.translation.into(),
+        }
+    }
+
+    /// As [`Instance::local_ray`].
+    #[inline(always)]
+    fn local(&self, rays: &RayLanes) -> RayLanes {
+        let rows = self.rows.map(Vec3Lanes::splat);
+        let turned = |v: Vec3Lanes| Vec3Lanes::of(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v));
+        RayLanes {
+            origin: turned(rays.origin - Vec3Lanes::splat(self.place)),
+            dir: turned(rays.dir),
+            t_max: rays.t_max,
+        }
+    }
+
+    fn occluded(&self, asked: u32, instances: &[Instance], rays: &RayLanes) -> u32 {
+        let instance = &instances[self.instance as usize];
+        each_lane(asked)
+            .map(|lane| u32::from(instance.occluded(&rays.get(lane))) << lane)
+            .sum()
+    }
+}
+
+impl Nearest {
+    /// Where `met` holds: distance, u, v, shape, triangle.
+    #[inline(always)]
+    fn take(&mut self, met: Lanes, [t, u, v, shape, triangle]: [Lanes; 5]) {
+        self.t = met.select(t, self.t);
+        self.u = met.select(u, self.u);
+        self.v = met.select(v, self.v);
+        self.shape = met.select(shape, self.shape);
+        self.triangle = met.select(triangle, self.triangle);
+    }
+
+    /// The rays of the lanes `asked` ask the shape one by one.
+    #[inline(always)]
+    fn ask(&mut self, asked: u32, number: Lanes, instance: &Instance, rays: &RayLanes) {
+        for lane in each_lane(asked) {
+            let ray = Ray {
+                t_max: self.t.as_array()[lane],
+                ..rays.get(lane)
+            };
+            if let Some((hit, primitive)) = instance.closest::<false>(&ray, &mut Steps::default()) {
+                self.t.as_mut_array()[lane] = hit.t;
+                self.u.as_mut_array()[lane] = hit.u;
+                self.v.as_mut_array()[lane] = hit.v;
+                self.shape.as_mut_array()[lane] = number.as_array()[lane];
+                self.primitives[lane] = primitive;
+            }
+        }
+    }
+}
+
+/// As [`crate::geometry::rectangle::intersect`]: t, u, v, and whether it is met before `t_max`.
+#[inline(always)]
+fn rectangle(ray: &RayLanes, t_max: Lanes) -> (Lanes, Lanes, Lanes, Lanes) {
+    let t = -ray.origin.z / ray.dir.z;
+    let (u, v) = (t.mul_add(ray.dir.x, ray.origin.x), t.mul_add(ray.dir.y, ray.origin.y));
+    let inside = u.abs().simd_le(Lanes::ONE) & v.abs().simd_le(Lanes::ONE);
+    (t, u, v, inside & t.simd_gt(Lanes::ZERO) & t.simd_lt(t_max))
+}
+
+/// As [`crate::geometry::sphere::intersect`], in single precision: the distance from the centre to the line is taken from the point next
+/// to it, whose digits do not cancel (Haines, Günther and Akenine-Möller, Precision Improvements for Ray/Sphere Intersection, Ray
+/// Tracing Gems, 2019).
+#[inline(always)]
+fn sphere(ray: &RayLanes, t_max: Lanes) -> (Lanes, Lanes) {
+    let zero = Lanes::ZERO;
+    let a = ray.dir.length_squared();
+    let b = ray.origin.dot(ray.dir);
+    let c = ray.origin.length_squared() - Lanes::ONE;
+    let next = ray.origin.plus_scaled(-b / a, ray.dir);
+    let discriminant = a * (Lanes::ONE - next.length_squared());
+    let root = discriminant.fast_max(zero).sqrt();
+    let q = -(b + copy_sign(root, b));
+    let (first, second) = (q / a, c / q);
+    let (near, far) = (first.fast_min(second), first.fast_max(second));
+    let inside = |t: Lanes| t.simd_gt(zero) & t.simd_lt(t_max);
+    let near_counts = inside(near);
+    let met = discriminant.simd_ge(zero) & (near_counts | inside(far));
+    (near_counts.select(near, far), met)
+}
+
+/// Whether the rays may meet a box before `t_max`, as [`super::node`] tests them.
+#[inline(always)]
+fn meets(bounds: &Aabb, ray: &RayLanes, t_max: Lanes) -> Lanes {
+    let largest = Lanes::splat(f32::MAX);
+    let axis = |min: f32, max: f32, origin: Lanes, dir: Lanes| {
+        // Directions without a component get the largest inverse, and faces a little farther out.
+        let inverse = (Lanes::ONE / dir).fast_max(-largest).fast_min(largest);
+        let margin = origin.abs() * Lanes::splat(f32::EPSILON) + Lanes::splat(1e-18);
+        let a = (Lanes::splat(min) - margin - origin) * inverse;
+        let b = (Lanes::splat(max) + margin - origin) * inverse;
+        (a.fast_min(b), a.fast_max(b))
+    };
+    let (x, y, z) = (
+        axis(bounds.min.x, bounds.max.x, ray.origin.x, ray.dir.x),
+        axis(bounds.min.y, bounds.max.y, ray.origin.y, ray.dir.y),
+        axis(bounds.min.z, bounds.max.z, ray.origin.z, ray.dir.z),
+    );
+    let enter = x.0.fast_max(y.0).fast_max(z.0.fast_max(Lanes::ZERO));
+    let leave = x.1.fast_min(y.1).fast_min(z.1) * Lanes::splat(1.0 + 2.0 * gamma(3));
+    enter.simd_le(leave.fast_min(t_max))
+}

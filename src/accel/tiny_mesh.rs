@@ -1,0 +1,149 @@
+//! Meshes of a few triangles, against sixteen rays at once.
+//!
+//! The volumes of [`crate::geometry::triangle`], each edge's evaluated once for all triangles that share it: what lies on one side of it
+//! for one of them lies on the other side for its neighbour, so that no ray slips through an edge. (Through a corner one may, that comes
+//! within rounding of it.)
+
+use arrayvec::ArrayVec;
+use glam::Vec3;
+
+use super::few::RayLanes;
+use crate::geometry::mesh::MeshData;
+use crate::geometry::triangle::is_regular;
+use crate::math::Aabb;
+use crate::math::lanes::{Lanes, Vec3Lanes};
+
+const MOST_TRIANGLES: usize = 16;
+const MOST_CORNERS: usize = 16;
+const MOST_EDGES: usize = 32;
+
+/// A mesh with corners at the same place made one.
+#[derive(Clone, Debug)]
+pub(super) struct TinyMesh {
+    bounds: Aabb,
+    corners: Vec<Vec3>,
+    /// From the first corner to the second.
+    edges: Vec<[usize; 2]>,
+    triangles: Vec<TinyTriangle>,
+}
+
+#[derive(Clone, Debug)]
+struct TinyTriangle {
+    /// In the mesh.
+    index: u32,
+    /// The edges opposite of its corners, and 1, or -1 for an edge that it runs along backwards.
+    edges: [(usize, f32); 3],
+    corner: usize,
+    /// Not of unit length.
+    normal: Vec3,
+}
+
+/// Where lines meet a triangle's plane.
+pub(super) struct WeightLanes {
+    /// Weights of corners 1 and 2, times `sum`.
+    pub u: Lanes,
+    pub v: Lanes,
+    pub sum: Lanes,
+    /// The lanes whose line passes through the triangle.
+    pub inside: Lanes,
+}
+
+impl TinyMesh {
+    /// None if it is too large, or nothing of it can be hit.
+    pub fn new(mesh: &MeshData) -> Option<Self> {
+        if mesh.triangles.len() > MOST_TRIANGLES {
+            return None;
+        }
+        let mut tiny = Self {
+            bounds: Aabb::EMPTY,
+            corners: Vec::new(),
+            edges: Vec::new(),
+            triangles: Vec::new(),
+        };
+        for index in 0..mesh.triangles.len() {
+            let is_whole = mesh.triangles[index]
+                .iter()
+                .all(|&corner| (corner as usize) < mesh.positions.len());
+            if !is_whole || !is_regular(mesh.corners(index)) {
+                continue;
+            }
+            let points = mesh.corners(index);
+            let [a, b, c] = points.map(|point| tiny.corner(point));
+            let edges = [(b, c), (c, a), (a, b)].map(|(from, to)| tiny.edge(from, to));
+            tiny.triangles.push(TinyTriangle {
+                index: index as u32,
+                edges,
+                corner: a,
+                normal: (points[1] - points[0]).cross(points[2] - points[0]),
+            });
+        }
+        let fits = tiny.corners.len() <= MOST_CORNERS && tiny.edges.len() <= MOST_EDGES && !tiny.triangles.is_empty();
+        tiny.bounds = Aabb::from_points(tiny.corners.iter().copied());
+        fits.then_some(tiny)
+    }
+
+    fn corner(&mut self, point: Vec3) -> usize {
+        let known = self.corners.iter().position(|&corner| corner == point);
+        known.unwrap_or_else(|| {
+            self.corners.push(point);
+            self.corners.len() - 1
+        })
+    }
+
+    fn edge(&mut self, from: usize, to: usize) -> (usize, f32) {
+        if let Some(known) = self.edges.iter().position(|&edge| edge == [from, to]) {
+            return (known, 1.0);
+        }
+        if let Some(known) = self.edges.iter().position(|&edge| edge == [to, from]) {
+            return (known, -1.0);
+        }
+        self.edges.push([from, to]);
+        (self.edges.len() - 1, 1.0)
+    }
+
+    pub fn bounds(&self) -> &Aabb {
+        &self.bounds
+    }
+
+    /// The mesh's number of the `number`-th triangle.
+    pub fn triangle(&self, number: usize) -> u32 {
+        self.triangles[number].index
+    }
+
+    /// Hands over, for each triangle, the parameters at which local `rays` meet its plane, until `visit` returns true.
+    #[inline(always)]
+    pub fn each_hit(&self, rays: &RayLanes, mut visit: impl FnMut(Lanes, WeightLanes, usize) -> bool) {
+        // Corners from the origins, and their products with the directions.
+        let corners: ArrayVec<[Vec3Lanes; 2], MOST_CORNERS> = self
+            .corners
+            .iter()
+            .map(|&corner| {
+                let (p, d) = (Vec3Lanes::splat(corner) - rays.origin, rays.dir);
+                let moment = Vec3Lanes::of(
+                    p.y.mul_sub(d.z, p.z * d.y),
+                    p.z.mul_sub(d.x, p.x * d.z),
+                    p.x.mul_sub(d.y, p.y * d.x),
+                );
+                [p, moment]
+            })
+            .collect();
+        // dir . (p x q) = p . (q x dir)
+        let volume = |&[from, to]: &[usize; 2]| corners[from][0].dot(corners[to][1]);
+        let volumes: ArrayVec<Lanes, MOST_EDGES> = self.edges.iter().map(volume).collect();
+        for (number, triangle) in self.triangles.iter().enumerate() {
+            let [w, u, v] = triangle.edges.map(|(edge, sign)| volumes[edge] * Lanes::splat(sign));
+            let zero = Lanes::ZERO;
+            let lowest = w.fast_min(u).fast_min(v);
+            let highest = w.fast_max(u).fast_max(v);
+            let inside = lowest.simd_ge(zero) | highest.simd_le(zero);
+            if inside.none() {
+                continue;
+            }
+            let sum = w + u + v;
+            let t = corners[triangle.corner][0].dot(Vec3Lanes::splat(triangle.normal)) / sum;
+            if visit(t, WeightLanes { u, v, sum, inside }, number) {
+                return;
+            }
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Sixteen rays at once against the same rays one by one, in scenes with few shapes and with many.
+
+mod support;
+
+use glam::{Affine3A, Quat, Vec3};
+use sunroom::accel::{Hit, Instance, Primitive, RayLanes, SplitMethod, Tlas};
+use sunroom::math::Ray;
+use sunroom::math::lanes::{LANES, Lanes, Vec3Lanes};
+
+use support::triangle_mesh;
+
+/// A low-discrepancy sequence in the unit cube (Roberts).
+fn numbers(k: usize) -> Vec3 {
+    let part = |factor: f64| (k as f64 * factor).fract() as f32;
+    Vec3::new(part(0.819_172_513), part(0.671_043_607), part(0.549_700_478))
+}
+
+fn direction(k: usize) -> Vec3 {
+    (numbers(k) - Vec3::splat(0.5)).try_normalize().unwrap_or(Vec3::X)
+}
+
+fn cube() -> Primitive {
+    let square = |axis: usize, side: f32| {
+        let mut axes = [Vec3::X, Vec3::Y, Vec3::Z];
+        axes.rotate_left(axis);
+        let [normal, u, v] = axes;
+        let at = |a: f32, b: f32| side * normal + a * u + b * v;
+        [
+            [at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0)],
+            [at(-1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)],
+        ]
+    };
+    triangle_mesh(
+        (0..3)
+            .flat_map(|axis| [square(axis, -1.0), square(axis, 1.0)])
+            .flatten(),
+    )
+}
+
+/// A mesh that is too large to be tested as a whole.
+fn soup() -> Primitive {
+    triangle_mesh((0..60).map(|k| {
+        let middle = 2.0 * numbers(k) - Vec3::ONE;
+        [1, 2, 3].map(|corner| middle + 0.4 * direction(100 + 3 * k + corner))
+    }))
+}
+
+fn scene(copies: usize) -> Tlas {
+    let kinds = [
+        Primitive::Rectangle,
+        Primitive::Sphere,
+        Primitive::Disk,
+        Primitive::Cylinder,
+        cube(),
+        soup(),
+    ];
+    let instances = (0..copies * kinds.len()).map(|k| {
+        let turned = Quat::from_axis_angle(direction(k + 17), k as f32);
+        let size = Vec3::splat(0.3) + 0.5 * numbers(k + 31);
+        let placed = Affine3A::from_scale_rotation_translation(size, turned, 4.0 * numbers(k + 1) - Vec3::splat(2.0));
+        Instance::new(kinds[k % kinds.len()].clone(), placed).expect("an invertible transform")
+    });
+    Tlas::build(instances.collect(), SplitMethod::Sah)
+}
+
+fn lanes(rays: &[Ray; LANES]) -> RayLanes {
+    let mut lanes = RayLanes {
+        origin: Vec3Lanes::ZERO,
+        dir: Vec3Lanes::ZERO,
+        t_max: Lanes::ZERO,
+    };
+    for (lane, ray) in rays.iter().enumerate() {
+        lanes.origin.set(lane, ray.origin);
+        lanes.dir.set(lane, ray.dir);
+        lanes.t_max.as_mut_array()[lane] = ray.t_max;
+    }
+    lanes
+}
+
+/// Rays from within and without, some of them along axes, some short.
+fn ray(k: usize) -> Ray {
+    let mut dir = direction(2 * k + 5);
+    if k % 7 == 0 {
+        dir = [Vec3::X, Vec3::NEG_Y, Vec3::Z][k % 3];
+    }
+    Ray {
+        origin: 6.0 * numbers(k) - Vec3::splat(3.0),
+        dir: dir * [1.0, 0.2, 3.0][k % 3],
+        t_max: if k % 5 == 0 { 1.0 } else { f32::INFINITY },
+    }
+}
+
+fn agree(a: Option<Hit>, b: Option<Hit>) -> bool {
+    match (a, b) {
+        (None, None) => true,
+        (Some(a), Some(b)) => {
+            let near = |a: f32, b: f32| (a - b).abs() < 1e-4;
+            (a.instance, a.member, a.primitive) == (b.instance, b.member, b.primitive)
+                && (a.t - b.t).abs() < 1e-5 * (1.0 + b.t)
+                && near(a.u, b.u)
+                && near(a.v, b.v)
+        }
+        _ => false,
+    }
+}
+
+#[test]
+fn hits_are_those_of_one_ray() {
+    // Twelve shapes are few, sixty are not.
+    for copies in [2, 10] {
+        let scene = scene(copies);
+        let (mut met, mut strays) = (0, 0);
+        for start in (0..40_000).step_by(LANES) {
+            let rays: [Ray; LANES] = std::array::from_fn(|lane| ray(start + lane));
+            let active = if start % 32 == 0 { 0xffff } else { 0x5a3c };
+            let hits = scene.intersect_lanes(&lanes(&rays), active);
+            let occluded = scene.occluded_lanes(&lanes(&rays), active);
+            assert_eq!(occluded & !active, 0);
+            for (lane, ray) in rays.iter().enumerate() {
+                if active >> lane & 1 == 0 {
+                    assert_eq!(hits[lane], None);
+                    continue;
+                }
+                met += usize::from(hits[lane].is_some());
+                // Rounding decides at rims and where two shapes pass through each other.
+                let is_alike =
+                    agree(hits[lane], scene.intersect(ray)) && (occluded >> lane & 1 == 1) == scene.occluded(ray);
+                strays += usize::from(!is_alike);
+            }
+        }
+        assert!(met > 3000, "{met}");
+        assert!(strays < 8, "{strays} of {met} differ with {copies} copies");
+    }
+}
+
+/// From inside of a cube no ray gets out, though it is aimed at an edge or a diagonal.
+#[test]
+fn no_ray_slips_through_an_edge() {
+    let turned = Quat::from_axis_angle(Vec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+    let placed = Affine3A::from_scale_rotation_translation(Vec3::new(1.0, 0.3, 2.0), turned, Vec3::new(5.0, -3.0, 1.0));
+    let scene = Tlas::build(
+        vec![Instance::new(cube(), placed).expect("an invertible transform")],
+        SplitMethod::Sah,
+    );
+    for start in (0..100_000).step_by(LANES) {
+        let rays: [Ray; LANES] = std::array::from_fn(|lane| {
+            let k = start + lane;
+            let from = 1.8 * numbers(k) - Vec3::splat(0.9);
+            let mut to = (2.0 * numbers(k + 7) - Vec3::ONE).signum();
+            let along = 2.0 * numbers(k + 3).x - 1.0;
+            match k % 2 {
+                0 => to[k / 2 % 3] = along,
+                _ => (to.x, to.y) = (along, along),
+            }
+            let [from, to] = [from, to].map(|p| placed.transform_point3(p));
+            Ray::new(from, to - from)
+        });
+        let hits = scene.intersect_lanes(&lanes(&rays), 0xffff);
+        assert!(hits.iter().all(Option::is_some), "{hits:?}");
+        assert_eq!(scene.occluded_lanes(&lanes(&rays), 0xffff), 0xffff);
+    }
+}
