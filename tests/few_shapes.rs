@@ -80,13 +80,13 @@ fn lanes(rays: &[Ray; LANES]) -> RayLanes {
 /// Rays from within and without, some of them along axes, some short.
 fn ray(k: usize) -> Ray {
     let mut dir = direction(2 * k + 5);
-    if k % 7 == 0 {
+    if k.is_multiple_of(7) {
         dir = [Vec3::X, Vec3::NEG_Y, Vec3::Z][k % 3];
     }
     Ray {
         origin: 6.0 * numbers(k) - Vec3::splat(3.0),
         dir: dir * [1.0, 0.2, 3.0][k % 3],
-        t_max: if k % 5 == 0 { 1.0 } else { f32::INFINITY },
+        t_max: if k.is_multiple_of(5) { 1.0 } else { f32::INFINITY },
     }
 }
 
@@ -112,7 +112,7 @@ fn hits_are_those_of_one_ray() {
         let (mut met, mut strays) = (0, 0);
         for start in (0..40_000).step_by(LANES) {
             let rays: [Ray; LANES] = std::array::from_fn(|lane| ray(start + lane));
-            let active = if start % 32 == 0 { 0xffff } else { 0x5a3c };
+            let active = if start.is_multiple_of(32) { 0xffff } else { 0x5a3c };
             let hits = scene.intersect_lanes(&lanes(&rays), active);
             let occluded = scene.occluded_lanes(&lanes(&rays), active);
             assert_eq!(occluded & !active, 0);
