@@ -138,14 +138,12 @@ impl FewShapes {
                 Kind::Other => nearest.ask(active, number, &instances[shape.instance as usize], rays),
             }
         }
-        std::array::from_fn(|lane| {
-            let shape = nearest.shape.as_array()[lane];
-            if active >> lane & 1 == 0 || shape < 0.0 {
-                return None;
-            }
-            let shape = &self.shapes[shape as usize];
+        let met = nearest.shape.simd_ge(Lanes::ZERO).to_bitmask() & active;
+        let mut hits = [None; LANES];
+        for lane in each_lane(met) {
+            let shape = &self.shapes[nearest.shape.as_array()[lane] as usize];
             let triangle = nearest.triangle.as_array()[lane];
-            Some(Hit {
+            hits[lane] = Some(Hit {
                 t: nearest.t.as_array()[lane],
                 instance: shape.instance,
                 member: 0,
@@ -155,8 +153,9 @@ impl FewShapes {
                 },
                 u: nearest.u.as_array()[lane],
                 v: nearest.v.as_array()[lane],
-            })
-        })
+            });
+        }
+        hits
     }
 
     /// A bit for each of the lanes in `active` whose ray meets anything.

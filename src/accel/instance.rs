@@ -34,6 +34,8 @@ pub struct Instance {
     /// Whether the transform turns a right hand into a left one.
     pub(super) mirrored: bool,
     pub(super) rounding: Rounding,
+    /// Of the local plane z = 0.
+    pub(super) plane_normal: Vec3,
 }
 
 impl Instance {
@@ -67,6 +69,7 @@ impl Instance {
             flip_normals: false,
             mirrored: determinant < 0.0,
             rounding: Rounding::new(&world_from_local, &local_from_world),
+            plane_normal: Self::plane_normal(&local_from_world),
         })
     }
 

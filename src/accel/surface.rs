@@ -60,6 +60,7 @@ impl Tlas {
     }
 
     /// [`Self::surface`] with no more than `detail`.
+    #[inline(always)]
     pub fn surface_in(&self, ray: &Ray, hit: &Hit, detail: Detail) -> SurfacePoint {
         match self.placement_at(hit) {
             None => self.shape_at(hit).surface(ray, hit, detail),
@@ -73,8 +74,11 @@ impl Tlas {
 
 impl Instance {
     /// The surface at `hit`, which must be what `ray` met on this instance.
-    #[inline]
+    #[inline(always)]
     fn surface(&self, ray: &Ray, hit: &Hit, detail: Detail) -> SurfacePoint {
+        if let (Primitive::Rectangle | Primitive::Disk, Detail::Plain) = (&self.primitive, detail) {
+            return self.plane_surface(hit);
+        }
         let local = match &self.primitive {
             Primitive::Mesh(blas) => triangle::surface(blas.mesh().corners(hit.primitive as usize), hit.u, hit.v),
             Primitive::Sphere => sphere::surface(&self.local_ray(ray), hit.t),
@@ -100,6 +104,32 @@ impl Instance {
             uv: parametrisation.uv,
             dp_du: parametrisation.dp_du,
             dp_dv: parametrisation.dp_dv,
+        }
+    }
+
+    /// Of a shape in the plane z = 0, but for its parametrisation.
+    #[inline(always)]
+    fn plane_surface(&self, hit: &Hit) -> SurfacePoint {
+        let Affine3A {
+            matrix3: linear,
+            translation,
+        } = &self.world_from_local;
+        let error = self.rounding.of_position.x_axis * hit.u.abs()
+            + self.rounding.of_position.y_axis * hit.v.abs()
+            + self.rounding.of_translation;
+        let normal = if self.flip_normals {
+            -self.plane_normal
+        } else {
+            self.plane_normal
+        };
+        SurfacePoint {
+            position: (linear.x_axis * hit.u + linear.y_axis * hit.v + *translation).into(),
+            error: error.max_element(),
+            geometric_normal: normal,
+            shading_normal: normal,
+            uv: Vec2::ZERO,
+            dp_du: Vec3::ZERO,
+            dp_dv: Vec3::ZERO,
         }
     }
 
@@ -139,6 +169,12 @@ impl Instance {
             Primitive::Mesh(_) if self.mirrored => -normal,
             _ => normal,
         }
+    }
+
+    /// Unit world normal of the local plane z = 0, on the side of +z.
+    pub(super) fn plane_normal(local_from_world: &Affine3A) -> Vec3 {
+        let normal = local_from_world.matrix3.transpose() * Vec3A::Z;
+        unit_or_none(normal.into()).unwrap_or(Vec3::Z)
     }
 
     /// By the inverse transpose, not of unit length; the result's scale does not overflow or vanish for sensible transforms.
