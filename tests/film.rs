@@ -34,19 +34,17 @@ fn first_hits_are_those_of_sample_zero() {
         for (x, y) in (0..40).flat_map(|y| (0..40).map(move |x| (x, y))) {
             let ray = look.camera_sample(UVec2::new(x, y), 0).ray;
             let hit = scene.geometry.intersect(&ray);
-            let expected = hit.map(|hit| {
-                (
-                    hit.instance,
-                    scene.slot(&hit).material,
-                    scene.geometry.surface(&ray, &hit).uv,
-                )
-            });
             let first = film.first_hit(x, y);
             assert_eq!(
-                first.map(|first| (first.instance, first.material, first.uv)),
-                expected,
+                first.map(|first| (first.instance, first.material)),
+                hit.map(|hit| (hit.instance, scene.slot(&hit).material)),
                 "{x} {y}"
             );
+            if let (Some(first), Some(hit)) = (first, hit) {
+                let uv = scene.geometry.surface(&ray, &hit).uv;
+                // Many rays at once round otherwise than one.
+                assert!(first.uv.abs_diff_eq(uv, 1e-5), "{x} {y}: {} {uv}", first.uv);
+            }
             seen[first.map_or(2, |first| first.instance as usize)] += 1;
         }
         assert!(seen.iter().all(|&pixels| pixels > 20), "{seen:?}");

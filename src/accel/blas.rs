@@ -9,6 +9,7 @@ use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
 use super::memory::Table;
 use super::packet::{LANES, PacketRay, TrianglePacket};
+use super::tlas::CACHE;
 use super::traverse::Steps;
 use crate::geometry::mesh::MeshData;
 use crate::geometry::triangle::is_regular;
@@ -65,8 +66,18 @@ impl Blas {
     /// The hierarchy's figures; `bytes` includes the triangles in leaf order, but not the mesh.
     pub fn stats(&self) -> BvhStats {
         let mut stats = self.bvh.stats();
-        stats.bytes += size_of_val(&*self.packets);
+        stats.bytes = self.bytes();
         stats
+    }
+
+    /// Of the hierarchy and the triangles in leaf order.
+    pub(super) fn bytes(&self) -> usize {
+        self.bvh.bytes() + size_of_val(self.packets())
+    }
+
+    /// Whether it does not fit into a cache: rays had better wait together.
+    pub(super) fn is_large(&self) -> bool {
+        self.bytes() > CACHE
     }
 
     /// [`Bvh::validate`] against the mesh.

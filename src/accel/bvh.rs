@@ -120,10 +120,14 @@ impl Bvh {
         }
     }
 
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.nodes.as_slice()) + size_of_val(self.order.as_slice())
+    }
+
     pub fn stats(&self) -> BvhStats {
         let mut stats = BvhStats {
             nodes: self.nodes.len(),
-            bytes: size_of_val(self.nodes.as_slice()) + size_of_val(self.order.as_slice()),
+            bytes: self.bytes(),
             ..BvhStats::default()
         };
         let mut pending = vec![(0usize, 1usize)];

@@ -6,10 +6,12 @@
 
 use glam::{Affine3A, Vec3};
 
+use super::blas::{Blas, MeshHit};
 use super::instance::{Instance, Primitive};
 use super::tiny_mesh::TinyMesh;
-use super::tlas::Hit;
+use super::tlas::{Hit, Tlas};
 use super::traverse::Steps;
+use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, copy_sign, each_lane, lanes_of};
 use crate::math::{Aabb, Ray, gamma};
 
@@ -63,6 +65,12 @@ struct Nearest {
 }
 
 impl RayLanes {
+    /// One by one.
+    #[inline(always)]
+    pub(super) fn rays(&self) -> [Ray; LANES] {
+        std::array::from_fn(|lane| self.get(lane))
+    }
+
     #[inline(always)]
     pub fn get(&self, lane: usize) -> Ray {
         Ray {
@@ -93,7 +101,7 @@ impl FewShapes {
     }
 
     /// Of the lanes in `active`.
-    pub fn closest(&self, instances: &[Instance], rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
+    pub fn closest(&self, scene: &Tlas, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let mut nearest = Nearest {
             t: rays.t_max,
             u: Lanes::ZERO,
@@ -132,10 +140,22 @@ impl FewShapes {
                     nearest.v *= scale;
                 }
                 Kind::Boxed(bounds) => {
-                    let met = meets(bounds, &shape.local(rays), nearest.t).to_bitmask() & active;
-                    nearest.ask(met, number, &instances[shape.instance as usize], rays);
+                    let mut local = shape.local(rays);
+                    local.t_max = nearest.t;
+                    let met = meets(bounds, &local, nearest.t).to_bitmask() & active;
+                    match shape.mesh(scene) {
+                        Some(mesh) if mesh.is_large() => {
+                            let found = scene.intersect_mesh_many(shape.instance, mesh, &local.rays(), met);
+                            for (lane, hit) in found.iter().enumerate() {
+                                if let Some(MeshHit { t, triangle, u, v }) = *hit {
+                                    nearest.set(lane, number, LocalHit { t, u, v }, triangle);
+                                }
+                            }
+                        }
+                        _ => nearest.ask(met, number, &scene.instances()[shape.instance as usize], rays),
+                    }
                 }
-                Kind::Other => nearest.ask(active, number, &instances[shape.instance as usize], rays),
+                Kind::Other => nearest.ask(active, number, &scene.instances()[shape.instance as usize], rays),
             }
         }
         let met = nearest.shape.simd_ge(Lanes::ZERO).to_bitmask() & active;
@@ -159,7 +179,7 @@ impl FewShapes {
     }
 
     /// A bit for each of the lanes in `active` whose ray meets anything.
-    pub fn any(&self, instances: &[Instance], rays: &RayLanes, active: u32) -> u32 {
+    pub fn any(&self, scene: &Tlas, rays: &RayLanes, active: u32) -> u32 {
         let mut hit = 0;
         for shape in &self.shapes {
             let left = active & !hit;
@@ -183,10 +203,16 @@ impl FewShapes {
                         met.to_bitmask()
                     }
                     Kind::Boxed(bounds) => {
-                        let met = meets(bounds, &shape.local(rays), rays.t_max).to_bitmask() & left;
-                        shape.occluded(met, instances, rays)
+                        let local = shape.local(rays);
+                        let met = meets(bounds, &local, rays.t_max).to_bitmask() & left;
+                        match shape.mesh(scene) {
+                            Some(mesh) if mesh.is_large() => {
+                                scene.occluded_mesh_many(shape.instance, mesh, &local.rays(), met)
+                            }
+                            _ => shape.occluded(met, scene.instances(), rays),
+                        }
                     }
-                    Kind::Other => shape.occluded(left, instances, rays),
+                    Kind::Other => shape.occluded(left, scene.instances(), rays),
                 };
         }
         hit
@@ -225,6 +251,13 @@ impl FewShape {
         }
     }
 
+    fn mesh<'a>(&self, scene: &'a Tlas) -> Option<&'a Blas> {
+        match &scene.instances().get(self.instance as usize)?.primitive {
+            Primitive::Mesh(blas) => Some(blas),
+            _ => None,
+        }
+    }
+
     fn occluded(&self, asked: u32, instances: &[Instance], rays: &RayLanes) -> u32 {
         let instance = &instances[self.instance as usize];
         each_lane(asked)
@@ -253,13 +286,18 @@ impl Nearest {
                 ..rays.get(lane)
             };
             if let Some((hit, primitive)) = instance.closest::<false>(&ray, &mut Steps::default()) {
-                self.t.as_mut_array()[lane] = hit.t;
-                self.u.as_mut_array()[lane] = hit.u;
-                self.v.as_mut_array()[lane] = hit.v;
-                self.shape.as_mut_array()[lane] = number.as_array()[lane];
-                self.primitives[lane] = primitive;
+                self.set(lane, number, hit, primitive);
             }
         }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, number: Lanes, hit: LocalHit, primitive: u32) {
+        self.t.as_mut_array()[lane] = hit.t;
+        self.u.as_mut_array()[lane] = hit.u;
+        self.v.as_mut_array()[lane] = hit.v;
+        self.shape.as_mut_array()[lane] = number.as_array()[lane];
+        self.primitives[lane] = primitive;
     }
 }
 

@@ -6,6 +6,7 @@
 
 use arrayvec::ArrayVec;
 
+use super::blas::{Blas, MeshHit};
 use super::bvh::Bvh;
 use super::instance::Primitive;
 use super::node::{Child, RaySlabs};
@@ -18,7 +19,8 @@ impl Tlas {
     /// [`Tlas::intersect`] of each ray whose bit is set in `active`, `None` for the others. `N` is at most 32.
     pub fn intersect_many<const N: usize>(&self, rays: &[Ray; N], active: u32) -> [Option<Hit>; N] {
         let mut hits = [None; N];
-        self.walk_many::<false, N>(rays, active, |index, walk| {
+        let levels = rays.each_ref().map(|ray| Level::of_scene(self, ray));
+        walk_many::<false, N>(levels, active, |index, walk| {
             hits[index] = if walk.lost {
                 self.intersect(&rays[index])
             } else {
@@ -31,7 +33,8 @@ impl Tlas {
     /// [`Tlas::occluded`] of each ray whose bit is set in `active`; the others' bits are zero. `N` is at most 32.
     pub fn occluded_many<const N: usize>(&self, rays: &[Ray; N], active: u32) -> u32 {
         let mut occluded = 0;
-        self.walk_many::<true, N>(rays, active, |index, walk| {
+        let levels = rays.each_ref().map(|ray| Level::of_scene(self, ray));
+        walk_many::<true, N>(levels, active, |index, walk| {
             let hit = if walk.lost {
                 self.occluded(&rays[index])
             } else {
@@ -42,47 +45,92 @@ impl Tlas {
         occluded
     }
 
-    /// With `ANY` a walk ends at its first hit.
-    #[inline(always)]
-    fn walk_many<const ANY: bool, const N: usize>(
+    /// The nearest hits with `mesh`, which is the shape of instance `shape`; `rays` are in its space.
+    pub(super) fn intersect_mesh_many<const N: usize>(
         &self,
+        shape: u32,
+        mesh: &Blas,
         rays: &[Ray; N],
         active: u32,
-        mut finish: impl FnMut(usize, &Walk<ANY>),
-    ) {
-        const { assert!(N <= u32::BITS as usize) };
-        let mut walks: [Walk<ANY>; N] = std::array::from_fn(|index| Walk::new(self, &rays[index]));
-        let mut turns = Turns::default();
-        for (index, walk) in walks.iter_mut().enumerate() {
-            if active >> index & 1 == 1 {
-                walk.begin();
-                turns.give(index, walk.go_on());
-            }
+    ) -> [Option<MeshHit>; N] {
+        let mut hits = [None; N];
+        let levels = rays.each_ref().map(|ray| Level::of_mesh(self, shape, mesh, ray));
+        walk_many::<false, N>(levels, active, |index, walk| {
+            hits[index] = if walk.lost {
+                mesh.intersect(&rays[index])
+            } else {
+                walk.hit.map(|hit| MeshHit {
+                    t: hit.t,
+                    triangle: hit.primitive,
+                    u: hit.u,
+                    v: hit.v,
+                })
+            };
+        });
+        hits
+    }
+
+    /// As [`Self::intersect_mesh_many`], the bits of those that hit anything.
+    pub(super) fn occluded_mesh_many<const N: usize>(
+        &self,
+        shape: u32,
+        mesh: &Blas,
+        rays: &[Ray; N],
+        active: u32,
+    ) -> u32 {
+        let mut occluded = 0;
+        let levels = rays.each_ref().map(|ray| Level::of_mesh(self, shape, mesh, ray));
+        walk_many::<true, N>(levels, active, |index, walk| {
+            let hit = if walk.lost {
+                mesh.occluded(&rays[index])
+            } else {
+                walk.hit.is_some()
+            };
+            occluded |= u32::from(hit) << index;
+        });
+        occluded
+    }
+}
+
+/// From where each ray begins. With `ANY` a walk ends at its first hit.
+#[inline(always)]
+fn walk_many<'a, const ANY: bool, const N: usize>(
+    levels: [Level<'a>; N],
+    active: u32,
+    mut finish: impl FnMut(usize, &Walk<'a, ANY>),
+) {
+    const { assert!(N <= u32::BITS as usize) };
+    let mut walks: [Walk<ANY>; N] = levels.map(Walk::new);
+    let mut turns = Turns::default();
+    for (index, walk) in walks.iter_mut().enumerate() {
+        if active >> index & 1 == 1 {
+            walk.begin();
+            turns.give(index, walk.go_on());
         }
-        while turns != Turns::default() {
-            let now = std::mem::take(&mut turns);
-            for index in members::<N>(now.at_nodes) {
-                let walk = &mut walks[index];
-                walk.visit_node();
-                turns.give(index, walk.go_on());
-            }
-            let asked = turns;
-            turns.prefetch(&walks);
-            for index in members::<N>(now.at_triangles) {
-                let walk = &mut walks[index];
-                walk.visit_triangles();
-                turns.give(index, walk.go_on());
-            }
-            for index in members::<N>(now.at_shapes) {
-                let walk = &mut walks[index];
-                walk.visit_shape();
-                turns.give(index, walk.go_on());
-            }
-            turns.without(asked).prefetch(&walks);
+    }
+    while turns != Turns::default() {
+        let now = std::mem::take(&mut turns);
+        for index in members::<N>(now.at_nodes) {
+            let walk = &mut walks[index];
+            walk.visit_node();
+            turns.give(index, walk.go_on());
         }
-        for (index, walk) in walks.iter().enumerate() {
-            finish(index, walk);
+        let asked = turns;
+        turns.prefetch(&walks);
+        for index in members::<N>(now.at_triangles) {
+            let walk = &mut walks[index];
+            walk.visit_triangles();
+            turns.give(index, walk.go_on());
         }
+        for index in members::<N>(now.at_shapes) {
+            let walk = &mut walks[index];
+            walk.visit_shape();
+            turns.give(index, walk.go_on());
+        }
+        turns.without(asked).prefetch(&walks);
+    }
+    for (index, walk) in walks.iter().enumerate() {
+        finish(index, walk);
     }
 }
 
@@ -169,6 +217,32 @@ struct Level<'a> {
 /// Children that may wait in all spaces together; those of a million triangles are about fifty at most.
 const WAITING: usize = 96;
 
+impl<'a> Level<'a> {
+    #[inline(always)]
+    fn of_scene(scene: &'a Tlas, ray: &Ray) -> Self {
+        Self {
+            scene,
+            bvh: &scene.bvh,
+            packets: &[],
+            ray: *ray,
+            slabs: RaySlabs::default(),
+            floor: 0,
+            placement: None,
+            shape: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn of_mesh(scene: &'a Tlas, shape: u32, mesh: &'a Blas, ray: &Ray) -> Self {
+        Self {
+            bvh: mesh.bvh(),
+            packets: mesh.packets(),
+            shape,
+            ..Self::of_scene(scene, ray)
+        }
+    }
+}
+
 struct Walk<'a, const ANY: bool> {
     level: Level<'a>,
     around: ArrayVec<Level<'a>, 2>,
@@ -184,24 +258,16 @@ struct Walk<'a, const ANY: bool> {
 impl<'a, const ANY: bool> Walk<'a, ANY> {
     /// Of a ray that goes nowhere yet.
     #[inline(always)]
-    fn new(scene: &'a Tlas, ray: &Ray) -> Self {
+    fn new(level: Level<'a>) -> Self {
         Self {
-            level: Level {
-                scene,
-                bvh: &scene.bvh,
-                packets: &[],
-                ray: *ray,
-                slabs: RaySlabs::default(),
-                floor: 0,
-                placement: None,
-                shape: 0,
-            },
+            t_max: level.ray.t_max,
+            // A leaf of a linear list of triangles has many packets.
+            lost: !level.packets.is_empty() && level.bvh.is_linear(),
+            level,
             around: ArrayVec::new(),
             waiting: ArrayVec::new(),
             next: Child::ROOT,
-            t_max: ray.t_max,
             hit: None,
-            lost: false,
         }
     }
 
@@ -349,7 +415,8 @@ mod tests {
         let scene = Tlas::build(shapes, SplitMethod::Sah);
         let rays = [Ray::new(Vec3::ZERO, dir), Ray::new(Vec3::ZERO, -dir)];
         let mut lost = [false; 2];
-        scene.walk_many::<false, 2>(&rays, 3, |index, walk| lost[index] = walk.lost);
+        let levels = rays.each_ref().map(|ray| Level::of_scene(&scene, ray));
+        walk_many::<false, 2>(levels, 3, |index, walk| lost[index] = walk.lost);
         assert_eq!(lost, [true, false]);
         let alone = rays.map(|ray| scene.intersect(&ray));
         assert_eq!(alone.map(|hit| hit.map(|hit| hit.instance)), [Some(110), None]);

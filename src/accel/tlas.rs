@@ -29,6 +29,8 @@ pub struct Tlas {
     pub(super) bvh: Bvh,
     /// If there are few shapes and nothing else.
     few: Option<FewShapes>,
+    /// Whether it does not fit into a cache with all its meshes and groups: rays had better wait together.
+    is_large: bool,
 }
 
 /// A hit in the world.
@@ -77,8 +79,10 @@ impl Tlas {
             placements,
             bvh: Bvh::build(&[], method, LEAF_SIZE),
             few,
+            is_large: false,
         };
         tlas.bvh = Bvh::build(&tlas.item_bounds(), method, LEAF_SIZE);
+        tlas.is_large = tlas.bytes() > CACHE;
         tlas
     }
 
@@ -168,6 +172,20 @@ impl Tlas {
     #[inline(always)]
     pub(super) fn group_of(&self, placement: &Placement) -> &Tlas {
         &self.groups[placement.group as usize]
+    }
+
+    /// Of all hierarchies; one that stands in several groups is counted in each.
+    fn bytes(&self) -> usize {
+        let meshes: HashMap<*const Blas, usize> = self
+            .instances
+            .iter()
+            .filter_map(|instance| match &instance.primitive {
+                Primitive::Mesh(blas) => Some((Arc::as_ptr(blas), blas.bytes())),
+                _ => None,
+            })
+            .collect();
+        let own = self.bvh.bytes() + size_of_val(self.instances.as_slice());
+        own + meshes.values().sum::<usize>() + self.groups.iter().map(|group| group.bytes()).sum::<usize>()
     }
 
     /// Figures of the hierarchy over instances and placements alone; those of groups and meshes are theirs. `bytes` includes the
@@ -264,7 +282,10 @@ impl Tlas {
     /// [`Self::intersect`] for each of the lanes in `active`; None in the others.
     pub fn intersect_lanes(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         if let Some(few) = &self.few {
-            return few.closest(&self.instances, rays, active);
+            return few.closest(self, rays, active);
+        }
+        if self.is_large {
+            return self.intersect_many(&rays.rays(), active);
         }
         let mut hits = [None; LANES];
         for lane in each_lane(active) {
@@ -276,7 +297,10 @@ impl Tlas {
     /// [`Self::occluded`] for each of the lanes in `active`, a bit per lane; clear in the others.
     pub fn occluded_lanes(&self, rays: &RayLanes, active: u32) -> u32 {
         if let Some(few) = &self.few {
-            return few.any(&self.instances, rays, active);
+            return few.any(self, rays, active);
+        }
+        if self.is_large {
+            return self.occluded_many(&rays.rays(), active);
         }
         each_lane(active)
             .map(|lane| u32::from(self.occluded(&rays.get(lane))) << lane)
@@ -301,6 +325,9 @@ impl Tlas {
         self.group_of(placement).occluded(&placement.group_ray(ray))
     }
 }
+
+/// Bytes of what a core has in reach without much waiting.
+pub(super) const CACHE: usize = 4 << 20;
 
 /// Instances are dear to test, boxes are cheap.
 const LEAF_SIZE: usize = 1;
