@@ -120,6 +120,14 @@ fn with_lamp() -> RenderScene {
     room.build()
 }
 
+fn under_an_even_sky() -> RenderScene {
+    let mut room = room();
+    room.light(LightSource::Constant {
+        radiance: Vec3::new(0.5, 0.6, 0.7),
+    });
+    room.build()
+}
+
 fn with_many_lights() -> RenderScene {
     let mut room = room();
     room.add(
@@ -207,7 +215,11 @@ fn compare(what: &str, scene: &RenderScene, settings: PathSettings, sequence: Se
 
 #[test]
 fn pictures_are_those_of_paths_one_by_one() {
-    let scenes = [("one lamp", with_lamp()), ("many lights", with_many_lights())];
+    let scenes = [
+        ("one lamp", with_lamp()),
+        ("an even sky", under_an_even_sky()),
+        ("many lights", with_many_lights()),
+    ];
     for (what, scene) in &scenes {
         for strategy in [Strategy::Mis, Strategy::Light, Strategy::Bsdf] {
             compare(what, scene, settings(8, 5, false, strategy), SequenceKind::Sobol);

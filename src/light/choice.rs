@@ -47,16 +47,22 @@ impl LightChoice {
 
     /// Whether there is but one thing to choose.
     pub fn is_certain(&self) -> bool {
-        self.infinite.is_none() && self.finite.as_ref().is_some_and(|finite| finite.only().is_some())
+        self.certain().is_some()
+    }
+
+    fn certain(&self) -> Option<Chosen> {
+        match (&self.finite, &self.infinite) {
+            (Some(finite), None) => finite.only().map(Chosen::Part),
+            (None, Some(infinite)) if infinite.len() == 1 => Some(Chosen::Infinite(0)),
+            _ => None,
+        }
     }
 
     /// The choice that `u` in [0, 1) stands for, with its probability; None if nothing shines on `reference`. Where there is only one
     /// `u` is not asked for.
     pub fn sample(&self, reference: &LightReference, u: impl FnOnce() -> f64) -> Option<(Chosen, f32)> {
-        if self.infinite.is_none()
-            && let Some(only) = self.finite.as_ref()?.only()
-        {
-            return Some((Chosen::Part(only), 1.0));
+        if let Some(only) = self.certain() {
+            return Some((only, 1.0));
         }
         let u = u();
         let infinite_share = f64::from(self.infinite_share);

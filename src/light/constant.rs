@@ -1,9 +1,10 @@
 //! The same radiance from all directions.
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
-use super::{LightSample, Target};
+use super::{LightReference, LightSample, Target};
 use crate::color::Rgb;
+use crate::math::Frame;
 use crate::sampling::warp;
 
 #[derive(Clone, Copy, Debug)]
@@ -12,13 +13,27 @@ pub(super) struct ConstantLight {
 }
 
 impl ConstantLight {
-    pub fn sample(&self, u: Vec2) -> LightSample {
-        LightSample {
-            wi: warp::uniform_sphere(u),
+    /// By the cosine with the normal where there is one, for the light itself prefers no direction; else uniform.
+    pub fn sample(&self, reference: &LightReference, u: Vec2) -> Option<LightSample> {
+        let wi = match reference.normal {
+            Some(normal) => Frame::from_normal(normal).to_world(warp::cosine_hemisphere(u)),
+            None => warp::uniform_sphere(u),
+        };
+        let pdf = self.pdf(reference, wi);
+        (pdf > 0.0).then_some(LightSample {
+            wi,
             target: Target::Infinity,
             radiance: self.radiance,
-            pdf: warp::UNIFORM_SPHERE_PDF,
+            pdf,
             is_delta: false,
+        })
+    }
+
+    /// Density per solid angle of [`Self::sample`].
+    pub fn pdf(&self, reference: &LightReference, wi: Vec3) -> f32 {
+        match reference.normal {
+            Some(normal) => warp::cosine_hemisphere_pdf(normal.dot(wi)),
+            None => warp::UNIFORM_SPHERE_PDF,
         }
     }
 }

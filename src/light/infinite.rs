@@ -6,13 +6,12 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::LightSample;
 use super::constant::ConstantLight;
 use super::directional::DirectionalLight;
 use super::environment::EnvironmentLight;
 use super::sun_sky::SunSkyLight;
+use super::{LightReference, LightSample};
 use crate::color::{Rgb, luminance};
-use crate::sampling::warp;
 
 #[derive(Clone, Debug)]
 pub(super) enum InfiniteLight {
@@ -42,20 +41,20 @@ impl InfiniteLight {
     }
 
     /// None where it is black.
-    pub fn sample(&self, u: Vec2) -> Option<LightSample> {
+    pub fn sample(&self, reference: &LightReference, u: Vec2) -> Option<LightSample> {
         match self {
             Self::Directional(light) => Some(light.sample()),
-            Self::Constant(light) => Some(light.sample(u)),
+            Self::Constant(light) => light.sample(reference, u),
             Self::Environment(light) => light.sample(u),
             Self::SunSky(light) => light.sample(u),
         }
     }
 
     /// Density per solid angle of [`Self::sample`].
-    pub fn pdf(&self, wi: Vec3) -> f32 {
+    pub fn pdf(&self, reference: &LightReference, wi: Vec3) -> f32 {
         match self {
             Self::Directional(_) => 0.0,
-            Self::Constant(_) => warp::UNIFORM_SPHERE_PDF,
+            Self::Constant(light) => light.pdf(reference, wi),
             Self::Environment(light) => light.pdf(wi),
             Self::SunSky(light) => light.pdf(wi),
         }

@@ -1,18 +1,20 @@
-//! The commonest light for sixteen surfaces at once: a scene's only light, a rectangle that is equally bright all over.
+//! The commonest lights for sixteen surfaces at once: a scene's only light, which is a rectangle that is equally bright all over, or the
+//! same from everywhere.
+
+use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
-use super::LightId;
 use super::finite::FiniteLight;
-use super::table::LightTable;
+use super::infinite::InfiniteLight;
+use super::table::{LightTable, Only};
 use crate::color::Rgb;
-use crate::math::lanes::{Lanes, Vec3Lanes, offset_origins};
-use crate::sampling::lanes::RectangleLanes;
+use crate::math::lanes::{FrameLanes, Lanes, Vec3Lanes, offset_origins};
+use crate::sampling::lanes::{RectangleLanes, concentric_disk};
 
 /// A rectangle that is the only light.
 #[derive(Clone, Copy, Debug)]
 pub struct SoleRectangle {
-    pub id: LightId,
     pub radiance: Rgb,
     pub(super) rectangle: RectangleLanes,
     pub(super) corner: Vec3,
@@ -34,16 +36,39 @@ pub struct RectangleLightSampleLanes {
     pub is_valid: Lanes,
 }
 
-impl SoleRectangle {
+/// A scene's only light.
+#[derive(Clone, Copy, Debug)]
+pub enum SoleLight {
+    Rectangle(SoleRectangle),
+    /// The same radiance from everywhere.
+    Constant(Rgb),
+}
+
+impl SoleLight {
     /// None if the scene has other lights, or another.
     pub fn of(lights: &LightTable) -> Option<Self> {
-        let (id, light) = lights.only()?;
-        match light {
-            FiniteLight::Surface(light) => light.sole_rectangle(id),
+        match lights.only()? {
+            Only::Finite(FiniteLight::Surface(light)) => light.sole_rectangle().map(Self::Rectangle),
+            Only::Infinite(InfiniteLight::Constant(light)) => Some(Self::Constant(light.radiance)),
             _ => None,
         }
     }
+}
 
+/// Directions to a constant light by their cosine with the unit vectors `normal`, as [`LightTable::sample`] gives them, and their
+/// densities; zero where there is none.
+#[inline(always)]
+pub fn sample_constant(normal: Vec3Lanes, u: [Lanes; 2]) -> (Vec3Lanes, Lanes) {
+    let [x, y] = concentric_disk(u);
+    let z = x
+        .mul_neg_add(x, y.mul_neg_add(y, Lanes::ONE))
+        .fast_max(Lanes::ZERO)
+        .sqrt();
+    let wi = FrameLanes::from_normal(normal).to_world(Vec3Lanes::of(x, y, z));
+    (wi, z * Lanes::splat(FRAC_1_PI))
+}
+
+impl SoleRectangle {
     /// As [`LightTable::sample`] from the positions `reference`.
     #[inline(always)]
     pub fn sample(&self, reference: Vec3Lanes, u: [Lanes; 2]) -> RectangleLightSampleLanes {

@@ -2,7 +2,6 @@
 
 use glam::{Vec2, Vec3};
 
-use super::LightId;
 use super::lanes::SoleRectangle;
 use super::surface::{SurfaceHit, SurfaceSample, solid_angle_pdf};
 use crate::color::Rgb;
@@ -82,10 +81,9 @@ impl RectangleLight {
     }
 
     /// What is needed to sample it from many places at once; None unless it is uniform in solid angle.
-    pub fn sole(&self, id: LightId, radiance: Rgb, error: f32) -> Option<SoleRectangle> {
+    pub fn sole(&self, radiance: Rgb, error: f32) -> Option<SoleRectangle> {
         let rectangle = self.rectangle.as_ref().filter(|_| self.density.is_none())?;
         Some(SoleRectangle {
-            id,
             radiance,
             rectangle: RectangleLanes::new(rectangle),
             corner: self.corner,

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec2, Vec3};
 
-use super::LightId;
 use super::bounds::{LightBounds, NormalCone};
 use super::cylinder::CylinderLight;
 use super::lanes::SoleRectangle;
@@ -145,9 +144,9 @@ impl SurfaceLight {
     }
 
     /// What is needed to sample it from many places at once; None if it is no rectangle of one radiance.
-    pub fn sole_rectangle(&self, id: LightId) -> Option<SoleRectangle> {
+    pub fn sole_rectangle(&self) -> Option<SoleRectangle> {
         match (&self.shape, self.radiance) {
-            (EmitterShape::Rectangle(light), Parameter::Constant(radiance)) => light.sole(id, radiance, self.error),
+            (EmitterShape::Rectangle(light), Parameter::Constant(radiance)) => light.sole(radiance, self.error),
             _ => None,
         }
     }

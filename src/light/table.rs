@@ -134,13 +134,13 @@ impl LightTable {
         })
     }
 
-    /// The only light there is, if it is finite and has one part.
-    pub(super) fn only(&self) -> Option<(LightId, &FiniteLight)> {
-        let [finite] = &self.finite[..] else {
-            return None;
-        };
-        (self.infinite.is_empty() && self.light_of_part.len() == 1 && self.choice.is_certain())
-            .then_some((finite.id, &finite.light))
+    /// The only light there is, if there is but one, of one part.
+    pub(super) fn only(&self) -> Option<Only<'_>> {
+        match (&self.finite[..], &self.infinite[..]) {
+            ([finite], []) if self.choice.is_certain() => Some(Only::Finite(&finite.light)),
+            ([], [(_, light)]) if self.choice.is_certain() => Some(Only::Infinite(light)),
+            _ => None,
+        }
     }
 
     pub fn len(&self) -> usize {
@@ -167,7 +167,7 @@ impl LightTable {
             }
             Chosen::Infinite(index) => {
                 let (id, light) = &self.infinite[index as usize];
-                (*id, light.sample(u)?)
+                (*id, light.sample(reference, u)?)
             }
         };
         let pdf = pmf * sample.pdf;
@@ -207,7 +207,7 @@ impl LightTable {
     /// The density with which [`Self::sample`] gives the direction `wi` to infinite light `id`.
     pub fn pdf_of_escape(&self, id: LightId, reference: &LightReference, wi: Vec3) -> f32 {
         self.at_infinity(id).map_or(0.0, |(index, light)| {
-            self.choice.pmf(reference, Chosen::Infinite(index)) * light.pdf(wi)
+            self.choice.pmf(reference, Chosen::Infinite(index)) * light.pdf(reference, wi)
         })
     }
 
@@ -224,6 +224,12 @@ impl LightTable {
             Place::Finite(_) | Place::Nowhere => None,
         }
     }
+}
+
+/// A table's only light.
+pub(super) enum Only<'a> {
+    Finite(&'a FiniteLight),
+    Infinite(&'a InfiniteLight),
 }
 
 /// A light made from its source.

@@ -16,7 +16,7 @@ use super::path::{Arrival, BOUNCE_DIMENSIONS, CAMERA_DIMENSIONS, HIGHEST_SURVIVA
 use super::scene::RenderScene;
 use super::view::{PathSettings, Strategy, View};
 use crate::accel::{Hit, RayLanes};
-use crate::light::lanes::SoleRectangle;
+use crate::light::lanes::{SoleLight, sample_constant};
 use crate::light::{LightReference, Target};
 use crate::math::Ray;
 use crate::math::lanes::{FrameLanes, LANES, Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of, offset_origins};
@@ -61,7 +61,7 @@ struct Paths<'a> {
     scene: &'a RenderScene,
     view: &'a View,
     settings: &'a PathSettings,
-    sole_rectangle: Option<SoleRectangle>,
+    sole_light: Option<SoleLight>,
     jobs: std::iter::Enumerate<std::slice::Iter<'a, Job>>,
     samples: Vec<(PathSample, f32)>,
     /// A bit per lane.
@@ -120,7 +120,7 @@ impl<'a> Paths<'a> {
             scene,
             view,
             settings,
-            sole_rectangle: SoleRectangle::of(&scene.lights),
+            sole_light: SoleLight::of(&scene.lights),
             jobs: jobs.iter().enumerate(),
             samples: vec![(PathSample::default(), 0.0); jobs.len()],
             active: 0,
@@ -342,7 +342,11 @@ impl<'a> Paths<'a> {
             self.radiance += reflected.only(lanes_of(lit));
         }
 
-        let sample = bsdf.sample(wo, self.sampler.at_1d(at(2)), self.sampler.at_2d(at(3)));
+        let u_lobe = match bsdf.transmitting() {
+            0 => zero,
+            _ => self.sampler.at_1d(at(2)),
+        };
+        let sample = bsdf.sample(wo, u_lobe, self.sampler.at_2d(at(3)));
         let wi = frame.to_world(sample.wi);
         self.throughput = Vec3Lanes::select(here, self.throughput * sample.weight, self.throughput);
         self.eta_squared = here.select(self.eta_squared * sample.eta * sample.eta, self.eta_squared);
@@ -380,17 +384,32 @@ impl<'a> Paths<'a> {
         at: impl Fn(u32) -> WordLanes,
     ) -> LightLanes {
         let u = self.sampler.at_2d(at(1));
-        if let Some(rectangle) = &self.sole_rectangle {
-            let sample = rectangle.sample(position, u);
-            return LightLanes {
-                wi: sample.wi,
-                target: sample.target,
-                infinite: 0,
-                radiance: Vec3Lanes::splat(rectangle.radiance),
-                pdf: sample.pdf,
-                is_delta: 0,
-                is_valid: sample.is_valid,
-            };
+        match &self.sole_light {
+            Some(SoleLight::Rectangle(rectangle)) => {
+                let sample = rectangle.sample(position, u);
+                return LightLanes {
+                    wi: sample.wi,
+                    target: sample.target,
+                    infinite: 0,
+                    radiance: Vec3Lanes::splat(rectangle.radiance),
+                    pdf: sample.pdf,
+                    is_delta: 0,
+                    is_valid: sample.is_valid,
+                };
+            }
+            Some(SoleLight::Constant(radiance)) => {
+                let (wi, pdf) = sample_constant(normal, u);
+                return LightLanes {
+                    wi,
+                    target: Vec3Lanes::ZERO,
+                    infinite: asked,
+                    radiance: Vec3Lanes::splat(*radiance),
+                    pdf,
+                    is_delta: 0,
+                    is_valid: pdf.simd_gt(Lanes::ZERO),
+                };
+            }
+            None => {}
         }
         let u_choice = self.sampler.at_1d(at(0));
         let mut light = LightLanes {
