@@ -113,23 +113,22 @@ impl TinyMesh {
     /// Hands over, for each triangle, the parameters at which local `rays` meet its plane, until `visit` returns true.
     #[inline(always)]
     pub fn each_hit(&self, rays: &RayLanes, mut visit: impl FnMut(Lanes, WeightLanes, usize) -> bool) {
-        // Corners from the origins, and their products with the directions.
-        let corners: ArrayVec<[Vec3Lanes; 2], MOST_CORNERS> = self
-            .corners
-            .iter()
-            .map(|&corner| {
-                let (p, d) = (Vec3Lanes::splat(corner) - rays.origin, rays.dir);
-                let moment = Vec3Lanes::of(
-                    p.y.mul_sub(d.z, p.z * d.y),
-                    p.z.mul_sub(d.x, p.x * d.z),
-                    p.x.mul_sub(d.y, p.y * d.x),
-                );
-                [p, moment]
-            })
-            .collect();
+        // Corners from the origins, and their products with the directions. They are large: filled where they are.
+        let mut corners = ArrayVec::<[Vec3Lanes; 2], MOST_CORNERS>::new();
+        for &corner in &self.corners {
+            let (p, d) = (Vec3Lanes::splat(corner) - rays.origin, rays.dir);
+            let moment = Vec3Lanes::of(
+                p.y.mul_sub(d.z, p.z * d.y),
+                p.z.mul_sub(d.x, p.x * d.z),
+                p.x.mul_sub(d.y, p.y * d.x),
+            );
+            corners.push([p, moment]);
+        }
         // dir . (p x q) = p . (q x dir)
-        let volume = |&[from, to]: &[usize; 2]| corners[from][0].dot(corners[to][1]);
-        let volumes: ArrayVec<Lanes, MOST_EDGES> = self.edges.iter().map(volume).collect();
+        let mut volumes = ArrayVec::<Lanes, MOST_EDGES>::new();
+        for &[from, to] in &self.edges {
+            volumes.push(corners[from][0].dot(corners[to][1]));
+        }
         for (number, triangle) in self.triangles.iter().enumerate() {
             let [w, u, v] = triangle.edges.map(|(edge, sign)| volumes[edge] * Lanes::splat(sign));
             let zero = Lanes::ZERO;
