@@ -70,9 +70,7 @@ fn lanes(rays: &[Ray; LANES]) -> RayLanes {
         t_max: Lanes::ZERO,
     };
     for (lane, ray) in rays.iter().enumerate() {
-        lanes.origin.set(lane, ray.origin);
-        lanes.dir.set(lane, ray.dir);
-        lanes.t_max.as_mut_array()[lane] = ray.t_max;
+        lanes.set(lane, ray);
     }
     lanes
 }

@@ -4,10 +4,12 @@ mod support;
 
 use std::sync::atomic::AtomicBool;
 
-use glam::{Affine3A, Quat, UVec2, Vec3};
+use glam::{Affine3A, Quat, UVec2, Vec2, Vec3};
 use sunroom::accel::Primitive;
 use sunroom::light::LightSource;
 use sunroom::material::{BumpOptions, Material, MaterialId};
+use sunroom::render::camera::{Camera, ThinLens};
+use sunroom::render::filter::PixelFilter;
 use sunroom::render::path::trace_path;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::tile::{render_preview, render_tile, tiles};
@@ -167,11 +169,13 @@ fn look(settings: PathSettings, sequence: SequenceKind) -> View {
 /// Pixels that may differ: where rounding sends a path elsewhere, after many a bounce off balls.
 const STRAYS: usize = (SIZE * SIZE) as usize / 100;
 
-fn compare(what: &str, scene: &RenderScene, settings: PathSettings, sequence: SequenceKind) {
-    let view = look(settings, sequence);
+fn compare(what: &str, scene: &RenderScene, view: &View) {
+    let Integrator::Path(settings) = view.integrator else {
+        panic!("paths");
+    };
     let (mut strays, mut rays, mut expected_rays) = (0, 0, 0);
     for tile in tiles(SIZE, SIZE) {
-        let found = render_tile(scene, &view, tile, 0..SAMPLES, &AtomicBool::new(false)).expect("not cancelled");
+        let found = render_tile(scene, view, tile, 0..SAMPLES, &AtomicBool::new(false)).expect("not cancelled");
         assert_eq!(found.invalid, 0, "{what}");
         rays += found.rays;
         let places =
@@ -222,17 +226,45 @@ fn pictures_are_those_of_paths_one_by_one() {
     ];
     for (what, scene) in &scenes {
         for strategy in [Strategy::Mis, Strategy::Light, Strategy::Bsdf] {
-            compare(what, scene, settings(8, 5, false, strategy), SequenceKind::Sobol);
+            compare(what, scene, &look(settings(8, 5, false, strategy), SequenceKind::Sobol));
         }
-        compare(
-            what,
-            scene,
-            settings(u32::MAX, 1, false, Strategy::Mis),
-            SequenceKind::Independent,
-        );
-        compare(what, scene, settings(2, 5, true, Strategy::Mis), SequenceKind::Sobol);
-        compare(what, scene, settings(1, 5, false, Strategy::Mis), SequenceKind::Sobol);
+        let endless = settings(u32::MAX, 1, false, Strategy::Mis);
+        compare(what, scene, &look(endless, SequenceKind::Independent));
+        for (max_depth, hide_emitters) in [(2, true), (1, false)] {
+            let short = settings(max_depth, 5, hide_emitters, Strategy::Mis);
+            compare(what, scene, &look(short, SequenceKind::Sobol));
+        }
     }
+}
+
+#[test]
+fn any_camera_and_filter_will_do() {
+    let scene = with_lamp();
+    let plain = look(settings(3, 5, false, Strategy::Mis), SequenceKind::Sobol);
+    let place = Affine3A::from_rotation_translation(Quat::from_rotation_y(std::f32::consts::PI), Vec3::Z * 4.0);
+    let lens = ThinLens {
+        aperture_radius: 0.1,
+        focus_distance: 4.0,
+        blades: 0,
+        blade_rotation: 0.0,
+    };
+    let cameras = [
+        plain.camera.cropped(Vec2::new(0.2, 0.3), Vec2::new(0.9, 0.8)),
+        Camera::new(place, 40.0, 1.0, 0.1, 100.0, Some(lens)),
+        Camera::orthographic(place, Vec2::splat(1.5), 0.1, 100.0),
+    ];
+    for camera in cameras {
+        compare(
+            "a camera",
+            &scene,
+            &View {
+                camera,
+                ..plain.clone()
+            },
+        );
+    }
+    let filter = PixelFilter::Tent { radius: 1.0 };
+    compare("a filter", &scene, &View { filter, ..plain });
 }
 
 /// Whatever the tile, and whatever else is traced beside it, a sample is the same.

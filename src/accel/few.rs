@@ -72,6 +72,13 @@ impl RayLanes {
     }
 
     #[inline(always)]
+    pub fn set(&mut self, lane: usize, ray: &Ray) {
+        self.origin.set(lane, ray.origin);
+        self.dir.set(lane, ray.dir);
+        self.t_max.as_mut_array()[lane] = ray.t_max;
+    }
+
+    #[inline(always)]
     pub fn get(&self, lane: usize) -> Ray {
         Ray {
             origin: self.origin.get(lane),

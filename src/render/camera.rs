@@ -6,7 +6,9 @@ use std::f32::consts::TAU;
 
 use glam::{Affine3A, Vec2, Vec3};
 
+use crate::accel::RayLanes;
 use crate::math::Ray;
+use crate::math::lanes::{Lanes, Vec3Lanes};
 use crate::sampling::warp;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,6 +126,33 @@ impl Camera {
             dir: self.world_from_camera.transform_vector3(dir),
             t_max: (self.far - self.near) * stretch,
         }
+    }
+
+    /// [`Self::ray`] of sixteen points of the film, (x, y) of each. None unless all rays go through one point.
+    pub fn pinhole_rays(&self, film: [Lanes; 2]) -> Option<RayLanes> {
+        if self.projection != (Projection::Perspective { lens: None }) {
+            return None;
+        }
+        let on_plane =
+            |film: Lanes, corner: f32, diagonal: f32| film.mul_add(Lanes::splat(diagonal), Lanes::splat(corner));
+        let x = on_plane(film[0], self.corner.x, self.diagonal.x);
+        let y = on_plane(film[1], self.corner.y, self.diagonal.y);
+        // Both are one over the cosine with the view axis.
+        let stretch = x.mul_add(x, y.mul_add(y, Lanes::ONE)).sqrt();
+        let scale = Lanes::ONE / stretch;
+        let columns = [
+            self.world_from_camera.matrix3.x_axis,
+            self.world_from_camera.matrix3.y_axis,
+            self.world_from_camera.matrix3.z_axis,
+        ];
+        let [x_axis, y_axis, z_axis] = columns.map(|column| Vec3Lanes::splat(column.into()));
+        let toward = z_axis.plus_scaled(x, x_axis).plus_scaled(y, y_axis);
+        let eye = Vec3Lanes::splat(self.world_from_camera.translation.into());
+        Some(RayLanes {
+            origin: eye.plus_scaled(Lanes::splat(self.near), toward),
+            dir: toward * scale,
+            t_max: Lanes::splat(self.far - self.near) * stretch,
+        })
     }
 
     /// World to film coordinates as in [`Self::ray`], with the distance along the view axis; for drawing over the picture.

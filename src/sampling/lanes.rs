@@ -24,6 +24,25 @@ impl SamplerLanes {
         }
     }
 
+    /// Those of [`Sampler::new`] for the pixels (x, y) and sample indices of all lanes.
+    pub fn of_pixels(kind: SequenceKind, [x, y]: [WordLanes; 2], index: WordLanes, seed: u32) -> Self {
+        let [a, b, _] = pcg3d([x, y, word(seed)]);
+        Self {
+            kind,
+            key: [a, b],
+            index: match kind {
+                SequenceKind::Independent => index,
+                SequenceKind::Sobol => reverse_bits(index),
+            },
+        }
+    }
+
+    /// That of lane `lane`, at dimension 0.
+    pub fn get(&self, lane: usize) -> Sampler {
+        let key = self.key.map(|words| words.as_array()[lane]);
+        Sampler::of_key(self.kind, key, self.index.as_array()[lane])
+    }
+
     /// From now on lane `lane` has the numbers of `sampler`, which must be of this kind.
     pub fn set(&mut self, lane: usize, sampler: &Sampler) {
         let (key, index) = (sampler.key(), sampler.index());

@@ -87,6 +87,16 @@ impl Sampler {
         Vec2::new(unit_float(x), unit_float(y))
     }
 
+    /// At dimension 0, from what [`Self::key`] and [`Self::index`] give.
+    pub(super) fn of_key(kind: SequenceKind, key: [u32; 2], index: u32) -> Self {
+        Self {
+            kind,
+            key,
+            index,
+            dimension: 0,
+        }
+    }
+
     pub(super) fn key(&self) -> [u32; 2] {
         self.key
     }

@@ -5,12 +5,14 @@
 //! lanes; elsewhere the path takes its step alone, by [`Path::advance`]. A path that has ended gives its lane to the next one. The numbers
 //! are those of one path at a time, but for rounding.
 
+mod ready;
 mod vertices;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{UVec2, Vec2, Vec3};
 
+use self::ready::Ready;
 use self::vertices::Vertices;
 use super::path::{Arrival, BOUNCE_DIMENSIONS, CAMERA_DIMENSIONS, HIGHEST_SURVIVAL, Path, PathSample};
 use super::scene::RenderScene;
@@ -62,7 +64,10 @@ struct Paths<'a> {
     view: &'a View,
     settings: &'a PathSettings,
     sole_light: Option<SoleLight>,
-    jobs: std::iter::Enumerate<std::slice::Iter<'a, Job>>,
+    jobs: &'a [Job],
+    /// Jobs that have been begun.
+    begun: usize,
+    ready: Ready,
     samples: Vec<(PathSample, f32)>,
     /// A bit per lane.
     active: u32,
@@ -121,7 +126,9 @@ impl<'a> Paths<'a> {
             view,
             settings,
             sole_light: SoleLight::of(&scene.lights),
-            jobs: jobs.iter().enumerate(),
+            jobs,
+            begun: 0,
+            ready: Ready::new(view),
             samples: vec![(PathSample::default(), 0.0); jobs.len()],
             active: 0,
             origin: Vec3Lanes::ZERO,
@@ -145,10 +152,11 @@ impl<'a> Paths<'a> {
     fn begin(&mut self) {
         const ALL: u32 = (1 << LANES) - 1;
         for lane in each_lane(!self.active & ALL) {
-            let Some((job, &Job { pixel, index })) = self.jobs.next() else {
+            let Some(camera) = self.ready.take(self.view, &self.jobs[self.begun..]) else {
                 return;
             };
-            let camera = self.view.camera_sample(pixel, index);
+            let job = self.begun;
+            self.begun += 1;
             self.sampler.set(lane, &camera.sampler);
             self.homes[lane] = Home {
                 job,
