@@ -19,8 +19,8 @@ impl Tlas {
     /// [`Tlas::intersect`] of each ray whose bit is set in `active`, `None` for the others. `N` is at most 32.
     pub fn intersect_many<const N: usize>(&self, rays: &[Ray; N], active: u32) -> [Option<Hit>; N] {
         let mut hits = [None; N];
-        let levels = rays.each_ref().map(|ray| Level::of_scene(self, ray));
-        walk_many::<false, N>(levels, active, |index, walk| {
+        let level = |index: usize| Level::of_scene(self, &rays[index]);
+        walk_many::<false, N>(level, active, |index, walk| {
             hits[index] = if walk.lost {
                 self.intersect(&rays[index])
             } else {
@@ -33,8 +33,8 @@ impl Tlas {
     /// [`Tlas::occluded`] of each ray whose bit is set in `active`; the others' bits are zero. `N` is at most 32.
     pub fn occluded_many<const N: usize>(&self, rays: &[Ray; N], active: u32) -> u32 {
         let mut occluded = 0;
-        let levels = rays.each_ref().map(|ray| Level::of_scene(self, ray));
-        walk_many::<true, N>(levels, active, |index, walk| {
+        let level = |index: usize| Level::of_scene(self, &rays[index]);
+        walk_many::<true, N>(level, active, |index, walk| {
             let hit = if walk.lost {
                 self.occluded(&rays[index])
             } else {
@@ -54,8 +54,8 @@ impl Tlas {
         active: u32,
     ) -> [Option<MeshHit>; N] {
         let mut hits = [None; N];
-        let levels = rays.each_ref().map(|ray| Level::of_mesh(self, shape, mesh, ray));
-        walk_many::<false, N>(levels, active, |index, walk| {
+        let level = |index: usize| Level::of_mesh(self, shape, mesh, &rays[index]);
+        walk_many::<false, N>(level, active, |index, walk| {
             hits[index] = if walk.lost {
                 mesh.intersect(&rays[index])
             } else {
@@ -79,8 +79,8 @@ impl Tlas {
         active: u32,
     ) -> u32 {
         let mut occluded = 0;
-        let levels = rays.each_ref().map(|ray| Level::of_mesh(self, shape, mesh, ray));
-        walk_many::<true, N>(levels, active, |index, walk| {
+        let level = |index: usize| Level::of_mesh(self, shape, mesh, &rays[index]);
+        walk_many::<true, N>(level, active, |index, walk| {
             let hit = if walk.lost {
                 mesh.occluded(&rays[index])
             } else {
@@ -92,15 +92,20 @@ impl Tlas {
     }
 }
 
-/// From where each ray begins. With `ANY` a walk ends at its first hit.
+/// Each ray from where `level` has it begin. With `ANY` a walk ends at its first hit.
 #[inline(always)]
 fn walk_many<'a, const ANY: bool, const N: usize>(
-    levels: [Level<'a>; N],
+    level: impl Fn(usize) -> Level<'a>,
     active: u32,
-    mut finish: impl FnMut(usize, &Walk<'a, ANY>),
+    mut finish: impl FnMut(usize, &Walk<ANY>),
 ) {
     const { assert!(N <= u32::BITS as usize) };
-    let mut walks: [Walk<ANY>; N] = levels.map(Walk::new);
+    // They are large: made where they stay.
+    let mut stacks: [Stack; N] = [const { Stack::new_const() }; N];
+    let mut walks = ArrayVec::<Walk<ANY>, N>::new();
+    for (index, stack) in stacks.iter_mut().enumerate() {
+        walks.push(Walk::new(level(index), stack));
+    }
     let mut turns = Turns::default();
     for (index, walk) in walks.iter_mut().enumerate() {
         if active >> index & 1 == 1 {
@@ -169,7 +174,7 @@ impl Turns {
 
     /// Asks for the memory that the rays need, but for shapes.
     #[inline(always)]
-    fn prefetch<const ANY: bool, const N: usize>(self, walks: &[Walk<ANY>; N]) {
+    fn prefetch<const ANY: bool, const N: usize>(self, walks: &ArrayVec<Walk<ANY>, N>) {
         for index in members::<N>(self.at_nodes) {
             let walk = &walks[index];
             if let Some(node) = walk.level.bvh.nodes.get(walk.next.index()) {
@@ -243,11 +248,14 @@ impl<'a> Level<'a> {
     }
 }
 
+/// Children that wait, and where the ray enters them.
+type Stack = ArrayVec<u64, WAITING>;
+
 struct Walk<'a, const ANY: bool> {
     level: Level<'a>,
     around: ArrayVec<Level<'a>, 2>,
     /// As a lone ray's, those of inner spaces on top.
-    waiting: ArrayVec<u64, WAITING>,
+    waiting: &'a mut Stack,
     next: Child,
     t_max: f32,
     hit: Option<Hit>,
@@ -258,14 +266,14 @@ struct Walk<'a, const ANY: bool> {
 impl<'a, const ANY: bool> Walk<'a, ANY> {
     /// Of a ray that goes nowhere yet.
     #[inline(always)]
-    fn new(level: Level<'a>) -> Self {
+    fn new(level: Level<'a>, waiting: &'a mut Stack) -> Self {
         Self {
             t_max: level.ray.t_max,
             // A leaf of a linear list of triangles has many packets.
             lost: !level.packets.is_empty() && level.bvh.is_linear(),
             level,
             around: ArrayVec::new(),
-            waiting: ArrayVec::new(),
+            waiting,
             next: Child::ROOT,
             hit: None,
         }
@@ -324,7 +332,7 @@ impl<'a, const ANY: bool> Walk<'a, ANY> {
     fn visit_node(&mut self) {
         let node = &self.level.bvh.nodes[self.next.index()];
         let (enter, met) = node.entries(&self.level.slabs, self.t_max);
-        self.lost |= push_sorted(node, enter, met, &mut self.waiting).is_err();
+        self.lost |= push_sorted(node, enter, met, self.waiting).is_err();
     }
 
     #[inline(always)]
@@ -415,8 +423,8 @@ mod tests {
         let scene = Tlas::build(shapes, SplitMethod::Sah);
         let rays = [Ray::new(Vec3::ZERO, dir), Ray::new(Vec3::ZERO, -dir)];
         let mut lost = [false; 2];
-        let levels = rays.each_ref().map(|ray| Level::of_scene(&scene, ray));
-        walk_many::<false, 2>(levels, 3, |index, walk| lost[index] = walk.lost);
+        let level = |index: usize| Level::of_scene(&scene, &rays[index]);
+        walk_many::<false, 2>(level, 3, |index, walk| lost[index] = walk.lost);
         assert_eq!(lost, [true, false]);
         let alone = rays.map(|ray| scene.intersect(&ray));
         assert_eq!(alone.map(|hit| hit.map(|hit| hit.instance)), [Some(110), None]);
