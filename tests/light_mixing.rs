@@ -128,7 +128,11 @@ fn layers_do_not_change_the_picture() {
     let scene = room([Rgb::ONE; 3]);
     let layered = render(&scene, &look(16), 8);
     let plain = render(&scene, &view(look(16).camera, 16, 6, Strategy::Mis), 8);
-    assert_eq!(layered.radiance(), plain.radiance());
+    // Paths that are watched are traced one by one, others abreast: the same but for rounding, which may send a path elsewhere.
+    let (layered_radiance, plain_radiance) = (layered.radiance(), plain.radiance());
+    let pairs = layered_radiance.iter().zip(&plain_radiance);
+    let strays = pairs.filter(|(a, b)| !a.abs_diff_eq(**b, 1e-4 * a.max_element()));
+    assert!(strays.count() <= 2);
     assert_eq!((layered.layer_count(), plain.layer_count()), (3, 0));
     // A film without layers has nothing to mix.
     assert_eq!(plain.mixed(&[Rgb::ZERO]), plain.radiance());
