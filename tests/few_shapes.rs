@@ -20,6 +20,10 @@ fn direction(k: usize) -> Vec3 {
 }
 
 fn cube() -> Primitive {
+    triangle_mesh(cube_triangles())
+}
+
+fn cube_triangles() -> impl Iterator<Item = [Vec3; 3]> {
     let square = |axis: usize, side: f32| {
         let mut axes = [Vec3::X, Vec3::Y, Vec3::Z];
         axes.rotate_left(axis);
@@ -30,11 +34,9 @@ fn cube() -> Primitive {
             [at(-1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)],
         ]
     };
-    triangle_mesh(
-        (0..3)
-            .flat_map(|axis| [square(axis, -1.0), square(axis, 1.0)])
-            .flatten(),
-    )
+    (0..3)
+        .flat_map(move |axis| [square(axis, -1.0), square(axis, 1.0)])
+        .flatten()
 }
 
 /// A mesh that is too large to be tested as a whole.
@@ -156,5 +158,54 @@ fn no_ray_slips_through_an_edge() {
         let hits = scene.intersect_lanes(&lanes(&rays), 0xffff);
         assert!(hits.iter().all(Option::is_some), "{hits:?}");
         assert_eq!(scene.occluded_lanes(&lanes(&rays), 0xffff), 0xffff);
+    }
+}
+
+/// Distances stay sharp for boards, sheets and crumbs, and for what is far away.
+#[test]
+fn small_and_thin_shapes_are_met_where_they_are() {
+    for (size, distance) in [
+        (Vec3::splat(1.0), 5.0),
+        (Vec3::new(1.0, 0.02, 1.0), 5.0),
+        (Vec3::new(1.0, 1e-3, 1.0), 5.0),
+        (Vec3::splat(5e-3), 5.0),
+        (Vec3::new(1.0, 1.0, 1.0), 1000.0),
+    ] {
+        let turned = Quat::from_axis_angle(Vec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+        let placed = Affine3A::from_scale_rotation_translation(0.5 * size, turned, Vec3::new(0.5, -0.3, 0.1));
+        // The scale once in the transform, once in the mesh.
+        let whole =
+            triangle_mesh(cube_triangles().map(|corners| corners.map(|corner| placed.transform_point3(corner))));
+        for (primitive, transform) in [(cube(), placed), (whole, Affine3A::IDENTITY)] {
+            let scene = Tlas::build(
+                vec![Instance::new(primitive, transform).expect("an invertible transform")],
+                SplitMethod::Sah,
+            );
+            let (mut met, mut strays) = (0, 0);
+            for start in (0..4096).step_by(LANES) {
+                let rays: [Ray; LANES] = std::array::from_fn(|lane| {
+                    let k = start + lane;
+                    let to = placed.transform_point3(1.8 * numbers(k) - Vec3::splat(0.9));
+                    let from = distance * direction(3 * k + 1).normalize();
+                    Ray::new(from, (to - from).normalize())
+                });
+                let hits = scene.intersect_lanes(&lanes(&rays), 0xffff);
+                for (ray, hit) in rays.iter().zip(hits) {
+                    let expected = scene.intersect(ray);
+                    met += usize::from(expected.is_some());
+                    let is_near = match (hit, expected) {
+                        (Some(hit), Some(expected)) => {
+                            // A few roundings of the distance, more where a face is met at a grazing angle.
+                            (hit.t - expected.t).abs() <= 1e-5 * distance
+                        }
+                        (None, None) => true,
+                        _ => false,
+                    };
+                    strays += usize::from(!is_near);
+                }
+            }
+            assert!(met > 3500, "{met} of {size} at {distance}");
+            assert!(strays * 200 < met, "{strays} of {met} differ, {size} at {distance}");
+        }
     }
 }

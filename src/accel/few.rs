@@ -2,7 +2,7 @@
 //!
 //! Rays of different paths have little in common, but where there are only a few shapes most of them have to be tested anyway. Rectangles,
 //! spheres and meshes of a few triangles are tested in vectors, a ray per lane; of other meshes only the box, and then by each ray that
-//! meets it.
+//! meets it. Where surfaces coincide, the ray of a lane may meet another one of them than a lone ray.
 
 use glam::{Affine3A, Vec3};
 
@@ -39,7 +39,7 @@ struct FewShape {
     kind: Kind,
     /// Rows of the matrix from the world, and the place in the world.
     rows: [Vec3; 3],
-    place: glam::Vec3,
+    place: Vec3,
 }
 
 #[derive(Clone, Debug)]
@@ -130,21 +130,21 @@ impl FewShapes {
                 }
                 Kind::TinyMesh(mesh) => {
                     let local = shape.local(rays);
-                    if (meets(mesh.bounds(), &local, nearest.t) & lanes_of(active)).none() {
+                    let near = meets(mesh.bounds(), &local, nearest.t) & lanes_of(active);
+                    if near.none() {
                         continue;
                     }
                     // The weights are divided once, for the triangle that is left.
                     let mut sum = Lanes::ONE;
                     mesh.each_hit(&local, |t, weights, triangle| {
-                        let met = t.simd_lt(nearest.t) & t.simd_gt(Lanes::ZERO) & weights.inside;
+                        let met = near & t.simd_lt(nearest.t) & t.simd_gt(Lanes::ZERO) & weights.inside;
                         let triangle = Lanes::splat(triangle as f32);
                         sum = met.select(weights.sum, sum);
                         nearest.take(met, [t, weights.u, weights.v, number, triangle]);
                         false
                     });
-                    let scale = Lanes::ONE / sum;
-                    nearest.u *= scale;
-                    nearest.v *= scale;
+                    nearest.u /= sum;
+                    nearest.v /= sum;
                 }
                 Kind::Boxed(bounds) => {
                     let mut local = shape.local(rays);
@@ -176,7 +176,8 @@ impl FewShapes {
                 member: 0,
                 primitive: match &shape.kind {
                     Kind::TinyMesh(mesh) => mesh.triangle(triangle as usize),
-                    _ => nearest.primitives[lane],
+                    Kind::Rectangle | Kind::Sphere => 0,
+                    Kind::Boxed(_) | Kind::Other => nearest.primitives[lane],
                 },
                 u: nearest.u.as_array()[lane],
                 v: nearest.v.as_array()[lane],
@@ -199,12 +200,13 @@ impl FewShapes {
                     Kind::Sphere => sphere(&shape.local(rays), rays.t_max).1.to_bitmask(),
                     Kind::TinyMesh(mesh) => {
                         let local = shape.local(rays);
-                        if (meets(mesh.bounds(), &local, rays.t_max) & lanes_of(left)).none() {
+                        let near = meets(mesh.bounds(), &local, rays.t_max) & lanes_of(left);
+                        if near.none() {
                             continue;
                         }
                         let mut met = Lanes::ZERO;
                         mesh.each_hit(&local, |t, weights, _| {
-                            met |= t.simd_lt(rays.t_max) & t.simd_gt(Lanes::ZERO) & weights.inside;
+                            met |= near & t.simd_lt(rays.t_max) & t.simd_gt(Lanes::ZERO) & weights.inside;
                             left & !met.to_bitmask() == 0
                         });
                         met.to_bitmask()

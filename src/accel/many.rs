@@ -134,8 +134,8 @@ fn walk_many<'a, const ANY: bool, const N: usize>(
         }
         turns.without(asked).prefetch(&walks);
     }
-    for (index, walk) in walks.iter().enumerate() {
-        finish(index, walk);
+    for index in members::<N>(active) {
+        finish(index, &walks[index]);
     }
 }
 

@@ -124,10 +124,11 @@ impl TinyMesh {
             );
             corners.push([p, moment]);
         }
-        // dir . (p x q) = p . (q x dir)
+        // 2 dir . (p x q) = (p - q) . ((p + q) x dir): with the difference first, its rounding is that of the edge's length, not of its distance.
         let mut volumes = ArrayVec::<Lanes, MOST_EDGES>::new();
         for &[from, to] in &self.edges {
-            volumes.push(corners[from][0].dot(corners[to][1]));
+            let edge = Vec3Lanes::splat(self.corners[from] - self.corners[to]);
+            volumes.push(edge.dot(corners[from][1] + corners[to][1]));
         }
         for (number, triangle) in self.triangles.iter().enumerate() {
             let [w, u, v] = triangle.edges.map(|(edge, sign)| volumes[edge] * Lanes::splat(sign));
@@ -139,7 +140,8 @@ impl TinyMesh {
                 continue;
             }
             let sum = w + u + v;
-            let t = corners[triangle.corner][0].dot(Vec3Lanes::splat(triangle.normal)) / sum;
+            let normal = Vec3Lanes::splat(triangle.normal);
+            let t = corners[triangle.corner][0].dot(normal) / rays.dir.dot(normal);
             if visit(t, WeightLanes { u, v, sum, inside }, number) {
                 return;
             }

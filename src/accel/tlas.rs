@@ -71,7 +71,7 @@ impl Tlas {
                 first
             })
             .collect();
-        let few = FewShapes::new(&instances).filter(|_| placements.is_empty());
+        let few = placements.is_empty().then(|| FewShapes::new(&instances)).flatten();
         let mut tlas = Self {
             instances,
             groups,

@@ -40,7 +40,7 @@ impl InfiniteLight {
         }
     }
 
-    /// None where it is black.
+    /// None where it is black, or on the horizon of the reference.
     pub fn sample(&self, reference: &LightReference, u: Vec2) -> Option<LightSample> {
         match self {
             Self::Directional(light) => Some(light.sample()),

@@ -10,7 +10,7 @@ use super::infinite::InfiniteLight;
 use super::table::{LightTable, Only};
 use crate::color::Rgb;
 use crate::math::lanes::{FrameLanes, Lanes, Vec3Lanes, offset_origins};
-use crate::sampling::lanes::{RectangleLanes, concentric_disk};
+use crate::sampling::lanes::{RectangleLanes, cosine_hemisphere};
 
 /// A rectangle that is the only light.
 #[derive(Clone, Copy, Debug)]
@@ -59,13 +59,9 @@ impl SoleLight {
 /// densities; zero where there is none.
 #[inline(always)]
 pub fn sample_constant(normal: Vec3Lanes, u: [Lanes; 2]) -> (Vec3Lanes, Lanes) {
-    let [x, y] = concentric_disk(u);
-    let z = x
-        .mul_neg_add(x, y.mul_neg_add(y, Lanes::ONE))
-        .fast_max(Lanes::ZERO)
-        .sqrt();
-    let wi = FrameLanes::from_normal(normal).to_world(Vec3Lanes::of(x, y, z));
-    (wi, z * Lanes::splat(FRAC_1_PI))
+    let local = cosine_hemisphere(u);
+    let wi = FrameLanes::from_normal(normal).to_world(local);
+    (wi, local.z * Lanes::splat(FRAC_1_PI))
 }
 
 impl SoleRectangle {

@@ -2,7 +2,7 @@
 //!
 //! A condition is a number per lane whose bits are all set or all clear, as comparisons give them, or a bit per lane in a `u32`.
 
-use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub};
+use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 use glam::Vec3;
 use wide::{f32x16, u32x16};
@@ -114,6 +114,13 @@ impl Vec3Lanes {
         self.x.fast_max(self.y).fast_max(self.z)
     }
 
+    /// Where it is not the zero vector; also where it is no number.
+    #[inline(always)]
+    pub fn is_not_zero(self) -> Lanes {
+        let zero = Lanes::ZERO;
+        self.x.simd_ne(zero) | self.y.simd_ne(zero) | self.z.simd_ne(zero)
+    }
+
     /// `self + scale v`.
     #[inline(always)]
     pub fn plus_scaled(self, scale: Lanes, v: Self) -> Self {
@@ -191,13 +198,6 @@ impl Mul<Lanes> for Vec3Lanes {
     #[inline(always)]
     fn mul(self, scale: Lanes) -> Self {
         Self::of(self.x * scale, self.y * scale, self.z * scale)
-    }
-}
-
-impl MulAssign for Vec3Lanes {
-    #[inline(always)]
-    fn mul_assign(&mut self, other: Self) {
-        *self = *self * other;
     }
 }
 

@@ -5,7 +5,7 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 pub use super::spherical_rectangle_lanes::RectangleLanes;
 
 use super::sampler::{Sampler, SequenceKind};
-use crate::math::lanes::{Lanes, WordLanes};
+use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes};
 
 /// The samplers of sixteen paths, whatever their pixels and indices.
 #[derive(Clone, Debug)]
@@ -173,6 +173,17 @@ pub fn concentric_disk([u, v]: [Lanes; 2]) -> [Lanes; 2] {
     // 0 / 0 in the very middle.
     let is_off_centre = radius.simd_ne(Lanes::ZERO);
     [(radius * cos) & is_off_centre, (radius * sin) & is_off_centre]
+}
+
+/// [`super::warp::cosine_hemisphere`].
+#[inline(always)]
+pub fn cosine_hemisphere(u: [Lanes; 2]) -> Vec3Lanes {
+    let [x, y] = concentric_disk(u);
+    let z = x
+        .mul_neg_add(x, y.mul_neg_add(y, Lanes::ONE))
+        .fast_max(Lanes::ZERO)
+        .sqrt();
+    Vec3Lanes::of(x, y, z)
 }
 
 /// [`super::power_heuristic`] of densities that are not both infinite.

@@ -8,7 +8,7 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 use super::fresnel::DielectricModel;
 use super::{Bsdf, ConductorSpecular, Microfacet};
 use crate::math::lanes::{Lanes, Vec3Lanes, copy_sign, lanes_of};
-use crate::sampling::lanes::concentric_disk;
+use crate::sampling::lanes::cosine_hemisphere;
 
 /// A model per lane.
 #[derive(Clone, Debug)]
@@ -146,11 +146,9 @@ impl BsdfLanes {
             returned: zero,
         };
         if self.diffuse != 0 {
-            let [x, y] = concentric_disk(u);
-            let z = x.mul_neg_add(x, y.mul_neg_add(y, Lanes::ONE)).fast_max(zero).sqrt();
-            sample.wi = Vec3Lanes::of(x, y, z);
-            sample.pdf = z * Lanes::splat(FRAC_1_PI);
-            sample.returned = facing & z.simd_gt(zero) & lanes_of(self.diffuse);
+            sample.wi = cosine_hemisphere(u);
+            sample.pdf = sample.wi.z * Lanes::splat(FRAC_1_PI);
+            sample.returned = facing & sample.wi.z.simd_gt(zero) & lanes_of(self.diffuse);
         }
         if self.rough != 0 {
             sample.choose(lanes_of(self.rough), self.sample_rough(wo, u));

@@ -1,7 +1,7 @@
 //! Sixteen paths traced side by side, each from one vertex to the next in every step: what most of them do is done for all at once, in
 //! vectors.
 //!
-//! Rays are followed and surfaces looked up one by one. Where a surface has one of the models of [`crate::shading::lanes`], the rest is done in
+//! Surfaces are looked up one by one. Where a surface has one of the models of [`crate::shading::lanes`], the rest is done in
 //! lanes; elsewhere the path takes its step alone, by [`Path::advance`]. A path that has ended gives its lane to the next one. The numbers
 //! are those of one path at a time, but for rounding.
 
@@ -324,7 +324,7 @@ impl<'a> Paths<'a> {
         let wo = frame.to_local(-self.dir);
 
         let smooth = bsdf.smooth();
-        if smooth != 0 {
+        if smooth != 0 && !(self.settings.strategy == Strategy::Bsdf && self.sole_light.is_some()) {
             let light = self.sample_light(smooth, position, frame.n, at);
             let (value, bsdf_pdf) = bsdf.eval_and_pdf(wo, frame.to_local(light.wi));
             let weight = match self.settings.strategy {
@@ -334,7 +334,7 @@ impl<'a> Paths<'a> {
             };
             let weight = lanes_of(light.is_delta).select(Lanes::ONE, weight);
             let reflected = self.throughput * value * light.radiance * (weight / light.pdf);
-            let counts = light.is_valid & lanes_of(smooth) & reflected.max_element().simd_ne(zero);
+            let counts = light.is_valid & lanes_of(smooth) & reflected.is_not_zero();
             let asked = counts.to_bitmask();
             let origin = offset_origins(position, error, geometric_normal, light.wi);
             let is_infinite = lanes_of(light.infinite);
@@ -358,7 +358,7 @@ impl<'a> Paths<'a> {
         let wi = frame.to_world(sample.wi);
         self.throughput = Vec3Lanes::select(here, self.throughput * sample.weight, self.throughput);
         self.eta_squared = here.select(self.eta_squared * sample.eta * sample.eta, self.eta_squared);
-        let mut goes_on = here & sample.returned & self.throughput.max_element().simd_ne(zero);
+        let mut goes_on = here & sample.returned & self.throughput.is_not_zero();
 
         self.origin = Vec3Lanes::select(here, offset_origins(position, error, geometric_normal, wi), self.origin);
         self.dir = Vec3Lanes::select(here, wi, self.dir);

@@ -34,7 +34,7 @@ impl Ready {
     /// The next sample; `jobs` are those that have not been taken, itself the first.
     #[inline(always)]
     pub fn take(&mut self, view: &View, jobs: &[Job]) -> Option<CameraSample> {
-        if self.next == self.count {
+        if self.next == self.count && !jobs.is_empty() {
             self.prepare(view, &jobs[..jobs.len().min(LANES)]);
         }
         let lane = self.next;
