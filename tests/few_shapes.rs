@@ -5,7 +5,7 @@ mod support;
 use glam::{Affine3A, Quat, Vec3};
 use sunroom::accel::{Hit, Instance, Primitive, RayLanes, SplitMethod, Tlas};
 use sunroom::math::Ray;
-use sunroom::math::lanes::{LANES, Lanes, Vec3Lanes};
+use sunroom::math::lanes::LANES;
 
 use support::triangle_mesh;
 
@@ -66,11 +66,7 @@ fn scene(copies: usize) -> Tlas {
 }
 
 fn lanes(rays: &[Ray; LANES]) -> RayLanes {
-    let mut lanes = RayLanes {
-        origin: Vec3Lanes::ZERO,
-        dir: Vec3Lanes::ZERO,
-        t_max: Lanes::ZERO,
-    };
+    let mut lanes = RayLanes::NOWHERE;
     for (lane, ray) in rays.iter().enumerate() {
         lanes.set(lane, ray);
     }

@@ -2,21 +2,21 @@
 //! questions before something is lost.
 #![cfg(feature = "window")]
 
+mod editor_support;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Context, Key};
+use editor_support::context;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::actions::{ACTIONS, ActionContext};
+use sunroom::app::editor::actions::ACTIONS;
 use sunroom::app::editor::command::Command;
-use sunroom::app::editor::display::DisplaySettings;
-use sunroom::app::editor::gizmo::GizmoSettings;
 use sunroom::app::editor::guard::{Guard, Unsaved};
 use sunroom::app::editor::layout::Panel;
 use sunroom::app::editor::model::{Item, Model, Outline};
-use sunroom::app::editor::overlay::BvhOverlay;
 use sunroom::app::editor::palette::Palette;
 use sunroom::app::editor::panels::preferences::preferences;
 use sunroom::app::editor::preferences::{Preferences, ThemeChoice};
@@ -57,20 +57,6 @@ fn press<T>(harness: &mut Harness<T>, key: Key) {
 fn click<T>(harness: &mut Harness<T>, name: &str) {
     harness.get_by_label(name).click();
     harness.run_steps(3);
-}
-
-fn context(selection: &Selection) -> ActionContext<'_> {
-    ActionContext {
-        display: DisplaySettings::default(),
-        overlay: BvhOverlay::default(),
-        gizmo: GizmoSettings::default(),
-        paused: false,
-        panels_shown: true,
-        selection,
-        tool: Default::default(),
-        safe_frame: false,
-        flying: false,
-    }
 }
 
 fn bunny() -> Entity {

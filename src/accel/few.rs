@@ -6,7 +6,7 @@
 
 use glam::{Affine3A, Vec3};
 
-use super::blas::{Blas, MeshHit};
+use super::blas::Blas;
 use super::instance::{Instance, Primitive};
 use super::tiny_mesh::TinyMesh;
 use super::tlas::{Hit, Tlas};
@@ -65,6 +65,13 @@ struct Nearest {
 }
 
 impl RayLanes {
+    /// Rays that hit nothing.
+    pub const NOWHERE: Self = Self {
+        origin: Vec3Lanes::ZERO,
+        dir: Vec3Lanes::ZERO,
+        t_max: Lanes::ZERO,
+    };
+
     /// One by one.
     #[inline(always)]
     pub(super) fn rays(&self) -> [Ray; LANES] {
@@ -154,8 +161,8 @@ impl FewShapes {
                         Some(mesh) if mesh.is_large() => {
                             let found = scene.intersect_mesh_many(shape.instance, mesh, &local.rays(), met);
                             for (lane, hit) in found.iter().enumerate() {
-                                if let Some(MeshHit { t, triangle, u, v }) = *hit {
-                                    nearest.set(lane, number, LocalHit { t, u, v }, triangle);
+                                if let Some(Hit { t, primitive, u, v, .. }) = *hit {
+                                    nearest.set(lane, number, LocalHit { t, u, v }, primitive);
                                 }
                             }
                         }

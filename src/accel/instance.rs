@@ -34,8 +34,8 @@ pub struct Instance {
     /// Whether the transform turns a right hand into a left one.
     pub(super) mirrored: bool,
     pub(super) rounding: Rounding,
-    /// Of the local plane z = 0.
-    pub(super) plane_normal: Vec3,
+    /// Unit world normal of the local plane z = 0, on the side of its +z.
+    pub plane_normal: Vec3,
 }
 
 impl Instance {

@@ -18,31 +18,14 @@ use crate::math::Ray;
 impl Tlas {
     /// [`Tlas::intersect`] of each ray whose bit is set in `active`, `None` for the others. `N` is at most 32.
     pub fn intersect_many<const N: usize>(&self, rays: &[Ray; N], active: u32) -> [Option<Hit>; N] {
-        let mut hits = [None; N];
-        let level = |index: usize| Level::of_scene(self, &rays[index]);
-        walk_many::<false, N>(level, active, |index, walk| {
-            hits[index] = if walk.lost {
-                self.intersect(&rays[index])
-            } else {
-                walk.hit
-            };
-        });
-        hits
+        let alone = |index: usize| self.intersect(&rays[index]);
+        closest_many(|index| Level::of_scene(self, &rays[index]), active, alone)
     }
 
     /// [`Tlas::occluded`] of each ray whose bit is set in `active`; the others' bits are zero. `N` is at most 32.
     pub fn occluded_many<const N: usize>(&self, rays: &[Ray; N], active: u32) -> u32 {
-        let mut occluded = 0;
-        let level = |index: usize| Level::of_scene(self, &rays[index]);
-        walk_many::<true, N>(level, active, |index, walk| {
-            let hit = if walk.lost {
-                self.occluded(&rays[index])
-            } else {
-                walk.hit.is_some()
-            };
-            occluded |= u32::from(hit) << index;
-        });
-        occluded
+        let alone = |index: usize| self.occluded(&rays[index]);
+        any_many::<N>(|index| Level::of_scene(self, &rays[index]), active, alone)
     }
 
     /// The nearest hits with `mesh`, which is the shape of instance `shape`; `rays` are in its space.
@@ -52,22 +35,19 @@ impl Tlas {
         mesh: &Blas,
         rays: &[Ray; N],
         active: u32,
-    ) -> [Option<MeshHit>; N] {
-        let mut hits = [None; N];
-        let level = |index: usize| Level::of_mesh(self, shape, mesh, &rays[index]);
-        walk_many::<false, N>(level, active, |index, walk| {
-            hits[index] = if walk.lost {
-                mesh.intersect(&rays[index])
-            } else {
-                walk.hit.map(|hit| MeshHit {
-                    t: hit.t,
-                    triangle: hit.primitive,
-                    u: hit.u,
-                    v: hit.v,
-                })
-            };
-        });
-        hits
+    ) -> [Option<Hit>; N] {
+        let alone = |index: usize| {
+            let MeshHit { t, triangle, u, v } = mesh.intersect(&rays[index])?;
+            Some(Hit {
+                t,
+                instance: shape,
+                member: 0,
+                primitive: triangle,
+                u,
+                v,
+            })
+        };
+        closest_many(|index| Level::of_mesh(self, shape, mesh, &rays[index]), active, alone)
     }
 
     /// As [`Self::intersect_mesh_many`], the bits of those that hit anything.
@@ -78,18 +58,34 @@ impl Tlas {
         rays: &[Ray; N],
         active: u32,
     ) -> u32 {
-        let mut occluded = 0;
-        let level = |index: usize| Level::of_mesh(self, shape, mesh, &rays[index]);
-        walk_many::<true, N>(level, active, |index, walk| {
-            let hit = if walk.lost {
-                mesh.occluded(&rays[index])
-            } else {
-                walk.hit.is_some()
-            };
-            occluded |= u32::from(hit) << index;
-        });
-        occluded
+        let alone = |index: usize| mesh.occluded(&rays[index]);
+        any_many::<N>(|index| Level::of_mesh(self, shape, mesh, &rays[index]), active, alone)
     }
+}
+
+/// The nearest hits of the rays in `active`; `alone` finds that of a ray by itself.
+#[inline(always)]
+fn closest_many<'a, const N: usize>(
+    level: impl Fn(usize) -> Level<'a>,
+    active: u32,
+    alone: impl Fn(usize) -> Option<Hit>,
+) -> [Option<Hit>; N] {
+    let mut hits = [None; N];
+    walk_many::<false, N>(level, active, |index, walk| {
+        hits[index] = if walk.lost { alone(index) } else { walk.hit };
+    });
+    hits
+}
+
+/// The bits of the rays in `active` that hit anything; `alone` asks for a ray by itself.
+#[inline(always)]
+fn any_many<'a, const N: usize>(level: impl Fn(usize) -> Level<'a>, active: u32, alone: impl Fn(usize) -> bool) -> u32 {
+    let mut occluded = 0;
+    walk_many::<true, N>(level, active, |index, walk| {
+        let hit = if walk.lost { alone(index) } else { walk.hit.is_some() };
+        occluded |= u32::from(hit) << index;
+    });
+    occluded
 }
 
 /// Each ray from where `level` has it begin. With `ANY` a walk ends at its first hit.

@@ -94,21 +94,17 @@ impl SurfaceLight {
         let instance = geometry.instances().get(instance as usize)?;
         let to_world = instance.world_from_local;
         let side = if instance.flip_normals { -1.0 } else { 1.0 };
-        // Normals go by the inverse transpose; its sign is that of the local normal even under a mirroring.
-        let plane_normal = || {
-            let normal = instance.local_from_world.matrix3.transpose() * glam::Vec3A::Z;
-            side * Vec3::from(normal).normalize_or_zero()
-        };
+        let plane_normal = side * instance.plane_normal;
         let [x, y] = [to_world.matrix3.x_axis, to_world.matrix3.y_axis].map(Vec3::from);
         let shape = match &instance.primitive {
             Primitive::Rectangle => {
                 let corner = Vec3::from(to_world.translation) - x - y;
-                let light = RectangleLight::new(corner, 2.0 * x, 2.0 * y, plane_normal());
+                let light = RectangleLight::new(corner, 2.0 * x, 2.0 * y, plane_normal);
                 EmitterShape::Rectangle(light.with_density(texture_density::density(textures, radiance)))
             }
             Primitive::Disk => EmitterShape::Disk(DiskLight {
                 world_from_local: to_world,
-                normal: plane_normal(),
+                normal: plane_normal,
                 area: PI * x.cross(y).length(),
             }),
             Primitive::Sphere => match SphereLight::new(&to_world, side) {

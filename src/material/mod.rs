@@ -89,6 +89,8 @@ pub struct MaterialTable {
     lets_through: bool,
     /// Per material.
     parametrised: Vec<bool>,
+    /// Per material, see [`Self::is_for_lanes`].
+    for_lanes: Vec<bool>,
 }
 
 impl MaterialTable {
@@ -108,8 +110,10 @@ impl MaterialTable {
             Material::Textured(textured) => textured.lets_through(),
             _ => false,
         });
+        let parametrised = nesting::parametrised(&materials);
         Ok(Self {
-            parametrised: nesting::parametrised(&materials),
+            for_lanes: nesting::for_lanes(&materials, &parametrised),
+            parametrised,
             materials,
             lets_through,
         })
@@ -143,6 +147,11 @@ impl MaterialTable {
             true => Detail::Parametrised,
             false => Detail::Plain,
         }
+    }
+
+    /// Whether it is made of models that [`crate::shading::lanes`] knows and depends on nothing but the side it is seen from.
+    pub fn is_for_lanes(&self, id: MaterialId) -> bool {
+        self.for_lanes[id.0 as usize]
     }
 
     /// The one model that a surface is made of about its own shading normal, and the side it is seen from (1, or -1 from behind), where

@@ -9,6 +9,7 @@ use super::scattering::{Part, Scattering};
 use super::{BumpOptions, Material, MaterialId};
 use crate::accel::SurfacePoint;
 use crate::shading::Bsdf;
+use crate::shading::lanes::BsdfLanes;
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
 /// Models that a material may mix at one place.
@@ -79,6 +80,31 @@ pub(super) fn parametrised(materials: &[Material]) -> Vec<bool> {
         }
         if is_settled {
             return found;
+        }
+    }
+}
+
+/// Per material, whether lanes can shade it, see [`super::MaterialTable::is_for_lanes`].
+pub(super) fn for_lanes(materials: &[Material], parametrised: &[bool]) -> Vec<bool> {
+    let is_known = |material: &Material| matches!(material, Material::Plain(bsdf) if BsdfLanes::knows(bsdf));
+    let mut found: Vec<bool> = materials.iter().map(is_known).collect();
+    loop {
+        let mut is_settled = true;
+        for (place, material) in materials.iter().enumerate() {
+            if let Material::TwoSided { front, back } = material
+                && !found[place]
+                && found[front.0 as usize]
+                && found[back.0 as usize]
+            {
+                (found[place], is_settled) = (true, false);
+            }
+        }
+        if is_settled {
+            return found
+                .iter()
+                .zip(parametrised)
+                .map(|(known, by_uv)| *known && !by_uv)
+                .collect();
         }
     }
 }

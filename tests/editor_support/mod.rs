@@ -1,4 +1,5 @@
 //! What tests of the editor share.
+#![allow(dead_code, reason = "every test binary uses its own part")]
 
 use bevy_egui::egui;
 use sunroom::app::editor::actions::ActionContext;

@@ -71,10 +71,8 @@ struct Paths<'a> {
     samples: Vec<(PathSample, f32)>,
     /// A bit per lane.
     active: u32,
-    origin: Vec3Lanes,
-    dir: Vec3Lanes,
-    /// Of camera rays; infinite afterwards.
-    t_max: Lanes,
+    /// Where they go next; endless but for those from the camera.
+    rays: RayLanes,
     throughput: Vec3Lanes,
     eta_squared: Lanes,
     radiance: Vec3Lanes,
@@ -131,9 +129,7 @@ impl<'a> Paths<'a> {
             ready: Ready::new(view),
             samples: vec![(PathSample::default(), 0.0); jobs.len()],
             active: 0,
-            origin: Vec3Lanes::ZERO,
-            dir: Vec3Lanes::splat(Vec3::Z),
-            t_max: Lanes::ZERO,
+            rays: RayLanes::NOWHERE,
             throughput: Vec3Lanes::ZERO,
             eta_squared: Lanes::ONE,
             radiance: Vec3Lanes::ZERO,
@@ -171,11 +167,7 @@ impl<'a> Paths<'a> {
     /// The path of a lane goes home.
     fn load(&mut self, lane: usize) -> &mut Path {
         let path = &mut self.homes[lane].path;
-        path.ray = Ray {
-            origin: self.origin.get(lane),
-            dir: self.dir.get(lane),
-            t_max: self.t_max.as_array()[lane],
-        };
+        path.ray = self.rays.get(lane);
         path.throughput = self.throughput.get(lane);
         path.eta_squared = self.eta_squared.as_array()[lane];
         path.result.radiance = self.radiance.get(lane);
@@ -198,9 +190,7 @@ impl<'a> Paths<'a> {
     /// And comes back.
     fn store(&mut self, lane: usize) {
         let path = &self.homes[lane].path;
-        self.origin.set(lane, path.ray.origin);
-        self.dir.set(lane, path.ray.dir);
-        self.t_max.as_mut_array()[lane] = path.ray.t_max;
+        self.rays.set(lane, &path.ray);
         self.throughput.set(lane, path.throughput);
         self.eta_squared.as_mut_array()[lane] = path.eta_squared;
         self.radiance.set(lane, path.result.radiance);
@@ -231,12 +221,7 @@ impl<'a> Paths<'a> {
     }
 
     fn step(&mut self) {
-        let rays = RayLanes {
-            origin: self.origin,
-            dir: self.dir,
-            t_max: self.t_max,
-        };
-        let hits = self.scene.geometry.intersect_lanes(&rays, self.active);
+        let hits = self.scene.geometry.intersect_lanes(&self.rays, self.active);
         self.vertices.clear();
         for lane in each_lane(self.active) {
             self.arrive(lane, hits[lane]);
@@ -260,11 +245,7 @@ impl<'a> Paths<'a> {
         };
         let slot = scene.slot(&hit);
         let is_textured = slot.light.is_some_and(|light| scene.lights.is_textured(light));
-        let ray = Ray {
-            origin: self.origin.get(lane),
-            dir: self.dir.get(lane),
-            t_max: self.t_max.as_array()[lane],
-        };
+        let ray = self.rays.get(lane);
         if !is_textured && let Some(vertex) = Vertices::plain(scene, &ray, &hit, &slot) {
             let (point, bsdf) = (&vertex.point, vertex.bsdf);
             let depth = self.depth.as_array()[lane];
@@ -321,7 +302,7 @@ impl<'a> Paths<'a> {
             n: shading_normal * side,
             ..FrameLanes::from_normal(shading_normal)
         };
-        let wo = frame.to_local(-self.dir);
+        let wo = frame.to_local(-self.rays.dir);
 
         let smooth = bsdf.smooth();
         if smooth != 0 && !(self.settings.strategy == Strategy::Bsdf && self.sole_light.is_some()) {
@@ -360,9 +341,13 @@ impl<'a> Paths<'a> {
         self.eta_squared = here.select(self.eta_squared * sample.eta * sample.eta, self.eta_squared);
         let mut goes_on = here & sample.returned & self.throughput.is_not_zero();
 
-        self.origin = Vec3Lanes::select(here, offset_origins(position, error, geometric_normal, wi), self.origin);
-        self.dir = Vec3Lanes::select(here, wi, self.dir);
-        self.t_max = here.select(Lanes::splat(f32::INFINITY), self.t_max);
+        self.rays.origin = Vec3Lanes::select(
+            here,
+            offset_origins(position, error, geometric_normal, wi),
+            self.rays.origin,
+        );
+        self.rays.dir = Vec3Lanes::select(here, wi, self.rays.dir);
+        self.rays.t_max = here.select(Lanes::splat(f32::INFINITY), self.rays.t_max);
         let is_smooth = lanes_of(smooth);
         self.arrival_pdf = here.select(is_smooth.select(sample.pdf, -Lanes::ONE), self.arrival_pdf);
         self.from = Vec3Lanes::select(here, position, self.from);

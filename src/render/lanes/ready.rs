@@ -2,7 +2,7 @@
 
 use super::Job;
 use crate::accel::RayLanes;
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes, WordLanes};
+use crate::math::lanes::{LANES, Lanes, WordLanes};
 use crate::render::filter::PixelFilter;
 use crate::render::view::{CameraSample, View};
 use crate::sampling::lanes::SamplerLanes;
@@ -19,11 +19,7 @@ pub(super) struct Ready {
 impl Ready {
     pub fn new(view: &View) -> Self {
         Self {
-            rays: RayLanes {
-                origin: Vec3Lanes::ZERO,
-                dir: Vec3Lanes::ZERO,
-                t_max: Lanes::ZERO,
-            },
+            rays: RayLanes::NOWHERE,
             weights: [1.0; LANES],
             samplers: SamplerLanes::new(view.sequence),
             next: 0,

@@ -49,14 +49,14 @@ impl Vertices {
     /// The surface that `ray` has met at `hit`, if its model is one for lanes.
     #[inline(always)]
     pub fn plain<'a>(scene: &'a RenderScene, ray: &Ray, hit: &Hit, slot: &SurfaceSlot) -> Option<PlainVertex<'a>> {
-        if scene.materials.detail(slot.material) != Detail::Plain {
+        if !scene.materials.is_for_lanes(slot.material) {
             return None;
         }
         let point = scene.geometry.surface_in(ray, hit, Detail::Plain);
         let (bsdf, side) = scene
             .materials
             .plain(slot.material, -point.shading_normal.dot(ray.dir))?;
-        BsdfLanes::knows(bsdf).then_some(PlainVertex { point, bsdf, side })
+        Some(PlainVertex { point, bsdf, side })
     }
 
     #[inline(always)]
