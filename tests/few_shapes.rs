@@ -4,8 +4,8 @@ mod support;
 
 use glam::{Affine3A, Quat, Vec3};
 use sunroom::accel::{Hit, Instance, Primitive, RayLanes, SplitMethod, Tlas};
-use sunroom::math::Ray;
 use sunroom::math::lanes::LANES;
+use sunroom::math::{Ray, offset_origin};
 
 use support::triangle_mesh;
 
@@ -39,6 +39,18 @@ fn cube_triangles() -> impl Iterator<Item = [Vec3; 3]> {
         .flatten()
 }
 
+/// A sheet of two triangles, a leaning box, one without a lid and one with a corner pulled out.
+fn folded() -> [Primitive; 4] {
+    let lean = |p: Vec3| Vec3::new(0.8 * p.x + 0.3 * p.y, p.y - 0.2 * p.z, 0.1 * p.x - 0.7 * p.z) + Vec3::splat(0.2);
+    let pull = |p: Vec3| if p == Vec3::ONE { 1.2 * p } else { p };
+    [
+        triangle_mesh(cube_triangles().map(|corners| corners.map(lean)).take(2)),
+        triangle_mesh(cube_triangles().map(|corners| corners.map(lean))),
+        triangle_mesh(cube_triangles().skip(2)),
+        triangle_mesh(cube_triangles().map(|corners| corners.map(pull))),
+    ]
+}
+
 /// A mesh that is too large to be tested as a whole.
 fn soup() -> Primitive {
     triangle_mesh((0..60).map(|k| {
@@ -48,6 +60,7 @@ fn soup() -> Primitive {
 }
 
 fn scene(copies: usize) -> Tlas {
+    let [sheet, leaning, open, pulled] = folded();
     let kinds = [
         Primitive::Rectangle,
         Primitive::Sphere,
@@ -55,6 +68,10 @@ fn scene(copies: usize) -> Tlas {
         Primitive::Cylinder,
         cube(),
         soup(),
+        sheet,
+        leaning,
+        open,
+        pulled,
     ];
     let instances = (0..copies * kinds.len()).map(|k| {
         let turned = Quat::from_axis_angle(direction(k + 17), k as f32);
@@ -102,8 +119,8 @@ fn agree(a: Option<Hit>, b: Option<Hit>) -> bool {
 
 #[test]
 fn hits_are_those_of_one_ray() {
-    // Twelve shapes are few, sixty are not.
-    for copies in [2, 10] {
+    // Twenty shapes are few, sixty are not.
+    for copies in [2, 6] {
         let scene = scene(copies);
         let (mut met, mut strays) = (0, 0);
         for start in (0..40_000).step_by(LANES) {
@@ -202,6 +219,64 @@ fn small_and_thin_shapes_are_met_where_they_are() {
             }
             assert!(met > 3500, "{met} of {size} at {distance}");
             assert!(strays * 200 < met, "{strays} of {met} differ, {size} at {distance}");
+        }
+    }
+}
+
+/// What leaves a box or a sheet does not meet it there, on either side.
+#[test]
+fn surfaces_do_not_meet_the_rays_that_leave_them() {
+    let [sheet, leaning, ..] = folded();
+    for (primitive, is_closed) in [(cube(), true), (leaning, true), (sheet, false)] {
+        for (size, at) in [
+            (Vec3::ONE, Vec3::ZERO),
+            (Vec3::new(1.0, 1e-3, 1.0), Vec3::new(3.0, -1.0, 2.0)),
+            (Vec3::splat(0.01), Vec3::new(-200.0, 0.0, 100.0)),
+        ] {
+            let turned = Quat::from_axis_angle(Vec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+            let placed = Affine3A::from_scale_rotation_translation(size, turned, at);
+            let instance = Instance::new(primitive.clone(), placed).expect("an invertible transform");
+            let scene = Tlas::build(vec![instance], SplitMethod::Sah);
+            let (mut met, mut lost) = (0, 0);
+            for start in (0..16_384).step_by(LANES) {
+                let rays: [Ray; LANES] = std::array::from_fn(|lane| {
+                    let k = start + lane;
+                    let to = placed.transform_point3(2.0 * numbers(k) - Vec3::ONE);
+                    let from = at + 3.0 * direction(3 * k + 1).normalize();
+                    Ray::new(from, to - from)
+                });
+                let hits = scene.intersect_lanes(&lanes(&rays), 0xffff);
+                let mut leaving = RayLanes::NOWHERE;
+                let (mut active, mut outward, mut faces) = (0u32, 0, [0; LANES]);
+                for (lane, hit) in hits.iter().enumerate() {
+                    let Some(hit) = hit else { continue };
+                    let point = scene.surface(&rays[lane], hit);
+                    let normal = point.geometric_normal * -point.geometric_normal.dot(rays[lane].dir).signum();
+                    let dir = direction(7 * start + 5 * lane + 2).normalize();
+                    let origin = offset_origin(point.position, point.error, point.geometric_normal, dir);
+                    leaving.set(lane, &Ray::new(origin, dir));
+                    faces[lane] = hit.primitive / 2;
+                    active |= 1 << lane;
+                    outward |= u32::from(dir.dot(normal) > 0.0) << lane;
+                }
+                met += active.count_ones();
+                let next = scene.intersect_lanes(&leaving, active);
+                let occluded = scene.occluded_lanes(&leaving, active);
+                for (lane, hit) in next.iter().enumerate().filter(|&(lane, _)| active >> lane & 1 == 1) {
+                    assert_eq!(hit.is_some(), occluded >> lane & 1 == 1, "{size} {at}");
+                    if !is_closed || outward >> lane & 1 == 1 {
+                        assert!(hit.is_none(), "{size} {at} {hit:?}");
+                    } else {
+                        lost += usize::from(hit.is_none());
+                    }
+                    // A face is two triangles.
+                    let is_another = hit.is_none_or(|hit| hit.primitive / 2 != faces[lane]);
+                    assert!(is_another, "{size} {at} the same face");
+                }
+            }
+            assert!(met > 3000, "{met} of {size} at {at}");
+            // Next to an edge a ray may begin on the far side of the other face.
+            assert!(lost < 100, "{lost} of {met}, {size} at {at}");
         }
     }
 }

@@ -1,19 +1,21 @@
 //! Scenes of a few shapes: sixteen rays at once against one shape after the other, without a hierarchy.
 //!
 //! Rays of different paths have little in common, but where there are only a few shapes most of them have to be tested anyway. Rectangles,
-//! spheres and meshes of a few triangles are tested in vectors, a ray per lane; of other meshes only the box, and then by each ray that
-//! meets it. Where surfaces coincide, the ray of a lane may meet another one of them than a lone ray.
+//! spheres, boxes and meshes of a few triangles are tested in vectors, a ray per lane; of other meshes only the bounds, and then by each ray
+//! that meets them. Where surfaces coincide, the ray of a lane may meet another one of them than a lone ray.
 
-use glam::{Affine3A, Vec3};
+use glam::{Vec2, Vec3};
 
+use super::affine_mesh::{AffineMesh, Face};
 use super::blas::Blas;
 use super::instance::{Instance, Primitive};
+use super::shape_lanes::{cube, meets, rectangle, sphere};
 use super::tiny_mesh::TinyMesh;
 use super::tlas::{Hit, Tlas};
 use super::traverse::Steps;
 use crate::geometry::local::LocalHit;
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes, copy_sign, each_lane, lanes_of};
-use crate::math::{Aabb, Ray, gamma};
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
+use crate::math::{Aabb, Ray};
 
 /// Above this the hierarchy wins.
 const MOST_SHAPES: usize = 24;
@@ -37,7 +39,7 @@ struct FewShape {
     /// Index into the instances.
     instance: u32,
     kind: Kind,
-    /// Rows of the matrix from the world, and the place in the world.
+    /// Rows of the matrix from the world, and the place in the world. Squares and cubes have their own, not that of their mesh.
     rows: [Vec3; 3],
     place: Vec3,
 }
@@ -46,6 +48,9 @@ struct FewShape {
 enum Kind {
     Rectangle,
     Sphere,
+    /// Meshes that are images of a square or of a cube, whose faces they have.
+    Square(Face),
+    Cube(Vec<Face>),
     TinyMesh(TinyMesh),
     /// With its local bounds.
     Boxed(Aabb),
@@ -59,7 +64,7 @@ struct Nearest {
     v: Lanes,
     /// Index into the shapes, a small whole number.
     shape: Lanes,
-    /// The triangle, likewise; of boxed meshes it lies in `primitives`.
+    /// The triangle or a cube's face, likewise; of boxed meshes it lies in `primitives`.
     triangle: Lanes,
     primitives: [u32; LANES],
 }
@@ -106,7 +111,7 @@ impl FewShapes {
             .map(|(index, shape)| FewShape::new(index, shape))
             .collect();
         shapes.sort_by_key(|shape| match &shape.kind {
-            Kind::Rectangle | Kind::Sphere => 0,
+            Kind::Rectangle | Kind::Square(_) | Kind::Sphere | Kind::Cube(_) => 0,
             Kind::Other => 1,
             Kind::TinyMesh(_) => 2,
             Kind::Boxed(_) => 3,
@@ -127,13 +132,17 @@ impl FewShapes {
         for (number, shape) in self.shapes.iter().enumerate() {
             let number = Lanes::splat(number as f32);
             match &shape.kind {
-                Kind::Rectangle => {
+                Kind::Rectangle | Kind::Square(_) => {
                     let (t, u, v, met) = rectangle(&shape.local(rays), nearest.t);
                     nearest.take(met, [t, u, v, number, Lanes::ZERO]);
                 }
                 Kind::Sphere => {
                     let (t, met) = sphere(&shape.local(rays), nearest.t);
                     nearest.take(met, [t, Lanes::ZERO, Lanes::ZERO, number, Lanes::ZERO]);
+                }
+                Kind::Cube(_) => {
+                    let hit = cube(&shape.local(rays), nearest.t);
+                    nearest.take(hit.met, [hit.t, hit.u, hit.v, number, hit.face]);
                 }
                 Kind::TinyMesh(mesh) => {
                     let local = shape.local(rays);
@@ -176,18 +185,23 @@ impl FewShapes {
         let mut hits = [None; LANES];
         for lane in each_lane(met) {
             let shape = &self.shapes[nearest.shape.as_array()[lane] as usize];
-            let triangle = nearest.triangle.as_array()[lane];
+            let triangle = nearest.triangle.as_array()[lane] as usize;
+            let (u, v) = (nearest.u.as_array()[lane], nearest.v.as_array()[lane]);
+            let place = Vec2::new(u, v);
+            let (primitive, u, v) = match &shape.kind {
+                Kind::Rectangle | Kind::Sphere => (0, u, v),
+                Kind::Square(face) => face.at(place),
+                Kind::Cube(faces) => faces[triangle].at(place),
+                Kind::TinyMesh(mesh) => (mesh.triangle(triangle), u, v),
+                Kind::Boxed(_) | Kind::Other => (nearest.primitives[lane], u, v),
+            };
             hits[lane] = Some(Hit {
                 t: nearest.t.as_array()[lane],
                 instance: shape.instance,
                 member: 0,
-                primitive: match &shape.kind {
-                    Kind::TinyMesh(mesh) => mesh.triangle(triangle as usize),
-                    Kind::Rectangle | Kind::Sphere => 0,
-                    Kind::Boxed(_) | Kind::Other => nearest.primitives[lane],
-                },
-                u: nearest.u.as_array()[lane],
-                v: nearest.v.as_array()[lane],
+                primitive,
+                u,
+                v,
             });
         }
         hits
@@ -203,8 +217,9 @@ impl FewShapes {
             }
             hit |= active
                 & match &shape.kind {
-                    Kind::Rectangle => rectangle(&shape.local(rays), rays.t_max).3.to_bitmask(),
+                    Kind::Rectangle | Kind::Square(_) => rectangle(&shape.local(rays), rays.t_max).3.to_bitmask(),
                     Kind::Sphere => sphere(&shape.local(rays), rays.t_max).1.to_bitmask(),
+                    Kind::Cube(_) => cube(&shape.local(rays), rays.t_max).met.to_bitmask(),
                     Kind::TinyMesh(mesh) => {
                         let local = shape.local(rays);
                         let near = meets(mesh.bounds(), &local, rays.t_max) & lanes_of(left);
@@ -237,29 +252,42 @@ impl FewShapes {
 
 impl FewShape {
     fn new(index: u32, instance: &Instance) -> Self {
+        let mut placed = instance.exact_world_from_local();
         let kind = match &instance.primitive {
             Primitive::Rectangle => Kind::Rectangle,
             Primitive::Sphere => Kind::Sphere,
-            Primitive::Mesh(blas) => match TinyMesh::new(blas.mesh()) {
-                Some(mesh) => Kind::TinyMesh(mesh),
-                None => Kind::Boxed(blas.bounds()),
-            },
             Primitive::Disk | Primitive::Cylinder => Kind::Other,
+            Primitive::Mesh(blas) => {
+                let is_invertible = |mesh: &AffineMesh| (placed * mesh.placed).inverse().as_affine3a().is_finite();
+                if let Some(mesh) = AffineMesh::of(blas.mesh()).filter(is_invertible) {
+                    placed *= mesh.placed;
+                    match mesh.faces[..] {
+                        [face] => Kind::Square(face),
+                        _ => Kind::Cube(mesh.faces),
+                    }
+                } else if let Some(mesh) = TinyMesh::new(blas.mesh()) {
+                    Kind::TinyMesh(mesh)
+                } else {
+                    Kind::Boxed(blas.bounds())
+                }
+            }
         };
-        let Affine3A { matrix3: linear, .. } = &instance.local_from_world;
+        let linear = placed.matrix3.inverse();
         Self {
             instance: index,
             kind,
-            rows: [0, 1, 2].map(|row| linear.row(row).into()),
-            place: instance.world_from_local.translation.into(),
+            rows: [0, 1, 2].map(|row| linear.row(row).as_vec3()),
+            place: placed.translation.as_vec3(),
         }
     }
 
     /// As [`Instance::local_ray`].
     #[inline(always)]
     fn local(&self, rays: &RayLanes) -> RayLanes {
-        let rows = self.rows.map(Vec3Lanes::splat);
-        let turned = |v: Vec3Lanes| Vec3Lanes::of(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v));
+        // Not by `map` of the array, which goes through memory.
+        let row = |row: usize| Vec3Lanes::splat(self.rows[row]);
+        let rows = (row(0), row(1), row(2));
+        let turned = |v: Vec3Lanes| Vec3Lanes::of(rows.0.dot(v), rows.1.dot(v), rows.2.dot(v));
         RayLanes {
             origin: turned(rays.origin - Vec3Lanes::splat(self.place)),
             dir: turned(rays.dir),
@@ -315,56 +343,4 @@ impl Nearest {
         self.shape.as_mut_array()[lane] = number.as_array()[lane];
         self.primitives[lane] = primitive;
     }
-}
-
-/// As [`crate::geometry::rectangle::intersect`]: t, u, v, and whether it is met before `t_max`.
-#[inline(always)]
-fn rectangle(ray: &RayLanes, t_max: Lanes) -> (Lanes, Lanes, Lanes, Lanes) {
-    let t = -ray.origin.z / ray.dir.z;
-    let (u, v) = (t.mul_add(ray.dir.x, ray.origin.x), t.mul_add(ray.dir.y, ray.origin.y));
-    let inside = u.abs().simd_le(Lanes::ONE) & v.abs().simd_le(Lanes::ONE);
-    (t, u, v, inside & t.simd_gt(Lanes::ZERO) & t.simd_lt(t_max))
-}
-
-/// As [`crate::geometry::sphere::intersect`], in single precision: the distance from the centre to the line is taken from the point next
-/// to it, whose digits do not cancel (Haines, Günther and Akenine-Möller, Precision Improvements for Ray/Sphere Intersection, Ray
-/// Tracing Gems, 2019).
-#[inline(always)]
-fn sphere(ray: &RayLanes, t_max: Lanes) -> (Lanes, Lanes) {
-    let zero = Lanes::ZERO;
-    let a = ray.dir.length_squared();
-    let b = ray.origin.dot(ray.dir);
-    let c = ray.origin.length_squared() - Lanes::ONE;
-    let next = ray.origin.plus_scaled(-b / a, ray.dir);
-    let discriminant = a * (Lanes::ONE - next.length_squared());
-    let root = discriminant.fast_max(zero).sqrt();
-    let q = -(b + copy_sign(root, b));
-    let (first, second) = (q / a, c / q);
-    let (near, far) = (first.fast_min(second), first.fast_max(second));
-    let inside = |t: Lanes| t.simd_gt(zero) & t.simd_lt(t_max);
-    let near_counts = inside(near);
-    let met = discriminant.simd_ge(zero) & (near_counts | inside(far));
-    (near_counts.select(near, far), met)
-}
-
-/// Whether the rays may meet a box before `t_max`, as [`super::node`] tests them.
-#[inline(always)]
-fn meets(bounds: &Aabb, ray: &RayLanes, t_max: Lanes) -> Lanes {
-    let largest = Lanes::splat(f32::MAX);
-    let axis = |min: f32, max: f32, origin: Lanes, dir: Lanes| {
-        // Directions without a component get the largest inverse, and faces a little farther out.
-        let inverse = (Lanes::ONE / dir).fast_max(-largest).fast_min(largest);
-        let margin = origin.abs() * Lanes::splat(f32::EPSILON) + Lanes::splat(1e-18);
-        let a = (Lanes::splat(min) - margin - origin) * inverse;
-        let b = (Lanes::splat(max) + margin - origin) * inverse;
-        (a.fast_min(b), a.fast_max(b))
-    };
-    let (x, y, z) = (
-        axis(bounds.min.x, bounds.max.x, ray.origin.x, ray.dir.x),
-        axis(bounds.min.y, bounds.max.y, ray.origin.y, ray.dir.y),
-        axis(bounds.min.z, bounds.max.z, ray.origin.z, ray.dir.z),
-    );
-    let enter = x.0.fast_max(y.0).fast_max(z.0.fast_max(Lanes::ZERO));
-    let leave = x.1.fast_min(y.1).fast_min(z.1) * Lanes::splat(1.0 + 2.0 * gamma(3));
-    enter.simd_le(leave.fast_min(t_max))
 }

@@ -42,12 +42,7 @@ impl Instance {
     /// `None` if the transform is singular, not finite, or has an inverse beyond f32.
     pub fn new(primitive: Primitive, world_from_local: Affine3A) -> Option<Self> {
         // In f64, so that small scales do not make the determinant vanish.
-        let wide = DAffine3::from_cols(
-            world_from_local.matrix3.x_axis.as_dvec3(),
-            world_from_local.matrix3.y_axis.as_dvec3(),
-            world_from_local.matrix3.z_axis.as_dvec3(),
-            world_from_local.translation.as_dvec3(),
-        );
+        let wide = exact(&world_from_local);
         let determinant = wide.matrix3.determinant();
         if !wide.is_finite() || !determinant.is_finite() || determinant == 0.0 {
             return None;
@@ -71,6 +66,10 @@ impl Instance {
             rounding: Rounding::new(&world_from_local, &local_from_world),
             plane_normal: Self::plane_normal(&local_from_world),
         })
+    }
+
+    pub(super) fn exact_world_from_local(&self) -> DAffine3 {
+        exact(&self.world_from_local)
     }
 
     /// `ray` in local space, with the same `t`.
@@ -142,6 +141,15 @@ impl Instance {
             shape => shape.intersect(ray).is_some(),
         }
     }
+}
+
+fn exact(transform: &Affine3A) -> DAffine3 {
+    DAffine3::from_cols(
+        transform.matrix3.x_axis.as_dvec3(),
+        transform.matrix3.y_axis.as_dvec3(),
+        transform.matrix3.z_axis.as_dvec3(),
+        transform.translation.as_dvec3(),
+    )
 }
 
 impl Primitive {

@@ -3,6 +3,7 @@
 //!
 //! A ray taken into an instance's local space is not renormalised, so its `t` is the world's `t` everywhere.
 
+mod affine_mesh;
 mod binning;
 mod blas;
 mod build;
@@ -17,6 +18,7 @@ mod order;
 mod packet;
 mod placement;
 mod sets;
+mod shape_lanes;
 mod surface;
 mod tiny_mesh;
 mod tlas;

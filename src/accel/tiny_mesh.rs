@@ -131,7 +131,12 @@ impl TinyMesh {
             volumes.push(edge.dot(corners[from][1] + corners[to][1]));
         }
         for (number, triangle) in self.triangles.iter().enumerate() {
-            let [w, u, v] = triangle.edges.map(|(edge, sign)| volumes[edge] * Lanes::splat(sign));
+            let volume = |(edge, sign): (usize, f32)| volumes[edge] * Lanes::splat(sign);
+            let (w, u, v) = (
+                volume(triangle.edges[0]),
+                volume(triangle.edges[1]),
+                volume(triangle.edges[2]),
+            );
             let zero = Lanes::ZERO;
             let lowest = w.fast_min(u).fast_min(v);
             let highest = w.fast_max(u).fast_max(v);
