@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use bevy::app::PluginsState;
 use bevy::prelude::*;
 
-use super::control::RenderControl;
+use super::control::{RenderControl, WakeUp};
 use super::dispatch::Renderer;
 use super::status::{RenderState, RenderStatus};
 use crate::scene::{SceneState, SceneStatus};
@@ -62,7 +62,8 @@ pub enum RenderError {
 
 /// A wait between two looks at what sends no signal.
 const NAP: Duration = Duration::from_millis(2);
-/// Longest wait for results, so that cancelling, time limits and progress are looked at now and then.
+/// Longest wait while workers are busy, so that cancelling and progress are looked at now and then; their results wait so long as well,
+/// for each look takes time from them.
 const LONGEST_WAIT: Duration = Duration::from_millis(50);
 /// What finishing a pass may take beyond the time limit: this, or this share of the limit.
 const LEAST_GRACE: Duration = Duration::from_secs(1);
@@ -108,14 +109,16 @@ pub fn render_to_completion(
     if limits.samples.is_some() {
         app.world_mut().resource_mut::<RenderControl>().target_samples = limits.samples;
     }
+    let waiting = std::thread::current();
+    app.insert_resource(WakeUp(Some(Arc::new(move || waiting.unpark()))));
     // Once time is up: when to break off the pass as well.
     let mut last_pass: Option<(u32, Duration)> = None;
     loop {
         app.update();
         let status = app.world().resource::<RenderStatus>();
         progress(status);
-        let spent = Duration::from_secs_f64(status.seconds);
-        match status.state {
+        let (state, spent) = (status.state, Duration::from_secs_f64(status.seconds));
+        match state {
             RenderState::Failed => {
                 return Err(RenderError::Failed(status.errors.first().cloned().unwrap_or_default()));
             }
@@ -146,8 +149,13 @@ pub fn render_to_completion(
             }
             _ => {}
         }
-        if !app.world().resource::<Renderer>().wait(LONGEST_WAIT) {
-            std::thread::sleep(NAP);
+        match state {
+            RenderState::Rendering => {
+                let end = last_pass.map(|(_, latest)| latest).or(limits.time);
+                let left = end.map_or(LONGEST_WAIT, |end| end.saturating_sub(spent));
+                std::thread::park_timeout(left.clamp(NAP, LONGEST_WAIT));
+            }
+            _ => std::thread::sleep(NAP),
         }
     }
 }

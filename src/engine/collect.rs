@@ -37,8 +37,8 @@ pub(super) fn collect_results(
         return;
     }
     film.set_changed();
-    if let (Some(results), Some(wake)) = (job.results(), &wake_up.0)
-        && !results.is_empty()
+    if let Some(wake) = &wake_up.0
+        && job.has_results()
     {
         // The workers may have nothing more to send, and with it no reason to wake anybody.
         wake();

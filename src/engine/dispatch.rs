@@ -1,9 +1,7 @@
 //! Begins, pauses and continues the job that makes the picture of what was extracted.
 
 use bevy::prelude::*;
-use crossbeam_channel::{Receiver, Select};
 use rayon::ThreadPool;
-use std::time::Duration;
 
 use super::blas_cache::BlasCache;
 use super::control::{RenderControl, WakeUp};
@@ -12,7 +10,6 @@ use super::film::RenderFilm;
 use super::goal::Goal;
 use super::job::{Beginning, Job};
 use super::priority;
-use super::run::TileResult;
 use super::status::RenderStatus;
 use super::wake::Waker;
 use crate::scene::{SceneState, SceneStatus};
@@ -35,18 +32,6 @@ impl Renderer {
 
     pub fn job_mut(&mut self) -> Option<&mut Job> {
         self.job.as_mut()
-    }
-
-    /// Waits until there is something to collect, at most for `timeout`; false if there is nothing to wait for.
-    pub fn wait(&self, timeout: Duration) -> bool {
-        let Some(results): Option<Receiver<TileResult>> = self.job.as_ref().and_then(Job::results) else {
-            return false;
-        };
-        let mut select = Select::new();
-        select.recv(&results);
-        // Either way the caller looks for itself.
-        let _ = select.ready_timeout(timeout);
-        true
     }
 
     /// A pool of so many threads, in place of one with another number; `yielding` to the window where there is one.
@@ -139,15 +124,15 @@ pub(super) fn dispatch_job(
             control.motion_scale < 1.0,
             since,
         );
-        if !control.interactive {
-            // Otherwise the last picture stays in the film until the first tile of the new one is there.
-            film.begin(&new);
-        }
         status.last_restart = new.begun;
         *job = Some(new);
     }
     let goal = Goal::new(&control, demand.extracted.sample_count);
     if let Some(job) = job {
         job.run(pool, &goal, Waker::new(&demand.wake_up));
+        if !control.interactive {
+            // Otherwise the last picture stays in the film until the first tile of the new one is there.
+            film.begin(job);
+        }
     }
 }

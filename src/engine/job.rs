@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bevy::math::{Rect, UVec2};
-use crossbeam_channel::{Receiver, TryRecvError};
+use crossbeam_channel::TryRecvError;
 use rayon::ThreadPool;
 
 use super::film::RenderFilm;
@@ -15,13 +15,10 @@ use super::light_groups::LightGroup;
 use super::run::{Run, TileResult, Work};
 use super::schedule::{WorkItem, WorkQueue, sort_from_center, tiles_in};
 use super::wake::Waker;
-use crate::render::noise::relative_noise;
+use crate::render::noise::PictureNoise;
 use crate::render::scene::RenderScene;
 use crate::render::tile::{Tile, TileSamples, render_preview, render_tile, tiles};
 use crate::render::view::View;
-
-/// Between two estimates of the noise, each of which takes some milliseconds.
-const NOISE_INTERVAL: Duration = Duration::from_millis(500);
 
 /// How a picture begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,9 +59,9 @@ pub(super) struct Job {
     pub samples: u64,
     pub invalid: u64,
     pub failure: Option<String>,
-    /// The last estimate of [`relative_noise`] within the region.
+    /// The relative noise within the region, as of the samples collected.
     pub noise: Option<f32>,
-    noise_estimated: Instant,
+    noise_of_tiles: PictureNoise,
     tiles: Arc<[Tile]>,
     region: Option<Rect>,
     /// Places in `tiles` of those in the region.
@@ -104,7 +101,7 @@ impl Job {
             invalid: 0,
             failure: None,
             noise: None,
-            noise_estimated: Instant::now(),
+            noise_of_tiles: PictureNoise::new(order.len()),
             region: None,
             active: (0..order.len()).collect(),
             done: vec![0; order.len()],
@@ -246,9 +243,9 @@ impl Job {
         self.run.as_ref().map(|run| run.queue.finish_pass())
     }
 
-    /// For waiting until there is something to collect.
-    pub fn results(&self) -> Option<Receiver<TileResult>> {
-        self.run.as_ref().map(|run| run.results.clone())
+    /// Whether there is something to collect.
+    pub fn has_results(&self) -> bool {
+        self.run.as_ref().is_some_and(|run| !run.results.is_empty())
     }
 
     /// When a worker of the current run had finished its first tile.
@@ -288,11 +285,7 @@ impl Job {
         }
         if collected > 0 {
             film.samples = self.least_samples();
-        }
-        if collected > 0 && (self.run.is_none() || self.noise_estimated.elapsed() > NOISE_INTERVAL) {
-            let tiles: Vec<Tile> = self.active.iter().map(|&index| self.tiles[index]).collect();
-            self.noise = relative_noise(&film.film, &tiles);
-            self.noise_estimated = Instant::now();
+            self.noise = self.noise_of_tiles.relative(self.active.iter().copied());
         }
         collected
     }
@@ -301,6 +294,7 @@ impl Job {
         while let Some(samples) = self.early.remove(&(index, self.done[index])) {
             film.film.add(&samples);
             film.mark(samples.tile);
+            self.noise_of_tiles.update(index, &film.film, samples.tile);
             self.done[index] = samples.samples.end;
             self.rays += samples.rays;
             self.invalid += u64::from(samples.invalid);

@@ -50,6 +50,8 @@ struct Shared {
     first_result: Arc<OnceLock<Instant>>,
     work: Box<Work>,
     waker: Waker,
+    /// Results that should not wait any longer.
+    many: usize,
     /// Items of the preview that are still to come.
     preview_left: AtomicUsize,
     workers_left: AtomicUsize,
@@ -58,7 +60,8 @@ struct Shared {
 impl Run {
     /// Sets all threads of `pool` to work. `preview_items`: how many of the queue's items are previews.
     pub fn start(pool: &ThreadPool, queue: WorkQueue, preview_items: usize, work: Box<Work>, waker: Waker) -> Self {
-        let (sender, results) = bounded((CAPACITY + preview_items).min(LARGEST_CAPACITY));
+        let capacity = (CAPACITY + preview_items).min(LARGEST_CAPACITY);
+        let (sender, results) = bounded(capacity);
         let workers = pool.current_num_threads();
         let shared = Arc::new(Shared {
             cancel: Arc::new(AtomicBool::new(false)),
@@ -66,6 +69,7 @@ impl Run {
             first_result: Arc::default(),
             work,
             waker,
+            many: capacity / 2,
             preview_left: AtomicUsize::new(preview_items),
             workers_left: AtomicUsize::new(workers),
         });
@@ -111,6 +115,8 @@ impl Shared {
                 WorkItem::Preview { .. } if self.preview_left.fetch_sub(1, Ordering::AcqRel) == 1 => {
                     self.waker.wake_now();
                 }
+                // Before there is no more room, and workers wait.
+                _ if results.len() >= self.many => self.waker.wake_now(),
                 _ => self.waker.wake_sometimes(),
             }
         }
@@ -195,6 +201,29 @@ mod tests {
             .collect();
         seen.sort();
         assert!(seen.into_iter().eq(0..1000));
+    }
+
+    #[test]
+    fn somebody_is_woken_before_the_room_for_results_ends() {
+        let woken = Arc::new(AtomicUsize::new(0));
+        let count = woken.clone();
+        let hook = WakeUp(Some(Arc::new(move || {
+            count.fetch_add(1, Ordering::Relaxed);
+        })));
+        let items: Vec<_> = (0..CAPACITY - 1).map(|index| (index, 0)).collect();
+        let pool = pool();
+        let run = Run::start(
+            &pool,
+            WorkQueue::new(&items, 1, &[], 1),
+            0,
+            sample_work(),
+            Waker::new(&hook),
+        );
+        // All of them end without anybody collecting, for there is room.
+        pool.broadcast(|_| ());
+        assert_eq!(run.results.len(), CAPACITY - 1);
+        // At the end, and while the other half was filled.
+        assert!(woken.load(Ordering::Relaxed) >= CAPACITY / 2, "{woken:?}");
     }
 
     #[test]

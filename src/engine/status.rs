@@ -17,7 +17,7 @@ pub struct RenderStatus {
     pub target: u32,
     /// The limit that is reached.
     pub stopped_by: Option<StopReason>,
-    /// The last estimate of the picture's [`relative_noise`](crate::render::noise::relative_noise); None while there is none.
+    /// The estimate of the picture's [relative noise](crate::render::noise::PictureNoise::relative); None while there is none.
     pub noise: Option<f32>,
     /// Size of the picture in pixels.
     pub size: UVec2,

@@ -1,5 +1,7 @@
 //! The accumulation buffer: sums over the samples of every pixel, and until there are any a coarse preview.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 use super::scene::FirstHit;
@@ -58,22 +60,43 @@ impl Film {
     /// Adds finished samples. For the same bits in every run, those of one tile must come in the order of their sample ranges.
     pub fn add(&mut self, result: &TileSamples) {
         let count = result.samples.len() as u32;
-        let indices = self.indices(result.tile);
-        for (index, &hit) in indices.clone().zip(&result.first_hits) {
-            self.first_hits[index] = hit;
+        let (tile, width) = (result.tile, result.tile.width as usize);
+        for (y, place) in (tile.y..).zip((0..result.pixels.len()).step_by(width)) {
+            let row = self.index(tile.x, y)..self.index(tile.x, y) + width;
+            if let Some(hits) = result.first_hits.get(place..place + width) {
+                self.first_hits[row.clone()].copy_from_slice(hits);
+            }
+            if self.layer_count > 0 {
+                self.add_layers(row.clone(), &result.layers[place * self.layer_count..]);
+            }
+            let pixels = self.sums[row.clone()].iter_mut().zip(&mut self.counts[row]);
+            for ((sum, samples), new) in pixels.zip(&result.pixels[place..]) {
+                if *samples == 0 {
+                    *sum = PixelSum::default();
+                }
+                sum.add(new);
+                *samples += count;
+            }
         }
-        for (place, (index, sum)) in indices.zip(&result.pixels).enumerate() {
-            let layers = &mut self.layers[index * self.layer_count..][..self.layer_count];
-            if self.counts[index] == 0 {
-                self.sums[index] = PixelSum::default();
+    }
+
+    /// Before the samples of these pixels are counted.
+    fn add_layers(&mut self, pixels: Range<usize>, new: &[Rgb]) {
+        let layers = self.layers[pixels.start * self.layer_count..].chunks_exact_mut(self.layer_count);
+        for ((layers, new), &samples) in layers.zip(new.chunks_exact(self.layer_count)).zip(&self.counts[pixels]) {
+            if samples == 0 {
                 layers.fill(Rgb::ZERO);
             }
-            self.sums[index].add(sum);
-            for (layer, light) in layers.iter_mut().zip(&result.layers[place * self.layer_count..]) {
-                *layer += *light;
-            }
-            self.counts[index] += count;
+            layers.iter_mut().zip(new).for_each(|(layer, light)| *layer += *light);
         }
+    }
+
+    /// The sums and numbers of samples of a tile, row by row.
+    pub(super) fn rows(&self, tile: Tile) -> impl Iterator<Item = (&[PixelSum], &[u32])> {
+        (tile.y..tile.y + tile.height).map(move |y| {
+            let row = self.index(tile.x, y)..self.index(tile.x, y) + tile.width as usize;
+            (&self.sums[row.clone()], &self.counts[row])
+        })
     }
 
     /// Shows a coarse picture in those pixels of the tile that have no sample yet.
@@ -185,10 +208,8 @@ impl Film {
     /// Estimated standard error of a pixel's luminance; None below two samples.
     pub fn standard_error(&self, x: u32, y: u32) -> Option<f32> {
         let index = self.index(x, y);
-        let count = self.counts[index] as f32;
-        let mean = mean(&self.sums[index], self.counts[index].max(1));
-        let variance = (mean.luminance_squared - luminance(mean.radiance).powi(2)).max(0.0);
-        (count >= 2.0).then(|| (variance / (count - 1.0)).sqrt())
+        let (_, squared_error) = mean_and_squared_error(&self.sums[index], self.counts[index])?;
+        Some(squared_error.sqrt())
     }
 
     fn means<T: Clone>(&self, of: impl Fn(PixelSum) -> T) -> Vec<T> {
@@ -201,6 +222,17 @@ impl Film {
         })
         .collect()
     }
+}
+
+/// The mean luminance of a pixel and the estimated square of its standard error; None below two samples.
+pub(super) fn mean_and_squared_error(sum: &PixelSum, count: u32) -> Option<(f32, f32)> {
+    if count < 2 {
+        return None;
+    }
+    let scale = 1.0 / count as f32;
+    let mean = luminance(sum.radiance * scale);
+    let variance = (sum.luminance_squared * scale - mean * mean).max(0.0);
+    Some((mean, variance / (count - 1) as f32))
 }
 
 fn mean(sum: &PixelSum, count: u32) -> PixelSum {
