@@ -82,6 +82,34 @@ fn scene(copies: usize) -> Tlas {
     Tlas::build(instances.collect(), SplitMethod::Sah)
 }
 
+/// Many round and flat shapes, which are taken together, and two meshes. The same as a list, in which each shape is tested alone.
+fn crowd(is_round: bool) -> [Tlas; 2] {
+    let kinds = [Primitive::Sphere, Primitive::Rectangle, Primitive::Disk];
+    let mut instances: Vec<Instance> = (0..120)
+        .map(|k| {
+            let turned = Quat::from_axis_angle(direction(k + 17), k as f32);
+            let size = match is_round {
+                true => Vec3::splat(0.1 + 0.2 * numbers(k).x),
+                false => Vec3::splat(0.1) + 0.2 * numbers(k + 31),
+            };
+            let at = 4.0 * numbers(k + 1) - Vec3::splat(2.0);
+            let kind = if is_round {
+                Primitive::Sphere
+            } else {
+                kinds[k % 3].clone()
+            };
+            Instance::new(kind, Affine3A::from_scale_rotation_translation(size, turned, at)).expect("invertible")
+        })
+        .collect();
+    let ground = Affine3A::from_scale_rotation_translation(Vec3::splat(30.0), Quat::IDENTITY, 2.5 * Vec3::NEG_Z);
+    let shapes = [
+        (Primitive::Rectangle, ground),
+        (cube(), Affine3A::from_scale(Vec3::splat(0.3))),
+    ];
+    instances.extend(shapes.map(|(primitive, placed)| Instance::new(primitive, placed).expect("invertible")));
+    [SplitMethod::Sah, SplitMethod::Linear].map(|method| Tlas::build(instances.clone(), method))
+}
+
 fn lanes(rays: &[Ray; LANES]) -> RayLanes {
     let mut lanes = RayLanes::NOWHERE;
     for (lane, ray) in rays.iter().enumerate() {
@@ -122,28 +150,50 @@ fn hits_are_those_of_one_ray() {
     // Twenty shapes are few, sixty are not.
     for copies in [2, 6] {
         let scene = scene(copies);
-        let (mut met, mut strays) = (0, 0);
-        for start in (0..40_000).step_by(LANES) {
-            let rays: [Ray; LANES] = std::array::from_fn(|lane| ray(start + lane));
-            let active = if start.is_multiple_of(32) { 0xffff } else { 0x5a3c };
-            let hits = scene.intersect_lanes(&lanes(&rays), active);
-            let occluded = scene.occluded_lanes(&lanes(&rays), active);
-            assert_eq!(occluded & !active, 0);
-            for (lane, ray) in rays.iter().enumerate() {
-                if active >> lane & 1 == 0 {
-                    assert_eq!(hits[lane], None);
-                    continue;
-                }
-                met += usize::from(hits[lane].is_some());
-                // Rounding decides at rims and where two shapes pass through each other.
-                let is_alike =
-                    agree(hits[lane], scene.intersect(ray)) && (occluded >> lane & 1 == 1) == scene.occluded(ray);
-                strays += usize::from(!is_alike);
-            }
-        }
-        assert!(met > 3000, "{met}");
-        assert!(strays < 8, "{strays} of {met} differ with {copies} copies");
+        compare(&scene, &scene);
     }
+}
+
+#[test]
+fn crowds_are_met_as_their_members_alone() {
+    for is_round in [true, false] {
+        let [together, alone] = crowd(is_round);
+        compare(&together, &alone);
+        // And one ray at a time.
+        let strays = (0..20_000)
+            .map(ray)
+            .filter(|ray| {
+                let hit = together.intersect(ray);
+                !agree(hit, alone.intersect(ray)) || together.occluded(ray) != hit.is_some()
+            })
+            .count();
+        assert!(strays < 8, "{strays} differ");
+    }
+}
+
+/// Rays in lanes in the one, one by one in the other.
+fn compare(scene: &Tlas, expected: &Tlas) {
+    let (mut met, mut strays) = (0, 0);
+    for start in (0..40_000).step_by(LANES) {
+        let rays: [Ray; LANES] = std::array::from_fn(|lane| ray(start + lane));
+        let active = if start.is_multiple_of(32) { 0xffff } else { 0x5a3c };
+        let hits = scene.intersect_lanes(&lanes(&rays), active);
+        let occluded = scene.occluded_lanes(&lanes(&rays), active);
+        assert_eq!(occluded & !active, 0);
+        for (lane, ray) in rays.iter().enumerate() {
+            if active >> lane & 1 == 0 {
+                assert_eq!(hits[lane], None);
+                continue;
+            }
+            met += usize::from(hits[lane].is_some());
+            // Rounding decides at rims and where two shapes pass through each other.
+            let is_alike =
+                agree(hits[lane], expected.intersect(ray)) && (occluded >> lane & 1 == 1) == expected.occluded(ray);
+            strays += usize::from(!is_alike);
+        }
+    }
+    assert!(met > 3000, "{met}");
+    assert!(strays < 8, "{strays} of {met} differ");
 }
 
 /// From inside of a cube no ray gets out, though it is aimed at an edge or a diagonal.

@@ -2,14 +2,15 @@
 //!
 //! Rays of different paths have little in common, but where there are only a few shapes most of them have to be tested anyway. Rectangles,
 //! spheres, boxes and meshes of a few triangles are tested in vectors, a ray per lane; of other meshes only the bounds, and then by each ray
-//! that meets them. Where surfaces coincide, the ray of a lane may meet another one of them than a lone ray.
+//! that meets them; where shapes lie next to each other it is a packet of them. Where surfaces coincide, the ray of a lane may meet another one of them than a lone ray.
 
 use glam::{Vec2, Vec3};
 
 use super::affine_mesh::{AffineMesh, Face};
 use super::blas::Blas;
 use super::instance::{Instance, Primitive};
-use super::shape_lanes::{cube, meets, rectangle, sphere};
+use super::shape_lanes::{SlabLanes, cube, rectangle, sphere};
+use super::shape_packet::ShapePacket;
 use super::tiny_mesh::TinyMesh;
 use super::tlas::{Hit, Tlas};
 use super::traverse::Steps;
@@ -17,8 +18,9 @@ use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};
 
-/// Above this the hierarchy wins.
+/// Above these the hierarchy wins: of shapes that are alone, and of packets.
 const MOST_SHAPES: usize = 24;
+const MOST_PACKETS: usize = 64;
 
 /// Rays in lanes, as [`Ray`].
 #[derive(Clone, Copy, Debug)]
@@ -52,9 +54,11 @@ enum Kind {
     Square(Face),
     Cube(Vec<Face>),
     TinyMesh(TinyMesh),
-    /// With its local bounds.
+    /// A mesh, with its local bounds.
     Boxed(Aabb),
     Other,
+    /// All packets of the scene.
+    Packets,
 }
 
 /// The nearest hits so far.
@@ -64,7 +68,7 @@ struct Nearest {
     v: Lanes,
     /// Index into the shapes, a small whole number.
     shape: Lanes,
-    /// The triangle or a cube's face, likewise; of boxed meshes it lies in `primitives`.
+    /// The triangle or a cube's face, likewise; of boxed meshes it lies in `primitives`, for packets the instance.
     triangle: Lanes,
     primitives: [u32; LANES],
 }
@@ -101,18 +105,24 @@ impl RayLanes {
 }
 
 impl FewShapes {
-    /// None if they are too many.
-    pub fn new(instances: &[Instance]) -> Option<Self> {
+    /// None if they are too many, even with those in `packets` taken together.
+    pub fn new(instances: &[Instance], packets: &[ShapePacket]) -> Option<Self> {
+        let mut alone = vec![true; instances.len()];
+        let mut shapes = Vec::new();
         if instances.len() > MOST_SHAPES {
+            for &member in packets.iter().flat_map(ShapePacket::members) {
+                alone[member as usize] = false;
+            }
+            shapes.push(FewShape::PACKETS);
+        }
+        if packets.len() > MOST_PACKETS || alone.iter().filter(|&&alone| alone).count() > MOST_SHAPES {
             return None;
         }
-        let mut shapes: Vec<FewShape> = (0..)
-            .zip(instances)
-            .map(|(index, shape)| FewShape::new(index, shape))
-            .collect();
+        let alone = (0..).zip(instances).filter(|&(index, _)| alone[index as usize]);
+        shapes.extend(alone.map(|(index, shape)| FewShape::new(index, shape)));
         shapes.sort_by_key(|shape| match &shape.kind {
             Kind::Rectangle | Kind::Square(_) | Kind::Sphere | Kind::Cube(_) => 0,
-            Kind::Other => 1,
+            Kind::Packets | Kind::Other => 1,
             Kind::TinyMesh(_) => 2,
             Kind::Boxed(_) => 3,
         });
@@ -146,7 +156,7 @@ impl FewShapes {
                 }
                 Kind::TinyMesh(mesh) => {
                     let local = shape.local(rays);
-                    let near = meets(mesh.bounds(), &local, nearest.t) & lanes_of(active);
+                    let near = SlabLanes::new(&local).meets(mesh.bounds(), nearest.t) & lanes_of(active);
                     if near.none() {
                         continue;
                     }
@@ -165,7 +175,7 @@ impl FewShapes {
                 Kind::Boxed(bounds) => {
                     let mut local = shape.local(rays);
                     local.t_max = nearest.t;
-                    let met = meets(bounds, &local, nearest.t).to_bitmask() & active;
+                    let met = SlabLanes::new(&local).meets(bounds, nearest.t).to_bitmask() & active;
                     match shape.mesh(scene) {
                         Some(mesh) if mesh.is_large() => {
                             let found = scene.intersect_mesh_many(shape.instance, mesh, &local.rays(), met);
@@ -178,6 +188,7 @@ impl FewShapes {
                         _ => nearest.ask(met, number, &scene.instances()[shape.instance as usize], rays),
                     }
                 }
+                Kind::Packets => nearest.ask_packets(active, number, scene.packets(), rays),
                 Kind::Other => nearest.ask(active, number, &scene.instances()[shape.instance as usize], rays),
             }
         }
@@ -188,16 +199,22 @@ impl FewShapes {
             let triangle = nearest.triangle.as_array()[lane] as usize;
             let (u, v) = (nearest.u.as_array()[lane], nearest.v.as_array()[lane]);
             let place = Vec2::new(u, v);
+            let of_lane = nearest.primitives[lane];
             let (primitive, u, v) = match &shape.kind {
                 Kind::Rectangle | Kind::Sphere => (0, u, v),
                 Kind::Square(face) => face.at(place),
                 Kind::Cube(faces) => faces[triangle].at(place),
                 Kind::TinyMesh(mesh) => (mesh.triangle(triangle), u, v),
-                Kind::Boxed(_) | Kind::Other => (nearest.primitives[lane], u, v),
+                Kind::Boxed(_) | Kind::Other => (of_lane, u, v),
+                Kind::Packets => (0, u, v),
             };
             hits[lane] = Some(Hit {
                 t: nearest.t.as_array()[lane],
-                instance: shape.instance,
+                instance: if let Kind::Packets = shape.kind {
+                    of_lane
+                } else {
+                    shape.instance
+                },
                 member: 0,
                 primitive,
                 u,
@@ -222,7 +239,7 @@ impl FewShapes {
                     Kind::Cube(_) => cube(&shape.local(rays), rays.t_max).met.to_bitmask(),
                     Kind::TinyMesh(mesh) => {
                         let local = shape.local(rays);
-                        let near = meets(mesh.bounds(), &local, rays.t_max) & lanes_of(left);
+                        let near = SlabLanes::new(&local).meets(mesh.bounds(), rays.t_max) & lanes_of(left);
                         if near.none() {
                             continue;
                         }
@@ -235,7 +252,7 @@ impl FewShapes {
                     }
                     Kind::Boxed(bounds) => {
                         let local = shape.local(rays);
-                        let met = meets(bounds, &local, rays.t_max).to_bitmask() & left;
+                        let met = SlabLanes::new(&local).meets(bounds, rays.t_max).to_bitmask() & left;
                         match shape.mesh(scene) {
                             Some(mesh) if mesh.is_large() => {
                                 scene.occluded_mesh_many(shape.instance, mesh, &local.rays(), met)
@@ -243,6 +260,7 @@ impl FewShapes {
                             _ => shape.occluded(met, scene.instances(), rays),
                         }
                     }
+                    Kind::Packets => any_of_packets(left, scene.packets(), rays),
                     Kind::Other => shape.occluded(left, scene.instances(), rays),
                 };
         }
@@ -251,6 +269,13 @@ impl FewShapes {
 }
 
 impl FewShape {
+    const PACKETS: Self = Self {
+        instance: 0,
+        kind: Kind::Packets,
+        rows: [Vec3::ZERO; 3],
+        place: Vec3::ZERO,
+    };
+
     fn new(index: u32, instance: &Instance) -> Self {
         let mut placed = instance.exact_world_from_local();
         let kind = match &instance.primitive {
@@ -321,16 +346,36 @@ impl Nearest {
         self.triangle = met.select(triangle, self.triangle);
     }
 
+    /// The ray of a lane up to the hit so far.
+    #[inline(always)]
+    fn shortened(&self, lane: usize, rays: &RayLanes) -> Ray {
+        Ray {
+            t_max: self.t.as_array()[lane],
+            ..rays.get(lane)
+        }
+    }
+
     /// The rays of the lanes `asked` ask the shape one by one.
     #[inline(always)]
     fn ask(&mut self, asked: u32, number: Lanes, instance: &Instance, rays: &RayLanes) {
         for lane in each_lane(asked) {
-            let ray = Ray {
-                t_max: self.t.as_array()[lane],
-                ..rays.get(lane)
-            };
+            let ray = self.shortened(lane, rays);
             if let Some((hit, primitive)) = instance.closest::<false>(&ray, &mut Steps::default()) {
                 self.set(lane, number, hit, primitive);
+            }
+        }
+    }
+
+    /// The rays of the lanes `asked` ask the packets whose boxes they meet, each the nearest box first.
+    #[inline(never)]
+    fn ask_packets(&mut self, asked: u32, number: Lanes, packets: &[ShapePacket], rays: &RayLanes) {
+        let slabs = SlabLanes::new(rays);
+        for packet in packets {
+            let met = slabs.meets(&packet.bounds, self.t).to_bitmask() & asked;
+            for lane in each_lane(met) {
+                if let Some(Hit { t, instance, u, v, .. }) = packet.closest(&self.shortened(lane, rays)) {
+                    self.set(lane, number, LocalHit { t, u, v }, instance);
+                }
             }
         }
     }
@@ -343,4 +388,18 @@ impl Nearest {
         self.shape.as_mut_array()[lane] = number.as_array()[lane];
         self.primitives[lane] = primitive;
     }
+}
+
+/// A bit for each of the lanes in `asked` whose ray meets anything in the packets.
+#[inline(never)]
+fn any_of_packets(asked: u32, packets: &[ShapePacket], rays: &RayLanes) -> u32 {
+    let slabs = SlabLanes::new(rays);
+    let mut hit = 0;
+    for packet in packets {
+        let met = slabs.enter(&packet.bounds, rays.t_max).1.to_bitmask() & asked & !hit;
+        for lane in each_lane(met) {
+            hit |= u32::from(packet.any(&rays.get(lane))) << lane;
+        }
+    }
+    hit
 }

@@ -11,7 +11,7 @@ use super::bvh::Bvh;
 use super::instance::Primitive;
 use super::node::{Child, RaySlabs};
 use super::packet::{PacketRay, TrianglePacket};
-use super::tlas::{Hit, Tlas};
+use super::tlas::{Hit, Item, Tlas};
 use super::traverse::push_sorted;
 use crate::math::Ray;
 
@@ -353,17 +353,25 @@ impl<'a, const ANY: bool> Walk<'a, ANY> {
             t_max: self.t_max,
             ..level.ray
         };
-        let Some(shape) = level.scene.instances().get(item as usize) else {
-            let placement = &level.scene.placements()[item as usize - level.scene.instances().len()];
-            let group = level.scene.group_of(placement);
-            self.enter(Level {
-                scene: group,
-                bvh: &group.bvh,
-                ray: placement.group_ray(&ray),
-                placement: Some(item),
-                ..level
-            });
-            return;
+        let shape = match level.scene.item(item) {
+            Item::Shape(shape) => shape,
+            Item::Placement(placement) => {
+                let group = level.scene.group_of(placement);
+                self.enter(Level {
+                    scene: group,
+                    bvh: &group.bvh,
+                    ray: placement.group_ray(&ray),
+                    placement: Some(item),
+                    ..level
+                });
+                return;
+            }
+            Item::Packet(packet) => {
+                if let Some(hit) = packet.closest(&ray) {
+                    self.take(hit.instance, 0, hit.t, [hit.u, hit.v]);
+                }
+                return;
+            }
         };
         let ray = shape.local_ray(&ray);
         if let Primitive::Mesh(mesh) = &shape.primitive {
@@ -397,25 +405,37 @@ impl<'a, const ANY: bool> Walk<'a, ANY> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use glam::{Affine3A, Vec3};
 
     use super::*;
     use crate::accel::{Instance, SplitMethod};
+    use crate::geometry::mesh::MeshData;
 
-    /// Ever larger spheres away from the ray's origin, whose boxes it meets and whose surfaces it does not, and one that it hits behind
-    /// them: their tree is a chain.
+    /// Ever larger triangles away from the ray's origin, whose boxes it meets beside them, and a sphere that it hits behind them: their
+    /// tree is a chain.
     #[test]
     fn rays_that_need_too_much_room_go_alone() {
-        let sphere = |center: Vec3, radius: f32| {
+        let corners = vec![Vec3::NEG_ONE, Vec3::new(1.0, -1.0, 1.0), Vec3::new(1.0, 1.0, -1.0)];
+        let triangle = Arc::new(Blas::build(
+            Arc::new(MeshData {
+                positions: corners,
+                triangles: vec![[0, 1, 2]],
+                ..MeshData::default()
+            }),
+            SplitMethod::Sah,
+        ));
+        let placed = |primitive: Primitive, center: Vec3, radius: f32| {
             let placed = Affine3A::from_translation(center) * Affine3A::from_scale(Vec3::splat(radius));
-            Instance::new(Primitive::Sphere, placed).unwrap()
+            Instance::new(primitive, placed).unwrap()
         };
         let mut shapes: Vec<Instance> = (0..110)
             .map(|power| 2f32.powi(power - 50))
-            .map(|size| sphere(size * Vec3::X, 0.3 * size))
+            .map(|size| placed(Primitive::Mesh(triangle.clone()), size * Vec3::X, 0.3 * size))
             .collect();
         let dir = Vec3::new(1.0, 0.28, 0.28);
-        shapes.push(sphere(2f32.powi(61) * dir, 2f32.powi(58)));
+        shapes.push(placed(Primitive::Sphere, 2f32.powi(61) * dir, 2f32.powi(58)));
         let scene = Tlas::build(shapes, SplitMethod::Sah);
         let rays = [Ray::new(Vec3::ZERO, dir), Ray::new(Vec3::ZERO, -dir)];
         let mut lost = [false; 2];

@@ -19,6 +19,7 @@ mod packet;
 mod placement;
 mod sets;
 mod shape_lanes;
+mod shape_packet;
 mod surface;
 mod tiny_mesh;
 mod tlas;

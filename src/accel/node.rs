@@ -27,14 +27,14 @@ pub(super) struct Node {
 pub(super) struct Child(pub u32);
 
 /// The most primitives of a leaf.
-pub(super) const MAX_LEAF: usize = 8;
+pub(super) const MAX_LEAF: usize = 16;
 
 impl Child {
     pub const NONE: Self = Self(u32::MAX);
     pub const ROOT: Self = Self(0);
     const LEAF: u32 = 1 << 31;
     /// Below the number of a leaf's primitives, less one.
-    const COUNT_SHIFT: u32 = 28;
+    const COUNT_SHIFT: u32 = 27;
 
     pub fn node(index: usize) -> Self {
         Self(index as u32)

@@ -1,7 +1,7 @@
 //! Single shapes against sixteen rays, a ray per lane. Rays are in the shape's space.
 
 use super::few::RayLanes;
-use crate::math::lanes::{Lanes, copy_sign};
+use crate::math::lanes::{Lanes, Vec3Lanes, copy_sign};
 use crate::math::{Aabb, gamma};
 
 /// Where lines meet a cube.
@@ -16,33 +16,54 @@ pub(super) struct CubeLanes {
     pub met: Lanes,
 }
 
+/// The plane z = 0: t, x, y, and whether it is met before `t_max`.
+#[inline(always)]
+pub(super) fn plane(ray: &RayLanes, t_max: Lanes) -> (Lanes, Lanes, Lanes, Lanes) {
+    let t = -ray.origin.z / ray.dir.z;
+    let (x, y) = (t.mul_add(ray.dir.x, ray.origin.x), t.mul_add(ray.dir.y, ray.origin.y));
+    (t, x, y, t.simd_gt(Lanes::ZERO) & t.simd_lt(t_max))
+}
+
 /// As [`crate::geometry::rectangle::intersect`]: t, u, v, and whether it is met before `t_max`.
 #[inline(always)]
 pub(super) fn rectangle(ray: &RayLanes, t_max: Lanes) -> (Lanes, Lanes, Lanes, Lanes) {
-    let t = -ray.origin.z / ray.dir.z;
-    let (u, v) = (t.mul_add(ray.dir.x, ray.origin.x), t.mul_add(ray.dir.y, ray.origin.y));
-    let inside = u.abs().simd_le(Lanes::ONE) & v.abs().simd_le(Lanes::ONE);
-    (t, u, v, inside & t.simd_gt(Lanes::ZERO) & t.simd_lt(t_max))
+    let (t, x, y, met) = plane(ray, t_max);
+    (t, x, y, met & in_rectangle(x, y))
 }
 
-/// As [`crate::geometry::sphere::intersect`], in single precision: the distance from the centre to the line is taken from the point next
-/// to it, whose digits do not cancel (Haines, Günther and Akenine-Möller, Precision Improvements for Ray/Sphere Intersection, Ray
-/// Tracing Gems, 2019).
+#[inline(always)]
+pub(super) fn in_rectangle(x: Lanes, y: Lanes) -> Lanes {
+    x.abs().simd_le(Lanes::ONE) & y.abs().simd_le(Lanes::ONE)
+}
+
+/// As [`crate::geometry::sphere::intersect`], in single precision: the nearest distance within, and whether it is met before `t_max`.
 #[inline(always)]
 pub(super) fn sphere(ray: &RayLanes, t_max: Lanes) -> (Lanes, Lanes) {
+    round(ray, Lanes::ONE, t_max)
+}
+
+/// A sphere around the origin, given its squared radius.
+#[inline(always)]
+pub(super) fn round(ray: &RayLanes, squared_radius: Lanes, t_max: Lanes) -> (Lanes, Lanes) {
     let zero = Lanes::ZERO;
-    let a = ray.dir.length_squared();
-    let b = ray.origin.dot(ray.dir);
-    let c = ray.origin.length_squared() - Lanes::ONE;
-    let next = ray.origin.plus_scaled(-b / a, ray.dir);
-    let discriminant = a * (Lanes::ONE - next.length_squared());
+    let (o, d) = (ray.origin, ray.dir);
+    let a = d.length_squared();
+    let b = o.dot(d);
+    let c = o.length_squared() - squared_radius;
+    // The distance of the centre from the line, from a product whose digits do not cancel for far origins.
+    let discriminant = a.mul_sub(squared_radius, o.cross(d).length_squared());
+    // Before the dear operations: the line passes through, and not all of it behind the origin.
+    let ahead = discriminant.simd_ge(zero) & b.fast_min(c).simd_lt(zero);
+    if ahead.none() {
+        return (zero, ahead);
+    }
     let root = discriminant.fast_max(zero).sqrt();
     let q = -(b + copy_sign(root, b));
     let (first, second) = (q / a, c / q);
     let (near, far) = (first.fast_min(second), first.fast_max(second));
     let inside = |t: Lanes| t.simd_gt(zero) & t.simd_lt(t_max);
     let near_counts = inside(near);
-    let met = discriminant.simd_ge(zero) & (near_counts | inside(far));
+    let met = ahead & (near_counts | inside(far));
     (near_counts.select(near, far), met)
 }
 
@@ -81,24 +102,47 @@ pub(super) fn cube(ray: &RayLanes, t_max: Lanes) -> CubeLanes {
     }
 }
 
-/// Whether the rays may meet a box before `t_max`, as [`super::node`] tests them.
-#[inline(always)]
-pub(super) fn meets(bounds: &Aabb, ray: &RayLanes, t_max: Lanes) -> Lanes {
-    let largest = Lanes::splat(f32::MAX);
-    let axis = |min: f32, max: f32, origin: Lanes, dir: Lanes| {
-        // Directions without a component get the largest inverse, and faces a little farther out.
-        let inverse = (Lanes::ONE / dir).fast_max(-largest).fast_min(largest);
-        let margin = origin.abs() * Lanes::splat(f32::EPSILON) + Lanes::splat(1e-18);
-        let a = (Lanes::splat(min) - margin - origin) * inverse;
-        let b = (Lanes::splat(max) + margin - origin) * inverse;
-        (a.fast_min(b), a.fast_max(b))
-    };
-    let (x, y, z) = (
-        axis(bounds.min.x, bounds.max.x, ray.origin.x, ray.dir.x),
-        axis(bounds.min.y, bounds.max.y, ray.origin.y, ray.dir.y),
-        axis(bounds.min.z, bounds.max.z, ray.origin.z, ray.dir.z),
-    );
-    let enter = x.0.fast_max(y.0).fast_max(z.0.fast_max(Lanes::ZERO));
-    let leave = x.1.fast_min(y.1).fast_min(z.1) * Lanes::splat(1.0 + 2.0 * gamma(3));
-    enter.simd_le(leave.fast_min(t_max))
+/// Rays as boxes want them, which are tested as by [`super::node`].
+pub(super) struct SlabLanes {
+    inverse: Vec3Lanes,
+    /// The origins as the lower and the upper faces see them, which lie a little farther out.
+    lower: Vec3Lanes,
+    upper: Vec3Lanes,
+}
+
+impl SlabLanes {
+    #[inline(always)]
+    pub fn new(ray: &RayLanes) -> Self {
+        let margin = ray
+            .origin
+            .map(|o| o.abs().mul_add(Lanes::splat(f32::EPSILON), Lanes::splat(1e-18)));
+        // Directions without a component get the largest inverse.
+        let largest = Lanes::splat(f32::MAX);
+        Self {
+            inverse: ray.dir.map(|d| (Lanes::ONE / d).fast_max(-largest).fast_min(largest)),
+            lower: ray.origin + margin,
+            upper: ray.origin - margin,
+        }
+    }
+
+    /// Whether the rays may meet a box before `t_max`.
+    #[inline(always)]
+    pub fn meets(&self, bounds: &Aabb, t_max: Lanes) -> Lanes {
+        self.enter(bounds, t_max).1
+    }
+
+    /// Where they enter it, too.
+    #[inline(always)]
+    pub fn enter(&self, bounds: &Aabb, t_max: Lanes) -> (Lanes, Lanes) {
+        let a = (Vec3Lanes::splat(bounds.min) - self.lower) * self.inverse;
+        let b = (Vec3Lanes::splat(bounds.max) - self.upper) * self.inverse;
+        let near = |a: Lanes, b: Lanes| a.fast_min(b);
+        let far = |a: Lanes, b: Lanes| a.fast_max(b);
+        let enter = near(a.x, b.x)
+            .fast_max(near(a.y, b.y))
+            .fast_max(near(a.z, b.z).fast_max(Lanes::ZERO));
+        let leave = far(a.x, b.x).fast_min(far(a.y, b.y)).fast_min(far(a.z, b.z));
+        let leave = leave * Lanes::splat(1.0 + 2.0 * gamma(3));
+        (enter, enter.simd_le(leave.fast_min(t_max)))
+    }
 }

@@ -117,12 +117,7 @@ impl TinyMesh {
         let mut corners = ArrayVec::<[Vec3Lanes; 2], MOST_CORNERS>::new();
         for &corner in &self.corners {
             let (p, d) = (Vec3Lanes::splat(corner) - rays.origin, rays.dir);
-            let moment = Vec3Lanes::of(
-                p.y.mul_sub(d.z, p.z * d.y),
-                p.z.mul_sub(d.x, p.x * d.z),
-                p.x.mul_sub(d.y, p.y * d.x),
-            );
-            corners.push([p, moment]);
+            corners.push([p, p.cross(d)]);
         }
         // 2 dir . (p x q) = (p - q) . ((p + q) x dir): with the difference first, its rounding is that of the edge's length, not of its distance.
         let mut volumes = ArrayVec::<Lanes, MOST_EDGES>::new();

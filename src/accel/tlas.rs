@@ -11,6 +11,7 @@ use super::bvh::{Bvh, BvhStats};
 use super::few::{FewShapes, RayLanes};
 use super::instance::{Instance, Primitive};
 use super::placement::Placement;
+use super::shape_packet::ShapePacket;
 use super::traverse::Steps;
 use crate::math::lanes::{LANES, each_lane};
 use crate::math::{Aabb, Ray};
@@ -25,12 +26,20 @@ pub struct Tlas {
     /// Per group, the number of shapes before its first member.
     first_shape: Vec<usize>,
     placements: Vec<Placement>,
-    /// Over the instances and, counted on from them, the placements.
+    packets: Vec<ShapePacket>,
+    /// Over the instances that are in no packet and, counted on from all of them, the placements and then the packets.
     pub(super) bvh: Bvh,
     /// If there are few shapes and nothing else.
     few: Option<FewShapes>,
     /// Whether it does not fit into a cache with all its meshes and groups: rays had better wait together.
     is_large: bool,
+}
+
+/// What a leaf of the hierarchy holds.
+pub(super) enum Item<'a> {
+    Shape(&'a Instance),
+    Placement(&'a Placement),
+    Packet(&'a ShapePacket),
 }
 
 /// A hit in the world.
@@ -71,12 +80,17 @@ impl Tlas {
                 first
             })
             .collect();
-        let few = placements.is_empty().then(|| FewShapes::new(&instances)).flatten();
+        let packets = ShapePacket::gather(&instances, method);
+        let few = placements
+            .is_empty()
+            .then(|| FewShapes::new(&instances, &packets))
+            .flatten();
         let mut tlas = Self {
             instances,
             groups,
             first_shape,
             placements,
+            packets,
             bvh: Bvh::build(&[], method, LEAF_SIZE),
             few,
             is_large: false,
@@ -96,6 +110,10 @@ impl Tlas {
 
     pub fn placements(&self) -> &[Placement] {
         &self.placements
+    }
+
+    pub(super) fn packets(&self) -> &[ShapePacket] {
+        &self.packets
     }
 
     pub fn bvh(&self) -> &Bvh {
@@ -139,13 +157,35 @@ impl Tlas {
         placement.world_bounds(&flat.map_or(Aabb::EMPTY, |group| group.bounds()))
     }
 
+    /// Of the hierarchy's items; empty for what is in a packet.
     fn item_bounds(&self) -> Vec<Aabb> {
         let shapes = self.instances.par_iter().map(Instance::world_bounds);
         let placed = self
             .placements
             .par_iter()
             .map(|placement| self.placed_bounds(placement));
-        shapes.chain(placed).collect()
+        let mut bounds: Vec<Aabb> = shapes.chain(placed).collect();
+        for packet in &self.packets {
+            packet
+                .members()
+                .iter()
+                .for_each(|&member| bounds[member as usize] = Aabb::EMPTY);
+            bounds.push(packet.bounds);
+        }
+        bounds
+    }
+
+    #[inline(always)]
+    pub(super) fn item(&self, number: u32) -> Item<'_> {
+        let number = number as usize;
+        if let Some(shape) = self.instances.get(number) {
+            return Item::Shape(shape);
+        }
+        let beyond = number - self.instances.len();
+        match self.placements.get(beyond) {
+            Some(placement) => Item::Placement(placement),
+            None => Item::Packet(&self.packets[beyond - self.placements.len()]),
+        }
     }
 
     /// The shape that was hit: itself placed in the world, or a member of a group.
@@ -184,19 +224,20 @@ impl Tlas {
                 _ => None,
             })
             .collect();
-        let own = self.bvh.bytes() + size_of_val(self.instances.as_slice());
+        let own = self.bvh.bytes() + size_of_val(self.instances.as_slice()) + size_of_val(self.packets.as_slice());
         own + meshes.values().sum::<usize>() + self.groups.iter().map(|group| group.bytes()).sum::<usize>()
     }
 
     /// Figures of the hierarchy over instances and placements alone; those of groups and meshes are theirs. `bytes` includes the
-    /// placements.
+    /// placements and packets.
     pub fn stats(&self) -> BvhStats {
         let mut stats = self.bvh.stats();
-        stats.bytes += size_of_val(self.placements.as_slice());
+        stats.bytes += size_of_val(self.placements.as_slice()) + size_of_val(self.packets.as_slice());
         stats
     }
 
-    /// [`Bvh::expected_work`] of the hierarchy over everything and those in its leaves together: a mesh or a group counts what its own does.
+    /// [`Bvh::expected_work`] of the hierarchy over everything and those in its leaves together: a mesh or a group counts what its own does,
+    /// shapes in a packet one each.
     pub fn expected_work(&self) -> f64 {
         // Each mesh is asked once, however often it stands there.
         let mut of_mesh: HashMap<*const Blas, f64> = HashMap::new();
@@ -211,15 +252,10 @@ impl Tlas {
             })
             .collect();
         let of_group: Vec<f64> = self.groups.iter().map(|group| group.expected_work()).collect();
-        self.bvh.expected_work(|item| {
-            let item = item as usize;
-            let placement = item
-                .checked_sub(of_shape.len())
-                .and_then(|place| self.placements.get(place));
-            match placement {
-                None => of_shape.get(item).copied().unwrap_or(0.0),
-                Some(placement) => of_group.get(placement.group as usize).copied().unwrap_or(0.0),
-            }
+        self.bvh.expected_work(|number| match self.item(number) {
+            Item::Shape(_) => of_shape[number as usize],
+            Item::Placement(placement) => of_group.get(placement.group as usize).copied().unwrap_or(0.0),
+            Item::Packet(packet) => packet.members().len() as f64,
         })
     }
 
@@ -242,18 +278,24 @@ impl Tlas {
         let mut nearest = None;
         let mut inner = Steps::default();
         self.bvh.closest::<COUNT>(ray, steps, |range, t_max| {
-            for &item in &self.bvh.order()[range] {
+            for &number in &self.bvh.order()[range] {
                 let ray = Ray { t_max: *t_max, ..*ray };
-                let found = match self.instances.get(item as usize) {
-                    Some(instance) => instance.closest::<COUNT>(&ray, &mut inner).map(|(hit, primitive)| Hit {
+                let found = match self.item(number) {
+                    Item::Shape(shape) => shape.closest::<COUNT>(&ray, &mut inner).map(|(hit, primitive)| Hit {
                         t: hit.t,
-                        instance: item,
+                        instance: number,
                         member: 0,
                         primitive,
                         u: hit.u,
                         v: hit.v,
                     }),
-                    None => self.closest_placed::<COUNT>(item, &ray, &mut inner),
+                    Item::Placement(placement) => self.closest_placed::<COUNT>(number, placement, &ray, &mut inner),
+                    Item::Packet(packet) => {
+                        if COUNT {
+                            inner.primitives += packet.members().len() as u32 - 1;
+                        }
+                        packet.closest(&ray)
+                    }
                 };
                 if let Some(hit) = found {
                     *t_max = hit.t;
@@ -267,13 +309,18 @@ impl Tlas {
 
     /// Kept out of line: most scenes have no groups, and their rays should not carry a second walk's stack.
     #[inline(never)]
-    fn closest_placed<const COUNT: bool>(&self, item: u32, ray: &Ray, steps: &mut Steps) -> Option<Hit> {
-        let placement = &self.placements[item as usize - self.instances.len()];
+    fn closest_placed<const COUNT: bool>(
+        &self,
+        number: u32,
+        placement: &Placement,
+        ray: &Ray,
+        steps: &mut Steps,
+    ) -> Option<Hit> {
         let hit = self
             .group_of(placement)
             .closest::<COUNT>(&placement.group_ray(ray), steps)?;
         Some(Hit {
-            instance: item,
+            instance: number,
             member: hit.instance,
             ..hit
         })
@@ -310,18 +357,16 @@ impl Tlas {
     /// Whether anything is hit with 0 < t < t_max.
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.bvh.any(ray, |range| {
-            self.bvh.order()[range]
-                .iter()
-                .any(|&item| match self.instances.get(item as usize) {
-                    Some(instance) => instance.occluded(ray),
-                    None => self.occluded_placed(item, ray),
-                })
+            self.bvh.order()[range].iter().any(|&number| match self.item(number) {
+                Item::Shape(shape) => shape.occluded(ray),
+                Item::Placement(placement) => self.occluded_placed(placement, ray),
+                Item::Packet(packet) => packet.any(ray),
+            })
         })
     }
 
     #[inline(never)]
-    fn occluded_placed(&self, item: u32, ray: &Ray) -> bool {
-        let placement = &self.placements[item as usize - self.instances.len()];
+    fn occluded_placed(&self, placement: &Placement, ray: &Ray) -> bool {
         self.group_of(placement).occluded(&placement.group_ray(ray))
     }
 }

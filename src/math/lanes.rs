@@ -94,6 +94,15 @@ impl Vec3Lanes {
     }
 
     #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self::of(
+            self.y.mul_sub(other.z, self.z * other.y),
+            self.z.mul_sub(other.x, self.x * other.z),
+            self.x.mul_sub(other.y, self.y * other.x),
+        )
+    }
+
+    #[inline(always)]
     pub fn length_squared(self) -> Lanes {
         self.dot(self)
     }

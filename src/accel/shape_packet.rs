@@ -1,0 +1,260 @@
+//! Spheres, rectangles and disks that lie next to each other, tested together by one ray: as in [`super::few`], but with a shape per lane
+//! in place of a ray.
+
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+
+use super::build::{NO_PRIMITIVE, SplitMethod};
+use super::bvh::Bvh;
+use super::few::RayLanes;
+use super::instance::{Instance, Primitive};
+use super::shape_lanes::{in_rectangle, plane, round, sphere};
+use super::tlas::Hit;
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
+use crate::math::{Aabb, Ray};
+
+/// As many shapes are worth a packet.
+const FEWEST: usize = 3;
+
+/// Up to sixteen of them.
+#[derive(Clone, Debug)]
+pub(super) struct ShapePacket {
+    /// In the world.
+    pub bounds: Aabb,
+    /// Rows of their matrices from the world, and their places in the world.
+    rows: [Vec3Lanes; 3],
+    place: Vec3Lanes,
+    /// If all of them are spheres in the world as well, the squares of their radii.
+    squared_radii: Option<Lanes>,
+    /// A bit per lane.
+    spheres: u32,
+    rectangles: u32,
+    disks: u32,
+    /// Their numbers among the instances; only the first lanes are used.
+    members: [u32; LANES],
+}
+
+impl ShapePacket {
+    /// Of the shapes that have others next to them; the rest are not for packets, or better off alone. A linear list has none.
+    pub fn gather(instances: &[Instance], method: SplitMethod) -> Vec<Self> {
+        if method == SplitMethod::Linear {
+            return Vec::new();
+        }
+        let bounds: Vec<Aabb> = instances
+            .par_iter()
+            .map(|shape| match shape.primitive {
+                Primitive::Sphere | Primitive::Rectangle | Primitive::Disk => shape.world_bounds(),
+                Primitive::Mesh(_) | Primitive::Cylinder => Aabb::EMPTY,
+            })
+            .collect();
+        let packet = |members: &[u32]| {
+            let used = members.iter().take_while(|&&member| member != NO_PRIMITIVE).count();
+            (used >= FEWEST).then(|| Self::new(instances, &members[..used], &bounds))
+        };
+        let leaves = Bvh::build(&bounds, method, LANES);
+        leaves.order().par_chunks(LANES).filter_map(packet).collect()
+    }
+
+    fn new(instances: &[Instance], members: &[u32], bounds: &[Aabb]) -> Self {
+        let mut packet = Self {
+            bounds: Aabb::EMPTY,
+            rows: [Vec3Lanes::ZERO; 3],
+            place: Vec3Lanes::ZERO,
+            squared_radii: Some(Lanes::ZERO),
+            spheres: 0,
+            rectangles: 0,
+            disks: 0,
+            members: [NO_PRIMITIVE; LANES],
+        };
+        for (lane, &member) in members.iter().enumerate() {
+            let shape = &instances[member as usize];
+            for (row, lanes) in packet.rows.iter_mut().enumerate() {
+                lanes.set(lane, shape.local_from_world.matrix3.row(row).into());
+            }
+            packet.place.set(lane, shape.world_from_local.translation.into());
+            let radius = radius(shape);
+            packet.squared_radii = packet.squared_radii.zip(radius).map(|(mut squares, radius)| {
+                squares.as_mut_array()[lane] = radius * radius;
+                squares
+            });
+            let kind = match shape.primitive {
+                Primitive::Sphere => &mut packet.spheres,
+                Primitive::Rectangle => &mut packet.rectangles,
+                _ => &mut packet.disks,
+            };
+            *kind |= 1 << lane;
+            packet.members[lane] = member;
+            packet.bounds = packet.bounds.union(bounds[member as usize]);
+        }
+        packet
+    }
+
+    /// Numbers among the instances.
+    pub fn members(&self) -> &[u32] {
+        let used = (self.spheres | self.rectangles | self.disks).count_ones();
+        &self.members[..used as usize]
+    }
+
+    /// As [`Instance::local_ray`], for each of them.
+    #[inline(always)]
+    fn local(&self, ray: &Ray) -> RayLanes {
+        let turned = |v: Vec3Lanes| Vec3Lanes::of(self.rows[0].dot(v), self.rows[1].dot(v), self.rows[2].dot(v));
+        RayLanes {
+            origin: turned(Vec3Lanes::splat(ray.origin) - self.place),
+            dir: turned(Vec3Lanes::splat(ray.dir)),
+            t_max: Lanes::splat(ray.t_max),
+        }
+    }
+
+    /// Distances, places in the plane, and the bits of those that are met.
+    #[inline(always)]
+    fn test(&self, ray: &Ray) -> (Lanes, [Lanes; 2], u32) {
+        if let Some(squares) = self.squared_radii {
+            let around = RayLanes {
+                origin: Vec3Lanes::splat(ray.origin) - self.place,
+                dir: Vec3Lanes::splat(ray.dir),
+                t_max: Lanes::splat(ray.t_max),
+            };
+            let (t, met) = round(&around, squares, around.t_max);
+            return (t, [Lanes::ZERO; 2], met.to_bitmask() & self.spheres);
+        }
+        let local = self.local(ray);
+        let (mut t, mut met) = (Lanes::ZERO, Lanes::ZERO);
+        let (mut u, mut v) = (Lanes::ZERO, Lanes::ZERO);
+        if self.spheres != 0 {
+            (t, met) = sphere(&local, local.t_max);
+            met &= lanes_of(self.spheres);
+        }
+        if self.rectangles | self.disks != 0 {
+            let (distance, x, y, before) = plane(&local, local.t_max);
+            let disk = x.mul_add(x, y * y).simd_le(Lanes::ONE) & lanes_of(self.disks);
+            let rectangle = in_rectangle(x, y) & lanes_of(self.rectangles);
+            let here = before & (disk | rectangle);
+            t = here.select(distance, t);
+            met |= here;
+            (u, v) = (here & x, here & y);
+        }
+        (t, [u, v], met.to_bitmask())
+    }
+
+    /// The nearest hit.
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let (t, [u, v], met) = self.test(ray);
+        let t = t.as_array();
+        let nearest = each_lane(met).reduce(|a, b| if t[b] < t[a] { b } else { a })?;
+        Some(Hit {
+            t: t[nearest],
+            instance: self.members[nearest],
+            member: 0,
+            primitive: 0,
+            u: u.as_array()[nearest],
+            v: v.as_array()[nearest],
+        })
+    }
+
+    #[inline]
+    pub fn any(&self, ray: &Ray) -> bool {
+        self.test(ray).2 != 0
+    }
+}
+
+/// Of a sphere that is one in the world.
+fn radius(shape: &Instance) -> Option<f32> {
+    let Primitive::Sphere = shape.primitive else {
+        return None;
+    };
+    let axes = shape.exact_world_from_local().matrix3;
+    let squares = axes.transpose() * axes;
+    let square = squares.x_axis.x;
+    // As good as single precision can tell.
+    let is_round = squares.abs_diff_eq(DMat3::from_diagonal(DVec3::splat(square)), 2e-7 * square);
+    is_round.then_some(square.sqrt() as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Affine3A, Quat, Vec3};
+
+    use super::*;
+    use crate::math::offset_origin;
+
+    fn placed(primitive: Primitive, size: Vec3, turn: f32, at: Vec3) -> Instance {
+        let turned = Quat::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), turn);
+        Instance::new(primitive, Affine3A::from_scale_rotation_translation(size, turned, at)).unwrap()
+    }
+
+    fn row(size: impl Fn(usize) -> Vec3) -> Vec<Instance> {
+        (0..40)
+            .map(|k| {
+                placed(
+                    Primitive::Sphere,
+                    size(k),
+                    k as f32,
+                    Vec3::new(3.0 * k as f32, 0.5, -700.0),
+                )
+            })
+            .collect()
+    }
+
+    #[test]
+    fn shapes_are_gathered_by_place() {
+        let mut shapes = row(|_| Vec3::ONE);
+        shapes.push(placed(Primitive::Cylinder, Vec3::ONE, 0.0, Vec3::ZERO));
+        let packets = ShapePacket::gather(&shapes, SplitMethod::Sah);
+        let mut members: Vec<u32> = packets.iter().flat_map(ShapePacket::members).copied().collect();
+        for packet in &packets {
+            let around = packet.members().iter().map(|&k| shapes[k as usize].world_bounds());
+            assert_eq!(packet.bounds, around.fold(Aabb::EMPTY, Aabb::union));
+            assert!((FEWEST..=LANES).contains(&packet.members().len()));
+        }
+        members.sort_unstable();
+        assert!(members.is_sorted_by(|a, b| a < b) && members.iter().all(|&k| k < 40));
+        assert!(members.len() > 30, "{members:?}");
+        assert!(ShapePacket::gather(&shapes, SplitMethod::Linear).is_empty());
+        assert!(ShapePacket::gather(&shapes[..2], SplitMethod::Sah).is_empty());
+    }
+
+    /// Spheres that are round in the world, and stretched ones: what begins on one does not meet it again from outside.
+    #[test]
+    fn spheres_are_met_once_from_outside_and_again_from_within() {
+        for shapes in [
+            row(|_| Vec3::splat(1.2)),
+            row(|k| Vec3::new(1.2, 0.3 + 0.02 * k as f32, 0.9)),
+        ] {
+            let scene = crate::accel::Tlas::build(shapes.clone(), SplitMethod::Sah);
+            let packets = ShapePacket::gather(&shapes, SplitMethod::Sah);
+            assert_eq!(
+                packets[0].squared_radii.is_some(),
+                shapes[0].world_bounds().min.y < -0.6
+            );
+            let mut met = 0;
+            for k in 0..2000 {
+                let part = |factor: f32| (k as f32 * factor).fract() - 0.5;
+                let dir = Vec3::new(part(0.7548), part(0.5698), part(0.3117)).normalize();
+                let target = Vec3::new(3.0 * (k % 40) as f32, 0.5, -700.0);
+                let packet = packets
+                    .iter()
+                    .find(|packet| packet.members().contains(&(k as u32 % 40)));
+                let Some(packet) = packet else { continue };
+                let ray = Ray::new(target - 9.0 * dir, dir);
+                let Some(hit) = packet.closest(&ray) else {
+                    panic!("through the middle of {k}")
+                };
+                met += 1;
+                let point = scene.surface(&ray, &hit);
+                let n = point.geometric_normal;
+                let leave = |dir: Vec3| Ray::new(offset_origin(point.position, point.error, n, dir), dir);
+                let outside = leave(n + 0.9 * n.any_orthonormal_vector());
+                assert!(
+                    packet
+                        .closest(&outside)
+                        .is_none_or(|next| next.instance != hit.instance)
+                );
+                let within = packet.closest(&leave(-n)).unwrap();
+                assert!(within.instance == hit.instance && within.t > 0.2, "{within:?}");
+            }
+            assert!(met > 1000);
+        }
+    }
+}
