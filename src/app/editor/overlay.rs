@@ -219,11 +219,12 @@ mod tests {
     use super::*;
     use crate::accel::{Instance, SplitMethod};
 
+    /// Of shapes that share no leaves.
     fn scene() -> Tlas {
         let instances = (0..20)
             .filter_map(|i| {
                 Instance::new(
-                    Primitive::Sphere,
+                    Primitive::Cylinder,
                     Affine3A::from_translation(Vec3::new(3.0 * i as f32, 0.0, 9.0)),
                 )
             })
