@@ -7,9 +7,9 @@
 use glam::{Vec2, Vec3};
 
 use super::affine_mesh::{AffineMesh, Face};
-use super::blas::Blas;
+use super::blas::{Blas, MeshHit};
 use super::instance::{Instance, Primitive};
-use super::shape_lanes::{SlabLanes, cube, rectangle, sphere};
+use super::shape_lanes::{SlabLanes, cube, local, rectangle, sphere};
 use super::shape_packet::ShapePacket;
 use super::tiny_mesh::TinyMesh;
 use super::tlas::{Hit, Tlas};
@@ -129,8 +129,8 @@ impl FewShapes {
         Some(Self { shapes })
     }
 
-    /// Of the lanes in `active`.
-    pub fn closest(&self, scene: &Tlas, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
+    /// Of the lanes in `active`. With `COHERENT` rays go through meshes as a bundle.
+    pub fn closest<const COHERENT: bool>(&self, scene: &Tlas, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let mut nearest = Nearest {
             t: rays.t_max,
             u: Lanes::ZERO,
@@ -177,6 +177,10 @@ impl FewShapes {
                     local.t_max = nearest.t;
                     let met = SlabLanes::new(&local).meets(bounds, nearest.t).to_bitmask() & active;
                     match shape.mesh(scene) {
+                        Some(mesh) if COHERENT => mesh.intersect_bundle(&local, met, |lane, hit| {
+                            let MeshHit { t, triangle, u, v } = hit;
+                            nearest.set(lane, number, LocalHit { t, u, v }, triangle);
+                        }),
                         Some(mesh) if mesh.is_large() => {
                             let found = scene.intersect_mesh_many(shape.instance, mesh, &local.rays(), met);
                             for (lane, hit) in found.iter().enumerate() {
@@ -225,7 +229,7 @@ impl FewShapes {
     }
 
     /// A bit for each of the lanes in `active` whose ray meets anything.
-    pub fn any(&self, scene: &Tlas, rays: &RayLanes, active: u32) -> u32 {
+    pub fn any<const COHERENT: bool>(&self, scene: &Tlas, rays: &RayLanes, active: u32) -> u32 {
         let mut hit = 0;
         for shape in &self.shapes {
             let left = active & !hit;
@@ -254,6 +258,7 @@ impl FewShapes {
                         let local = shape.local(rays);
                         let met = SlabLanes::new(&local).meets(bounds, rays.t_max).to_bitmask() & left;
                         match shape.mesh(scene) {
+                            Some(mesh) if COHERENT => mesh.occluded_bundle(&local, met),
                             Some(mesh) if mesh.is_large() => {
                                 scene.occluded_mesh_many(shape.instance, mesh, &local.rays(), met)
                             }
@@ -306,18 +311,9 @@ impl FewShape {
         }
     }
 
-    /// As [`Instance::local_ray`].
     #[inline(always)]
     fn local(&self, rays: &RayLanes) -> RayLanes {
-        // Not by `map` of the array, which goes through memory.
-        let row = |row: usize| Vec3Lanes::splat(self.rows[row]);
-        let rows = (row(0), row(1), row(2));
-        let turned = |v: Vec3Lanes| Vec3Lanes::of(rows.0.dot(v), rows.1.dot(v), rows.2.dot(v));
-        RayLanes {
-            origin: turned(rays.origin - Vec3Lanes::splat(self.place)),
-            dir: turned(rays.dir),
-            t_max: rays.t_max,
-        }
+        local(rays, &self.rows, self.place)
     }
 
     fn mesh<'a>(&self, scene: &'a Tlas) -> Option<&'a Blas> {

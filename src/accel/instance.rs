@@ -5,6 +5,8 @@ use std::sync::Arc;
 use glam::{Affine3A, DAffine3, Mat3A, Vec3, Vec3A};
 
 use super::blas::{Blas, MeshHit};
+use super::few::RayLanes;
+use super::shape_lanes::local;
 use super::surface::Rounding;
 use super::traverse::Steps;
 use crate::geometry::local::LocalHit;
@@ -83,6 +85,14 @@ impl Instance {
             dir: (*linear * Vec3A::from(ray.dir)).into(),
             t_max: ray.t_max,
         }
+    }
+
+    /// [`Self::local_ray`] of sixteen rays.
+    #[inline(always)]
+    pub(super) fn local_rays(&self, rays: &RayLanes) -> RayLanes {
+        let linear = &self.local_from_world.matrix3;
+        let rows = [linear.row(0).into(), linear.row(1).into(), linear.row(2).into()];
+        local(rays, &rows, self.world_from_local.translation.into())
     }
 
     /// World bounds, a little wider than exact, so that they hold every hit whatever the rounding of the transforms.

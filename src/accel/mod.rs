@@ -7,6 +7,7 @@ mod affine_mesh;
 mod binning;
 mod blas;
 mod build;
+mod bundle;
 mod bvh;
 mod collapse;
 mod few;

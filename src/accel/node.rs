@@ -8,6 +8,7 @@ use glam::Vec3;
 use wide::f32x8;
 
 use super::memory::prefetch;
+use crate::math::lanes::{Lanes, Vec3Lanes};
 use crate::math::{Aabb, Ray, gamma};
 
 pub(super) const WIDTH: usize = 8;
@@ -92,6 +93,14 @@ impl Node {
             min: corner(0),
             max: corner(1),
         }
+    }
+
+    /// [`Self::bounds`] in every lane: the lower and the upper corner.
+    #[inline(always)]
+    pub fn corners_in_lanes(&self, slot: usize) -> [Vec3Lanes; 2] {
+        let plane = |axis: usize, side: usize| Lanes::splat(self.planes[axis][side].as_array()[slot]);
+        let corner = |side: usize| Vec3Lanes::of(plane(0, side), plane(1, side), plane(2, side));
+        [corner(0), corner(1)]
     }
 
     /// Asks for its memory, which is four cache lines wherever it begins.

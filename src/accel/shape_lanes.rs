@@ -1,5 +1,7 @@
 //! Single shapes against sixteen rays, a ray per lane. Rays are in the shape's space.
 
+use glam::Vec3;
+
 use super::few::RayLanes;
 use crate::math::lanes::{Lanes, Vec3Lanes, copy_sign};
 use crate::math::{Aabb, gamma};
@@ -14,6 +16,20 @@ pub(super) struct CubeLanes {
     pub face: Lanes,
     /// The lanes whose ray meets it before `t_max`.
     pub met: Lanes,
+}
+
+/// World `rays` in the space whose origin is at `place`, by the rows of the matrix to there; as [`super::instance::Instance::local_ray`].
+#[inline(always)]
+pub(super) fn local(rays: &RayLanes, rows: &[Vec3; 3], place: Vec3) -> RayLanes {
+    // Not by `map` of the array, which goes through memory.
+    let row = |row: usize| Vec3Lanes::splat(rows[row]);
+    let rows = (row(0), row(1), row(2));
+    let turned = |v: Vec3Lanes| Vec3Lanes::of(rows.0.dot(v), rows.1.dot(v), rows.2.dot(v));
+    RayLanes {
+        origin: turned(rays.origin - Vec3Lanes::splat(place)),
+        dir: turned(rays.dir),
+        t_max: rays.t_max,
+    }
 }
 
 /// The plane z = 0: t, x, y, and whether it is met before `t_max`.
@@ -134,8 +150,14 @@ impl SlabLanes {
     /// Where they enter it, too.
     #[inline(always)]
     pub fn enter(&self, bounds: &Aabb, t_max: Lanes) -> (Lanes, Lanes) {
-        let a = (Vec3Lanes::splat(bounds.min) - self.lower) * self.inverse;
-        let b = (Vec3Lanes::splat(bounds.max) - self.upper) * self.inverse;
+        self.enter_between(Vec3Lanes::splat(bounds.min), Vec3Lanes::splat(bounds.max), t_max)
+    }
+
+    /// The same of the box between two corners.
+    #[inline(always)]
+    pub fn enter_between(&self, min: Vec3Lanes, max: Vec3Lanes, t_max: Lanes) -> (Lanes, Lanes) {
+        let a = (min - self.lower) * self.inverse;
+        let b = (max - self.upper) * self.inverse;
         let near = |a: Lanes, b: Lanes| a.fast_min(b);
         let far = |a: Lanes, b: Lanes| a.fast_max(b);
         let enter = near(a.x, b.x)

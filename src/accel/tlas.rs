@@ -30,7 +30,7 @@ pub struct Tlas {
     /// Over the instances that are in no packet and, counted on from all of them, the placements and then the packets.
     pub(super) bvh: Bvh,
     /// If there are few shapes and nothing else.
-    few: Option<FewShapes>,
+    pub(super) few: Option<FewShapes>,
     /// Whether it does not fit into a cache with all its meshes and groups: rays had better wait together.
     is_large: bool,
 }
@@ -309,7 +309,7 @@ impl Tlas {
 
     /// Kept out of line: most scenes have no groups, and their rays should not carry a second walk's stack.
     #[inline(never)]
-    fn closest_placed<const COUNT: bool>(
+    pub(super) fn closest_placed<const COUNT: bool>(
         &self,
         number: u32,
         placement: &Placement,
@@ -329,7 +329,7 @@ impl Tlas {
     /// [`Self::intersect`] for each of the lanes in `active`; None in the others.
     pub fn intersect_lanes(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         if let Some(few) = &self.few {
-            return few.closest(self, rays, active);
+            return few.closest::<false>(self, rays, active);
         }
         if self.is_large {
             return self.intersect_many(&rays.rays(), active);
@@ -344,7 +344,7 @@ impl Tlas {
     /// [`Self::occluded`] for each of the lanes in `active`, a bit per lane; clear in the others.
     pub fn occluded_lanes(&self, rays: &RayLanes, active: u32) -> u32 {
         if let Some(few) = &self.few {
-            return few.any(self, rays, active);
+            return few.any::<false>(self, rays, active);
         }
         if self.is_large {
             return self.occluded_many(&rays.rays(), active);
@@ -366,7 +366,7 @@ impl Tlas {
     }
 
     #[inline(never)]
-    fn occluded_placed(&self, placement: &Placement, ray: &Ray) -> bool {
+    pub(super) fn occluded_placed(&self, placement: &Placement, ray: &Ray) -> bool {
         self.group_of(placement).occluded(&placement.group_ray(ray))
     }
 }

@@ -33,7 +33,7 @@ impl AddAssign for Steps {
 
 /// Stack entries for the deepest hierarchy: every node on the way down leaves at most all but one of its children behind. The last pushes
 /// all its slots, those that are not met on top.
-const STACK: usize = MAX_DEPTH * (WIDTH - 1) + WIDTH;
+pub(super) const STACK: usize = MAX_DEPTH * (WIDTH - 1) + WIDTH;
 
 /// Puts the children that are met onto a stack, the nearest on top, each below the bits of where the ray enters. It fails if less than
 /// [`WIDTH`] places are left, and then does nothing.

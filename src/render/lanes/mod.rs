@@ -5,25 +5,19 @@
 //! lanes; elsewhere the path takes its step alone, by [`Path::advance`]. A path that has ended gives its lane to the next one. The numbers
 //! are those of one path at a time, but for rounding.
 
-mod ready;
+mod camera_rays;
 mod vertices;
+mod wave;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use glam::{UVec2, Vec2, Vec3};
+use glam::UVec2;
 
-use self::ready::Ready;
-use self::vertices::Vertices;
-use super::path::{Arrival, BOUNCE_DIMENSIONS, CAMERA_DIMENSIONS, HIGHEST_SURVIVAL, Path, PathSample};
+use self::wave::{Company, Samples, Surroundings, Wave};
+use super::path::PathSample;
 use super::scene::RenderScene;
-use super::view::{PathSettings, Strategy, View};
-use crate::accel::{Hit, RayLanes};
-use crate::light::lanes::{SoleLight, sample_constant};
-use crate::light::{LightReference, Target};
-use crate::math::Ray;
-use crate::math::lanes::{FrameLanes, LANES, Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of, offset_origins};
-use crate::sampling::Sampler;
-use crate::sampling::lanes::{SamplerLanes, power_heuristics};
+use super::view::{PathSettings, View};
+use crate::math::lanes::{LANES, each_lane};
 
 /// A sample of a pixel that is to be traced.
 #[derive(Clone, Copy, Debug)]
@@ -43,399 +37,58 @@ pub(super) fn trace(
     jobs: &[Job],
     cancel: &AtomicBool,
 ) -> Option<Vec<(PathSample, f32)>> {
-    let mut paths = Paths::new(scene, view, settings, jobs);
+    let around = Surroundings::new(scene, view, settings);
+    let mut samples = vec![(PathSample::default(), 0.0); jobs.len()];
+    let mut paths = Paths::new(view, jobs);
     loop {
         if cancel.load(Ordering::Relaxed) {
             return None;
         }
         for _ in 0..STEPS_TO_CANCEL {
-            paths.begin();
-            if paths.active == 0 {
-                return Some(paths.samples);
+            paths.begin(&around, &mut samples);
+            if paths.later.active == 0 {
+                return Some(samples);
             }
-            paths.step();
+            paths.later.step(&around, &mut samples);
         }
     }
 }
 
-/// The paths under way. What changes at every vertex lies in lanes, the rest in `homes`.
+/// Paths come from the camera sixteen at a time, of neighbouring samples. As long as they stay side by side, up to their first bounce,
+/// their rays are alike. Then they go where there is a free lane, since some end sooner than others.
 struct Paths<'a> {
-    scene: &'a RenderScene,
-    view: &'a View,
-    settings: &'a PathSettings,
-    sole_light: Option<SoleLight>,
     jobs: &'a [Job],
     /// Jobs that have been begun.
     begun: usize,
-    ready: Ready,
-    samples: Vec<(PathSample, f32)>,
-    /// A bit per lane.
-    active: u32,
-    /// Where they go next; endless but for those from the camera.
-    rays: RayLanes,
-    throughput: Vec3Lanes,
-    eta_squared: Lanes,
-    radiance: Vec3Lanes,
-    /// Of [`Arrival::Sampled`]; negative for the other.
-    arrival_pdf: Lanes,
-    from: Vec3Lanes,
-    from_normal: Vec3Lanes,
-    /// A bit per lane.
-    from_has_normal: u32,
-    depth: WordLanes,
-    sampler: SamplerLanes,
-    homes: [Home; LANES],
-    vertices: Vertices,
-}
-
-/// A path's own things, and the whole of it while it steps alone.
-#[derive(Clone, Copy)]
-struct Home {
-    job: usize,
-    weight: f32,
-    path: Path,
-}
-
-/// Directions to a light, with what arrives from there unless something is in between.
-struct LightLanes {
-    wi: Vec3Lanes,
-    target: Vec3Lanes,
-    /// Bits of lanes whose light is at infinity, in the direction `wi`.
-    infinite: u32,
-    radiance: Vec3Lanes,
-    pdf: Lanes,
-    is_delta: u32,
-    is_valid: Lanes,
+    /// Those that have left their first vertex, until there is a lane for them.
+    first: Wave,
+    later: Wave,
 }
 
 impl<'a> Paths<'a> {
-    fn new(scene: &'a RenderScene, view: &'a View, settings: &'a PathSettings, jobs: &'a [Job]) -> Self {
-        let nowhere = Path::new(
-            Ray::new(Vec3::ZERO, Vec3::Z),
-            Sampler::new(view.sequence, UVec2::ZERO, 0, view.seed),
-        );
-        let home = Home {
-            job: 0,
-            weight: 0.0,
-            path: nowhere,
-        };
+    fn new(view: &View, jobs: &'a [Job]) -> Self {
         Self {
-            scene,
-            view,
-            settings,
-            sole_light: SoleLight::of(&scene.lights),
             jobs,
             begun: 0,
-            ready: Ready::new(view),
-            samples: vec![(PathSample::default(), 0.0); jobs.len()],
-            active: 0,
-            rays: RayLanes::NOWHERE,
-            throughput: Vec3Lanes::ZERO,
-            eta_squared: Lanes::ONE,
-            radiance: Vec3Lanes::ZERO,
-            arrival_pdf: Lanes::ZERO,
-            from: Vec3Lanes::ZERO,
-            from_normal: Vec3Lanes::ZERO,
-            from_has_normal: 0,
-            depth: WordLanes::ZERO,
-            sampler: SamplerLanes::new(view.sequence),
-            homes: [home; LANES],
-            vertices: Vertices::new(),
+            first: Wave::new(view, Company::Coherent),
+            later: Wave::new(view, Company::Mixed),
         }
     }
 
-    /// Gives every free lane a new path, as long as there are jobs.
-    fn begin(&mut self) {
+    /// Gives every free lane a path, as long as there are any.
+    fn begin(&mut self, around: &Surroundings, samples: &mut Samples) {
         const ALL: u32 = (1 << LANES) - 1;
-        for lane in each_lane(!self.active & ALL) {
-            let Some(camera) = self.ready.take(self.view, &self.jobs[self.begun..]) else {
-                return;
-            };
-            let job = self.begun;
-            self.begun += 1;
-            self.sampler.set(lane, &camera.sampler);
-            self.homes[lane] = Home {
-                job,
-                weight: camera.weight,
-                path: Path::new(camera.ray, camera.sampler),
-            };
-            self.store(lane);
-            self.active |= 1 << lane;
-        }
-    }
-
-    /// The path of a lane goes home.
-    fn load(&mut self, lane: usize) -> &mut Path {
-        let path = &mut self.homes[lane].path;
-        path.ray = self.rays.get(lane);
-        path.throughput = self.throughput.get(lane);
-        path.eta_squared = self.eta_squared.as_array()[lane];
-        path.result.radiance = self.radiance.get(lane);
-        path.depth = self.depth.as_array()[lane];
-        let pdf = self.arrival_pdf.as_array()[lane];
-        path.arrival = if pdf < 0.0 {
-            Arrival::Only
-        } else {
-            Arrival::Sampled {
-                pdf,
-                from: LightReference {
-                    position: self.from.get(lane),
-                    normal: (self.from_has_normal >> lane & 1 == 1).then(|| self.from_normal.get(lane)),
-                },
-            }
-        };
-        path
-    }
-
-    /// And comes back.
-    fn store(&mut self, lane: usize) {
-        let path = &self.homes[lane].path;
-        self.rays.set(lane, &path.ray);
-        self.throughput.set(lane, path.throughput);
-        self.eta_squared.as_mut_array()[lane] = path.eta_squared;
-        self.radiance.set(lane, path.result.radiance);
-        self.depth.as_mut_array()[lane] = path.depth;
-        self.from_has_normal &= !(1 << lane);
-        match path.arrival {
-            Arrival::Only => self.arrival_pdf.as_mut_array()[lane] = -1.0,
-            Arrival::Sampled { pdf, from } => {
-                self.arrival_pdf.as_mut_array()[lane] = pdf;
-                self.from.set(lane, from.position);
-                if let Some(normal) = from.normal {
-                    self.from_has_normal |= 1 << lane;
-                    self.from_normal.set(lane, normal);
+        for lane in each_lane(!self.later.active & ALL) {
+            while self.first.active == 0 {
+                let jobs = &self.jobs[self.begun..];
+                if jobs.is_empty() {
+                    return;
                 }
+                self.begun += self.first.begin(around.view, jobs, self.begun);
+                self.first.step(around, samples);
             }
+            let next = self.first.active.trailing_zeros() as usize % LANES;
+            self.later.take(lane, &mut self.first, next);
         }
-    }
-
-    /// The path of a lane has ended, its radiance being in its lane.
-    fn finish(&mut self, lane: usize) {
-        let home = &self.homes[lane];
-        let sample = PathSample {
-            radiance: self.radiance.get(lane),
-            ..home.path.result
-        };
-        self.samples[home.job] = (sample, home.weight);
-        self.active &= !(1 << lane);
-    }
-
-    fn step(&mut self) {
-        let hits = self.scene.geometry.intersect_lanes(&self.rays, self.active);
-        self.vertices.clear();
-        for lane in each_lane(self.active) {
-            self.arrive(lane, hits[lane]);
-        }
-        if self.vertices.lanes != 0 {
-            self.scatter();
-        }
-    }
-
-    /// Takes the path of a lane to its hit, and on to its next vertex unless that is to be done in lanes.
-    fn arrive(&mut self, lane: usize, hit: Option<Hit>) {
-        let (scene, settings) = (self.scene, self.settings);
-        let Some(hit) = hit else {
-            self.homes[lane].path.result.rays += 1;
-            let path = self.load(lane);
-            path.escape(scene, settings, &mut ());
-            let radiance = path.result.radiance;
-            self.radiance.set(lane, radiance);
-            self.finish(lane);
-            return;
-        };
-        let slot = scene.slot(&hit);
-        let is_textured = slot.light.is_some_and(|light| scene.lights.is_textured(light));
-        let ray = self.rays.get(lane);
-        if !is_textured && let Some(vertex) = Vertices::plain(scene, &ray, &hit, &slot) {
-            let (point, bsdf) = (&vertex.point, vertex.bsdf);
-            let depth = self.depth.as_array()[lane];
-            let is_last = depth + 1 >= settings.max_depth;
-            self.homes[lane].path.result.rays += 1;
-            if slot.light.is_some() || depth == 0 {
-                let path = self.load(lane);
-                path.arrive(scene, settings, &hit, &slot, point, &mut ());
-                let radiance = path.result.radiance;
-                self.radiance.set(lane, radiance);
-            }
-            if !self.homes[lane].path.guided && (is_last || bsdf.has_smooth_lobe() || slot.light.is_some()) {
-                let throughput = self.throughput.get(lane);
-                let path = &mut self.homes[lane].path;
-                path.throughput = throughput;
-                path.guide(bsdf.albedo(), &slot, point);
-            }
-            if is_last {
-                self.finish(lane);
-            } else {
-                self.vertices.set(lane, &vertex);
-            }
-            return;
-        }
-        let path = self.load(lane);
-        let goes_on = path.advance(scene, settings, Some(hit), &mut ());
-        self.store(lane);
-        if !goes_on {
-            self.finish(lane);
-        }
-    }
-
-    /// From the vertices to where their paths go on.
-    fn scatter(&mut self) {
-        let zero = Lanes::ZERO;
-        let lanes = self.vertices.lanes;
-        let here = lanes_of(lanes);
-        let Vertices {
-            position,
-            error,
-            geometric_normal,
-            shading_normal,
-            side,
-            ..
-        } = self.vertices;
-        let bsdf = &self.vertices.bsdf;
-        let one_further: WordLanes = bytemuck::cast(here);
-        self.depth += WordLanes::splat(1) & one_further;
-        let dimension = (self.depth - WordLanes::splat(1)) * WordLanes::splat(BOUNCE_DIMENSIONS)
-            + WordLanes::splat(CAMERA_DIMENSIONS);
-        let at = |draw: u32| dimension + WordLanes::splat(draw);
-
-        let frame = FrameLanes {
-            n: shading_normal * side,
-            ..FrameLanes::from_normal(shading_normal)
-        };
-        let wo = frame.to_local(-self.rays.dir);
-
-        let smooth = bsdf.smooth();
-        if smooth != 0 && !(self.settings.strategy == Strategy::Bsdf && self.sole_light.is_some()) {
-            let light = self.sample_light(smooth, position, frame.n, at);
-            let (value, bsdf_pdf) = bsdf.eval_and_pdf(wo, frame.to_local(light.wi));
-            let weight = match self.settings.strategy {
-                Strategy::Mis => power_heuristics(light.pdf, bsdf_pdf),
-                Strategy::Light => Lanes::ONE,
-                Strategy::Bsdf => zero,
-            };
-            let weight = lanes_of(light.is_delta).select(Lanes::ONE, weight);
-            let reflected = self.throughput * value * light.radiance * (weight / light.pdf);
-            let counts = light.is_valid & lanes_of(smooth) & reflected.is_not_zero();
-            let asked = counts.to_bitmask();
-            let origin = offset_origins(position, error, geometric_normal, light.wi);
-            let is_infinite = lanes_of(light.infinite);
-            let shadows = RayLanes {
-                origin,
-                dir: Vec3Lanes::select(is_infinite, light.wi, light.target - origin),
-                t_max: is_infinite.select(Lanes::splat(f32::INFINITY), Lanes::ONE),
-            };
-            for lane in each_lane(asked) {
-                self.homes[lane].path.result.rays += 1;
-            }
-            let lit = asked & !self.scene.geometry.occluded_lanes(&shadows, asked);
-            self.radiance += reflected.only(lanes_of(lit));
-        }
-
-        let u_lobe = match bsdf.transmitting() {
-            0 => zero,
-            _ => self.sampler.at_1d(at(2)),
-        };
-        let sample = bsdf.sample(wo, u_lobe, self.sampler.at_2d(at(3)));
-        let wi = frame.to_world(sample.wi);
-        self.throughput = Vec3Lanes::select(here, self.throughput * sample.weight, self.throughput);
-        self.eta_squared = here.select(self.eta_squared * sample.eta * sample.eta, self.eta_squared);
-        let mut goes_on = here & sample.returned & self.throughput.is_not_zero();
-
-        self.rays.origin = Vec3Lanes::select(
-            here,
-            offset_origins(position, error, geometric_normal, wi),
-            self.rays.origin,
-        );
-        self.rays.dir = Vec3Lanes::select(here, wi, self.rays.dir);
-        self.rays.t_max = here.select(Lanes::splat(f32::INFINITY), self.rays.t_max);
-        let is_smooth = lanes_of(smooth);
-        self.arrival_pdf = here.select(is_smooth.select(sample.pdf, -Lanes::ONE), self.arrival_pdf);
-        self.from = Vec3Lanes::select(here, position, self.from);
-        self.from_normal = Vec3Lanes::select(here, frame.n, self.from_normal);
-        self.from_has_normal = (self.from_has_normal & !lanes) | (lanes & !bsdf.transmitting());
-
-        let plays = here & bytemuck::cast::<_, Lanes>(self.depth.simd_ge(WordLanes::splat(self.settings.rr_depth)));
-        if plays.any() {
-            let brightest = self.throughput.max_element() * self.eta_squared;
-            let survival = brightest.fast_min(Lanes::splat(HIGHEST_SURVIVAL));
-            let survives = self.sampler.at_1d(at(4)).simd_lt(survival);
-            goes_on &= survives | !plays;
-            let scaled = self.throughput * (Lanes::ONE / survival);
-            self.throughput = Vec3Lanes::select(plays, scaled, self.throughput);
-        }
-        for lane in each_lane(lanes & !goes_on.to_bitmask()) {
-            self.finish(lane);
-        }
-    }
-
-    /// A light for each of the lanes `asked`, seen from their positions, whose half spaces have the normals `normal`.
-    fn sample_light(
-        &self,
-        asked: u32,
-        position: Vec3Lanes,
-        normal: Vec3Lanes,
-        at: impl Fn(u32) -> WordLanes,
-    ) -> LightLanes {
-        let u = self.sampler.at_2d(at(1));
-        match &self.sole_light {
-            Some(SoleLight::Rectangle(rectangle)) => {
-                let sample = rectangle.sample(position, u);
-                return LightLanes {
-                    wi: sample.wi,
-                    target: sample.target,
-                    infinite: 0,
-                    radiance: Vec3Lanes::splat(rectangle.radiance),
-                    pdf: sample.pdf,
-                    is_delta: 0,
-                    is_valid: sample.is_valid,
-                };
-            }
-            Some(SoleLight::Constant(radiance)) => {
-                let (wi, pdf) = sample_constant(normal, u);
-                return LightLanes {
-                    wi,
-                    target: Vec3Lanes::ZERO,
-                    infinite: asked,
-                    radiance: Vec3Lanes::splat(*radiance),
-                    pdf,
-                    is_delta: 0,
-                    is_valid: pdf.simd_gt(Lanes::ZERO),
-                };
-            }
-            None => {}
-        }
-        let u_choice = self.sampler.at_1d(at(0));
-        let mut light = LightLanes {
-            wi: Vec3Lanes::ZERO,
-            target: Vec3Lanes::ZERO,
-            infinite: 0,
-            radiance: Vec3Lanes::ZERO,
-            pdf: Lanes::ONE,
-            is_delta: 0,
-            is_valid: Lanes::ZERO,
-        };
-        let mut valid = 0;
-        for lane in each_lane(asked) {
-            let reference = LightReference {
-                position: position.get(lane),
-                normal: Some(normal.get(lane)),
-            };
-            let place = Vec2::new(u[0].as_array()[lane], u[1].as_array()[lane]);
-            let Some((_, sample)) = self.scene.lights.sample(&reference, u_choice.as_array()[lane], place) else {
-                continue;
-            };
-            let bit = 1 << lane;
-            valid |= bit;
-            light.wi.set(lane, sample.wi);
-            light.radiance.set(lane, sample.radiance);
-            light.pdf.as_mut_array()[lane] = sample.pdf;
-            light.is_delta |= if sample.is_delta { bit } else { 0 };
-            match sample.target {
-                Target::Point(target) => light.target.set(lane, target),
-                Target::Infinity => light.infinite |= bit,
-            }
-        }
-        light.is_valid = lanes_of(valid);
-        light
     }
 }

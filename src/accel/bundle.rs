@@ -1,0 +1,264 @@
+//! Sixteen rays that have much in common, walked as one: each box that any of them may meet is tested against all of them at once.
+//!
+//! Rays of one pixel, and those from what they meet to one light, visit nearly the same nodes and triangles, which are then fetched once
+//! for all (Wald, Slusallek, Benthin and Wagner, Interactive Rendering with Coherent Ray Tracing, Eurographics 2001). Rays without
+//! anything in common are slower than with [`super::many`]. Which hits are found does not depend on it.
+
+use std::ops::Range;
+
+use arrayvec::ArrayVec;
+
+use super::blas::{Blas, MeshHit};
+use super::bvh::Bvh;
+use super::few::RayLanes;
+use super::instance::Primitive;
+use super::node::{Child, Node};
+use super::packet::PacketRay;
+use super::shape_lanes::SlabLanes;
+use super::tlas::{Hit, Item, Tlas};
+use super::traverse::{STACK, Steps};
+use crate::math::Ray;
+use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
+
+/// A child that waits for its turn.
+#[derive(Clone, Copy)]
+struct Waiting {
+    child: Child,
+    /// The rays that meet its box, a bit each.
+    rays: u32,
+    /// Where the first of them enters it.
+    enter: f32,
+}
+
+impl Blas {
+    /// [`Self::intersect`] for the rays in `active`; `found` is told of the nearest hit of each one that has any.
+    pub(super) fn intersect_bundle(&self, rays: &RayLanes, active: u32, mut found: impl FnMut(usize, MeshHit)) {
+        let packets = self.packets();
+        let lone = packet_rays(rays);
+        let mut nearest: [Option<MeshHit>; LANES] = [None; LANES];
+        self.bvh.walk_bundle::<false>(rays, active, |range, asked, t_max| {
+            for packet in &packets[Self::packets_of(range)] {
+                for lane in each_lane(asked) {
+                    if let Some(hit) = packet.closest(&lone[lane], t_max.as_array()[lane]) {
+                        t_max.as_mut_array()[lane] = hit.t;
+                        nearest[lane] = Some(MeshHit {
+                            t: hit.t,
+                            triangle: hit.triangle,
+                            u: hit.u,
+                            v: hit.v,
+                        });
+                    }
+                }
+            }
+            0
+        });
+        for (lane, hit) in nearest.into_iter().enumerate() {
+            if let Some(hit) = hit {
+                found(lane, hit);
+            }
+        }
+    }
+
+    /// [`Self::occluded`] for the rays in `active`, a bit each.
+    pub(super) fn occluded_bundle(&self, rays: &RayLanes, active: u32) -> u32 {
+        let packets = self.packets();
+        let lone = packet_rays(rays);
+        self.bvh.walk_bundle::<true>(rays, active, |range, asked, t_max| {
+            let packets = &packets[Self::packets_of(range)];
+            let hits = |lane: usize| {
+                packets
+                    .iter()
+                    .any(|packet| packet.any(&lone[lane], t_max.as_array()[lane]))
+            };
+            each_lane(asked).fold(0, |bits, lane| bits | u32::from(hits(lane)) << lane)
+        })
+    }
+}
+
+impl Tlas {
+    /// [`Self::intersect_lanes`] for rays that have much in common.
+    pub fn intersect_bundle(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
+        if let Some(few) = &self.few {
+            return few.closest::<true>(self, rays, active);
+        }
+        let mut nearest = [None; LANES];
+        self.bvh.walk_bundle::<false>(rays, active, |range, asked, t_max| {
+            for &number in &self.bvh.order()[range] {
+                let rays = RayLanes { t_max: *t_max, ..*rays };
+                self.intersect_item(number, &rays, asked, |lane, hit| {
+                    t_max.as_mut_array()[lane] = hit.t;
+                    nearest[lane] = Some(hit);
+                });
+            }
+            0
+        });
+        nearest
+    }
+
+    #[inline(always)]
+    fn intersect_item(&self, number: u32, rays: &RayLanes, asked: u32, mut found: impl FnMut(usize, Hit)) {
+        let of_shape = |t: f32, u: f32, v: f32, primitive: u32| Hit {
+            t,
+            instance: number,
+            member: 0,
+            primitive,
+            u,
+            v,
+        };
+        let mut one_by_one = |intersect: &dyn Fn(&Ray) -> Option<Hit>| {
+            for lane in each_lane(asked) {
+                if let Some(hit) = intersect(&rays.get(lane)) {
+                    found(lane, hit);
+                }
+            }
+        };
+        match self.item(number) {
+            Item::Packet(packet) => one_by_one(&|ray| packet.closest(ray)),
+            Item::Placement(placement) => {
+                one_by_one(&|ray| self.closest_placed::<false>(number, placement, ray, &mut Steps::default()));
+            }
+            Item::Shape(shape) => match &shape.primitive {
+                Primitive::Mesh(mesh) => mesh.intersect_bundle(&shape.local_rays(rays), asked, |lane, hit| {
+                    found(lane, of_shape(hit.t, hit.u, hit.v, hit.triangle));
+                }),
+                other => one_by_one(&|ray| {
+                    let hit = other.intersect(&shape.local_ray(ray))?;
+                    Some(of_shape(hit.t, hit.u, hit.v, 0))
+                }),
+            },
+        }
+    }
+
+    /// [`Self::occluded_lanes`] for rays that have much in common.
+    pub fn occluded_bundle(&self, rays: &RayLanes, active: u32) -> u32 {
+        if let Some(few) = &self.few {
+            return few.any::<true>(self, rays, active);
+        }
+        self.bvh.walk_bundle::<true>(rays, active, |range, asked, _| {
+            let numbers = self.bvh.order()[range].iter();
+            numbers.fold(0, |met, &number| {
+                met | self.occluded_by_item(number, rays, asked & !met)
+            })
+        })
+    }
+
+    #[inline(always)]
+    fn occluded_by_item(&self, number: u32, rays: &RayLanes, asked: u32) -> u32 {
+        let those = |occluded: &dyn Fn(&Ray) -> bool| {
+            each_lane(asked).fold(0, |bits, lane| bits | u32::from(occluded(&rays.get(lane))) << lane)
+        };
+        match self.item(number) {
+            Item::Packet(packet) => those(&|ray| packet.any(ray)),
+            Item::Placement(placement) => those(&|ray| self.occluded_placed(placement, ray)),
+            Item::Shape(shape) => match &shape.primitive {
+                Primitive::Mesh(mesh) => mesh.occluded_bundle(&shape.local_rays(rays), asked),
+                other => those(&|ray| other.intersect(&shape.local_ray(ray)).is_some()),
+            },
+        }
+    }
+}
+
+#[inline(always)]
+fn packet_rays(rays: &RayLanes) -> ArrayVec<PacketRay, LANES> {
+    (0..LANES).map(|lane| PacketRay::new(&rays.get(lane))).collect()
+}
+
+impl Bvh {
+    /// `leaf` is given the place of a leaf's primitives in the order, the rays that may meet them and how far each ray reaches, which it
+    /// shortens; it returns those that it has met. With `ANY` these are done. Returns all that were met.
+    #[inline(always)]
+    fn walk_bundle<const ANY: bool>(
+        &self,
+        rays: &RayLanes,
+        active: u32,
+        mut leaf: impl FnMut(Range<usize>, u32, &mut Lanes) -> u32,
+    ) -> u32 {
+        let slabs = SlabLanes::new(rays);
+        let mut left = active;
+        let mut met = 0;
+        let mut t_max = rays.t_max;
+        let mut farthest = f32::INFINITY;
+        let mut waiting = ArrayVec::<Waiting, STACK>::new();
+        waiting.push(Waiting {
+            child: Child::ROOT,
+            rays: left,
+            enter: 0.0,
+        });
+        while let Some(next) = waiting.pop() {
+            let asked = next.rays & left;
+            if asked == 0 || !ANY && next.enter > farthest {
+                continue;
+            }
+            if !next.child.is_leaf() {
+                push_met::<ANY>(&self.nodes[next.child.index()], &slabs, asked, t_max, &mut waiting);
+                continue;
+            }
+            met |= leaf(self.leaf_range(next.child), asked, &mut t_max);
+            if ANY {
+                left &= !met;
+                if left == 0 {
+                    break;
+                }
+            } else {
+                farthest = each_lane(left).fold(0.0, |farthest, lane| t_max.as_array()[lane].max(farthest));
+            }
+        }
+        met
+    }
+}
+
+/// The children that any of the rays `asked` meets, the nearest on top unless any hit will do.
+#[inline(always)]
+fn push_met<const ANY: bool>(
+    node: &Node,
+    slabs: &SlabLanes,
+    asked: u32,
+    t_max: Lanes,
+    waiting: &mut ArrayVec<Waiting, STACK>,
+) {
+    let here = lanes_of(asked);
+    let base = waiting.len();
+    for (slot, &child) in node.children.iter().enumerate() {
+        if child == Child::NONE {
+            break;
+        }
+        let [min, max] = node.corners_in_lanes(slot);
+        let (enter, met) = slabs.enter_between(min, max, t_max);
+        let met = met & here;
+        let rays = met.to_bitmask();
+        if rays == 0 {
+            continue;
+        }
+        let mut entry = Waiting {
+            child,
+            rays,
+            enter: 0.0,
+        };
+        if !ANY {
+            entry.enter = least(met.select(enter, Lanes::splat(f32::INFINITY)));
+        }
+        // The stack is deep enough by construction.
+        let _ = waiting.try_push(entry);
+        if !ANY {
+            let mut place = waiting.len() - 1;
+            while place > base && waiting[place - 1].enter < entry.enter {
+                waiting[place] = waiting[place - 1];
+                place -= 1;
+            }
+            waiting[place] = entry;
+        }
+    }
+}
+
+#[inline(always)]
+fn least(lanes: Lanes) -> f32 {
+    let mut values = lanes.to_array();
+    let mut half = LANES / 2;
+    while half > 0 {
+        for lane in 0..half {
+            values[lane] = values[lane].min(values[lane + half]);
+        }
+        half /= 2;
+    }
+    values[0]
+}

@@ -1,0 +1,448 @@
+//! Sixteen paths at their next rays: from vertex to vertex.
+
+use glam::{UVec2, Vec2, Vec3};
+
+use super::Job;
+use super::camera_rays::CameraRays;
+use super::vertices::Vertices;
+use crate::accel::{Hit, RayLanes};
+use crate::light::lanes::{SoleLight, sample_constant};
+use crate::light::{LightReference, Target};
+use crate::math::Ray;
+use crate::math::lanes::{FrameLanes, LANES, Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of, offset_origins};
+use crate::render::path::{Arrival, BOUNCE_DIMENSIONS, CAMERA_DIMENSIONS, HIGHEST_SURVIVAL, Path, PathSample};
+use crate::render::scene::RenderScene;
+use crate::render::view::{PathSettings, Strategy, View};
+use crate::sampling::Sampler;
+use crate::sampling::lanes::{SamplerLanes, power_heuristics};
+
+/// What all paths have in common.
+pub(super) struct Surroundings<'a> {
+    pub scene: &'a RenderScene,
+    pub view: &'a View,
+    pub settings: &'a PathSettings,
+    sole_light: Option<SoleLight>,
+}
+
+/// Whether rays have much in common, as those through one pixel have.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Company {
+    Coherent,
+    Mixed,
+}
+
+/// Samples and their weights, by job.
+pub(super) type Samples = Vec<(PathSample, f32)>;
+
+/// The paths under way. What changes at every vertex lies in lanes, the rest in `homes`.
+pub(super) struct Wave {
+    company: Company,
+    /// A bit per lane.
+    pub active: u32,
+    /// Where they go next; endless but for those from the camera.
+    rays: RayLanes,
+    throughput: Vec3Lanes,
+    eta_squared: Lanes,
+    radiance: Vec3Lanes,
+    /// Of [`Arrival::Sampled`]; negative for the other.
+    arrival_pdf: Lanes,
+    from: Vec3Lanes,
+    from_normal: Vec3Lanes,
+    /// A bit per lane.
+    from_has_normal: u32,
+    depth: WordLanes,
+    sampler: SamplerLanes,
+    homes: [Home; LANES],
+    vertices: Vertices,
+}
+
+/// A path's own things, and the whole of it while it steps alone.
+#[derive(Clone, Copy)]
+struct Home {
+    job: usize,
+    weight: f32,
+    path: Path,
+}
+
+/// Directions to a light, with what arrives from there unless something is in between.
+struct LightLanes {
+    wi: Vec3Lanes,
+    target: Vec3Lanes,
+    /// Bits of lanes whose light is at infinity, in the direction `wi`.
+    infinite: u32,
+    radiance: Vec3Lanes,
+    pdf: Lanes,
+    is_delta: u32,
+    is_valid: Lanes,
+}
+
+impl<'a> Surroundings<'a> {
+    pub fn new(scene: &'a RenderScene, view: &'a View, settings: &'a PathSettings) -> Self {
+        Self {
+            scene,
+            view,
+            settings,
+            sole_light: SoleLight::of(&scene.lights),
+        }
+    }
+}
+
+impl Wave {
+    /// Without paths.
+    pub fn new(view: &View, company: Company) -> Self {
+        let nowhere = Path::new(
+            Ray::new(Vec3::ZERO, Vec3::Z),
+            Sampler::new(view.sequence, UVec2::ZERO, 0, view.seed),
+        );
+        let home = Home {
+            job: 0,
+            weight: 0.0,
+            path: nowhere,
+        };
+        Self {
+            company,
+            active: 0,
+            rays: RayLanes::NOWHERE,
+            throughput: Vec3Lanes::ZERO,
+            eta_squared: Lanes::ONE,
+            radiance: Vec3Lanes::ZERO,
+            arrival_pdf: Lanes::ZERO,
+            from: Vec3Lanes::ZERO,
+            from_normal: Vec3Lanes::ZERO,
+            from_has_normal: 0,
+            depth: WordLanes::ZERO,
+            sampler: SamplerLanes::new(view.sequence),
+            homes: [home; LANES],
+            vertices: Vertices::new(),
+        }
+    }
+
+    /// New paths from the camera in all lanes, for the first of `jobs`, which are numbered from `number` on. Returns how many these are.
+    pub fn begin(&mut self, view: &View, jobs: &[Job], number: usize) -> usize {
+        let count = jobs.len().min(LANES);
+        let camera = CameraRays::new(view, &jobs[..count]);
+        self.active = (1 << count) - 1;
+        self.rays = camera.rays;
+        self.sampler = camera.samplers;
+        self.throughput = Vec3Lanes::splat(Vec3::ONE);
+        self.eta_squared = Lanes::ONE;
+        self.radiance = Vec3Lanes::ZERO;
+        self.arrival_pdf = -Lanes::ONE;
+        self.depth = WordLanes::ZERO;
+        for (lane, home) in self.homes.iter_mut().enumerate().take(count) {
+            home.job = number + lane;
+            home.weight = camera.weights[lane];
+            home.path = Path::new(self.rays.get(lane), self.sampler.get(lane));
+        }
+        count
+    }
+
+    /// Takes over a path of another wave into a free lane.
+    pub fn take(&mut self, lane: usize, other: &mut Self, theirs: usize) {
+        let number = |to: &mut Lanes, from: &Lanes| to.as_mut_array()[lane] = from.as_array()[theirs];
+        let vector = |to: &mut Vec3Lanes, from: &Vec3Lanes| to.set(lane, from.get(theirs));
+        vector(&mut self.rays.origin, &other.rays.origin);
+        vector(&mut self.rays.dir, &other.rays.dir);
+        number(&mut self.rays.t_max, &other.rays.t_max);
+        vector(&mut self.throughput, &other.throughput);
+        number(&mut self.eta_squared, &other.eta_squared);
+        vector(&mut self.radiance, &other.radiance);
+        number(&mut self.arrival_pdf, &other.arrival_pdf);
+        vector(&mut self.from, &other.from);
+        vector(&mut self.from_normal, &other.from_normal);
+        self.from_has_normal &= !(1 << lane);
+        self.from_has_normal |= (other.from_has_normal >> theirs & 1) << lane;
+        self.depth.as_mut_array()[lane] = other.depth.as_array()[theirs];
+        self.homes[lane] = other.homes[theirs];
+        self.sampler.set(lane, &self.homes[lane].path.sampler);
+        self.active |= 1 << lane;
+        other.active &= !(1 << theirs);
+    }
+
+    /// The path of a lane goes home.
+    fn load(&mut self, lane: usize) -> &mut Path {
+        let path = &mut self.homes[lane].path;
+        path.ray = self.rays.get(lane);
+        path.throughput = self.throughput.get(lane);
+        path.eta_squared = self.eta_squared.as_array()[lane];
+        path.result.radiance = self.radiance.get(lane);
+        path.depth = self.depth.as_array()[lane];
+        let pdf = self.arrival_pdf.as_array()[lane];
+        path.arrival = if pdf < 0.0 {
+            Arrival::Only
+        } else {
+            Arrival::Sampled {
+                pdf,
+                from: LightReference {
+                    position: self.from.get(lane),
+                    normal: (self.from_has_normal >> lane & 1 == 1).then(|| self.from_normal.get(lane)),
+                },
+            }
+        };
+        path
+    }
+
+    /// And comes back.
+    fn store(&mut self, lane: usize) {
+        let path = &self.homes[lane].path;
+        self.rays.set(lane, &path.ray);
+        self.throughput.set(lane, path.throughput);
+        self.eta_squared.as_mut_array()[lane] = path.eta_squared;
+        self.radiance.set(lane, path.result.radiance);
+        self.depth.as_mut_array()[lane] = path.depth;
+        self.from_has_normal &= !(1 << lane);
+        match path.arrival {
+            Arrival::Only => self.arrival_pdf.as_mut_array()[lane] = -1.0,
+            Arrival::Sampled { pdf, from } => {
+                self.arrival_pdf.as_mut_array()[lane] = pdf;
+                self.from.set(lane, from.position);
+                if let Some(normal) = from.normal {
+                    self.from_has_normal |= 1 << lane;
+                    self.from_normal.set(lane, normal);
+                }
+            }
+        }
+    }
+
+    /// The path of a lane has ended, its radiance being in its lane.
+    fn finish(&mut self, lane: usize, samples: &mut Samples) {
+        let home = &self.homes[lane];
+        let sample = PathSample {
+            radiance: self.radiance.get(lane),
+            ..home.path.result
+        };
+        samples[home.job] = (sample, home.weight);
+        self.active &= !(1 << lane);
+    }
+
+    /// Takes all paths to their next vertices and on from there. What ends goes to `samples`.
+    #[inline(never)]
+    pub fn step(&mut self, around: &Surroundings, samples: &mut Samples) {
+        let geometry = &around.scene.geometry;
+        let hits = match self.company {
+            Company::Coherent => geometry.intersect_bundle(&self.rays, self.active),
+            Company::Mixed => geometry.intersect_lanes(&self.rays, self.active),
+        };
+        self.vertices.clear();
+        for lane in each_lane(self.active) {
+            self.arrive(lane, hits[lane], around, samples);
+        }
+        if self.vertices.lanes != 0 {
+            self.scatter(around, samples);
+        }
+    }
+
+    /// Takes the path of a lane to its hit, and on to its next vertex unless that is to be done in lanes.
+    fn arrive(&mut self, lane: usize, hit: Option<Hit>, around: &Surroundings, samples: &mut Samples) {
+        let (scene, settings) = (around.scene, around.settings);
+        let Some(hit) = hit else {
+            self.homes[lane].path.result.rays += 1;
+            let path = self.load(lane);
+            path.escape(scene, settings, &mut ());
+            let radiance = path.result.radiance;
+            self.radiance.set(lane, radiance);
+            self.finish(lane, samples);
+            return;
+        };
+        let slot = scene.slot(&hit);
+        let is_textured = slot.light.is_some_and(|light| scene.lights.is_textured(light));
+        let ray = self.rays.get(lane);
+        if !is_textured && let Some(vertex) = Vertices::plain(scene, &ray, &hit, &slot) {
+            let (point, bsdf) = (&vertex.point, vertex.bsdf);
+            let depth = self.depth.as_array()[lane];
+            let is_last = depth + 1 >= settings.max_depth;
+            self.homes[lane].path.result.rays += 1;
+            if slot.light.is_some() || depth == 0 {
+                let path = self.load(lane);
+                path.arrive(scene, settings, &hit, &slot, point, &mut ());
+                let radiance = path.result.radiance;
+                self.radiance.set(lane, radiance);
+            }
+            if !self.homes[lane].path.guided && (is_last || bsdf.has_smooth_lobe() || slot.light.is_some()) {
+                let throughput = self.throughput.get(lane);
+                let path = &mut self.homes[lane].path;
+                path.throughput = throughput;
+                path.guide(bsdf.albedo(), &slot, point);
+            }
+            if is_last {
+                self.finish(lane, samples);
+            } else {
+                self.vertices.set(lane, &vertex);
+            }
+            return;
+        }
+        let path = self.load(lane);
+        let goes_on = path.advance(scene, settings, Some(hit), &mut ());
+        self.store(lane);
+        if !goes_on {
+            self.finish(lane, samples);
+        }
+    }
+
+    /// From the vertices to where their paths go on.
+    fn scatter(&mut self, around: &Surroundings, samples: &mut Samples) {
+        let (scene, settings) = (around.scene, around.settings);
+        let zero = Lanes::ZERO;
+        let lanes = self.vertices.lanes;
+        let here = lanes_of(lanes);
+        let Vertices {
+            position,
+            error,
+            geometric_normal,
+            shading_normal,
+            side,
+            ..
+        } = self.vertices;
+        let bsdf = &self.vertices.bsdf;
+        let one_further: WordLanes = bytemuck::cast(here);
+        self.depth += WordLanes::splat(1) & one_further;
+        let dimension = (self.depth - WordLanes::splat(1)) * WordLanes::splat(BOUNCE_DIMENSIONS)
+            + WordLanes::splat(CAMERA_DIMENSIONS);
+        let at = |draw: u32| dimension + WordLanes::splat(draw);
+
+        let frame = FrameLanes {
+            n: shading_normal * side,
+            ..FrameLanes::from_normal(shading_normal)
+        };
+        let wo = frame.to_local(-self.rays.dir);
+
+        let smooth = bsdf.smooth();
+        if smooth != 0 && !(settings.strategy == Strategy::Bsdf && around.sole_light.is_some()) {
+            let light = self.sample_light(around, smooth, position, frame.n, at);
+            let (value, bsdf_pdf) = bsdf.eval_and_pdf(wo, frame.to_local(light.wi));
+            let weight = match settings.strategy {
+                Strategy::Mis => power_heuristics(light.pdf, bsdf_pdf),
+                Strategy::Light => Lanes::ONE,
+                Strategy::Bsdf => zero,
+            };
+            let weight = lanes_of(light.is_delta).select(Lanes::ONE, weight);
+            let reflected = self.throughput * value * light.radiance * (weight / light.pdf);
+            let counts = light.is_valid & lanes_of(smooth) & reflected.is_not_zero();
+            let asked = counts.to_bitmask();
+            let origin = offset_origins(position, error, geometric_normal, light.wi);
+            let is_infinite = lanes_of(light.infinite);
+            let shadows = RayLanes {
+                origin,
+                dir: Vec3Lanes::select(is_infinite, light.wi, light.target - origin),
+                t_max: is_infinite.select(Lanes::splat(f32::INFINITY), Lanes::ONE),
+            };
+            for lane in each_lane(asked) {
+                self.homes[lane].path.result.rays += 1;
+            }
+            let occluded = match self.company {
+                Company::Coherent => scene.geometry.occluded_bundle(&shadows, asked),
+                Company::Mixed => scene.geometry.occluded_lanes(&shadows, asked),
+            };
+            let lit = asked & !occluded;
+            self.radiance += reflected.only(lanes_of(lit));
+        }
+
+        let u_lobe = match bsdf.transmitting() {
+            0 => zero,
+            _ => self.sampler.at_1d(at(2)),
+        };
+        let sample = bsdf.sample(wo, u_lobe, self.sampler.at_2d(at(3)));
+        let wi = frame.to_world(sample.wi);
+        self.throughput = Vec3Lanes::select(here, self.throughput * sample.weight, self.throughput);
+        self.eta_squared = here.select(self.eta_squared * sample.eta * sample.eta, self.eta_squared);
+        let mut goes_on = here & sample.returned & self.throughput.is_not_zero();
+
+        self.rays.origin = Vec3Lanes::select(
+            here,
+            offset_origins(position, error, geometric_normal, wi),
+            self.rays.origin,
+        );
+        self.rays.dir = Vec3Lanes::select(here, wi, self.rays.dir);
+        self.rays.t_max = here.select(Lanes::splat(f32::INFINITY), self.rays.t_max);
+        let is_smooth = lanes_of(smooth);
+        self.arrival_pdf = here.select(is_smooth.select(sample.pdf, -Lanes::ONE), self.arrival_pdf);
+        self.from = Vec3Lanes::select(here, position, self.from);
+        self.from_normal = Vec3Lanes::select(here, frame.n, self.from_normal);
+        self.from_has_normal = (self.from_has_normal & !lanes) | (lanes & !bsdf.transmitting());
+
+        let plays = here & bytemuck::cast::<_, Lanes>(self.depth.simd_ge(WordLanes::splat(settings.rr_depth)));
+        if plays.any() {
+            let brightest = self.throughput.max_element() * self.eta_squared;
+            let survival = brightest.fast_min(Lanes::splat(HIGHEST_SURVIVAL));
+            let survives = self.sampler.at_1d(at(4)).simd_lt(survival);
+            goes_on &= survives | !plays;
+            let scaled = self.throughput * (Lanes::ONE / survival);
+            self.throughput = Vec3Lanes::select(plays, scaled, self.throughput);
+        }
+        for lane in each_lane(lanes & !goes_on.to_bitmask()) {
+            self.finish(lane, samples);
+        }
+    }
+
+    /// A light for each of the lanes `asked`, seen from their positions, whose half spaces have the normals `normal`.
+    fn sample_light(
+        &self,
+        around: &Surroundings,
+        asked: u32,
+        position: Vec3Lanes,
+        normal: Vec3Lanes,
+        at: impl Fn(u32) -> WordLanes,
+    ) -> LightLanes {
+        let u = self.sampler.at_2d(at(1));
+        match &around.sole_light {
+            Some(SoleLight::Rectangle(rectangle)) => {
+                let sample = rectangle.sample(position, u);
+                return LightLanes {
+                    wi: sample.wi,
+                    target: sample.target,
+                    infinite: 0,
+                    radiance: Vec3Lanes::splat(rectangle.radiance),
+                    pdf: sample.pdf,
+                    is_delta: 0,
+                    is_valid: sample.is_valid,
+                };
+            }
+            Some(SoleLight::Constant(radiance)) => {
+                let (wi, pdf) = sample_constant(normal, u);
+                return LightLanes {
+                    wi,
+                    target: Vec3Lanes::ZERO,
+                    infinite: asked,
+                    radiance: Vec3Lanes::splat(*radiance),
+                    pdf,
+                    is_delta: 0,
+                    is_valid: pdf.simd_gt(Lanes::ZERO),
+                };
+            }
+            None => {}
+        }
+        let u_choice = self.sampler.at_1d(at(0));
+        let mut light = LightLanes {
+            wi: Vec3Lanes::ZERO,
+            target: Vec3Lanes::ZERO,
+            infinite: 0,
+            radiance: Vec3Lanes::ZERO,
+            pdf: Lanes::ONE,
+            is_delta: 0,
+            is_valid: Lanes::ZERO,
+        };
+        let mut valid = 0;
+        for lane in each_lane(asked) {
+            let reference = LightReference {
+                position: position.get(lane),
+                normal: Some(normal.get(lane)),
+            };
+            let place = Vec2::new(u[0].as_array()[lane], u[1].as_array()[lane]);
+            let Some((_, sample)) = around.scene.lights.sample(&reference, u_choice.as_array()[lane], place) else {
+                continue;
+            };
+            let bit = 1 << lane;
+            valid |= bit;
+            light.wi.set(lane, sample.wi);
+            light.radiance.set(lane, sample.radiance);
+            light.pdf.as_mut_array()[lane] = sample.pdf;
+            light.is_delta |= if sample.is_delta { bit } else { 0 };
+            match sample.target {
+                Target::Point(target) => light.target.set(lane, target),
+                Target::Infinity => light.infinite |= bit,
+            }
+        }
+        light.is_valid = lanes_of(valid);
+        light
+    }
+}
