@@ -79,7 +79,9 @@ impl Tlas {
     /// [`Self::intersect_lanes`] for rays that have much in common.
     pub fn intersect_bundle(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         if let Some(few) = &self.few {
-            return few.closest::<true>(self, rays, active);
+            let hits = few.closest::<true>(self, rays, active);
+            self.prefetch_surfaces(&hits);
+            return hits;
         }
         let mut nearest = [None; LANES];
         self.bvh.walk_bundle::<false>(rays, active, |range, asked, t_max| {
@@ -92,6 +94,7 @@ impl Tlas {
             }
             0
         });
+        self.prefetch_surfaces(&nearest);
         nearest
     }
 

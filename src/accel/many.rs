@@ -12,20 +12,20 @@ use super::instance::Primitive;
 use super::node::{Child, RaySlabs};
 use super::packet::{PacketRay, TrianglePacket};
 use super::tlas::{Hit, Item, Tlas};
-use super::traverse::push_sorted;
+use super::traverse::{push_sorted, push_unsorted};
 use crate::math::Ray;
 
 impl Tlas {
     /// [`Tlas::intersect`] of each ray whose bit is set in `active`, `None` for the others. `N` is at most 32.
     pub fn intersect_many<const N: usize>(&self, rays: &[Ray; N], active: u32) -> [Option<Hit>; N] {
         let alone = |index: usize| self.intersect(&rays[index]);
-        closest_many(|index| Level::of_scene(self, &rays[index]), active, alone)
+        closest_many::<true, N>(|index| Level::of_scene(self, &rays[index]), active, alone)
     }
 
     /// [`Tlas::occluded`] of each ray whose bit is set in `active`; the others' bits are zero. `N` is at most 32.
     pub fn occluded_many<const N: usize>(&self, rays: &[Ray; N], active: u32) -> u32 {
         let alone = |index: usize| self.occluded(&rays[index]);
-        any_many::<N>(|index| Level::of_scene(self, &rays[index]), active, alone)
+        any_many::<true, N>(|index| Level::of_scene(self, &rays[index]), active, alone)
     }
 
     /// The nearest hits with `mesh`, which is the shape of instance `shape`; `rays` are in its space.
@@ -47,7 +47,7 @@ impl Tlas {
                 v,
             })
         };
-        closest_many(|index| Level::of_mesh(self, shape, mesh, &rays[index]), active, alone)
+        closest_many::<false, N>(|index| Level::of_mesh(self, shape, mesh, &rays[index]), active, alone)
     }
 
     /// As [`Self::intersect_mesh_many`], the bits of those that hit anything.
@@ -59,19 +59,19 @@ impl Tlas {
         active: u32,
     ) -> u32 {
         let alone = |index: usize| mesh.occluded(&rays[index]);
-        any_many::<N>(|index| Level::of_mesh(self, shape, mesh, &rays[index]), active, alone)
+        any_many::<false, N>(|index| Level::of_mesh(self, shape, mesh, &rays[index]), active, alone)
     }
 }
 
 /// The nearest hits of the rays in `active`; `alone` finds that of a ray by itself.
 #[inline(always)]
-fn closest_many<'a, const N: usize>(
+fn closest_many<'a, const DEEP: bool, const N: usize>(
     level: impl Fn(usize) -> Level<'a>,
     active: u32,
     alone: impl Fn(usize) -> Option<Hit>,
 ) -> [Option<Hit>; N] {
     let mut hits = [None; N];
-    walk_many::<false, N>(level, active, |index, walk| {
+    walk_many::<false, DEEP, N>(level, active, |index, walk| {
         hits[index] = if walk.lost { alone(index) } else { walk.hit };
     });
     hits
@@ -79,29 +79,37 @@ fn closest_many<'a, const N: usize>(
 
 /// The bits of the rays in `active` that hit anything; `alone` asks for a ray by itself.
 #[inline(always)]
-fn any_many<'a, const N: usize>(level: impl Fn(usize) -> Level<'a>, active: u32, alone: impl Fn(usize) -> bool) -> u32 {
+fn any_many<'a, const DEEP: bool, const N: usize>(
+    level: impl Fn(usize) -> Level<'a>,
+    active: u32,
+    alone: impl Fn(usize) -> bool,
+) -> u32 {
     let mut occluded = 0;
-    walk_many::<true, N>(level, active, |index, walk| {
+    walk_many::<true, DEEP, N>(level, active, |index, walk| {
         let hit = if walk.lost { alone(index) } else { walk.hit.is_some() };
         occluded |= u32::from(hit) << index;
     });
     occluded
 }
 
-/// Each ray from where `level` has it begin. With `ANY` a walk ends at its first hit.
+/// Each ray from where `level` has it begin. With `ANY` a walk ends at its first hit; without `DEEP` all of them stay in the mesh where
+/// they begin.
 #[inline(always)]
-fn walk_many<'a, const ANY: bool, const N: usize>(
+fn walk_many<'a, const ANY: bool, const DEEP: bool, const N: usize>(
     level: impl Fn(usize) -> Level<'a>,
     active: u32,
-    mut finish: impl FnMut(usize, &Walk<ANY>),
+    mut finish: impl FnMut(usize, &Walk<ANY, DEEP>),
 ) {
     const { assert!(N <= u32::BITS as usize) };
     // They are large: made where they stay.
     let mut stacks: [Stack; N] = [const { Stack::new_const() }; N];
-    let mut walks = ArrayVec::<Walk<ANY>, N>::new();
+    let mut walks = ArrayVec::<Walk<ANY, DEEP>, N>::new();
     for (index, stack) in stacks.iter_mut().enumerate() {
         walks.push(Walk::new(level(index), stack));
     }
+    let Ok(walks) = <&mut [Walk<ANY, DEEP>; N]>::try_from(walks.as_mut_slice()) else {
+        return;
+    };
     let mut turns = Turns::default();
     for (index, walk) in walks.iter_mut().enumerate() {
         if active >> index & 1 == 1 {
@@ -117,7 +125,7 @@ fn walk_many<'a, const ANY: bool, const N: usize>(
             turns.give(index, walk.go_on());
         }
         let asked = turns;
-        turns.prefetch(&walks);
+        turns.prefetch(walks);
         for index in members::<N>(now.at_triangles) {
             let walk = &mut walks[index];
             walk.visit_triangles();
@@ -128,7 +136,7 @@ fn walk_many<'a, const ANY: bool, const N: usize>(
             walk.visit_shape();
             turns.give(index, walk.go_on());
         }
-        turns.without(asked).prefetch(&walks);
+        turns.without(asked).prefetch(walks);
     }
     for index in members::<N>(active) {
         finish(index, &walks[index]);
@@ -170,7 +178,7 @@ impl Turns {
 
     /// Asks for the memory that the rays need, but for shapes.
     #[inline(always)]
-    fn prefetch<const ANY: bool, const N: usize>(self, walks: &ArrayVec<Walk<ANY>, N>) {
+    fn prefetch<const ANY: bool, const DEEP: bool, const N: usize>(self, walks: &[Walk<ANY, DEEP>; N]) {
         for index in members::<N>(self.at_nodes) {
             let walk = &walks[index];
             if let Some(node) = walk.level.bvh.nodes.get(walk.next.index()) {
@@ -247,7 +255,7 @@ impl<'a> Level<'a> {
 /// Children that wait, and where the ray enters them.
 type Stack = ArrayVec<u64, WAITING>;
 
-struct Walk<'a, const ANY: bool> {
+struct Walk<'a, const ANY: bool, const DEEP: bool> {
     level: Level<'a>,
     around: ArrayVec<Level<'a>, 2>,
     /// As a lone ray's, those of inner spaces on top.
@@ -259,7 +267,7 @@ struct Walk<'a, const ANY: bool> {
     lost: bool,
 }
 
-impl<'a, const ANY: bool> Walk<'a, ANY> {
+impl<'a, const ANY: bool, const DEEP: bool> Walk<'a, ANY, DEEP> {
     /// Of a ray that goes nowhere yet.
     #[inline(always)]
     fn new(level: Level<'a>, waiting: &'a mut Stack) -> Self {
@@ -302,7 +310,7 @@ impl<'a, const ANY: bool> Walk<'a, ANY> {
             return Place::Nowhere;
         }
         loop {
-            if self.waiting.len() == self.level.floor as usize {
+            if DEEP && self.waiting.len() == self.level.floor as usize {
                 let Some(outer) = self.around.pop() else {
                     return Place::Nowhere;
                 };
@@ -312,11 +320,11 @@ impl<'a, const ANY: bool> Walk<'a, ANY> {
             let Some(top) = self.waiting.pop() else {
                 return Place::Nowhere;
             };
-            if f32::from_bits((top >> 32) as u32) > self.t_max {
+            if !ANY && f32::from_bits((top >> 32) as u32) > self.t_max {
                 continue;
             }
             self.next = Child(top as u32);
-            return match (self.next.is_leaf(), self.level.packets.is_empty()) {
+            return match (self.next.is_leaf(), DEEP && self.level.packets.is_empty()) {
                 (false, _) => Place::Node,
                 (true, false) => Place::Triangles,
                 (true, true) => Place::Shape,
@@ -328,7 +336,12 @@ impl<'a, const ANY: bool> Walk<'a, ANY> {
     fn visit_node(&mut self) {
         let node = &self.level.bvh.nodes[self.next.index()];
         let (enter, met) = node.entries(&self.level.slabs, self.t_max);
-        self.lost |= push_sorted(node, enter, met, self.waiting).is_err();
+        let pushed = if ANY {
+            push_unsorted(node, met, self.waiting)
+        } else {
+            push_sorted(node, enter, met, self.waiting)
+        };
+        self.lost |= pushed.is_err();
     }
 
     #[inline(always)]
@@ -440,7 +453,7 @@ mod tests {
         let rays = [Ray::new(Vec3::ZERO, dir), Ray::new(Vec3::ZERO, -dir)];
         let mut lost = [false; 2];
         let level = |index: usize| Level::of_scene(&scene, &rays[index]);
-        walk_many::<false, 2>(level, 3, |index, walk| lost[index] = walk.lost);
+        walk_many::<false, true, 2>(level, 3, |index, walk| lost[index] = walk.lost);
         assert_eq!(lost, [true, false]);
         let alone = rays.map(|ray| scene.intersect(&ray));
         assert_eq!(alone.map(|hit| hit.map(|hit| hit.instance)), [Some(110), None]);

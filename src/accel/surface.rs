@@ -7,6 +7,7 @@ use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 
 use super::blas::Blas;
 use super::instance::{Instance, Primitive};
+use super::memory::prefetch;
 use super::tlas::{Hit, Tlas};
 use crate::geometry::local::{LocalSurface, Parametrisation};
 use crate::geometry::mesh::MeshData;
@@ -57,6 +58,33 @@ impl Tlas {
     /// The surface at `hit`, which must be what `ray` met here, with everything.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         self.surface_in(ray, hit, Detail::Parametrised)
+    }
+
+    /// Asks for the memory of the triangles that were hit, of all at once, unless it is near anyway.
+    pub(super) fn prefetch_surfaces(&self, hits: &[Option<Hit>]) {
+        if !self.is_large {
+            return;
+        }
+        let triangles = || {
+            hits.iter().flatten().filter_map(|hit| {
+                let shape = self.shape_at(hit);
+                match &shape.primitive {
+                    Primitive::Mesh(blas) => {
+                        Some((blas.mesh(), blas.mesh().triangles.get(hit.primitive as usize)?, shape))
+                    }
+                    _ => None,
+                }
+            })
+        };
+        triangles().for_each(|(_, triangle, _)| prefetch(triangle));
+        for (mesh, triangle, shape) in triangles() {
+            for &corner in triangle {
+                mesh.positions.get(corner as usize).into_iter().for_each(prefetch);
+                if !shape.face_normals {
+                    mesh.normals.get(corner as usize).into_iter().for_each(prefetch);
+                }
+            }
+        }
     }
 
     /// [`Self::surface`] with no more than `detail`.

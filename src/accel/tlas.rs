@@ -32,7 +32,7 @@ pub struct Tlas {
     /// If there are few shapes and nothing else.
     pub(super) few: Option<FewShapes>,
     /// Whether it does not fit into a cache with all its meshes and groups: rays had better wait together.
-    is_large: bool,
+    pub(super) is_large: bool,
 }
 
 /// What a leaf of the hierarchy holds.
@@ -326,18 +326,20 @@ impl Tlas {
         })
     }
 
-    /// [`Self::intersect`] for each of the lanes in `active`; None in the others.
+    /// [`Self::intersect`] for each of the lanes in `active`; None in the others. Their surfaces are expected to be asked for next.
     pub fn intersect_lanes(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
-        if let Some(few) = &self.few {
-            return few.closest::<false>(self, rays, active);
-        }
-        if self.is_large {
-            return self.intersect_many(&rays.rays(), active);
-        }
-        let mut hits = [None; LANES];
-        for lane in each_lane(active) {
-            hits[lane] = self.intersect(&rays.get(lane));
-        }
+        let hits = if let Some(few) = &self.few {
+            few.closest::<false>(self, rays, active)
+        } else if self.is_large {
+            self.intersect_many(&rays.rays(), active)
+        } else {
+            let mut hits = [None; LANES];
+            for lane in each_lane(active) {
+                hits[lane] = self.intersect(&rays.get(lane));
+            }
+            hits
+        };
+        self.prefetch_surfaces(&hits);
         hits
     }
 

@@ -8,7 +8,7 @@ use wide::f32x8;
 use super::build::MAX_DEPTH;
 use super::bvh::Bvh;
 use super::node::{Child, Node, RaySlabs, WIDTH};
-use super::order::far_to_near;
+use super::order::{far_to_near, met_first};
 use crate::math::Ray;
 
 /// The work of a traversal.
@@ -48,6 +48,21 @@ pub(super) fn push_sorted<const ROOM: usize>(
     let height = waiting.len() + met.to_bitmask().count_ones() as usize;
     let pushed: [u64; WIDTH] =
         std::array::from_fn(|lane| u64::from(sorted.entries[lane].to_bits()) << 32 | u64::from(sorted.children[lane]));
+    waiting.try_extend_from_slice(&pushed)?;
+    waiting.truncate(height);
+    Ok(())
+}
+
+/// As [`push_sorted`], but in no order and at no distance: where any hit will do.
+#[inline(always)]
+pub(super) fn push_unsorted<const ROOM: usize>(
+    node: &Node,
+    met: f32x8,
+    waiting: &mut ArrayVec<u64, ROOM>,
+) -> Result<(), CapacityError> {
+    let mask = met.to_bitmask();
+    let height = waiting.len() + mask.count_ones() as usize;
+    let pushed: [u64; WIDTH] = met_first(mask, node.children.each_ref().map(|child| child.0)).map(u64::from);
     waiting.try_extend_from_slice(&pushed)?;
     waiting.truncate(height);
     Ok(())
@@ -101,14 +116,9 @@ impl Bvh {
             if count == 1 {
                 waiting.push(u64::from(node.children[mask.trailing_zeros() as usize % WIDTH].0));
             } else if ANY {
-                // In no order: any hit will do.
-                let mut met = mask;
-                while met != 0 {
-                    waiting.push(u64::from(node.children[met.trailing_zeros() as usize % WIDTH].0));
-                    met &= met - 1;
-                }
-            } else if count > 1 {
                 // The stack is deep enough by construction.
+                let _ = push_unsorted(node, met, &mut waiting);
+            } else if count > 1 {
                 let _ = push_sorted(node, enter, met, &mut waiting);
             }
             current = loop {
