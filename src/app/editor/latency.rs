@@ -24,6 +24,8 @@ use crate::scene::{AreaLight, Emitter, Material, MeshHandle, Shape, ToWorld, Tri
 #[derive(Resource, Default)]
 pub struct FrameTimes {
     recent: VecDeque<f32>,
+    /// The last frame's whole time, see [`Frame`].
+    whole: Option<f32>,
     last: Option<Instant>,
     /// Milliseconds that the systems of the last frame took, ours and egui's, until the window was left to the thread that draws it.
     own: f32,
@@ -48,21 +50,20 @@ impl FrameTimes {
 /// What a frame took, in milliseconds.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
-    /// From its beginning to that of the next one.
-    whole: f32,
+    /// From its beginning to that of the next one; None where the window rested between them.
+    whole: Option<f32>,
     own: f32,
     /// At the same time as the next one's `own`, on a thread of its own.
     drawing: f32,
 }
 
 impl FrameTimes {
-    /// None before the second frame.
-    fn last_frame(&self) -> Option<Frame> {
-        Some(Frame {
-            whole: *self.recent.back()?,
+    fn last_frame(&self) -> Frame {
+        Frame {
+            whole: self.whole,
             own: self.own,
             drawing: 1e-3 * self.drawn.load(Ordering::Relaxed) as f32,
-        })
+        }
     }
 }
 
@@ -92,11 +93,13 @@ pub fn time_drawing(app: &mut App) {
 /// Only frames count that followed each other as fast as they could.
 pub fn time_frames(mut frames: ResMut<FrameTimes>, pacing: Res<Pacing>) {
     let now = Instant::now();
-    if let Some(last) = frames.last.replace(now).filter(|_| pacing.is_lively()) {
+    let last = frames.last.replace(now).filter(|_| pacing.is_lively());
+    frames.whole = last.map(|last| 1e3 * (now - last).as_secs_f32());
+    if let Some(whole) = frames.whole {
         if frames.recent.len() == FRAMES_KEPT {
             frames.recent.pop_front();
         }
-        frames.recent.push_back(1e3 * (now - last).as_secs_f32());
+        frames.recent.push_back(whole);
     }
 }
 
@@ -138,19 +141,39 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// Between two edits that have nothing to do with each other.
 const REST: Duration = Duration::from_millis(400);
 
-/// The command that does what is measured the given time; None where the scene has nothing to do it to.
-type Act = fn(&mut World, usize) -> Option<Command>;
+enum Act {
+    /// The command that does what is measured the given time; None where the scene has nothing to do it to.
+    Command(fn(&mut World, usize) -> Option<Command>),
+    /// Reads the file of the largest mesh again, as if it had changed: a new mesh and a new acceleration structure.
+    ReadMesh,
+}
 
 /// What is measured, and the rest before each: without one the picture moves, see [`super::motion`].
-const KINDS: [(&str, Act, Duration); 7] = [
-    ("fly", fly, REST),
-    ("fly on and on", fly, Duration::ZERO),
-    ("drag a mesh", drag, REST),
-    ("drag it on and on", drag, Duration::ZERO),
-    ("material slider", change_material, REST),
-    ("light slider", change_light, REST),
-    ("undo and redo", undo, REST),
+const KINDS: [(&str, Act, Duration); 8] = [
+    ("fly", Act::Command(fly), REST),
+    ("fly on and on", Act::Command(fly), Duration::ZERO),
+    ("drag a mesh", Act::Command(drag), REST),
+    ("drag it on and on", Act::Command(drag), Duration::ZERO),
+    ("material slider", Act::Command(change_material), REST),
+    ("light slider", Act::Command(change_light), REST),
+    ("undo and redo", Act::Command(undo), REST),
+    ("read a mesh again", Act::ReadMesh, REST),
 ];
+
+impl Act {
+    /// Does it; false where there is nothing to do it to.
+    fn begin(&self, world: &mut World, time: usize) -> bool {
+        match self {
+            Self::Command(command) => {
+                let command = command(world, time);
+                let is_possible = command.is_some();
+                world.resource_mut::<CommandQueue>().0.extend(command);
+                is_possible
+            }
+            Self::ReadMesh => read_mesh(world).is_some(),
+        }
+    }
+}
 
 impl LatencyProbe {
     pub fn new(count: u32) -> Self {
@@ -185,19 +208,16 @@ pub fn act_for_probe(world: &mut World) {
         && !probe.done
         && since.elapsed() >= KINDS[probe.kind].2
     {
-        match KINDS[probe.kind].1(world, probe.results.len() + usize::from(probe.skipped)) {
-            Some(command) => {
-                world.resource_mut::<CommandQueue>().0.push(command);
-                probe.phase = Phase::Waiting {
-                    since: Instant::now(),
-                    job: world.resource::<RenderFilm>().job,
-                    revision: world.resource::<Picture>().revision,
-                };
-            }
-            None => {
-                say(format_args!("{}: the scene has nothing for it", KINDS[probe.kind].0));
-                probe.next_kind();
-            }
+        let (name, act, _) = &KINDS[probe.kind];
+        if act.begin(world, probe.results.len() + usize::from(probe.skipped)) {
+            probe.phase = Phase::Waiting {
+                since: Instant::now(),
+                job: world.resource::<RenderFilm>().job,
+                revision: world.resource::<Picture>().revision,
+            };
+        } else {
+            say(format_args!("{name}: the scene has nothing for it"));
+            probe.next_kind();
         }
     }
     world.insert_resource(probe);
@@ -211,10 +231,10 @@ pub fn watch_probe(
     frames: Res<FrameTimes>,
     status: Res<RenderStatus>,
 ) {
+    probe.frames.push(frames.last_frame());
     let Phase::Waiting { since, job, revision } = probe.phase else {
         return;
     };
-    probe.frames.extend(frames.last_frame());
     if since.elapsed() > PATIENCE {
         // The value was there already: nothing has changed.
         probe.phase = Phase::Rest(Instant::now());
@@ -240,16 +260,18 @@ pub fn watch_probe(
         status.size.x,
         status.size.y,
     ));
-    let figures = |name: &str, part: fn(&Frame) -> f32| {
-        let times: Vec<f32> = probe.frames.iter().map(part).collect();
+    let figures = |name: &str, part: fn(&Frame) -> Option<f32>| {
+        let times: Vec<f32> = probe.frames.iter().filter_map(part).collect();
         let [median, most, worst] = [0.5, 0.95, 1.0].map(|q| of(&times, q));
         say(format_args!(
             "  {name}: median {median:.1} ms, 95 % {most:.1} ms, worst {worst:.1} ms"
         ));
     };
     figures("frames from one to the next", |frame| frame.whole);
-    figures("  of that the window's own systems", |frame| frame.own);
-    figures("  beside them the drawing thread and the driver", |frame| frame.drawing);
+    figures("  of that the window's own systems", |frame| Some(frame.own));
+    figures("  beside them the drawing thread and the driver", |frame| {
+        Some(frame.drawing)
+    });
     probe.next_kind();
 }
 
@@ -280,6 +302,13 @@ fn drag(world: &mut World, time: usize) -> Option<Command> {
         entity,
         Affine3A::from_translation(Vec3::X * by) * pose,
     )]))
+}
+
+fn read_mesh(world: &mut World) -> Option<()> {
+    let (entity, _) = largest_mesh(world)?;
+    let path = world.get::<MeshHandle>(entity)?.0.path()?.clone();
+    world.resource::<AssetServer>().reload(path);
+    Some(())
 }
 
 fn largest_mesh(world: &mut World) -> Option<(Entity, Affine3A)> {
