@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::threads::worker_count;
+use super::threads::{run_systems_in_turn, worker_count};
 use crate::engine::{EnginePlugin, RenderControl};
 use crate::scene::{OpenScene, ScenePlugin, asset_plugin};
 
@@ -14,6 +14,7 @@ pub fn headless(scene: OpenScene, threads: Option<i32>) -> App {
             threads: worker_count(threads, false),
             ..default()
         });
+    run_systems_in_turn(&mut app);
     app.world_mut().write_message(scene);
     app
 }

@@ -1,6 +1,10 @@
-//! How many threads trace rays. The one place that decides it: neither Bevy's task pools nor rayon's global pool are used for that.
+//! How many threads trace rays. The one place that decides it: neither Bevy's task pools nor rayon's global pool are used for that. And
+//! what is left to the others.
 
 use std::num::NonZeroUsize;
+
+use bevy::ecs::schedule::{Schedules, SingleThreadedExecutor};
+use bevy::prelude::*;
 
 /// More threads than the largest machines have cores; each costs memory, and the system refuses to start many more.
 const MOST_WORKERS: usize = 1024;
@@ -16,6 +20,15 @@ const MOST_WORKERS: usize = 1024;
 pub fn worker_count(requested: Option<i32>, windowed: bool) -> NonZeroUsize {
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     of_cores(cores, requested, windowed)
+}
+
+/// Lets the systems of a frame run one after the other on the thread that drives the app: most take microseconds, which is less than
+/// to wake another thread for them, and the other threads' cores trace rays.
+pub fn run_systems_in_turn(app: &mut App) {
+    let mut schedules = app.world_mut().resource_mut::<Schedules>();
+    for (_, schedule) in schedules.iter_mut() {
+        schedule.set_executor(SingleThreadedExecutor::new());
+    }
 }
 
 fn of_cores(cores: usize, requested: Option<i32>, windowed: bool) -> NonZeroUsize {

@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use super::editor::EditorPlugin;
 pub use super::editor::options::WindowOptions;
-use super::threads::worker_count;
+use super::threads::{run_systems_in_turn, worker_count};
 use crate::engine::{EnginePlugin, RenderControl};
 use crate::scene::{ScenePlugin, asset_plugin};
 
@@ -78,6 +78,7 @@ pub fn windowed(options: WindowOptions) -> App {
         })
         .add_plugins(EditorPlugin(options))
         .add_systems(Startup, keep_driver);
+    run_systems_in_turn(&mut app);
     app
 }
 
