@@ -245,7 +245,9 @@ fn render(scene: &RenderScene, view: &View, samples: u32) -> Film {
             .par_iter()
             .filter_map(|&tile| render_tile(scene, view, tile, 0..samples, &never))
             .collect();
-        finished.iter().for_each(|tile| film.add(tile));
+        for tile in &finished {
+            film.add(tile);
+        }
     }
     film
 }

@@ -63,7 +63,7 @@ fn previews_tell_what_their_blocks_see() {
     let mut film = Film::new(40, 40);
     for tile in tiles(40, 40) {
         let preview = render_preview(&scene, &look, tile, 4, &AtomicBool::new(false)).expect("not cancelled");
-        film.add_preview(&preview);
+        film.add_preview(preview);
     }
     for (x, y) in (0..40).flat_map(|y| (0..40).map(move |x| (x, y))) {
         // Tiles begin at multiples of 32, so blocks at multiples of 4; the one sample is of the third pixel.

@@ -118,7 +118,7 @@ fn unchanged_lights_give_the_picture_itself() {
     let mut film = Film::with_layers(24, 24, 3);
     for tile in tiles(24, 24) {
         let preview = render_preview(&scene, &look, tile, 4, &AtomicBool::new(false)).expect("not cancelled");
-        film.add_preview(&preview);
+        film.add_preview(preview);
     }
     assert_same_sums(&film);
 }

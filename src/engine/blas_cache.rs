@@ -176,16 +176,14 @@ impl BlasCache {
             failure: None,
             used: true,
         };
-        let (mut data, method) = (data.clone(), policy.method);
-        if matches!(key, MeshKey::Asset { upside_down: true, .. }) {
-            Arc::make_mut(&mut data).flip_tex_coords();
-        }
+        let (data, method) = (data.clone(), policy.method);
+        let upside_down = matches!(key, MeshKey::Asset { upside_down: true, .. });
         if data.triangles.len() <= SMALL {
-            entry.finish(build(data, method));
+            entry.finish(build(data, upside_down, method));
         } else {
             let (sender, wake_up) = (self.sender.clone(), policy.wake_up.clone());
             let task = move || {
-                let result = build(data, method);
+                let result = build(data, upside_down, method);
                 // Nobody is left to hear of it when the application ends.
                 let _ = sender.send(Finished { key, ticket, result });
                 if let Some(wake) = wake_up.0 {
@@ -211,7 +209,8 @@ impl BlasCache {
         }
     }
 
-    fn pool(&mut self, threads: usize) -> Result<&ThreadPool, String> {
+    /// The pool of so many threads, in place of one with another number.
+    pub fn pool(&mut self, threads: usize) -> Result<&ThreadPool, String> {
         let pool = match self.pool.take() {
             Some(pool) if pool.current_num_threads() == threads => pool,
             _ => rayon::ThreadPoolBuilder::new()
@@ -234,8 +233,11 @@ impl Entry {
     }
 }
 
-fn build(data: Arc<MeshData>, method: SplitMethod) -> Result<BuiltMesh, String> {
+fn build(mut data: Arc<MeshData>, upside_down: bool, method: SplitMethod) -> Result<BuiltMesh, String> {
     let begin = Instant::now();
+    if upside_down {
+        Arc::make_mut(&mut data).flip_tex_coords();
+    }
     let slots = data
         .material_of_triangle
         .iter()

@@ -5,6 +5,7 @@ use rayon::ThreadPool;
 
 use super::blas_cache::BlasCache;
 use super::control::{RenderControl, WakeUp};
+use super::discard::Discard;
 use super::extract::Extracted;
 use super::film::RenderFilm;
 use super::goal::Goal;
@@ -35,7 +36,7 @@ impl Renderer {
     }
 
     /// A pool of so many threads, in place of one with another number; `yielding` to the window where there is one.
-    fn prepare_pool(&mut self, threads: usize, yielding: bool) {
+    pub fn prepare_pool(&mut self, threads: usize, yielding: bool) {
         if self
             .pool
             .as_ref()
@@ -68,6 +69,7 @@ pub(super) struct Demand<'w> {
     cache: Res<'w, BlasCache>,
     scene_status: Res<'w, SceneStatus>,
     wake_up: Res<'w, WakeUp>,
+    discard: Res<'w, Discard>,
 }
 
 pub(super) fn dispatch_job(
@@ -115,7 +117,10 @@ pub(super) fn dispatch_job(
             (true, _) => Beginning::preview(control.motion_scale),
         };
         // The old job goes first, so that its workers stop while the new one is being set up.
-        *job = None;
+        if let Some(old) = job.take() {
+            old.cancel();
+            demand.discard.discard(old);
+        }
         let new = Job::new(
             demand.extracted.scene.clone(),
             view,

@@ -14,6 +14,7 @@ use super::blas_cache::{BlasCache, BuildPolicy, MeshKey};
 use super::control::{RenderControl, WakeUp};
 use super::current::CurrentScene;
 use super::detect::Dirty;
+use super::discard::Discard;
 use super::dispatch::Renderer;
 use super::light_groups::{LightGroup, group_lights};
 use super::pack::Checker;
@@ -131,6 +132,7 @@ pub(super) fn extract_scene(
     renderer: Res<Renderer>,
     control: Res<RenderControl>,
     wake_up: Res<WakeUp>,
+    discard: Res<Discard>,
     authored: Authored,
 ) {
     if cache.poll() {
@@ -170,12 +172,13 @@ pub(super) fn extract_scene(
     if !same {
         extracted.since = extracted.since.or(dirty.since);
     }
-    *current = CurrentScene {
+    let now = CurrentScene {
         scene: Some(extracted.scene.clone()),
         entity_of_instance: extracted.entity_of_instance.clone(),
         material_of_entity: extracted.material_of_entity.clone(),
         view: extracted.view.clone(),
     };
+    discard.discard((old, std::mem::replace(&mut *current, now)));
     *dirty = Dirty::NOTHING;
 }
 

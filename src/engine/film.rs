@@ -7,8 +7,7 @@ use std::time::Instant;
 use bevy::prelude::*;
 
 use crate::render::film::Film;
-use crate::render::tile::Tile;
-use crate::render::view::View;
+use crate::render::tile::{Tile, TilePreview};
 
 use super::job::Job;
 use super::light_groups::LightGroup;
@@ -41,28 +40,20 @@ impl RenderFilm {
         !self.dirty.is_empty()
     }
 
-    fn has_room_for(&self, view: &View) -> bool {
-        let film = &self.film;
-        (film.width(), film.height(), film.layer_count()) == (view.width, view.height, view.light_groups.count())
-    }
-
-    /// Makes room for the job, unless that was done before.
-    pub(super) fn begin(&mut self, job: &Job) {
+    /// Makes room for the job, unless that was done before. Returns the previews of the picture before.
+    pub(super) fn begin(&mut self, job: &Job) -> Vec<Option<TilePreview>> {
         if self.begun == Some(job.begun) {
-            return;
+            return Vec::new();
         }
         let view = &job.view;
-        if self.has_room_for(view) {
-            self.film.clear();
-        } else {
-            self.film = Film::with_layers(view.width, view.height, view.light_groups.count());
-        }
+        let old = self.film.begin(view.width, view.height, view.light_groups.count());
         self.light_groups = job.light_groups.clone();
         self.is_coarse = job.is_coarse;
         self.begun = Some(job.begun);
         self.job += 1;
         self.samples = 0;
         self.dirty.clear();
+        old
     }
 
     pub(super) fn mark(&mut self, tile: Tile) {

@@ -9,6 +9,7 @@ use bevy::math::{Rect, UVec2};
 use crossbeam_channel::TryRecvError;
 use rayon::ThreadPool;
 
+use super::discard::Discard;
 use super::film::RenderFilm;
 use super::goal::{Goal, StopReason};
 use super::light_groups::LightGroup;
@@ -17,7 +18,7 @@ use super::schedule::{WorkItem, WorkQueue, sort_from_center, tiles_in};
 use super::wake::Waker;
 use crate::render::noise::PictureNoise;
 use crate::render::scene::RenderScene;
-use crate::render::tile::{Tile, TileSamples, render_preview, render_tile, tiles};
+use crate::render::tile::{Tile, TilePreview, TileSamples, render_preview, render_tile, tiles};
 use crate::render::view::View;
 
 /// How a picture begins.
@@ -42,6 +43,13 @@ impl Beginning {
             step => Self::Preview(step),
         }
     }
+}
+
+/// What has been taken over.
+#[derive(Default)]
+struct Spent {
+    samples: Vec<TileSamples>,
+    previews: Vec<Option<TilePreview>>,
 }
 
 pub(super) struct Job {
@@ -238,6 +246,13 @@ impl Job {
         }
     }
 
+    /// Tells the workers to stop; to be dropped soon.
+    pub fn cancel(&self) {
+        if let Some(run) = &self.run {
+            run.cancel();
+        }
+    }
+
     /// Makes the begun pass the last one.
     pub fn finish_pass(&self) -> Option<u32> {
         self.run.as_ref().map(|run| run.queue.finish_pass())
@@ -254,22 +269,24 @@ impl Job {
     }
 
     /// Puts what has arrived into the film, until `deadline`. Returns how many tiles that were.
-    pub fn collect(&mut self, film: &mut RenderFilm, deadline: Instant) -> usize {
+    /// What is needed no more goes into `discard`.
+    pub fn collect(&mut self, film: &mut RenderFilm, deadline: Instant, discard: &Discard) -> usize {
         let mut collected = 0;
+        let mut spent = Spent::default();
         while let Some(run) = &self.run {
             match run.results.try_recv() {
                 Ok(TileResult::Preview(preview)) => {
-                    film.begin(self);
+                    spent.previews.extend(film.begin(self));
                     self.rays += preview.rays;
                     self.preview_left -= 1;
-                    film.film.add_preview(&preview);
                     film.mark(preview.tile);
+                    film.film.add_preview(preview);
                     collected += 1;
                 }
                 Ok(TileResult::Samples { index, samples }) => {
-                    film.begin(self);
+                    spent.previews.extend(film.begin(self));
                     self.early.insert((index, samples.samples.start), samples);
-                    self.add_in_order(index, film);
+                    self.add_in_order(index, film, &mut spent);
                     collected += 1;
                 }
                 Ok(TileResult::Failed(text)) => {
@@ -284,21 +301,23 @@ impl Job {
             }
         }
         if collected > 0 {
+            discard.discard(spent);
             film.samples = self.least_samples();
             self.noise = self.noise_of_tiles.relative(self.active.iter().copied());
         }
         collected
     }
 
-    fn add_in_order(&mut self, index: usize, film: &mut RenderFilm) {
+    fn add_in_order(&mut self, index: usize, film: &mut RenderFilm, spent: &mut Spent) {
         while let Some(samples) = self.early.remove(&(index, self.done[index])) {
-            film.film.add(&samples);
+            spent.previews.push(film.film.add(&samples));
             film.mark(samples.tile);
             self.noise_of_tiles.update(index, &film.film, samples.tile);
             self.done[index] = samples.samples.end;
             self.rays += samples.rays;
             self.invalid += u64::from(samples.invalid);
             self.samples += samples.samples.len() as u64 * samples.pixels.len() as u64;
+            spent.samples.push(samples);
         }
     }
 }

@@ -8,6 +8,7 @@ mod collect;
 pub mod control;
 pub mod current;
 mod detect;
+mod discard;
 mod dispatch;
 mod extract;
 pub mod film;
@@ -65,6 +66,7 @@ impl Plugin for EnginePlugin {
             .init_resource::<InputStamp>()
             .init_resource::<WakeUp>()
             .init_resource::<detect::Dirty>()
+            .init_resource::<discard::Discard>()
             .init_resource::<extract::Extracted>()
             .init_resource::<blas_cache::BlasCache>()
             .init_resource::<dispatch::Renderer>()
@@ -91,5 +93,17 @@ impl Plugin for EnginePlugin {
                     report::report_status.in_set(EngineSystems::Report),
                 ),
             );
+    }
+
+    /// Starts the threads that handle much memory before those that others start in the first frame: the C library has but few heaps for a
+    /// machine of few cores, and threads that come late share theirs with the window's, which then waits whenever a large piece is
+    /// given back.
+    fn finish(&self, app: &mut App) {
+        let control = app.world().resource::<RenderControl>().clone();
+        let mut renderer = app.world_mut().resource_mut::<dispatch::Renderer>();
+        renderer.prepare_pool(control.threads.get(), control.interactive);
+        let mut cache = app.world_mut().resource_mut::<blas_cache::BlasCache>();
+        // What fails here fails again where it is needed, and is told there.
+        let _ = cache.pool(control.threads.get());
     }
 }

@@ -19,6 +19,8 @@ use crate::render::tile::{TilePreview, TileSamples};
 /// Results that may wait to be collected, some 50 kB each. A preview is a fraction of that and has room as a whole, so that workers do
 /// not wait for the next frame in the middle of it.
 const CAPACITY: usize = 256;
+/// What one of many workers has done until the next frame.
+const ROOM_PER_WORKER: usize = 16;
 const LARGEST_CAPACITY: usize = 2048;
 
 /// What a worker sends; `index` is the tile's place in the job's list.
@@ -60,9 +62,10 @@ struct Shared {
 impl Run {
     /// Sets all threads of `pool` to work. `preview_items`: how many of the queue's items are previews.
     pub fn start(pool: &ThreadPool, queue: WorkQueue, preview_items: usize, work: Box<Work>, waker: Waker) -> Self {
-        let capacity = (CAPACITY + preview_items).min(LARGEST_CAPACITY);
-        let (sender, results) = bounded(capacity);
         let workers = pool.current_num_threads();
+        let capacity = CAPACITY.max(ROOM_PER_WORKER * workers) + preview_items;
+        let capacity = capacity.min(LARGEST_CAPACITY);
+        let (sender, results) = bounded(capacity);
         let shared = Arc::new(Shared {
             cancel: Arc::new(AtomicBool::new(false)),
             queue: Arc::new(queue),
@@ -84,11 +87,15 @@ impl Run {
             results,
         }
     }
+
+    pub fn cancel(&self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
 }
 
 impl Drop for Run {
     fn drop(&mut self) {
-        self.cancel.store(true, Ordering::Relaxed);
+        self.cancel();
     }
 }
 

@@ -5,17 +5,22 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::scene::FirstHit;
-use super::tile::{PixelSum, Tile, TilePreview, TileSamples};
+use super::tile::{PixelSum, TILE, Tile, TilePreview, TileSamples, tiles};
 use crate::color::{Rgb, luminance};
 
-/// Row-major from the top left.
+/// A film of a size this many times smaller than memory was taken for gives that back.
+const TOO_MUCH: usize = 16;
+
+/// The pixels of a tile lie together, row by row in rows of [`TILE`], for samples come tile by tile; at the right and lower edge some are
+/// no pixels of the picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Film {
     width: u32,
     height: u32,
     sums: Vec<PixelSum>,
     counts: Vec<u32>,
-    has_preview: Vec<bool>,
+    /// Of each tile of the picture that has no samples yet.
+    previews: Vec<Option<TilePreview>>,
     /// Light groups that have a layer each.
     layer_count: usize,
     /// Per pixel the sums of the layers, side by side.
@@ -30,23 +35,27 @@ impl Film {
 
     /// A film that keeps, beside the whole, the light of `layer_count` groups of lights each for itself.
     pub fn with_layers(width: u32, height: u32, layer_count: usize) -> Self {
-        let pixels = width as usize * height as usize;
-        Self {
-            width,
-            height,
-            sums: vec![PixelSum::default(); pixels],
-            counts: vec![0; pixels],
-            has_preview: vec![false; pixels],
-            layer_count,
-            layers: vec![Rgb::ZERO; pixels * layer_count],
-            first_hits: vec![None; pixels],
-        }
+        let mut film = Self::default();
+        film.begin(width, height, layer_count);
+        film
     }
 
-    /// Makes it as new without giving its memory back; cheaper than a new one by an order of magnitude.
-    pub fn clear(&mut self) {
-        self.counts.fill(0);
-        self.has_preview.fill(false);
+    /// Makes it as new, of whatever size, in the memory that it has if that is enough and not far too much: to have pages given and
+    /// taken by the system costs more than to fill them. Returns the previews that it had.
+    pub fn begin(&mut self, width: u32, height: u32, layer_count: usize) -> Vec<Option<TilePreview>> {
+        let tiles = width.div_ceil(TILE) as usize * height.div_ceil(TILE) as usize;
+        let pixels = tiles * (TILE * TILE) as usize;
+        if self.sums.capacity() / TOO_MUCH > pixels {
+            *self = Self::default();
+        }
+        (self.width, self.height, self.layer_count) = (width, height, layer_count);
+        // What lies there from before is not looked at where there is no sample.
+        self.sums.resize(pixels, PixelSum::default());
+        self.layers.resize(pixels * layer_count, Rgb::ZERO);
+        self.first_hits.resize(pixels, None);
+        self.counts.clear();
+        self.counts.resize(pixels, 0);
+        std::mem::replace(&mut self.previews, vec![None; tiles])
     }
 
     pub fn width(&self) -> u32 {
@@ -57,8 +66,9 @@ impl Film {
         self.height
     }
 
-    /// Adds finished samples. For the same bits in every run, those of one tile must come in the order of their sample ranges.
-    pub fn add(&mut self, result: &TileSamples) {
+    /// Adds finished samples. For the same bits in every run, those of one tile must come in the order of their sample ranges. Returns the
+    /// preview that they replace.
+    pub fn add(&mut self, result: &TileSamples) -> Option<TilePreview> {
         let count = result.samples.len() as u32;
         let (tile, width) = (result.tile, result.tile.width as usize);
         for (y, place) in (tile.y..).zip((0..result.pixels.len()).step_by(width)) {
@@ -78,6 +88,8 @@ impl Film {
                 *samples += count;
             }
         }
+        let place = self.tile_index(tile.x, tile.y);
+        self.previews[place].take_if(|preview| preview.tile == tile)
     }
 
     /// Before the samples of these pixels are counted.
@@ -99,32 +111,28 @@ impl Film {
         })
     }
 
-    /// Shows a coarse picture in those pixels of the tile that have no sample yet.
-    pub fn add_preview(&mut self, preview: &TilePreview) {
-        let tile = preview.tile;
-        let blocks_per_row = tile.width.div_ceil(preview.step);
-        for (place, index) in self.indices(tile).enumerate() {
-            if self.counts[index] > 0 {
-                continue;
-            }
-            let (x, y) = (place as u32 % tile.width, place as u32 / tile.width);
-            let block = ((y / preview.step) * blocks_per_row + x / preview.step) as usize;
-            self.sums[index] = preview.blocks[block];
-            self.first_hits[index] = preview.first_hits[block];
-            let layers = &mut self.layers[index * self.layer_count..][..self.layer_count];
-            layers.copy_from_slice(&preview.layers[block * self.layer_count..][..self.layer_count]);
-            self.has_preview[index] = true;
-        }
+    /// Shows a coarse picture in those pixels of the tile that have no sample yet. It stays as it is: to write it out pixel by pixel
+    /// takes as long as a frame may.
+    pub fn add_preview(&mut self, preview: TilePreview) {
+        let place = self.tile_index(preview.tile.x, preview.tile.y);
+        self.previews[place] = Some(preview);
     }
 
-    fn indices(&self, tile: Tile) -> impl Iterator<Item = usize> + Clone + use<> {
-        let width = self.width as usize;
-        (tile.y..tile.y + tile.height)
-            .flat_map(move |y| (tile.x..tile.x + tile.width).map(move |x| y as usize * width + x as usize))
+    /// The preview's block around a pixel that has no sample yet.
+    fn preview(&self, x: u32, y: u32) -> Option<(&TilePreview, usize)> {
+        let preview = self.previews[self.tile_index(x, y)].as_ref()?;
+        let (tile, step) = (preview.tile, preview.step);
+        let block = (y - tile.y) / step * tile.width.div_ceil(step) + (x - tile.x) / step;
+        Some((preview, block as usize))
+    }
+
+    /// Of the picture's [`tiles`] the one with this pixel.
+    fn tile_index(&self, x: u32, y: u32) -> usize {
+        (y / TILE) as usize * self.width.div_ceil(TILE) as usize + (x / TILE) as usize
     }
 
     fn index(&self, x: u32, y: u32) -> usize {
-        y as usize * self.width as usize + x as usize
+        self.tile_index(x, y) * (TILE * TILE) as usize + (y % TILE * TILE + x % TILE) as usize
     }
 
     /// Samples of one pixel.
@@ -134,20 +142,22 @@ impl Film {
 
     /// Samples of the pixel that has most.
     pub fn most_samples(&self) -> u32 {
+        // Beside the picture there are none.
         self.counts.iter().copied().max().unwrap_or(0)
     }
 
     /// Samples that every pixel has.
     pub fn sample_count(&self) -> u32 {
-        self.counts.iter().copied().min().unwrap_or(0)
+        let rows = tiles(self.width, self.height).into_iter();
+        let least = |tile| self.rows(tile).flat_map(|(_, counts)| counts).copied().min();
+        rows.filter_map(least).min().unwrap_or(0)
     }
 
     /// The mean over a pixel's samples, or its preview; None when there is nothing to show yet.
     pub fn pixel(&self, x: u32, y: u32) -> Option<PixelSum> {
         let index = self.index(x, y);
         match self.counts[index] {
-            0 if self.has_preview[index] => Some(self.sums[index]),
-            0 => None,
+            0 => self.preview(x, y).map(|(preview, block)| preview.blocks[block]),
             count => Some(mean(&self.sums[index], count)),
         }
     }
@@ -155,8 +165,12 @@ impl Film {
     /// What a pixel's sample 0, or until that is there its preview, met first; None where that is nothing or there is none yet.
     pub fn first_hit(&self, x: u32, y: u32) -> Option<FirstHit> {
         let index = self.index(x, y);
-        let has_any = self.counts[index] > 0 || self.has_preview[index];
-        self.first_hits[index].filter(|_| has_any)
+        match self.counts[index] {
+            0 => self
+                .preview(x, y)
+                .and_then(|(preview, block)| preview.first_hits[block]),
+            _ => self.first_hits[index],
+        }
     }
 
     pub fn layer_count(&self) -> usize {
@@ -166,15 +180,29 @@ impl Film {
     /// What [`Self::pixel`] would have for its radiance if the light of each group were multiplied by its factor; for groups without a
     /// factor that is 1. Without layers or without factors it is just that.
     pub fn mixed_pixel(&self, x: u32, y: u32, factors: &[Rgb]) -> Option<Rgb> {
-        let pixel = self.pixel(x, y)?;
-        if self.layer_count == 0 || factors.is_empty() {
-            return Some(pixel.radiance);
-        }
         let index = self.index(x, y);
-        let layers = &self.layers[index * self.layer_count..][..self.layer_count];
+        let (radiance, layers, count) = match self.counts[index] {
+            0 => {
+                let (preview, block) = self.preview(x, y)?;
+                (
+                    preview.blocks[block].radiance,
+                    &preview.layers[block * self.layer_count..],
+                    1,
+                )
+            }
+            count => (
+                self.sums[index].radiance,
+                &self.layers[index * self.layer_count..],
+                count,
+            ),
+        };
+        if self.layer_count == 0 || factors.is_empty() {
+            return Some(radiance * (1.0 / count as f32));
+        }
+        let layers = &layers[..self.layer_count];
         let factors = factors.iter().copied().chain(std::iter::repeat(Rgb::ONE));
         let sum: Rgb = layers.iter().zip(factors).map(|(&light, factor)| light * factor).sum();
-        Some(sum / self.counts[index].max(1) as f32)
+        Some(sum / count as f32)
     }
 
     /// [`Self::mixed_pixel`] of the whole picture; black where there is none yet.
@@ -212,15 +240,11 @@ impl Film {
         Some(squared_error.sqrt())
     }
 
-    fn means<T: Clone>(&self, of: impl Fn(PixelSum) -> T) -> Vec<T> {
-        let empty = PixelSum::default();
-        let sums = self.sums.iter().zip(&self.counts).zip(&self.has_preview);
-        sums.map(|((sum, &count), &has_preview)| match count {
-            // What lies there is of a picture before `clear`.
-            0 if !has_preview => of(empty),
-            count => of(mean(sum, count.max(1))),
-        })
-        .collect()
+    fn means<T>(&self, of: impl Fn(PixelSum) -> T) -> Vec<T> {
+        (0..self.height)
+            .flat_map(|y| (0..self.width).map(move |x| (x, y)))
+            .map(|(x, y)| of(self.pixel(x, y).unwrap_or_default()))
+            .collect()
     }
 }
 
@@ -252,7 +276,6 @@ mod tests {
 
     use super::*;
     use crate::material::MaterialId;
-    use crate::render::tile::tiles;
 
     fn hit(instance: u32) -> FirstHit {
         FirstHit {
@@ -305,7 +328,7 @@ mod tests {
             radiance: Rgb::splat(9.0),
             ..PixelSum::default()
         };
-        film.add_preview(&TilePreview {
+        film.add_preview(TilePreview {
             tile: left,
             step: 4,
             blocks: vec![block; 16],
@@ -325,9 +348,45 @@ mod tests {
         assert_eq!((film.samples(0, 0), film.sample_count()), (4, 0));
         film.add(&samples(right, 0..4, 1.0));
         assert_eq!(film.sample_count(), 4);
-        film.clear();
+        film.begin(40, 8, 0);
         assert_eq!((film.pixel(0, 0), film.sample_count()), (None, 0));
         assert_eq!(film.first_hit(0, 0), None);
         assert!(film.radiance().iter().all(|&radiance| radiance == Rgb::ZERO));
+    }
+
+    #[test]
+    fn a_film_of_another_size_has_nothing_of_the_old_picture() {
+        let mut film = Film::new(40, 8);
+        for (width, height, layers) in [(16, 8, 2), (40, 33, 0), (2, 2, 1)] {
+            for tile in tiles(film.width(), film.height()) {
+                let pixels = (tile.width * tile.height) as usize;
+                film.add(&TileSamples {
+                    layers: vec![Rgb::ONE; pixels * film.layer_count()],
+                    ..samples(tile, 0..2, 1.0)
+                });
+            }
+            film.begin(width, height, layers);
+            assert_eq!(
+                (film.width(), film.height(), film.layer_count()),
+                (width, height, layers)
+            );
+            assert_eq!(film.radiance(), vec![Rgb::ZERO; (width * height) as usize]);
+            assert!((0..width).all(|x| film.pixel(x, height - 1).is_none() && film.first_hit(x, 0).is_none()));
+            for tile in tiles(width, height) {
+                let pixels = (tile.width * tile.height) as usize;
+                film.add(&TileSamples {
+                    layers: vec![Rgb::splat(0.5); pixels * layers],
+                    ..samples(tile, 0..1, 0.5)
+                });
+            }
+            // As of a new film.
+            assert_eq!(film.radiance(), vec![Rgb::splat(0.5); (width * height) as usize]);
+            let doubled = vec![Rgb::splat(2.0); layers];
+            let expected = if layers > 0 { layers as f32 } else { 0.5 };
+            assert_eq!(
+                film.mixed(&doubled),
+                vec![Rgb::splat(expected); (width * height) as usize]
+            );
+        }
     }
 }

@@ -12,6 +12,7 @@ use bevy_egui::egui::{Color32, Mesh, Rect, pos2};
 use super::selection::Selection;
 use crate::engine::{CurrentScene, RenderFilm};
 use crate::render::film::Film;
+use crate::render::tile::{Tile, tiles};
 
 /// How a thing stands out. Where two meet, the later one shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -68,21 +69,34 @@ const NOTHING: u32 = u32::MAX;
 const MOST_RUNS: usize = 60_000;
 
 impl SeenInstances {
-    pub fn update(&mut self, film: &Film) {
-        let (width, height) = (film.width(), film.height());
-        if (self.width, self.height) != (width, height) {
-            *self = self.resized(width, height);
-        }
-        let mut instances = self.instances.iter_mut();
-        for y in 0..height {
-            for (x, seen) in (0..width).zip(&mut instances) {
-                match film.first_hit(x, y) {
-                    Some(hit) => *seen = hit.instance,
-                    None if film.samples(x, y) > 0 => *seen = NOTHING,
-                    None => {}
+    /// Looks at those of the film's tiles; true if something else is seen.
+    pub fn update(&mut self, film: &Film, tiles: &[Tile]) -> bool {
+        let mut changed = false;
+        for tile in tiles {
+            for y in tile.y..tile.y + tile.height {
+                let start = (y * self.width + tile.x) as usize;
+                let row = &mut self.instances[start..start + tile.width as usize];
+                for (x, seen) in (tile.x..).zip(row) {
+                    let now = match film.first_hit(x, y) {
+                        Some(hit) => hit.instance,
+                        None if film.samples(x, y) > 0 => NOTHING,
+                        None => *seen,
+                    };
+                    changed |= now != *seen;
+                    *seen = now;
                 }
             }
         }
+        changed
+    }
+
+    /// Becomes as large as the film; true if it was not.
+    fn fit(&mut self, film: &Film) -> bool {
+        let differs = (self.width, self.height) != (film.width(), film.height());
+        if differs {
+            *self = self.resized(film.width(), film.height());
+        }
+        differs
     }
 
     /// Seen at another resolution.
@@ -166,20 +180,21 @@ pub struct SelectionOutline {
     /// Of the scene that the film is of.
     entity_of_instance: Arc<[Entity]>,
     film_job: Option<u64>,
+    /// With the revision of the picture.
     made_from: Option<(Selection, Option<Entity>, u64)>,
     /// The job whose pixels are all there.
     complete_job: Option<u64>,
 }
 
 impl SelectionOutline {
-    /// `revision` counts the changes of the picture.
+    /// `revision` counts the changes of the picture; `changed`: where the film had something new in the last of them.
     pub fn update(
         &mut self,
         film: &RenderFilm,
         current: &CurrentScene,
         selection: &Selection,
         hovered: Option<Entity>,
-        revision: u64,
+        (revision, changed): (u64, &[Tile]),
     ) {
         // The scene may be ahead of the picture.
         let is_known = self.film_job == Some(film.job);
@@ -187,17 +202,32 @@ impl SelectionOutline {
             self.film_job = Some(film.job);
             self.entity_of_instance = current.entity_of_instance.clone();
         }
-        let is_same = |(was, was_hovered, seen): &(Selection, Option<Entity>, u64)| {
-            was == selection && *was_hovered == hovered && (*seen == revision || self.complete_job == Some(film.job))
-        };
-        if is_known && self.made_from.as_ref().is_some_and(is_same) {
+        let is_complete = self.complete_job == Some(film.job);
+        let before = self.made_from.as_ref().map(|(.., revision)| *revision);
+        let mut is_same = is_known
+            && (self.made_from.as_ref())
+                .is_some_and(|(was, was_hovered, _)| was == selection && *was_hovered == hovered);
+        if is_same && (is_complete || before == Some(revision)) {
             return;
         }
-        if self.complete_job != Some(film.job) {
-            self.seen.update(&film.film);
-            self.complete_job = (film.film.sample_count() > 0).then_some(film.job);
+        if !is_complete {
+            let has_all = film.film.sample_count() > 0;
+            let is_new_size = self.seen.fit(&film.film);
+            // Tiles may have come since that revision: in the end all are looked at.
+            let is_next = is_known && !is_new_size && !has_all && before.is_some_and(|before| before + 1 == revision);
+            let sees_else = if is_next {
+                self.seen.update(&film.film, changed)
+            } else {
+                self.seen
+                    .update(&film.film, &tiles(film.film.width(), film.film.height()))
+            };
+            is_same &= !sees_else && !is_new_size;
+            self.complete_job = has_all.then_some(film.job);
         }
         self.made_from = Some((selection.clone(), hovered, revision));
+        if is_same {
+            return;
+        }
         self.runs.clear();
         if !selection.is_empty() || hovered.is_some() {
             let others = hovered.filter(|entity| !selection.contains(*entity));
@@ -241,6 +271,9 @@ impl SelectionOutline {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::material::MaterialId;
+    use crate::render::scene::FirstHit;
+    use crate::render::tile::{PixelSum, TileSamples};
 
     /// Eight by six pixels: instance 1 is a block of three by two from (2, 2), instance 0 touches it on the right, the rest shows nothing.
     fn seen() -> SeenInstances {
@@ -300,6 +333,36 @@ mod tests {
                 .filter(|run| run.y == 2)
                 .all(|run| (run.from, run.to) == (1, 7))
         );
+    }
+
+    #[test]
+    fn tiles_that_changed_are_enough() {
+        let mut film = Film::new(40, 8);
+        let all = tiles(40, 8);
+        let mut seen = SeenInstances::default();
+        assert!(seen.fit(&film) && !seen.fit(&film));
+        let hit = FirstHit {
+            instance: 3,
+            material: MaterialId(0),
+            uv: Vec2::ZERO,
+        };
+        for (tile, hits) in [(all[0], vec![Some(hit); 256]), (all[1], vec![None; 64])] {
+            film.add(&TileSamples {
+                tile,
+                samples: 0..1,
+                pixels: vec![PixelSum::default(); hits.len()],
+                layers: Vec::new(),
+                first_hits: hits,
+                rays: 0,
+                invalid: 0,
+            });
+        }
+        let everything = |seen: &SeenInstances| seen.instances_in(Vec2::ZERO, Vec2::ONE);
+        // Nothing was known there, and nothing is there.
+        assert!(!seen.update(&film, &all[1..]) && everything(&seen).is_empty());
+        assert!(seen.update(&film, &all[..1]) && everything(&seen) == HashSet::from([3]));
+        assert!(!seen.update(&film, &all), "all of it is known");
+        assert!(seen.instances_in(Vec2::new(0.8, 0.0), Vec2::ONE).is_empty());
     }
 
     #[test]

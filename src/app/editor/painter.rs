@@ -118,28 +118,31 @@ impl<'a> Painter<'a> {
             for y in tile.y..tile.y + tile.height {
                 for x in tile.x..tile.x + tile.width {
                     let start = 4 * (y as usize * width + x as usize);
-                    let (Some(pixel), Some(target)) = (self.film.pixel(x, y), rgba.get_mut(start..start + 4)) else {
+                    let Some(color) = self.color(x, y, &mut last) else {
                         continue;
                     };
-                    let color = if self.mode.is_light() {
-                        let radiance = match self.scales.mix.as_slice() {
-                            [] => pixel.radiance,
-                            mix => self.film.mixed_pixel(x, y, mix).unwrap_or_default(),
-                        };
-                        let comparison = self.comparison.as_ref();
-                        let radiance = comparison.map_or(radiance, |comparison| comparison.pixel(x, y, radiance));
-                        if radiance != last.0 {
-                            last = (radiance, self.tone.encode(radiance));
-                        }
-                        last.1
-                    } else {
-                        self.encode(x, y, &pixel)
+                    let Some(target) = rgba.get_mut(start..start + 4) else {
+                        continue;
                     };
                     let [r, g, b] = color;
                     target.copy_from_slice(&[r, g, b, u8::MAX]);
                 }
             }
         }
+    }
+
+    /// None where the film has nothing yet; `last`: the light that was encoded before, and its colour.
+    fn color(&self, x: u32, y: u32, last: &mut (Rgb, [u8; 3])) -> Option<[u8; 3]> {
+        if !self.mode.is_light() {
+            return Some(self.encode(x, y, &self.film.pixel(x, y)?));
+        }
+        let radiance = self.film.mixed_pixel(x, y, &self.scales.mix)?;
+        let comparison = self.comparison.as_ref();
+        let radiance = comparison.map_or(radiance, |comparison| comparison.pixel(x, y, radiance));
+        if radiance != last.0 {
+            *last = (radiance, self.tone.encode(radiance));
+        }
+        Some(last.1)
     }
 
     /// Of what is no light.
@@ -234,7 +237,7 @@ mod tests {
     fn only_pixels_with_something_to_show_are_painted() {
         let mut film = Film::new(64, 32);
         let tiles = tiles(64, 32);
-        film.add_preview(&TilePreview {
+        film.add_preview(TilePreview {
             tile: tiles[1],
             step: 32,
             blocks: vec![PixelSum {
@@ -267,7 +270,7 @@ mod tests {
     fn preview(block: impl Fn(u32) -> (PixelSum, Option<FirstHit>)) -> Film {
         let mut film = Film::new(32, 32);
         let (blocks, first_hits) = (0..16).map(block).unzip();
-        film.add_preview(&TilePreview {
+        film.add_preview(TilePreview {
             tile: tiles(32, 32)[0],
             step: 8,
             blocks,

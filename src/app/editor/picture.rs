@@ -15,7 +15,7 @@ use super::painter::{self, Painter, Scales};
 use super::state::EditorState;
 use crate::color::Rgb;
 use crate::engine::RenderFilm;
-use crate::render::tile::tiles;
+use crate::render::tile::{Tile, tiles};
 
 #[derive(Resource)]
 pub struct Picture {
@@ -29,6 +29,8 @@ pub struct Picture {
     job: u64,
     /// Counts changes of pixels.
     pub revision: u64,
+    /// Where the film had something new in the last of them.
+    pub changed: Vec<Tile>,
 }
 
 /// What the texture's pixels were made with.
@@ -76,6 +78,7 @@ pub fn create_picture(
         scales: Scales::default(),
         job: 0,
         revision: 0,
+        changed: Vec::new(),
     });
 }
 
@@ -150,6 +153,7 @@ pub fn update_picture(
     picture.scales = scales;
     picture.job = film.job;
     picture.revision += 1;
+    picture.changed = dirty;
 }
 
 /// The mode that a film can be shown in that has been shown as `shown`: steps are counted into a film of their own, and until that is

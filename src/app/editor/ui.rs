@@ -238,7 +238,7 @@ pub fn show_window(
         &scene.current,
         &scene.selection,
         hovered,
-        scene.picture.revision,
+        (scene.picture.revision, &scene.picture.changed),
     );
     let (targets, icons) = (scene.targets(&bounds.bounds), scene.icons());
     let placeholder = placeholder(&scene.status);
