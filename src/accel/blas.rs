@@ -21,6 +21,8 @@ pub struct Blas {
     mesh: Arc<MeshData>,
     pub(super) bvh: Bvh,
     packets: Table<TrianglePacket>,
+    /// Whether its vertex normals are those of its triangles: then nobody needs to look them up.
+    pub(super) has_flat_normals: bool,
 }
 
 /// A hit of a mesh; `u`, `v` are the barycentric weights of the triangle's corners 1 and 2.
@@ -47,7 +49,12 @@ impl Blas {
                     packet.set(lane, mesh.corners(triangle as usize), triangle);
                 }
             });
-        Self { mesh, bvh, packets }
+        Self {
+            has_flat_normals: has_flat_normals(&mesh),
+            mesh,
+            bvh,
+            packets,
+        }
     }
 
     pub fn mesh(&self) -> &Arc<MeshData> {
@@ -142,6 +149,24 @@ impl Blas {
     }
 }
 
+fn has_flat_normals(mesh: &MeshData) -> bool {
+    let is_flat = |triangle: &[u32; 3]| {
+        let corner = |k: usize| mesh.positions.get(triangle[k] as usize).copied();
+        let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else {
+            return false;
+        };
+        let normal = (b - a).cross(c - a).try_normalize();
+        // A few roundings of numbers below 1.
+        let is_like = |vertex: &u32| match (mesh.normals.get(*vertex as usize), normal) {
+            (Some(own), Some(normal)) => own.abs_diff_eq(normal, 4.0 * f32::EPSILON),
+            _ => false,
+        };
+        !is_regular([a, b, c]) || triangle.iter().all(is_like)
+    };
+    // Most meshes can be told by their first triangle.
+    mesh.triangles.first().is_some_and(is_flat) && mesh.triangles.par_iter().all(is_flat)
+}
+
 /// The box of every triangle, empty for those that are left out.
 fn triangle_bounds(mesh: &MeshData) -> Vec<Aabb> {
     let bounds = |triangle: &[u32; 3]| {
@@ -152,4 +177,27 @@ fn triangle_bounds(mesh: &MeshData) -> Vec<Aabb> {
         }
     };
     mesh.triangles.par_iter().map(bounds).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::geometry::primitives::{unit_cube, unit_triangle};
+
+    #[test]
+    fn normals_across_all_triangles_are_flat() {
+        assert!(has_flat_normals(&unit_cube()));
+        assert!(!has_flat_normals(&unit_triangle()), "it has none");
+        let mut turned = unit_cube();
+        turned.normals[23] = (turned.normals[23] + 1e-3 * Vec3::ONE).normalize();
+        assert!(!has_flat_normals(&turned));
+        let mut inward = unit_cube();
+        inward.normals.iter_mut().for_each(|normal| *normal = -*normal);
+        assert!(!has_flat_normals(&inward));
+        let mut torn = unit_cube();
+        torn.triangles[11][2] = 1000;
+        assert!(!has_flat_normals(&torn));
+    }
 }

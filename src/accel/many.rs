@@ -11,6 +11,7 @@ use super::bvh::Bvh;
 use super::instance::Primitive;
 use super::node::{Child, RaySlabs};
 use super::packet::{PacketRay, TrianglePacket};
+use super::shape_packet::ShapePacket;
 use super::tlas::{Hit, Item, Tlas};
 use super::traverse::{push_sorted, push_unsorted};
 use crate::math::Ray;
@@ -107,9 +108,6 @@ fn walk_many<'a, const ANY: bool, const DEEP: bool, const N: usize>(
     for (index, stack) in stacks.iter_mut().enumerate() {
         walks.push(Walk::new(level(index), stack));
     }
-    let Ok(walks) = <&mut [Walk<ANY, DEEP>; N]>::try_from(walks.as_mut_slice()) else {
-        return;
-    };
     let mut turns = Turns::default();
     for (index, walk) in walks.iter_mut().enumerate() {
         if active >> index & 1 == 1 {
@@ -125,7 +123,7 @@ fn walk_many<'a, const ANY: bool, const DEEP: bool, const N: usize>(
             turns.give(index, walk.go_on());
         }
         let asked = turns;
-        turns.prefetch(walks);
+        turns.prefetch(&walks);
         for index in members::<N>(now.at_triangles) {
             let walk = &mut walks[index];
             walk.visit_triangles();
@@ -136,7 +134,7 @@ fn walk_many<'a, const ANY: bool, const DEEP: bool, const N: usize>(
             walk.visit_shape();
             turns.give(index, walk.go_on());
         }
-        turns.without(asked).prefetch(walks);
+        turns.without(asked).prefetch(&walks);
     }
     for index in members::<N>(active) {
         finish(index, &walks[index]);
@@ -178,7 +176,7 @@ impl Turns {
 
     /// Asks for the memory that the rays need, but for shapes.
     #[inline(always)]
-    fn prefetch<const ANY: bool, const DEEP: bool, const N: usize>(self, walks: &[Walk<ANY, DEEP>; N]) {
+    fn prefetch<const ANY: bool, const DEEP: bool, const N: usize>(self, walks: &ArrayVec<Walk<ANY, DEEP>, N>) {
         for index in members::<N>(self.at_nodes) {
             let walk = &walks[index];
             if let Some(node) = walk.level.bvh.nodes.get(walk.next.index()) {
@@ -379,12 +377,7 @@ impl<'a, const ANY: bool, const DEEP: bool> Walk<'a, ANY, DEEP> {
                 });
                 return;
             }
-            Item::Packet(packet) => {
-                if let Some(hit) = packet.closest(&ray) {
-                    self.take(hit.instance, 0, hit.t, [hit.u, hit.v]);
-                }
-                return;
-            }
+            Item::Packet(packet) => return self.visit_packet(packet, &ray),
         };
         let ray = shape.local_ray(&ray);
         if let Primitive::Mesh(mesh) = &shape.primitive {
@@ -399,6 +392,14 @@ impl<'a, const ANY: bool, const DEEP: bool> Walk<'a, ANY, DEEP> {
             });
         } else if let Some(hit) = shape.primitive.intersect(&ray) {
             self.take(item, 0, hit.t, [hit.u, hit.v]);
+        }
+    }
+
+    /// Out of line once more: its vectors take room that other shapes do without.
+    #[inline(never)]
+    fn visit_packet(&mut self, packet: &ShapePacket, ray: &Ray) {
+        if let Some(hit) = packet.closest(ray) {
+            self.take(hit.instance, 0, hit.t, [hit.u, hit.v]);
         }
     }
 

@@ -80,7 +80,7 @@ impl Tlas {
         for (mesh, triangle, shape) in triangles() {
             for &corner in triangle {
                 mesh.positions.get(corner as usize).into_iter().for_each(prefetch);
-                if !shape.face_normals {
+                if !shape.face_normals && !mesh.normals.is_empty() {
                     mesh.normals.get(corner as usize).into_iter().for_each(prefetch);
                 }
             }
@@ -116,7 +116,10 @@ impl Instance {
         };
         let geometric = self.geometric_normal(&local);
         let shading = match &self.primitive {
-            Primitive::Mesh(blas) if !self.face_normals => self.vertex_normal(blas, hit).unwrap_or(geometric),
+            // A mirror turns the geometric normal around alone.
+            Primitive::Mesh(blas) if !self.face_normals && (self.mirrored || !blas.has_flat_normals) => {
+                self.vertex_normal(blas, hit).unwrap_or(geometric)
+            }
             _ => geometric,
         };
         let side = if self.flip_normals { -1.0 } else { 1.0 };

@@ -116,9 +116,14 @@ impl Bvh {
             if count == 1 {
                 waiting.push(u64::from(node.children[mask.trailing_zeros() as usize % WIDTH].0));
             } else if ANY {
-                // The stack is deep enough by construction.
-                let _ = push_unsorted(node, met, &mut waiting);
+                // In no order: any hit will do.
+                let mut met = mask;
+                while met != 0 {
+                    waiting.push(u64::from(node.children[met.trailing_zeros() as usize % WIDTH].0));
+                    met &= met - 1;
+                }
             } else if count > 1 {
+                // The stack is deep enough by construction.
                 let _ = push_sorted(node, enter, met, &mut waiting);
             }
             current = loop {

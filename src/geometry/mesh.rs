@@ -60,7 +60,12 @@ impl MeshData {
 
     /// The corners of one triangle.
     pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
-        self.triangles[triangle].map(|i| self.positions[i as usize])
+        let [a, b, c] = self.triangles[triangle];
+        [
+            self.positions[a as usize],
+            self.positions[b as usize],
+            self.positions[c as usize],
+        ]
     }
 
     /// In this mesh's own space; zero for a degenerate triangle.
