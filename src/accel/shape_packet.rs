@@ -35,7 +35,7 @@ pub(super) struct ShapePacket {
 }
 
 impl ShapePacket {
-    /// Of the shapes that have others next to them; the rest are not for packets, or better off alone. A linear list has none.
+    /// Of the shapes that have others of their size next to them; the rest are not for packets, or better off alone. A linear list has none.
     pub fn gather(instances: &[Instance], method: SplitMethod) -> Vec<Self> {
         if method == SplitMethod::Linear {
             return Vec::new();
@@ -47,17 +47,33 @@ impl ShapePacket {
                 Primitive::Mesh(_) | Primitive::Cylinder => Aabb::EMPTY,
             })
             .collect();
-        let packet = |members: &[u32]| {
-            let used = members.iter().take_while(|&&member| member != NO_PRIMITIVE).count();
-            (used >= FEWEST).then(|| Self::new(instances, &members[..used], &bounds))
+        let around = |members: &[u32]| {
+            members
+                .iter()
+                .fold(Aabb::EMPTY, |all, &member| all.union(bounds[member as usize]))
+        };
+        // A floor below many things would give all of them its box.
+        let dwarfs = |place: usize, members: &[u32]| {
+            let others = around(&members[..place]).union(around(&members[place + 1..]));
+            bounds[members[place] as usize].half_area() > 2.0 * others.half_area()
+        };
+        let packet = |leaf: &[u32]| {
+            let mut members: Vec<u32> = leaf.iter().copied().filter(|&member| member != NO_PRIMITIVE).collect();
+            while members.len() >= FEWEST {
+                match (0..members.len()).find(|&place| dwarfs(place, &members)) {
+                    Some(place) => members.remove(place),
+                    None => return Some(Self::new(instances, &members, around(&members))),
+                };
+            }
+            None
         };
         let leaves = Bvh::build(&bounds, method, LANES);
         leaves.order().par_chunks(LANES).filter_map(packet).collect()
     }
 
-    fn new(instances: &[Instance], members: &[u32], bounds: &[Aabb]) -> Self {
+    fn new(instances: &[Instance], members: &[u32], bounds: Aabb) -> Self {
         let mut packet = Self {
-            bounds: Aabb::EMPTY,
+            bounds,
             rows: [Vec3Lanes::ZERO; 3],
             place: Vec3Lanes::ZERO,
             squared_radii: Some(Lanes::ZERO),
@@ -84,7 +100,6 @@ impl ShapePacket {
             };
             *kind |= 1 << lane;
             packet.members[lane] = member;
-            packet.bounds = packet.bounds.union(bounds[member as usize]);
         }
         packet
     }
@@ -211,8 +226,19 @@ mod tests {
         members.sort_unstable();
         assert!(members.is_sorted_by(|a, b| a < b) && members.iter().all(|&k| k < 40));
         assert!(members.len() > 30, "{members:?}");
+        // On a floor, too, which stays alone.
+        let floor = placed(
+            Primitive::Rectangle,
+            Vec3::splat(1e3),
+            0.0,
+            Vec3::new(60.0, 0.0, -700.0),
+        );
+        shapes.insert(0, floor);
+        let packets = ShapePacket::gather(&shapes, SplitMethod::Sah);
+        assert!(packets.iter().all(|packet| !packet.members().contains(&0)));
+        assert!(packets.iter().map(|packet| packet.members().len()).sum::<usize>() > 30);
         assert!(ShapePacket::gather(&shapes, SplitMethod::Linear).is_empty());
-        assert!(ShapePacket::gather(&shapes[..2], SplitMethod::Sah).is_empty());
+        assert!(ShapePacket::gather(&shapes[..3], SplitMethod::Sah).is_empty());
     }
 
     /// Spheres that are round in the world, and stretched ones: what begins on one does not meet it again from outside.
