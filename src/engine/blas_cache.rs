@@ -210,7 +210,7 @@ impl BlasCache {
     }
 
     /// The pool of so many threads, in place of one with another number.
-    pub fn pool(&mut self, threads: usize) -> Result<&ThreadPool, String> {
+    fn pool(&mut self, threads: usize) -> Result<&ThreadPool, String> {
         let pool = match self.pool.take() {
             Some(pool) if pool.current_num_threads() == threads => pool,
             _ => rayon::ThreadPoolBuilder::new()

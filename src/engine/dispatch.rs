@@ -36,7 +36,7 @@ impl Renderer {
     }
 
     /// A pool of so many threads, in place of one with another number; `yielding` to the window where there is one.
-    pub fn prepare_pool(&mut self, threads: usize, yielding: bool) {
+    fn prepare_pool(&mut self, threads: usize, yielding: bool) {
         if self
             .pool
             .as_ref()

@@ -94,16 +94,4 @@ impl Plugin for EnginePlugin {
                 ),
             );
     }
-
-    /// Starts the threads that handle much memory before those that others start in the first frame: the C library has but few heaps for a
-    /// machine of few cores, and threads that come late share theirs with the window's, which then waits whenever a large piece is
-    /// given back.
-    fn finish(&self, app: &mut App) {
-        let control = app.world().resource::<RenderControl>().clone();
-        let mut renderer = app.world_mut().resource_mut::<dispatch::Renderer>();
-        renderer.prepare_pool(control.threads.get(), control.interactive);
-        let mut cache = app.world_mut().resource_mut::<blas_cache::BlasCache>();
-        // What fails here fails again where it is needed, and is told there.
-        let _ = cache.pool(control.threads.get());
-    }
 }
