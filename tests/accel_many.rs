@@ -146,7 +146,9 @@ fn bundles_meet_what_their_rays_meet() {
     let scene = Tlas::with_placements(shapes(7, 0.2, random), groups, placed, SplitMethod::Sah);
     check_bundles("groups", &scene, random);
     let nothing = Tlas::build(Vec::new(), SplitMethod::Sah);
-    assert_eq!(nothing.intersect_bundle(&RayLanes::NOWHERE, 0xffff), [None; LANES]);
+    let mut lanes = RayLanes::NOWHERE;
+    (0..LANES).for_each(|lane| lanes.set(lane, &Ray::new(Vec3::ZERO, random.direction())));
+    assert_eq!(nothing.intersect_bundle(&lanes, 0xffff), [None; LANES]);
 }
 
 #[test]

@@ -59,7 +59,7 @@ fn soup() -> Primitive {
     }))
 }
 
-fn scene(copies: usize) -> Tlas {
+fn scene(copies: usize, method: SplitMethod) -> Tlas {
     let [sheet, leaning, open, pulled] = folded();
     let kinds = [
         Primitive::Rectangle,
@@ -79,7 +79,7 @@ fn scene(copies: usize) -> Tlas {
         let placed = Affine3A::from_scale_rotation_translation(size, turned, 4.0 * numbers(k + 1) - Vec3::splat(2.0));
         Instance::new(kinds[k % kinds.len()].clone(), placed).expect("an invertible transform")
     });
-    Tlas::build(instances.collect(), SplitMethod::Sah)
+    Tlas::build(instances.collect(), method)
 }
 
 /// Many round and flat shapes, which are taken together, and two meshes. The same as a list, in which each shape is tested alone.
@@ -149,8 +149,7 @@ fn agree(a: Option<Hit>, b: Option<Hit>) -> bool {
 fn hits_are_those_of_one_ray() {
     // Twenty shapes are few, sixty are not.
     for copies in [2, 6] {
-        let scene = scene(copies);
-        compare(&scene, &scene);
+        compare(&scene(copies, SplitMethod::Sah), &scene(copies, SplitMethod::Linear));
     }
 }
 
@@ -176,9 +175,19 @@ fn compare(scene: &Tlas, expected: &Tlas) {
     let (mut met, mut strays) = (0, 0);
     for start in (0..40_000).step_by(LANES) {
         let rays: [Ray; LANES] = std::array::from_fn(|lane| ray(start + lane));
-        let active = if start.is_multiple_of(32) { 0xffff } else { 0x5a3c };
-        let hits = scene.intersect_lanes(&lanes(&rays), active);
-        let occluded = scene.occluded_lanes(&lanes(&rays), active);
+        let active = if start.is_multiple_of(64) { 0x5a3c } else { 0xffff };
+        let rays_in_lanes = &lanes(&rays);
+        // Bundles are for rays that are alike, but right for all.
+        let (hits, occluded) = match start / LANES % 2 {
+            0 => (
+                scene.intersect_lanes(rays_in_lanes, active),
+                scene.occluded_lanes(rays_in_lanes, active),
+            ),
+            _ => (
+                scene.intersect_bundle(rays_in_lanes, active),
+                scene.occluded_bundle(rays_in_lanes, active),
+            ),
+        };
         assert_eq!(occluded & !active, 0);
         for (lane, ray) in rays.iter().enumerate() {
             if active >> lane & 1 == 0 {
@@ -269,6 +278,84 @@ fn small_and_thin_shapes_are_met_where_they_are() {
             }
             assert!(met > 3500, "{met} of {size} at {distance}");
             assert!(strays * 200 < met, "{strays} of {met} differ, {size} at {distance}");
+        }
+    }
+}
+
+/// A box with a corner at the origin, where positions are known better than the box's other faces let it be tested.
+#[test]
+fn the_corner_at_the_origin_does_not_shadow_itself() {
+    for size in [1.0, 41.0, 82.0, 1000.1] {
+        let corner_box = triangle_mesh(cube_triangles().map(|corners| corners.map(|p| 0.5 * size * (p + Vec3::ONE))));
+        let instance = Instance::new(corner_box, Affine3A::IDENTITY).expect("an invertible transform");
+        let scene = Tlas::build(vec![instance], SplitMethod::Sah);
+        for start in (0..4096).step_by(LANES) {
+            let rays: [Ray; LANES] = std::array::from_fn(|lane| {
+                let k = start + lane;
+                let to = size * 0.02 * numbers(k);
+                Ray::new(to - size * (0.05 * numbers(k + 9) + Vec3::splat(0.03)), Vec3::ONE)
+            });
+            let mut leaving = RayLanes::NOWHERE;
+            let mut active = 0;
+            for (lane, hit) in scene.intersect_lanes(&lanes(&rays), 0xffff).iter().enumerate() {
+                let Some(hit) = hit else { continue };
+                let point = scene.surface(&rays[lane], hit);
+                let dir = direction(7 * start + 5 * lane + 2).normalize();
+                let normal = -point.geometric_normal * point.geometric_normal.dot(rays[lane].dir).signum();
+                let dir = if dir.dot(normal) < 0.0 { -dir } else { dir };
+                leaving.set(
+                    lane,
+                    &Ray::new(offset_origin(point.position, point.error, normal, dir), dir),
+                );
+                active |= 1 << lane;
+            }
+            assert_ne!(active, 0);
+            let next = scene.intersect_lanes(&leaving, active);
+            assert!(next.iter().all(Option::is_none), "{size}: {next:?}");
+            assert_eq!(scene.occluded_lanes(&leaving, active), 0, "{size}");
+        }
+    }
+}
+
+/// What is no ray meets nothing, wherever it begins.
+#[test]
+fn what_is_no_ray_meets_nothing() {
+    let kinds = [Primitive::Sphere, Primitive::Rectangle, cube(), soup()];
+    for kind in kinds {
+        for copies in [1, 100] {
+            let shape = Instance::new(kind.clone(), Affine3A::IDENTITY).expect("an invertible transform");
+            let scene = Tlas::build(vec![shape; copies], SplitMethod::Sah);
+            let within = Vec3::new(-0.5, 0.0, 0.1);
+            let ray = |origin, dir, t_max| Ray { origin, dir, t_max };
+            let endless = f32::INFINITY;
+            let none = [
+                ray(within, Vec3::NAN, endless),
+                ray(within, Vec3::new(1.0, f32::NAN, 0.0), endless),
+                ray(within, Vec3::ZERO, endless),
+                ray(within, f32::INFINITY * Vec3::X, endless),
+                ray(Vec3::NAN, Vec3::X, endless),
+                ray(Vec3::new(0.0, f32::INFINITY, 0.0), Vec3::X, endless),
+                ray(within, Vec3::X, 0.0),
+                ray(within, Vec3::X, -1.0),
+                ray(within, Vec3::X, f32::NAN),
+            ];
+            let mut rays = lanes(&std::array::from_fn(|lane| none[lane % none.len()]));
+            // And a true one among them.
+            rays.set(3, &ray(Vec3::new(0.1, 0.2, 3.0), -Vec3::Z, endless));
+            let expected = scene.intersect(&rays.get(3)).is_some();
+            for hits in [
+                scene.intersect_lanes(&rays, 0xffff),
+                scene.intersect_bundle(&rays, 0xffff),
+            ] {
+                let met: Vec<usize> = (0..LANES).filter(|&lane| hits[lane].is_some()).collect();
+                assert_eq!(met, if expected { vec![3] } else { vec![] }, "{copies}");
+            }
+            for occluded in [
+                scene.occluded_lanes(&rays, 0xffff),
+                scene.occluded_bundle(&rays, 0xffff),
+            ] {
+                assert_eq!(occluded, u32::from(expected) << 3, "{copies}");
+            }
         }
     }
 }

@@ -82,11 +82,12 @@ fn fit(points: &[DVec3], [between, s, t]: [DVec3; 3], is_cube: bool) -> Option<(
     let (x, y) = (axis(0), axis(1));
     let linear = DMat3::from_cols(x, y, third(x, y, axis(2)));
     let inverse = linear.inverse();
-    let largest = points.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    let largest = points.iter().fold(DVec3::ZERO, |largest, p| largest.max(p.abs()));
     let fits = |(&p, &sign): (&DVec3, &DVec3)| {
-        let off = (linear * sign + middle - p).abs().max_element();
+        let off = (linear * sign + middle - p).abs();
         // Surfaces are those of the triangles; that much is within the bounds on their rounding.
-        off <= f64::from(f32::EPSILON) * largest && (inverse * (p - middle) - sign).abs().max_element() < MOST_OFF
+        off.cmple(f64::from(f32::EPSILON) * largest).all()
+            && (inverse * (p - middle) - sign).abs().max_element() < MOST_OFF
     };
     let placed = DAffine3::from_mat3_translation(linear, middle);
     (points.iter().zip(&signs).all(fits) && placed.is_finite()).then_some((placed, signs))
@@ -128,8 +129,8 @@ impl Face {
     pub fn at(&self, place: Vec2) -> (u32, f32, f32) {
         let half = &self.0[usize::from(place.dot(self.0[0].lacks) > 0.0)];
         let place = place.extend(1.0);
-        let u = half.u.dot(place).clamp(0.0, 1.0);
-        (half.triangle, u, half.v.dot(place).clamp(0.0, 1.0 - u))
+        let u = half.u.dot(place).max(0.0).min(1.0);
+        (half.triangle, u, half.v.dot(place).max(0.0).min(1.0 - u))
     }
 }
 

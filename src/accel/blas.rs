@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::affine_mesh::AffineMesh;
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
 use super::memory::Table;
@@ -23,6 +24,8 @@ pub struct Blas {
     packets: Table<TrianglePacket>,
     /// Whether its vertex normals are those of its triangles: then nobody needs to look them up.
     pub(super) has_flat_normals: bool,
+    /// If it is the image of a square or a cube.
+    pub(super) affine: Option<AffineMesh>,
 }
 
 /// A hit of a mesh; `u`, `v` are the barycentric weights of the triangle's corners 1 and 2.
@@ -51,6 +54,7 @@ impl Blas {
             });
         Self {
             has_flat_normals: has_flat_normals(&mesh),
+            affine: AffineMesh::of(&mesh),
             mesh,
             bvh,
             packets,

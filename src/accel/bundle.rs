@@ -2,7 +2,7 @@
 //!
 //! Rays of one pixel, and those from what they meet to one light, visit nearly the same nodes and triangles, which are then fetched once
 //! for all (Wald, Slusallek, Benthin and Wagner, Interactive Rendering with Coherent Ray Tracing, Eurographics 2001). Rays without
-//! anything in common are slower than with [`super::many`]. Which hits are found does not depend on it.
+//! anything in common are slower than with [`super::many`]. Where surfaces coincide, a ray may meet another one of them than alone.
 
 use std::ops::Range;
 
@@ -10,10 +10,10 @@ use arrayvec::ArrayVec;
 
 use super::blas::{Blas, MeshHit};
 use super::bvh::Bvh;
-use super::few::RayLanes;
 use super::instance::Primitive;
 use super::node::{Child, Node};
 use super::packet::PacketRay;
+use super::ray_lanes::RayLanes;
 use super::shape_lanes::SlabLanes;
 use super::tlas::{Hit, Item, Tlas};
 use super::traverse::{STACK, Steps};
@@ -78,6 +78,7 @@ impl Blas {
 impl Tlas {
     /// [`Self::intersect_lanes`] for rays that have much in common.
     pub fn intersect_bundle(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
+        let active = active & rays.usable();
         if let Some(few) = &self.few {
             let hits = few.closest::<true>(self, rays, active);
             self.prefetch_surfaces(&hits);
@@ -108,32 +109,30 @@ impl Tlas {
             u,
             v,
         };
-        let mut one_by_one = |intersect: &dyn Fn(&Ray) -> Option<Hit>| {
-            for lane in each_lane(asked) {
-                if let Some(hit) = intersect(&rays.get(lane)) {
-                    found(lane, hit);
-                }
-            }
-        };
         match self.item(number) {
-            Item::Packet(packet) => one_by_one(&|ray| packet.closest(ray)),
+            Item::Packet(packet) => each_hit(rays, asked, |ray| packet.closest(ray), found),
             Item::Placement(placement) => {
-                one_by_one(&|ray| self.closest_placed::<false>(number, placement, ray, &mut Steps::default()));
+                let hit = |ray: &Ray| self.closest_placed::<false>(number, placement, ray, &mut Steps::default());
+                each_hit(rays, asked, hit, found);
             }
             Item::Shape(shape) => match &shape.primitive {
                 Primitive::Mesh(mesh) => mesh.intersect_bundle(&shape.local_rays(rays), asked, |lane, hit| {
                     found(lane, of_shape(hit.t, hit.u, hit.v, hit.triangle));
                 }),
-                other => one_by_one(&|ray| {
-                    let hit = other.intersect(&shape.local_ray(ray))?;
-                    Some(of_shape(hit.t, hit.u, hit.v, 0))
-                }),
+                other => {
+                    let hit = |ray: &Ray| {
+                        let hit = other.intersect(&shape.local_ray(ray))?;
+                        Some(of_shape(hit.t, hit.u, hit.v, 0))
+                    };
+                    each_hit(rays, asked, hit, found);
+                }
             },
         }
     }
 
     /// [`Self::occluded_lanes`] for rays that have much in common.
     pub fn occluded_bundle(&self, rays: &RayLanes, active: u32) -> u32 {
+        let active = active & rays.usable();
         if let Some(few) = &self.few {
             return few.any::<true>(self, rays, active);
         }
@@ -147,18 +146,30 @@ impl Tlas {
 
     #[inline(always)]
     fn occluded_by_item(&self, number: u32, rays: &RayLanes, asked: u32) -> u32 {
-        let those = |occluded: &dyn Fn(&Ray) -> bool| {
-            each_lane(asked).fold(0, |bits, lane| bits | u32::from(occluded(&rays.get(lane))) << lane)
-        };
         match self.item(number) {
-            Item::Packet(packet) => those(&|ray| packet.any(ray)),
-            Item::Placement(placement) => those(&|ray| self.occluded_placed(placement, ray)),
+            Item::Packet(packet) => each_occluded(rays, asked, |ray| packet.any(ray)),
+            Item::Placement(placement) => each_occluded(rays, asked, |ray| self.occluded_placed(placement, ray)),
             Item::Shape(shape) => match &shape.primitive {
                 Primitive::Mesh(mesh) => mesh.occluded_bundle(&shape.local_rays(rays), asked),
-                other => those(&|ray| other.intersect(&shape.local_ray(ray)).is_some()),
+                other => each_occluded(rays, asked, |ray| other.intersect(&shape.local_ray(ray)).is_some()),
             },
         }
     }
+}
+
+/// `found` is told of what `intersect` finds for each of the rays `asked`.
+#[inline(always)]
+fn each_hit(rays: &RayLanes, asked: u32, intersect: impl Fn(&Ray) -> Option<Hit>, mut found: impl FnMut(usize, Hit)) {
+    for lane in each_lane(asked) {
+        if let Some(hit) = intersect(&rays.get(lane)) {
+            found(lane, hit);
+        }
+    }
+}
+
+#[inline(always)]
+fn each_occluded(rays: &RayLanes, asked: u32, occluded: impl Fn(&Ray) -> bool) -> u32 {
+    each_lane(asked).fold(0, |bits, lane| bits | u32::from(occluded(&rays.get(lane))) << lane)
 }
 
 #[inline(always)]

@@ -47,7 +47,7 @@ pub struct BvhBox {
 }
 
 impl Bvh {
-    /// Builds over `bounds`, with leaves of up to `leaf_size` primitives (1 to 8), which are taken to be tested together. Boxes that are
+    /// Builds over `bounds`, with leaves of up to `leaf_size` primitives (1 to 16), which are taken to be tested together. Boxes that are
     /// empty or have a NaN hold nothing that a ray could hit and are left out.
     pub fn build(bounds: &[Aabb], method: SplitMethod, leaf_size: usize) -> Self {
         let leaf_size = leaf_size.clamp(1, MAX_LEAF);

@@ -9,26 +9,19 @@ use glam::{Vec2, Vec3};
 use super::affine_mesh::{AffineMesh, Face};
 use super::blas::{Blas, MeshHit};
 use super::instance::{Instance, Primitive};
+use super::ray_lanes::RayLanes;
 use super::shape_lanes::{SlabLanes, cube, local, rectangle, sphere};
 use super::shape_packet::ShapePacket;
 use super::tiny_mesh::TinyMesh;
 use super::tlas::{Hit, Tlas};
 use super::traverse::Steps;
 use crate::geometry::local::LocalHit;
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
+use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};
 
 /// Above these the hierarchy wins: of shapes that are alone, and of packets.
 const MOST_SHAPES: usize = 24;
 const MOST_PACKETS: usize = 64;
-
-/// Rays in lanes, as [`Ray`].
-#[derive(Clone, Copy, Debug)]
-pub struct RayLanes {
-    pub origin: Vec3Lanes,
-    pub dir: Vec3Lanes,
-    pub t_max: Lanes,
-}
 
 /// The shapes of a scene that has few, the cheap ones first.
 #[derive(Clone, Debug)]
@@ -71,37 +64,6 @@ struct Nearest {
     /// The triangle or a cube's face, likewise; of boxed meshes it lies in `primitives`, for packets the instance.
     triangle: Lanes,
     primitives: [u32; LANES],
-}
-
-impl RayLanes {
-    /// Rays that hit nothing.
-    pub const NOWHERE: Self = Self {
-        origin: Vec3Lanes::ZERO,
-        dir: Vec3Lanes::ZERO,
-        t_max: Lanes::ZERO,
-    };
-
-    /// One by one.
-    #[inline(always)]
-    pub(super) fn rays(&self) -> [Ray; LANES] {
-        std::array::from_fn(|lane| self.get(lane))
-    }
-
-    #[inline(always)]
-    pub fn set(&mut self, lane: usize, ray: &Ray) {
-        self.origin.set(lane, ray.origin);
-        self.dir.set(lane, ray.dir);
-        self.t_max.as_mut_array()[lane] = ray.t_max;
-    }
-
-    #[inline(always)]
-    pub fn get(&self, lane: usize) -> Ray {
-        Ray {
-            origin: self.origin.get(lane),
-            dir: self.dir.get(lane),
-            t_max: self.t_max.as_array()[lane],
-        }
-    }
 }
 
 impl FewShapes {
@@ -289,11 +251,11 @@ impl FewShape {
             Primitive::Disk | Primitive::Cylinder => Kind::Other,
             Primitive::Mesh(blas) => {
                 let is_invertible = |mesh: &AffineMesh| (placed * mesh.placed).inverse().as_affine3a().is_finite();
-                if let Some(mesh) = AffineMesh::of(blas.mesh()).filter(is_invertible) {
+                if let Some(mesh) = blas.affine.as_ref().filter(|mesh| is_invertible(mesh)) {
                     placed *= mesh.placed;
                     match mesh.faces[..] {
                         [face] => Kind::Square(face),
-                        _ => Kind::Cube(mesh.faces),
+                        _ => Kind::Cube(mesh.faces.clone()),
                     }
                 } else if let Some(mesh) = TinyMesh::new(blas.mesh()) {
                     Kind::TinyMesh(mesh)
@@ -362,7 +324,7 @@ impl Nearest {
         }
     }
 
-    /// The rays of the lanes `asked` ask the packets whose boxes they meet, each the nearest box first.
+    /// The rays of the lanes `asked` ask the packets whose boxes they meet.
     #[inline(never)]
     fn ask_packets(&mut self, asked: u32, number: Lanes, packets: &[ShapePacket], rays: &RayLanes) {
         let slabs = SlabLanes::new(rays);
@@ -392,7 +354,7 @@ fn any_of_packets(asked: u32, packets: &[ShapePacket], rays: &RayLanes) -> u32 {
     let slabs = SlabLanes::new(rays);
     let mut hit = 0;
     for packet in packets {
-        let met = slabs.enter(&packet.bounds, rays.t_max).1.to_bitmask() & asked & !hit;
+        let met = slabs.meets(&packet.bounds, rays.t_max).to_bitmask() & asked & !hit;
         for lane in each_lane(met) {
             hit |= u32::from(packet.any(&rays.get(lane))) << lane;
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, DAffine3, Mat3A, Vec3, Vec3A};
 
 use super::blas::{Blas, MeshHit};
-use super::few::RayLanes;
+use super::ray_lanes::RayLanes;
 use super::shape_lanes::local;
 use super::surface::Rounding;
 use super::traverse::Steps;
@@ -58,6 +58,11 @@ impl Instance {
             ),
             translation: inverse.translation.as_vec3a(),
         };
+        let rounding = Rounding::new(&world_from_local, &local_from_world);
+        let rounding = match &primitive {
+            Primitive::Mesh(blas) if blas.affine.is_some() => rounding.of_whole(&world_from_local, &blas.bounds()),
+            _ => rounding,
+        };
         local_from_world.is_finite().then_some(Self {
             primitive,
             world_from_local,
@@ -65,7 +70,7 @@ impl Instance {
             face_normals: false,
             flip_normals: false,
             mirrored: determinant < 0.0,
-            rounding: Rounding::new(&world_from_local, &local_from_world),
+            rounding,
             plane_normal: Self::plane_normal(&local_from_world),
         })
     }

@@ -1,8 +1,8 @@
-//! Single shapes against sixteen rays, a ray per lane. Rays are in the shape's space.
+//! Shapes against rays, in lanes: one shape against sixteen rays, or sixteen shapes against one. Rays are in their shape's space.
 
 use glam::Vec3;
 
-use super::few::RayLanes;
+use super::ray_lanes::RayLanes;
 use crate::math::lanes::{Lanes, Vec3Lanes, copy_sign};
 use crate::math::{Aabb, gamma};
 
@@ -158,12 +158,10 @@ impl SlabLanes {
     pub fn enter_between(&self, min: Vec3Lanes, max: Vec3Lanes, t_max: Lanes) -> (Lanes, Lanes) {
         let a = (min - self.lower) * self.inverse;
         let b = (max - self.upper) * self.inverse;
-        let near = |a: Lanes, b: Lanes| a.fast_min(b);
-        let far = |a: Lanes, b: Lanes| a.fast_max(b);
-        let enter = near(a.x, b.x)
-            .fast_max(near(a.y, b.y))
-            .fast_max(near(a.z, b.z).fast_max(Lanes::ZERO));
-        let leave = far(a.x, b.x).fast_min(far(a.y, b.y)).fast_min(far(a.z, b.z));
+        let (x, y, z) = (a.x.fast_min(b.x), a.y.fast_min(b.y), a.z.fast_min(b.z));
+        let enter = x.fast_max(y).fast_max(z.fast_max(Lanes::ZERO));
+        let (x, y, z) = (a.x.fast_max(b.x), a.y.fast_max(b.y), a.z.fast_max(b.z));
+        let leave = x.fast_min(y).fast_min(z);
         let leave = leave * Lanes::splat(1.0 + 2.0 * gamma(3));
         (enter, enter.simd_le(leave.fast_min(t_max)))
     }

@@ -1,13 +1,15 @@
 //! Spheres, rectangles and disks that lie next to each other, tested together by one ray: as in [`super::few`], but with a shape per lane
 //! in place of a ray.
 
+use std::ops::Range;
+
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::build::{NO_PRIMITIVE, SplitMethod};
 use super::bvh::Bvh;
-use super::few::RayLanes;
 use super::instance::{Instance, Primitive};
+use super::ray_lanes::RayLanes;
 use super::shape_lanes::{in_rectangle, plane, round, sphere};
 use super::tlas::Hit;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
@@ -174,6 +176,9 @@ impl ShapePacket {
     }
 }
 
+/// Radii whose squares keep their digits.
+const SQUARABLE: Range<f32> = 1e-15..1e15;
+
 /// Of a sphere that is one in the world.
 fn radius(shape: &Instance) -> Option<f32> {
     let Primitive::Sphere = shape.primitive else {
@@ -184,7 +189,8 @@ fn radius(shape: &Instance) -> Option<f32> {
     let square = squares.x_axis.x;
     // As good as single precision can tell.
     let is_round = squares.abs_diff_eq(DMat3::from_diagonal(DVec3::splat(square)), 2e-7 * square);
-    is_round.then_some(square.sqrt() as f32)
+    let radius = square.sqrt() as f32;
+    (is_round && SQUARABLE.contains(&radius)).then_some(radius)
 }
 
 #[cfg(test)]

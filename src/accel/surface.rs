@@ -12,7 +12,7 @@ use super::tlas::{Hit, Tlas};
 use crate::geometry::local::{LocalSurface, Parametrisation};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::{cylinder, disk, rectangle, sphere, triangle};
-use crate::math::{Frame, Ray, gamma};
+use crate::math::{Aabb, Frame, Ray, gamma};
 
 /// Where a ray met a surface, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -255,6 +255,13 @@ impl Rounding {
             of_position: out * (back * out) * gamma(8) + out * gamma(4),
             of_translation: gamma(2) * world_from_local.translation.abs(),
         }
+    }
+
+    /// For a shape within `bounds` that rays meet as a whole, in a space of its own: its size counts wherever the hit is.
+    pub fn of_whole(mut self, world_from_local: &Affine3A, bounds: &Aabb) -> Self {
+        let reach = bounds.min.abs().max(bounds.max.abs());
+        self.of_translation += gamma(6) * (absolute(&world_from_local.matrix3) * Vec3A::from(reach));
+        self
     }
 }
 

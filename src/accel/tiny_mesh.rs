@@ -7,7 +7,7 @@
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
-use super::few::RayLanes;
+use super::ray_lanes::RayLanes;
 use crate::geometry::mesh::MeshData;
 use crate::geometry::triangle::is_regular;
 use crate::math::Aabb;

@@ -8,9 +8,10 @@ use rayon::prelude::*;
 use super::blas::Blas;
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
-use super::few::{FewShapes, RayLanes};
+use super::few::FewShapes;
 use super::instance::{Instance, Primitive};
 use super::placement::Placement;
+use super::ray_lanes::RayLanes;
 use super::shape_packet::ShapePacket;
 use super::traverse::Steps;
 use crate::math::lanes::{LANES, each_lane};
@@ -259,7 +260,7 @@ impl Tlas {
         })
     }
 
-    /// [`Bvh::validate`] against the bounds of instances and placements.
+    /// [`Bvh::validate`] against the bounds of instances, placements and packets.
     pub fn validate(&self) -> Result<(), String> {
         self.bvh.validate(&self.item_bounds())
     }
@@ -328,6 +329,7 @@ impl Tlas {
 
     /// [`Self::intersect`] for each of the lanes in `active`; None in the others. Their surfaces are expected to be asked for next.
     pub fn intersect_lanes(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
+        let active = active & rays.usable();
         let hits = if let Some(few) = &self.few {
             few.closest::<false>(self, rays, active)
         } else if self.is_large {
@@ -345,6 +347,7 @@ impl Tlas {
 
     /// [`Self::occluded`] for each of the lanes in `active`, a bit per lane; clear in the others.
     pub fn occluded_lanes(&self, rays: &RayLanes, active: u32) -> u32 {
+        let active = active & rays.usable();
         if let Some(few) = &self.few {
             return few.any::<false>(self, rays, active);
         }

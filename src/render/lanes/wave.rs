@@ -117,7 +117,8 @@ impl Wave {
         }
     }
 
-    /// New paths from the camera in all lanes, for the first of `jobs`, which are numbered from `number` on. Returns how many these are.
+    /// New paths from the camera, in as many lanes as there are jobs for: the first of `jobs`, which are numbered from `number` on. Returns how
+    /// many these are.
     pub fn begin(&mut self, view: &View, jobs: &[Job], number: usize) -> usize {
         let count = jobs.len().min(LANES);
         let camera = CameraRays::new(view, &jobs[..count]);

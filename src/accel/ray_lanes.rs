@@ -1,0 +1,53 @@
+//! Sixteen rays, one per lane.
+
+use crate::math::Ray;
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes};
+
+/// Rays in lanes, as [`Ray`].
+#[derive(Clone, Copy, Debug)]
+pub struct RayLanes {
+    pub origin: Vec3Lanes,
+    pub dir: Vec3Lanes,
+    pub t_max: Lanes,
+}
+
+impl RayLanes {
+    /// Rays that hit nothing.
+    pub const NOWHERE: Self = Self {
+        origin: Vec3Lanes::ZERO,
+        dir: Vec3Lanes::ZERO,
+        t_max: Lanes::ZERO,
+    };
+
+    /// One by one.
+    #[inline(always)]
+    pub(super) fn rays(&self) -> [Ray; LANES] {
+        std::array::from_fn(|lane| self.get(lane))
+    }
+
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, ray: &Ray) {
+        self.origin.set(lane, ray.origin);
+        self.dir.set(lane, ray.dir);
+        self.t_max.as_mut_array()[lane] = ray.t_max;
+    }
+
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Ray {
+        Ray {
+            origin: self.origin.get(lane),
+            dir: self.dir.get(lane),
+            t_max: self.t_max.as_array()[lane],
+        }
+    }
+
+    /// A bit for each that is a ray and may meet something: finite, with a direction, and of some length.
+    #[inline(always)]
+    pub(super) fn usable(&self) -> u32 {
+        let largest = Lanes::splat(f32::MAX);
+        let is_finite =
+            |v: Vec3Lanes| v.x.abs().simd_le(largest) & v.y.abs().simd_le(largest) & v.z.abs().simd_le(largest);
+        let is_ray = is_finite(self.origin) & is_finite(self.dir) & self.dir.is_not_zero();
+        (is_ray & self.t_max.simd_gt(Lanes::ZERO)).to_bitmask()
+    }
+}
