@@ -129,7 +129,7 @@ impl Face {
     pub fn at(&self, place: Vec2) -> (u32, f32, f32) {
         let half = &self.0[usize::from(place.dot(self.0[0].lacks) > 0.0)];
         let place = place.extend(1.0);
-        let u = half.u.dot(place).max(0.0).min(1.0);
+        let u = half.u.dot(place).clamp(0.0, 1.0);
         (half.triangle, u, half.v.dot(place).max(0.0).min(1.0 - u))
     }
 }

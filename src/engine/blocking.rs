@@ -101,6 +101,19 @@ pub fn load_to_completion(app: &mut App, limits: &Limits) -> Result<bool, Render
 pub fn render_to_completion(
     app: &mut App,
     limits: &Limits,
+    progress: impl FnMut(&RenderStatus),
+) -> Result<Outcome, RenderError> {
+    let waiting = std::thread::current();
+    let wake_up = WakeUp(Some(Arc::new(move || waiting.unpark())));
+    let before = std::mem::replace(&mut *app.world_mut().resource_mut::<WakeUp>(), wake_up);
+    let outcome = render_until(app, limits, progress);
+    *app.world_mut().resource_mut() = before;
+    outcome
+}
+
+fn render_until(
+    app: &mut App,
+    limits: &Limits,
     mut progress: impl FnMut(&RenderStatus),
 ) -> Result<Outcome, RenderError> {
     if !load_to_completion(app, limits)? {
@@ -109,8 +122,6 @@ pub fn render_to_completion(
     if limits.samples.is_some() {
         app.world_mut().resource_mut::<RenderControl>().target_samples = limits.samples;
     }
-    let waiting = std::thread::current();
-    app.insert_resource(WakeUp(Some(Arc::new(move || waiting.unpark()))));
     // Once time is up: when to break off the pass as well.
     let mut last_pass: Option<(u32, Duration)> = None;
     loop {

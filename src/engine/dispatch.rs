@@ -137,7 +137,7 @@ pub(super) fn dispatch_job(
         job.run(pool, &goal, Waker::new(&demand.wake_up));
         if !control.interactive {
             // Otherwise the last picture stays in the film until the first tile of the new one is there.
-            film.begin(job);
+            film.bypass_change_detection().begin(job);
         }
     }
 }

@@ -7,9 +7,9 @@ use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use crossbeam_channel::{Receiver, Sender, bounded};
+use crossbeam_channel::{Receiver, SendTimeoutError, Sender, bounded};
 use rayon::ThreadPool;
 
 use super::schedule::{WorkItem, WorkQueue};
@@ -22,6 +22,8 @@ const CAPACITY: usize = 256;
 /// What one of many workers has done until the next frame.
 const ROOM_PER_WORKER: usize = 16;
 const LARGEST_CAPACITY: usize = 2048;
+/// For room for a result, between two looks at whether to stop: who cancels a run may not drop it at once.
+const LONGEST_WAIT: Duration = Duration::from_millis(10);
 
 /// What a worker sends; `index` is the tile's place in the job's list.
 #[derive(Debug)]
@@ -115,7 +117,7 @@ impl Shared {
                 }
             };
             self.first_result.get_or_init(Instant::now);
-            if results.send(result).is_err() {
+            if !self.deliver(&results, result) {
                 break;
             }
             match item {
@@ -130,6 +132,17 @@ impl Shared {
         drop(results);
         if self.workers_left.fetch_sub(1, Ordering::AcqRel) == 1 {
             self.waker.wake_now();
+        }
+    }
+
+    /// False if nobody wants it any more.
+    fn deliver(&self, results: &Sender<TileResult>, mut result: TileResult) -> bool {
+        loop {
+            result = match results.send_timeout(result, LONGEST_WAIT) {
+                Ok(()) => return true,
+                Err(SendTimeoutError::Timeout(result)) if !self.cancel.load(Ordering::Relaxed) => result,
+                Err(_) => return false,
+            };
         }
     }
 }
@@ -226,11 +239,12 @@ mod tests {
             sample_work(),
             Waker::new(&hook),
         );
-        // All of them end without anybody collecting, for there is room.
-        pool.broadcast(|_| ());
-        assert_eq!(run.results.len(), CAPACITY - 1);
-        // At the end, and while the other half was filled.
-        assert!(woken.load(Ordering::Relaxed) >= CAPACITY / 2, "{woken:?}");
+        // All of them end without anybody collecting, for there is room. Somebody is woken while the second half is filled, and at the end.
+        let deadline = Instant::now() + Duration::from_secs(20);
+        while run.results.len() < CAPACITY - 1 || woken.load(Ordering::Relaxed) < CAPACITY / 2 {
+            assert!(Instant::now() < deadline, "{} results, {woken:?}", run.results.len());
+            std::thread::yield_now();
+        }
     }
 
     #[test]

@@ -45,7 +45,10 @@ impl Film {
     pub fn begin(&mut self, width: u32, height: u32, layer_count: usize) -> Vec<Option<TilePreview>> {
         let tiles = width.div_ceil(TILE) as usize * height.div_ceil(TILE) as usize;
         let pixels = tiles * (TILE * TILE) as usize;
-        if self.sums.capacity() / TOO_MUCH > pixels {
+        let is_far_too_much = |has: usize, needs: usize| has / TOO_MUCH > needs;
+        if is_far_too_much(self.sums.capacity(), pixels)
+            || is_far_too_much(self.layers.capacity(), pixels * layer_count)
+        {
             *self = Self::default();
         }
         (self.width, self.height, self.layer_count) = (width, height, layer_count);

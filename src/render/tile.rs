@@ -112,12 +112,14 @@ pub fn render_tile(
     samples: Range<u32>,
     cancel: &AtomicBool,
 ) -> Option<TileSamples> {
+    // All memory at once: a vector that grows has other threads wait for the allocator.
+    let pixels = (tile.width * tile.height) as usize;
     let mut result = TileSamples {
         tile,
         samples: samples.clone(),
-        pixels: Vec::with_capacity((tile.width * tile.height) as usize),
-        layers: Vec::new(),
-        first_hits: Vec::new(),
+        pixels: Vec::with_capacity(pixels),
+        layers: Vec::with_capacity(pixels * view.light_groups.count()),
+        first_hits: Vec::with_capacity(if samples.contains(&0) { pixels } else { 0 }),
         rays: 0,
         invalid: 0,
     };
@@ -171,12 +173,13 @@ pub fn render_preview(
     cancel: &AtomicBool,
 ) -> Option<TilePreview> {
     let middle = |start: u32, end: u32| start + step.min(end - start) / 2;
+    let blocks = (tile.width.div_ceil(step) * tile.height.div_ceil(step)) as usize;
     let mut result = TilePreview {
         tile,
         step,
-        blocks: Vec::new(),
-        layers: Vec::new(),
-        first_hits: Vec::new(),
+        blocks: Vec::with_capacity(blocks),
+        layers: Vec::with_capacity(blocks * view.light_groups.count()),
+        first_hits: Vec::with_capacity(blocks),
         rays: 0,
     };
     let mut layers = LayerSums::new(&view.light_groups);
