@@ -4,7 +4,6 @@
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 
 use crate::geometry::mesh::MeshData;
-use crate::geometry::triangle::is_regular;
 
 /// The image of the square [-1, 1]² in the plane z = 0, or of the cube [-1, 1]³.
 #[derive(Clone, Debug)]
@@ -40,18 +39,18 @@ impl AffineMesh {
         }
         let mut points: Vec<DVec3> = Vec::new();
         let mut triangles = Vec::new();
-        for (index, triangle) in (0..).zip(&mesh.triangles) {
-            let is_whole = triangle.iter().all(|&corner| (corner as usize) < mesh.positions.len());
-            if is_whole && is_regular(mesh.corners(index as usize)) {
-                let corners = mesh.corners(index as usize).map(|corner| {
-                    let corner = corner.as_dvec3();
-                    points.iter().position(|&point| point == corner).unwrap_or_else(|| {
-                        points.push(corner);
-                        points.len() - 1
-                    })
-                });
-                triangles.push((index, corners));
-            }
+        for index in 0..mesh.triangles.len() {
+            let Some(corners) = mesh.regular_corners(index) else {
+                continue;
+            };
+            let corners = corners.map(|corner| {
+                let corner = corner.as_dvec3();
+                points.iter().position(|&point| point == corner).unwrap_or_else(|| {
+                    points.push(corner);
+                    points.len() - 1
+                })
+            });
+            triangles.push((index as u32, corners));
         }
         let is_cube = match (triangles.len(), points.len()) {
             (2, 4) => false,

@@ -116,12 +116,7 @@ impl Blas {
             for packet in &packets[Self::packets_of(range)] {
                 if let Some(found) = packet.closest(&lanes, *t_max) {
                     *t_max = found.t;
-                    hit = Some(MeshHit {
-                        t: found.t,
-                        triangle: found.triangle,
-                        u: found.u,
-                        v: found.v,
-                    });
+                    hit = Some(found);
                 }
             }
         });
@@ -173,14 +168,8 @@ fn has_flat_normals(mesh: &MeshData) -> bool {
 
 /// The box of every triangle, empty for those that are left out.
 fn triangle_bounds(mesh: &MeshData) -> Vec<Aabb> {
-    let bounds = |triangle: &[u32; 3]| {
-        let corner = |k: usize| mesh.positions.get(triangle[k] as usize).copied();
-        match (corner(0), corner(1), corner(2)) {
-            (Some(a), Some(b), Some(c)) if is_regular([a, b, c]) => Aabb::from_points([a, b, c]),
-            _ => Aabb::EMPTY,
-        }
-    };
-    mesh.triangles.par_iter().map(bounds).collect()
+    let bounds = |triangle| mesh.regular_corners(triangle).map_or(Aabb::EMPTY, Aabb::from_points);
+    (0..mesh.triangles.len()).into_par_iter().map(bounds).collect()
 }
 
 #[cfg(test)]

@@ -41,12 +41,7 @@ impl Blas {
                 for lane in each_lane(asked) {
                     if let Some(hit) = packet.closest(&lone[lane], t_max.as_array()[lane]) {
                         t_max.as_mut_array()[lane] = hit.t;
-                        nearest[lane] = Some(MeshHit {
-                            t: hit.t,
-                            triangle: hit.triangle,
-                            u: hit.u,
-                            v: hit.v,
-                        });
+                        nearest[lane] = Some(hit);
                     }
                 }
             }
@@ -147,11 +142,11 @@ impl Tlas {
     #[inline(always)]
     fn occluded_by_item(&self, number: u32, rays: &RayLanes, asked: u32) -> u32 {
         match self.item(number) {
-            Item::Packet(packet) => each_occluded(rays, asked, |ray| packet.any(ray)),
-            Item::Placement(placement) => each_occluded(rays, asked, |ray| self.occluded_placed(placement, ray)),
+            Item::Packet(packet) => rays.those(asked, |ray| packet.any(ray)),
+            Item::Placement(placement) => rays.those(asked, |ray| self.occluded_placed(placement, ray)),
             Item::Shape(shape) => match &shape.primitive {
                 Primitive::Mesh(mesh) => mesh.occluded_bundle(&shape.local_rays(rays), asked),
-                other => each_occluded(rays, asked, |ray| other.intersect(&shape.local_ray(ray)).is_some()),
+                other => rays.those(asked, |ray| other.intersect(&shape.local_ray(ray)).is_some()),
             },
         }
     }
@@ -165,11 +160,6 @@ fn each_hit(rays: &RayLanes, asked: u32, intersect: impl Fn(&Ray) -> Option<Hit>
             found(lane, hit);
         }
     }
-}
-
-#[inline(always)]
-fn each_occluded(rays: &RayLanes, asked: u32, occluded: impl Fn(&Ray) -> bool) -> u32 {
-    each_lane(asked).fold(0, |bits, lane| bits | u32::from(occluded(&rays.get(lane))) << lane)
 }
 
 #[inline(always)]

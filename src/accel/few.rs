@@ -2,7 +2,8 @@
 //!
 //! Rays of different paths have little in common, but where there are only a few shapes most of them have to be tested anyway. Rectangles,
 //! spheres, boxes and meshes of a few triangles are tested in vectors, a ray per lane; of other meshes only the bounds, and then by each ray
-//! that meets them; where shapes lie next to each other it is a packet of them. Where surfaces coincide, the ray of a lane may meet another one of them than a lone ray.
+//! that meets them; where many shapes lie next to each other, packets of them. Where surfaces coincide, the ray of a lane may meet
+//! another one of them than a lone ray.
 
 use glam::{Vec2, Vec3};
 
@@ -10,7 +11,7 @@ use super::affine_mesh::{AffineMesh, Face};
 use super::blas::{Blas, MeshHit};
 use super::instance::{Instance, Primitive};
 use super::ray_lanes::RayLanes;
-use super::shape_lanes::{SlabLanes, cube, local, rectangle, sphere};
+use super::shape_lanes::{SlabLanes, cube, local_to, rectangle, sphere};
 use super::shape_packet::ShapePacket;
 use super::tiny_mesh::TinyMesh;
 use super::tlas::{Hit, Tlas};
@@ -151,11 +152,11 @@ impl FewShapes {
                                 }
                             }
                         }
-                        _ => nearest.ask(met, number, &scene.instances()[shape.instance as usize], rays),
+                        _ => nearest.ask(met, number, shape.instance(scene), rays),
                     }
                 }
                 Kind::Packets => nearest.ask_packets(active, number, scene.packets(), rays),
-                Kind::Other => nearest.ask(active, number, &scene.instances()[shape.instance as usize], rays),
+                Kind::Other => nearest.ask(active, number, shape.instance(scene), rays),
             }
         }
         let met = nearest.shape.simd_ge(Lanes::ZERO).to_bitmask() & active;
@@ -167,20 +168,19 @@ impl FewShapes {
             let place = Vec2::new(u, v);
             let of_lane = nearest.primitives[lane];
             let (primitive, u, v) = match &shape.kind {
-                Kind::Rectangle | Kind::Sphere => (0, u, v),
+                Kind::Rectangle | Kind::Sphere | Kind::Packets => (0, u, v),
                 Kind::Square(face) => face.at(place),
                 Kind::Cube(faces) => faces[triangle].at(place),
                 Kind::TinyMesh(mesh) => (mesh.triangle(triangle), u, v),
                 Kind::Boxed(_) | Kind::Other => (of_lane, u, v),
-                Kind::Packets => (0, u, v),
+            };
+            let instance = match shape.kind {
+                Kind::Packets => of_lane,
+                _ => shape.instance,
             };
             hits[lane] = Some(Hit {
                 t: nearest.t.as_array()[lane],
-                instance: if let Kind::Packets = shape.kind {
-                    of_lane
-                } else {
-                    shape.instance
-                },
+                instance,
                 member: 0,
                 primitive,
                 u,
@@ -224,11 +224,11 @@ impl FewShapes {
                             Some(mesh) if mesh.is_large() => {
                                 scene.occluded_mesh_many(shape.instance, mesh, &local.rays(), met)
                             }
-                            _ => shape.occluded(met, scene.instances(), rays),
+                            _ => rays.those(met, |ray| shape.instance(scene).occluded(ray)),
                         }
                     }
                     Kind::Packets => any_of_packets(left, scene.packets(), rays),
-                    Kind::Other => shape.occluded(left, scene.instances(), rays),
+                    Kind::Other => rays.those(left, |ray| shape.instance(scene).occluded(ray)),
                 };
         }
         hit
@@ -275,21 +275,18 @@ impl FewShape {
 
     #[inline(always)]
     fn local(&self, rays: &RayLanes) -> RayLanes {
-        local(rays, &self.rows, self.place)
+        local_to(rays, &self.rows, self.place)
+    }
+
+    fn instance<'a>(&self, scene: &'a Tlas) -> &'a Instance {
+        &scene.instances()[self.instance as usize]
     }
 
     fn mesh<'a>(&self, scene: &'a Tlas) -> Option<&'a Blas> {
-        match &scene.instances().get(self.instance as usize)?.primitive {
+        match &self.instance(scene).primitive {
             Primitive::Mesh(blas) => Some(blas),
             _ => None,
         }
-    }
-
-    fn occluded(&self, asked: u32, instances: &[Instance], rays: &RayLanes) -> u32 {
-        let instance = &instances[self.instance as usize];
-        each_lane(asked)
-            .map(|lane| u32::from(instance.occluded(&rays.get(lane))) << lane)
-            .sum()
     }
 }
 
@@ -355,9 +352,7 @@ fn any_of_packets(asked: u32, packets: &[ShapePacket], rays: &RayLanes) -> u32 {
     let mut hit = 0;
     for packet in packets {
         let met = slabs.meets(&packet.bounds, rays.t_max).to_bitmask() & asked & !hit;
-        for lane in each_lane(met) {
-            hit |= u32::from(packet.any(&rays.get(lane))) << lane;
-        }
+        hit |= rays.those(met, |ray| packet.any(ray));
     }
     hit
 }

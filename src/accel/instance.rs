@@ -6,7 +6,7 @@ use glam::{Affine3A, DAffine3, Mat3A, Vec3, Vec3A};
 
 use super::blas::{Blas, MeshHit};
 use super::ray_lanes::RayLanes;
-use super::shape_lanes::local;
+use super::shape_lanes::local_to;
 use super::surface::Rounding;
 use super::traverse::Steps;
 use crate::geometry::local::LocalHit;
@@ -44,7 +44,7 @@ impl Instance {
     /// `None` if the transform is singular, not finite, or has an inverse beyond f32.
     pub fn new(primitive: Primitive, world_from_local: Affine3A) -> Option<Self> {
         // In f64, so that small scales do not make the determinant vanish.
-        let wide = exact(&world_from_local);
+        let wide = world_from_local.as_daffine3();
         let determinant = wide.matrix3.determinant();
         if !wide.is_finite() || !determinant.is_finite() || determinant == 0.0 {
             return None;
@@ -76,7 +76,7 @@ impl Instance {
     }
 
     pub(super) fn exact_world_from_local(&self) -> DAffine3 {
-        exact(&self.world_from_local)
+        self.world_from_local.as_daffine3()
     }
 
     /// `ray` in local space, with the same `t`.
@@ -97,7 +97,7 @@ impl Instance {
     pub(super) fn local_rays(&self, rays: &RayLanes) -> RayLanes {
         let linear = &self.local_from_world.matrix3;
         let rows = [linear.row(0).into(), linear.row(1).into(), linear.row(2).into()];
-        local(rays, &rows, self.world_from_local.translation.into())
+        local_to(rays, &rows, self.world_from_local.translation.into())
     }
 
     /// World bounds, a little wider than exact, so that they hold every hit whatever the rounding of the transforms.
@@ -156,15 +156,6 @@ impl Instance {
             shape => shape.intersect(ray).is_some(),
         }
     }
-}
-
-fn exact(transform: &Affine3A) -> DAffine3 {
-    DAffine3::from_cols(
-        transform.matrix3.x_axis.as_dvec3(),
-        transform.matrix3.y_axis.as_dvec3(),
-        transform.matrix3.z_axis.as_dvec3(),
-        transform.translation.as_dvec3(),
-    )
 }
 
 impl Primitive {

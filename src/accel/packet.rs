@@ -4,6 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use wide::f32x8;
 
+use super::blas::MeshHit;
 use super::memory::prefetch;
 use crate::geometry::triangle::volumes;
 use crate::math::Ray;
@@ -19,14 +20,6 @@ pub(super) struct TrianglePacket {
     corners: [[Lanes; 3]; 3],
     /// The mesh's triangle in each lane.
     pub triangle: [u32; LANES],
-}
-
-/// A packet's nearest hit.
-pub(super) struct PacketHit {
-    pub t: f32,
-    pub triangle: u32,
-    pub u: f32,
-    pub v: f32,
 }
 
 /// A ray as the packet test wants it.
@@ -79,7 +72,7 @@ impl TrianglePacket {
     }
 
     #[inline(always)]
-    pub fn closest(&self, ray: &PacketRay, t_max: f32) -> Option<PacketHit> {
+    pub fn closest(&self, ray: &PacketRay, t_max: f32) -> Option<MeshHit> {
         let (distance, weights, mut hits) = self.test(ray, t_max);
         if hits == 0 {
             return None;
@@ -96,7 +89,7 @@ impl TrianglePacket {
             }
         }
         let sum = weights[0][nearest] + weights[1][nearest] + weights[2][nearest];
-        Some(PacketHit {
+        Some(MeshHit {
             t: distance[nearest],
             triangle: self.triangle[nearest],
             u: weights[1][nearest] / sum,

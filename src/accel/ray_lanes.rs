@@ -1,7 +1,7 @@
 //! Sixteen rays, one per lane.
 
 use crate::math::Ray;
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes};
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane};
 
 /// Rays in lanes, as [`Ray`].
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +18,16 @@ impl RayLanes {
         dir: Vec3Lanes::ZERO,
         t_max: Lanes::ZERO,
     };
+
+    /// The same in every lane.
+    #[inline(always)]
+    pub(super) fn splat(ray: &Ray) -> Self {
+        Self {
+            origin: Vec3Lanes::splat(ray.origin),
+            dir: Vec3Lanes::splat(ray.dir),
+            t_max: Lanes::splat(ray.t_max),
+        }
+    }
 
     /// One by one.
     #[inline(always)]
@@ -39,6 +49,12 @@ impl RayLanes {
             dir: self.dir.get(lane),
             t_max: self.t_max.as_array()[lane],
         }
+    }
+
+    /// A bit for each of the rays `asked` of which `is_so` holds.
+    #[inline(always)]
+    pub(super) fn those(&self, asked: u32, is_so: impl Fn(&Ray) -> bool) -> u32 {
+        each_lane(asked).fold(0, |bits, lane| bits | u32::from(is_so(&self.get(lane))) << lane)
     }
 
     /// A bit for each that is a ray and may meet something: finite, with a direction, and of some length.

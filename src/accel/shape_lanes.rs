@@ -18,18 +18,23 @@ pub(super) struct CubeLanes {
     pub met: Lanes,
 }
 
-/// World `rays` in the space whose origin is at `place`, by the rows of the matrix to there; as [`super::instance::Instance::local_ray`].
+/// World `rays` in spaces whose origins are at `places`, by the rows of the matrices to there; as [`super::instance::Instance::local_ray`].
 #[inline(always)]
-pub(super) fn local(rays: &RayLanes, rows: &[Vec3; 3], place: Vec3) -> RayLanes {
-    // Not by `map` of the array, which goes through memory.
-    let row = |row: usize| Vec3Lanes::splat(rows[row]);
-    let rows = (row(0), row(1), row(2));
-    let turned = |v: Vec3Lanes| Vec3Lanes::of(rows.0.dot(v), rows.1.dot(v), rows.2.dot(v));
+pub(super) fn local(rays: &RayLanes, rows: &[Vec3Lanes; 3], places: Vec3Lanes) -> RayLanes {
+    let turned = |v: Vec3Lanes| Vec3Lanes::of(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v));
     RayLanes {
-        origin: turned(rays.origin - Vec3Lanes::splat(place)),
+        origin: turned(rays.origin - places),
         dir: turned(rays.dir),
         t_max: rays.t_max,
     }
+}
+
+/// [`local`] for one space.
+#[inline(always)]
+pub(super) fn local_to(rays: &RayLanes, rows: &[Vec3; 3], place: Vec3) -> RayLanes {
+    // Not by `map` of the array, which goes through memory.
+    let row = |row: usize| Vec3Lanes::splat(rows[row]);
+    local(rays, &[row(0), row(1), row(2)], Vec3Lanes::splat(place))
 }
 
 /// The plane z = 0: t, x, y, and whether it is met before `t_max`.

@@ -10,7 +10,7 @@ use super::build::{NO_PRIMITIVE, SplitMethod};
 use super::bvh::Bvh;
 use super::instance::{Instance, Primitive};
 use super::ray_lanes::RayLanes;
-use super::shape_lanes::{in_rectangle, plane, round, sphere};
+use super::shape_lanes::{in_rectangle, local, plane, round, sphere};
 use super::tlas::Hit;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};
@@ -112,30 +112,19 @@ impl ShapePacket {
         &self.members[..used as usize]
     }
 
-    /// As [`Instance::local_ray`], for each of them.
-    #[inline(always)]
-    fn local(&self, ray: &Ray) -> RayLanes {
-        let turned = |v: Vec3Lanes| Vec3Lanes::of(self.rows[0].dot(v), self.rows[1].dot(v), self.rows[2].dot(v));
-        RayLanes {
-            origin: turned(Vec3Lanes::splat(ray.origin) - self.place),
-            dir: turned(Vec3Lanes::splat(ray.dir)),
-            t_max: Lanes::splat(ray.t_max),
-        }
-    }
-
     /// Distances, places in the plane, and the bits of those that are met.
     #[inline(always)]
     fn test(&self, ray: &Ray) -> (Lanes, [Lanes; 2], u32) {
+        let rays = RayLanes::splat(ray);
         if let Some(squares) = self.squared_radii {
             let around = RayLanes {
-                origin: Vec3Lanes::splat(ray.origin) - self.place,
-                dir: Vec3Lanes::splat(ray.dir),
-                t_max: Lanes::splat(ray.t_max),
+                origin: rays.origin - self.place,
+                ..rays
             };
-            let (t, met) = round(&around, squares, around.t_max);
+            let (t, met) = round(&around, squares, rays.t_max);
             return (t, [Lanes::ZERO; 2], met.to_bitmask() & self.spheres);
         }
-        let local = self.local(ray);
+        let local = local(&rays, &self.rows, self.place);
         let (mut t, mut met) = (Lanes::ZERO, Lanes::ZERO);
         let (mut u, mut v) = (Lanes::ZERO, Lanes::ZERO);
         if self.spheres != 0 {

@@ -9,7 +9,6 @@ use glam::Vec3;
 
 use super::ray_lanes::RayLanes;
 use crate::geometry::mesh::MeshData;
-use crate::geometry::triangle::is_regular;
 use crate::math::Aabb;
 use crate::math::lanes::{Lanes, Vec3Lanes};
 
@@ -61,13 +60,9 @@ impl TinyMesh {
             triangles: Vec::new(),
         };
         for index in 0..mesh.triangles.len() {
-            let is_whole = mesh.triangles[index]
-                .iter()
-                .all(|&corner| (corner as usize) < mesh.positions.len());
-            if !is_whole || !is_regular(mesh.corners(index)) {
+            let Some(points) = mesh.regular_corners(index) else {
                 continue;
-            }
-            let points = mesh.corners(index);
+            };
             let [a, b, c] = points.map(|point| tiny.corner(point));
             let edges = [(b, c), (c, a), (a, b)].map(|(from, to)| tiny.edge(from, to));
             tiny.triangles.push(TinyTriangle {

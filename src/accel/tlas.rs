@@ -354,9 +354,7 @@ impl Tlas {
         if self.is_large {
             return self.occluded_many(&rays.rays(), active);
         }
-        each_lane(active)
-            .map(|lane| u32::from(self.occluded(&rays.get(lane))) << lane)
-            .sum()
+        rays.those(active, |ray| self.occluded(ray))
     }
 
     /// Whether anything is hit with 0 < t < t_max.

@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::attribute::MeshAttribute;
 use super::mtl_map::MtlMaps;
+use super::triangle::is_regular;
 use super::vertex_normals::angle_weighted_normals;
 use crate::math::Aabb;
 
@@ -66,6 +67,12 @@ impl MeshData {
             self.positions[b as usize],
             self.positions[c as usize],
         ]
+    }
+
+    /// The corners of a triangle that a ray can hit: None if one of them does not exist or is not finite, or where it has no area.
+    pub fn regular_corners(&self, triangle: usize) -> Option<[Vec3; 3]> {
+        let [a, b, c] = self.triangles[triangle].map(|corner| self.positions.get(corner as usize).copied());
+        Some([a?, b?, c?]).filter(|&corners| is_regular(corners))
     }
 
     /// In this mesh's own space; zero for a degenerate triangle.
