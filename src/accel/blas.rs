@@ -9,11 +9,11 @@ use super::affine_mesh::AffineMesh;
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
 use super::memory::Table;
-use super::packet::{LANES, PacketRay, TrianglePacket};
+use super::packet::{LANES, TrianglePacket};
 use super::tlas::CACHE;
 use super::traverse::Steps;
 use crate::geometry::mesh::MeshData;
-use crate::geometry::triangle::is_regular;
+use crate::geometry::triangle::{TriangleRay, is_regular};
 use crate::math::{Aabb, Ray};
 
 /// One mesh's acceleration structure, in the mesh's local space.
@@ -110,7 +110,7 @@ impl Blas {
     #[inline(always)]
     pub(super) fn closest<const COUNT: bool>(&self, ray: &Ray, steps: &mut Steps) -> Option<MeshHit> {
         let mut hit = None;
-        let lanes = PacketRay::new(ray);
+        let lanes = TriangleRay::new(ray);
         let packets = self.packets();
         self.bvh.closest::<COUNT>(ray, steps, |range, t_max| {
             for packet in &packets[Self::packets_of(range)] {
@@ -126,7 +126,7 @@ impl Blas {
     /// Whether anything is hit with 0 < t < t_max.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        let lanes = PacketRay::new(ray);
+        let lanes = TriangleRay::new(ray);
         let packets = self.packets();
         self.bvh.any(ray, |range| {
             packets[Self::packets_of(range)]

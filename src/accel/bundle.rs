@@ -12,11 +12,11 @@ use super::blas::{Blas, MeshHit};
 use super::bvh::Bvh;
 use super::instance::Primitive;
 use super::node::{Child, Node};
-use super::packet::PacketRay;
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::SlabLanes;
 use super::tlas::{Hit, Item, Tlas};
 use super::traverse::{STACK, Steps};
+use crate::geometry::triangle::TriangleRay;
 use crate::math::Ray;
 use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
 
@@ -163,8 +163,8 @@ fn each_hit(rays: &RayLanes, asked: u32, intersect: impl Fn(&Ray) -> Option<Hit>
 }
 
 #[inline(always)]
-fn packet_rays(rays: &RayLanes) -> ArrayVec<PacketRay, LANES> {
-    (0..LANES).map(|lane| PacketRay::new(&rays.get(lane))).collect()
+fn packet_rays(rays: &RayLanes) -> ArrayVec<TriangleRay, LANES> {
+    (0..LANES).map(|lane| TriangleRay::new(&rays.get(lane))).collect()
 }
 
 impl Bvh {

@@ -10,10 +10,11 @@ use super::blas::{Blas, MeshHit};
 use super::bvh::Bvh;
 use super::instance::Primitive;
 use super::node::{Child, RaySlabs};
-use super::packet::{PacketRay, TrianglePacket};
+use super::packet::TrianglePacket;
 use super::shape_packet::ShapePacket;
 use super::tlas::{Hit, Item, Tlas};
 use super::traverse::{push_sorted, push_unsorted};
+use crate::geometry::triangle::TriangleRay;
 use crate::math::Ray;
 
 impl Tlas {
@@ -213,6 +214,8 @@ struct Level<'a> {
     packets: &'a [TrianglePacket],
     ray: Ray,
     slabs: RaySlabs,
+    /// Within a mesh.
+    triangle_ray: TriangleRay,
     /// How many children wait in the spaces around.
     floor: u32,
     /// Which in the world the group is.
@@ -233,6 +236,7 @@ impl<'a> Level<'a> {
             packets: &[],
             ray: *ray,
             slabs: RaySlabs::default(),
+            triangle_ray: TriangleRay::default(),
             floor: 0,
             placement: None,
             shape: 0,
@@ -244,6 +248,7 @@ impl<'a> Level<'a> {
         Self {
             bvh: mesh.bvh(),
             packets: mesh.packets(),
+            triangle_ray: TriangleRay::new(ray),
             shape,
             ..Self::of_scene(scene, ray)
         }
@@ -345,7 +350,7 @@ impl<'a, const ANY: bool, const DEEP: bool> Walk<'a, ANY, DEEP> {
     #[inline(always)]
     fn visit_triangles(&mut self) {
         let packet = &self.level.packets[self.next.index()];
-        if let Some(found) = packet.closest(&PacketRay::new(&self.level.ray), self.t_max) {
+        if let Some(found) = packet.closest(&self.level.triangle_ray, self.t_max) {
             self.take(self.level.shape, found.triangle, found.t, [found.u, found.v]);
         }
     }
@@ -386,6 +391,7 @@ impl<'a, const ANY: bool, const DEEP: bool> Walk<'a, ANY, DEEP> {
             self.enter(Level {
                 bvh: mesh.bvh(),
                 packets: mesh.packets(),
+                triangle_ray: TriangleRay::new(&ray),
                 ray,
                 shape: item,
                 ..level

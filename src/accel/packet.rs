@@ -6,48 +6,31 @@ use wide::f32x8;
 
 use super::blas::MeshHit;
 use super::memory::prefetch;
-use crate::geometry::triangle::volumes;
-use crate::math::Ray;
+use crate::geometry::triangle::TriangleRay;
 
 pub(super) const LANES: usize = 8;
 type Lanes = f32x8;
 
-/// Corners in structure-of-arrays form. Unused lanes repeat one point, which no ray hits.
+/// Corners in structure-of-arrays form. Unused lanes are no numbers, which no ray hits.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct TrianglePacket {
-    /// `corners[corner][axis]`, a triangle per lane.
+    /// `corners[axis][corner]`, a triangle per lane.
     corners: [[Lanes; 3]; 3],
     /// The mesh's triangle in each lane.
     pub triangle: [u32; LANES],
 }
 
-/// A ray as the packet test wants it.
-pub(super) struct PacketRay {
-    origin: [f32; 3],
-    dir: [f32; 3],
-}
-
-impl PacketRay {
-    #[inline(always)]
-    pub fn new(ray: &Ray) -> Self {
-        Self {
-            origin: ray.origin.to_array(),
-            dir: ray.dir.to_array(),
-        }
-    }
-}
-
 impl TrianglePacket {
     pub const EMPTY: Self = Self {
-        corners: [[Lanes::ZERO; 3]; 3],
+        corners: [[Lanes::splat(f32::NAN); 3]; 3],
         triangle: [u32::MAX; LANES],
     };
 
     pub fn set(&mut self, lane: usize, corners: [Vec3; 3], triangle: u32) {
         for (corner, point) in corners.into_iter().enumerate() {
             for axis in 0..3 {
-                self.corners[corner][axis].as_mut_array()[lane] = point[axis];
+                self.corners[axis][corner].as_mut_array()[lane] = point[axis];
             }
         }
         self.triangle[lane] = triangle;
@@ -55,24 +38,28 @@ impl TrianglePacket {
 
     /// Ray parameters, weights, and a bit for each lane whose triangle is met within 0 < t < t_max.
     #[inline(always)]
-    fn test(&self, ray: &PacketRay, t_max: f32) -> (Lanes, [Lanes; 3], u32) {
-        let volumes = volumes(ray.origin.map(Lanes::splat), ray.dir.map(Lanes::splat), self.corners);
-        let [u, v, w] = volumes.weights;
+    fn test(&self, ray: &TriangleRay, t_max: f32) -> (Lanes, [Lanes; 3], u32) {
+        let [x, y, z] = ray.axes.map(|axis| &self.corners[axis]);
+        let corners = [[x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]]];
+        let corners = ray.relative(corners, Lanes::splat);
+        let weights = ray.weights(corners, Lanes::splat);
+        let [u, v, w] = weights;
         let zero = Lanes::ZERO;
         let lowest = u.fast_min(v).fast_min(w);
         let highest = u.fast_max(v).fast_max(w);
         let inside = lowest.simd_ge(zero) | highest.simd_le(zero);
         if inside.none() {
-            return (zero, volumes.weights, 0);
+            return (zero, weights, 0);
         }
-        let t = volumes.t_numerator / volumes.determinant;
+        let [t_numerator, determinant] = ray.plane(corners, Lanes::splat);
+        let t = t_numerator / determinant;
         // A degenerate triangle gives t = 0 / 0, which no comparison lets through.
         let hits = inside & t.simd_gt(zero) & t.simd_lt(Lanes::splat(t_max));
-        (t, volumes.weights, hits.to_bitmask())
+        (t, weights, hits.to_bitmask())
     }
 
     #[inline(always)]
-    pub fn closest(&self, ray: &PacketRay, t_max: f32) -> Option<MeshHit> {
+    pub fn closest(&self, ray: &TriangleRay, t_max: f32) -> Option<MeshHit> {
         let (distance, weights, mut hits) = self.test(ray, t_max);
         if hits == 0 {
             return None;
@@ -105,7 +92,7 @@ impl TrianglePacket {
     }
 
     #[inline(always)]
-    pub fn any(&self, ray: &PacketRay, t_max: f32) -> bool {
+    pub fn any(&self, ray: &TriangleRay, t_max: f32) -> bool {
         self.test(ray, t_max).2 != 0
     }
 }

@@ -1,9 +1,9 @@
 //! One triangle: the ray test and the surface at a hit.
 //!
-//! The test is Moeller and Trumbore's (JGT 1997): signed volumes of the ray with each edge, and with the plane. Each edge's volume is
-//! evaluated from the sum and the difference of its two corners relative to the ray's origin, so the two triangles at a shared edge get
-//! exactly opposite numbers and no ray slips between them (the form Embree's robust mode uses; Davidovic et al., Efficient and
-//! robust edge functions, 2012). The weights are divided by their own sum, not by the determinant, which keeps them in [0, 1] at grazing angles.
+//! The test is Moeller and Trumbore's (JGT 1997): signed volumes of the ray with each edge, and with the plane. Those of the edges are taken
+//! where the ray is the third axis, as signed areas (Woop, Benthin, Wald, Watertight Ray/Triangle Intersection, JCGT 2013): each corner
+//! is moved there in one way whatever the triangle, so the two triangles at a shared edge get exactly opposite numbers and no ray slips
+//! between them. The weights are divided by their own sum, not by the determinant, which keeps them in [0, 1] at grazing angles.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -24,26 +24,73 @@ pub(crate) trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Ou
 
 impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T {}
 
-/// Signed volumes of a ray with a triangle's parts, up to common factors.
-#[derive(Clone, Copy)]
-pub(crate) struct Volumes<T> {
-    /// Barycentric weights of corners 0, 1, 2, times their sum. The ray's line meets the triangle if none is negative, or none positive.
-    pub weights: [T; 3],
-    /// The plane is met at `t_numerator / determinant`.
-    pub t_numerator: T,
-    /// Negative when the ray meets the front.
-    pub determinant: T,
+/// A ray as the test wants it. Axes are turned so that the third one is that of the largest component of the direction.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct TriangleRay {
+    /// Of the scene's axes, the one that each of the turned ones is.
+    pub axes: [usize; 3],
+    /// In turned axes, as what follows.
+    origin: [f32; 3],
+    dir: [f32; 3],
+    /// How much of each of the first two axes goes with the third.
+    shear: [f32; 2],
 }
 
-#[inline(always)]
-pub(crate) fn volumes<T: Number>(origin: [T; 3], dir: [T; 3], corners: [[T; 3]; 3]) -> Volumes<T> {
-    let [a, b, c] = corners.map(|p| sub(p, origin));
-    let normal = cross(sub(b, a), sub(c, a));
-    Volumes {
-        weights: [edge(b, c, dir), edge(c, a, dir), edge(a, b, dir)],
-        t_numerator: dot(a, normal),
-        determinant: dot(dir, normal),
+impl TriangleRay {
+    #[inline(always)]
+    pub fn new(ray: &Ray) -> Self {
+        let size = ray.dir.abs();
+        let largest = match (size.x > size.y, size.x > size.z, size.y > size.z) {
+            (true, true, _) => 0,
+            (false, _, true) => 1,
+            _ => 2,
+        };
+        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][largest];
+        let turned = |v: Vec3| axes.map(|axis| v[axis]);
+        let dir = turned(ray.dir);
+        Self {
+            axes,
+            origin: turned(ray.origin),
+            dir,
+            shear: [dir[0] / dir[2], dir[1] / dir[2]],
+        }
     }
+
+    /// Points in turned axes, `splat` giving the same number for all of them, relative to the origin.
+    #[inline(always)]
+    pub fn relative<T: Number>(&self, corners: [[T; 3]; 3], splat: impl Fn(f32) -> T) -> [[T; 3]; 3] {
+        let origin = [splat(self.origin[0]), splat(self.origin[1]), splat(self.origin[2])];
+        [
+            sub(corners[0], origin),
+            sub(corners[1], origin),
+            sub(corners[2], origin),
+        ]
+    }
+
+    /// Of corners [relative](Self::relative) to the origin: barycentric weights of corners 0, 1, 2, times their sum. The ray's line meets
+    /// the triangle if none is negative, or none positive.
+    #[inline(always)]
+    pub fn weights<T: Number>(&self, [a, b, c]: [[T; 3]; 3], splat: impl Fn(f32) -> T) -> [T; 3] {
+        let shear = [splat(self.shear[0]), splat(self.shear[1])];
+        let sheared = |p: [T; 3]| [p[0] - shear[0] * p[2], p[1] - shear[1] * p[2]];
+        let (a, b, c) = (sheared(a), sheared(b), sheared(c));
+        [area(b, c), area(c, a), area(a, b)]
+    }
+
+    /// Of corners [relative](Self::relative) to the origin: the plane is met at the first number over the second, which is negative when
+    /// the ray meets the front.
+    #[inline(always)]
+    pub fn plane<T: Number>(&self, [a, b, c]: [[T; 3]; 3], splat: impl Fn(f32) -> T) -> [T; 2] {
+        let normal = cross(sub(b, a), sub(c, a));
+        let dir = [splat(self.dir[0]), splat(self.dir[1]), splat(self.dir[2])];
+        [dot(a, normal), dot(dir, normal)]
+    }
+}
+
+/// Twice that of the triangle of `p`, `q` and the origin, exactly negated when they change places.
+#[inline(always)]
+fn area<T: Number>(p: [T; 2], q: [T; 2]) -> T {
+    p[0] * q[1] - p[1] * q[0]
 }
 
 #[inline(always)]
@@ -65,20 +112,15 @@ fn dot<T: Number>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// 2 dir . (p x q), exactly negated when p and q change places.
-#[inline(always)]
-fn edge<T: Number>(p: [T; 3], q: [T; 3], dir: [T; 3]) -> T {
-    let sum = [p[0] + q[0], p[1] + q[1], p[2] + q[2]];
-    dot(cross(sub(p, q), sum), dir)
-}
-
 /// The hit of `ray` with the triangle, `None` for a miss, a ray within the plane, a triangle without area.
 pub fn intersect(ray: &Ray, corners: [Vec3; 3], faces: Faces) -> Option<LocalHit> {
-    let volumes = volumes(ray.origin.to_array(), ray.dir.to_array(), corners.map(|p| p.to_array()));
-    let [w0, w1, w2] = volumes.weights;
+    let own = TriangleRay::new(ray);
+    let corners = own.relative(corners.map(|p| own.axes.map(|axis| p[axis])), |x| x);
+    let [w0, w1, w2] = own.weights(corners, |x| x);
+    let [t_numerator, determinant] = own.plane(corners, |x| x);
     let inside = w0.min(w1).min(w2) >= 0.0 || w0.max(w1).max(w2) <= 0.0;
-    let t = volumes.t_numerator / volumes.determinant;
-    let turned_away = faces == Faces::FrontOnly && volumes.determinant >= 0.0;
+    let t = t_numerator / determinant;
+    let turned_away = faces == Faces::FrontOnly && determinant >= 0.0;
     let met = inside && t > 0.0 && t < ray.t_max && !turned_away;
     let sum = w0 + w1 + w2;
     (met && sum != 0.0).then(|| LocalHit {
@@ -182,8 +224,12 @@ mod tests {
 
     #[test]
     fn a_shared_edge_gives_opposite_numbers() {
-        let [p, q, dir] = [[0.1, 0.7, -3.3], [1.7, 0.3, 2.1], [0.2, -0.9, 0.4]];
-        assert_eq!(edge(p, q, dir), -edge(q, p, dir));
+        let [p, q, r, s] = [[0.1, 0.7, -3.3], [1.7, 0.3, 2.1], [0.2, -0.9, 0.4], [2.3, 1.9, -0.7]];
+        for dir in [Vec3::new(0.2, -0.9, 0.4), Vec3::new(-1.2, 0.9, 0.4), Vec3::new(0.3, 0.3, 0.3)] {
+            let ray = TriangleRay::new(&Ray::new(Vec3::new(0.3, 0.1, 0.7), dir));
+            let weights = |corners: [[f32; 3]; 3]| ray.weights(ray.relative(corners, |x| x), |x| x);
+            assert_eq!(weights([p, q, r])[2], -weights([q, p, s])[2]);
+        }
     }
 
     #[test]
