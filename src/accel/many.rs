@@ -113,7 +113,7 @@ fn walk_many<'a, const ANY: bool, const DEEP: bool, const N: usize>(
     for (index, walk) in walks.iter_mut().enumerate() {
         if active >> index & 1 == 1 {
             walk.begin();
-            turns.give(index, walk.go_on());
+            turns.give::<DEEP>(index, walk.go_on());
         }
     }
     while turns != Turns::default() {
@@ -121,19 +121,20 @@ fn walk_many<'a, const ANY: bool, const DEEP: bool, const N: usize>(
         for index in members::<N>(now.at_nodes) {
             let walk = &mut walks[index];
             walk.visit_node();
-            turns.give(index, walk.go_on());
+            turns.give::<DEEP>(index, walk.go_on());
         }
         let asked = turns;
         turns.prefetch(&walks);
         for index in members::<N>(now.at_triangles) {
             let walk = &mut walks[index];
             walk.visit_triangles();
-            turns.give(index, walk.go_on());
+            turns.give::<DEEP>(index, walk.go_on());
         }
         for index in members::<N>(now.at_shapes) {
             let walk = &mut walks[index];
-            walk.visit_shape();
-            turns.give(index, walk.go_on());
+            if walk.visit_elsewhere() {
+                turns.give::<DEEP>(index, walk.go_on());
+            }
         }
         turns.without(asked).prefetch(&walks);
     }
@@ -147,8 +148,8 @@ fn walk_many<'a, const ANY: bool, const DEEP: bool, const N: usize>(
 enum Place {
     Node,
     Triangles,
-    Shape,
-    Nowhere,
+    /// A shape, or what is around the present space.
+    Elsewhere,
 }
 
 /// The rays that have a step to take, by where, a bit for each.
@@ -161,10 +162,10 @@ struct Turns {
 
 impl Turns {
     #[inline(always)]
-    fn give(&mut self, index: usize, place: Place) {
+    fn give<const DEEP: bool>(&mut self, index: usize, place: Place) {
         self.at_nodes |= u32::from(place == Place::Node) << index;
         self.at_triangles |= u32::from(place == Place::Triangles) << index;
-        self.at_shapes |= u32::from(place == Place::Shape) << index;
+        self.at_shapes |= u32::from(DEEP && place == Place::Elsewhere) << index;
     }
 
     fn without(self, other: Self) -> Self {
@@ -216,8 +217,6 @@ struct Level<'a> {
     slabs: RaySlabs,
     /// Within a mesh.
     triangle_ray: TriangleRay,
-    /// How many children wait in the spaces around.
-    floor: u32,
     /// Which in the world the group is.
     placement: Option<u32>,
     /// Which in the scene the mesh is.
@@ -237,7 +236,6 @@ impl<'a> Level<'a> {
             ray: *ray,
             slabs: RaySlabs::default(),
             triangle_ray: TriangleRay::default(),
-            floor: 0,
             placement: None,
             shape: 0,
         }
@@ -257,6 +255,9 @@ impl<'a> Level<'a> {
 
 /// Children that wait, and where the ray enters them.
 type Stack = ArrayVec<u64, WAITING>;
+
+/// Waits below all children of a space.
+const OUTWARD: u64 = Child::NONE.0 as u64;
 
 struct Walk<'a, const ANY: bool, const DEEP: bool> {
     level: Level<'a>,
@@ -288,8 +289,9 @@ impl<'a, const ANY: bool, const DEEP: bool> Walk<'a, ANY, DEEP> {
 
     #[inline(always)]
     fn begin(&mut self) {
-        if let Some(slabs) = RaySlabs::new(&self.level.ray) {
+        if !self.lost && let Some(slabs) = RaySlabs::new(&self.level.ray) {
             self.level.slabs = slabs;
+            self.waiting.push(OUTWARD);
             self.waiting.push(u64::from(Child::ROOT.0));
         }
     }
@@ -300,38 +302,28 @@ impl<'a, const ANY: bool, const DEEP: bool> Walk<'a, ANY, DEEP> {
         let Some(slabs) = RaySlabs::new(&inner.ray) else {
             return;
         };
-        let floor = self.waiting.len() as u32;
-        let outer = std::mem::replace(&mut self.level, Level { slabs, floor, ..inner });
-        self.lost |= self.around.try_push(outer).is_err();
-        self.lost |= self.waiting.try_push(u64::from(Child::ROOT.0)).is_err();
+        let outer = std::mem::replace(&mut self.level, Level { slabs, ..inner });
+        let entered = self.around.try_push(outer).is_ok()
+            && self.waiting.try_push(OUTWARD).is_ok()
+            && self.waiting.try_push(u64::from(Child::ROOT.0)).is_ok();
+        if !entered {
+            self.give_up();
+        }
     }
 
-    /// To the nearest that waits, out of spaces where nothing does.
+    fn give_up(&mut self) {
+        self.lost = true;
+        self.waiting.clear();
+    }
+
+    /// To the nearest that waits.
     #[inline(always)]
     fn go_on(&mut self) -> Place {
-        if self.lost || ANY && self.hit.is_some() {
-            return Place::Nowhere;
-        }
-        loop {
-            if DEEP && self.waiting.len() == self.level.floor as usize {
-                let Some(outer) = self.around.pop() else {
-                    return Place::Nowhere;
-                };
-                self.level = outer;
-                continue;
-            }
-            let Some(top) = self.waiting.pop() else {
-                return Place::Nowhere;
-            };
-            if !ANY && f32::from_bits((top >> 32) as u32) > self.t_max {
-                continue;
-            }
-            self.next = Child(top as u32);
-            return match (self.next.is_leaf(), DEEP && self.level.packets.is_empty()) {
-                (false, _) => Place::Node,
-                (true, false) => Place::Triangles,
-                (true, true) => Place::Shape,
-            };
+        self.next = Child(self.waiting.pop().unwrap_or(OUTWARD) as u32);
+        match (self.next.is_leaf(), self.next == Child::NONE || DEEP && self.level.packets.is_empty()) {
+            (false, _) => Place::Node,
+            (true, false) => Place::Triangles,
+            (true, true) => Place::Elsewhere,
         }
     }
 
@@ -344,7 +336,9 @@ impl<'a, const ANY: bool, const DEEP: bool> Walk<'a, ANY, DEEP> {
         } else {
             push_sorted(node, enter, met, self.waiting)
         };
-        self.lost |= pushed.is_err();
+        if pushed.is_err() {
+            self.give_up();
+        }
     }
 
     #[inline(always)]
@@ -355,6 +349,16 @@ impl<'a, const ANY: bool, const DEEP: bool> Walk<'a, ANY, DEEP> {
         }
     }
 
+    /// A shape, or out of the present space; false if there is nothing around it.
+    fn visit_elsewhere(&mut self) -> bool {
+        if self.next != Child::NONE {
+            self.visit_shape();
+            return true;
+        }
+        let outer = self.around.pop();
+        outer.map(|outer| self.level = outer).is_some()
+    }
+
     /// Out of line as in [`Tlas::intersect`]: most steps are within meshes.
     #[inline(never)]
     fn visit_shape(&mut self) {
@@ -362,8 +366,7 @@ impl<'a, const ANY: bool, const DEEP: bool> Walk<'a, ANY, DEEP> {
         let bvh = &level.scene.bvh;
         let &[item] = &bvh.order()[bvh.leaf_range(self.next)] else {
             // A linear list.
-            self.lost = true;
-            return;
+            return self.give_up();
         };
         let ray = Ray {
             t_max: self.t_max,
@@ -387,7 +390,9 @@ impl<'a, const ANY: bool, const DEEP: bool> Walk<'a, ANY, DEEP> {
         let ray = shape.local_ray(&ray);
         if let Primitive::Mesh(mesh) = &shape.primitive {
             // A leaf of a linear list has many packets.
-            self.lost |= mesh.bvh().is_linear();
+            if mesh.bvh().is_linear() {
+                return self.give_up();
+            }
             self.enter(Level {
                 bvh: mesh.bvh(),
                 packets: mesh.packets(),
@@ -420,6 +425,19 @@ impl<'a, const ANY: bool, const DEEP: bool> Walk<'a, ANY, DEEP> {
             u,
             v,
         });
+        if ANY {
+            self.waiting.clear();
+            return;
+        }
+        // What is entered behind the hit waits no longer.
+        let farthest = u64::from(t.to_bits()) << 32 | u64::from(u32::MAX);
+        let mut kept = 0;
+        for place in 0..self.waiting.len() {
+            let entry = self.waiting[place];
+            self.waiting[kept] = entry;
+            kept += usize::from(entry <= farthest);
+        }
+        self.waiting.truncate(kept);
     }
 }
 

@@ -13,7 +13,7 @@ use crate::math::{Aabb, Ray, gamma};
 
 pub(super) const WIDTH: usize = 8;
 
-/// Up to eight children, which fill the slots from the first on. Empty slots have empty boxes, which no ray hits.
+/// Up to eight children, which fill the slots from the first on. Empty slots have boxes infinitely far away, which no ray meets.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(super) struct Node {
@@ -71,7 +71,7 @@ impl Child {
 
 impl Node {
     pub const EMPTY: Self = Self {
-        planes: [[f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY)]; 3],
+        planes: [[f32x8::splat(f32::INFINITY); 2]; 3],
         children: [Child::NONE; WIDTH],
     };
 
@@ -113,15 +113,18 @@ impl Node {
     /// Where `ray` enters each box, and all bits set in the lanes of those that it meets before `t_max`.
     #[inline(always)]
     pub fn entries(&self, ray: &RaySlabs, t_max: f32) -> (f32x8, f32x8) {
-        let side = |axis: usize, far: u32, origin: f32| {
-            (self.planes[axis][((ray.reversed[axis] ^ far) & 1) as usize] - f32x8::splat(origin))
-                * f32x8::splat(ray.inverse[axis])
+        let slab = |axis: usize| {
+            let inverse = f32x8::splat(ray.inverse[axis]);
+            let [lower, upper] = self.planes[axis];
+            let lower = (lower - f32x8::splat(ray.origin_lower[axis])) * inverse;
+            let upper = (upper - f32x8::splat(ray.origin_upper[axis])) * inverse;
+            (lower.fast_min(upper), lower.fast_max(upper))
         };
-        let near = [0, 1, 2].map(|axis| side(axis, 0, ray.origin_near[axis]));
-        let far = [0, 1, 2].map(|axis| side(axis, 1, ray.origin_far[axis]));
-        let enter = near[0].fast_max(near[1]).fast_max(near[2].fast_max(f32x8::ZERO));
-        let leave = far[0].fast_min(far[1]).fast_min(far[2]) * f32x8::splat(EXIT_SCALE);
-        (enter, enter.simd_le(leave.fast_min(f32x8::splat(t_max))))
+        let (x, y, z) = (slab(0), slab(1), slab(2));
+        let enter = x.0.fast_max(y.0).fast_max(z.0.fast_max(f32x8::ZERO));
+        let leave = x.1.fast_min(y.1).fast_min(z.1);
+        let leave = leave.mul_add(f32x8::splat(EXIT_SCALE), f32x8::splat(f32::MIN_POSITIVE));
+        (enter, enter.simd_lt(leave.fast_min(f32x8::splat(t_max))))
     }
 }
 
@@ -131,12 +134,10 @@ const EXIT_SCALE: f32 = 1.0 + 2.0 * gamma(3);
 /// A ray as the box test wants it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RaySlabs {
-    /// The origin as the near and the far faces see it: equal but on axes without direction.
-    origin_near: [f32; 3],
-    origin_far: [f32; 3],
+    /// The origin as the lower and the upper faces see it: equal but on axes without direction.
+    origin_lower: [f32; 3],
+    origin_upper: [f32; 3],
     inverse: [f32; 3],
-    /// 1 where the ray enters a slab through its upper face, else 0.
-    reversed: [u32; 3],
 }
 
 impl RaySlabs {
@@ -151,12 +152,11 @@ impl RaySlabs {
             return None;
         }
         let margin = (ray.origin.abs() * f32::EPSILON).max(Vec3::splat(LEAST_MARGIN));
-        let margin = Vec3::select(ray.dir.cmpeq(Vec3::ZERO), margin.copysign(ray.dir), Vec3::ZERO);
+        let margin = Vec3::select(ray.dir.cmpeq(Vec3::ZERO), margin, Vec3::ZERO);
         Some(Self {
-            origin_near: (ray.origin + margin).to_array(),
-            origin_far: (ray.origin - margin).to_array(),
+            origin_lower: (ray.origin + margin).to_array(),
+            origin_upper: (ray.origin - margin).to_array(),
             inverse: ray.dir.recip().clamp(Vec3::MIN, Vec3::MAX).to_array(),
-            reversed: ray.dir.to_array().map(|component| component.to_bits() >> 31),
         })
     }
 }
