@@ -11,7 +11,7 @@ use arrayvec::ArrayVec;
 use super::blas::{Blas, MeshHit};
 use super::bvh::Bvh;
 use super::instance::Primitive;
-use super::node::{Child, Node};
+use super::node::{Child, Node, WIDTH};
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::SlabLanes;
 use super::tlas::{Hit, Item, Tlas};
@@ -178,6 +178,7 @@ impl Bvh {
         mut leaf: impl FnMut(Range<usize>, u32, &mut Lanes) -> u32,
     ) -> u32 {
         let slabs = SlabLanes::new(rays);
+        let common = slabs.common_signs(active);
         let mut left = active;
         let mut met = 0;
         let mut t_max = rays.t_max;
@@ -194,7 +195,19 @@ impl Bvh {
                 continue;
             }
             if !next.child.is_leaf() {
-                push_met::<ANY>(&self.nodes[next.child.index()], &slabs, asked, t_max, &mut waiting);
+                let node = &self.nodes[next.child.index()];
+                let boxes = if let Some(down) = common {
+                    let up = down.map(|down| !down);
+                    boxes_met(asked, |slot| {
+                        slabs.enter_by(node.faces_in_lanes(slot, down), node.faces_in_lanes(slot, up), down, t_max)
+                    })
+                } else {
+                    boxes_met(asked, |slot| {
+                        let [lower, upper] = [[false; 3], [true; 3]];
+                        slabs.enter_between(node.faces_in_lanes(slot, lower), node.faces_in_lanes(slot, upper), t_max)
+                    })
+                };
+                push_met::<ANY>(node, &boxes, &mut waiting);
                 continue;
             }
             met |= leaf(self.leaf_range(next.child), asked, &mut t_max);
@@ -211,35 +224,47 @@ impl Bvh {
     }
 }
 
-/// The children that any of the rays `asked` meets, the nearest on top unless any hit will do.
+/// The boxes of a node that a bundle meets.
+struct BoxesMet {
+    /// Where each ray enters each.
+    enters: [Lanes; WIDTH],
+    /// The rays that meet each, a bit each.
+    rays: [u32; WIDTH],
+    /// Those that are met by any, a bit each.
+    slots: u32,
+}
+
+/// Of all boxes, whether or not they are met: that takes no guesses. `enter` gives where rays enter one, and which.
 #[inline(always)]
-fn push_met<const ANY: bool>(
-    node: &Node,
-    slabs: &SlabLanes,
-    asked: u32,
-    t_max: Lanes,
-    waiting: &mut ArrayVec<Waiting, STACK>,
-) {
-    let here = lanes_of(asked);
+fn boxes_met(asked: u32, enter: impl Fn(usize) -> (Lanes, Lanes)) -> BoxesMet {
+    let mut boxes = BoxesMet {
+        enters: [Lanes::ZERO; WIDTH],
+        rays: [0; WIDTH],
+        slots: 0,
+    };
+    for slot in 0..WIDTH {
+        let (enter, met) = enter(slot);
+        let rays = met.to_bitmask() & asked;
+        boxes.enters[slot] = enter;
+        boxes.rays[slot] = rays;
+        boxes.slots |= u32::from(rays != 0) << slot;
+    }
+    boxes
+}
+
+/// The children that are met, the nearest on top unless any hit will do.
+#[inline(always)]
+fn push_met<const ANY: bool>(node: &Node, boxes: &BoxesMet, waiting: &mut ArrayVec<Waiting, STACK>) {
     let base = waiting.len();
-    for (slot, &child) in node.children.iter().enumerate() {
-        if child == Child::NONE {
-            break;
-        }
-        let [min, max] = node.corners_in_lanes(slot);
-        let (enter, met) = slabs.enter_between(min, max, t_max);
-        let met = met & here;
-        let rays = met.to_bitmask();
-        if rays == 0 {
-            continue;
-        }
+    for slot in each_lane(boxes.slots) {
+        let slot = slot % WIDTH;
         let mut entry = Waiting {
-            child,
-            rays,
+            child: node.children[slot],
+            rays: boxes.rays[slot],
             enter: 0.0,
         };
         if !ANY {
-            entry.enter = least(met.select(enter, Lanes::splat(f32::INFINITY)));
+            entry.enter = least(lanes_of(entry.rays).select(boxes.enters[slot], Lanes::splat(f32::INFINITY)));
         }
         // The stack is deep enough by construction.
         let _ = waiting.try_push(entry);

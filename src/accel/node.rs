@@ -95,12 +95,11 @@ impl Node {
         }
     }
 
-    /// [`Self::bounds`] in every lane: the lower and the upper corner.
+    /// On each axis the upper or the lower face of a child's box, in every lane.
     #[inline(always)]
-    pub fn corners_in_lanes(&self, slot: usize) -> [Vec3Lanes; 2] {
-        let plane = |axis: usize, side: usize| Lanes::splat(self.planes[axis][side].as_array()[slot]);
-        let corner = |side: usize| Vec3Lanes::of(plane(0, side), plane(1, side), plane(2, side));
-        [corner(0), corner(1)]
+    pub fn faces_in_lanes(&self, slot: usize, upper: [bool; 3]) -> Vec3Lanes {
+        let plane = |axis: usize| Lanes::splat(self.planes[axis][usize::from(upper[axis])].as_array()[slot]);
+        Vec3Lanes::of(plane(0), plane(1), plane(2))
     }
 
     /// Asks for its memory, which is four cache lines wherever it begins.

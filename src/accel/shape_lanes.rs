@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::ray_lanes::RayLanes;
-use crate::math::lanes::{Lanes, Vec3Lanes, copy_sign};
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, copy_sign};
 use crate::math::{Aabb, gamma};
 
 /// Where lines meet a cube.
@@ -126,7 +126,7 @@ pub(super) fn cube(ray: &RayLanes, t_max: Lanes) -> CubeLanes {
 /// Rays as boxes want them, which are tested as by [`super::node`].
 pub(super) struct SlabLanes {
     inverse: Vec3Lanes,
-    /// The origins as the lower and the upper faces see them, which lie a little farther out.
+    /// The origins over the directions, as the lower and the upper faces see them, which lie a little farther out.
     lower: Vec3Lanes,
     upper: Vec3Lanes,
 }
@@ -134,16 +134,33 @@ pub(super) struct SlabLanes {
 impl SlabLanes {
     #[inline(always)]
     pub fn new(ray: &RayLanes) -> Self {
+        // More than what rounding the sum and the product here can take away.
         let margin = ray
             .origin
-            .map(|o| o.abs().mul_add(Lanes::splat(f32::EPSILON), Lanes::splat(1e-18)));
-        // Directions without a component get the largest inverse.
-        let largest = Lanes::splat(f32::MAX);
+            .map(|o| o.abs().mul_add(Lanes::splat(2.0 * f32::EPSILON), Lanes::splat(1e-18)));
+        let inverse = Vec3Lanes::of(
+            inverse(ray.origin.x, ray.dir.x),
+            inverse(ray.origin.y, ray.dir.y),
+            inverse(ray.origin.z, ray.dir.z),
+        );
         Self {
-            inverse: ray.dir.map(|d| (Lanes::ONE / d).fast_max(-largest).fast_min(largest)),
-            lower: ray.origin + margin,
-            upper: ray.origin - margin,
+            inverse,
+            lower: (ray.origin + margin) * inverse,
+            upper: (ray.origin - margin) * inverse,
         }
+    }
+
+    /// On each axis whether all rays in `active` go down, or `None` if they differ.
+    #[inline(always)]
+    pub fn common_signs(&self, active: u32) -> Option<[bool; 3]> {
+        let negative = |inverse: Lanes| inverse.to_bitmask() & active;
+        let down = [
+            negative(self.inverse.x),
+            negative(self.inverse.y),
+            negative(self.inverse.z),
+        ];
+        let is_common = down.iter().all(|&bits| bits == 0 || bits == active);
+        is_common.then(|| [down[0] != 0, down[1] != 0, down[2] != 0])
     }
 
     /// Whether the rays may meet a box before `t_max`.
@@ -161,13 +178,58 @@ impl SlabLanes {
     /// The same of the box between two corners.
     #[inline(always)]
     pub fn enter_between(&self, min: Vec3Lanes, max: Vec3Lanes, t_max: Lanes) -> (Lanes, Lanes) {
-        let a = (min - self.lower) * self.inverse;
-        let b = (max - self.upper) * self.inverse;
-        let (x, y, z) = (a.x.fast_min(b.x), a.y.fast_min(b.y), a.z.fast_min(b.z));
-        let enter = x.fast_max(y).fast_max(z.fast_max(Lanes::ZERO));
-        let (x, y, z) = (a.x.fast_max(b.x), a.y.fast_max(b.y), a.z.fast_max(b.z));
-        let leave = x.fast_min(y).fast_min(z);
-        let leave = leave * Lanes::splat(1.0 + 2.0 * gamma(3));
-        (enter, enter.simd_le(leave.fast_min(t_max)))
+        let (a, b) = (self.reach(min, self.lower), self.reach(max, self.upper));
+        let near = Vec3Lanes::of(a.x.fast_min(b.x), a.y.fast_min(b.y), a.z.fast_min(b.z));
+        let far = Vec3Lanes::of(a.x.fast_max(b.x), a.y.fast_max(b.y), a.z.fast_max(b.z));
+        within(near, far, t_max)
     }
+
+    /// The same given the planes that all rays enter by, one for each axis, those that they leave by, and their [common
+    /// signs](Self::common_signs).
+    #[inline(always)]
+    pub fn enter_by(&self, near: Vec3Lanes, far: Vec3Lanes, down: [bool; 3], t_max: Lanes) -> (Lanes, Lanes) {
+        let origins = |down: [bool; 3]| {
+            let of = |down: bool, lower: Lanes, upper: Lanes| if down { upper } else { lower };
+            Vec3Lanes::of(
+                of(down[0], self.lower.x, self.upper.x),
+                of(down[1], self.lower.y, self.upper.y),
+                of(down[2], self.lower.z, self.upper.z),
+            )
+        };
+        within(
+            self.reach(near, origins(down)),
+            self.reach(far, origins(down.map(|down| !down))),
+            t_max,
+        )
+    }
+
+    /// Where the rays reach three planes.
+    #[inline(always)]
+    fn reach(&self, planes: Vec3Lanes, origins: Vec3Lanes) -> Vec3Lanes {
+        Vec3Lanes::of(
+            planes.x.mul_sub(self.inverse.x, origins.x),
+            planes.y.mul_sub(self.inverse.y, origins.y),
+            planes.z.mul_sub(self.inverse.z, origins.z),
+        )
+    }
+}
+
+/// Of directions without a component the largest number of whose product with the origin nothing is lost.
+#[inline(always)]
+fn inverse(origin: Lanes, dir: Lanes) -> Lanes {
+    const EXPONENT: WordLanes = WordLanes::new([0xff << 23; LANES]);
+    const MOST: WordLanes = WordLanes::new([354 << 23; LANES]);
+    let exponent = bytemuck::cast::<Lanes, WordLanes>(origin.abs().fast_max(Lanes::ONE)) & EXPONENT;
+    // 2 to the power of 100, less the origin's.
+    let largest: Lanes = bytemuck::cast(MOST - exponent);
+    (Lanes::ONE / dir).fast_max(-largest).fast_min(largest)
+}
+
+/// The largest entry, and whether it comes before all exits and `t_max`.
+#[inline(always)]
+fn within(near: Vec3Lanes, far: Vec3Lanes, t_max: Lanes) -> (Lanes, Lanes) {
+    let enter = near.x.fast_max(near.y).fast_max(near.z.fast_max(Lanes::ZERO));
+    let leave = far.x.fast_min(far.y).fast_min(far.z);
+    let leave = leave.mul_add(Lanes::splat(1.0 + 2.0 * gamma(3)), Lanes::splat(f32::MIN_POSITIVE));
+    (enter, enter.simd_lt(leave.fast_min(t_max)))
 }
