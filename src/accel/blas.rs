@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use super::affine_mesh::AffineMesh;
@@ -10,7 +11,7 @@ use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
 use super::memory::Table;
 use super::packet::{LANES, TrianglePacket};
-use super::tlas::CACHE;
+use super::tlas::{CACHE, Hit};
 use super::traverse::Steps;
 use crate::geometry::mesh::MeshData;
 use crate::geometry::triangle::{TriangleRay, is_regular};
@@ -36,6 +37,8 @@ pub struct MeshHit {
     pub triangle: u32,
     pub u: f32,
     pub v: f32,
+    /// The triangle's number in the order of the leaves, with empty places between some.
+    pub slot: u32,
 }
 
 impl Blas {
@@ -113,8 +116,8 @@ impl Blas {
         let lanes = TriangleRay::new(ray);
         let packets = self.packets();
         self.bvh.closest::<COUNT>(ray, steps, |range, t_max| {
-            for packet in &packets[Self::packets_of(range)] {
-                if let Some(found) = packet.closest(&lanes, *t_max) {
+            for number in Self::packets_of(range) {
+                if let Some(found) = packets[number].closest(number, &lanes, *t_max) {
                     *t_max = found.t;
                     hit = Some(found);
                 }
@@ -133,6 +136,15 @@ impl Blas {
                 .iter()
                 .any(|packet| packet.any(&lanes, ray.t_max))
         })
+    }
+
+    /// The corners of the triangle that was hit. Where rays have just been, they are near.
+    #[inline(always)]
+    pub(super) fn corners(&self, hit: &Hit) -> [Vec3; 3] {
+        match self.packets.get(hit.slot as usize / LANES) {
+            Some(packet) => packet.corners(hit.slot as usize % LANES),
+            None => self.mesh.corners(hit.primitive as usize),
+        }
     }
 
     /// In the order of the leaves.

@@ -37,9 +37,9 @@ impl Blas {
         let lone = packet_rays(rays);
         let mut nearest: [Option<MeshHit>; LANES] = [None; LANES];
         self.bvh.walk_bundle::<false>(rays, active, |range, asked, t_max| {
-            for packet in &packets[Self::packets_of(range)] {
+            for number in Self::packets_of(range) {
                 for lane in each_lane(asked) {
-                    if let Some(hit) = packet.closest(&lone[lane], t_max.as_array()[lane]) {
+                    if let Some(hit) = packets[number].closest(number, &lone[lane], t_max.as_array()[lane]) {
                         t_max.as_mut_array()[lane] = hit.t;
                         nearest[lane] = Some(hit);
                     }
@@ -96,14 +96,6 @@ impl Tlas {
 
     #[inline(always)]
     fn intersect_item(&self, number: u32, rays: &RayLanes, asked: u32, mut found: impl FnMut(usize, Hit)) {
-        let of_shape = |t: f32, u: f32, v: f32, primitive: u32| Hit {
-            t,
-            instance: number,
-            member: 0,
-            primitive,
-            u,
-            v,
-        };
         match self.item(number) {
             Item::Packet(packet) => each_hit(rays, asked, |ray| packet.closest(ray), found),
             Item::Placement(placement) => {
@@ -112,13 +104,10 @@ impl Tlas {
             }
             Item::Shape(shape) => match &shape.primitive {
                 Primitive::Mesh(mesh) => mesh.intersect_bundle(&shape.local_rays(rays), asked, |lane, hit| {
-                    found(lane, of_shape(hit.t, hit.u, hit.v, hit.triangle));
+                    found(lane, Hit::of_mesh(number, hit));
                 }),
                 other => {
-                    let hit = |ray: &Ray| {
-                        let hit = other.intersect(&shape.local_ray(ray))?;
-                        Some(of_shape(hit.t, hit.u, hit.v, 0))
-                    };
+                    let hit = |ray: &Ray| Some(Hit::of_shape(number, other.intersect(&shape.local_ray(ray))?));
                     each_hit(rays, asked, hit, found);
                 }
             },

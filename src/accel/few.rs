@@ -8,7 +8,7 @@
 use glam::{Vec2, Vec3};
 
 use super::affine_mesh::{AffineMesh, Face};
-use super::blas::{Blas, MeshHit};
+use super::blas::Blas;
 use super::instance::{Instance, Primitive};
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::{SlabLanes, cube, local_to, rectangle, sphere};
@@ -62,9 +62,10 @@ struct Nearest {
     v: Lanes,
     /// Index into the shapes, a small whole number.
     shape: Lanes,
-    /// The triangle or a cube's face, likewise; of boxed meshes it lies in `primitives`, for packets the instance.
+    /// The triangle or a cube's face, likewise.
     triangle: Lanes,
-    primitives: [u32; LANES],
+    /// With shapes that were asked by one ray after the other, the whole hits.
+    whole: [Option<Hit>; LANES],
 }
 
 impl FewShapes {
@@ -100,7 +101,7 @@ impl FewShapes {
             v: Lanes::ZERO,
             shape: Lanes::splat(-1.0),
             triangle: Lanes::ZERO,
-            primitives: [0; LANES],
+            whole: [None; LANES],
         };
         for (number, shape) in self.shapes.iter().enumerate() {
             let number = Lanes::splat(number as f32);
@@ -141,50 +142,41 @@ impl FewShapes {
                     let met = SlabLanes::new(&local).meets(bounds, nearest.t).to_bitmask() & active;
                     match shape.mesh(scene) {
                         Some(mesh) if COHERENT => mesh.intersect_bundle(&local, met, |lane, hit| {
-                            let MeshHit { t, triangle, u, v } = hit;
-                            nearest.set(lane, number, LocalHit { t, u, v }, triangle);
+                            nearest.set(lane, number, &Hit::of_mesh(shape.instance, hit));
                         }),
                         Some(mesh) if mesh.is_large() => {
                             let found = scene.intersect_mesh_many(shape.instance, mesh, &local.rays(), met);
                             for (lane, hit) in found.iter().enumerate() {
-                                if let Some(Hit { t, primitive, u, v, .. }) = *hit {
-                                    nearest.set(lane, number, LocalHit { t, u, v }, primitive);
+                                if let Some(hit) = hit {
+                                    nearest.set(lane, number, hit);
                                 }
                             }
                         }
-                        _ => nearest.ask(met, number, shape.instance(scene), rays),
+                        _ => nearest.ask(met, number, shape, scene, rays),
                     }
                 }
                 Kind::Packets => nearest.ask_packets(active, number, scene.packets(), rays),
-                Kind::Other => nearest.ask(active, number, shape.instance(scene), rays),
+                Kind::Other => nearest.ask(active, number, shape, scene, rays),
             }
         }
         let met = nearest.shape.simd_ge(Lanes::ZERO).to_bitmask() & active;
-        let mut hits = [None; LANES];
+        let mut hits = nearest.whole;
         for lane in each_lane(met) {
             let shape = &self.shapes[nearest.shape.as_array()[lane] as usize];
             let triangle = nearest.triangle.as_array()[lane] as usize;
             let (u, v) = (nearest.u.as_array()[lane], nearest.v.as_array()[lane]);
             let place = Vec2::new(u, v);
-            let of_lane = nearest.primitives[lane];
             let (primitive, u, v) = match &shape.kind {
-                Kind::Rectangle | Kind::Sphere | Kind::Packets => (0, u, v),
+                Kind::Rectangle | Kind::Sphere => (0, u, v),
                 Kind::Square(face) => face.at(place),
                 Kind::Cube(faces) => faces[triangle].at(place),
                 Kind::TinyMesh(mesh) => (mesh.triangle(triangle), u, v),
-                Kind::Boxed(_) | Kind::Other => (of_lane, u, v),
+                Kind::Boxed(_) | Kind::Other | Kind::Packets => continue,
             };
-            let instance = match shape.kind {
-                Kind::Packets => of_lane,
-                _ => shape.instance,
-            };
+            let t = nearest.t.as_array()[lane];
             hits[lane] = Some(Hit {
-                t: nearest.t.as_array()[lane],
-                instance,
-                member: 0,
                 primitive,
-                u,
-                v,
+                ..Hit::of_shape(shape.instance, LocalHit { t, u, v })
             });
         }
         hits
@@ -312,11 +304,12 @@ impl Nearest {
 
     /// The rays of the lanes `asked` ask the shape one by one.
     #[inline(always)]
-    fn ask(&mut self, asked: u32, number: Lanes, instance: &Instance, rays: &RayLanes) {
+    fn ask(&mut self, asked: u32, number: Lanes, shape: &FewShape, scene: &Tlas, rays: &RayLanes) {
+        let instance = shape.instance(scene);
         for lane in each_lane(asked) {
             let ray = self.shortened(lane, rays);
-            if let Some((hit, primitive)) = instance.closest::<false>(&ray, &mut Steps::default()) {
-                self.set(lane, number, hit, primitive);
+            if let Some(hit) = instance.closest::<false>(shape.instance, &ray, &mut Steps::default()) {
+                self.set(lane, number, &hit);
             }
         }
     }
@@ -328,20 +321,18 @@ impl Nearest {
         for packet in packets {
             let met = slabs.meets(&packet.bounds, self.t).to_bitmask() & asked;
             for lane in each_lane(met) {
-                if let Some(Hit { t, instance, u, v, .. }) = packet.closest(&self.shortened(lane, rays)) {
-                    self.set(lane, number, LocalHit { t, u, v }, instance);
+                if let Some(hit) = packet.closest(&self.shortened(lane, rays)) {
+                    self.set(lane, number, &hit);
                 }
             }
         }
     }
 
     #[inline(always)]
-    fn set(&mut self, lane: usize, number: Lanes, hit: LocalHit, primitive: u32) {
+    fn set(&mut self, lane: usize, number: Lanes, hit: &Hit) {
         self.t.as_mut_array()[lane] = hit.t;
-        self.u.as_mut_array()[lane] = hit.u;
-        self.v.as_mut_array()[lane] = hit.v;
         self.shape.as_mut_array()[lane] = number.as_array()[lane];
-        self.primitives[lane] = primitive;
+        self.whole[lane] = Some(*hit);
     }
 }
 

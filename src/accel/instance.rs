@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use glam::{Affine3A, DAffine3, Mat3A, Vec3, Vec3A};
 
-use super::blas::{Blas, MeshHit};
+use super::blas::Blas;
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::local_to;
 use super::surface::Rounding;
+use super::tlas::Hit;
 use super::traverse::Steps;
 use crate::geometry::local::LocalHit;
 use crate::geometry::{cylinder, disk, rectangle, sphere};
@@ -134,17 +135,13 @@ impl Instance {
         }
     }
 
-    /// The nearest hit of the world ray, with the triangle it lies on (zero for shapes without). `COUNT` adds the work within a mesh to
-    /// `steps`.
+    /// The nearest hit of the world ray, `number` being that of the instance. `COUNT` adds the work within a mesh to `steps`.
     #[inline(always)]
-    pub(super) fn closest<const COUNT: bool>(&self, ray: &Ray, steps: &mut Steps) -> Option<(LocalHit, u32)> {
+    pub(super) fn closest<const COUNT: bool>(&self, number: u32, ray: &Ray, steps: &mut Steps) -> Option<Hit> {
         let ray = &self.local_ray(ray);
         match &self.primitive {
-            Primitive::Mesh(blas) => {
-                let MeshHit { t, triangle, u, v } = blas.closest::<COUNT>(ray, steps)?;
-                Some((LocalHit { t, u, v }, triangle))
-            }
-            shape => shape.intersect(ray).map(|hit| (hit, 0)),
+            Primitive::Mesh(blas) => blas.closest::<COUNT>(ray, steps).map(|hit| Hit::of_mesh(number, hit)),
+            shape => shape.intersect(ray).map(|hit| Hit::of_shape(number, hit)),
         }
     }
 

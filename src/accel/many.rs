@@ -6,7 +6,7 @@
 
 use arrayvec::ArrayVec;
 
-use super::blas::{Blas, MeshHit};
+use super::blas::Blas;
 use super::bvh::Bvh;
 use super::instance::Primitive;
 use super::node::{Child, RaySlabs};
@@ -38,17 +38,7 @@ impl Tlas {
         rays: &[Ray; N],
         active: u32,
     ) -> [Option<Hit>; N] {
-        let alone = |index: usize| {
-            let MeshHit { t, triangle, u, v } = mesh.intersect(&rays[index])?;
-            Some(Hit {
-                t,
-                instance: shape,
-                member: 0,
-                primitive: triangle,
-                u,
-                v,
-            })
-        };
+        let alone = |index: usize| Some(Hit::of_mesh(shape, mesh.intersect(&rays[index])?));
         closest_many::<false, N>(|index| Level::of_mesh(self, shape, mesh, &rays[index]), active, alone)
     }
 
@@ -343,9 +333,10 @@ impl<'a, const ANY: bool, const DEEP: bool> Walk<'a, ANY, DEEP> {
 
     #[inline(always)]
     fn visit_triangles(&mut self) {
-        let packet = &self.level.packets[self.next.index()];
-        if let Some(found) = packet.closest(&self.level.triangle_ray, self.t_max) {
-            self.take(self.level.shape, found.triangle, found.t, [found.u, found.v]);
+        let number = self.next.index();
+        let packet = &self.level.packets[number];
+        if let Some(found) = packet.closest(number, &self.level.triangle_ray, self.t_max) {
+            self.take(Hit::of_mesh(self.level.shape, found));
         }
     }
 
@@ -402,7 +393,7 @@ impl<'a, const ANY: bool, const DEEP: bool> Walk<'a, ANY, DEEP> {
                 ..level
             });
         } else if let Some(hit) = shape.primitive.intersect(&ray) {
-            self.take(item, 0, hit.t, [hit.u, hit.v]);
+            self.take(Hit::of_shape(item, hit));
         }
     }
 
@@ -410,27 +401,27 @@ impl<'a, const ANY: bool, const DEEP: bool> Walk<'a, ANY, DEEP> {
     #[inline(never)]
     fn visit_packet(&mut self, packet: &ShapePacket, ray: &Ray) {
         if let Some(hit) = packet.closest(ray) {
-            self.take(hit.instance, 0, hit.t, [hit.u, hit.v]);
+            self.take(hit);
         }
     }
 
     #[inline(always)]
-    fn take(&mut self, shape: u32, primitive: u32, t: f32, [u, v]: [f32; 2]) {
-        self.t_max = t;
-        self.hit = Some(Hit {
-            t,
-            instance: self.level.placement.unwrap_or(shape),
-            member: self.level.placement.map_or(0, |_| shape),
-            primitive,
-            u,
-            v,
+    fn take(&mut self, hit: Hit) {
+        self.t_max = hit.t;
+        self.hit = Some(match self.level.placement {
+            None => hit,
+            Some(placement) => Hit {
+                instance: placement,
+                member: hit.instance,
+                ..hit
+            },
         });
         if ANY {
             self.waiting.clear();
             return;
         }
         // What is entered behind the hit waits no longer.
-        let farthest = u64::from(t.to_bits()) << 32 | u64::from(u32::MAX);
+        let farthest = u64::from(hit.t.to_bits()) << 32 | u64::from(u32::MAX);
         let mut kept = 0;
         for place in 0..self.waiting.len() {
             let entry = self.waiting[place];

@@ -36,6 +36,13 @@ impl TrianglePacket {
         self.triangle[lane] = triangle;
     }
 
+    #[inline(always)]
+    pub fn corners(&self, lane: usize) -> [Vec3; 3] {
+        let place = |axis: usize, corner: usize| self.corners[axis][corner].as_array()[lane];
+        let corner = |corner: usize| Vec3::new(place(0, corner), place(1, corner), place(2, corner));
+        [corner(0), corner(1), corner(2)]
+    }
+
     /// Ray parameters, weights, and a bit for each lane whose triangle is met within 0 < t < t_max.
     #[inline(always)]
     fn test(&self, ray: &TriangleRay, t_max: f32) -> (Lanes, [Lanes; 3], u32) {
@@ -58,8 +65,9 @@ impl TrianglePacket {
         (t, weights, hits.to_bitmask())
     }
 
+    /// The nearest hit, `number` being that of the packet.
     #[inline(always)]
-    pub fn closest(&self, ray: &TriangleRay, t_max: f32) -> Option<MeshHit> {
+    pub fn closest(&self, number: usize, ray: &TriangleRay, t_max: f32) -> Option<MeshHit> {
         let (distance, weights, mut hits) = self.test(ray, t_max);
         if hits == 0 {
             return None;
@@ -81,6 +89,7 @@ impl TrianglePacket {
             triangle: self.triangle[nearest],
             u: weights[1][nearest] / sum,
             v: weights[2][nearest] / sum,
+            slot: (number * LANES + nearest) as u32,
         })
     }
 

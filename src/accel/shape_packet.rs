@@ -12,6 +12,7 @@ use super::instance::{Instance, Primitive};
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::{in_rectangle, local, plane, round, sphere};
 use super::tlas::Hit;
+use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};
 
@@ -149,14 +150,12 @@ impl ShapePacket {
         let (t, [u, v], met) = self.test(ray);
         let t = t.as_array();
         let nearest = each_lane(met).reduce(|a, b| if t[b] < t[a] { b } else { a })?;
-        Some(Hit {
+        let hit = LocalHit {
             t: t[nearest],
-            instance: self.members[nearest],
-            member: 0,
-            primitive: 0,
             u: u.as_array()[nearest],
             v: v.as_array()[nearest],
-        })
+        };
+        Some(Hit::of_shape(self.members[nearest], hit))
     }
 
     #[inline]

@@ -60,29 +60,22 @@ impl Tlas {
         self.surface_in(ray, hit, Detail::Parametrised)
     }
 
-    /// Asks for the memory of the triangles that were hit, of all at once, unless it is near anyway.
+    /// Asks for the memory of the normals that will be looked up, of all at once, unless it is near anyway.
     pub(super) fn prefetch_surfaces(&self, hits: &[Option<Hit>]) {
-        if !self.is_large {
+        if !(self.is_large && self.has_vertex_normals) {
             return;
         }
         let triangles = || {
             hits.iter().flatten().filter_map(|hit| {
                 let shape = self.shape_at(hit);
-                match &shape.primitive {
-                    Primitive::Mesh(blas) => {
-                        Some((blas.mesh(), blas.mesh().triangles.get(hit.primitive as usize)?, shape))
-                    }
-                    _ => None,
-                }
+                let mesh = shape.with_vertex_normals()?.mesh();
+                Some((mesh, mesh.triangles.get(hit.primitive as usize)?))
             })
         };
-        triangles().for_each(|(_, triangle, _)| prefetch(triangle));
-        for (mesh, triangle, shape) in triangles() {
+        triangles().for_each(|(_, triangle)| prefetch(triangle));
+        for (mesh, triangle) in triangles() {
             for &corner in triangle {
-                mesh.positions.get(corner as usize).into_iter().for_each(prefetch);
-                if !shape.face_normals && !mesh.normals.is_empty() {
-                    mesh.normals.get(corner as usize).into_iter().for_each(prefetch);
-                }
+                mesh.normals.get(corner as usize).into_iter().for_each(prefetch);
             }
         }
     }
@@ -108,20 +101,15 @@ impl Instance {
             return self.plane_surface(hit);
         }
         let local = match &self.primitive {
-            Primitive::Mesh(blas) => triangle::surface(blas.mesh().corners(hit.primitive as usize), hit.u, hit.v),
+            Primitive::Mesh(blas) => triangle::surface(blas.corners(hit), hit.u, hit.v),
             Primitive::Sphere => sphere::surface(&self.local_ray(ray), hit.t),
             Primitive::Rectangle => rectangle::surface(hit.u, hit.v),
             Primitive::Disk => disk::surface(hit.u, hit.v),
             Primitive::Cylinder => cylinder::surface(&self.local_ray(ray), hit.t),
         };
         let geometric = self.geometric_normal(&local);
-        let shading = match &self.primitive {
-            // A mirror turns the geometric normal around alone.
-            Primitive::Mesh(blas) if !self.face_normals && (self.mirrored || !blas.has_flat_normals) => {
-                self.vertex_normal(blas, hit).unwrap_or(geometric)
-            }
-            _ => geometric,
-        };
+        let of_vertices = self.with_vertex_normals().and_then(|blas| self.vertex_normal(blas, hit));
+        let shading = of_vertices.unwrap_or(geometric);
         let side = if self.flip_normals { -1.0 } else { 1.0 };
         let parametrisation = match detail {
             Detail::Plain => Parametrisation::default(),
@@ -135,6 +123,16 @@ impl Instance {
             uv: parametrisation.uv,
             dp_du: parametrisation.dp_du,
             dp_dv: parametrisation.dp_dv,
+        }
+    }
+
+    /// If it is a mesh whose vertex normals count.
+    #[inline(always)]
+    pub(super) fn with_vertex_normals(&self) -> Option<&Blas> {
+        match &self.primitive {
+            // A mirror turns the geometric normal around alone.
+            Primitive::Mesh(blas) if !self.face_normals && (self.mirrored || !blas.has_flat_normals) => Some(blas),
+            _ => None,
         }
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::blas::Blas;
+use super::blas::{Blas, MeshHit};
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
 use super::few::FewShapes;
@@ -14,6 +14,7 @@ use super::placement::Placement;
 use super::ray_lanes::RayLanes;
 use super::shape_packet::ShapePacket;
 use super::traverse::Steps;
+use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, each_lane};
 use crate::math::{Aabb, Ray};
 
@@ -34,6 +35,8 @@ pub struct Tlas {
     pub(super) few: Option<FewShapes>,
     /// Whether it does not fit into a cache with all its meshes and groups: rays had better wait together.
     pub(super) is_large: bool,
+    /// Whether any of its meshes has vertex normals that count.
+    pub(super) has_vertex_normals: bool,
 }
 
 /// What a leaf of the hierarchy holds.
@@ -57,6 +60,39 @@ pub struct Hit {
     /// As in [`crate::geometry::local::LocalHit`].
     pub u: f32,
     pub v: f32,
+    /// Of a mesh's triangle as in [`MeshHit`], else [`Hit::NO_SLOT`].
+    pub(super) slot: u32,
+}
+
+impl Hit {
+    pub(super) const NO_SLOT: u32 = u32::MAX;
+
+    /// With a shape that is no mesh.
+    #[inline(always)]
+    pub(super) fn of_shape(instance: u32, hit: LocalHit) -> Self {
+        Self {
+            t: hit.t,
+            instance,
+            member: 0,
+            primitive: 0,
+            u: hit.u,
+            v: hit.v,
+            slot: Self::NO_SLOT,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn of_mesh(instance: u32, hit: MeshHit) -> Self {
+        Self {
+            t: hit.t,
+            instance,
+            member: 0,
+            primitive: hit.triangle,
+            u: hit.u,
+            v: hit.v,
+            slot: hit.slot,
+        }
+    }
 }
 
 impl Tlas {
@@ -86,6 +122,8 @@ impl Tlas {
             .is_empty()
             .then(|| FewShapes::new(&instances, &packets))
             .flatten();
+        let has_vertex_normals = groups.iter().any(|group| group.has_vertex_normals)
+            || instances.iter().any(|shape| shape.with_vertex_normals().is_some());
         let mut tlas = Self {
             instances,
             groups,
@@ -95,6 +133,7 @@ impl Tlas {
             bvh: Bvh::build(&[], method, LEAF_SIZE),
             few,
             is_large: false,
+            has_vertex_normals,
         };
         tlas.bvh = Bvh::build(&tlas.item_bounds(), method, LEAF_SIZE);
         tlas.is_large = tlas.bytes() > CACHE;
@@ -282,14 +321,7 @@ impl Tlas {
             for &number in &self.bvh.order()[range] {
                 let ray = Ray { t_max: *t_max, ..*ray };
                 let found = match self.item(number) {
-                    Item::Shape(shape) => shape.closest::<COUNT>(&ray, &mut inner).map(|(hit, primitive)| Hit {
-                        t: hit.t,
-                        instance: number,
-                        member: 0,
-                        primitive,
-                        u: hit.u,
-                        v: hit.v,
-                    }),
+                    Item::Shape(shape) => shape.closest::<COUNT>(number, &ray, &mut inner),
                     Item::Placement(placement) => self.closest_placed::<COUNT>(number, placement, &ray, &mut inner),
                     Item::Packet(packet) => {
                         if COUNT {
