@@ -145,10 +145,10 @@ impl FewShapes {
                             nearest.set(lane, number, &Hit::of_mesh(shape.instance, hit));
                         }),
                         Some(mesh) if mesh.is_large() => {
-                            let found = scene.intersect_mesh_many(shape.instance, mesh, &local.rays(), met);
-                            for (lane, hit) in found.iter().enumerate() {
+                            let found = mesh.intersect_many(&local.rays(), met);
+                            for (lane, hit) in found.into_iter().enumerate() {
                                 if let Some(hit) = hit {
-                                    nearest.set(lane, number, hit);
+                                    nearest.set(lane, number, &Hit::of_mesh(shape.instance, hit));
                                 }
                             }
                         }
@@ -213,9 +213,7 @@ impl FewShapes {
                         let met = SlabLanes::new(&local).meets(bounds, rays.t_max).to_bitmask() & left;
                         match shape.mesh(scene) {
                             Some(mesh) if COHERENT => mesh.occluded_bundle(&local, met),
-                            Some(mesh) if mesh.is_large() => {
-                                scene.occluded_mesh_many(shape.instance, mesh, &local.rays(), met)
-                            }
+                            Some(mesh) if mesh.is_large() => mesh.occluded_many(&local.rays(), met),
                             _ => rays.those(met, |ray| shape.instance(scene).occluded(ray)),
                         }
                     }

@@ -1,0 +1,201 @@
+//! Rays walked several at a time, a step of each in turn: while the memory that one needs is on its way, the others work. In large scenes
+//! most of a lone ray's time is waiting.
+//!
+//! Each ray takes the very steps that it would take alone. Those at inner nodes are taken together, those at triangles and those at
+//! shapes, so that the processor has little to guess.
+
+mod mesh;
+mod scene;
+
+use arrayvec::ArrayVec;
+
+use super::node::{Child, Node, RaySlabs};
+use super::traverse::{push_sorted, push_unsorted};
+
+/// A ray on its way.
+trait Walk {
+    /// What all of them walk through.
+    type Around;
+
+    /// Picks the next step.
+    fn go_on(&mut self) -> Place;
+    fn visit_node(&mut self, around: &Self::Around);
+    fn visit_triangles(&mut self, around: &Self::Around);
+    /// False if it has come to its end.
+    fn visit_elsewhere(&mut self, around: &Self::Around) -> bool;
+    /// Asks for the memory of a step that is picked.
+    fn prefetch_node(&self, around: &Self::Around);
+    fn prefetch_triangles(&self, around: &Self::Around);
+}
+
+/// What a ray visits next.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Node,
+    Triangles,
+    /// A shape, or what is around the present space.
+    Elsewhere,
+    Nowhere,
+}
+
+/// Takes the walks in `active`, a bit each, to their ends. `N` is at most 32.
+#[inline(always)]
+fn take_turns<W: Walk, const N: usize>(walks: &mut ArrayVec<W, N>, around: &W::Around, active: u32) {
+    const { assert!(N <= u32::BITS as usize) };
+    let mut turns = Turns::default();
+    for index in members::<N>(active) {
+        turns.give(index, walks[index].go_on());
+    }
+    while turns != Turns::default() {
+        let now = std::mem::take(&mut turns);
+        for index in members::<N>(now.at_nodes) {
+            let walk = &mut walks[index];
+            walk.visit_node(around);
+            turns.give(index, walk.go_on());
+        }
+        let asked = turns;
+        turns.prefetch(walks, around);
+        for index in members::<N>(now.at_triangles) {
+            let walk = &mut walks[index];
+            walk.visit_triangles(around);
+            turns.give(index, walk.go_on());
+        }
+        for index in members::<N>(now.elsewhere) {
+            let walk = &mut walks[index];
+            if walk.visit_elsewhere(around) {
+                turns.give(index, walk.go_on());
+            }
+        }
+        turns.without(asked).prefetch(walks, around);
+    }
+}
+
+/// The rays that have a step to take, by where, a bit for each.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+struct Turns {
+    at_nodes: u32,
+    at_triangles: u32,
+    elsewhere: u32,
+}
+
+impl Turns {
+    #[inline(always)]
+    fn give(&mut self, index: usize, place: Place) {
+        self.at_nodes |= u32::from(place == Place::Node) << index;
+        self.at_triangles |= u32::from(place == Place::Triangles) << index;
+        self.elsewhere |= u32::from(place == Place::Elsewhere) << index;
+    }
+
+    fn without(self, other: Self) -> Self {
+        Self {
+            at_nodes: self.at_nodes & !other.at_nodes,
+            at_triangles: self.at_triangles & !other.at_triangles,
+            elsewhere: self.elsewhere & !other.elsewhere,
+        }
+    }
+
+    /// Asks for the memory that the rays need, but for shapes.
+    #[inline(always)]
+    fn prefetch<W: Walk, const N: usize>(self, walks: &ArrayVec<W, N>, around: &W::Around) {
+        for index in members::<N>(self.at_nodes) {
+            walks[index].prefetch_node(around);
+        }
+        for index in members::<N>(self.at_triangles) {
+            walks[index].prefetch_triangles(around);
+        }
+    }
+}
+
+/// The places of the bits that are set, all below `N`.
+#[inline(always)]
+fn members<const N: usize>(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let index = mask.trailing_zeros() as usize;
+        mask &= mask.wrapping_sub(1);
+        (index < N).then_some(index)
+    })
+}
+
+/// Children that may wait in all spaces together; those of a million triangles are about fifty at most.
+const WAITING: usize = 96;
+
+/// Children that wait, and where the ray enters them.
+type Stack = ArrayVec<u64, WAITING>;
+
+/// Waits below all children of a space.
+const OUTWARD: u64 = Child::NONE.0 as u64;
+
+/// How far a ray has come. Without `ANY` it looks for its nearest hit.
+struct Progress<'a, const ANY: bool> {
+    /// As a lone ray's, those of inner spaces on top.
+    waiting: &'a mut Stack,
+    next: Child,
+    t_max: f32,
+    /// The ray needs more than there is room for, and must go alone.
+    lost: bool,
+}
+
+impl<'a, const ANY: bool> Progress<'a, ANY> {
+    #[inline(always)]
+    fn new(waiting: &'a mut Stack, t_max: f32) -> Self {
+        Self {
+            waiting,
+            next: Child::NONE,
+            t_max,
+            lost: false,
+        }
+    }
+
+    /// Into a space, from its root on.
+    #[inline(always)]
+    fn enter(&mut self) {
+        let entered = self.waiting.try_push(OUTWARD).is_ok() && self.waiting.try_push(u64::from(Child::ROOT.0)).is_ok();
+        if !entered {
+            self.give_up();
+        }
+    }
+
+    fn give_up(&mut self) {
+        self.lost = true;
+        self.waiting.clear();
+    }
+
+    /// To the nearest that waits.
+    #[inline(always)]
+    fn go_on(&mut self) -> Child {
+        self.next = Child(self.waiting.pop().unwrap_or(OUTWARD) as u32);
+        self.next
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, node: &Node, slabs: &RaySlabs) {
+        let (enter, met) = node.entries(slabs, self.t_max);
+        let pushed = if ANY {
+            push_unsorted(node, met, self.waiting)
+        } else {
+            push_sorted(node, enter, met, self.waiting)
+        };
+        if pushed.is_err() {
+            self.give_up();
+        }
+    }
+
+    /// Something is hit at `t`.
+    #[inline(always)]
+    fn shorten(&mut self, t: f32) {
+        self.t_max = t;
+        if ANY {
+            self.waiting.clear();
+            return;
+        }
+        // What is entered behind the hit waits no longer. To find that out later would be a guess at every step.
+        let farthest = u64::from(t.to_bits()) << 32 | u64::from(u32::MAX);
+        let mut kept = 0;
+        for place in 0..self.waiting.len() {
+            let entry = self.waiting[place];
+            self.waiting[kept] = entry;
+            kept += usize::from(entry <= farthest);
+        }
+        self.waiting.truncate(kept);
+    }
+}
