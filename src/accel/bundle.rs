@@ -75,7 +75,7 @@ impl Tlas {
     pub fn intersect_bundle(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let active = active & rays.usable();
         if let Some(few) = &self.few {
-            let hits = few.closest::<true>(self, rays, active);
+            let hits = few.closest::<{ super::few::COHERENT }>(self, rays, active);
             self.prefetch_surfaces(&hits);
             return hits;
         }
@@ -185,18 +185,8 @@ impl Bvh {
             }
             if !next.child.is_leaf() {
                 let node = &self.nodes[next.child.index()];
-                let boxes = if let Some(down) = common {
-                    let up = down.map(|down| !down);
-                    boxes_met(asked, |slot| {
-                        slabs.enter_by(node.faces_in_lanes(slot, down), node.faces_in_lanes(slot, up), down, t_max)
-                    })
-                } else {
-                    boxes_met(asked, |slot| {
-                        let [lower, upper] = [[false; 3], [true; 3]];
-                        slabs.enter_between(node.faces_in_lanes(slot, lower), node.faces_in_lanes(slot, upper), t_max)
-                    })
-                };
-                push_met::<ANY>(node, &boxes, &mut waiting);
+                let boxes = BoxesMet::new(node, &slabs, common, asked, t_max);
+                push_met::<ANY>(node, &boxes, boxes.slots, &mut waiting);
                 continue;
             }
             met |= leaf(self.leaf_range(next.child), asked, &mut t_max);
@@ -211,7 +201,45 @@ impl Bvh {
         }
         met
     }
+
+    /// Takes the rays in `active` down together as long as [`CROWD`] of them go the same way. `alone` is told of the children that are left
+    /// to each ray by itself, and where it enters them.
+    #[inline(always)]
+    pub(super) fn descend_bundle(&self, rays: &RayLanes, active: u32, mut alone: impl FnMut(usize, Child, f32)) {
+        let slabs = SlabLanes::new(rays);
+        let common = slabs.common_signs(active);
+        let is_crowd = |child: Child, rays: u32| !child.is_leaf() && rays.count_ones() >= CROWD;
+        if !is_crowd(Child::ROOT, active) {
+            each_lane(active).for_each(|lane| alone(lane, Child::ROOT, 0.0));
+            return;
+        }
+        let mut waiting = ArrayVec::<Waiting, STACK>::new();
+        waiting.push(Waiting {
+            child: Child::ROOT,
+            rays: active,
+            enter: 0.0,
+        });
+        while let Some(next) = waiting.pop() {
+            let node = &self.nodes[next.child.index()];
+            let boxes = BoxesMet::new(node, &slabs, common, next.rays, rays.t_max);
+            let mut crowds = 0;
+            for slot in each_lane(boxes.slots) {
+                let slot = slot % WIDTH;
+                if is_crowd(node.children[slot], boxes.rays[slot]) {
+                    crowds |= 1 << slot;
+                } else {
+                    for lane in each_lane(boxes.rays[slot]) {
+                        alone(lane, node.children[slot], boxes.enters[slot].as_array()[lane]);
+                    }
+                }
+            }
+            push_met::<true>(node, &boxes, crowds, &mut waiting);
+        }
+    }
 }
+
+/// From this number of rays on a node costs less for all together than for one after the other.
+const CROWD: u32 = 8;
 
 /// The boxes of a node that a bundle meets.
 struct BoxesMet {
@@ -223,29 +251,48 @@ struct BoxesMet {
     slots: u32,
 }
 
-/// Of all boxes, whether or not they are met: that takes no guesses. `enter` gives where rays enter one, and which.
-#[inline(always)]
-fn boxes_met(asked: u32, enter: impl Fn(usize) -> (Lanes, Lanes)) -> BoxesMet {
-    let mut boxes = BoxesMet {
-        enters: [Lanes::ZERO; WIDTH],
-        rays: [0; WIDTH],
-        slots: 0,
-    };
-    for slot in 0..WIDTH {
-        let (enter, met) = enter(slot);
-        let rays = met.to_bitmask() & asked;
-        boxes.enters[slot] = enter;
-        boxes.rays[slot] = rays;
-        boxes.slots |= u32::from(rays != 0) << slot;
+impl BoxesMet {
+    /// By the rays in `asked`, whose common signs are `common`.
+    #[inline(always)]
+    fn new(node: &Node, slabs: &SlabLanes, common: Option<[bool; 3]>, asked: u32, t_max: Lanes) -> Self {
+        match common {
+            Some(down) => {
+                let up = [!down[0], !down[1], !down[2]];
+                Self::gather(asked, |slot| {
+                    slabs.enter_by(node.faces_in_lanes(slot, down), node.faces_in_lanes(slot, up), down, t_max)
+                })
+            }
+            None => Self::gather(asked, |slot| {
+                let [lower, upper] = [[false; 3], [true; 3]];
+                slabs.enter_between(node.faces_in_lanes(slot, lower), node.faces_in_lanes(slot, upper), t_max)
+            }),
+        }
     }
-    boxes
+
+    /// All boxes are tested, whether or not they are met: that takes no guesses. `enter` gives where rays enter one, and which.
+    #[inline(always)]
+    fn gather(asked: u32, enter: impl Fn(usize) -> (Lanes, Lanes)) -> Self {
+        let mut boxes = Self {
+            enters: [Lanes::ZERO; WIDTH],
+            rays: [0; WIDTH],
+            slots: 0,
+        };
+        for slot in 0..WIDTH {
+            let (enter, met) = enter(slot);
+            let rays = met.to_bitmask() & asked;
+            boxes.enters[slot] = enter;
+            boxes.rays[slot] = rays;
+            boxes.slots |= u32::from(rays != 0) << slot;
+        }
+        boxes
+    }
 }
 
-/// The children that are met, the nearest on top unless any hit will do.
+/// The children in `slots`, which are met, the nearest on top unless any hit will do.
 #[inline(always)]
-fn push_met<const ANY: bool>(node: &Node, boxes: &BoxesMet, waiting: &mut ArrayVec<Waiting, STACK>) {
+fn push_met<const ANY: bool>(node: &Node, boxes: &BoxesMet, slots: u32, waiting: &mut ArrayVec<Waiting, STACK>) {
     let base = waiting.len();
-    for slot in each_lane(boxes.slots) {
+    for slot in each_lane(slots) {
         let slot = slot % WIDTH;
         let mut entry = Waiting {
             child: node.children[slot],

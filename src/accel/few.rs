@@ -20,6 +20,10 @@ use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};
 
+pub(super) const COHERENT: u8 = 0;
+pub(super) const NEIGHBOURS: u8 = 1;
+pub(super) const MIXED: u8 = 2;
+
 /// Above these the hierarchy wins: of shapes that are alone, and of packets.
 const MOST_SHAPES: usize = 24;
 const MOST_PACKETS: usize = 64;
@@ -94,7 +98,7 @@ impl FewShapes {
     }
 
     /// Of the lanes in `active`. With `COHERENT` rays go through meshes as a bundle.
-    pub fn closest<const COHERENT: bool>(&self, scene: &Tlas, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
+    pub fn closest<const COMPANY: u8>(&self, scene: &Tlas, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let mut nearest = Nearest {
             t: rays.t_max,
             u: Lanes::ZERO,
@@ -141,11 +145,14 @@ impl FewShapes {
                     local.t_max = nearest.t;
                     let met = SlabLanes::new(&local).meets(bounds, nearest.t).to_bitmask() & active;
                     match shape.mesh(scene) {
-                        Some(mesh) if COHERENT => mesh.intersect_bundle(&local, met, |lane, hit| {
+                        Some(mesh) if COMPANY == COHERENT => mesh.intersect_bundle(&local, met, |lane, hit| {
                             nearest.set(lane, number, &Hit::of_mesh(shape.instance, hit));
                         }),
                         Some(mesh) if mesh.is_large() => {
-                            let found = mesh.intersect_many(&local.rays(), met);
+                            let found = match COMPANY {
+                                NEIGHBOURS => mesh.intersect_neighbours(&local, met),
+                                _ => mesh.intersect_many(&local.rays(), met),
+                            };
                             for (lane, hit) in found.into_iter().enumerate() {
                                 if let Some(hit) = hit {
                                     nearest.set(lane, number, &Hit::of_mesh(shape.instance, hit));

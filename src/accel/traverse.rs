@@ -44,7 +44,18 @@ pub(super) fn push_sorted<const ROOM: usize>(
     met: f32x8,
     waiting: &mut ArrayVec<u64, ROOM>,
 ) -> Result<(), CapacityError> {
-    let sorted = far_to_near(enter, met, node.children.each_ref().map(|child| child.0));
+    push_far_to_near(enter, met, node.children, waiting)
+}
+
+/// As [`push_sorted`], of any children.
+#[inline(always)]
+pub(super) fn push_far_to_near<const ROOM: usize>(
+    enter: f32x8,
+    met: f32x8,
+    children: [Child; WIDTH],
+    waiting: &mut ArrayVec<u64, ROOM>,
+) -> Result<(), CapacityError> {
+    let sorted = far_to_near(enter, met, children.each_ref().map(|child| child.0));
     let height = waiting.len() + met.to_bitmask().count_ones() as usize;
     let pushed: [u64; WIDTH] =
         std::array::from_fn(|lane| u64::from(sorted.entries[lane].to_bits()) << 32 | u64::from(sorted.children[lane]));

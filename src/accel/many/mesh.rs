@@ -1,13 +1,17 @@
 //! Rays that stay within one mesh.
 
 use arrayvec::ArrayVec;
+use wide::f32x8;
 
-use super::{Place, Progress, Stack, Walk, members, take_turns};
+use super::{OUTWARD, Place, Progress, Stack, Walk, members, take_turns};
 use crate::accel::blas::{Blas, MeshHit};
-use crate::accel::node::{Child, Node, RaySlabs};
+use crate::accel::node::{Child, Node, RaySlabs, WIDTH};
 use crate::accel::packet::TrianglePacket;
+use crate::accel::ray_lanes::RayLanes;
+use crate::accel::traverse::push_far_to_near;
 use crate::geometry::triangle::TriangleRay;
 use crate::math::Ray;
+use crate::math::lanes::LANES;
 
 impl Blas {
     /// [`Self::intersect`] of each ray whose bit is set in `active`, `None` for the others. `N` is at most 32.
@@ -41,6 +45,43 @@ impl Blas {
         occluded
     }
 
+    /// [`Self::intersect_many`] for rays that begin near each other: as long as several go the same way, they are walked as a bundle.
+    pub(in crate::accel) fn intersect_neighbours(&self, rays: &RayLanes, active: u32) -> [Option<MeshHit>; LANES] {
+        let mut stacks: [Stack; LANES] = [const { Stack::new_const() }; LANES];
+        let mut starts = [Start::default(); LANES];
+        self.bvh.descend_bundle(rays, active, |lane, child, enter| starts[lane].push(child, enter));
+        let rays = rays.rays();
+        if self.bvh.is_linear() {
+            return self.intersect_many(&rays, active);
+        }
+        let mut walks = ArrayVec::<MeshWalk<false>, LANES>::new();
+        for ((ray, stack), start) in rays.iter().zip(&mut stacks).zip(&starts) {
+            stack.push(OUTWARD);
+            start.push_to(stack);
+            walks.push(MeshWalk::new(ray, stack));
+        }
+        for (ray, walk) in rays.iter().zip(&mut walks) {
+            walk.slabs = RaySlabs::new(ray).unwrap_or_default();
+        }
+        let mut hits = [None; LANES];
+        take_turns(&mut walks, &self.tables(), active);
+        for index in members::<LANES>(active) {
+            hits[index] = if walks[index].progress.lost {
+                self.intersect(&rays[index])
+            } else {
+                walks[index].hit
+            };
+        }
+        hits
+    }
+
+    fn tables(&self) -> MeshTables<'_> {
+        MeshTables {
+            nodes: &self.bvh.nodes,
+            packets: self.packets(),
+        }
+    }
+
     #[inline(always)]
     fn walk_many<const ANY: bool, const N: usize>(
         &self,
@@ -65,14 +106,47 @@ impl Blas {
                 }
             }
         }
-        let mesh = MeshTables {
-            nodes: &self.bvh.nodes,
-            packets: self.packets(),
-        };
-        take_turns(&mut walks, &mesh, active);
+        take_turns(&mut walks, &self.tables(), active);
         for index in members::<N>(active) {
             finish(index, &walks[index]);
         }
+    }
+}
+
+/// Where a ray begins.
+#[derive(Clone, Copy)]
+struct Start {
+    enters: [f32; WIDTH],
+    children: [Child; WIDTH],
+    count: usize,
+}
+
+impl Default for Start {
+    fn default() -> Self {
+        Self { enters: [0.0; WIDTH], children: [Child::NONE; WIDTH], count: 0 }
+    }
+}
+
+impl Start {
+    #[inline(always)]
+    fn push(&mut self, child: Child, enter: f32) {
+        if self.count < WIDTH {
+            self.enters[self.count] = enter;
+            self.children[self.count] = child;
+        }
+        self.count += 1;
+    }
+
+    #[inline(always)]
+    fn push_to(&self, waiting: &mut Stack) {
+        if self.count > WIDTH {
+            // From the root on, alone.
+            waiting.push(u64::from(Child::ROOT.0));
+            return;
+        }
+        let place = f32x8::new([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+        let met = place.simd_lt(f32x8::splat(self.count as f32));
+        let _ = push_far_to_near(f32x8::new(self.enters), met, self.children, waiting);
     }
 }
 

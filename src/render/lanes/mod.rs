@@ -45,11 +45,12 @@ pub(super) fn trace(
             return None;
         }
         for _ in 0..STEPS_TO_CANCEL {
+            paths.later.trace(Company::Mixed, &around, &mut samples);
             paths.begin(&around, &mut samples);
             if paths.later.active == 0 {
                 return Some(samples);
             }
-            paths.later.step(&around, &mut samples);
+            paths.later.step(Company::Mixed, &around, &mut samples);
         }
     }
 }
@@ -70,8 +71,8 @@ impl<'a> Paths<'a> {
         Self {
             jobs,
             begun: 0,
-            first: Wave::new(view, Company::Coherent),
-            later: Wave::new(view, Company::Mixed),
+            first: Wave::new(view),
+            later: Wave::new(view),
         }
     }
 
@@ -85,7 +86,9 @@ impl<'a> Paths<'a> {
                     return;
                 }
                 self.begun += self.first.begin(around.view, jobs, self.begun);
-                self.first.step(around, samples);
+                self.first.trace(Company::Coherent, around, samples);
+                self.first.step(Company::Coherent, around, samples);
+                self.first.trace(Company::Neighbours, around, samples);
             }
             let next = self.first.active.trailing_zeros() as usize % LANES;
             self.later.take(lane, &mut self.first, next);

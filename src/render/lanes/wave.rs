@@ -28,6 +28,8 @@ pub(super) struct Surroundings<'a> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Company {
     Coherent,
+    /// They begin close together.
+    Neighbours,
     Mixed,
 }
 
@@ -36,11 +38,13 @@ pub(super) type Samples = Vec<(PathSample, f32)>;
 
 /// The paths under way. What changes at every vertex lies in lanes, the rest in `homes`.
 pub(super) struct Wave {
-    company: Company,
     /// A bit per lane.
     pub active: u32,
     /// Where they go next; endless but for those from the camera.
     rays: RayLanes,
+    /// What these meet, in the lanes of `traced`.
+    hits: [Option<Hit>; LANES],
+    traced: u32,
     throughput: Vec3Lanes,
     eta_squared: Lanes,
     radiance: Vec3Lanes,
@@ -89,7 +93,7 @@ impl<'a> Surroundings<'a> {
 
 impl Wave {
     /// Without paths.
-    pub fn new(view: &View, company: Company) -> Self {
+    pub fn new(view: &View) -> Self {
         let nowhere = Path::new(
             Ray::new(Vec3::ZERO, Vec3::Z),
             Sampler::new(view.sequence, UVec2::ZERO, 0, view.seed),
@@ -100,9 +104,10 @@ impl Wave {
             path: nowhere,
         };
         Self {
-            company,
             active: 0,
             rays: RayLanes::NOWHERE,
+            hits: [None; LANES],
+            traced: 0,
             throughput: Vec3Lanes::ZERO,
             eta_squared: Lanes::ONE,
             radiance: Vec3Lanes::ZERO,
@@ -123,6 +128,7 @@ impl Wave {
         let count = jobs.len().min(LANES);
         let camera = CameraRays::new(view, &jobs[..count]);
         self.active = (1 << count) - 1;
+        self.traced = 0;
         self.rays = camera.rays;
         self.sampler = camera.samplers;
         self.throughput = Vec3Lanes::splat(Vec3::ONE);
@@ -156,6 +162,9 @@ impl Wave {
         self.depth.as_mut_array()[lane] = other.depth.as_array()[theirs];
         self.homes[lane] = other.homes[theirs];
         self.sampler.set(lane, &self.homes[lane].path.sampler);
+        self.hits[lane] = other.hits[theirs];
+        self.traced &= !(1 << lane);
+        self.traced |= (other.traced >> theirs & 1) << lane;
         self.active |= 1 << lane;
         other.active &= !(1 << theirs);
     }
@@ -216,35 +225,53 @@ impl Wave {
         self.active &= !(1 << lane);
     }
 
-    /// Takes all paths to their next vertices and on from there. What ends goes to `samples`.
+    /// Finds out what the rays meet of which that is not known. Paths that meet nothing end; what ends goes to `samples`.
     #[inline(never)]
-    pub fn step(&mut self, around: &Surroundings, samples: &mut Samples) {
+    pub fn trace(&mut self, company: Company, around: &Surroundings, samples: &mut Samples) {
         let geometry = &around.scene.geometry;
-        let hits = match self.company {
-            Company::Coherent => geometry.intersect_bundle(&self.rays, self.active),
-            Company::Mixed => geometry.intersect_lanes(&self.rays, self.active),
+        let asked = self.active & !self.traced;
+        let hits = match company {
+            Company::Coherent => geometry.intersect_bundle(&self.rays, asked),
+            Company::Neighbours => geometry.intersect_neighbours(&self.rays, asked),
+            Company::Mixed => geometry.intersect_lanes(&self.rays, asked),
         };
+        for lane in each_lane(asked) {
+            self.hits[lane] = hits[lane];
+            if hits[lane].is_none() {
+                self.escape(lane, around, samples);
+            }
+        }
+        self.traced = self.active;
+    }
+
+    /// Takes all paths to their next vertices and on from there.
+    #[inline(never)]
+    pub fn step(&mut self, company: Company, around: &Surroundings, samples: &mut Samples) {
         self.vertices.clear();
         for lane in each_lane(self.active) {
-            self.arrive(lane, hits[lane], around, samples);
+            if let Some(hit) = self.hits[lane] {
+                self.arrive(lane, hit, around, samples);
+            }
         }
+        self.traced = 0;
         if self.vertices.lanes != 0 {
-            self.scatter(around, samples);
+            self.scatter(company, around, samples);
         }
     }
 
+    /// The path of a lane leaves the scene.
+    fn escape(&mut self, lane: usize, around: &Surroundings, samples: &mut Samples) {
+        self.homes[lane].path.result.rays += 1;
+        let path = self.load(lane);
+        path.escape(around.scene, around.settings, &mut ());
+        let radiance = path.result.radiance;
+        self.radiance.set(lane, radiance);
+        self.finish(lane, samples);
+    }
+
     /// Takes the path of a lane to its hit, and on to its next vertex unless that is to be done in lanes.
-    fn arrive(&mut self, lane: usize, hit: Option<Hit>, around: &Surroundings, samples: &mut Samples) {
+    fn arrive(&mut self, lane: usize, hit: Hit, around: &Surroundings, samples: &mut Samples) {
         let (scene, settings) = (around.scene, around.settings);
-        let Some(hit) = hit else {
-            self.homes[lane].path.result.rays += 1;
-            let path = self.load(lane);
-            path.escape(scene, settings, &mut ());
-            let radiance = path.result.radiance;
-            self.radiance.set(lane, radiance);
-            self.finish(lane, samples);
-            return;
-        };
         let slot = scene.slot(&hit);
         let is_textured = slot.light.is_some_and(|light| scene.lights.is_textured(light));
         let ray = self.rays.get(lane);
@@ -281,7 +308,7 @@ impl Wave {
     }
 
     /// From the vertices to where their paths go on.
-    fn scatter(&mut self, around: &Surroundings, samples: &mut Samples) {
+    fn scatter(&mut self, company: Company, around: &Surroundings, samples: &mut Samples) {
         let (scene, settings) = (around.scene, around.settings);
         let zero = Lanes::ZERO;
         let lanes = self.vertices.lanes;
@@ -330,9 +357,9 @@ impl Wave {
             for lane in each_lane(asked) {
                 self.homes[lane].path.result.rays += 1;
             }
-            let occluded = match self.company {
+            let occluded = match company {
                 Company::Coherent => scene.geometry.occluded_bundle(&shadows, asked),
-                Company::Mixed => scene.geometry.occluded_lanes(&shadows, asked),
+                Company::Neighbours | Company::Mixed => scene.geometry.occluded_lanes(&shadows, asked),
             };
             let lit = asked & !occluded;
             self.radiance += reflected.only(lanes_of(lit));
