@@ -11,7 +11,7 @@ use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
 use super::memory::Table;
 use super::packet::{LANES, TrianglePacket};
-use super::tlas::{CACHE, Hit};
+use super::tlas::Hit;
 use super::traverse::Steps;
 use crate::geometry::mesh::MeshData;
 use crate::geometry::triangle::{TriangleRay, is_regular};
@@ -87,11 +87,6 @@ impl Blas {
     /// Of the hierarchy and the triangles in leaf order.
     pub(super) fn bytes(&self) -> usize {
         self.bvh.bytes() + size_of_val(self.packets())
-    }
-
-    /// Whether it does not fit into a cache: rays had better wait together.
-    pub(super) fn is_large(&self) -> bool {
-        self.bytes() > CACHE
     }
 
     /// [`Bvh::validate`] against the mesh.

@@ -75,7 +75,7 @@ impl Tlas {
     pub fn intersect_bundle(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let active = active & rays.usable();
         if let Some(few) = &self.few {
-            let hits = few.closest::<{ super::few::COHERENT }>(self, rays, active);
+            let hits = few.closest::<true>(self, rays, active);
             self.prefetch_surfaces(&hits);
             return hits;
         }
@@ -259,12 +259,21 @@ impl BoxesMet {
             Some(down) => {
                 let up = [!down[0], !down[1], !down[2]];
                 Self::gather(asked, |slot| {
-                    slabs.enter_by(node.faces_in_lanes(slot, down), node.faces_in_lanes(slot, up), down, t_max)
+                    slabs.enter_by(
+                        node.faces_in_lanes(slot, down),
+                        node.faces_in_lanes(slot, up),
+                        down,
+                        t_max,
+                    )
                 })
             }
             None => Self::gather(asked, |slot| {
                 let [lower, upper] = [[false; 3], [true; 3]];
-                slabs.enter_between(node.faces_in_lanes(slot, lower), node.faces_in_lanes(slot, upper), t_max)
+                slabs.enter_between(
+                    node.faces_in_lanes(slot, lower),
+                    node.faces_in_lanes(slot, upper),
+                    t_max,
+                )
             }),
         }
     }

@@ -20,10 +20,6 @@ use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};
 
-pub(super) const COHERENT: u8 = 0;
-pub(super) const NEIGHBOURS: u8 = 1;
-pub(super) const MIXED: u8 = 2;
-
 /// Above these the hierarchy wins: of shapes that are alone, and of packets.
 const MOST_SHAPES: usize = 24;
 const MOST_PACKETS: usize = 64;
@@ -98,7 +94,7 @@ impl FewShapes {
     }
 
     /// Of the lanes in `active`. With `COHERENT` rays go through meshes as a bundle.
-    pub fn closest<const COMPANY: u8>(&self, scene: &Tlas, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
+    pub fn closest<const COHERENT: bool>(&self, scene: &Tlas, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let mut nearest = Nearest {
             t: rays.t_max,
             u: Lanes::ZERO,
@@ -145,21 +141,18 @@ impl FewShapes {
                     local.t_max = nearest.t;
                     let met = SlabLanes::new(&local).meets(bounds, nearest.t).to_bitmask() & active;
                     match shape.mesh(scene) {
-                        Some(mesh) if COMPANY == COHERENT => mesh.intersect_bundle(&local, met, |lane, hit| {
+                        Some(mesh) if COHERENT => mesh.intersect_bundle(&local, met, |lane, hit| {
                             nearest.set(lane, number, &Hit::of_mesh(shape.instance, hit));
                         }),
-                        Some(mesh) if mesh.is_large() => {
-                            let found = match COMPANY {
-                                NEIGHBOURS => mesh.intersect_neighbours(&local, met),
-                                _ => mesh.intersect_many(&local.rays(), met),
-                            };
+                        Some(mesh) => {
+                            let found = mesh.intersect_lanes(&local, met);
                             for (lane, hit) in found.into_iter().enumerate() {
                                 if let Some(hit) = hit {
                                     nearest.set(lane, number, &Hit::of_mesh(shape.instance, hit));
                                 }
                             }
                         }
-                        _ => nearest.ask(met, number, shape, scene, rays),
+                        None => {}
                     }
                 }
                 Kind::Packets => nearest.ask_packets(active, number, scene.packets(), rays),
@@ -220,8 +213,8 @@ impl FewShapes {
                         let met = SlabLanes::new(&local).meets(bounds, rays.t_max).to_bitmask() & left;
                         match shape.mesh(scene) {
                             Some(mesh) if COHERENT => mesh.occluded_bundle(&local, met),
-                            Some(mesh) if mesh.is_large() => mesh.occluded_many(&local.rays(), met),
-                            _ => rays.those(met, |ray| shape.instance(scene).occluded(ray)),
+                            Some(mesh) => mesh.occluded_lanes(&local, met),
+                            None => 0,
                         }
                     }
                     Kind::Packets => any_of_packets(left, scene.packets(), rays),

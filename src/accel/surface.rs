@@ -108,7 +108,9 @@ impl Instance {
             Primitive::Cylinder => cylinder::surface(&self.local_ray(ray), hit.t),
         };
         let geometric = self.geometric_normal(&local);
-        let of_vertices = self.with_vertex_normals().and_then(|blas| self.vertex_normal(blas, hit));
+        let of_vertices = self
+            .with_vertex_normals()
+            .and_then(|blas| self.vertex_normal(blas, hit));
         let shading = of_vertices.unwrap_or(geometric);
         let side = if self.flip_normals { -1.0 } else { 1.0 };
         let parametrisation = match detail {

@@ -359,21 +359,11 @@ impl Tlas {
         })
     }
 
-    /// As [`Self::intersect_lanes`] for rays that begin close together.
-    pub fn intersect_neighbours(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
-        let Some(few) = &self.few else {
-            return self.intersect_lanes(rays, active);
-        };
-        let hits = few.closest::<{ super::few::NEIGHBOURS }>(self, rays, active & rays.usable());
-        self.prefetch_surfaces(&hits);
-        hits
-    }
-
     /// [`Self::intersect`] for each of the lanes in `active`; None in the others. Their surfaces are expected to be asked for next.
     pub fn intersect_lanes(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let active = active & rays.usable();
         let hits = if let Some(few) = &self.few {
-            few.closest::<{ super::few::MIXED }>(self, rays, active)
+            few.closest::<false>(self, rays, active)
         } else if self.is_large {
             self.intersect_many(&rays.rays(), active)
         } else {
@@ -417,7 +407,7 @@ impl Tlas {
 }
 
 /// Bytes of what a core has in reach without much waiting.
-pub(super) const CACHE: usize = 4 << 20;
+const CACHE: usize = 4 << 20;
 
 /// Instances are dear to test, boxes are cheap.
 const LEAF_SIZE: usize = 1;

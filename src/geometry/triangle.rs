@@ -225,7 +225,11 @@ mod tests {
     #[test]
     fn a_shared_edge_gives_opposite_numbers() {
         let [p, q, r, s] = [[0.1, 0.7, -3.3], [1.7, 0.3, 2.1], [0.2, -0.9, 0.4], [2.3, 1.9, -0.7]];
-        for dir in [Vec3::new(0.2, -0.9, 0.4), Vec3::new(-1.2, 0.9, 0.4), Vec3::new(0.3, 0.3, 0.3)] {
+        for dir in [
+            Vec3::new(0.2, -0.9, 0.4),
+            Vec3::new(-1.2, 0.9, 0.4),
+            Vec3::new(0.3, 0.3, 0.3),
+        ] {
             let ray = TriangleRay::new(&Ray::new(Vec3::new(0.3, 0.1, 0.7), dir));
             let weights = |corners: [[f32; 3]; 3]| ray.weights(ray.relative(corners, |x| x), |x| x);
             assert_eq!(weights([p, q, r])[2], -weights([q, p, s])[2]);

@@ -1,4 +1,4 @@
-//! Rays that stay within one mesh.
+//! Sixteen rays within one mesh: down together as long as several go the same way, then each on its own.
 
 use arrayvec::ArrayVec;
 use wide::f32x8;
@@ -14,16 +14,12 @@ use crate::math::Ray;
 use crate::math::lanes::LANES;
 
 impl Blas {
-    /// [`Self::intersect`] of each ray whose bit is set in `active`, `None` for the others. `N` is at most 32.
-    pub(in crate::accel) fn intersect_many<const N: usize>(
-        &self,
-        rays: &[Ray; N],
-        active: u32,
-    ) -> [Option<MeshHit>; N] {
-        let mut hits = [None; N];
-        self.walk_many::<false, N>(rays, active, |index, walk| {
+    /// [`Self::intersect`] of the rays in `active`, `None` for the others.
+    pub(in crate::accel) fn intersect_lanes(&self, rays: &RayLanes, active: u32) -> [Option<MeshHit>; LANES] {
+        let mut hits = [None; LANES];
+        self.walk_lanes::<false>(rays, active, |index, ray, walk| {
             hits[index] = if walk.progress.lost {
-                self.intersect(&rays[index])
+                self.intersect(ray)
             } else {
                 walk.hit
             };
@@ -31,12 +27,12 @@ impl Blas {
         hits
     }
 
-    /// [`Self::occluded`] of each ray whose bit is set in `active`; the others' bits are zero. `N` is at most 32.
-    pub(in crate::accel) fn occluded_many<const N: usize>(&self, rays: &[Ray; N], active: u32) -> u32 {
+    /// [`Self::occluded`] of the rays in `active`, a bit each; the others' bits are zero.
+    pub(in crate::accel) fn occluded_lanes(&self, rays: &RayLanes, active: u32) -> u32 {
         let mut occluded = 0;
-        self.walk_many::<true, N>(rays, active, |index, walk| {
+        self.walk_lanes::<true>(rays, active, |index, ray, walk| {
             let hit = if walk.progress.lost {
-                self.occluded(&rays[index])
+                self.occluded(ray)
             } else {
                 walk.hit.is_some()
             };
@@ -45,89 +41,61 @@ impl Blas {
         occluded
     }
 
-    /// [`Self::intersect_many`] for rays that begin near each other: as long as several go the same way, they are walked as a bundle.
-    pub(in crate::accel) fn intersect_neighbours(&self, rays: &RayLanes, active: u32) -> [Option<MeshHit>; LANES] {
-        let mut stacks: [Stack; LANES] = [const { Stack::new_const() }; LANES];
-        let mut starts = [Start::default(); LANES];
-        self.bvh.descend_bundle(rays, active, |lane, child, enter| starts[lane].push(child, enter));
+    #[inline(always)]
+    fn walk_lanes<const ANY: bool>(
+        &self,
+        rays: &RayLanes,
+        active: u32,
+        mut finish: impl FnMut(usize, &Ray, &MeshWalk<ANY>),
+    ) {
+        let mut starts = [Start::NOWHERE; LANES];
+        self.bvh
+            .descend_bundle(rays, active, |lane, child, enter| starts[lane].push(child, enter));
         let rays = rays.rays();
-        if self.bvh.is_linear() {
-            return self.intersect_many(&rays, active);
-        }
-        let mut walks = ArrayVec::<MeshWalk<false>, LANES>::new();
+        // They are large: made where they stay.
+        let mut stacks: [Stack; LANES] = [const { Stack::new_const() }; LANES];
+        let mut walks = ArrayVec::<MeshWalk<ANY>, LANES>::new();
         for ((ray, stack), start) in rays.iter().zip(&mut stacks).zip(&starts) {
             stack.push(OUTWARD);
             start.push_to(stack);
-            walks.push(MeshWalk::new(ray, stack));
+            walks.push(MeshWalk {
+                slabs: RaySlabs::new(ray).unwrap_or_default(),
+                triangle_ray: TriangleRay::new(ray),
+                progress: Progress::new(stack, ray.t_max),
+                hit: None,
+            });
         }
-        for (ray, walk) in rays.iter().zip(&mut walks) {
-            walk.slabs = RaySlabs::new(ray).unwrap_or_default();
+        if self.bvh.is_linear() {
+            // Its leaf has many packets.
+            walks.iter_mut().for_each(|walk| walk.progress.give_up());
         }
-        let mut hits = [None; LANES];
-        take_turns(&mut walks, &self.tables(), active);
-        for index in members::<LANES>(active) {
-            hits[index] = if walks[index].progress.lost {
-                self.intersect(&rays[index])
-            } else {
-                walks[index].hit
-            };
-        }
-        hits
-    }
-
-    fn tables(&self) -> MeshTables<'_> {
-        MeshTables {
+        let mesh = MeshTables {
             nodes: &self.bvh.nodes,
             packets: self.packets(),
-        }
-    }
-
-    #[inline(always)]
-    fn walk_many<const ANY: bool, const N: usize>(
-        &self,
-        rays: &[Ray; N],
-        active: u32,
-        mut finish: impl FnMut(usize, &MeshWalk<ANY>),
-    ) {
-        // They are large: made where they stay.
-        let mut stacks: [Stack; N] = [const { Stack::new_const() }; N];
-        let mut walks = ArrayVec::<MeshWalk<ANY>, N>::new();
-        for (ray, stack) in rays.iter().zip(&mut stacks) {
-            walks.push(MeshWalk::new(ray, stack));
-        }
-        for index in members::<N>(active) {
-            // A leaf of a linear list has many packets.
-            match RaySlabs::new(&rays[index]) {
-                _ if self.bvh.is_linear() => walks[index].progress.give_up(),
-                None => {}
-                Some(slabs) => {
-                    walks[index].slabs = slabs;
-                    walks[index].progress.enter();
-                }
-            }
-        }
-        take_turns(&mut walks, &self.tables(), active);
-        for index in members::<N>(active) {
-            finish(index, &walks[index]);
+        };
+        take_turns(&mut walks, &mesh, active);
+        for index in members::<LANES>(active) {
+            finish(index, &rays[index], &walks[index]);
         }
     }
 }
 
-/// Where a ray begins.
+/// The children that a ray begins with, in no order.
 #[derive(Clone, Copy)]
 struct Start {
     enters: [f32; WIDTH],
     children: [Child; WIDTH],
+    /// Also of those that there is no room for.
     count: usize,
 }
 
-impl Default for Start {
-    fn default() -> Self {
-        Self { enters: [0.0; WIDTH], children: [Child::NONE; WIDTH], count: 0 }
-    }
-}
-
 impl Start {
+    const NOWHERE: Self = Self {
+        enters: [0.0; WIDTH],
+        children: [Child::NONE; WIDTH],
+        count: 0,
+    };
+
     #[inline(always)]
     fn push(&mut self, child: Child, enter: f32) {
         if self.count < WIDTH {
@@ -140,13 +108,13 @@ impl Start {
     #[inline(always)]
     fn push_to(&self, waiting: &mut Stack) {
         if self.count > WIDTH {
-            // From the root on, alone.
             waiting.push(u64::from(Child::ROOT.0));
             return;
         }
-        let place = f32x8::new([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
-        let met = place.simd_lt(f32x8::splat(self.count as f32));
-        let _ = push_far_to_near(f32x8::new(self.enters), met, self.children, waiting);
+        let places = f32x8::new([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+        let used = places.simd_lt(f32x8::splat(self.count as f32));
+        // A new stack has room.
+        let _ = push_far_to_near(f32x8::new(self.enters), used, self.children, waiting);
     }
 }
 
@@ -160,19 +128,6 @@ struct MeshWalk<'a, const ANY: bool> {
     triangle_ray: TriangleRay,
     progress: Progress<'a, ANY>,
     hit: Option<MeshHit>,
-}
-
-impl<'a, const ANY: bool> MeshWalk<'a, ANY> {
-    /// Of a ray that goes nowhere yet.
-    #[inline(always)]
-    fn new(ray: &Ray, waiting: &'a mut Stack) -> Self {
-        Self {
-            slabs: RaySlabs::default(),
-            triangle_ray: TriangleRay::new(ray),
-            progress: Progress::new(waiting, ray.t_max),
-            hit: None,
-        }
-    }
 }
 
 impl<'a, const ANY: bool> Walk for MeshWalk<'a, ANY> {
@@ -190,8 +145,8 @@ impl<'a, const ANY: bool> Walk for MeshWalk<'a, ANY> {
 
     #[inline(always)]
     fn visit_node(&mut self, mesh: &MeshTables) {
-        self.progress
-            .visit(&mesh.nodes[self.progress.next.index()], &self.slabs);
+        let node = &mesh.nodes[self.progress.next.index()];
+        self.progress.visit(node, &self.slabs);
     }
 
     #[inline(always)]

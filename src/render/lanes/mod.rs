@@ -88,7 +88,7 @@ impl<'a> Paths<'a> {
                 self.begun += self.first.begin(around.view, jobs, self.begun);
                 self.first.trace(Company::Coherent, around, samples);
                 self.first.step(Company::Coherent, around, samples);
-                self.first.trace(Company::Neighbours, around, samples);
+                self.first.trace(Company::Mixed, around, samples);
             }
             let next = self.first.active.trailing_zeros() as usize % LANES;
             self.later.take(lane, &mut self.first, next);

@@ -28,8 +28,6 @@ pub(super) struct Surroundings<'a> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Company {
     Coherent,
-    /// They begin close together.
-    Neighbours,
     Mixed,
 }
 
@@ -232,7 +230,6 @@ impl Wave {
         let asked = self.active & !self.traced;
         let hits = match company {
             Company::Coherent => geometry.intersect_bundle(&self.rays, asked),
-            Company::Neighbours => geometry.intersect_neighbours(&self.rays, asked),
             Company::Mixed => geometry.intersect_lanes(&self.rays, asked),
         };
         for lane in each_lane(asked) {
@@ -359,7 +356,7 @@ impl Wave {
             }
             let occluded = match company {
                 Company::Coherent => scene.geometry.occluded_bundle(&shadows, asked),
-                Company::Neighbours | Company::Mixed => scene.geometry.occluded_lanes(&shadows, asked),
+                Company::Mixed => scene.geometry.occluded_lanes(&shadows, asked),
             };
             let lit = asked & !occluded;
             self.radiance += reflected.only(lanes_of(lit));
