@@ -144,14 +144,9 @@ impl FewShapes {
                         Some(mesh) if COHERENT => mesh.intersect_bundle(&local, met, |lane, hit| {
                             nearest.set(lane, number, &Hit::of_mesh(shape.instance, hit));
                         }),
-                        Some(mesh) => {
-                            let found = mesh.intersect_lanes(&local, met);
-                            for (lane, hit) in found.into_iter().enumerate() {
-                                if let Some(hit) = hit {
-                                    nearest.set(lane, number, &Hit::of_mesh(shape.instance, hit));
-                                }
-                            }
-                        }
+                        Some(mesh) => mesh.intersect_lanes(&local, met, |lane, hit| {
+                            nearest.set(lane, number, &Hit::of_mesh(shape.instance, hit));
+                        }),
                         None => {}
                     }
                 }

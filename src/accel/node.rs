@@ -8,6 +8,7 @@ use glam::Vec3;
 use wide::f32x8;
 
 use super::memory::prefetch;
+use super::ray_lanes::RayLanes;
 use crate::math::lanes::{Lanes, Vec3Lanes};
 use crate::math::{Aabb, Ray, gamma};
 
@@ -157,6 +158,40 @@ impl RaySlabs {
             origin_upper: (ray.origin - margin).to_array(),
             inverse: ray.dir.recip().clamp(Vec3::MIN, Vec3::MAX).to_array(),
         })
+    }
+}
+
+/// [`RaySlabs`] of sixteen rays that can hit something.
+pub(super) struct RaySlabLanes {
+    lower: Vec3Lanes,
+    upper: Vec3Lanes,
+    inverse: Vec3Lanes,
+}
+
+impl RaySlabLanes {
+    #[inline(always)]
+    pub fn new(rays: &RayLanes) -> Self {
+        let (largest, least) = (Lanes::splat(f32::MAX), Lanes::splat(LEAST_MARGIN));
+        let margin = |o: Lanes, d: Lanes| {
+            let margin = (o.abs() * Lanes::splat(f32::EPSILON)).fast_max(least);
+            margin & d.simd_eq(Lanes::ZERO)
+        };
+        let (o, d) = (rays.origin, rays.dir);
+        let margin = Vec3Lanes::of(margin(o.x, d.x), margin(o.y, d.y), margin(o.z, d.z));
+        Self {
+            lower: o + margin,
+            upper: o - margin,
+            inverse: d.map(|d| (Lanes::ONE / d).fast_max(-largest).fast_min(largest)),
+        }
+    }
+
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> RaySlabs {
+        RaySlabs {
+            origin_lower: self.lower.get(lane).to_array(),
+            origin_upper: self.upper.get(lane).to_array(),
+            inverse: self.inverse.get(lane).to_array(),
+        }
     }
 }
 

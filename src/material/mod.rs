@@ -91,6 +91,18 @@ pub struct MaterialTable {
     parametrised: Vec<bool>,
     /// Per material, see [`Self::is_for_lanes`].
     for_lanes: Vec<bool>,
+    /// Per plain material, see [`PlainSide::albedo`].
+    albedos: Vec<Rgb>,
+}
+
+/// The one model that a surface is made of about its own shading normal.
+#[derive(Clone, Copy, Debug)]
+pub struct PlainSide<'a> {
+    pub bsdf: &'a Bsdf,
+    /// [`Bsdf::albedo`].
+    pub albedo: Rgb,
+    /// From which it is seen: 1, or -1 from behind.
+    pub side: f32,
 }
 
 impl MaterialTable {
@@ -111,7 +123,12 @@ impl MaterialTable {
             _ => false,
         });
         let parametrised = nesting::parametrised(&materials);
+        let albedo = |material: &Material| match material {
+            Material::Plain(bsdf) => bsdf.albedo(),
+            _ => Rgb::ZERO,
+        };
         Ok(Self {
+            albedos: materials.iter().map(albedo).collect(),
             for_lanes: nesting::for_lanes(&materials, &parametrised),
             parametrised,
             materials,
@@ -154,14 +171,16 @@ impl MaterialTable {
         self.for_lanes[id.0 as usize]
     }
 
-    /// The one model that a surface is made of about its own shading normal, and the side it is seen from (1, or -1 from behind), where
-    /// `cos` is the cosine of the direction it is seen from. None if it is not as simple as that.
+    /// What a surface is made of, where `cos` is the cosine of the direction it is seen from. None if it is not as simple as that.
     #[inline(always)]
-    pub fn plain(&self, mut id: MaterialId, cos: f32) -> Option<(&Bsdf, f32)> {
+    pub fn plain(&self, mut id: MaterialId, cos: f32) -> Option<PlainSide<'_>> {
         let mut side = 1.0;
         loop {
             match self.materials.get(id.0 as usize)? {
-                Material::Plain(bsdf) => return Some((bsdf, side)),
+                Material::Plain(bsdf) => {
+                    let albedo = self.albedos[id.0 as usize];
+                    return Some(PlainSide { bsdf, albedo, side });
+                }
                 Material::TwoSided { front, .. } if cos * side > 0.0 => id = *front,
                 Material::TwoSided { back, .. } => (id, side) = (*back, -side),
                 _ => return None,

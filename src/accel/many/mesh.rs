@@ -5,7 +5,7 @@ use wide::f32x8;
 
 use super::{OUTWARD, Place, Progress, Stack, Walk, members, take_turns};
 use crate::accel::blas::{Blas, MeshHit};
-use crate::accel::node::{Child, Node, RaySlabs, WIDTH};
+use crate::accel::node::{Child, Node, RaySlabLanes, RaySlabs, WIDTH};
 use crate::accel::packet::TrianglePacket;
 use crate::accel::ray_lanes::RayLanes;
 use crate::accel::traverse::push_far_to_near;
@@ -14,17 +14,24 @@ use crate::math::Ray;
 use crate::math::lanes::LANES;
 
 impl Blas {
-    /// [`Self::intersect`] of the rays in `active`, `None` for the others.
-    pub(in crate::accel) fn intersect_lanes(&self, rays: &RayLanes, active: u32) -> [Option<MeshHit>; LANES] {
-        let mut hits = [None; LANES];
+    /// [`Self::intersect`] of the rays in `active`; `found` is told of the nearest hit of each one that has any.
+    #[inline(always)]
+    pub(in crate::accel) fn intersect_lanes(
+        &self,
+        rays: &RayLanes,
+        active: u32,
+        mut found: impl FnMut(usize, MeshHit),
+    ) {
         self.walk_lanes::<false>(rays, active, |index, ray, walk| {
-            hits[index] = if walk.progress.lost {
+            let hit = if walk.progress.lost {
                 self.intersect(ray)
             } else {
                 walk.hit
             };
+            if let Some(hit) = hit {
+                found(index, hit);
+            }
         });
-        hits
     }
 
     /// [`Self::occluded`] of the rays in `active`, a bit each; the others' bits are zero.
@@ -51,15 +58,17 @@ impl Blas {
         let mut starts = [Start::NOWHERE; LANES];
         self.bvh
             .descend_bundle(rays, active, |lane, child, enter| starts[lane].push(child, enter));
+        let slabs = RaySlabLanes::new(rays);
         let rays = rays.rays();
         // They are large: made where they stay.
         let mut stacks: [Stack; LANES] = [const { Stack::new_const() }; LANES];
         let mut walks = ArrayVec::<MeshWalk<ANY>, LANES>::new();
-        for ((ray, stack), start) in rays.iter().zip(&mut stacks).zip(&starts) {
+        for (index, stack) in stacks.iter_mut().enumerate() {
+            let (ray, start) = (&rays[index], &starts[index]);
             stack.push(OUTWARD);
             start.push_to(stack);
             walks.push(MeshWalk {
-                slabs: RaySlabs::new(ray).unwrap_or_default(),
+                slabs: slabs.get(index),
                 triangle_ray: TriangleRay::new(ray),
                 progress: Progress::new(stack, ray.t_max),
                 hit: None,

@@ -1,10 +1,10 @@
 //! Where sixteen paths have come to, as far as their surfaces are of the common kinds.
 
 use crate::accel::{Detail, Hit, SurfacePoint};
+use crate::material::PlainSide;
 use crate::math::Ray;
 use crate::math::lanes::{Lanes, Vec3Lanes};
 use crate::render::scene::{RenderScene, SurfaceSlot};
-use crate::shading::Bsdf;
 use crate::shading::lanes::BsdfLanes;
 
 /// Surfaces and their models; only the lanes of `lanes` mean something.
@@ -24,8 +24,7 @@ pub(super) struct Vertices {
 /// One of them.
 pub(super) struct PlainVertex<'a> {
     pub point: SurfacePoint,
-    pub bsdf: &'a Bsdf,
-    pub side: f32,
+    pub made_of: PlainSide<'a>,
 }
 
 impl Vertices {
@@ -53,10 +52,10 @@ impl Vertices {
             return None;
         }
         let point = scene.geometry.surface_in(ray, hit, Detail::Plain);
-        let (bsdf, side) = scene
+        let made_of = scene
             .materials
             .plain(slot.material, -point.shading_normal.dot(ray.dir))?;
-        Some(PlainVertex { point, bsdf, side })
+        Some(PlainVertex { point, made_of })
     }
 
     #[inline(always)]
@@ -66,7 +65,7 @@ impl Vertices {
         self.error.as_mut_array()[lane] = vertex.point.error;
         self.geometric_normal.set(lane, vertex.point.geometric_normal);
         self.shading_normal.set(lane, vertex.point.shading_normal);
-        self.side.as_mut_array()[lane] = vertex.side;
-        self.bsdf.set(lane, vertex.bsdf);
+        self.side.as_mut_array()[lane] = vertex.made_of.side;
+        self.bsdf.set(lane, vertex.made_of.bsdf);
     }
 }

@@ -273,7 +273,7 @@ impl Wave {
         let is_textured = slot.light.is_some_and(|light| scene.lights.is_textured(light));
         let ray = self.rays.get(lane);
         if !is_textured && let Some(vertex) = Vertices::plain(scene, &ray, &hit, &slot) {
-            let (point, bsdf) = (&vertex.point, vertex.bsdf);
+            let (point, made_of) = (&vertex.point, &vertex.made_of);
             let depth = self.depth.as_array()[lane];
             let is_last = depth + 1 >= settings.max_depth;
             self.homes[lane].path.result.rays += 1;
@@ -283,11 +283,11 @@ impl Wave {
                 let radiance = path.result.radiance;
                 self.radiance.set(lane, radiance);
             }
-            if !self.homes[lane].path.guided && (is_last || bsdf.has_smooth_lobe() || slot.light.is_some()) {
+            if !self.homes[lane].path.guided && (is_last || made_of.bsdf.has_smooth_lobe() || slot.light.is_some()) {
                 let throughput = self.throughput.get(lane);
                 let path = &mut self.homes[lane].path;
                 path.throughput = throughput;
-                path.guide(bsdf.albedo(), &slot, point);
+                path.guide(made_of.albedo, &slot, point);
             }
             if is_last {
                 self.finish(lane, samples);
