@@ -88,6 +88,7 @@ fn agree(a: Option<Hit>, b: Option<Hit>) -> bool {
     }
 }
 
+/// Walked as a bundle, and in lanes.
 fn check_bundles(name: &str, scene: &Tlas, random: &mut Random) {
     let (mut met, mut missed, mut strays) = (0, 0, 0);
     for round in 0..600 {
@@ -110,19 +111,27 @@ fn check_bundles(name: &str, scene: &Tlas, random: &mut Random) {
         };
         let mut lanes = RayLanes::NOWHERE;
         (0..LANES).for_each(|lane| lanes.set(lane, &rays[lane]));
-        let hits = scene.intersect_bundle(&lanes, active);
-        let occluded = scene.occluded_bundle(&lanes, active);
-        assert_eq!(occluded & !active, 0);
-        for (lane, ray) in rays.iter().enumerate() {
-            if active >> lane & 1 == 0 {
-                assert_eq!(hits[lane], None);
-                continue;
+        let as_bundle = (
+            scene.intersect_bundle(&lanes, active),
+            scene.occluded_bundle(&lanes, active),
+        );
+        let in_lanes = (
+            scene.intersect_lanes(&lanes, active),
+            scene.occluded_lanes(&lanes, active),
+        );
+        for (hits, occluded) in [as_bundle, in_lanes] {
+            assert_eq!(occluded & !active, 0);
+            for (lane, ray) in rays.iter().enumerate() {
+                if active >> lane & 1 == 0 {
+                    assert_eq!(hits[lane], None);
+                    continue;
+                }
+                let is_occluded = scene.occluded(ray);
+                met += usize::from(is_occluded);
+                missed += usize::from(!is_occluded);
+                let is_alike = agree(hits[lane], scene.intersect(ray)) && (occluded >> lane & 1 == 1) == is_occluded;
+                strays += usize::from(!is_alike);
             }
-            let is_occluded = scene.occluded(ray);
-            met += usize::from(is_occluded);
-            missed += usize::from(!is_occluded);
-            let is_alike = agree(hits[lane], scene.intersect(ray)) && (occluded >> lane & 1 == 1) == is_occluded;
-            strays += usize::from(!is_alike);
         }
     }
     assert!(met > 100 && missed > 100, "{name}: {met} of {}", met + missed);
@@ -131,7 +140,7 @@ fn check_bundles(name: &str, scene: &Tlas, random: &mut Random) {
 }
 
 #[test]
-fn bundles_meet_what_their_rays_meet() {
+fn bundles_and_lanes_meet_what_their_rays_meet() {
     let random = &mut Random::new(11);
     for method in [SplitMethod::Sah, SplitMethod::Linear] {
         for count in [1, 5, 60] {
@@ -139,6 +148,9 @@ fn bundles_meet_what_their_rays_meet() {
             check_bundles(&format!("{count} shapes, {method:?}"), &scene, random);
         }
     }
+    let large = Primitive::Mesh(Arc::new(Blas::build(Arc::new(wavy_sphere(150)), SplitMethod::Sah)));
+    let large = Instance::new(large, transform(random, 0.8)).unwrap();
+    check_bundles("45,000 triangles", &Tlas::build(vec![large], SplitMethod::Sah), random);
     let groups = vec![Arc::new(Tlas::build(shapes(12, 0.3, random), SplitMethod::Sah))];
     let placed = (0..30)
         .map(|_| Placement::new(0, &transform(random, 0.2)).unwrap())
