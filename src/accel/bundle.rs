@@ -172,6 +172,7 @@ impl Bvh {
         let mut met = 0;
         let mut t_max = rays.t_max;
         let mut farthest = f32::INFINITY;
+        let mut boxes = BoxesMet::NONE;
         let mut waiting = ArrayVec::<Waiting, STACK>::new();
         waiting.push(Waiting {
             child: Child::ROOT,
@@ -185,7 +186,7 @@ impl Bvh {
             }
             if !next.child.is_leaf() {
                 let node = &self.nodes[next.child.index()];
-                let boxes = BoxesMet::new(node, &slabs, common, asked, t_max);
+                boxes.find(node, &slabs, common, asked, t_max);
                 push_met::<ANY>(node, &boxes, boxes.slots, &mut waiting);
                 continue;
             }
@@ -213,6 +214,7 @@ impl Bvh {
             each_lane(active).for_each(|lane| alone(lane, Child::ROOT, 0.0));
             return;
         }
+        let mut boxes = BoxesMet::NONE;
         let mut waiting = ArrayVec::<Waiting, STACK>::new();
         waiting.push(Waiting {
             child: Child::ROOT,
@@ -221,7 +223,7 @@ impl Bvh {
         });
         while let Some(next) = waiting.pop() {
             let node = &self.nodes[next.child.index()];
-            let boxes = BoxesMet::new(node, &slabs, common, next.rays, rays.t_max);
+            boxes.find(node, &slabs, common, next.rays, rays.t_max);
             let mut crowds = 0;
             for slot in each_lane(boxes.slots) {
                 let slot = slot % WIDTH;
@@ -252,22 +254,28 @@ struct BoxesMet {
 }
 
 impl BoxesMet {
+    const NONE: Self = Self {
+        enters: [Lanes::ZERO; WIDTH],
+        rays: [0; WIDTH],
+        slots: 0,
+    };
+
     /// By the rays in `asked`, whose common signs are `common`.
     #[inline(always)]
-    fn new(node: &Node, slabs: &SlabLanes, common: Option<[bool; 3]>, asked: u32, t_max: Lanes) -> Self {
+    fn find(&mut self, node: &Node, slabs: &SlabLanes, common: Option<[bool; 3]>, asked: u32, t_max: Lanes) {
         match common {
             Some(down) => {
                 let up = [!down[0], !down[1], !down[2]];
-                Self::gather(asked, |slot| {
+                self.find_by(asked, |slot| {
                     slabs.enter_by(
                         node.faces_in_lanes(slot, down),
                         node.faces_in_lanes(slot, up),
                         down,
                         t_max,
                     )
-                })
+                });
             }
-            None => Self::gather(asked, |slot| {
+            None => self.find_by(asked, |slot| {
                 let [lower, upper] = [[false; 3], [true; 3]];
                 slabs.enter_between(
                     node.faces_in_lanes(slot, lower),
@@ -280,20 +288,16 @@ impl BoxesMet {
 
     /// All boxes are tested, whether or not they are met: that takes no guesses. `enter` gives where rays enter one, and which.
     #[inline(always)]
-    fn gather(asked: u32, enter: impl Fn(usize) -> (Lanes, Lanes)) -> Self {
-        let mut boxes = Self {
-            enters: [Lanes::ZERO; WIDTH],
-            rays: [0; WIDTH],
-            slots: 0,
-        };
+    fn find_by(&mut self, asked: u32, enter: impl Fn(usize) -> (Lanes, Lanes)) {
+        let mut slots = 0;
         for slot in 0..WIDTH {
             let (enter, met) = enter(slot);
             let rays = met.to_bitmask() & asked;
-            boxes.enters[slot] = enter;
-            boxes.rays[slot] = rays;
-            boxes.slots |= u32::from(rays != 0) << slot;
+            self.enters[slot] = enter;
+            self.rays[slot] = rays;
+            slots |= u32::from(rays != 0) << slot;
         }
-        boxes
+        self.slots = slots;
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use glam::Vec3;
+
 use super::build::{MAX_DEPTH, NO_PRIMITIVE, SplitMethod, Tree, build};
 use super::node::{Child, MAX_LEAF, Node, WIDTH};
 use crate::math::Aabb;
@@ -190,7 +192,8 @@ impl Bvh {
             }
             let used = node.slots_used();
             for slot in used..WIDTH {
-                if !node.bounds(slot).is_empty() || node.children[slot] != Child::NONE {
+                let Aabb { min, max } = node.bounds(slot);
+                if [min, max] != [Vec3::INFINITY; 2] || node.children[slot] != Child::NONE {
                     return Err(format!("node {index}: empty slot {slot} is not empty"));
                 }
             }
