@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, DAffine3, Mat3A, Vec3, Vec3A};
+use glam::{Affine3A, DAffine3, DMat3, Mat3A, Vec3, Vec3A};
 
 use super::blas::Blas;
 use super::ray_lanes::RayLanes;
@@ -36,6 +36,8 @@ pub struct Instance {
     pub flip_normals: bool,
     /// Whether the transform turns a right hand into a left one.
     pub(super) mirrored: bool,
+    /// One over the scale of a transform that keeps angles.
+    pub(super) similarity: Option<f32>,
     pub(super) rounding: Rounding,
     /// Unit world normal of the local plane z = 0, on the side of its +z.
     pub plane_normal: Vec3,
@@ -71,6 +73,7 @@ impl Instance {
             face_normals: false,
             flip_normals: false,
             mirrored: determinant < 0.0,
+            similarity: similarity(&wide.matrix3),
             rounding,
             plane_normal: Self::plane_normal(&local_from_world),
         })
@@ -153,6 +156,15 @@ impl Instance {
             shape => shape.intersect(ray).is_some(),
         }
     }
+}
+
+/// One over the scale if the matrix keeps angles, but for rounding.
+fn similarity(linear: &DMat3) -> Option<f32> {
+    let products = linear.transpose() * *linear;
+    let scale_squared = products.x_axis.x;
+    let is_like_one = (products * scale_squared.recip()).abs_diff_eq(DMat3::IDENTITY, 4.0 * f64::from(f32::EPSILON));
+    let inverse = scale_squared.sqrt().recip() as f32;
+    (is_like_one && inverse.is_normal()).then_some(inverse)
 }
 
 impl Primitive {

@@ -195,6 +195,10 @@ impl Instance {
 
     /// Unit world normal.
     fn geometric_normal(&self, local: &LocalSurface) -> Vec3 {
+        if let (Primitive::Sphere, Some(inverse)) = (&self.primitive, self.similarity) {
+            // Of unit length as it comes from the unit sphere.
+            return (inverse * (self.world_from_local.matrix3 * Vec3A::from(local.normal))).into();
+        }
         let normal = unit_or_none(self.world_normal(local.normal)).unwrap_or(Vec3::Z);
         match self.primitive {
             Primitive::Mesh(_) if self.mirrored => -normal,
@@ -210,8 +214,10 @@ impl Instance {
 
     /// By the inverse transpose, not of unit length; the result's scale does not overflow or vanish for sensible transforms.
     fn world_normal(&self, local: Vec3) -> Vec3 {
-        let scaled = local / local.abs().max_element();
-        (self.local_from_world.matrix3.transpose() * Vec3A::from(scaled)).into()
+        // Near 1 by a power of two, which is quicker found than a quotient.
+        let exponent = local.abs().max_element().to_bits() & 0x7f80_0000;
+        let scale = f32::from_bits(0x7f00_0000_u32.wrapping_sub(exponent));
+        (self.local_from_world.matrix3.transpose() * Vec3A::from(scale * local)).into()
     }
 
     /// The interpolated vertex normal: each taken to the world and made unit first, as if the mesh had been stored transformed.
@@ -219,12 +225,16 @@ impl Instance {
         let mesh = blas.mesh();
         let corners = mesh.triangles.get(hit.primitive as usize)?;
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
-        let mut sum = Vec3::ZERO;
-        for (&corner, weight) in corners.iter().zip(weights) {
-            let normal = *mesh.normals.get(corner as usize)?;
-            sum += weight * unit_or_none(self.world_normal(normal)).unwrap_or(Vec3::ZERO);
+        let [a, b, c] = corners.map(|corner| mesh.normals.get(corner as usize).copied());
+        let normals = [a?, b?, c?];
+        let mean = |[a, b, c]: [Vec3; 3]| weights[0] * a + weights[1] * b + weights[2] * c;
+        if self.similarity.is_some() {
+            // They stay as long as each other.
+            return unit_or_none(self.world_normal(mean(normals)));
         }
-        unit_or_none(sum)
+        unit_or_none(mean(
+            normals.map(|normal| unit_or_none(self.world_normal(normal)).unwrap_or(Vec3::ZERO)),
+        ))
     }
 
     /// The local error taken to the world, with the rounding of the way out and of a next ray's way back in.
