@@ -107,12 +107,13 @@ impl Blas {
 
     #[inline(always)]
     pub(super) fn closest<const COUNT: bool>(&self, ray: &Ray, steps: &mut Steps) -> Option<MeshHit> {
-        let mut hit = None;
+        let mut hit: Option<MeshHit> = None;
         let lanes = TriangleRay::new(ray);
         let packets = self.packets();
         self.bvh.closest::<COUNT>(ray, steps, |range, t_max| {
             for number in Self::packets_of(range) {
-                if let Some(found) = packets[number].closest(number, &lanes, *t_max) {
+                let nearest = hit.map(|hit| hit.slot);
+                if let Some(found) = packets[number].closest(number, &lanes, *t_max, nearest) {
                     *t_max = found.t;
                     hit = Some(found);
                 }
@@ -184,7 +185,42 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
+    use crate::accel::RayLanes;
     use crate::geometry::primitives::{unit_cube, unit_triangle};
+
+    /// Here the signed areas are all zero by rounding, and the distance is not.
+    #[test]
+    fn a_triangle_seen_from_its_edge_is_not_met() {
+        let dir = Vec3::new(1.0, 0.1, 0.0);
+        let corner = |x: f32, z: f32| Vec3::new(x, dir.y * x, z);
+        let mesh = MeshData {
+            positions: vec![corner(5.0, 4.0), corner(3.0, -1.0), corner(4.0, 2.0)],
+            triangles: vec![[0, 1, 2]],
+            ..MeshData::default()
+        };
+        let mesh = Blas::build(Arc::new(mesh), SplitMethod::Sah);
+        let ray = Ray::new(Vec3::ZERO, dir);
+        assert_eq!(mesh.intersect(&ray), None);
+        assert!(!mesh.occluded(&ray));
+        let mut lanes = RayLanes::NOWHERE;
+        lanes.set(3, &ray);
+        mesh.intersect_lanes(&lanes, 0xffff, |lane, hit| panic!("{lane}: {hit:?}"));
+        assert_eq!(mesh.occluded_bundle(&lanes, 0xffff), 0);
+    }
+
+    /// With a direction that is infinite in the mesh's space.
+    #[test]
+    fn what_is_no_ray_in_its_space_meets_nothing() {
+        let mesh = Blas::build(Arc::new(unit_cube()), SplitMethod::Sah);
+        let mut lanes = RayLanes::NOWHERE;
+        (0..16).for_each(|lane| lanes.set(lane, &Ray::new(Vec3::ZERO, Vec3::INFINITY)));
+        mesh.intersect_bundle(&lanes, 0xffff, |lane, hit| panic!("{lane}: {hit:?}"));
+        mesh.intersect_lanes(&lanes, 0xffff, |lane, hit| panic!("{lane}: {hit:?}"));
+        assert_eq!(
+            mesh.occluded_bundle(&lanes, 0xffff) | mesh.occluded_lanes(&lanes, 0xffff),
+            0
+        );
+    }
 
     #[test]
     fn normals_across_all_triangles_are_flat() {

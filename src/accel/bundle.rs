@@ -11,7 +11,7 @@ use arrayvec::ArrayVec;
 use super::blas::{Blas, MeshHit};
 use super::bvh::Bvh;
 use super::instance::Primitive;
-use super::node::{Child, Node, WIDTH};
+use super::node::{Child, Node, REACH, WIDTH, reach};
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::SlabLanes;
 use super::tlas::{Hit, Item, Tlas};
@@ -33,13 +33,15 @@ struct Waiting {
 impl Blas {
     /// [`Self::intersect`] for the rays in `active`; `found` is told of the nearest hit of each one that has any.
     pub(super) fn intersect_bundle(&self, rays: &RayLanes, active: u32, mut found: impl FnMut(usize, MeshHit)) {
+        let active = active & rays.usable();
         let packets = self.packets();
         let lone = packet_rays(rays);
         let mut nearest: [Option<MeshHit>; LANES] = [None; LANES];
         self.bvh.walk_bundle::<false>(rays, active, |range, asked, t_max| {
             for number in Self::packets_of(range) {
                 for lane in each_lane(asked) {
-                    if let Some(hit) = packets[number].closest(number, &lone[lane], t_max.as_array()[lane]) {
+                    let own = nearest[lane].map(|hit| hit.slot);
+                    if let Some(hit) = packets[number].closest(number, &lone[lane], t_max.as_array()[lane], own) {
                         t_max.as_mut_array()[lane] = hit.t;
                         nearest[lane] = Some(hit);
                     }
@@ -56,6 +58,7 @@ impl Blas {
 
     /// [`Self::occluded`] for the rays in `active`, a bit each.
     pub(super) fn occluded_bundle(&self, rays: &RayLanes, active: u32) -> u32 {
+        let active = active & rays.usable();
         let packets = self.packets();
         let lone = packet_rays(rays);
         self.bvh.walk_bundle::<true>(rays, active, |range, asked, t_max| {
@@ -186,7 +189,7 @@ impl Bvh {
             }
             if !next.child.is_leaf() {
                 let node = &self.nodes[next.child.index()];
-                boxes.find(node, &slabs, common, asked, t_max);
+                boxes.find(node, &slabs, common, asked, t_max * Lanes::splat(REACH));
                 push_met::<ANY>(node, &boxes, boxes.slots, &mut waiting);
                 continue;
             }
@@ -197,7 +200,7 @@ impl Bvh {
                     break;
                 }
             } else {
-                farthest = each_lane(left).fold(0.0, |farthest, lane| t_max.as_array()[lane].max(farthest));
+                farthest = reach(each_lane(left).fold(0.0, |farthest, lane| t_max.as_array()[lane].max(farthest)));
             }
         }
         met
@@ -223,9 +226,10 @@ impl Bvh {
         });
         while let Some(next) = waiting.pop() {
             let node = &self.nodes[next.child.index()];
-            boxes.find(node, &slabs, common, next.rays, rays.t_max);
+            boxes.find(node, &slabs, common, next.rays, rays.t_max * Lanes::splat(REACH));
             let mut crowds = 0;
             for slot in each_lane(boxes.slots) {
+                // Known to be less, but not by the compiler.
                 let slot = slot % WIDTH;
                 if is_crowd(node.children[slot], boxes.rays[slot]) {
                     crowds |= 1 << slot;

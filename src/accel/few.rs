@@ -1,8 +1,8 @@
 //! Scenes of a few shapes: sixteen rays at once against one shape after the other, without a hierarchy.
 //!
 //! Rays of different paths have little in common, but where there are only a few shapes most of them have to be tested anyway. Rectangles,
-//! spheres, boxes and meshes of a few triangles are tested in vectors, a ray per lane; of other meshes only the bounds, and then by each ray
-//! that meets them; where many shapes lie next to each other, packets of them. Where surfaces coincide, the ray of a lane may meet
+//! spheres, boxes and meshes of a few triangles are tested in vectors, a ray per lane; of other meshes only the bounds, and then the rays that
+//! meet these go into them together; where many shapes lie next to each other, packets of them. Where surfaces coincide, the ray of a lane may meet
 //! another one of them than a lone ray.
 
 use glam::{Vec2, Vec3};
@@ -142,10 +142,10 @@ impl FewShapes {
                     let met = SlabLanes::new(&local).meets(bounds, nearest.t).to_bitmask() & active;
                     match shape.mesh(scene) {
                         Some(mesh) if COHERENT => mesh.intersect_bundle(&local, met, |lane, hit| {
-                            nearest.set(lane, number, &Hit::of_mesh(shape.instance, hit));
+                            nearest.set(lane, number, Hit::of_mesh(shape.instance, hit));
                         }),
                         Some(mesh) => mesh.intersect_lanes(&local, met, |lane, hit| {
-                            nearest.set(lane, number, &Hit::of_mesh(shape.instance, hit));
+                            nearest.set(lane, number, Hit::of_mesh(shape.instance, hit));
                         }),
                         None => {}
                     }
@@ -302,7 +302,7 @@ impl Nearest {
         for lane in each_lane(asked) {
             let ray = self.shortened(lane, rays);
             if let Some(hit) = instance.closest::<false>(shape.instance, &ray, &mut Steps::default()) {
-                self.set(lane, number, &hit);
+                self.set(lane, number, hit);
             }
         }
     }
@@ -315,17 +315,17 @@ impl Nearest {
             let met = slabs.meets(&packet.bounds, self.t).to_bitmask() & asked;
             for lane in each_lane(met) {
                 if let Some(hit) = packet.closest(&self.shortened(lane, rays)) {
-                    self.set(lane, number, &hit);
+                    self.set(lane, number, hit);
                 }
             }
         }
     }
 
     #[inline(always)]
-    fn set(&mut self, lane: usize, number: Lanes, hit: &Hit) {
+    fn set(&mut self, lane: usize, number: Lanes, hit: Hit) {
         self.t.as_mut_array()[lane] = hit.t;
         self.shape.as_mut_array()[lane] = number.as_array()[lane];
-        self.whole[lane] = Some(*hit);
+        self.whole[lane] = Some(hit);
     }
 }
 

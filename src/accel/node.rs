@@ -9,6 +9,7 @@ use wide::f32x8;
 
 use super::memory::prefetch;
 use super::ray_lanes::RayLanes;
+use super::shape_lanes::inverse_within;
 use crate::math::lanes::{Lanes, Vec3Lanes};
 use crate::math::{Aabb, Ray, gamma};
 
@@ -129,7 +130,16 @@ impl Node {
 }
 
 /// Widens the exit distance by the rounding of both distances.
-const EXIT_SCALE: f32 = 1.0 + 2.0 * gamma(3);
+pub(super) const EXIT_SCALE: f32 = 1.0 + 2.0 * gamma(3);
+
+/// How far a box may begin that holds something as near as `t_max`, whatever the rounding of both. With less it would depend on the order of
+/// the walk which of two triangles is found where they meet.
+#[inline(always)]
+pub(super) fn reach(t_max: f32) -> f32 {
+    t_max * REACH
+}
+
+pub(super) const REACH: f32 = 1.0 + 64.0 * f32::EPSILON;
 
 /// A ray as the box test wants it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -181,7 +191,7 @@ impl RaySlabLanes {
         Self {
             lower: o + margin,
             upper: o - margin,
-            inverse: d.map(|d| (Lanes::ONE / d).fast_max(-largest).fast_min(largest)),
+            inverse: d.map(|d| inverse_within(d, largest)),
         }
     }
 
@@ -196,4 +206,4 @@ impl RaySlabLanes {
 }
 
 /// Times the largest inverse this is 3e20, farther than any hit that f32 could resolve.
-const LEAST_MARGIN: f32 = 1e-18;
+pub(super) const LEAST_MARGIN: f32 = 1e-18;

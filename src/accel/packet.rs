@@ -43,7 +43,7 @@ impl TrianglePacket {
         [corner(0), corner(1), corner(2)]
     }
 
-    /// Ray parameters, weights, and a bit for each lane whose triangle is met within 0 < t < t_max.
+    /// Ray parameters, weights, and a bit for each lane whose triangle is met within 0 < t <= t_max.
     #[inline(always)]
     fn test(&self, ray: &TriangleRay, t_max: f32) -> (Lanes, [Lanes; 3], u32) {
         let [x, y, z] = ray.axes.map(|axis| &self.corners[axis]);
@@ -60,14 +60,15 @@ impl TrianglePacket {
         }
         let [t_numerator, determinant] = ray.plane(corners, Lanes::splat);
         let t = t_numerator / determinant;
-        // A degenerate triangle gives t = 0 / 0, which no comparison lets through.
-        let hits = inside & t.simd_gt(zero) & t.simd_lt(Lanes::splat(t_max));
+        // A degenerate triangle gives t = 0 / 0, which no comparison lets through; one that is seen from its edge may have no weights.
+        let hits = inside & (u + v + w).simd_ne(zero) & t.simd_gt(zero) & t.simd_le(Lanes::splat(t_max));
         (t, weights, hits.to_bitmask())
     }
 
-    /// The nearest hit, `number` being that of the packet.
+    /// The nearest hit, `number` being that of the packet. Of two hits at the same distance the first slot counts, so that it does not matter
+    /// which is found first: `t_max` is where the slot `found` is hit, or else what a hit must be nearer than.
     #[inline(always)]
-    pub fn closest(&self, number: usize, ray: &TriangleRay, t_max: f32) -> Option<MeshHit> {
+    pub fn closest(&self, number: usize, ray: &TriangleRay, t_max: f32, found: Option<u32>) -> Option<MeshHit> {
         let (distance, weights, mut hits) = self.test(ray, t_max);
         if hits == 0 {
             return None;
@@ -83,13 +84,17 @@ impl TrianglePacket {
                 nearest = lane;
             }
         }
+        let slot = (number * LANES + nearest) as u32;
+        if distance[nearest] == t_max && found.is_none_or(|found| found <= slot) {
+            return None;
+        }
         let sum = weights[0][nearest] + weights[1][nearest] + weights[2][nearest];
         Some(MeshHit {
             t: distance[nearest],
             triangle: self.triangle[nearest],
             u: weights[1][nearest] / sum,
             v: weights[2][nearest] / sum,
-            slot: (number * LANES + nearest) as u32,
+            slot,
         })
     }
 
@@ -102,6 +107,7 @@ impl TrianglePacket {
 
     #[inline(always)]
     pub fn any(&self, ray: &TriangleRay, t_max: f32) -> bool {
-        self.test(ray, t_max).2 != 0
+        let (t, _, hits) = self.test(ray, t_max);
+        hits & t.simd_lt(Lanes::splat(t_max)).to_bitmask() != 0
     }
 }

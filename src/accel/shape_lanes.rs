@@ -2,9 +2,10 @@
 
 use glam::Vec3;
 
+use super::node::{EXIT_SCALE, LEAST_MARGIN};
 use super::ray_lanes::RayLanes;
+use crate::math::Aabb;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, copy_sign};
-use crate::math::{Aabb, gamma};
 
 /// Where lines meet a cube.
 pub(super) struct CubeLanes {
@@ -94,7 +95,7 @@ pub(super) fn cube(ray: &RayLanes, t_max: Lanes) -> CubeLanes {
     let (zero, largest) = (Lanes::ZERO, Lanes::splat(f32::MAX));
     // Multiplied and added with a single rounding, so that the signs are right. Directions without a component get the largest inverse.
     let axis = |origin: Lanes, dir: Lanes| {
-        let inverse = (Lanes::ONE / dir).fast_max(-largest).fast_min(largest);
+        let inverse = inverse_within(dir, largest);
         let half = inverse.abs();
         (origin.mul_neg_sub(inverse, half), origin.mul_neg_add(inverse, half))
     };
@@ -123,7 +124,8 @@ pub(super) fn cube(ray: &RayLanes, t_max: Lanes) -> CubeLanes {
     }
 }
 
-/// Rays as boxes want them, which are tested as by [`super::node`].
+/// Rays as boxes want them. The test is that of [`super::node`] but for the order of its operations, which are two for each face, and a margin
+/// that makes up for it.
 pub(super) struct SlabLanes {
     inverse: Vec3Lanes,
     /// The origins over the directions, as the lower and the upper faces see them, which lie a little farther out.
@@ -135,9 +137,10 @@ impl SlabLanes {
     #[inline(always)]
     pub fn new(ray: &RayLanes) -> Self {
         // More than what rounding the sum and the product here can take away.
-        let margin = ray
-            .origin
-            .map(|o| o.abs().mul_add(Lanes::splat(2.0 * f32::EPSILON), Lanes::splat(1e-18)));
+        let margin = ray.origin.map(|o| {
+            o.abs()
+                .mul_add(Lanes::splat(2.0 * f32::EPSILON), Lanes::splat(LEAST_MARGIN))
+        });
         let inverse = Vec3Lanes::of(
             inverse(ray.origin.x, ray.dir.x),
             inverse(ray.origin.y, ray.dir.y),
@@ -221,7 +224,12 @@ fn inverse(origin: Lanes, dir: Lanes) -> Lanes {
     const MOST: WordLanes = WordLanes::new([354 << 23; LANES]);
     let exponent = bytemuck::cast::<Lanes, WordLanes>(origin.abs().fast_max(Lanes::ONE)) & EXPONENT;
     // 2 to the power of 100, less the origin's.
-    let largest: Lanes = bytemuck::cast(MOST - exponent);
+    inverse_within(dir, bytemuck::cast(MOST - exponent))
+}
+
+/// One over `dir`, but not beyond `largest`.
+#[inline(always)]
+pub(super) fn inverse_within(dir: Lanes, largest: Lanes) -> Lanes {
     (Lanes::ONE / dir).fast_max(-largest).fast_min(largest)
 }
 
@@ -230,6 +238,6 @@ fn inverse(origin: Lanes, dir: Lanes) -> Lanes {
 fn within(near: Vec3Lanes, far: Vec3Lanes, t_max: Lanes) -> (Lanes, Lanes) {
     let enter = near.x.fast_max(near.y).fast_max(near.z.fast_max(Lanes::ZERO));
     let leave = far.x.fast_min(far.y).fast_min(far.z);
-    let leave = leave.mul_add(Lanes::splat(1.0 + 2.0 * gamma(3)), Lanes::splat(f32::MIN_POSITIVE));
+    let leave = leave.mul_add(Lanes::splat(EXIT_SCALE), Lanes::splat(f32::MIN_POSITIVE));
     (enter, enter.simd_lt(leave.fast_min(t_max)))
 }

@@ -128,12 +128,14 @@ impl Instance {
         }
     }
 
-    /// If it is a mesh whose vertex normals count.
+    /// If it is a mesh with vertex normals that count.
     #[inline(always)]
     pub(super) fn with_vertex_normals(&self) -> Option<&Blas> {
         match &self.primitive {
             // A mirror turns the geometric normal around alone.
-            Primitive::Mesh(blas) if !self.face_normals && (self.mirrored || !blas.has_flat_normals) => Some(blas),
+            Primitive::Mesh(blas) if !self.face_normals && (self.mirrored || !blas.has_flat_normals) => {
+                (!blas.mesh().normals.is_empty()).then_some(blas)
+            }
             _ => None,
         }
     }
@@ -216,7 +218,7 @@ impl Instance {
     fn world_normal(&self, local: Vec3) -> Vec3 {
         // Near 1 by a power of two, which is quicker found than a quotient.
         let exponent = local.abs().max_element().to_bits() & 0x7f80_0000;
-        let scale = f32::from_bits(0x7f00_0000_u32.wrapping_sub(exponent));
+        let scale = f32::from_bits(0x7f00_0000_u32.wrapping_sub(exponent).max(LEAST_SCALE));
         (self.local_from_world.matrix3.transpose() * Vec3A::from(scale * local)).into()
     }
 
@@ -278,6 +280,9 @@ impl Rounding {
 fn absolute(matrix: &Mat3A) -> Mat3A {
     Mat3A::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs())
 }
+
+/// The bits of 2 to the power of -127.
+const LEAST_SCALE: u32 = 0x0040_0000;
 
 fn unit_or_none(v: Vec3) -> Option<Vec3> {
     v.try_normalize()

@@ -1,8 +1,8 @@
 //! Meshes of a few triangles, against sixteen rays at once.
 //!
-//! The volumes of [`crate::geometry::triangle`], each edge's evaluated once for all triangles that share it: what lies on one side of it
-//! for one of them lies on the other side for its neighbour, so that no ray slips through an edge. (Through a corner one may, that comes
-//! within rounding of it.)
+//! Signed volumes of the ray with each edge, from the sum and the difference of its corners (Davidovic et al., Efficient and robust edge
+//! functions, 2012), and once for all triangles that share it: what lies on one side of it for one of them lies on the other side for its
+//! neighbour, so that no ray slips through an edge. (Through a corner one may, that comes within rounding of it.)
 
 use arrayvec::ArrayVec;
 use glam::Vec3;
@@ -137,6 +137,8 @@ impl TinyMesh {
             let sum = w + u + v;
             let normal = Vec3Lanes::splat(triangle.normal);
             let t = corners[triangle.corner][0].dot(normal) / rays.dir.dot(normal);
+            // Seen from its edge it may have no weights.
+            let inside = inside & sum.simd_ne(zero);
             if visit(t, WeightLanes { u, v, sum, inside }, number) {
                 return;
             }

@@ -7,7 +7,7 @@ use wide::f32x8;
 
 use super::build::MAX_DEPTH;
 use super::bvh::Bvh;
-use super::node::{Child, Node, RaySlabs, WIDTH};
+use super::node::{Child, Node, RaySlabs, WIDTH, reach};
 use super::order::{far_to_near, met_first};
 use crate::math::Ray;
 
@@ -121,7 +121,7 @@ impl Bvh {
             if COUNT {
                 steps.boxes += node.slots_used() as u32;
             }
-            let (enter, met) = node.entries(&slabs, t_max);
+            let (enter, met) = node.entries(&slabs, reach(t_max));
             let mask = met.to_bitmask();
             let count = mask.count_ones() as usize;
             if count == 1 {
@@ -141,7 +141,7 @@ impl Bvh {
                 let Some(top) = waiting.pop() else {
                     return false;
                 };
-                if !ANY && f32::from_bits((top >> 32) as u32) > t_max {
+                if !ANY && f32::from_bits((top >> 32) as u32) > reach(t_max) {
                     continue;
                 }
                 let child = Child(top as u32);

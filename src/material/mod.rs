@@ -91,7 +91,7 @@ pub struct MaterialTable {
     parametrised: Vec<bool>,
     /// Per material, see [`Self::is_for_lanes`].
     for_lanes: Vec<bool>,
-    /// Per plain material, see [`PlainSide::albedo`].
+    /// Per material, black unless it is plain, see [`PlainSide::albedo`].
     albedos: Vec<Rgb>,
 }
 

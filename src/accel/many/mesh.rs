@@ -55,6 +55,7 @@ impl Blas {
         active: u32,
         mut finish: impl FnMut(usize, &Ray, &MeshWalk<ANY>),
     ) {
+        let active = active & rays.usable();
         let mut starts = [Start::NOWHERE; LANES];
         self.bvh
             .descend_bundle(rays, active, |lane, child, enter| starts[lane].push(child, enter));
@@ -161,7 +162,8 @@ impl<'a, const ANY: bool> Walk for MeshWalk<'a, ANY> {
     #[inline(always)]
     fn visit_triangles(&mut self, mesh: &MeshTables) {
         let number = self.progress.next.index();
-        if let Some(hit) = mesh.packets[number].closest(number, &self.triangle_ray, self.progress.t_max) {
+        let nearest = self.hit.map(|hit| hit.slot);
+        if let Some(hit) = mesh.packets[number].closest(number, &self.triangle_ray, self.progress.t_max, nearest) {
             self.hit = Some(hit);
             self.progress.shorten(hit.t);
         }

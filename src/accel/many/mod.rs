@@ -1,15 +1,14 @@
 //! Rays walked several at a time, a step of each in turn: while the memory that one needs is on its way, the others work. In large scenes
 //! most of a lone ray's time is waiting.
 //!
-//! Each ray takes the very steps that it would take alone. Those at inner nodes are taken together, those at triangles and those at
-//! shapes, so that the processor has little to guess.
+//! The steps at inner nodes are taken together, those at triangles and those at shapes, so that the processor has little to guess.
 
 mod mesh;
 mod scene;
 
 use arrayvec::ArrayVec;
 
-use super::node::{Child, Node, RaySlabs};
+use super::node::{Child, Node, RaySlabs, reach};
 use super::traverse::{push_sorted, push_unsorted};
 
 /// A ray on its way.
@@ -169,7 +168,7 @@ impl<'a, const ANY: bool> Progress<'a, ANY> {
 
     #[inline(always)]
     fn visit(&mut self, node: &Node, slabs: &RaySlabs) {
-        let (enter, met) = node.entries(slabs, self.t_max);
+        let (enter, met) = node.entries(slabs, reach(self.t_max));
         let pushed = if ANY {
             push_unsorted(node, met, self.waiting)
         } else {
@@ -189,7 +188,7 @@ impl<'a, const ANY: bool> Progress<'a, ANY> {
             return;
         }
         // What is entered behind the hit waits no longer. To find that out later would be a guess at every step.
-        let farthest = u64::from(t.to_bits()) << 32 | u64::from(u32::MAX);
+        let farthest = u64::from(reach(t).to_bits()) << 32 | u64::from(u32::MAX);
         let mut kept = 0;
         for place in 0..self.waiting.len() {
             let entry = self.waiting[place];

@@ -1,4 +1,4 @@
-//! Rays through a whole scene, from the world into its groups and meshes.
+//! Rays through a whole scene, from the world into its groups and meshes. Each takes the very steps that it would take alone.
 
 use arrayvec::ArrayVec;
 
@@ -225,7 +225,12 @@ impl<const ANY: bool> Walk for SceneWalk<'_, ANY> {
     fn visit_triangles(&mut self, (): &()) {
         let number = self.progress.next.index();
         let packet = &self.level.packets[number];
-        if let Some(hit) = packet.closest(number, &self.level.triangle_ray, self.progress.t_max) {
+        let place = |hit: &Hit| match self.level.placement {
+            None => hit.instance == self.level.shape,
+            Some(placement) => (hit.instance, hit.member) == (placement, self.level.shape),
+        };
+        let nearest = self.hit.filter(place).map(|hit| hit.slot);
+        if let Some(hit) = packet.closest(number, &self.level.triangle_ray, self.progress.t_max, nearest) {
             self.take(Hit::of_mesh(self.level.shape, hit));
         }
     }
