@@ -1,11 +1,15 @@
 //! Paths traced side by side, as pictures are, against the same paths one by one.
 
 mod support;
+#[path = "accel_support/wavy_sphere.rs"]
+mod wavy_sphere;
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use glam::{Affine3A, Quat, UVec2, Vec2, Vec3};
-use sunroom::accel::Primitive;
+use sunroom::accel::{Blas, Primitive, SplitMethod};
+use sunroom::geometry::mesh::MeshData;
 use sunroom::light::LightSource;
 use sunroom::material::{BumpOptions, Material, MaterialId};
 use sunroom::render::camera::{Camera, ThinLens};
@@ -20,7 +24,8 @@ use sunroom::shading::{
 };
 use sunroom::texture::Parameter;
 
-use support::{SceneBuilder, camera, square_mesh, view};
+use support::{SceneBuilder, camera, square_mesh, triangle_mesh, view};
+use wavy_sphere::wavy_sphere;
 
 const SIZE: u32 = 48;
 const SAMPLES: u32 = 6;
@@ -267,17 +272,65 @@ fn any_camera_and_filter_will_do() {
     compare("a filter", &scene, &View { filter, ..plain });
 }
 
+/// A rough gold sphere of waves on a floor, both of many triangles.
+fn meshes() -> RenderScene {
+    let mut scene = SceneBuilder::default();
+    let blas = |mesh: MeshData| Primitive::Mesh(Arc::new(Blas::build(Arc::new(mesh), SplitMethod::Sah)));
+    let rough = Bsdf::RoughConductor(RoughConductor {
+        specular: gold(),
+        distribution: Microfacet::Ggx(Ggx::new(0.2, 0.2)),
+        multiple_scattering: None,
+    });
+    let floor: Vec<[Vec3; 3]> = (0..60 * 60)
+        .flat_map(|cell| {
+            let corner = |dx: i32, dz: i32| {
+                Vec3::new(
+                    (cell % 60 + dx) as f32 / 10.0 - 3.0,
+                    -1.0,
+                    (cell / 60 + dz) as f32 / 10.0 - 3.0,
+                )
+            };
+            let (a, b, c, d) = (corner(0, 0), corner(0, 1), corner(1, 1), corner(1, 0));
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    scene.add(
+        blas(wavy_sphere(60)),
+        Affine3A::from_scale(Vec3::splat(0.8)),
+        rough,
+        None,
+    );
+    scene.add(triangle_mesh(floor), Affine3A::IDENTITY, diffuse([0.6, 0.5, 0.4]), None);
+    scene.light(LightSource::Constant {
+        radiance: Vec3::new(0.6, 0.8, 1.0),
+    });
+    scene.build()
+}
+
 /// Whatever the tile, and whatever else is traced beside it, a sample is the same.
 #[test]
 fn samples_do_not_depend_on_their_neighbours() {
-    let scene = with_lamp();
     let view = look(settings(8, 5, false, Strategy::Mis), SequenceKind::Sobol);
     let go = AtomicBool::new(false);
-    let tile = tiles(SIZE, SIZE)[0];
-    let preview = render_preview(&scene, &view, tile, 4, &go).expect("not cancelled");
-    let whole = render_tile(&scene, &view, tile, 0..1, &go).expect("not cancelled");
-    for (number, block) in preview.blocks.iter().enumerate() {
-        let (x, y) = (number as u32 % 8 * 4 + 2, number as u32 / 8 * 4 + 2);
-        assert_eq!(*block, whole.pixels[(y * tile.width + x) as usize], "block {number}");
+    for scene in [with_lamp(), meshes()] {
+        let tile = tiles(SIZE, SIZE)[0];
+        let preview = render_preview(&scene, &view, tile, 4, &go).expect("not cancelled");
+        let whole = render_tile(&scene, &view, tile, 0..1, &go).expect("not cancelled");
+        for (number, block) in preview.blocks.iter().enumerate() {
+            let (x, y) = (number as u32 % 8 * 4 + 2, number as u32 / 8 * 4 + 2);
+            assert_eq!(*block, whole.pixels[(y * tile.width + x) as usize], "block {number}");
+        }
+        for tile in tiles(SIZE, SIZE) {
+            let together = render_tile(&scene, &view, tile, 0..8, &go).expect("not cancelled");
+            let mut sums = vec![Vec3::ZERO; together.pixels.len()];
+            for sample in 0..8 {
+                let one = render_tile(&scene, &view, tile, sample..sample + 1, &go).expect("not cancelled");
+                sums.iter_mut()
+                    .zip(&one.pixels)
+                    .for_each(|(sum, pixel)| *sum += pixel.radiance);
+            }
+            let together: Vec<Vec3> = together.pixels.iter().map(|pixel| pixel.radiance).collect();
+            assert!(sums == together && sums.iter().any(|sum| *sum != Vec3::ZERO));
+        }
     }
 }
