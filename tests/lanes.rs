@@ -307,6 +307,8 @@ fn meshes() -> RenderScene {
     scene.build()
 }
 
+const SAMPLES_TOGETHER: u32 = 40;
+
 /// Whatever the tile, and whatever else is traced beside it, a sample is the same.
 #[test]
 fn samples_do_not_depend_on_their_neighbours() {
@@ -321,9 +323,9 @@ fn samples_do_not_depend_on_their_neighbours() {
             assert_eq!(*block, whole.pixels[(y * tile.width + x) as usize], "block {number}");
         }
         for tile in tiles(SIZE, SIZE) {
-            let together = render_tile(&scene, &view, tile, 0..8, &go).expect("not cancelled");
+            let together = render_tile(&scene, &view, tile, 0..SAMPLES_TOGETHER, &go).expect("not cancelled");
             let mut sums = vec![Vec3::ZERO; together.pixels.len()];
-            for sample in 0..8 {
+            for sample in 0..SAMPLES_TOGETHER {
                 let one = render_tile(&scene, &view, tile, sample..sample + 1, &go).expect("not cancelled");
                 sums.iter_mut()
                     .zip(&one.pixels)
