@@ -228,6 +228,9 @@ impl Wave {
     pub fn trace(&mut self, company: Company, around: &Surroundings, samples: &mut Samples) {
         let geometry = &around.scene.geometry;
         let asked = self.active & !self.traced;
+        if asked == 0 {
+            return;
+        }
         let hits = match company {
             Company::Coherent => geometry.intersect_bundle(&self.rays, asked),
             Company::Mixed => geometry.intersect_lanes(&self.rays, asked),
@@ -244,6 +247,9 @@ impl Wave {
     /// Takes all paths to their next vertices and on from there.
     #[inline(never)]
     pub fn step(&mut self, company: Company, around: &Surroundings, samples: &mut Samples) {
+        if self.active == 0 {
+            return;
+        }
         self.vertices.clear();
         for lane in each_lane(self.active) {
             if let Some(hit) = self.hits[lane] {
