@@ -1,7 +1,7 @@
 //! Binned evaluation of the surface area heuristic over all three axes (Wald, On fast construction of SAH-based bounding volume
 //! hierarchies, 2007).
 
-use glam::Vec3A;
+use wide::f32x4;
 
 use super::sets::{Bounds, Reference, Set};
 
@@ -9,29 +9,33 @@ const MAX_BINS: usize = 16;
 
 /// Where bins lie: equal slices of the centres' box on each axis.
 pub(super) struct Grid {
-    origin: Vec3A,
-    scale: Vec3A,
+    origin: f32x4,
+    scale: f32x4,
     bins: usize,
 }
 
 impl Grid {
     pub fn new(set: &Set) -> Self {
         let bins = (4 + set.len / 8).min(MAX_BINS);
-        let spread = set.centers.max - set.centers.min;
-        let scale = Vec3A::splat(bins as f32 * (1.0 - 1e-6)) / spread;
+        let scale = f32x4::splat(bins as f32 * (1.0 - 1e-6)) / set.centers.extent();
         Self {
-            origin: set.centers.min,
+            origin: set.centers.min(),
             // An axis without spread has one bin.
-            scale: Vec3A::select(scale.is_finite_mask(), scale, Vec3A::ZERO),
+            scale: scale & scale.is_finite(),
             bins,
         }
     }
 
+    /// On each axis the number of a bin and what is left.
     #[inline(always)]
-    pub fn bin(&self, center: Vec3A) -> [usize; 3] {
-        let position = (center - self.origin) * self.scale;
-        let last = MAX_BINS as i32 - 1;
-        position.to_array().map(|x| (x as i32).clamp(0, last) as usize)
+    pub fn position(&self, center: f32x4) -> f32x4 {
+        (center - self.origin) * self.scale
+    }
+
+    #[inline(always)]
+    pub fn bin(&self, center: f32x4) -> [usize; 3] {
+        let [x, y, z, _] = self.position(center).fast_trunc_int().to_array();
+        [x, y, z].map(|bin| bin as usize % MAX_BINS)
     }
 }
 
@@ -49,7 +53,8 @@ impl Bins {
         for reference in references {
             let at = grid.bin(reference.center());
             for (axis, &bin) in at.iter().enumerate() {
-                bins.bounds[axis][bin].grow(reference.min, reference.max);
+                let bounds = &mut bins.bounds[axis][bin];
+                *bounds = bounds.union(reference.bounds());
                 bins.counts[axis][bin] += 1;
             }
         }
@@ -59,8 +64,8 @@ impl Bins {
     pub fn merge(mut self, other: Self) -> Self {
         for axis in 0..3 {
             for bin in 0..MAX_BINS {
-                let Bounds { min, max } = other.bounds[axis][bin];
-                self.bounds[axis][bin].grow(min, max);
+                let bounds = &mut self.bounds[axis][bin];
+                *bounds = bounds.union(other.bounds[axis][bin]);
                 self.counts[axis][bin] += other.counts[axis][bin];
             }
         }
@@ -73,21 +78,19 @@ impl Bins {
         let mut best = None;
         let mut best_cost = f32::INFINITY;
         for axis in 0..3 {
-            if grid.scale[axis] == 0.0 {
+            if grid.scale.as_array()[axis] == 0.0 {
                 continue;
             }
             let mut right_costs = [0.0; MAX_BINS];
             let (mut bounds, mut count) = (Bounds::EMPTY, 0);
             for bin in (1..grid.bins).rev() {
-                let Bounds { min, max } = self.bounds[axis][bin];
-                bounds.grow(min, max);
+                bounds = bounds.union(self.bounds[axis][bin]);
                 count += self.counts[axis][bin];
                 right_costs[bin] = if count > 0 { cost(&bounds, count) } else { f32::INFINITY };
             }
             (bounds, count) = (Bounds::EMPTY, 0);
             for (bin, right_cost) in right_costs.iter().enumerate().take(grid.bins).skip(1) {
-                let Bounds { min, max } = self.bounds[axis][bin - 1];
-                bounds.grow(min, max);
+                bounds = bounds.union(self.bounds[axis][bin - 1]);
                 count += self.counts[axis][bin - 1];
                 if count == 0 {
                     continue;

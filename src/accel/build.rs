@@ -3,6 +3,7 @@
 //! The surface area heuristic is binned over all three axes (see `binning`). Subtrees are built in parallel; what is built depends on the
 //! input only.
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use super::binning::{Bins, Grid};
@@ -56,14 +57,11 @@ pub(super) fn build(bounds: &[Aabb], method: SplitMethod, leaf_size: usize) -> T
         .iter()
         .zip(0..)
         .filter(|(bounds, _)| can_be_hit(bounds))
-        .map(|(bounds, index)| Reference {
-            min: bounds.min.into(),
-            max: bounds.max.into(),
-            index,
-        })
+        .map(|(bounds, index)| Reference::new(bounds, index))
         .collect();
     let all = Set::of(0, &references);
-    let extent = (all.bounds.max - all.bounds.min).max_element();
+    let [x, y, z, _] = all.bounds.extent().to_array();
+    let extent = x.max(y).max(z);
     let builder = Builder {
         method,
         leaf_size,
@@ -134,16 +132,14 @@ impl Builder {
         let (axis, boundary) = bins.cheapest(&grid, self.leaf_size, self.scale)?;
 
         let (mut left, mut right) = (Set::empty(set.start), Set::empty(0));
-        let mut end = references.len();
-        while left.len < end {
-            let reference = references[left.len];
-            if grid.bin(reference.center())[axis] < boundary {
-                left.add(&reference);
-            } else {
-                right.add(&reference);
-                end -= 1;
-                references.swap(left.len, end);
-            }
+        for next in 0..references.len() {
+            let reference = references[next];
+            let center = reference.center();
+            let is_left = grid.position(center).as_array()[axis] < boundary as f32;
+            references[next] = references[left.len];
+            references[left.len] = reference;
+            left.add_if(is_left, &reference, center);
+            right.add_if(!is_left, &reference, center);
         }
         right.start = set.start + left.len;
         Some((left, right))
@@ -163,13 +159,12 @@ fn append(branches: &mut Vec<Branch>, tree: Vec<Branch>) {
 
 /// Halves by count along the axis on which the centres spread most; equal centres are told apart by index.
 fn split_in_half(references: &mut [Reference], set: &Set) -> (Set, Set) {
-    let spread = set.centers.max - set.centers.min;
-    let axis = spread.max_position();
+    let [x, y, z, _] = set.centers.extent().to_array();
+    let axis = Vec3::new(x, y, z).max_position();
     let middle = references.len() / 2;
     references.select_nth_unstable_by(middle, |a, b| {
-        a.center()[axis]
-            .total_cmp(&b.center()[axis])
-            .then(a.index.cmp(&b.index))
+        let [a_center, b_center] = [a, b].map(|reference| reference.center().as_array()[axis]);
+        a_center.total_cmp(&b_center).then(a.index.cmp(&b.index))
     });
     let (left, right) = references.split_at(middle);
     (Set::of(set.start, left), Set::of(set.start + middle, right))

@@ -1,55 +1,96 @@
 //! What a hierarchy is built from: references to primitives, and sets of them with their boxes.
 
-use glam::Vec3A;
+use bytemuck::{Pod, Zeroable, cast};
+use glam::Vec3;
+use wide::{f32x4, f32x8};
 
 use crate::math::Aabb;
 
 /// Coordinates are clamped to this when centres are taken, so that sums of two and differences of sums stay finite.
-const LIMIT: f32 = f32::MAX / 8.0;
+const LIMIT: f32x4 = f32x4::splat(f32::MAX / 8.0);
 
-#[derive(Clone, Copy)]
+/// A primitive's box, and which primitive it is.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(32))]
 pub(super) struct Reference {
-    pub min: Vec3A,
-    pub max: Vec3A,
+    negated_min: [f32; 3],
     pub index: u32,
+    max: [f32; 3],
+    /// The index once more: so nothing comes of it where this side and the other are subtracted.
+    index_again: u32,
 }
 
 impl Reference {
+    pub fn new(bounds: &Aabb, index: u32) -> Self {
+        Self {
+            negated_min: (-bounds.min).to_array(),
+            index,
+            max: bounds.max.to_array(),
+            index_again: index,
+        }
+    }
+
+    #[inline(always)]
+    pub fn bounds(&self) -> Bounds {
+        Bounds(cast(*self))
+    }
+
     /// Twice the centre.
     #[inline(always)]
-    pub fn center(&self) -> Vec3A {
-        self.min.max(Vec3A::splat(-LIMIT)) + self.max.min(Vec3A::splat(LIMIT))
+    pub fn center(&self) -> f32x4 {
+        let [negated_min, max] = self.bounds().corners();
+        max.fast_min(LIMIT) - negated_min.fast_min(LIMIT)
     }
 }
 
+/// A box: the lower corner negated, so that one maximum makes it grow, then the upper one, and after either a lane without meaning.
 #[derive(Clone, Copy)]
-pub(super) struct Bounds {
-    pub min: Vec3A,
-    pub max: Vec3A,
-}
+pub(super) struct Bounds(f32x8);
 
 impl Bounds {
-    pub const EMPTY: Self = Self {
-        min: Vec3A::INFINITY,
-        max: Vec3A::NEG_INFINITY,
-    };
+    pub const EMPTY: Self = Self(f32x8::splat(f32::NEG_INFINITY));
 
     #[inline(always)]
-    pub fn grow(&mut self, min: Vec3A, max: Vec3A) {
-        self.min = self.min.min(min);
-        self.max = self.max.max(max);
+    pub fn of_point(point: f32x4) -> Self {
+        Self(cast([-point, point]))
     }
 
-    pub fn half_area(&self, scale: f32) -> f32 {
-        let e = (self.max - self.min) * scale;
-        e.x * e.y + e.y * e.z + e.z * e.x
+    #[inline(always)]
+    pub fn union(self, other: Self) -> Self {
+        Self(other.0.fast_max(self.0))
+    }
+
+    /// This, or the empty box where `mask` is clear.
+    #[inline(always)]
+    pub fn masked(self, mask: f32x8) -> Self {
+        Self(mask.select(self.0, Self::EMPTY.0))
+    }
+
+    #[inline(always)]
+    fn corners(self) -> [f32x4; 2] {
+        cast(self.0)
+    }
+
+    #[inline(always)]
+    pub fn min(self) -> f32x4 {
+        -self.corners()[0]
+    }
+
+    #[inline(always)]
+    pub fn extent(self) -> f32x4 {
+        let [negated_min, max] = self.corners();
+        max + negated_min
+    }
+
+    #[inline(always)]
+    pub fn half_area(self, scale: f32) -> f32 {
+        let [x, y, z, _] = (self.extent() * scale).to_array();
+        x * y + y * z + z * x
     }
 
     pub fn to_aabb(self) -> Aabb {
-        Aabb {
-            min: self.min.into(),
-            max: self.max.into(),
-        }
+        let [negated_min, max] = self.corners().map(|corner| Vec3::from_slice(corner.as_array()));
+        Aabb { min: -negated_min, max }
     }
 }
 
@@ -72,17 +113,20 @@ impl Set {
         }
     }
 
+    /// Adds a reference if `condition` holds, without a branch on it.
     #[inline(always)]
-    pub fn add(&mut self, reference: &Reference) {
-        self.len += 1;
-        self.bounds.grow(reference.min, reference.max);
-        let center = reference.center();
-        self.centers.grow(center, center);
+    pub fn add_if(&mut self, condition: bool, reference: &Reference, center: f32x4) {
+        let mask = cast([-i32::from(condition); 8]);
+        self.len += usize::from(condition);
+        self.bounds = self.bounds.union(reference.bounds().masked(mask));
+        self.centers = self.centers.union(Bounds::of_point(center).masked(mask));
     }
 
     pub fn of(start: usize, references: &[Reference]) -> Self {
         let mut set = Self::empty(start);
-        references.iter().for_each(|reference| set.add(reference));
+        for reference in references {
+            set.add_if(true, reference, reference.center());
+        }
         set
     }
 }
