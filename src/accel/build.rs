@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::binning::{Bins, Grid};
 use super::bvh::can_be_hit;
-use super::collapse::{Branch, collapse};
+use super::collapse::{Branch, Costs, collapse};
 use super::node::Node;
 use super::sets::{Reference, Set};
 use crate::math::Aabb;
@@ -84,11 +84,12 @@ impl Builder {
     }
 
     /// Appends the tree over `set`, which is all of `references`.
-    fn grow(&self, references: &mut [Reference], set: &Set, depth: usize, branches: &mut Vec<Branch>) {
+    fn grow(&self, references: &mut [Reference], set: &Set, depth: usize, branches: &mut Vec<Branch>) -> Costs {
         let index = branches.len();
-        branches.push(Branch::leaf(set));
+        let (leaf, costs) = Branch::leaf(set);
+        branches.push(leaf);
         if self.is_leaf(set) {
-            return;
+            return costs;
         }
         let by_median = self.method == SplitMethod::Median || depth >= MEDIAN_DEPTH;
         let split = if by_median {
@@ -99,23 +100,21 @@ impl Builder {
         let (left, right) = split.unwrap_or_else(|| split_in_half(references, set));
         let (of_left, of_right) = references.split_at_mut(left.len);
         let right_index;
-        if set.len < PARALLEL {
-            self.grow(of_left, &left, depth + 1, branches);
+        let costs = if set.len < PARALLEL {
+            let left_costs = self.grow(of_left, &left, depth + 1, branches);
             right_index = branches.len();
-            self.grow(of_right, &right, depth + 1, branches);
+            [left_costs, self.grow(of_right, &right, depth + 1, branches)]
         } else {
-            let tree = |references, set, depth| {
-                let mut branches = Vec::new();
-                self.grow(references, set, depth, &mut branches);
-                branches
-            };
-            let (left, right) = rayon::join(|| tree(of_left, &left, depth + 1), || tree(of_right, &right, depth + 1));
-            append(branches, left);
+            let mut right_branches = Vec::new();
+            let (left_costs, right_costs) = rayon::join(
+                || self.grow(of_left, &left, depth + 1, branches),
+                || self.grow(of_right, &right, depth + 1, &mut right_branches),
+            );
             right_index = branches.len();
-            append(branches, right);
-        }
-        let (left, right) = (&branches[index + 1], &branches[right_index]);
-        branches[index] = Branch::inner(set, left, right, right_index, self.scale);
+            append(branches, right_branches);
+            [left_costs, right_costs]
+        };
+        branches[index].set_children(costs, right_index, set.bounds.half_area(self.scale))
     }
 
     /// Partitions at the cheapest boundary between bins, `None` if all centres fall into one bin or no cost is a number.
@@ -148,11 +147,9 @@ impl Builder {
 
 /// Appends a tree, whose indices count from its own start.
 fn append(branches: &mut Vec<Branch>, tree: Vec<Branch>) {
-    let base = branches.len() as u32;
+    let base = branches.len();
     branches.extend(tree.into_iter().map(|mut branch| {
-        if branch.right != 0 {
-            branch.right += base;
-        }
+        branch.advance(base);
         branch
     }));
 }

@@ -8,68 +8,77 @@ use arrayvec::ArrayVec;
 
 use super::build::{NO_PRIMITIVE, Tree};
 use super::node::{Child, Node, WIDTH};
-use super::sets::{Bounds, Reference, Set};
+use super::sets::{Reference, Set};
+use crate::math::Aabb;
 
 /// A node of the binary tree. The tree is a list in which a node's left child follows it.
 pub(super) struct Branch {
-    bounds: Bounds,
-    /// The index of the right child; zero for a leaf.
-    pub right: u32,
-    /// The references of a leaf.
-    start: u32,
-    len: u32,
-    /// The surface of the wide nodes that this takes if it gets up to 1, 2, ... slots of a wide node above.
-    cost: [f32; WIDTH],
-    /// How many of as many slots go to the left child then; zero where it is best to take one slot for a wide node here.
-    left_slots: [u8; WIDTH],
-    /// Of that wide node's slots, how many go to the left child.
-    left_inside: u8,
+    bounds: Aabb,
+    kind: BranchKind,
 }
+
+#[derive(Clone, Copy)]
+enum BranchKind {
+    /// A run of references.
+    Leaf { start: u32, len: u32 },
+    Inner {
+        /// The index of the right child.
+        right: u32,
+        /// If this gets two, three, ... slots of a wide node, how many of them go to the left child; zero where it is best to take one slot
+        /// for a wide node here, as it is with one slot. That node has all slots to give.
+        left_slots: [u8; WIDTH - 1],
+    },
+}
+
+/// The surface of the wide nodes that a branch takes if it gets up to 1, 2, ... slots of a wide node above.
+pub(super) type Costs = [f32; WIDTH];
 
 impl Branch {
     /// Also a place for what will be an inner node.
-    pub fn leaf(set: &Set) -> Self {
-        Self {
-            bounds: set.bounds,
-            right: 0,
+    pub fn leaf(set: &Set) -> (Self, Costs) {
+        let kind = BranchKind::Leaf {
             start: set.start as u32,
             len: set.len as u32,
-            cost: [0.0; WIDTH],
-            left_slots: [0; WIDTH],
-            left_inside: 0,
-        }
+        };
+        let bounds = set.bounds.to_aabb();
+        (Self { bounds, kind }, [0.0; WIDTH])
     }
 
-    /// The node over two that are finished; `scale` makes areas independent of the scene's unit.
-    pub fn inner(set: &Set, left: &Self, right: &Self, right_index: usize, scale: f32) -> Self {
-        let mut divided = [f32::INFINITY; WIDTH];
-        let mut left_slots = [0; WIDTH];
+    /// Makes this the node over two whose costs are known; `own_area` is that of its box.
+    pub fn set_children(&mut self, [left, right]: [Costs; 2], right_index: usize, own_area: f32) -> Costs {
+        let mut costs = [f32::INFINITY; WIDTH];
+        let mut left_slots = [1; WIDTH];
         for slots in 2..=WIDTH {
-            left_slots[slots - 1] = 1;
             for of_left in 1..slots {
-                let cost = left.cost[of_left - 1] + right.cost[slots - of_left - 1];
-                if cost < divided[slots - 1] {
-                    divided[slots - 1] = cost;
+                let cost = left[of_left - 1] + right[slots - of_left - 1];
+                if cost < costs[slots - 1] {
+                    costs[slots - 1] = cost;
                     left_slots[slots - 1] = of_left as u8;
                 }
             }
         }
-        let left_inside = left_slots[WIDTH - 1];
-        let own = set.bounds.half_area(scale) + divided[WIDTH - 1];
-        for (cost, left) in divided.iter_mut().zip(&mut left_slots) {
+        let own = own_area + costs[WIDTH - 1];
+        for (cost, left) in costs.iter_mut().zip(&mut left_slots).take(WIDTH - 1).skip(1) {
             if *cost > own {
                 (*cost, *left) = (own, 0);
             }
         }
-        // One slot holds one node.
-        (divided[0], left_slots[0]) = (own, 0);
-        Self {
-            right: right_index as u32,
-            cost: divided,
-            left_slots,
-            left_inside,
-            ..Self::leaf(set)
+        costs[0] = own;
+        let [_, left_slots @ ..] = left_slots;
+        let right = right_index as u32;
+        self.kind = BranchKind::Inner { right, left_slots };
+        costs
+    }
+
+    /// Moves this within the list, with all that is below it.
+    pub fn advance(&mut self, by: usize) {
+        if let BranchKind::Inner { right, .. } = &mut self.kind {
+            *right += by as u32;
         }
+    }
+
+    fn is_leaf(&self) -> bool {
+        matches!(self.kind, BranchKind::Leaf { .. })
     }
 }
 
@@ -102,29 +111,23 @@ impl Collapse<'_> {
     /// Gives the wide node `node`, which is at `depth`, the children that branch `index` has for it.
     fn fill(&mut self, node: usize, index: usize, depth: usize) {
         self.tree.depth = self.tree.depth.max(depth);
-        let branch = &self.branches[index];
         let mut children = ArrayVec::<usize, WIDTH>::new();
-        if branch.right == 0 {
-            children.push(index);
-        } else {
-            let of_left = branch.left_inside as usize;
-            self.gather(index + 1, of_left, &mut children);
-            self.gather(branch.right as usize, WIDTH - of_left, &mut children);
-        }
+        self.gather(index, WIDTH, &mut children);
         let first = self.tree.nodes.len();
         let mut next = first;
         for (slot, &child) in children.iter().enumerate() {
             let branch = &self.branches[child];
-            let content = if branch.right == 0 {
-                self.push_leaf(branch)
-            } else {
-                next += 1;
-                Child::node(next - 1)
+            let content = match branch.kind {
+                BranchKind::Leaf { start, len } => self.push_leaf(start as usize, len as usize),
+                BranchKind::Inner { .. } => {
+                    next += 1;
+                    Child::node(next - 1)
+                }
             };
-            self.tree.nodes[node].set(slot, &branch.bounds.to_aabb(), content);
+            self.tree.nodes[node].set(slot, &branch.bounds, content);
         }
         self.tree.nodes.resize(next, Node::EMPTY);
-        let inner = children.iter().filter(|&&child| self.branches[child].right != 0);
+        let inner = children.iter().filter(|&&child| !self.branches[child].is_leaf());
         for (node, &child) in (first..).zip(inner) {
             self.fill(node, child, depth + 1);
         }
@@ -132,23 +135,23 @@ impl Collapse<'_> {
 
     /// The branches that fill up to `slots` slots for branch `index`.
     fn gather(&self, index: usize, slots: usize, children: &mut ArrayVec<usize, WIDTH>) {
-        let branch = &self.branches[index];
-        match branch.left_slots[slots - 1] as usize {
-            0 => children.push(index),
-            of_left => {
+        match self.branches[index].kind {
+            BranchKind::Inner { right, left_slots } if slots > 1 && left_slots[slots - 2] > 0 => {
+                let of_left = left_slots[slots - 2] as usize;
                 self.gather(index + 1, of_left, children);
-                self.gather(branch.right as usize, slots - of_left, children);
+                self.gather(right as usize, slots - of_left, children);
             }
+            _ => children.push(index),
         }
     }
 
-    fn push_leaf(&mut self, leaf: &Branch) -> Child {
+    fn push_leaf(&mut self, start: usize, len: usize) -> Child {
         let order = &mut self.tree.order;
         let block = order.len() / self.leaf_size;
-        let references = &self.references[leaf.start as usize..(leaf.start + leaf.len) as usize];
+        let references = &self.references[start..start + len];
         order.extend(references.iter().map(|reference| reference.index));
         order.resize(order.len().next_multiple_of(self.leaf_size), NO_PRIMITIVE);
         // A linear list says how long it is itself.
-        Child::leaf(block, references.len().min(self.leaf_size))
+        Child::leaf(block, len.min(self.leaf_size))
     }
 }
