@@ -1,7 +1,7 @@
 //! Binned evaluation of the surface area heuristic over all three axes (Wald, On fast construction of SAH-based bounding volume
 //! hierarchies, 2007).
 
-use wide::f32x4;
+use wide::{f32x4, i32x4};
 
 use super::sets::{Bounds, Reference, Set};
 
@@ -39,34 +39,36 @@ impl Grid {
     }
 }
 
+/// What lies in each bin of each axis.
 pub(super) struct Bins {
-    bounds: [[Bounds; MAX_BINS]; 3],
-    counts: [[u32; MAX_BINS]; 3],
+    bounds: [[Bounds; 3]; MAX_BINS],
+    /// The fourth axis is not used.
+    counts: [[i32; 4]; MAX_BINS],
 }
 
 impl Bins {
     pub fn fill(grid: &Grid, references: &[Reference]) -> Self {
         let mut bins = Self {
-            bounds: [[Bounds::EMPTY; MAX_BINS]; 3],
-            counts: [[0; MAX_BINS]; 3],
+            bounds: [[Bounds::EMPTY; 3]; MAX_BINS],
+            counts: [[0; 4]; MAX_BINS],
         };
         for reference in references {
             let at = grid.bin(reference.center());
             for (axis, &bin) in at.iter().enumerate() {
-                let bounds = &mut bins.bounds[axis][bin];
+                let bounds = &mut bins.bounds[bin][axis];
                 *bounds = bounds.union(reference.bounds());
-                bins.counts[axis][bin] += 1;
+                bins.counts[bin][axis] += 1;
             }
         }
         bins
     }
 
     pub fn merge(mut self, other: Self) -> Self {
-        for axis in 0..3 {
-            for bin in 0..MAX_BINS {
-                let bounds = &mut self.bounds[axis][bin];
-                *bounds = bounds.union(other.bounds[axis][bin]);
-                self.counts[axis][bin] += other.counts[axis][bin];
+        for bin in 0..MAX_BINS {
+            for axis in 0..3 {
+                let bounds = &mut self.bounds[bin][axis];
+                *bounds = bounds.union(other.bounds[bin][axis]);
+                self.counts[bin][axis] += other.counts[bin][axis];
             }
         }
         self
@@ -74,34 +76,60 @@ impl Bins {
 
     /// Axis and first bin of the right side.
     pub fn cheapest(&self, grid: &Grid, align: usize, scale: f32) -> Option<(usize, usize)> {
-        let cost = |bounds: &Bounds, count: u32| bounds.half_area(scale) * (count as usize).div_ceil(align) as f32;
-        let mut best = None;
-        let mut best_cost = f32::INFINITY;
-        for axis in 0..3 {
-            if grid.scale.as_array()[axis] == 0.0 {
-                continue;
-            }
-            let mut right_costs = [0.0; MAX_BINS];
-            let (mut bounds, mut count) = (Bounds::EMPTY, 0);
-            for bin in (1..grid.bins).rev() {
-                bounds = bounds.union(self.bounds[axis][bin]);
-                count += self.counts[axis][bin];
-                right_costs[bin] = if count > 0 { cost(&bounds, count) } else { f32::INFINITY };
-            }
-            (bounds, count) = (Bounds::EMPTY, 0);
-            for (bin, right_cost) in right_costs.iter().enumerate().take(grid.bins).skip(1) {
-                bounds = bounds.union(self.bounds[axis][bin - 1]);
-                count += self.counts[axis][bin - 1];
-                if count == 0 {
-                    continue;
-                }
-                let total = cost(&bounds, count) + right_cost;
-                if total < best_cost {
-                    best_cost = total;
-                    best = Some((axis, bin));
-                }
-            }
+        let mut right_costs = [f32x4::ZERO; MAX_BINS];
+        let mut side = Side::EMPTY;
+        for bin in (1..grid.bins).rev() {
+            side.grow(self, bin);
+            right_costs[bin] = side.costs(align, scale);
         }
-        best
+        let (mut best_costs, mut boundaries) = (f32x4::splat(f32::INFINITY), f32x4::ZERO);
+        side = Side::EMPTY;
+        for bin in 1..grid.bins {
+            side.grow(self, bin - 1);
+            let costs = side.costs(align, scale) + right_costs[bin];
+            let is_better = costs.simd_lt(best_costs);
+            best_costs = is_better.select(costs, best_costs);
+            boundaries = is_better.select(f32x4::splat(bin as f32), boundaries);
+        }
+        let [x, y, z, _] = best_costs.to_array();
+        let axis = if x <= y && x <= z {
+            0
+        } else if y <= z {
+            1
+        } else {
+            2
+        };
+        let boundary = boundaries.as_array()[axis] as usize;
+        (boundary > 0).then_some((axis, boundary))
+    }
+}
+
+/// What lies on one side of a boundary on each axis.
+struct Side {
+    bounds: [Bounds; 3],
+    counts: i32x4,
+}
+
+impl Side {
+    const EMPTY: Self = Self {
+        bounds: [Bounds::EMPTY; 3],
+        counts: i32x4::ZERO,
+    };
+
+    #[inline(always)]
+    fn grow(&mut self, bins: &Bins, bin: usize) {
+        for (side, &bin) in self.bounds.iter_mut().zip(&bins.bounds[bin]) {
+            *side = side.union(bin);
+        }
+        self.counts += i32x4::new(bins.counts[bin]);
+    }
+
+    /// No number for a side without references.
+    #[inline(always)]
+    fn costs(&self, align: usize, scale: f32) -> f32x4 {
+        let [x, y, z] = self.bounds.map(|bounds| bounds.extent() * scale);
+        let [x, y, z, _] = f32x4::transpose([x, y, z, f32x4::ZERO]);
+        let leaves = (f32x4::from_i32x4(self.counts) / align as f32).ceil();
+        (x * y + y * z + z * x) * leaves
     }
 }
