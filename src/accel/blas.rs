@@ -44,7 +44,12 @@ pub struct MeshHit {
 impl Blas {
     /// Triangles without area, with corners that are not finite or do not exist, are left out: no ray can hit them.
     pub fn build(mesh: Arc<MeshData>, method: SplitMethod) -> Self {
-        let bvh = Bvh::build(&triangle_bounds(&mesh), method, LANES);
+        let bvh = Bvh::over(
+            mesh.triangles.len(),
+            |index| triangle_bounds(&mesh, index),
+            method,
+            LANES,
+        );
         let mut packets = Table::zeroed(bvh.order().len().div_ceil(LANES));
         packets
             .par_iter_mut()
@@ -91,7 +96,9 @@ impl Blas {
 
     /// [`Bvh::validate`] against the mesh.
     pub fn validate(&self) -> Result<(), String> {
-        self.bvh.validate(&triangle_bounds(&self.mesh))
+        let bounds = |index| triangle_bounds(&self.mesh, index);
+        let bounds: Vec<Aabb> = (0..self.mesh.triangles.len()).map(bounds).collect();
+        self.bvh.validate(&bounds)
     }
 
     /// The nearest hit with 0 < t < t_max; `ray` is in local space.
@@ -174,10 +181,9 @@ fn has_flat_normals(mesh: &MeshData) -> bool {
     mesh.triangles.first().is_some_and(is_flat) && mesh.triangles.par_iter().all(is_flat)
 }
 
-/// The box of every triangle, empty for those that are left out.
-fn triangle_bounds(mesh: &MeshData) -> Vec<Aabb> {
-    let bounds = |triangle| mesh.regular_corners(triangle).map_or(Aabb::EMPTY, Aabb::from_points);
-    (0..mesh.triangles.len()).into_par_iter().map(bounds).collect()
+/// The box of a triangle, empty for one that is left out.
+fn triangle_bounds(mesh: &MeshData, index: usize) -> Aabb {
+    mesh.regular_corners(index).map_or(Aabb::EMPTY, Aabb::from_points)
 }
 
 #[cfg(test)]

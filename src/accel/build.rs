@@ -7,7 +7,6 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::binning::{Bins, Grid};
-use super::bvh::can_be_hit;
 use super::collapse::{Branch, Costs, collapse};
 use super::node::Node;
 use super::sets::{Reference, Set};
@@ -51,15 +50,26 @@ struct Builder {
     scale: f32,
 }
 
-/// With leaves of up to `leaf_size` primitives; a linear list is one leaf of all.
-pub(super) fn build(bounds: &[Aabb], method: SplitMethod, leaf_size: usize) -> Tree {
-    let mut references: Vec<Reference> = bounds
-        .iter()
-        .zip(0..)
-        .filter(|(bounds, _)| can_be_hit(bounds))
-        .map(|(bounds, index)| Reference::new(bounds, index))
+/// Over `count` boxes, with leaves of up to `leaf_size` primitives; a linear list is one leaf of all.
+pub(super) fn build(
+    count: usize,
+    bounds: impl Fn(usize) -> Aabb + Sync,
+    method: SplitMethod,
+    leaf_size: usize,
+) -> Tree {
+    let reference = |index| Reference::new(&bounds(index), index as u32);
+    let mut references: Vec<Reference> = (0..count)
+        .into_par_iter()
+        .with_min_len(PARALLEL)
+        .map(reference)
         .collect();
-    let all = Set::of(0, &references);
+    let all = references
+        .par_chunks(PARALLEL)
+        .map(Set::of_what_can_be_hit)
+        .reduce(|| Set::empty(0), Set::union);
+    if all.len < count {
+        references.retain(Reference::can_be_hit);
+    }
     let [x, y, z, _] = all.bounds.extent().to_array();
     let extent = x.max(y).max(z);
     let builder = Builder {

@@ -52,8 +52,18 @@ impl Bvh {
     /// Builds over `bounds`, with leaves of up to `leaf_size` primitives (1 to 16), which are taken to be tested together. Boxes that are
     /// empty or have a NaN hold nothing that a ray could hit and are left out.
     pub fn build(bounds: &[Aabb], method: SplitMethod, leaf_size: usize) -> Self {
+        Self::over(bounds.len(), |index| bounds[index], method, leaf_size)
+    }
+
+    /// [`Bvh::build`] over `count` boxes that are asked for once.
+    pub(super) fn over(
+        count: usize,
+        bounds: impl Fn(usize) -> Aabb + Sync,
+        method: SplitMethod,
+        leaf_size: usize,
+    ) -> Self {
         let leaf_size = leaf_size.clamp(1, MAX_LEAF);
-        let Tree { nodes, order, depth } = build(bounds, method, leaf_size);
+        let Tree { nodes, order, depth } = build(count, bounds, method, leaf_size);
         let listed = || order.iter().filter(|&&primitive| primitive != NO_PRIMITIVE).count();
         let linear = (method == SplitMethod::Linear).then(listed);
         Self {
@@ -242,6 +252,6 @@ impl Bvh {
 }
 
 /// Neither empty nor NaN.
-pub(super) fn can_be_hit(bounds: &Aabb) -> bool {
+fn can_be_hit(bounds: &Aabb) -> bool {
     bounds.min.cmple(bounds.max).all()
 }

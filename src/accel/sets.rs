@@ -30,6 +30,13 @@ impl Reference {
         }
     }
 
+    /// Neither empty nor NaN.
+    #[inline(always)]
+    pub fn can_be_hit(&self) -> bool {
+        let [negated_min, max] = self.bounds().corners();
+        (-negated_min).simd_le(max).to_bitmask() & 7 == 7
+    }
+
     #[inline(always)]
     pub fn bounds(&self) -> Bounds {
         Bounds(cast(*self))
@@ -120,6 +127,23 @@ impl Set {
         self.len += usize::from(condition);
         self.bounds = self.bounds.union(reference.bounds().masked(mask));
         self.centers = self.centers.union(Bounds::of_point(center).masked(mask));
+    }
+
+    pub fn union(self, other: Self) -> Self {
+        Self {
+            start: self.start,
+            len: self.len + other.len,
+            bounds: self.bounds.union(other.bounds),
+            centers: self.centers.union(other.centers),
+        }
+    }
+
+    pub fn of_what_can_be_hit(references: &[Reference]) -> Self {
+        let mut set = Self::empty(0);
+        for reference in references {
+            set.add_if(reference.can_be_hit(), reference, reference.center());
+        }
+        set
     }
 
     pub fn of(start: usize, references: &[Reference]) -> Self {
