@@ -31,6 +31,17 @@ pub(super) struct Tree {
     pub depth: usize,
 }
 
+impl Tree {
+    /// A root without children.
+    pub fn childless() -> Self {
+        Self {
+            nodes: vec![Node::EMPTY],
+            order: Vec::new(),
+            depth: 1,
+        }
+    }
+}
+
 /// Fills a leaf up to its size.
 pub(super) const NO_PRIMITIVE: u32 = u32::MAX;
 

@@ -4,7 +4,10 @@
 //! all, found from the leaves up by dynamic programming (Ylitie, Karras and Laine, Efficient incoherent ray traversal on GPUs through
 //! compressed wide BVHs, 2017, section 3.3). Leaves stay as they are.
 
+use std::ops::Range;
+
 use arrayvec::ArrayVec;
+use rayon::prelude::*;
 
 use super::build::{NO_PRIMITIVE, Tree};
 use super::node::{Child, Node, WIDTH};
@@ -76,61 +79,83 @@ impl Branch {
             *right += by as u32;
         }
     }
-
-    fn is_leaf(&self) -> bool {
-        matches!(self.kind, BranchKind::Leaf { .. })
-    }
 }
 
 /// Wide nodes over `branches`, whose leaves hold runs of `references`. The children of a node lie side by side, its leaves too.
 pub(super) fn collapse(branches: &[Branch], references: &[Reference], leaf_size: usize) -> Tree {
-    let mut collapse = Collapse {
+    let collapse = Collapse {
         branches,
         references,
         leaf_size,
-        tree: Tree {
-            nodes: vec![Node::EMPTY],
-            order: Vec::with_capacity(references.len() + references.len() / 4),
-            depth: 1,
-        },
     };
+    let mut tree = Tree::childless();
     if !branches.is_empty() {
-        collapse.fill(0, 0, 1);
+        collapse.fill(&mut tree, 0, 0..branches.len(), 1);
     }
-    collapse.tree
+    tree
 }
+
+/// Ranges of at least this many branches are worth another thread.
+const PARALLEL: usize = 2048;
 
 struct Collapse<'a> {
     branches: &'a [Branch],
     references: &'a [Reference],
     leaf_size: usize,
-    tree: Tree,
 }
 
 impl Collapse<'_> {
-    /// Gives the wide node `node`, which is at `depth`, the children that branch `index` has for it.
-    fn fill(&mut self, node: usize, index: usize, depth: usize) {
-        self.tree.depth = self.tree.depth.max(depth);
+    /// Gives the wide node `node`, which is at `depth`, the children that the first of `branches` has for it, and appends all below them;
+    /// nothing else is in `branches`.
+    fn fill(&self, tree: &mut Tree, node: usize, branches: Range<usize>, depth: usize) {
+        tree.depth = tree.depth.max(depth);
         let mut children = ArrayVec::<usize, WIDTH>::new();
-        self.gather(index, WIDTH, &mut children);
-        let first = self.tree.nodes.len();
-        let mut next = first;
+        self.gather(branches.start, WIDTH, &mut children);
+        let first = tree.nodes.len();
+        let mut inner = ArrayVec::<Range<usize>, WIDTH>::new();
         for (slot, &child) in children.iter().enumerate() {
             let branch = &self.branches[child];
             let content = match branch.kind {
-                BranchKind::Leaf { start, len } => self.push_leaf(start as usize, len as usize),
+                BranchKind::Leaf { start, len } => self.push_leaf(tree, start as usize, len as usize),
                 BranchKind::Inner { .. } => {
-                    next += 1;
-                    Child::node(next - 1)
+                    inner.push(child..children.get(slot + 1).copied().unwrap_or(branches.end));
+                    Child::node(first + inner.len() - 1)
                 }
             };
-            self.tree.nodes[node].set(slot, &branch.bounds, content);
+            tree.nodes[node].set(slot, &branch.bounds, content);
         }
-        self.tree.nodes.resize(next, Node::EMPTY);
-        let inner = children.iter().filter(|&&child| !self.branches[child].is_leaf());
-        for (node, &child) in (first..).zip(inner) {
-            self.fill(node, child, depth + 1);
+        tree.nodes.resize(first + inner.len(), Node::EMPTY);
+        if branches.len() < PARALLEL {
+            for (node, branches) in (first..).zip(inner) {
+                self.fill(tree, node, branches, depth + 1);
+            }
+        } else {
+            let subtree = |branches: &Range<usize>| {
+                let mut tree = Tree::childless();
+                self.fill(&mut tree, 0, branches.clone(), depth + 1);
+                tree
+            };
+            let subtrees: Vec<Tree> = inner.par_iter().map(subtree).collect();
+            let total = |of: fn(&Tree) -> usize| subtrees.iter().map(of).sum();
+            tree.nodes.reserve_exact(total(|subtree| subtree.nodes.len()));
+            tree.order.reserve_exact(total(|subtree| subtree.order.len()));
+            for (node, subtree) in (first..).zip(subtrees) {
+                self.graft(tree, node, &subtree);
+            }
         }
+    }
+
+    /// Puts the root of `subtree` at `node` and appends the rest.
+    fn graft(&self, tree: &mut Tree, node: usize, subtree: &Tree) {
+        let (nodes, blocks) = (tree.nodes.len() - 1, tree.order.len() / self.leaf_size);
+        tree.nodes.extend_from_slice(&subtree.nodes[1..]);
+        tree.nodes[node] = subtree.nodes[0];
+        tree.nodes[node].advance(nodes, blocks);
+        tree.nodes[nodes + 1..]
+            .iter_mut()
+            .for_each(|node| node.advance(nodes, blocks));
+        tree.order.extend_from_slice(&subtree.order);
+        tree.depth = tree.depth.max(subtree.depth);
     }
 
     /// The branches that fill up to `slots` slots for branch `index`.
@@ -145,8 +170,8 @@ impl Collapse<'_> {
         }
     }
 
-    fn push_leaf(&mut self, start: usize, len: usize) -> Child {
-        let order = &mut self.tree.order;
+    fn push_leaf(&self, tree: &mut Tree, start: usize, len: usize) -> Child {
+        let order = &mut tree.order;
         let block = order.len() / self.leaf_size;
         let references = &self.references[start..start + len];
         order.extend(references.iter().map(|reference| reference.index));

@@ -85,6 +85,14 @@ impl Node {
         self.children[slot] = child;
     }
 
+    /// Has the children that are nodes, and the leaves, farther back by that many.
+    pub fn advance(&mut self, nodes: usize, blocks: usize) {
+        let used = self.slots_used();
+        for child in &mut self.children[..used] {
+            child.0 += if child.is_leaf() { blocks } else { nodes } as u32;
+        }
+    }
+
     pub fn slots_used(&self) -> usize {
         self.children.iter().take_while(|&&child| child != Child::NONE).count()
     }
