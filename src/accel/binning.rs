@@ -26,9 +26,19 @@ impl Grid {
         }
     }
 
+    /// Whether the bin on one axis comes before `boundary`.
+    #[inline(always)]
+    pub fn is_before(&self, center: f32x4, axis: usize, boundary: usize) -> bool {
+        let axes = self
+            .position(center)
+            .simd_lt(f32x4::splat(boundary as f32))
+            .to_bitmask();
+        axes >> axis & 1 != 0
+    }
+
     /// On each axis the number of a bin and what is left.
     #[inline(always)]
-    pub fn position(&self, center: f32x4) -> f32x4 {
+    fn position(&self, center: f32x4) -> f32x4 {
         (center - self.origin) * self.scale
     }
 

@@ -155,7 +155,7 @@ impl Builder {
         for next in 0..references.len() {
             let reference = references[next];
             let center = reference.center();
-            let is_left = grid.position(center).as_array()[axis] < boundary as f32;
+            let is_left = grid.is_before(center, axis, boundary);
             references[next] = references[left.len];
             references[left.len] = reference;
             left.add_if(is_left, &reference, center);
