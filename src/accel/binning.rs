@@ -94,9 +94,9 @@ impl Bins {
         }
         let (mut best_costs, mut boundaries) = (f32x4::splat(f32::INFINITY), f32x4::ZERO);
         side = Side::EMPTY;
-        for bin in 1..grid.bins {
+        for (bin, &right_costs) in right_costs.iter().enumerate().take(grid.bins).skip(1) {
             side.grow(self, bin - 1);
-            let costs = side.costs(align, scale) + right_costs[bin];
+            let costs = side.costs(align, scale) + right_costs;
             let is_better = costs.simd_lt(best_costs);
             best_costs = is_better.select(costs, best_costs);
             boundaries = is_better.select(f32x4::splat(bin as f32), boundaries);

@@ -151,6 +151,7 @@ impl Builder {
         };
         let (axis, boundary) = bins.cheapest(&grid, self.leaf_size, self.scale)?;
 
+        // Every step exchanges two references, needed or not: which side one is on cannot be foreseen, so a branch would cost more.
         let (mut left, mut right) = (Set::empty(set.start), Set::empty(0));
         for next in 0..references.len() {
             let reference = references[next];
