@@ -84,6 +84,91 @@ fn every_prefix_is_stratified_in_all_elementary_intervals() {
     }
 }
 
+/// For 2^n samples (rows) and 2^p pixels (columns, from p = 1) in the order of Morton's curve: in each elementary interval of 2^(t - n - p) are 2^t
+/// points.
+const SLACK_OF_NEIGHBOURS: [[u32; 8]; 7] = [
+    [0, 0, 1, 0, 1, 0, 0, 1],
+    [1, 0, 0, 1, 2, 1, 1, 1],
+    [0, 1, 0, 1, 1, 2, 1, 2],
+    [1, 2, 1, 0, 1, 1, 1, 2],
+    [1, 1, 2, 1, 0, 1, 2, 1],
+    [1, 2, 3, 0, 1, 1, 1, 2],
+    [0, 0, 1, 1, 2, 1, 2, 3],
+];
+
+#[test]
+fn samples_of_neighbouring_pixels_complete_each_other() {
+    // Even bits are those of x.
+    let pixel_at = |place: u32| {
+        let every_second = |place: u32| (0..4).map(|bit| (place >> (2 * bit) & 1) << bit).sum::<u32>();
+        UVec2::new(16 * 5 + every_second(place), 16 * 9 + every_second(place >> 1))
+    };
+    for dimension in [0, 3, 6] {
+        for (n, slack) in (0..).zip(SLACK_OF_NEIGHBOURS) {
+            for (p, t) in (1..).zip(slack) {
+                let log_count: u32 = n + p;
+                // The last of the aligned runs.
+                let places = 256 - (1 << p)..256;
+                let points: Vec<Vec2> = places
+                    .flat_map(|place| (0..1 << n).map(move |index| (place, index)))
+                    .map(|(place, index)| {
+                        let mut sampler = Sampler::new(SequenceKind::Sobol, pixel_at(place), index, 2);
+                        sampler.start_dimension(dimension);
+                        sampler.next_2d()
+                    })
+                    .collect();
+                for log_columns in 0..=log_count - t {
+                    let (columns, rows) = (1 << log_columns, 1 << (log_count - t - log_columns));
+                    let mut counts = vec![0; columns * rows];
+                    for point in &points {
+                        counts[(point.x * columns as f32) as usize * rows + (point.y * rows as f32) as usize] += 1;
+                    }
+                    let is_even = counts.iter().all(|&count| count == 1 << t);
+                    assert!(
+                        is_even,
+                        "2^{p} pixels, 2^{n} samples, {columns} x {rows}, dimension {dimension}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Of the means of 4 x 4 pixels over those of independent pixels, of one smooth draw.
+#[test]
+fn errors_of_neighbours_cancel() {
+    let value = |x: u32, y: u32, index: u32, dimension: u32| {
+        let mut sampler = Sampler::new(SequenceKind::Sobol, UVec2::new(x, y), index, 4);
+        sampler.start_dimension(dimension);
+        let p = sampler.next_2d().as_dvec2();
+        (-p.x).exp() * (1.0 + p.y)
+    };
+    let exact = (1.0 - (-1.0f64).exp()) * 1.5;
+    let blocks = 32;
+    for samples in [1, 2, 4, 8] {
+        let gain = |dimension: u32| {
+            let (mut of_pixels, mut of_blocks) = (0.0, 0.0);
+            for block in 0..blocks * blocks {
+                let mut sum = 0.0;
+                for pixel in 0..16 {
+                    let (x, y) = (block % blocks * 4 + pixel % 4, block / blocks * 4 + pixel / 4);
+                    let mean =
+                        (0..samples).map(|index| value(x, y, index, dimension)).sum::<f64>() / f64::from(samples);
+                    of_pixels += (mean - exact).powi(2);
+                    sum += mean - exact;
+                }
+                of_blocks += (sum / 16.0).powi(2);
+            }
+            // Sixteen independent errors have a mean of a sixteenth of their square.
+            of_pixels / 16.0 / 16.0 / of_blocks
+        };
+        assert!(gain(3) > 4.0, "{samples} samples: {} times better", gain(3));
+        // A thousand squares of a normal distribution: their mean is known to about 4.5 %.
+        let later = gain(7);
+        assert!((0.8..1.25).contains(&later), "later draws are independent: {later}");
+    }
+}
+
 /// Mean square error, over many pixels, of the mean of a smooth function of two draws' four numbers.
 fn mean_square_error(kind: SequenceKind, count: u32) -> f64 {
     let pixels = 200;

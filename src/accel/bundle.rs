@@ -30,6 +30,20 @@ struct Waiting {
     enter: f32,
 }
 
+impl Waiting {
+    /// What waits before the first step of a walk.
+    #[inline(always)]
+    fn at_root(rays: u32) -> ArrayVec<Self, STACK> {
+        let mut waiting = ArrayVec::new();
+        waiting.push(Self {
+            child: Child::ROOT,
+            rays,
+            enter: 0.0,
+        });
+        waiting
+    }
+}
+
 impl Blas {
     /// [`Self::intersect`] for the rays in `active`; `found` is told of the nearest hit of each one that has any.
     pub(super) fn intersect_bundle(&self, rays: &RayLanes, active: u32, mut found: impl FnMut(usize, MeshHit)) {
@@ -79,7 +93,7 @@ impl Tlas {
         let active = active & rays.usable();
         if let Some(few) = &self.few {
             let hits = few.closest::<true>(self, rays, active);
-            self.prefetch_surfaces(&hits);
+            self.prefetch_normals(&hits);
             return hits;
         }
         let mut nearest = [None; LANES];
@@ -93,7 +107,7 @@ impl Tlas {
             }
             0
         });
-        self.prefetch_surfaces(&nearest);
+        self.prefetch_normals(&nearest);
         nearest
     }
 
@@ -176,12 +190,7 @@ impl Bvh {
         let mut t_max = rays.t_max;
         let mut farthest = f32::INFINITY;
         let mut boxes = BoxesMet::NONE;
-        let mut waiting = ArrayVec::<Waiting, STACK>::new();
-        waiting.push(Waiting {
-            child: Child::ROOT,
-            rays: left,
-            enter: 0.0,
-        });
+        let mut waiting = Waiting::at_root(left);
         while let Some(next) = waiting.pop() {
             let asked = next.rays & left;
             if asked == 0 || !ANY && next.enter > farthest {
@@ -218,12 +227,7 @@ impl Bvh {
             return;
         }
         let mut boxes = BoxesMet::NONE;
-        let mut waiting = ArrayVec::<Waiting, STACK>::new();
-        waiting.push(Waiting {
-            child: Child::ROOT,
-            rays: active,
-            enter: 0.0,
-        });
+        let mut waiting = Waiting::at_root(active);
         while let Some(next) = waiting.pop() {
             let node = &self.nodes[next.child.index()];
             boxes.find(node, &slabs, common, next.rays, rays.t_max * Lanes::splat(REACH));

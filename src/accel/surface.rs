@@ -61,7 +61,7 @@ impl Tlas {
     }
 
     /// Asks for the memory of the normals that will be looked up, of all at once, unless it is near anyway.
-    pub(super) fn prefetch_surfaces(&self, hits: &[Option<Hit>]) {
+    pub(super) fn prefetch_normals(&self, hits: &[Option<Hit>]) {
         if !(self.is_large && self.has_vertex_normals) {
             return;
         }

@@ -373,7 +373,7 @@ impl Tlas {
             }
             hits
         };
-        self.prefetch_surfaces(&hits);
+        self.prefetch_normals(&hits);
         hits
     }
 

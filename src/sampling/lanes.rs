@@ -4,61 +4,77 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 pub use super::spherical_rectangle_lanes::RectangleLanes;
 
-use super::sampler::{Sampler, SequenceKind};
+use super::sampler::{Counter, OF_NEIGHBOUR, SPREAD_DIMENSIONS, Sampler, SequenceKind};
 use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes};
 
 /// The samplers of sixteen paths, whatever their pixels and indices.
 #[derive(Clone, Debug)]
 pub struct SamplerLanes {
     kind: SequenceKind,
-    key: [WordLanes; 2],
-    index: WordLanes,
+    counter: Counter<WordLanes>,
 }
 
 impl SamplerLanes {
     pub fn new(kind: SequenceKind) -> Self {
         Self {
             kind,
-            key: [WordLanes::ZERO; 2],
-            index: WordLanes::ZERO,
+            counter: Counter::default(),
         }
     }
 
     /// Those of [`Sampler::new`] for the pixels (x, y) and sample indices of all lanes.
     pub fn of_pixels(kind: SequenceKind, [x, y]: [WordLanes; 2], index: WordLanes, seed: u32) -> Self {
-        let [a, b, _] = pcg3d([x, y, word(seed)]);
+        let [of_pixel, ..] = pcg3d([x, y, word(seed)]);
+        let [_, of_block, _] = pcg3d([x >> 4, y >> 4, word(seed)]);
+        let place = |bit: u32| {
+            let bit_of = |v: WordLanes, to: u32| ((v >> bit) & word(1)) << to;
+            bit_of(x, 7 - 2 * bit) | bit_of(y, 6 - 2 * bit)
+        };
         Self {
             kind,
-            key: [a, b],
-            index: match kind {
-                SequenceKind::Independent => index,
-                SequenceKind::Sobol => reverse_bits(index),
+            counter: Counter {
+                pixel: of_pixel,
+                block: of_block,
+                place: place(0) | place(1) | place(2) | place(3),
+                index: match kind {
+                    SequenceKind::Independent => index,
+                    SequenceKind::Sobol => reverse_bits(index),
+                },
             },
         }
     }
 
     /// That of lane `lane`, at dimension 0.
     pub fn get(&self, lane: usize) -> Sampler {
-        let key = self.key.map(|words| words.as_array()[lane]);
-        Sampler::of_key(self.kind, key, self.index.as_array()[lane])
+        let of_lane = |words: &WordLanes| words.as_array()[lane];
+        let counter = Counter {
+            pixel: of_lane(&self.counter.pixel),
+            block: of_lane(&self.counter.block),
+            place: of_lane(&self.counter.place),
+            index: of_lane(&self.counter.index),
+        };
+        Sampler::of_counter(self.kind, counter)
     }
 
     /// From now on lane `lane` has the numbers of `sampler`, which must be of this kind.
     pub fn set(&mut self, lane: usize, sampler: &Sampler) {
-        let (key, index) = (sampler.key(), sampler.index());
-        self.key[0].as_mut_array()[lane] = key[0];
-        self.key[1].as_mut_array()[lane] = key[1];
-        self.index.as_mut_array()[lane] = index;
+        let own = &sampler.counter;
+        let mut set = |words: fn(&mut Counter<WordLanes>) -> &mut WordLanes, word: u32| {
+            words(&mut self.counter).as_mut_array()[lane] = word;
+        };
+        set(|counter| &mut counter.pixel, own.pixel);
+        set(|counter| &mut counter.block, own.block);
+        set(|counter| &mut counter.place, own.place);
+        set(|counter| &mut counter.index, own.index);
     }
 
     /// What [`Sampler::next_1d`] gives at these dimensions.
     #[inline(always)]
     pub fn at_1d(&self, dimension: WordLanes) -> Lanes {
         unit_floats(match self.kind {
-            SequenceKind::Independent => pcg4d([self.key[0], self.key[1], self.index, dimension])[0],
+            SequenceKind::Independent => self.hash(dimension)[0],
             SequenceKind::Sobol => {
-                let [shuffle_seed, seed, _] = pcg3d([self.key[0], self.key[1], dimension]);
-                let index = reverse_bits(scramble_reversed(self.index, shuffle_seed));
+                let (index, [seed, _]) = self.point(dimension);
                 reverse_bits(scramble_reversed(index, seed))
             }
         })
@@ -67,21 +83,46 @@ impl SamplerLanes {
     /// What [`Sampler::next_2d`] gives at these dimensions.
     #[inline(always)]
     pub fn at_2d(&self, dimension: WordLanes) -> [Lanes; 2] {
-        let words = match self.kind {
-            SequenceKind::Independent => {
-                let [x, y, ..] = pcg4d([self.key[0], self.key[1], self.index, dimension]);
-                [x, y]
-            }
+        let [x, y] = match self.kind {
+            SequenceKind::Independent => self.hash(dimension),
             SequenceKind::Sobol => {
-                let [shuffle_seed, seed_x, seed_y] = pcg3d([self.key[0], self.key[1], dimension]);
-                let index = reverse_bits(scramble_reversed(self.index, shuffle_seed));
+                let (index, [seed_x, seed_y]) = self.point(dimension);
                 [
                     reverse_bits(scramble_reversed(index, seed_x)),
                     reverse_bits(scramble_reversed(sobol_second_reversed(index), seed_y)),
                 ]
             }
         };
-        words.map(unit_floats)
+        [unit_floats(x), unit_floats(y)]
+    }
+
+    #[inline(always)]
+    fn hash(&self, dimension: WordLanes) -> [WordLanes; 2] {
+        let counter = &self.counter;
+        let [x, y, ..] = pcg4d([counter.pixel, counter.block, counter.index, dimension]);
+        [x, y]
+    }
+
+    /// The index into the sequence, and the seeds of the scrambling of its two dimensions.
+    #[inline(always)]
+    fn point(&self, dimension: WordLanes) -> (WordLanes, [WordLanes; 2]) {
+        let Counter {
+            pixel,
+            block,
+            place,
+            index,
+        } = self.counter;
+        let is_spread = dimension.simd_lt(word(SPREAD_DIMENSIONS));
+        let [shuffle_seed, seed_x, seed_y] = pcg3d([pixel & !is_spread, block, dimension]);
+        let mut index = reverse_bits(scramble_reversed(index, shuffle_seed));
+        // Beyond the first surface no path asks for it.
+        if is_spread.any() {
+            let place = scramble_reversed(place, shuffle_seed) & is_spread;
+            for (bit, &column) in OF_NEIGHBOUR.iter().rev().enumerate() {
+                index ^= ((place >> bit as u32) & word(1)) * word(column);
+            }
+        }
+        (index, [seed_x, seed_y])
     }
 }
 
@@ -204,12 +245,17 @@ mod tests {
     #[test]
     fn numbers_are_the_samplers() {
         for kind in [SequenceKind::Independent, SequenceKind::Sobol] {
-            let mut lanes = SamplerLanes::new(kind);
+            let pixel = |lane: u32| UVec2::new(17 * lane, 1000 - lane);
             let mut samplers: Vec<Sampler> = (0..LANES as u32)
-                .map(|lane| Sampler::new(kind, UVec2::new(17 * lane, 1000 - lane), lane * lane, 5))
+                .map(|lane| Sampler::new(kind, pixel(lane), lane * lane, 5))
                 .collect();
+            let words = |of_lane: &dyn Fn(u32) -> u32| WordLanes::new(std::array::from_fn(|lane| of_lane(lane as u32)));
+            let pixels = [words(&|lane| pixel(lane).x), words(&|lane| pixel(lane).y)];
+            let begun = SamplerLanes::of_pixels(kind, pixels, words(&|lane| lane * lane), 5);
+            let mut lanes = SamplerLanes::new(kind);
             for (lane, sampler) in samplers.iter().enumerate() {
                 lanes.set(lane, sampler);
+                assert_eq!(lanes.get(lane).next_2d(), begun.get(lane).next_2d());
             }
             for dimension in [0, 1, 2, 77, 12_345] {
                 let dimensions: [u32; LANES] = std::array::from_fn(|lane| dimension + lane as u32);

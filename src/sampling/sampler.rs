@@ -3,7 +3,11 @@
 //! `Independent` is white noise. `Sobol` is the first two dimensions of the Sobol sequence with hashed Owen scrambling, padded: every
 //! draw is a differently scrambled and differently shuffled copy of the same good 2D sequence (Burley, Practical Hash-based Owen
 //! Scrambling, JCGT 9(4), 2020), so there is no limit on dimensions and no correlation between draws. Within one draw the first 2^k
-//! samples of a pixel form a (0, k, 2)-net. Not blue noise: pixels are decorrelated, not dithered against their neighbours.
+//! samples of a pixel form a (0, k, 2)-net. In the first few draws, which are of the camera and the first surface, pixels next to each
+//! other share one sequence and take parts of it that complete each other, so that their errors differ in sign and what is left of them in
+//! the eye, or in a blurred picture, is less (Ahmed and Wonka, Screen-space blue-noise diffusion of Monte Carlo sampling error via
+//! hierarchical ordering of pixels, 2020; there for one known number of samples, here for all powers of two). In later draws pixels are
+//! independent of each other.
 
 use super::{
     hash::{pcg3d, pcg4d},
@@ -21,30 +25,63 @@ pub enum SequenceKind {
     Sobol,
 }
 
+/// Draws of dimensions below this are spread over neighbouring pixels as well: of pixel, lens and first surface.
+pub(super) const SPREAD_DIMENSIONS: u32 = 7;
+
+/// Pixels that share a sequence there: blocks of 16 x 16, whose pixels have numbers of so many bits.
+pub(super) const BLOCK_BITS: usize = 8;
+
+/// What the bits of a pixel's number within its block, the least significant first, do to the index into the sequence. In the order of
+/// the numbers, 2^p aligned pixels with their first 2^n samples have 2^(n + p) points. These are a (t, n + p, 2)-net: with t = 0 for one sample
+/// of 2 x 2, 4 x 4 or 8 x 8 pixels, with t <= 3 for up to 64. (With t = 0 throughout this would be a sequence of nets in three dimensions, which
+/// base 2 does not have.) Found by a random search.
+pub(super) const OF_NEIGHBOUR: [u32; BLOCK_BITS] = [0x7f, 0x95, 0x14d2, 0x3d5c, 0x2efc, 0x1dcc, 0x28cd, 0x3c97];
+
 /// The numbers of one sample of one pixel.
 ///
 /// A "dimension" is one draw, 1D or 2D; each draw advances it by one. Draws of different dimensions are independent of each other.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
-    kind: SequenceKind,
-    /// A hash of pixel and seed.
-    key: [u32; 2],
-    /// The sample index; with its bits reversed for `Sobol`, as the shuffle needs it.
-    index: u32,
+    pub(super) kind: SequenceKind,
+    pub(super) counter: Counter<u32>,
     dimension: u32,
+}
+
+/// What the numbers of a sample follow from, beside the dimension: of one sample, or of one in each lane.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Counter<Word> {
+    /// A hash of the pixel and the seed, and one of the pixel's block and the seed.
+    pub pixel: Word,
+    pub block: Word,
+    /// The pixel's number within its block along the curve of Morton, the most significant bit first, that is, lowest.
+    pub place: Word,
+    /// The sample index; with its bits reversed for `Sobol`, as the shuffle needs it.
+    pub index: Word,
 }
 
 impl Sampler {
     /// The sampler of sample `sample_index` of `pixel`, at dimension 0. Any seed is as good as any other.
     pub fn new(kind: SequenceKind, pixel: UVec2, sample_index: u32, seed: u32) -> Self {
-        let [a, b, _] = pcg3d([pixel.x, pixel.y, seed]);
-        Self {
-            kind,
-            key: [a, b],
+        let [of_pixel, ..] = pcg3d([pixel.x, pixel.y, seed]);
+        let [_, of_block, _] = pcg3d([pixel.x / 16, pixel.y / 16, seed]);
+        let place = |bit: u32| (pixel.x >> bit & 1) << (7 - 2 * bit) | (pixel.y >> bit & 1) << (6 - 2 * bit);
+        let counter = Counter {
+            pixel: of_pixel,
+            block: of_block,
+            place: place(0) | place(1) | place(2) | place(3),
             index: match kind {
                 SequenceKind::Independent => sample_index,
                 SequenceKind::Sobol => sample_index.reverse_bits(),
             },
+        };
+        Self::of_counter(kind, counter)
+    }
+
+    /// At dimension 0.
+    pub(super) fn of_counter(kind: SequenceKind, counter: Counter<u32>) -> Self {
+        Self {
+            kind,
+            counter,
             dimension: 0,
         }
     }
@@ -58,10 +95,9 @@ impl Sampler {
     pub fn next_1d(&mut self) -> f32 {
         let dimension = self.advance();
         unit_float(match self.kind {
-            SequenceKind::Independent => pcg4d([self.key[0], self.key[1], self.index, dimension])[0],
+            SequenceKind::Independent => self.hash(dimension)[0],
             SequenceKind::Sobol => {
-                let [shuffle_seed, seed, _] = pcg3d([self.key[0], self.key[1], dimension]);
-                let index = scramble_reversed(self.index, shuffle_seed).reverse_bits();
+                let (index, [seed, _]) = self.point(dimension);
                 scramble_reversed(index, seed).reverse_bits()
             }
         })
@@ -71,13 +107,9 @@ impl Sampler {
     pub fn next_2d(&mut self) -> Vec2 {
         let dimension = self.advance();
         let [x, y] = match self.kind {
-            SequenceKind::Independent => {
-                let [x, y, ..] = pcg4d([self.key[0], self.key[1], self.index, dimension]);
-                [x, y]
-            }
+            SequenceKind::Independent => self.hash(dimension),
             SequenceKind::Sobol => {
-                let [shuffle_seed, seed_x, seed_y] = pcg3d([self.key[0], self.key[1], dimension]);
-                let index = scramble_reversed(self.index, shuffle_seed).reverse_bits();
+                let (index, [seed_x, seed_y]) = self.point(dimension);
                 [
                     scramble_reversed(index, seed_x).reverse_bits(),
                     scramble_reversed(sobol_second_reversed(index), seed_y).reverse_bits(),
@@ -87,22 +119,33 @@ impl Sampler {
         Vec2::new(unit_float(x), unit_float(y))
     }
 
-    /// At dimension 0, from what [`Self::key`] and [`Self::index`] give.
-    pub(super) fn of_key(kind: SequenceKind, key: [u32; 2], index: u32) -> Self {
-        Self {
-            kind,
-            key,
+    fn hash(&self, dimension: u32) -> [u32; 2] {
+        let Counter {
+            pixel, block, index, ..
+        } = self.counter;
+        let [x, y, ..] = pcg4d([pixel, block, index, dimension]);
+        [x, y]
+    }
+
+    /// The index into the sequence, and the seeds of the scrambling of its two dimensions.
+    fn point(&self, dimension: u32) -> (u32, [u32; 2]) {
+        let Counter {
+            pixel,
+            block,
+            place,
             index,
-            dimension: 0,
+        } = self.counter;
+        let is_spread = dimension < SPREAD_DIMENSIONS;
+        let [shuffle_seed, seed_x, seed_y] = pcg3d([if is_spread { 0 } else { pixel }, block, dimension]);
+        if !is_spread {
+            return (scramble_reversed(index, shuffle_seed).reverse_bits(), [seed_x, seed_y]);
         }
-    }
-
-    pub(super) fn key(&self) -> [u32; 2] {
-        self.key
-    }
-
-    pub(super) fn index(&self) -> u32 {
-        self.index
+        // Which pixels are neighbours in the sequence differs from draw to draw.
+        let place = scramble_reversed(place, shuffle_seed);
+        let index = scramble_reversed(index, shuffle_seed).reverse_bits();
+        let columns = OF_NEIGHBOUR.iter().rev().zip(0..);
+        let index = columns.fold(index, |index, (&column, bit)| index ^ ((place >> bit & 1) * column));
+        (index, [seed_x, seed_y])
     }
 
     fn advance(&mut self) -> u32 {

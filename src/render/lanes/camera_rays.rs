@@ -1,5 +1,7 @@
 //! Where sixteen samples begin.
 
+use glam::Vec2;
+
 use super::Job;
 use crate::accel::RayLanes;
 use crate::math::lanes::{LANES, Lanes, WordLanes};
@@ -15,7 +17,7 @@ pub(super) struct CameraRays {
 }
 
 impl CameraRays {
-    /// Of at most sixteen jobs: in lanes with the box filter and a pinhole, else one by one.
+    /// Of at most sixteen jobs: in lanes with a pinhole, else one by one.
     pub fn new(view: &View, jobs: &[Job]) -> Self {
         let (mut x, mut y, mut index) = (WordLanes::ZERO, WordLanes::ZERO, WordLanes::ZERO);
         for (lane, job) in jobs.iter().enumerate() {
@@ -29,18 +31,29 @@ impl CameraRays {
             weights: [1.0; LANES],
             samplers,
         };
-        if view.filter == PixelFilter::Box {
-            let half = Lanes::splat(0.5);
-            let place = camera.samplers.at_2d(WordLanes::ZERO).map(|u| u - half);
-            let film = |pixel: WordLanes, offset: Lanes, size: u32| {
-                let pixel = Lanes::from_i32x16(bytemuck::cast(pixel));
-                (pixel + half + offset) / Lanes::splat(size as f32)
-            };
-            let film = [film(x, place[0], view.width), film(y, place[1], view.height)];
-            if let Some(rays) = view.camera.pinhole_rays(film) {
-                camera.rays = rays;
-                return camera;
+        let place = camera.samplers.at_2d(WordLanes::ZERO);
+        let offset = match &view.filter {
+            PixelFilter::Box => place.map(|u| u - Lanes::splat(0.5)),
+            filter => {
+                let mut offset = [Lanes::ZERO; 2];
+                for lane in 0..jobs.len() {
+                    let u = Vec2::new(place[0].as_array()[lane], place[1].as_array()[lane]);
+                    let sample = filter.sample(u);
+                    offset[0].as_mut_array()[lane] = sample.offset.x;
+                    offset[1].as_mut_array()[lane] = sample.offset.y;
+                    camera.weights[lane] = sample.weight;
+                }
+                offset
             }
+        };
+        let film = |pixel: WordLanes, offset: Lanes, size: u32| {
+            let pixel = Lanes::from_i32x16(bytemuck::cast(pixel));
+            (pixel + Lanes::splat(0.5) + offset) / Lanes::splat(size as f32)
+        };
+        let film = [film(x, offset[0], view.width), film(y, offset[1], view.height)];
+        if let Some(rays) = view.camera.pinhole_rays(film) {
+            camera.rays = rays;
+            return camera;
         }
         for (lane, job) in jobs.iter().enumerate() {
             let sample = view.camera_sample(job.pixel, job.index);
