@@ -13,7 +13,7 @@ use sunroom::geometry::mesh::MeshData;
 use sunroom::light::LightSource;
 use sunroom::material::{BumpOptions, Material, MaterialId};
 use sunroom::render::camera::{Camera, ThinLens};
-use sunroom::render::filter::PixelFilter;
+use sunroom::render::filter::{FilterKernel, PixelFilter};
 use sunroom::render::path::trace_path;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::tile::{render_preview, render_tile, tiles};
@@ -268,8 +268,17 @@ fn any_camera_and_filter_will_do() {
             },
         );
     }
-    let filter = PixelFilter::Tent { radius: 1.0 };
-    compare("a filter", &scene, &View { filter, ..plain });
+    let with_negative_lobes = PixelFilter::tabulated(FilterKernel::CATMULL_ROM);
+    for filter in [PixelFilter::Tent { radius: 1.0 }, with_negative_lobes] {
+        compare(
+            "a filter",
+            &scene,
+            &View {
+                filter,
+                ..plain.clone()
+            },
+        );
+    }
 }
 
 /// A rough gold sphere of waves on a floor, both of many triangles.

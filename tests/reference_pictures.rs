@@ -1,7 +1,8 @@
 //! Every scene of other people that comes with a reference picture, rendered here and compared with it.
 //!
 //! A reference is a mean over many seeds with its standard error, per pixel and per block of 8 x 8 pixels. Our own noise is estimated from
-//! independent seeds; pixels here are independent of each other. A picture agrees if
+//! independent seeds, as if pixels were independent of each other; in truth samples of neighbours complete each other, and blocks have
+//! less noise than that, as a rule. A picture agrees if
 //! - the mean of each channel is off by no more than half a percent and three standard errors (a channel below a fiftieth of the
 //!   brightest is judged by that),
 //! - not more than one block, or one in two hundred, is further off than [`Z_LIMIT`] allows for so many blocks,

@@ -137,8 +137,8 @@ impl Side {
     /// No number for a side without references.
     #[inline(always)]
     fn costs(&self, align: usize, scale: f32) -> f32x4 {
-        let [x, y, z] = self.bounds.map(|bounds| bounds.extent() * scale);
-        let [x, y, z, _] = f32x4::transpose([x, y, z, f32x4::ZERO]);
+        let [x, y, z] = self.bounds.map(Bounds::extent);
+        let [x, y, z, _] = f32x4::transpose([x, y, z, f32x4::ZERO]).map(|side| side * scale);
         let leaves = (f32x4::from_i32x4(self.counts) / align as f32).ceil();
         (x * y + y * z + z * x) * leaves
     }

@@ -251,7 +251,7 @@ impl Bvh {
     }
 }
 
-/// Neither empty nor NaN.
+/// Neither empty nor NaN, found out otherwise than by the building.
 fn can_be_hit(bounds: &Aabb) -> bool {
     bounds.min.cmple(bounds.max).all()
 }

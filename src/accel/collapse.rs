@@ -28,7 +28,7 @@ enum BranchKind {
         /// The index of the right child.
         right: u32,
         /// If this gets two, three, ... slots of a wide node, how many of them go to the left child; zero where it is best to take one slot
-        /// for a wide node here, as it is with one slot. That node has all slots to give.
+        /// for a wide node here, as it is with one slot. That node has all slots to give, so that the last is never zero.
         left_slots: [u8; WIDTH - 1],
     },
 }
@@ -105,8 +105,8 @@ struct Collapse<'a> {
 }
 
 impl Collapse<'_> {
-    /// Gives the wide node `node`, which is at `depth`, the children that the first of `branches` has for it, and appends all below them;
-    /// nothing else is in `branches`.
+    /// Gives the wide node `node`, which is at `depth`, the children that the first of `branches` has for it, and appends all below them:
+    /// what is in `branches`, whose number says whether that is much.
     fn fill(&self, tree: &mut Tree, node: usize, branches: Range<usize>, depth: usize) {
         tree.depth = tree.depth.max(depth);
         let mut children = ArrayVec::<usize, WIDTH>::new();

@@ -16,7 +16,7 @@ pub(super) struct Reference {
     negated_min: [f32; 3],
     pub index: u32,
     max: [f32; 3],
-    /// The index once more: so nothing comes of it where this side and the other are subtracted.
+    /// The index once more, so that a centre, as a difference, has no more than zero in its fourth lane.
     index_again: u32,
 }
 

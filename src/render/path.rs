@@ -11,7 +11,7 @@ use crate::color::Rgb;
 use crate::light::{LightId, LightReference, LightSample, SurfaceHit, Target};
 use crate::material::Lobe;
 use crate::math::{Ray, offset_origin};
-use crate::sampling::{Sampler, power_heuristic};
+use crate::sampling::{SPREAD_DIMENSIONS, Sampler, power_heuristic};
 
 /// What one camera ray brought home.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,6 +31,8 @@ pub struct PathSample {
 /// Dimensions of the sampler before the first bounce (pixel and lens), and per bounce.
 pub(super) const CAMERA_DIMENSIONS: u32 = 2;
 pub(super) const BOUNCE_DIMENSIONS: u32 = 5;
+/// What the eye sees in the first samples is the noise of the camera and of the first surface.
+const _: () = assert!(SPREAD_DIMENSIONS == CAMERA_DIMENSIONS + BOUNCE_DIMENSIONS);
 
 /// A path goes on with this probability at most, so that bright enclosures end too.
 pub(super) const HIGHEST_SURVIVAL: f32 = 0.95;

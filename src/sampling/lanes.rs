@@ -4,7 +4,7 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 pub use super::spherical_rectangle_lanes::RectangleLanes;
 
-use super::sampler::{Counter, OF_NEIGHBOUR, SPREAD_DIMENSIONS, Sampler, SequenceKind};
+use super::sampler::{BLOCK_BITS, Counter, OF_PLACE, QUADS, SPREAD_DIMENSIONS, Sampler, SequenceKind, place_in_block};
 use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes};
 
 /// The samplers of sixteen paths, whatever their pixels and indices.
@@ -25,17 +25,17 @@ impl SamplerLanes {
     /// Those of [`Sampler::new`] for the pixels (x, y) and sample indices of all lanes.
     pub fn of_pixels(kind: SequenceKind, [x, y]: [WordLanes; 2], index: WordLanes, seed: u32) -> Self {
         let [of_pixel, ..] = pcg3d([x, y, word(seed)]);
-        let [_, of_block, _] = pcg3d([x >> 4, y >> 4, word(seed)]);
-        let place = |bit: u32| {
-            let bit_of = |v: WordLanes, to: u32| ((v >> bit) & word(1)) << to;
-            bit_of(x, 7 - 2 * bit) | bit_of(y, 6 - 2 * bit)
-        };
+        let [_, of_block, _] = pcg3d([x >> BLOCK_BITS, y >> BLOCK_BITS, word(seed)]);
+        let mut place = WordLanes::ZERO;
+        for (lane, place) in place.as_mut_array().iter_mut().enumerate() {
+            *place = place_in_block(x.as_array()[lane], y.as_array()[lane]);
+        }
         Self {
             kind,
             counter: Counter {
                 pixel: of_pixel,
                 block: of_block,
-                place: place(0) | place(1) | place(2) | place(3),
+                place,
                 index: match kind {
                     SequenceKind::Independent => index,
                     SequenceKind::Sobol => reverse_bits(index),
@@ -115,14 +115,15 @@ impl SamplerLanes {
         let is_spread = dimension.simd_lt(word(SPREAD_DIMENSIONS));
         let [shuffle_seed, seed_x, seed_y] = pcg3d([pixel & !is_spread, block, dimension]);
         let mut index = reverse_bits(scramble_reversed(index, shuffle_seed));
+        let seeds = [seed_x, seed_y];
         // Beyond the first surface no path asks for it.
         if is_spread.any() {
-            let place = scramble_reversed(place, shuffle_seed) & is_spread;
-            for (bit, &column) in OF_NEIGHBOUR.iter().rev().enumerate() {
+            let place = shuffle_quads(scramble_reversed(place, shuffle_seed), seeds) & is_spread;
+            for (bit, &column) in OF_PLACE.iter().enumerate() {
                 index ^= ((place >> bit as u32) & word(1)) * word(column);
             }
         }
-        (index, [seed_x, seed_y])
+        (index, seeds)
     }
 }
 
@@ -191,6 +192,18 @@ fn scramble_reversed(mut x: WordLanes, seed: WordLanes) -> WordLanes {
     x ^ (x * word(0x53a2_2864))
 }
 
+/// [`super::sampler`]'s.
+#[inline(always)]
+fn shuffle_quads(place: WordLanes, seeds: [WordLanes; 2]) -> WordLanes {
+    let (high, low) = (place & word(QUADS), (place >> 1) & word(QUADS));
+    let both = high ^ low;
+    let (once, twice) = (seeds[0] & !seeds[1], seeds[1] & !seeds[0]);
+    let as_is = !(once | twice);
+    let new_high = (high & as_is) | (low & once) | (both & twice);
+    let new_low = (low & as_is) | (both & once) | (high & twice);
+    new_high | (new_low << 1)
+}
+
 #[inline(always)]
 fn sobol_second_reversed(index: WordLanes) -> WordLanes {
     let mut x = index;
@@ -255,7 +268,8 @@ mod tests {
             let mut lanes = SamplerLanes::new(kind);
             for (lane, sampler) in samplers.iter().enumerate() {
                 lanes.set(lane, sampler);
-                assert_eq!(lanes.get(lane).next_2d(), begun.get(lane).next_2d());
+                assert_eq!(lanes.get(lane).counter, sampler.counter);
+                assert_eq!(begun.get(lane).counter, sampler.counter);
             }
             for dimension in [0, 1, 2, 77, 12_345] {
                 let dimensions: [u32; LANES] = std::array::from_fn(|lane| dimension + lane as u32);

@@ -16,6 +16,7 @@ pub mod warp;
 pub use bilinear::{PiecewiseBilinear2d, SquareSample};
 pub use distribution::{ContinuousSample, DiscreteDistribution, DiscreteSample, PiecewiseConstant1d};
 pub use mis::power_heuristic;
+pub(crate) use sampler::SPREAD_DIMENSIONS;
 pub use sampler::{Sampler, SequenceKind};
 pub use spherical_rectangle::{Rectangle, SphericalRectangle};
 pub use spherical_triangle::SphericalTriangle;

@@ -6,8 +6,8 @@
 //! samples of a pixel form a (0, k, 2)-net. In the first few draws, which are of the camera and the first surface, pixels next to each
 //! other share one sequence and take parts of it that complete each other, so that their errors differ in sign and what is left of them in
 //! the eye, or in a blurred picture, is less (Ahmed and Wonka, Screen-space blue-noise diffusion of Monte Carlo sampling error via
-//! hierarchical ordering of pixels, 2020; there for one known number of samples, here for all powers of two). In later draws pixels are
-//! independent of each other.
+//! hierarchical ordering of pixels, 2020; there for one known number of samples, here whatever that is). In later draws pixels are independent
+//! of each other.
 
 use super::{
     hash::{pcg3d, pcg4d},
@@ -25,17 +25,22 @@ pub enum SequenceKind {
     Sobol,
 }
 
-/// Draws of dimensions below this are spread over neighbouring pixels as well: of pixel, lens and first surface.
-pub(super) const SPREAD_DIMENSIONS: u32 = 7;
+/// Draws of dimensions below this are spread over neighbouring pixels as well.
+pub(crate) const SPREAD_DIMENSIONS: u32 = 7;
 
-/// Pixels that share a sequence there: blocks of 16 x 16, whose pixels have numbers of so many bits.
-pub(super) const BLOCK_BITS: usize = 8;
+/// Blocks of pixels that share a sequence there have an edge of 2^`BLOCK_BITS`.
+pub(super) const BLOCK_BITS: u32 = 4;
 
-/// What the bits of a pixel's number within its block, the least significant first, do to the index into the sequence. In the order of
-/// the numbers, 2^p aligned pixels with their first 2^n samples have 2^(n + p) points. These are a (t, n + p, 2)-net: with t = 0 for one sample
-/// of 2 x 2, 4 x 4 or 8 x 8 pixels, with t <= 3 for up to 64. (With t = 0 throughout this would be a sequence of nets in three dimensions, which
-/// base 2 does not have.) Found by a random search.
-pub(super) const OF_NEIGHBOUR: [u32; BLOCK_BITS] = [0x7f, 0x95, 0x14d2, 0x3d5c, 0x2efc, 0x1dcc, 0x28cd, 0x3c97];
+/// Of the four places in a quad of pixels, and of quads in a larger one, the higher bits; the lower ones are next to them.
+pub(super) const QUADS: u32 = 0x55;
+
+/// What the bits of a pixel's place do to the index into the sequence. 2^p pixels of an aligned square with their first 2^n samples have
+/// 2^(n + p) points, which are a (t, n + p, 2)-net: t = 0 for up to 16 samples of 2 x 2 pixels and 8 samples of 4 x 4, t <= 3 for up to 4,096
+/// samples of any square. (With t = 0 throughout, index, place, x and y would be nets in four dimensions, which base 2 does not have.)
+/// Found by a random search for small t, where few samples count more.
+pub(super) const OF_PLACE: [u32; 2 * BLOCK_BITS as usize] = [
+    0xf4d372, 0x194c6b, 0xebcd64, 0x6500de, 0xb61727, 0x6d3e1e, 0x0a1176, 0xbe79db,
+];
 
 /// The numbers of one sample of one pixel.
 ///
@@ -48,27 +53,35 @@ pub struct Sampler {
 }
 
 /// What the numbers of a sample follow from, beside the dimension: of one sample, or of one in each lane.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Counter<Word> {
     /// A hash of the pixel and the seed, and one of the pixel's block and the seed.
     pub pixel: Word,
     pub block: Word,
-    /// The pixel's number within its block along the curve of Morton, the most significant bit first, that is, lowest.
+    /// See [`place_in_block`].
     pub place: Word,
     /// The sample index; with its bits reversed for `Sobol`, as the shuffle needs it.
     pub index: Word,
+}
+
+/// A pixel's number within its block along the curve of Morton, the most significant bit lowest.
+pub(super) fn place_in_block(x: u32, y: u32) -> u32 {
+    let bits = |of: u32| {
+        let quad = |bit: u32| (of >> bit & 1) << (2 * (BLOCK_BITS - 1 - bit));
+        (0..BLOCK_BITS).map(quad).sum::<u32>()
+    };
+    bits(y) | bits(x) << 1
 }
 
 impl Sampler {
     /// The sampler of sample `sample_index` of `pixel`, at dimension 0. Any seed is as good as any other.
     pub fn new(kind: SequenceKind, pixel: UVec2, sample_index: u32, seed: u32) -> Self {
         let [of_pixel, ..] = pcg3d([pixel.x, pixel.y, seed]);
-        let [_, of_block, _] = pcg3d([pixel.x / 16, pixel.y / 16, seed]);
-        let place = |bit: u32| (pixel.x >> bit & 1) << (7 - 2 * bit) | (pixel.y >> bit & 1) << (6 - 2 * bit);
+        let [_, of_block, _] = pcg3d([pixel.x >> BLOCK_BITS, pixel.y >> BLOCK_BITS, seed]);
         let counter = Counter {
             pixel: of_pixel,
             block: of_block,
-            place: place(0) | place(1) | place(2) | place(3),
+            place: place_in_block(pixel.x, pixel.y),
             index: match kind {
                 SequenceKind::Independent => sample_index,
                 SequenceKind::Sobol => sample_index.reverse_bits(),
@@ -137,15 +150,15 @@ impl Sampler {
         } = self.counter;
         let is_spread = dimension < SPREAD_DIMENSIONS;
         let [shuffle_seed, seed_x, seed_y] = pcg3d([if is_spread { 0 } else { pixel }, block, dimension]);
-        if !is_spread {
-            return (scramble_reversed(index, shuffle_seed).reverse_bits(), [seed_x, seed_y]);
+        let seeds = [seed_x, seed_y];
+        let mut index = scramble_reversed(index, shuffle_seed).reverse_bits();
+        if is_spread {
+            let place = shuffle_quads(scramble_reversed(place, shuffle_seed), seeds);
+            for (bit, &column) in OF_PLACE.iter().enumerate() {
+                index ^= (place >> bit & 1) * column;
+            }
         }
-        // Which pixels are neighbours in the sequence differs from draw to draw.
-        let place = scramble_reversed(place, shuffle_seed);
-        let index = scramble_reversed(index, shuffle_seed).reverse_bits();
-        let columns = OF_NEIGHBOUR.iter().rev().zip(0..);
-        let index = columns.fold(index, |index, (&column, bit)| index ^ ((place >> bit & 1) * column));
-        (index, [seed_x, seed_y])
+        (index, seeds)
     }
 
     fn advance(&mut self) -> u32 {
@@ -164,6 +177,18 @@ fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
     x = x.wrapping_mul((seed >> 16) | 1);
     x ^= x.wrapping_mul(0x0552_6c56);
     x ^ x.wrapping_mul(0x53a2_2864)
+}
+
+/// Deals the places of each quad out anew: which two of its four belong together differs from draw to draw, or else errors that two draws
+/// have in common would add up. (All 24 orders: Ahmed and Wonka 2020. Here the twelve even ones, with the scrambling before.)
+fn shuffle_quads(place: u32, seeds: [u32; 2]) -> u32 {
+    let (high, low) = (place & QUADS, place >> 1 & QUADS);
+    let both = high ^ low;
+    let (once, twice) = (seeds[0] & !seeds[1], seeds[1] & !seeds[0]);
+    let as_is = !(once | twice);
+    let new_high = (high & as_is) | (low & once) | (both & twice);
+    let new_low = (low & as_is) | (both & once) | (high & twice);
+    new_high | new_low << 1
 }
 
 /// The second Sobol dimension of `index`, most significant digit in bit 0. (The first, in this bit order, is `index` itself.)

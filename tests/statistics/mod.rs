@@ -71,20 +71,23 @@ fn sphere_cell(dir: Vec3) -> usize {
 }
 
 fn sphere_expectation(frame: &Frame, f: &impl Fn(Vec3) -> f32) -> Vec<f64> {
-    let density = |t: f64, phi: f64| {
-        let z = 1.0 - 2.0 * t * t * t;
-        let radius = (1.0 - z * z).max(0.0).sqrt();
+    // Over angles, so that a density that is infinite at a pole of its own, as that of a picture of the sky is, does no harm there.
+    let density = |theta: f64, phi: f64| {
+        let (radius, z) = theta.sin_cos();
         let local = Vec3::new((radius * phi.cos()) as f32, (radius * phi.sin()) as f32, z as f32);
         let dir = frame.to_world(local).normalize();
         let value = f64::from(f(dir));
         assert!(value >= 0.0 && value.is_finite(), "density {value} at {dir}");
-        value * 6.0 * t * t
+        value * radius
     };
-    let (dt, dphi) = (1.0 / RINGS as f64, 2.0 * PI / SECTORS as f64);
+    let ring_begins = |ring: usize| (1.0 - 2.0 * (ring as f64 / RINGS as f64).powi(3)).acos();
+    let dphi = 2.0 * PI / SECTORS as f64;
     (0..RINGS * SECTORS)
         .map(|cell| {
-            let (t, phi) = ((cell / SECTORS) as f64 * dt, (cell % SECTORS) as f64 * dphi);
-            integrate(&density, [t, phi], [dt, dphi])
+            let (ring, sector) = (cell / SECTORS, cell % SECTORS);
+            let theta = ring_begins(ring);
+            let size = [ring_begins(ring + 1) - theta, dphi];
+            integrate(&density, [theta, sector as f64 * dphi], size)
         })
         .collect()
 }

@@ -62,7 +62,7 @@ impl Blas {
         let slabs = RaySlabLanes::new(rays);
         let rays = rays.rays();
         // They are large: made where they stay.
-        let mut stacks: [Stack; LANES] = [const { Stack::new_const() }; LANES];
+        let mut stacks: [Stack; LANES] = std::array::from_fn(|_| Stack::new());
         let mut walks = ArrayVec::<MeshWalk<ANY>, LANES>::new();
         for (index, stack) in stacks.iter_mut().enumerate() {
             let (ray, start) = (&rays[index], &starts[index]);

@@ -45,6 +45,7 @@ fn take_turns<W: Walk, const N: usize>(walks: &mut ArrayVec<W, N>, around: &W::A
     for index in members::<N>(active) {
         turns.give(index, walks[index].go_on());
     }
+    turns.prefetch(walks, around);
     while turns != Turns::default() {
         let now = std::mem::take(&mut turns);
         for index in members::<N>(now.at_nodes) {

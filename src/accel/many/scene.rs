@@ -48,7 +48,7 @@ impl Tlas {
         mut finish: impl FnMut(usize, &SceneWalk<ANY>),
     ) {
         // They are large: made where they stay.
-        let mut stacks: [Stack; N] = [const { Stack::new_const() }; N];
+        let mut stacks: [Stack; N] = std::array::from_fn(|_| Stack::new());
         let mut walks = ArrayVec::<SceneWalk<ANY>, N>::new();
         for (ray, stack) in rays.iter().zip(&mut stacks) {
             walks.push(SceneWalk::new(Level::of_scene(self, ray), stack));

@@ -17,7 +17,7 @@ pub(super) struct CameraRays {
 }
 
 impl CameraRays {
-    /// Of at most sixteen jobs: in lanes with a pinhole, else one by one.
+    /// Of at most sixteen jobs.
     pub fn new(view: &View, jobs: &[Job]) -> Self {
         let (mut x, mut y, mut index) = (WordLanes::ZERO, WordLanes::ZERO, WordLanes::ZERO);
         for (lane, job) in jobs.iter().enumerate() {
@@ -37,8 +37,7 @@ impl CameraRays {
             filter => {
                 let mut offset = [Lanes::ZERO; 2];
                 for lane in 0..jobs.len() {
-                    let u = Vec2::new(place[0].as_array()[lane], place[1].as_array()[lane]);
-                    let sample = filter.sample(u);
+                    let sample = filter.sample(pair(place, lane));
                     offset[0].as_mut_array()[lane] = sample.offset.x;
                     offset[1].as_mut_array()[lane] = sample.offset.y;
                     camera.weights[lane] = sample.weight;
@@ -51,15 +50,19 @@ impl CameraRays {
             (pixel + Lanes::splat(0.5) + offset) / Lanes::splat(size as f32)
         };
         let film = [film(x, offset[0], view.width), film(y, offset[1], view.height)];
-        if let Some(rays) = view.camera.pinhole_rays(film) {
-            camera.rays = rays;
-            return camera;
-        }
-        for (lane, job) in jobs.iter().enumerate() {
-            let sample = view.camera_sample(job.pixel, job.index);
-            camera.rays.set(lane, &sample.ray);
-            camera.weights[lane] = sample.weight;
-        }
+        camera.rays = view.camera.pinhole_rays(film).unwrap_or_else(|| {
+            let lens = camera.samplers.at_2d(WordLanes::splat(1));
+            let mut rays = RayLanes::NOWHERE;
+            for lane in 0..jobs.len() {
+                rays.set(lane, &view.camera.ray(pair(film, lane), pair(lens, lane)));
+            }
+            rays
+        });
         camera
     }
+}
+
+fn pair(numbers: [Lanes; 2], lane: usize) -> Vec2 {
+    let [x, y] = numbers.map(|numbers| numbers.as_array()[lane]);
+    Vec2::new(x, y)
 }
