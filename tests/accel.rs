@@ -579,3 +579,52 @@ fn the_expected_work_of_small_trees_is_known() {
         by_hand - 8.0 * 3.0 / 19.0,
     );
 }
+
+#[test]
+fn a_refitted_hierarchy_is_that_of_the_moved_mesh() {
+    let random = &mut Random::new(11);
+    let flat = grid(40);
+    let mut bent = flat.clone();
+    for position in &mut bent.positions {
+        position.z += 0.02 * (3.0 * position.x).sin();
+    }
+    for method in METHODS {
+        let built = Blas::build(Arc::new(flat.clone()), method);
+        let refitted = built.refit(Arc::new(bent.clone())).expect("a similar mesh");
+        refitted.validate().expect("a sound hierarchy");
+        assert_eq!(refitted.bvh().order(), built.bvh().order());
+        for ray in rays(500, &bent, random) {
+            let (t, answer) = (refitted.intersect(&ray).map(|hit| hit.t), brute_force(&bent, &ray));
+            let is_same = |t: f32| answer.is_some_and(|answer| (t - answer).abs() <= SAME_T * answer);
+            assert!(t.map_or(answer.is_none(), is_same), "{t:?} instead of {answer:?}");
+            assert_eq!(refitted.occluded(&ray), answer.is_some());
+        }
+    }
+}
+
+#[test]
+fn what_is_not_the_same_mesh_moved_is_built_anew() {
+    let random = &mut Random::new(12);
+    let flat = grid(40);
+    let built = Blas::build(Arc::new(flat.clone()), SplitMethod::Sah);
+    let refit = |change: &mut dyn FnMut(&mut MeshData)| {
+        let mut changed = flat.clone();
+        change(&mut changed);
+        built.refit(Arc::new(changed))
+    };
+    assert!(refit(&mut |_| {}).is_some());
+    assert!(
+        refit(&mut |mesh| mesh.triangles[7].reverse()).is_none(),
+        "other triangles"
+    );
+    assert!(
+        refit(&mut |mesh| mesh.positions[100] = Vec3::NAN).is_none(),
+        "triangles that cannot be hit"
+    );
+    let mut scatter = |mesh: &mut MeshData| {
+        for position in &mut mesh.positions {
+            *position += random.in_cube();
+        }
+    };
+    assert!(refit(&mut scatter).is_none(), "nothing is where it was");
+}

@@ -17,12 +17,17 @@ use crate::geometry::mesh::MeshData;
 use crate::geometry::triangle::{TriangleRay, is_regular};
 use crate::math::{Aabb, Ray};
 
+/// A hierarchy fitted to other vertices may cost so many times what it did when it was built.
+const MOST_COST_REFITTED: f32 = 1.2;
+
 /// One mesh's acceleration structure, in the mesh's local space.
 #[derive(Clone, Debug)]
 pub struct Blas {
     mesh: Arc<MeshData>,
     pub(super) bvh: Bvh,
     packets: Table<TrianglePacket>,
+    /// The expected work of a ray when the hierarchy was built, not merely fitted to other vertices.
+    cost_when_built: f32,
     /// Whether its vertex normals are those of its triangles: then nobody needs to look them up.
     pub(super) has_flat_normals: bool,
     /// If it is the image of a square or a cube.
@@ -50,6 +55,25 @@ impl Blas {
             method,
             LANES,
         );
+        let cost_when_built = bvh.stats().sah_cost;
+        Self::with_hierarchy(mesh, bvh, cost_when_built)
+    }
+
+    /// The same hierarchy around `mesh`, whose triangles are those of the mesh before with vertices elsewhere. None if they are not, or if
+    /// that would be much worse than to build anew.
+    pub fn refit(&self, mesh: Arc<MeshData>) -> Option<Self> {
+        let is_regular = |mesh: &MeshData, index| mesh.regular_corners(index).is_some();
+        let is_held_as_before = |index| is_regular(&mesh, index) == is_regular(&self.mesh, index);
+        let same_triangles = mesh.triangles == self.mesh.triangles;
+        if !same_triangles || !(0..mesh.triangles.len()).into_par_iter().all(is_held_as_before) {
+            return None;
+        }
+        let bvh = self.bvh.refit(|index| triangle_bounds(&mesh, index));
+        let is_good = bvh.stats().sah_cost <= MOST_COST_REFITTED * self.cost_when_built;
+        is_good.then(|| Self::with_hierarchy(mesh, bvh, self.cost_when_built))
+    }
+
+    fn with_hierarchy(mesh: Arc<MeshData>, bvh: Bvh, cost_when_built: f32) -> Self {
         let mut packets = Table::zeroed(bvh.order().len().div_ceil(LANES));
         packets
             .par_iter_mut()
@@ -66,6 +90,7 @@ impl Blas {
             mesh,
             bvh,
             packets,
+            cost_when_built,
         }
     }
 

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use super::build::{MAX_DEPTH, NO_PRIMITIVE, SplitMethod, Tree, build};
 use super::node::{Child, MAX_LEAF, Node, WIDTH};
@@ -92,10 +93,36 @@ impl Bvh {
         &self.order
     }
 
+    /// The same tree around boxes that have moved (Wald, Boulos and Shirley, Ray tracing deformable scenes using dynamic bounding volume
+    /// hierarchies, 2007). None of those that it holds may be empty or have a NaN. It gets worse the more they moved apart.
+    pub(super) fn refit(&self, bounds: impl Fn(usize) -> Aabb + Sync) -> Self {
+        let mut fitted = self.clone();
+        fitted.nodes.par_iter_mut().for_each(|node| {
+            for slot in 0..node.slots_used() {
+                let child = node.children[slot];
+                if child.is_leaf() {
+                    let held = self.order[self.leaf_range(child)].iter();
+                    let around = held.fold(Aabb::EMPTY, |around, &held| around.union(bounds(held as usize)));
+                    node.set(slot, &around, child);
+                }
+            }
+        });
+        // Children come after their parents.
+        for index in (0..fitted.nodes.len()).rev() {
+            for slot in 0..fitted.nodes[index].slots_used() {
+                let child = fitted.nodes[index].children[slot];
+                if !child.is_leaf() {
+                    let around = fitted.nodes[child.index()].all_bounds();
+                    fitted.nodes[index].set(slot, &around, child);
+                }
+            }
+        }
+        fitted
+    }
+
     /// The box around everything.
     pub fn bounds(&self) -> Aabb {
-        let root = &self.nodes[0];
-        (0..root.slots_used()).fold(Aabb::EMPTY, |bounds, slot| bounds.union(root.bounds(slot)))
+        self.nodes[0].all_bounds()
     }
 
     /// Calls `visit` for the box around everything and then for every child box, parents before children.

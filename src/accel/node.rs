@@ -105,6 +105,11 @@ impl Node {
         }
     }
 
+    /// Around all children.
+    pub fn all_bounds(&self) -> Aabb {
+        (0..self.slots_used()).fold(Aabb::EMPTY, |bounds, slot| bounds.union(self.bounds(slot)))
+    }
+
     /// On each axis the upper or the lower face of a child's box, in every lane.
     #[inline(always)]
     pub fn faces_in_lanes(&self, slot: usize, upper: [bool; 3]) -> Vec3Lanes {

@@ -167,7 +167,10 @@ impl BlasCache {
     fn start(&mut self, key: MeshKey, data: &Arc<MeshData>, policy: &BuildPolicy) {
         let ticket = self.next_ticket;
         self.next_ticket += 1;
-        let built = self.entries.remove(&key).and_then(|old| old.built);
+        let old = self.entries.remove(&key);
+        let same_method = old.as_ref().is_some_and(|old| old.method == policy.method);
+        let built = old.and_then(|old| old.built);
+        let similar = built.as_ref().filter(|_| same_method).map(|built| built.blas.clone());
         let mut entry = Entry {
             data: data.clone(),
             method: policy.method,
@@ -179,11 +182,11 @@ impl BlasCache {
         let (data, method) = (data.clone(), policy.method);
         let upside_down = matches!(key, MeshKey::Asset { upside_down: true, .. });
         if data.triangles.len() <= SMALL {
-            entry.finish(build(data, upside_down, method));
+            entry.finish(build(data, upside_down, method, similar));
         } else {
             let (sender, wake_up) = (self.sender.clone(), policy.wake_up.clone());
             let task = move || {
-                let result = build(data, upside_down, method);
+                let result = build(data, upside_down, method, similar);
                 // Nobody is left to hear of it when the application ends.
                 let _ = sender.send(Finished { key, ticket, result });
                 if let Some(wake) = wake_up.0 {
@@ -233,7 +236,13 @@ impl Entry {
     }
 }
 
-fn build(mut data: Arc<MeshData>, upside_down: bool, method: SplitMethod) -> Result<BuiltMesh, String> {
+/// `similar`: what the mesh was before, built in the same way.
+fn build(
+    mut data: Arc<MeshData>,
+    upside_down: bool,
+    method: SplitMethod,
+    similar: Option<Arc<Blas>>,
+) -> Result<BuiltMesh, String> {
     let begin = Instant::now();
     if upside_down {
         Arc::make_mut(&mut data).flip_tex_coords();
@@ -244,7 +253,11 @@ fn build(mut data: Arc<MeshData>, upside_down: bool, method: SplitMethod) -> Res
         .max()
         .map_or(1, |&highest| u32::from(highest) + 1);
     let slots = slots.max(data.materials.len() as u32);
-    let blas = catch_unwind(AssertUnwindSafe(|| Blas::build(data, method))).map_err(|payload| {
+    let refitted = || similar.and_then(|similar| similar.refit(data.clone()));
+    let blas = catch_unwind(AssertUnwindSafe(|| {
+        refitted().unwrap_or_else(|| Blas::build(data.clone(), method))
+    }))
+    .map_err(|payload| {
         format!(
             "building an acceleration structure failed: {}",
             text_of_panic(payload.as_ref())
