@@ -197,7 +197,8 @@ fn scramble_reversed(mut x: WordLanes, seed: WordLanes) -> WordLanes {
 fn shuffle_quads(place: WordLanes, seeds: [WordLanes; 2]) -> WordLanes {
     let (high, low) = (place & word(QUADS), (place >> 1) & word(QUADS));
     let both = high ^ low;
-    let (once, twice) = (seeds[0] & !seeds[1], seeds[1] & !seeds[0]);
+    let [a, b] = seeds.map(|seed| scramble_reversed(place, seed) ^ place);
+    let (once, twice) = (a & !b, b & !a);
     let as_is = !(once | twice);
     let new_high = (high & as_is) | (low & once) | (both & twice);
     let new_low = (low & as_is) | (both & once) | (high & twice);

@@ -180,11 +180,13 @@ fn scramble_reversed(mut x: u32, seed: u32) -> u32 {
 }
 
 /// Deals the places of each quad out anew: which two of its four belong together differs from draw to draw, or else errors that two draws
-/// have in common would add up. (All 24 orders: Ahmed and Wonka 2020. Here the twelve even ones, with the scrambling before.)
+/// have in common would add up. What is done to a quad depends on the larger ones that it is in, lest stripes be seen. (All 24 orders: Ahmed and
+/// Wonka 2020. Here the twelve even ones, with the scrambling before.)
 fn shuffle_quads(place: u32, seeds: [u32; 2]) -> u32 {
     let (high, low) = (place & QUADS, place >> 1 & QUADS);
     let both = high ^ low;
-    let (once, twice) = (seeds[0] & !seeds[1], seeds[1] & !seeds[0]);
+    let [a, b] = seeds.map(|seed| scramble_reversed(place, seed) ^ place);
+    let (once, twice) = (a & !b, b & !a);
     let as_is = !(once | twice);
     let new_high = (high & as_is) | (low & once) | (both & twice);
     let new_low = (low & as_is) | (both & once) | (high & twice);
