@@ -202,16 +202,21 @@ fn sampled_directions_carry_the_density_of_found_ones() {
             sampled += 1;
             let found = pdf(&scene, sample.wi);
             let ray = Ray::new(Vec3::ZERO, sample.wi);
-            match scene.geometry.intersect(&ray) {
-                // At silhouettes the direction may pass the shape.
-                None if found == 0.0 => passing += 1,
-                // The density goes as one over the cosine, of which rounding takes some 1e-5.
-                Some(hit) if scene.geometry.surface(&ray, &hit).geometric_normal.dot(sample.wi).abs() < 0.01 => {}
-                _ => assert!(
-                    (found / sample.pdf - 1.0).abs() < 2e-3,
-                    "{name}: {found} for {sample:?}"
-                ),
+            let hit = scene.geometry.intersect(&ray);
+            // At silhouettes the direction may pass the shape.
+            if hit.is_none() && found == 0.0 {
+                passing += 1;
+                continue;
             }
+            // Where a ray grazes by a cosine c, the place that it meets is uncertain by some 2e-7 / c, the normal there by that over the radius
+            // of curvature, here 0.1, and the density by that over the cosine.
+            let normal_of = |hit| scene.geometry.surface(&ray, &hit).geometric_normal;
+            let cosine = hit.map_or(1.0, |hit| normal_of(hit).dot(sample.wi));
+            let tolerance = 2e-3 + 2e-6 / (cosine * cosine);
+            assert!(
+                (found / sample.pdf - 1.0).abs() < tolerance,
+                "{name}: {found} for {sample:?}"
+            );
         }
         assert!(sampled > 500, "{name}: {sampled} samples");
         assert!(passing <= sampled / 100, "{name}: {passing} of {sampled} pass");
