@@ -4,7 +4,7 @@
 //! A sort of eight lanes without branches (bitonic: Batcher, Sorting networks and their applications, 1968): how many children are met, and
 //! in what order, is what a processor guesses worst.
 
-use wide::{f32x8, u32x8};
+use wide::{f32x8, u32x4, u32x8};
 
 use super::node::WIDTH;
 
@@ -24,11 +24,9 @@ const REVERSED: u32 = !LANE & i32::MAX as u32;
 /// `entries` are not negative, `met` has all bits set in the lanes that count and none in others.
 #[inline(always)]
 pub(super) fn far_to_near(entries: f32x8, met: f32x8, children: [u32; WIDTH]) -> FarToNear {
-    let distance: u32x8 = bytemuck::cast(entries);
     let met: u32x8 = bytemuck::cast(met);
-    let lanes = u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
     // What is not met comes last.
-    let mut keys = (((distance & !LANE) | lanes) ^ REVERSED) | !met;
+    let mut keys = keys(entries) | !met;
 
     // Each lane is compared with a partner; the upper one of the two keeps the greater.
     let mut exchange = |partner: [u32; WIDTH]| {
@@ -47,6 +45,23 @@ pub(super) fn far_to_near(entries: f32x8, met: f32x8, children: [u32; WIDTH]) ->
         entries: bytemuck::cast((keys ^ REVERSED) & !LANE),
         children: u32x8::new(children).shuffle_wrapping(keys).to_array(),
     }
+}
+
+/// The lane of the child that [`far_to_near`] puts last of those that are met, of which there must be one.
+#[inline(always)]
+pub(super) fn nearest(entries: f32x8, met: f32x8) -> usize {
+    let met: u32x8 = bytemuck::cast(met);
+    let [low, high]: [u32x4; 2] = bytemuck::cast(keys(entries) & met);
+    let [a, b, c, d] = low.max(high).to_array();
+    (a.max(b).max(c.max(d)) & LANE) as usize
+}
+
+/// The nearer, the greater, and no two alike; the lane is in the lowest bits.
+#[inline(always)]
+fn keys(entries: f32x8) -> u32x8 {
+    let distance: u32x8 = bytemuck::cast(entries);
+    let lanes = u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
+    ((distance & !LANE) | lanes) ^ REVERSED
 }
 
 /// The children whose bit is set in `met` first, in order; what follows is arbitrary.
@@ -107,6 +122,10 @@ mod tests {
                     assert!(below < WIDTH as u32, "{entry} for {}", entries[lane]);
                 }
                 assert_eq!(seen, mask);
+                if count > 0 {
+                    let nearest = nearest(f32x8::from(entries), f32x8::from(met));
+                    assert_eq!(children[nearest], sorted.children[count - 1]);
+                }
             }
         }
     }

@@ -8,7 +8,7 @@ use wide::f32x8;
 use super::build::MAX_DEPTH;
 use super::bvh::Bvh;
 use super::node::{Child, Node, RaySlabs, WIDTH, reach};
-use super::order::{far_to_near, met_first};
+use super::order::{far_to_near, met_first, nearest};
 use crate::math::Ray;
 
 /// The work of a traversal.
@@ -122,29 +122,12 @@ impl Bvh {
                 steps.boxes += node.slots_used() as u32;
             }
             let (enter, met) = node.entries(&slabs, reach(t_max));
-            let mask = met.to_bitmask();
-            let count = mask.count_ones() as usize;
-            if count == 1 {
-                waiting.push(u64::from(node.children[mask.trailing_zeros() as usize % WIDTH].0));
-            } else if ANY {
-                // In no order: any hit will do.
-                let mut met = mask;
-                while met != 0 {
-                    waiting.push(u64::from(node.children[met.trailing_zeros() as usize % WIDTH].0));
-                    met &= met - 1;
-                }
-            } else if count > 1 {
-                // The stack is deep enough by construction.
-                let _ = push_sorted(node, enter, met, &mut waiting);
-            }
+            let mut next = go_down::<ANY>(node, enter, met, &mut waiting);
             current = loop {
-                let Some(top) = waiting.pop() else {
+                let child = next.take().or_else(|| go_back(&mut waiting, reach(t_max)));
+                let Some(child) = child else {
                     return false;
                 };
-                if !ANY && f32::from_bits((top >> 32) as u32) > reach(t_max) {
-                    continue;
-                }
-                let child = Child(top as u32);
                 if !child.is_leaf() {
                     break child.index();
                 }
@@ -158,4 +141,44 @@ impl Bvh {
             };
         }
     }
+}
+
+/// The child to go on with, the nearest one or with `ANY` any that is met; the others wait.
+#[inline(always)]
+fn go_down<const ANY: bool>(
+    node: &Node,
+    enter: f32x8,
+    met: f32x8,
+    waiting: &mut ArrayVec<u64, STACK>,
+) -> Option<Child> {
+    let mut others = met.to_bitmask();
+    if others == 0 {
+        return None;
+    }
+    if !ANY {
+        // Found before they are in order: that is not waited for.
+        let next = node.children[nearest(enter, met)];
+        // The stack is deep enough by construction.
+        let _ = push_sorted(node, enter, met, waiting);
+        waiting.pop();
+        return Some(next);
+    }
+    let next = node.children[others.trailing_zeros() as usize % WIDTH];
+    others &= others - 1;
+    while others != 0 {
+        waiting.push(u64::from(node.children[others.trailing_zeros() as usize % WIDTH].0));
+        others &= others - 1;
+    }
+    Some(next)
+}
+
+/// To what waits and is entered within `reach`.
+#[inline(always)]
+fn go_back(waiting: &mut ArrayVec<u64, STACK>, reach: f32) -> Option<Child> {
+    while let Some(top) = waiting.pop() {
+        if f32::from_bits((top >> 32) as u32) <= reach {
+            return Some(Child(top as u32));
+        }
+    }
+    None
 }
