@@ -55,9 +55,6 @@ impl TrianglePacket {
         let lowest = u.fast_min(v).fast_min(w);
         let highest = u.fast_max(v).fast_max(w);
         let inside = lowest.simd_ge(zero) | highest.simd_le(zero);
-        if inside.none() {
-            return (zero, weights, 0);
-        }
         let [t_numerator, determinant] = ray.plane(corners, Lanes::splat);
         let t = t_numerator / determinant;
         // A degenerate triangle gives t = 0 / 0, which no comparison lets through; one that is seen from its edge may have no weights.
