@@ -16,7 +16,7 @@ pub(super) struct Grid {
 
 impl Grid {
     pub fn new(set: &Set) -> Self {
-        let bins = (4 + set.len / 8).min(MAX_BINS);
+        let bins = (4 + set.len).min(MAX_BINS);
         let scale = f32x4::splat(bins as f32 * (1.0 - 1e-6)) / set.centers.extent();
         Self {
             origin: set.centers.min(),
