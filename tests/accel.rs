@@ -266,6 +266,33 @@ fn hostile_boxes_are_all_found() {
     }
 }
 
+/// Their triangles are not looked at at once, but when they have come.
+#[test]
+fn rays_that_begin_within_a_mesh_beyond_the_caches() {
+    let mesh = Arc::new(wavy_sphere(300));
+    let blas = Blas::build(mesh.clone(), SplitMethod::Sah);
+    assert!(blas.stats().bytes > 8 << 20);
+    let random = &mut Random::new(3);
+    let mut count = [0, 0];
+    for i in 0..200 {
+        let mut ray = Ray::new(random.in_cube(), random.direction());
+        if i % 2 == 0 {
+            ray.t_max = random.unit();
+        }
+        let answer = brute_force(&mesh, &ray);
+        let hit = blas.intersect(&ray);
+        let is_same = |t: f32| answer.is_some_and(|answer| (t - answer).abs() <= SAME_T * answer);
+        assert!(
+            hit.map_or(answer.is_none(), |hit| is_same(hit.t)),
+            "{hit:?}, not {answer:?}"
+        );
+        assert_eq!(blas.occluded(&ray), answer.is_some());
+        assert_eq!(blas.intersect_counting(&ray, &mut Steps::default()), hit);
+        count[usize::from(answer.is_some())] += 1;
+    }
+    assert!(count.iter().all(|&count| count > 30), "hits and misses");
+}
+
 #[test]
 fn rays_that_are_no_rays_hit_nothing() {
     let blas = Blas::build(Arc::new(wavy_sphere(8)), SplitMethod::Sah);

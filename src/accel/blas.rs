@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::affine_mesh::AffineMesh;
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
-use super::memory::Table;
+use super::memory::{CACHE, Table};
 use super::packet::{LANES, TrianglePacket};
 use super::tlas::Hit;
 use super::traverse::Steps;
@@ -28,6 +28,9 @@ pub struct Blas {
     packets: Table<TrianglePacket>,
     /// The expected work of a ray when the hierarchy was built, not merely fitted to other vertices.
     cost_when_built: f32,
+    /// Where rays begin that will have to wait for triangles, and know no better than to go on: the box around everything, empty if caches
+    /// hold it all. Rays from outside lie side by side, and what they meet first is what they hit.
+    afar: Aabb,
     /// Whether its vertex normals are those of its triangles: then nobody needs to look them up.
     pub(super) has_flat_normals: bool,
     /// If it is the image of a square or a cube.
@@ -84,7 +87,9 @@ impl Blas {
                     packet.set(lane, mesh.corners(triangle as usize), triangle);
                 }
             });
+        let is_large = bvh.bytes() + size_of_val::<[TrianglePacket]>(&packets) > CACHE;
         Self {
+            afar: if is_large { bvh.bounds() } else { Aabb::EMPTY },
             has_flat_normals: has_flat_normals(&mesh),
             affine: AffineMesh::of(&mesh),
             mesh,
@@ -139,31 +144,53 @@ impl Blas {
 
     #[inline(always)]
     pub(super) fn closest<const COUNT: bool>(&self, ray: &Ray, steps: &mut Steps) -> Option<MeshHit> {
-        let mut hit: Option<MeshHit> = None;
-        let lanes = TriangleRay::new(ray);
-        let packets = self.packets();
-        self.bvh.closest::<COUNT>(ray, steps, |range, t_max| {
-            for number in Self::packets_of(range) {
-                let nearest = hit.map(|hit| hit.slot);
-                if let Some(found) = packets[number].closest(number, &lanes, *t_max, nearest) {
-                    *t_max = found.t;
-                    hit = Some(found);
-                }
-            }
-        });
-        hit
+        if self.afar.contains_point(ray.origin) {
+            return self.closest_from_afar::<COUNT>(ray, steps);
+        }
+        let mut nearest = Nearest::new(self.packets(), ray);
+        self.bvh
+            .closest::<COUNT>(ray, steps, |leaf, t_max| nearest.visit(leaf, t_max));
+        nearest.hit
+    }
+
+    #[inline(never)]
+    fn closest_from_afar<const COUNT: bool>(&self, ray: &Ray, steps: &mut Steps) -> Option<MeshHit> {
+        let mut nearest = Nearest::new(self.packets(), ray);
+        let visit = |leaf, t_max: &mut f32| nearest.visit(leaf, t_max);
+        self.bvh
+            .closest_from_afar::<COUNT>(ray, steps, visit, |leaf| self.prefetch(leaf));
+        nearest.hit
     }
 
     /// Whether anything is hit with 0 < t < t_max.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
+        if self.afar.contains_point(ray.origin) {
+            return self.occluded_from_afar(ray);
+        }
         let lanes = TriangleRay::new(ray);
-        let packets = self.packets();
-        self.bvh.any(ray, |range| {
-            packets[Self::packets_of(range)]
-                .iter()
-                .any(|packet| packet.any(&lanes, ray.t_max))
-        })
+        self.bvh.any(ray, |leaf| self.any_in(leaf, &lanes, ray.t_max))
+    }
+
+    #[inline(never)]
+    fn occluded_from_afar(&self, ray: &Ray) -> bool {
+        let lanes = TriangleRay::new(ray);
+        let visit = |leaf| self.any_in(leaf, &lanes, ray.t_max);
+        self.bvh.any_from_afar(ray, visit, |leaf| self.prefetch(leaf))
+    }
+
+    #[inline(always)]
+    fn any_in(&self, leaf: Range<usize>, ray: &TriangleRay, t_max: f32) -> bool {
+        let packets = &self.packets()[Self::packets_of(leaf)];
+        packets.iter().any(|packet| packet.any(ray, t_max))
+    }
+
+    /// Asks for the memory of a leaf's first packet.
+    #[inline(always)]
+    fn prefetch(&self, leaf: &Range<usize>) {
+        if let Some(packet) = self.packets().get(leaf.start / LANES) {
+            packet.prefetch();
+        }
     }
 
     /// The corners of the triangle that was hit. Where rays have just been, they are near.
@@ -185,6 +212,35 @@ impl Blas {
     #[inline(always)]
     pub(super) fn packets_of(range: Range<usize>) -> Range<usize> {
         range.start / LANES..range.end.div_ceil(LANES)
+    }
+}
+
+/// What a lone ray has found so far.
+struct Nearest<'a> {
+    packets: &'a [TrianglePacket],
+    ray: TriangleRay,
+    hit: Option<MeshHit>,
+}
+
+impl<'a> Nearest<'a> {
+    #[inline(always)]
+    fn new(packets: &'a [TrianglePacket], ray: &Ray) -> Self {
+        Self {
+            packets,
+            ray: TriangleRay::new(ray),
+            hit: None,
+        }
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, leaf: Range<usize>, t_max: &mut f32) {
+        for number in Blas::packets_of(leaf) {
+            let nearest = self.hit.map(|hit| hit.slot);
+            if let Some(found) = self.packets[number].closest(number, &self.ray, *t_max, nearest) {
+                *t_max = found.t;
+                self.hit = Some(found);
+            }
+        }
     }
 }
 

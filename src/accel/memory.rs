@@ -15,6 +15,9 @@ pub(super) fn prefetch<T>(value: &T) {
     let _ = value;
 }
 
+/// Bytes of what a core has in reach without much waiting.
+pub(super) const CACHE: usize = 4 << 20;
+
 /// A list whose length stays. Of pages of the usual size a processor remembers too few to cover a large one.
 #[derive(Debug)]
 pub(super) enum Table<T> {

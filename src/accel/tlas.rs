@@ -10,6 +10,7 @@ use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
 use super::few::FewShapes;
 use super::instance::{Instance, Primitive};
+use super::memory::CACHE;
 use super::placement::Placement;
 use super::ray_lanes::RayLanes;
 use super::shape_packet::ShapePacket;
@@ -405,9 +406,6 @@ impl Tlas {
         self.group_of(placement).occluded(&placement.group_ray(ray))
     }
 }
-
-/// Bytes of what a core has in reach without much waiting.
-const CACHE: usize = 4 << 20;
 
 /// Instances are dear to test, boxes are cheap.
 const LEAF_SIZE: usize = 1;

@@ -90,24 +90,54 @@ impl Bvh {
         steps: &mut Steps,
         mut leaf: impl FnMut(Range<usize>, &mut f32),
     ) {
-        self.walk::<false, COUNT>(ray, steps, |range, t_max| {
+        let leaf = |range, t_max: &mut f32| {
             leaf(range, t_max);
             false
-        });
+        };
+        self.walk::<false, COUNT, false>(ray, steps, leaf, |_| ());
+    }
+
+    /// [`Bvh::closest`] where what a leaf holds must come from afar: `ask` asks for it, and `leaf` looks at it when the next one has been
+    /// found. Until then the walk goes on, maybe behind a hit.
+    #[inline(always)]
+    pub(super) fn closest_from_afar<const COUNT: bool>(
+        &self,
+        ray: &Ray,
+        steps: &mut Steps,
+        mut leaf: impl FnMut(Range<usize>, &mut f32),
+        ask: impl Fn(&Range<usize>),
+    ) {
+        let leaf = |range, t_max: &mut f32| {
+            leaf(range, t_max);
+            false
+        };
+        self.walk::<false, COUNT, true>(ray, steps, leaf, ask);
     }
 
     /// Visits leaves until `leaf` returns true; that is the result.
     #[inline(always)]
     pub fn any(&self, ray: &Ray, mut leaf: impl FnMut(Range<usize>) -> bool) -> bool {
-        self.walk::<true, false>(ray, &mut Steps::default(), |range, _| leaf(range))
+        self.walk::<true, false, false>(ray, &mut Steps::default(), |range, _| leaf(range), |_| ())
+    }
+
+    /// [`Bvh::any`] where what a leaf holds must come from afar, as in [`Bvh::closest_from_afar`].
+    #[inline(always)]
+    pub(super) fn any_from_afar(
+        &self,
+        ray: &Ray,
+        mut leaf: impl FnMut(Range<usize>) -> bool,
+        ask: impl Fn(&Range<usize>),
+    ) -> bool {
+        self.walk::<true, false, true>(ray, &mut Steps::default(), |range, _| leaf(range), ask)
     }
 
     #[inline(always)]
-    fn walk<const ANY: bool, const COUNT: bool>(
+    fn walk<const ANY: bool, const COUNT: bool, const AFAR: bool>(
         &self,
         ray: &Ray,
         steps: &mut Steps,
         mut leaf: impl FnMut(Range<usize>, &mut f32) -> bool,
+        ask: impl Fn(&Range<usize>),
     ) -> bool {
         let Some(slabs) = RaySlabs::new(ray) else {
             return false;
@@ -115,6 +145,8 @@ impl Bvh {
         let mut t_max = ray.t_max;
         // Children that wait, and where the ray enters them.
         let mut waiting = ArrayVec::<u64, STACK>::new();
+        // The leaf whose memory is on its way.
+        let mut asked: Option<Range<usize>> = None;
         let mut current = 0;
         loop {
             let node = &self.nodes[current];
@@ -126,7 +158,7 @@ impl Bvh {
             current = loop {
                 let child = next.take().or_else(|| go_back(&mut waiting, reach(t_max)));
                 let Some(child) = child else {
-                    return false;
+                    return asked.is_some_and(|range| leaf(range, &mut t_max) && ANY);
                 };
                 if !child.is_leaf() {
                     break child.index();
@@ -135,7 +167,13 @@ impl Bvh {
                 if COUNT {
                     steps.primitives += range.len() as u32;
                 }
-                if leaf(range, &mut t_max) && ANY {
+                let due = if AFAR {
+                    ask(&range);
+                    asked.replace(range)
+                } else {
+                    Some(range)
+                };
+                if due.is_some_and(|range| leaf(range, &mut t_max) && ANY) {
                     return true;
                 }
             };
