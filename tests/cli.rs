@@ -314,6 +314,22 @@ fn a_missing_mesh_is_named_with_its_place() {
 }
 
 #[test]
+fn a_broken_mesh_is_one_line_also_where_backtraces_are_wanted() {
+    let shop = Workshop::new();
+    let mesh = r#"<shape type="ply"><string name="filename" value="broken.ply"/></shape></scene>"#;
+    let scene = shop.scene(&SCENE.replace("</scene>", mesh));
+    std::fs::write(shop.path("broken.ply"), "ply\ngarbage\n").expect("can be written");
+    let output = sunroom()
+        .args(["check".as_ref(), scene.as_os_str()])
+        .env("RUST_BACKTRACE", "1")
+        .output()
+        .expect("starts");
+    assert_code(&output, 1);
+    let text = stderr(&output);
+    assert!(text.contains("broken.ply") && text.lines().count() == 1, "{text}");
+}
+
+#[test]
 fn a_converted_scene_gives_the_same_picture() {
     let shop = Workshop::new();
     let scene = shop.scene(SCENE);

@@ -56,8 +56,9 @@ pub fn windowed(options: WindowOptions) -> App {
         })
         .set(asset_plugin())
         .set(LogPlugin {
-            // Of the libraries only what is wrong; a software driver and a window manager without sizes are not.
-            filter: "error,sunroom=info".to_owned(),
+            // Of the libraries only what is wrong; a software driver and a window manager without sizes are not. Files that cannot be
+            // read are reported by the scene, without the backtraces of the asset server.
+            filter: "error,sunroom=info,bevy_asset::server=off".to_owned(),
             ..default()
         })
         .set(RenderPlugin {

@@ -97,6 +97,9 @@ pub(super) fn report_meshes(
             LoadState::NotLoaded | LoadState::Loading => loading += usize::from(!assets.contains(id)),
         }
     }
+    for problem in errors.iter().filter(|problem| !status.mesh_errors.contains(problem)) {
+        error!("{}", problem.message);
+    }
     if status.mesh_errors != errors || status.mesh_warnings != warnings || status.meshes_loading != loading {
         status.mesh_errors = errors;
         status.mesh_warnings = warnings;

@@ -142,6 +142,12 @@ pub(super) fn report_pictures(
             LoadState::NotLoaded | LoadState::Loading => loading += usize::from(!assets.contains(handle)),
         }
     }
+    for problem in problems
+        .iter()
+        .filter(|problem| !status.picture_problems.contains(problem))
+    {
+        error!("{problem}");
+    }
     if status.picture_problems != problems || status.pictures_loading != loading {
         status.picture_problems = problems;
         status.pictures_loading = loading;

@@ -5,16 +5,22 @@ pub mod scene_asset;
 pub mod texture_map;
 pub mod triangle_mesh;
 
+use std::error::Error;
+
 use bevy::asset::AssetLoadError;
+use bevy::ecs::error::BevyError;
 
 pub use scene_asset::{SceneAsset, SceneDefines, SceneLoader};
 pub use texture_map::{TextureMap, TextureMapLoader};
 pub use triangle_mesh::{MeshHandle, MeshLoader, TriangleMesh};
 
+use texture_map::TextureMapError;
+use triangle_mesh::MeshLoadError;
+
 /// The cause of a failed load, without what the asset server wraps around it.
 pub fn cause(error: &AssetLoadError) -> String {
     match error {
-        AssetLoadError::AssetLoaderError(error) => error.error().to_string().trim().to_owned(),
+        AssetLoadError::AssetLoaderError(error) => message(error.error()),
         AssetLoadError::AssetReaderError(bevy::asset::io::AssetReaderError::NotFound(_)) => "no such file".to_owned(),
         AssetLoadError::AssetReaderError(bevy::asset::io::AssetReaderError::Io(error)) => error.to_string(),
         AssetLoadError::MissingLabel { label, all_labels, .. } => {
@@ -23,4 +29,18 @@ pub fn cause(error: &AssetLoadError) -> String {
         }
         other => other.to_string(),
     }
+}
+
+/// What a loader says. Bevy's own text would go on with a backtrace wherever the environment asks for them.
+fn message(error: &BevyError) -> String {
+    said::<MeshLoadError>(error)
+        .or_else(|| said::<TextureMapError>(error))
+        .or_else(|| said::<std::io::Error>(error))
+        .unwrap_or_else(|| error.to_string())
+        .trim()
+        .to_owned()
+}
+
+fn said<E: Error + 'static>(error: &BevyError) -> Option<String> {
+    error.downcast_ref::<E>().map(E::to_string)
 }
