@@ -1,8 +1,9 @@
 //! The program with a window: Bevy's window and renderer around the scene, the engine and the editor.
 
+use std::io::IsTerminal;
 use std::process::ExitCode;
 
-use bevy::log::LogPlugin;
+use bevy::log::{BoxedFmtLayer, LogPlugin, tracing_subscriber};
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::render::renderer::RenderAdapter;
@@ -59,6 +60,7 @@ pub fn windowed(options: WindowOptions) -> App {
             // Of the libraries only what is wrong; a software driver and a window manager without sizes are not. Files that cannot be
             // read are reported by the scene, without the backtraces of the asset server.
             filter: "error,sunroom=info,bevy_asset::server=off".to_owned(),
+            fmt_layer: |_| colorless_log(),
             ..default()
         })
         .set(RenderPlugin {
@@ -81,6 +83,12 @@ pub fn windowed(options: WindowOptions) -> App {
         .add_systems(Startup, keep_driver);
     run_systems_in_turn(&mut app);
     app
+}
+
+/// What writes the log where it goes into a file or another program: codes for colours would be so much noise there. None on a terminal.
+fn colorless_log() -> Option<BoxedFmtLayer> {
+    let layer = || tracing_subscriber::fmt::Layer::default().with_writer(std::io::stderr);
+    (!std::io::stderr().is_terminal()).then(|| Box::new(layer().with_ansi(false)) as BoxedFmtLayer)
 }
 
 /// Drivers leave functions to be called when the process ends. One that is unloaded before, with the last of what it has made, would be
