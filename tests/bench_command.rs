@@ -47,6 +47,31 @@ fn renders_are_measured_and_compared() {
     let (code, out, _) = told(&bench(folder.path(), &[&few[..], &["--against", "old.json"]].concat()));
     assert_eq!(code, 0);
     assert!(out.contains("relMSE 1.00"), "{out}");
+    // What was measured is still said and written, but nobody takes it for a comparison.
+    let other = [
+        "ball.xml",
+        "--spp",
+        "2",
+        "--size",
+        "64x64",
+        "--rounds",
+        "1",
+        "--against",
+        "old.json",
+    ];
+    let (code, out, error) = told(&bench(folder.path(), &[&other[..], &["--json", "new.json"]].concat()));
+    assert_eq!(code, 1);
+    assert!(
+        out.contains("relMSE") && folder.path().join("new.json").exists(),
+        "{out}"
+    );
+    for part in [
+        "error: nothing to compare with old.json",
+        "it has ball.xml at 64 x 64 and 4 spp",
+        "this run has ball.xml at 64 x 64 and 2 spp",
+    ] {
+        assert!(error.contains(part), "{error}");
+    }
 }
 
 #[test]

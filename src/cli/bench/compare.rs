@@ -1,15 +1,17 @@
 //! Two runs side by side, pair by pair: ratios above 1 are for the new one.
 
 use std::fmt::Write;
+use std::path::Path;
 
 use super::results::{RayResult, RenderResult, Results};
 
-/// One line for each subject that both have.
-pub fn table(new: &Results, old: &Results) -> String {
+/// One line for each subject that both have; None if there is none.
+pub fn table(new: &Results, old: &Results) -> Option<String> {
     let mut text = format!(
         "\nagainst {} ({} threads): above 1 this run is ahead\n",
         old.program, old.threads
     );
+    let heading = text.len();
     let mut line = |name: String, ratios: &[(&str, f64)]| {
         let ratios: Vec<String> = ratios
             .iter()
@@ -49,7 +51,36 @@ pub fn table(new: &Results, old: &Results) -> String {
             );
         }
     }
-    text
+    (text.len() > heading).then_some(text)
+}
+
+/// What to say where there is no table.
+pub fn nothing_in_common(new: &Results, old: &Results, path: &Path) -> String {
+    let (path, there, here) = (path.display(), subjects(old), subjects(new));
+    format!("nothing to compare with {path}\n  it has {there}\n  this run has {here}")
+}
+
+/// All that has to be the same in two runs.
+fn subjects(results: &Results) -> String {
+    let renders = results.renders.iter().map(|render| {
+        let RenderResult {
+            scene,
+            width,
+            height,
+            spp,
+            ..
+        } = render;
+        format!("{scene} at {width} x {height} and {spp} spp")
+    });
+    let rays = results
+        .rays
+        .iter()
+        .map(|rays| format!("{} rays of {} against {}", rays.count, rays.rays, rays.mesh));
+    let all: Vec<String> = renders.chain(rays).collect();
+    match all.is_empty() {
+        true => "nothing".to_owned(),
+        false => all.join(", "),
+    }
 }
 
 /// Speeds of other sizes and other numbers of samples say nothing about each other.
@@ -85,8 +116,12 @@ mod tests {
         };
         let old = results(vec![render(4, 9.0), render(16, 3.0)]);
         let text = table(&results(vec![render(16, 2.0)]), &old);
+        let text = text.expect("there is a line");
         assert!(text.contains("speed 1.50") && text.contains("relMSE 1.00"), "{text}");
-        let text = table(&results(vec![render(32, 2.0)]), &old);
-        assert!(!text.contains("speed"), "{text}");
+        assert_eq!(table(&results(vec![render(32, 2.0)]), &old), None);
+        assert_eq!(
+            nothing_in_common(&results(vec![render(32, 2.0)]), &old, Path::new("old.json")),
+            "nothing to compare with old.json\n  it has box at 8 x 6 and 4 spp, box at 8 x 6 and 16 spp\n  this run has box at 8 x 6 and 32 spp"
+        );
     }
 }

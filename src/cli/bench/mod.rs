@@ -86,21 +86,28 @@ pub fn run(args: BenchArgs) -> ExitCode {
     }
 }
 
-/// Measures, prints and writes; false if an answer was wrong.
+/// Measures, prints and writes; false if an answer was wrong. That there is nothing to compare with is an error, after all that.
 fn compared(common: &CommonArgs, measure: impl FnOnce() -> Result<Results, Error>) -> Result<bool, Error> {
     // What is wrong with an earlier run's file is said before time is spent.
-    let earlier = common.against.as_deref().map(Results::read).transpose()?;
+    let against = common.against.as_deref();
+    let earlier = against
+        .map(|path| Results::read(path).map(|earlier| (path, earlier)))
+        .transpose()?;
     let results = measure()?;
     let is_machine_only = common.json.as_deref().is_some_and(super::render::is_stdout);
+    let comparison = earlier.as_ref().map(|(path, earlier)| {
+        compare::table(&results, earlier).ok_or_else(|| compare::nothing_in_common(&results, earlier, path))
+    });
     if !is_machine_only {
         super::render::print(results.table().as_bytes())?;
-        if let Some(earlier) = earlier {
-            super::render::print(compare::table(&results, &earlier).as_bytes())?;
+        if let Some(Ok(table)) = &comparison {
+            super::render::print(table.as_bytes())?;
         }
     }
     if let Some(path) = &common.json {
         results.write(path)?;
     }
+    comparison.transpose()?;
     Ok(results.rays.iter().all(|rays| rays.wrong == 0))
 }
 
