@@ -12,7 +12,7 @@ use sunroom::app::editor::selection::Selection;
 use sunroom::scene::{Lens, Material, Sensor, Shape, ShapeKind};
 
 use crate::subjects::{awkward, every_inspected, with_material};
-use crate::{Shown, click, drag, entity, item, slide};
+use crate::{Shown, click, drag, entity, item, light, slide};
 
 pub fn inspect(inspected: Inspected) -> Harness<'static, Shown<Model>> {
     inspect_in(INSPECTOR_WIDTH, inspected)
@@ -54,6 +54,22 @@ fn names_are_explained_where_the_pointer_rests() {
     harness.hover_at(Pos2::new(20.0, name.center().y));
     harness.run_steps(30);
     assert!(harness.query_by_label("In the file: alpha").is_some());
+}
+
+#[test]
+fn what_has_no_material_is_grey_and_a_light_black() {
+    let plain = Inspected {
+        shape: Some(Shape::default()),
+        ..Inspected::new(entity(5), "wall")
+    };
+    let lamp = Inspected {
+        area_light: Some(light(Vec3::ONE)),
+        ..plain.clone()
+    };
+    for (inspected, looks) in [(plain, "none (grey)"), (lamp, "none (black)")] {
+        let harness = inspect(inspected);
+        assert_eq!(harness.get_by_label("Uses").value().as_deref(), Some(looks));
+    }
 }
 
 #[test]

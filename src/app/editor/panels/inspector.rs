@@ -230,6 +230,8 @@ fn without_material(inspected: &Inspected) -> &'static str {
             format: MeshFormat::Obj,
             ..
         })) => "of the file",
+        // A light without a material reflects nothing.
+        _ if inspected.area_light.is_some() => "none (black)",
         _ => "none (grey)",
     }
 }
