@@ -281,6 +281,24 @@ fn warnings_are_errors_when_strict() {
 }
 
 #[test]
+fn several_scenes_are_checked_and_each_has_its_line() {
+    let shop = Workshop::new();
+    let good = shop.scene(SCENE);
+    let broken = shop.path("broken.xml");
+    std::fs::write(&broken, SCENE.replace("value=\"4\"", "value=\"four\"")).expect("can be written");
+    let check = |scenes: &[&Path]| sunroom().arg("check").args(scenes).output().expect("starts");
+    let line = format!("{}: no errors, 2 shapes, 1 light\n", good.display());
+    let output = check(&[&good, &good]);
+    assert_code(&output, 0);
+    assert_eq!(stderr(&output), line.repeat(2));
+    let output = check(&[&broken, &good]);
+    assert_code(&output, 1);
+    let text = stderr(&output);
+    assert!(text.contains("broken.xml:") && text.ends_with(&line), "{text}");
+    assert_code(&check(&[]), 2);
+}
+
+#[test]
 fn cameras_are_listed_and_chosen() {
     let shop = Workshop::new();
     let second = r#"<sensor type="orthographic" id="above">

@@ -1,29 +1,43 @@
-//! `sunroom check`: reads a scene and the files it names, and reports.
+//! `sunroom check`: reads scenes and the files they name, and reports.
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use bevy::prelude::World;
 use clap::Args;
 use sunroom::app::headless::headless;
 use sunroom::engine::{Limits, load_to_completion};
-use sunroom::scene::{OpenScene, SceneStatus, cameras};
+use sunroom::scene::{AreaLight, Emitter, OpenScene, SceneStatus, Shape, cameras};
 
-use super::{SceneArgs, report};
+use super::{DefineArgs, report};
 
 #[derive(Args)]
 pub struct CheckArgs {
+    /// Scene files (Mitsuba 3 XML, or glTF 2.0)
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<PathBuf>,
     #[command(flatten)]
-    scene: SceneArgs,
+    defines: DefineArgs,
     /// Treat warnings as errors
     #[arg(long)]
     strict: bool,
 }
 
 pub fn run(args: CheckArgs) -> ExitCode {
+    // One with errors does not keep those after it from being looked at.
+    let faulty = args.scenes.iter().filter(|scene| !check(scene, &args)).count();
+    match faulty {
+        0 => ExitCode::SUCCESS,
+        _ => ExitCode::FAILURE,
+    }
+}
+
+/// Reports on one scene; false if it has errors.
+fn check(scene: &Path, args: &CheckArgs) -> bool {
     let mut app = headless(
         OpenScene {
-            path: args.scene.scene,
-            defines: args.scene.defines.defines,
+            path: scene.to_owned(),
+            defines: args.defines.defines.clone(),
             ..OpenScene::default()
         },
         Some(1),
@@ -31,13 +45,30 @@ pub fn run(args: CheckArgs) -> ExitCode {
     let loaded = load_to_completion(&mut app, &Limits::default());
     let status = app.world().resource::<SceneStatus>();
     if !report_scene(status, args.strict) {
-        return ExitCode::FAILURE;
+        return false;
     }
     if let Err(error) = loaded {
-        return report::error(error);
+        report::error(format_args!("{}: {error}", scene.display()));
+        return false;
     }
+    let content = content(app.world_mut());
+    report::line(format_args!("{}: no errors, {content}", scene.display()));
     list_cameras(app.world_mut());
-    ExitCode::SUCCESS
+    true
+}
+
+/// How much there is in a scene.
+fn content(world: &mut World) -> String {
+    let shapes = world.query::<&Shape>().iter(world).count();
+    let lights = world.query::<&Emitter>().iter(world).count() + world.query::<&AreaLight>().iter(world).count();
+    format!("{}, {}", counted(shapes, "shape"), counted(lights, "light"))
+}
+
+fn counted(number: usize, what: &str) -> String {
+    match number {
+        1 => format!("1 {what}"),
+        _ => format!("{number} {what}s"),
+    }
 }
 
 /// What `--camera` accepts, where there is a choice.

@@ -35,7 +35,7 @@ enum Command {
     Edit(EditArgs),
     /// Render a scene to image files
     Render(Box<render::RenderArgs>),
-    /// Report what is wrong with a scene file
+    /// Report what is wrong with scene files
     Check(check::CheckArgs),
     /// Load a scene and write it back as the program understands it
     Convert(convert::ConvertArgs),
