@@ -37,6 +37,7 @@ struct Seen {
     poses: Vec<Entity>,
     links: Vec<Entity>,
     settings: usize,
+    read_again: Vec<PathBuf>,
 }
 
 fn record(
@@ -46,12 +47,15 @@ fn record(
     poses: Query<Entity, Changed<ToWorld>>,
     links: Query<Entity, Or<(Changed<UsesMaterial>, Changed<MeshHandle>)>>,
     integrator: Res<IntegratorSettings>,
+    mut read_again: MessageReader<FileReadAgain>,
 ) {
     seen.materials.extend(&materials);
     seen.shapes.extend(&shapes);
     seen.poses.extend(&poses);
     seen.links.extend(&links);
     seen.settings += usize::from(integrator.is_changed());
+    seen.read_again
+        .extend(read_again.read().map(|FileReadAgain(path)| path.clone()));
 }
 
 struct Open {
@@ -291,6 +295,9 @@ fn an_edited_mesh_is_read_again_and_no_other() {
             .is_some_and(|mesh| mesh.data.triangles.len() == 2)
     });
     assert!(!Arc::ptr_eq(&open.mesh("first").1, &old));
+    open.until("the news of it", |world| {
+        world.resource::<Seen>().read_again == [path.clone()]
+    });
     open.settle();
     assert!(
         Arc::ptr_eq(&open.mesh("second").1, &second),
@@ -314,6 +321,41 @@ fn an_edited_mesh_is_read_again_and_no_other() {
         world.resource::<SceneStatus>().mesh_errors.is_empty()
     });
     assert_eq!(open.mesh("first").1.triangles.len(), 1);
+}
+
+#[test]
+fn a_file_that_goes_is_told_and_what_was_read_of_it_stays() {
+    let mut open = Open::new();
+    let (scene, mesh) = (open.path("scene.xml"), open.path("first.obj"));
+    let gone = |files: &[&PathBuf]| {
+        let files: Vec<PathBuf> = files.iter().map(|file| (*file).clone()).collect();
+        move |world: &mut World| world.resource::<SceneStatus>().files_gone == files
+    };
+    std::fs::remove_file(&mesh).unwrap();
+    open.until("the mesh is gone", gone(&[&mesh]));
+    let aside = open.path("aside.xml");
+    std::fs::rename(&scene, &aside).unwrap();
+    open.until("the scene is gone", gone(&[&mesh, &scene]));
+    assert_eq!((open.count::<Shape>(), open.status().has_errors()), (5, false));
+    assert_eq!(open.mesh("first").1.triangles.len(), 1);
+    std::fs::write(&mesh, QUAD).unwrap();
+    std::fs::rename(&aside, &scene).unwrap();
+    open.until("both are back", gone(&[]));
+    open.until("the mesh is read", |world| {
+        !world.resource::<Seen>().read_again.is_empty()
+    });
+    assert_eq!(open.mesh("first").1.triangles.len(), 2);
+
+    // As some text editors save: away for a moment.
+    open.settle();
+    std::fs::rename(&mesh, open.path("first.obj~")).unwrap();
+    std::thread::sleep(Duration::from_millis(20));
+    std::fs::write(&mesh, TRIANGLE).unwrap();
+    open.until("the mesh is read", |world| {
+        assert_eq!(world.resource::<SceneStatus>().files_gone, Vec::<PathBuf>::new());
+        !world.resource::<Seen>().read_again.is_empty()
+    });
+    assert_eq!(open.seen().read_again, [mesh]);
 }
 
 #[test]

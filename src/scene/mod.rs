@@ -20,6 +20,7 @@ pub mod object_state;
 mod parameters;
 mod pictures;
 pub mod plugin;
+mod presence;
 mod principled;
 pub mod read;
 mod rebase;
@@ -55,7 +56,7 @@ pub use sensor::{Crop, Film, FovAxis, Lens, NoSuchCamera, ReconstructionFilter, 
 pub use settings::{AccelMethod, IntegratorSettings, SamplerSettings, Sequence, Strategy};
 pub use shape::{MeshFile, MeshFormat, Shape, ShapeKind};
 pub use spawn::ReloadSummary;
-pub use status::{ActiveSensor, FreeView, MeshProblem, OpenScene, SceneState, SceneStatus};
+pub use status::{ActiveSensor, FileReadAgain, FreeView, MeshProblem, OpenScene, SceneState, SceneStatus};
 pub use sun_sky::{PlaceAndTime, SunPosition, SunSky};
 pub use texture::{Bitmap, Parameter, SquarePath, Texture, TextureFilter, TextureWrap};
 pub use watch::SceneWatch;

@@ -9,7 +9,7 @@ use super::assets::{
 use super::loading::{SceneFile, apply_scenes, open_scenes};
 use super::meshes::{follow_mesh_files, report_meshes};
 use super::pictures::{Pictures, follow_pictures, report_pictures};
-use super::watch::{SceneWatch, list_files, reload_changed_files};
+use super::watch::{SceneWatch, list_files, reload_changed_files, report_gone_files};
 use super::*;
 
 /// Adds scenes to an app that has [`AssetPlugin`] with absolute paths allowed:
@@ -53,6 +53,7 @@ impl Plugin for ScenePlugin {
                 defines: defines.clone(),
             })
             .add_message::<OpenScene>()
+            .add_message::<FileReadAgain>()
             .insert_resource(defines)
             .init_resource::<SceneFile>()
             .init_resource::<SceneWatch>()
@@ -97,6 +98,7 @@ impl Plugin for ScenePlugin {
                     follow_pictures,
                     report_pictures,
                     list_files,
+                    report_gone_files,
                     framing::frame_scene,
                 )
                     .chain()

@@ -21,6 +21,10 @@ pub struct OpenScene {
     pub keeps_edits: bool,
 }
 
+/// A mesh or a picture of the scene has changed on disk, and what it holds now is in use.
+#[derive(Message, Clone, Debug, PartialEq, Eq)]
+pub struct FileReadAgain(pub PathBuf);
+
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SceneState {
     /// Nothing has been asked for.
@@ -65,6 +69,8 @@ pub struct SceneStatus {
     pub picture_problems: Vec<String>,
     /// Pictures whose first load is not over.
     pub pictures_loading: usize,
+    /// Files of the scene, itself among them, that were there and have gone from the disk; what was read of them stays.
+    pub files_gone: Vec<PathBuf>,
     /// Counts successful loads and reloads.
     pub revision: u64,
     /// Counts those that failed.

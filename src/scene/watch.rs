@@ -19,8 +19,9 @@ use notify_debouncer_full::{DebounceEventResult, Debouncer, NoCache, new_debounc
 use super::assets::SceneAsset;
 use super::loading::SceneFile;
 use super::pictures::Pictures;
+use super::presence::Presence;
 use super::read::settle;
-use super::{MeshHandle, SceneStatus, Shape, ShapeKind, TextureMap, TriangleMesh};
+use super::{FileReadAgain, MeshHandle, SceneStatus, Shape, ShapeKind, TextureMap, TriangleMesh};
 
 /// Events are held back so long: one save is one event.
 const DEBOUNCE: Duration = Duration::from_millis(100);
@@ -41,6 +42,7 @@ pub struct SceneWatch {
     waiting: HashSet<PathBuf>,
     /// Handed over, and when; nothing heard of it since.
     on_their_way: HashMap<PathBuf, Instant>,
+    presence: Presence,
 }
 
 struct Watcher {
@@ -93,6 +95,10 @@ impl SceneWatch {
         }
         self.folders = watched;
     }
+
+    fn look_for_files(&mut self) {
+        self.presence.look(self.reloads.keys());
+    }
 }
 
 /// The list of files that matter, kept up to date.
@@ -144,6 +150,14 @@ pub(super) fn list_files(
         watch.reloads = reloads;
         watch.start();
         watch.watch_folders();
+        watch.look_for_files();
+    }
+}
+
+pub(super) fn report_gone_files(watch: Res<SceneWatch>, mut status: ResMut<SceneStatus>) {
+    let gone = watch.presence.gone();
+    if status.files_gone != gone {
+        status.files_gone = gone;
     }
 }
 
@@ -155,18 +169,21 @@ pub(super) struct Arrivals<'w, 's, A: Asset> {
 }
 
 impl<A: Asset> Arrivals<'_, '_, A> {
-    /// What has arrived or failed is not on its way any more.
-    fn take_in(&mut self, watch: &mut SceneWatch, server: &AssetServer) {
+    /// What has arrived or failed is not on its way any more. Returns what was waited for and has arrived.
+    fn take_in(&mut self, watch: &mut SceneWatch, server: &AssetServer) -> Vec<PathBuf> {
+        let mut arrived = Vec::new();
         for event in self.events.read() {
             if let AssetEvent::Added { id } | AssetEvent::Modified { id } = event
                 && let Some(path) = server.get_path(*id)
+                && watch.on_their_way.remove(path.path()).is_some()
             {
-                watch.on_their_way.remove(path.path());
+                arrived.push(path.path().to_owned());
             }
         }
         for failure in self.failures.read() {
             watch.on_their_way.remove(failure.path.path());
         }
+        arrived
     }
 }
 
@@ -176,10 +193,13 @@ pub(super) fn reload_changed_files(
     mut scenes: Arrivals<SceneAsset>,
     mut meshes: Arrivals<TriangleMesh>,
     mut pictures: Arrivals<TextureMap>,
+    mut read_again: MessageWriter<FileReadAgain>,
 ) {
+    // What a scene brings is told where it is taken in.
     scenes.take_in(&mut watch, &server);
-    meshes.take_in(&mut watch, &server);
-    pictures.take_in(&mut watch, &server);
+    let meshes = meshes.take_in(&mut watch, &server);
+    let pictures = pictures.take_in(&mut watch, &server);
+    read_again.write_batch(meshes.into_iter().chain(pictures).map(FileReadAgain));
 
     take_events(&mut watch);
     let ready: Vec<PathBuf> = watch
@@ -196,7 +216,7 @@ pub(super) fn reload_changed_files(
     for asset in ready {
         watch.waiting.remove(&asset);
         watch.on_their_way.insert(asset.clone(), Instant::now());
-        info!("reading {} again", asset.display());
+        debug!("reading {} again", asset.display());
         server.reload(AssetPath::from_path_buf(asset));
     }
 }
@@ -223,7 +243,7 @@ fn take_events(watch: &mut SceneWatch) {
                 EventKind::Modify(ModifyKind::Metadata(kind)) => kind == MetadataKind::WriteTime,
                 EventKind::Create(_) | EventKind::Modify(_) => true,
                 EventKind::Access(kind) => kind == AccessKind::Close(AccessMode::Write),
-                // A file that is gone: its content stays until another takes its place.
+                // A file that is gone: its content stays until another takes its place. That it is gone is told by `Presence`.
                 _ => false,
             };
             // Events were lost: everything may have changed.
@@ -241,6 +261,7 @@ fn take_events(watch: &mut SceneWatch) {
         watch.waiting.extend(assets.into_iter().flatten().cloned());
     }
     if folders_changed {
+        watch.look_for_files();
         // A folder that came into being may have brought its files along.
         let before = watch.folders.clone();
         watch.watch_folders();

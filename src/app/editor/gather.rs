@@ -21,6 +21,7 @@ use super::model::{
 use super::panels::{emission, material};
 use super::preferences::PreferencesFile;
 use super::presets;
+use super::scene_watch;
 use super::selection::Selection;
 use crate::document::{Diagnostic, Diagnostics, Severity};
 use crate::engine::{LightGroup, RenderControl, RenderFilm, RenderStatus};
@@ -471,6 +472,12 @@ fn notices(scene: &SceneStatus, engine_errors: &[String], preferences: &Preferen
     );
     notices.extend(scene.picture_problems.iter().map(|problem| plain(true, problem)));
     notices.extend(scene.mesh_warnings.iter().map(|warning| plain(false, warning)));
+    notices.extend(
+        scene
+            .files_gone
+            .iter()
+            .map(|path| plain(false, &scene_watch::gone(path))),
+    );
     notices.sort_by_key(|notice| !notice.is_error);
     notices
 }

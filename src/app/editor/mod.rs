@@ -167,6 +167,7 @@ impl Plugin for EditorPlugin {
                 (
                     scene_watch::choose_camera.run_if(scene_watch::camera_is_wanted),
                     scene_watch::follow_scene,
+                    scene_watch::follow_files,
                     recovery::follow_scene,
                     stored_views::follow_views,
                     preferences::note_scene,

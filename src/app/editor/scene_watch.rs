@@ -1,6 +1,6 @@
 //! What the editor does when a scene has been opened or read anew.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
@@ -17,7 +17,7 @@ use super::state::EditorState;
 use super::toasts::Topic;
 use crate::document::Severity;
 use crate::engine::{CurrentScene, RenderControl};
-use crate::scene::{ActiveSensor, FreeView, SceneState, SceneStatus, ToWorld, find_camera};
+use crate::scene::{ActiveSensor, FileReadAgain, FreeView, SceneState, SceneStatus, ToWorld, find_camera};
 
 /// Messages about loading; a freshly opened scene also decides what is up.
 pub fn follow_scene(
@@ -89,6 +89,30 @@ pub fn follow_scene(
         state.complain(Topic::SceneFile, message, excerpt);
         state.wanted_panel = Some(Panel::Messages);
     }
+}
+
+/// Messages about meshes and pictures that were read again, and about files that are not there any more.
+pub fn follow_files(
+    mut read_again: MessageReader<FileReadAgain>,
+    status: Res<SceneStatus>,
+    mut state: ResMut<EditorState>,
+    mut known: Local<Vec<PathBuf>>,
+) {
+    for FileReadAgain(path) in read_again.read() {
+        let file = path.file_name().unwrap_or_default().to_string_lossy();
+        state.say(format!("Reloaded {file}"));
+    }
+    if status.files_gone != *known {
+        for path in status.files_gone.iter().filter(|path| !known.contains(path)) {
+            state.warn(gone(path));
+        }
+        known.clone_from(&status.files_gone);
+    }
+}
+
+/// What to say of a file that was deleted or moved away.
+pub fn gone(path: &Path) -> String {
+    format!("{} is gone; what was last read of it stays", path.display())
 }
 
 /// Whether somebody asked for a camera, and there is a scene to look for it in.

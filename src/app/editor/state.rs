@@ -96,6 +96,13 @@ impl EditorState {
         self.toasts.add(Tone::Warning, Topic::Other, message, None);
     }
 
+    /// Something has happened that is perhaps not meant.
+    pub fn warn(&mut self, message: impl Into<String>) {
+        let message = message.into();
+        warn!("{message}");
+        self.toasts.add(Tone::Warning, Topic::Other, message, None);
+    }
+
     /// Something is broken, until it is dismissed or mended. `excerpt`: the lines of a file that it is about.
     pub fn complain(&mut self, topic: Topic, message: impl Into<String>, excerpt: Option<String>) {
         let message = message.into();

@@ -12,7 +12,7 @@ use super::shell::ShellCommand;
 pub enum Tone {
     /// Something was done.
     Note,
-    /// Something that was asked for cannot be done.
+    /// Something that was asked for cannot be done, or is perhaps not meant.
     Warning,
     /// Something is broken.
     Error,

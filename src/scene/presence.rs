@@ -1,0 +1,43 @@
+//! Which of the watched files have gone from the disk.
+//!
+//! Text editors save by putting another file in the place of the old one, so that it is not there for a moment: a file is gone only when it
+//! stays away. One that never was there is not gone either; whoever asks for it says that it is missing.
+
+use std::collections::{BTreeMap, HashSet};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// So long a file may be away while it is saved.
+const GRACE: Duration = Duration::from_millis(500);
+
+#[derive(Debug, Default)]
+pub(super) struct Presence {
+    there: HashSet<PathBuf>,
+    /// Since when they have not been there.
+    away: BTreeMap<PathBuf, Instant>,
+}
+
+impl Presence {
+    /// Looks where all the files are: to be done when there are other ones, and when something happens in their folders.
+    pub fn look<'a>(&mut self, files: impl Iterator<Item = &'a PathBuf>) {
+        let before = std::mem::take(self);
+        for file in files {
+            if file.is_file() {
+                self.there.insert(file.clone());
+            } else if let Some(since) = before.away.get(file) {
+                self.away.insert(file.clone(), *since);
+            } else if before.there.contains(file) {
+                self.away.insert(file.clone(), Instant::now());
+            }
+        }
+    }
+
+    /// In the order of their names.
+    pub fn gone(&self) -> Vec<PathBuf> {
+        let gone = self
+            .away
+            .iter()
+            .filter(|(file, since)| since.elapsed() >= GRACE && !file.is_file());
+        gone.map(|(file, _)| file.clone()).collect()
+    }
+}
