@@ -275,7 +275,13 @@ fn warnings_are_errors_when_strict() {
     assert_code(&lenient, 0);
     let text = stderr(&lenient);
     assert!(text.contains("max_dept") && text.contains("max_depth"), "{text}");
-    assert_code(&check(&["--strict"]), 1);
+    let strict = check(&["--strict"]);
+    assert_code(&strict, 1);
+    assert!(
+        stderr(&strict).contains("scene.xml: refused for its warnings"),
+        "{}",
+        stderr(&strict)
+    );
     assert_code(&render(&scene, &shop.path("a.png"), &["--strict"]), 1);
     assert_code(&render(&scene, &shop.path("a.png"), &[]), 0);
 }
@@ -296,6 +302,19 @@ fn several_scenes_are_checked_and_each_has_its_line() {
     let text = stderr(&output);
     assert!(text.contains("broken.xml:") && text.ends_with(&line), "{text}");
     assert_code(&check(&[]), 2);
+}
+
+#[test]
+fn check_says_what_could_not_be_shown() {
+    let shop = Workshop::new();
+    let nothing = r#"<shape type="cylinder"><point name="p0" value="0, 1, 0"/><point name="p1" value="0, 1, 0"/></shape></scene>"#;
+    let scene = shop.scene(&SCENE.replace("</scene>", nothing));
+    for (more, code) in [(&[][..], 0), (&["--strict"], 1)] {
+        let output = sunroom().arg("check").arg(&scene).args(more).output().expect("starts");
+        assert_code(&output, code);
+        let text = stderr(&output);
+        assert!(text.contains("warning") && text.contains("left out"), "{text}");
+    }
 }
 
 #[test]

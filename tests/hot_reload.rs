@@ -110,13 +110,18 @@ impl Open {
         }
     }
 
-    /// Long enough for a change on disk to be noticed, if it is going to be.
-    fn settle(&mut self) {
-        let end = Instant::now() + Duration::from_millis(500);
+    fn stay(&mut self, time: Duration, check: impl Fn(&SceneStatus)) {
+        let end = Instant::now() + time;
         while Instant::now() < end {
             self.app.update();
+            check(self.status());
             std::thread::sleep(Duration::from_millis(5));
         }
+    }
+
+    /// Long enough for a change on disk to be noticed, if it is going to be.
+    fn settle(&mut self) {
+        self.stay(Duration::from_millis(500), |_| ());
         *self.app.world_mut().resource_mut::<Seen>() = Seen::default();
     }
 
@@ -346,16 +351,20 @@ fn a_file_that_goes_is_told_and_what_was_read_of_it_stays() {
     });
     assert_eq!(open.mesh("first").1.triangles.len(), 2);
 
-    // As some text editors save: away for a moment.
+    // As some text editors save: away for a moment, here long enough to be noticed.
     open.settle();
     std::fs::rename(&mesh, open.path("first.obj~")).unwrap();
-    std::thread::sleep(Duration::from_millis(20));
+    open.stay(Duration::from_millis(250), |status| {
+        assert_eq!(status.files_gone, Vec::<PathBuf>::new());
+    });
     std::fs::write(&mesh, TRIANGLE).unwrap();
     open.until("the mesh is read", |world| {
-        assert_eq!(world.resource::<SceneStatus>().files_gone, Vec::<PathBuf>::new());
         !world.resource::<Seen>().read_again.is_empty()
     });
-    assert_eq!(open.seen().read_again, [mesh]);
+    open.stay(Duration::from_millis(700), |status| {
+        assert_eq!(status.files_gone, Vec::<PathBuf>::new());
+    });
+    assert_eq!(open.seen().read_again, [mesh], "once");
 }
 
 #[test]

@@ -30,7 +30,7 @@ pub struct Blas {
     cost_when_built: f32,
     /// Where rays begin that will have to wait for triangles, and know no better than to go on: the box around everything, empty if caches
     /// hold it all. Rays from outside lie side by side, and what they meet first is what they hit.
-    afar: Aabb,
+    afar_within: Aabb,
     /// Whether its vertex normals are those of its triangles: then nobody needs to look them up.
     pub(super) has_flat_normals: bool,
     /// If it is the image of a square or a cube.
@@ -89,7 +89,7 @@ impl Blas {
             });
         let is_large = bvh.bytes() + size_of_val::<[TrianglePacket]>(&packets) > CACHE;
         Self {
-            afar: if is_large { bvh.bounds() } else { Aabb::EMPTY },
+            afar_within: if is_large { bvh.bounds() } else { Aabb::EMPTY },
             has_flat_normals: has_flat_normals(&mesh),
             affine: AffineMesh::of(&mesh),
             mesh,
@@ -144,7 +144,7 @@ impl Blas {
 
     #[inline(always)]
     pub(super) fn closest<const COUNT: bool>(&self, ray: &Ray, steps: &mut Steps) -> Option<MeshHit> {
-        if self.afar.contains_point(ray.origin) {
+        if self.afar_within.contains_point(ray.origin) {
             return self.closest_from_afar::<COUNT>(ray, steps);
         }
         let mut nearest = Nearest::new(self.packets(), ray);
@@ -165,7 +165,7 @@ impl Blas {
     /// Whether anything is hit with 0 < t < t_max.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        if self.afar.contains_point(ray.origin) {
+        if self.afar_within.contains_point(ray.origin) {
             return self.occluded_from_afar(ray);
         }
         let lanes = TriangleRay::new(ray);

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use bevy::prelude::World;
 use clap::Args;
 use sunroom::app::headless::headless;
-use sunroom::engine::{Limits, load_to_completion};
+use sunroom::engine::{Limits, RenderStatus, load_to_completion};
 use sunroom::scene::{AreaLight, Emitter, OpenScene, SceneStatus, Shape, cameras};
 
 use super::{DefineArgs, report};
@@ -43,16 +43,30 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
         Some(1),
     );
     let loaded = load_to_completion(&mut app, &Limits::default());
+    let shown = scene.display();
     let status = app.world().resource::<SceneStatus>();
-    if !report_scene(status, args.strict) {
+    let is_good = report_scene(status, args.strict);
+    let has_errors = status.has_errors();
+    if let Err(error) = loaded
+        && is_good
+    {
+        report::error(format_args!("{shown}: {error}"));
         return false;
     }
-    if let Err(error) = loaded {
-        report::error(format_args!("{}: {error}", scene.display()));
+    // What can be read and yet not be shown.
+    let left_out = &app.world().resource::<RenderStatus>().errors;
+    for warning in left_out {
+        report::line(format_args!("warning: {shown}: {warning}"));
+    }
+    if has_errors {
+        return false;
+    }
+    if !is_good || args.strict && !left_out.is_empty() {
+        report::line(format_args!("{shown}: refused for its warnings"));
         return false;
     }
     let content = content(app.world_mut());
-    report::line(format_args!("{}: no errors, {content}", scene.display()));
+    report::line(format_args!("{shown}: no errors, {content}"));
     list_cameras(app.world_mut());
     true
 }

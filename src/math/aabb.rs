@@ -69,6 +69,7 @@ impl Aabb {
         }))
     }
 
+    /// Also on its faces.
     pub fn contains_point(&self, point: Vec3) -> bool {
         self.min.cmple(point).all() && point.cmple(self.max).all()
     }

@@ -14,7 +14,7 @@ use super::picking;
 use super::recovery::Recovery;
 use super::selection::Selection;
 use super::state::EditorState;
-use super::toasts::Topic;
+use super::toasts::{Tone, Topic};
 use crate::document::Severity;
 use crate::engine::{CurrentScene, RenderControl};
 use crate::scene::{ActiveSensor, FileReadAgain, FreeView, SceneState, SceneStatus, ToWorld, find_camera};
@@ -91,28 +91,61 @@ pub fn follow_scene(
     }
 }
 
-/// Messages about meshes and pictures that were read again, and about files that are not there any more.
+/// Messages about meshes and pictures that were read again or could not be, and about files that are not there any more.
 pub fn follow_files(
     mut read_again: MessageReader<FileReadAgain>,
     status: Res<SceneStatus>,
     mut state: ResMut<EditorState>,
-    mut known: Local<Vec<PathBuf>>,
+    mut known: Local<FileTroubles>,
 ) {
     for FileReadAgain(path) in read_again.read() {
         let file = path.file_name().unwrap_or_default().to_string_lossy();
         state.say(format!("Reloaded {file}"));
     }
-    if status.files_gone != *known {
-        for path in status.files_gone.iter().filter(|path| !known.contains(path)) {
-            state.warn(gone(path));
+    if !status.is_changed() {
+        return;
+    }
+    let troubles = FileTroubles::of(&status);
+    for path in troubles.gone.iter().filter(|path| !known.gone.contains(path)) {
+        state.warn(gone(path));
+    }
+    let mut unreadable = troubles
+        .unreadable
+        .iter()
+        .filter(|text| !known.unreadable.contains(text));
+    if let Some(first) = unreadable.next() {
+        let others = match unreadable.count() {
+            0 => String::new(),
+            count => format!(" (and {count} more)"),
+        };
+        // The log has it already.
+        state
+            .toasts
+            .add(Tone::Warning, Topic::Other, format!("{first}{others}"), None);
+    }
+    *known = troubles;
+}
+
+/// What has been told of files.
+#[derive(Default)]
+pub struct FileTroubles {
+    gone: Vec<PathBuf>,
+    unreadable: Vec<String>,
+}
+
+impl FileTroubles {
+    fn of(status: &SceneStatus) -> Self {
+        let of_meshes = status.mesh_errors.iter().map(|problem| &problem.message);
+        Self {
+            gone: status.files_gone.clone(),
+            unreadable: of_meshes.chain(&status.picture_problems).cloned().collect(),
         }
-        known.clone_from(&status.files_gone);
     }
 }
 
 /// What to say of a file that was deleted or moved away.
 pub fn gone(path: &Path) -> String {
-    format!("{} is gone; what was last read of it stays", path.display())
+    format!("{} is gone from the disk", path.display())
 }
 
 /// Whether somebody asked for a camera, and there is a scene to look for it in.
