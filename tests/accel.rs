@@ -39,6 +39,35 @@ fn soup(count: usize, scale: f32, random: &mut Random) -> MeshData {
     }))
 }
 
+/// Slender triangles from anywhere to anywhere in a cube, whose boxes hold little but each other.
+fn beams(count: usize, scale: f32, random: &mut Random) -> MeshData {
+    mesh((0..count).map(|_| {
+        let [from, to] = [random.in_cube(), random.in_cube()];
+        [from, from + 0.02 * random.in_cube(), to].map(|corner| scale * corner)
+    }))
+}
+
+/// Balls in rows, and planks over all of them, the whole turned so that the planks' boxes are far larger than they are.
+fn balls_under_planks(rings: u32, scale: f32, place: Vec3) -> MeshData {
+    let turn = Quat::from_rotation_y(0.5);
+    let ball = wavy_sphere(rings);
+    let balls = (0..64).flat_map(|i| {
+        let center = Vec3::new((i % 8) as f32, 0.0, (i / 8) as f32);
+        let corners = |triangle| ball.corners(triangle).map(|corner| center + 0.4 * corner);
+        (0..ball.triangles.len()).map(corners).collect::<Vec<_>>()
+    });
+    let planks = (0..64).flat_map(|i| {
+        let corner = |x: f32, z: f32| Vec3::new(8.0 * x, 1.0, 0.12 * (i as f32 + 0.8 * z));
+        let [a, b, c, d] = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)].map(|(x, z)| corner(x, z));
+        [[a, b, c], [a, c, d]]
+    });
+    mesh(
+        balls
+            .chain(planks)
+            .map(|corners| corners.map(|corner| scale * (turn * corner) + place)),
+    )
+}
+
 /// Squares of the plane z = 0.5, cut in two.
 fn grid(side: usize) -> MeshData {
     mesh((0..2 * side * side).map(|i| {
@@ -140,6 +169,11 @@ fn meshes_agree_with_brute_force() {
     assert_agrees("soup", soup(3000, 1.0, &mut random), 3000);
     assert_agrees("huge", soup(500, 1e6, &mut random), 3000);
     assert_agrees("tiny", soup(500, 1e-4, &mut random), 3000);
+    assert_agrees("beams", beams(1000, 1.0, &mut random), 3000);
+    assert_agrees("planks", balls_under_planks(12, 1.0, Vec3::ZERO), 1000);
+    assert_agrees("huge planks", balls_under_planks(12, 1e6, Vec3::ZERO), 300);
+    assert_agrees("tiny planks", balls_under_planks(12, 1e-4, Vec3::ZERO), 300);
+    assert_agrees("far planks", balls_under_planks(12, 1.0, Vec3::splat(1e4)), 300);
     assert_agrees("coplanar", grid(24), 3000);
     assert_agrees("closed", wavy_sphere(24), 3000);
     assert_agrees("single", soup(1, 1.0, &mut random), 2000);
@@ -148,6 +182,35 @@ fn meshes_agree_with_brute_force() {
     assert_agrees("duplicates", mesh((0..1000).map(|_| one.corners(0))), 500);
     let far = soup(300, 1.0, &mut random);
     assert_agrees("far", mesh((0..300).map(|i| far.corners(i).map(|p| p + 1e4))), 2000);
+    let far = beams(300, 1.0, &mut random);
+    assert_agrees(
+        "far beams",
+        mesh((0..300).map(|i| far.corners(i).map(|p| p + 1e4))),
+        2000,
+    );
+}
+
+/// Where boxes overlap much a leaf holds a part of a triangle; at most as many more as there are triangles, and none of a surface of small
+/// ones.
+#[test]
+fn long_triangles_are_held_in_parts() {
+    let parts = |mesh: MeshData, method| {
+        let count = mesh.triangles.len();
+        let blas = Blas::build(Arc::new(mesh), method);
+        let listed = blas.bvh().order().iter().filter(|&&triangle| triangle != u32::MAX);
+        (listed.count() as f32 / count as f32, blas.stats().sah_cost)
+    };
+    let planks = balls_under_planks(12, 1.0, Vec3::ZERO);
+    assert_eq!(parts(planks.clone(), SplitMethod::Median).0, 1.0);
+    assert_eq!(parts(wavy_sphere(64), SplitMethod::Sah).0, 1.0);
+
+    let whole: Vec<Aabb> = (0..planks.triangles.len())
+        .map(|i| Aabb::from_points(planks.corners(i)))
+        .collect();
+    let whole = Bvh::build(&whole, SplitMethod::Sah, 8).stats().sah_cost;
+    let (number, cost) = parts(planks, SplitMethod::Sah);
+    assert!(number > 1.05 && number <= 2.0, "{number}");
+    assert!(cost < 0.8 * whole, "{cost} instead of {whole}");
 }
 
 #[test]
@@ -489,16 +552,18 @@ fn world_bounds_hold_every_hit_and_are_tight() {
 
 #[test]
 fn the_same_tree_on_any_number_of_threads() {
-    let mesh = Arc::new(wavy_sphere(200));
-    let build = |threads: usize, method| {
+    let meshes = [wavy_sphere(200), balls_under_planks(24, 1.0, Vec3::ZERO)].map(Arc::new);
+    let build = |threads: usize, mesh: &Arc<MeshData>, method| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let blas = pool.install(|| Blas::build(mesh.clone(), method));
         let mut boxes = vec![];
         blas.bvh().visit_boxes(|bvh_box| boxes.push(bvh_box));
         (blas.bvh().order().to_vec(), boxes, blas.stats())
     };
-    for method in METHODS {
-        assert!(build(1, method) == build(3, method), "{method:?}");
+    for mesh in &meshes {
+        for method in METHODS {
+            assert!(build(1, mesh, method) == build(3, mesh, method), "{method:?}");
+        }
     }
 }
 
@@ -654,4 +719,8 @@ fn what_is_not_the_same_mesh_moved_is_built_anew() {
         }
     };
     assert!(refit(&mut scatter).is_none(), "nothing is where it was");
+
+    let planks = Arc::new(balls_under_planks(12, 1.0, Vec3::ZERO));
+    let in_parts = Blas::build(planks.clone(), SplitMethod::Sah);
+    assert!(in_parts.refit(planks).is_none(), "boxes around parts");
 }

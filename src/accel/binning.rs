@@ -4,10 +4,11 @@
 use wide::{f32x4, i32x4};
 
 use super::sets::{Bounds, Reference, Set};
+use super::spatial::Plane;
 
 const MAX_BINS: usize = 16;
 
-/// Where bins lie: equal slices of the centres' box on each axis.
+/// Where bins lie: equal slices on each axis of the box around the centres, or for spatial splits around the primitives.
 pub(super) struct Grid {
     origin: f32x4,
     scale: f32x4,
@@ -16,14 +17,24 @@ pub(super) struct Grid {
 
 impl Grid {
     pub fn new(set: &Set) -> Self {
-        let bins = (4 + set.len).min(MAX_BINS);
-        let scale = f32x4::splat(bins as f32 * (1.0 - 1e-6)) / set.centers.extent();
+        Self::over(set.centers, (4 + set.len).min(MAX_BINS))
+    }
+
+    pub fn over(bounds: Bounds, bins: usize) -> Self {
+        let scale = f32x4::splat(bins as f32 * (1.0 - 1e-6)) / bounds.extent();
         Self {
-            origin: set.centers.min(),
+            origin: bounds.min(),
             // An axis without spread has one bin.
             scale: scale & scale.is_finite(),
             bins,
         }
+    }
+
+    /// Between a bin and the one before it, for bins over the primitives' own coordinates.
+    pub fn plane(&self, axis: usize, bin: usize) -> Plane {
+        let [origin, scale] = [self.origin, self.scale].map(|numbers| numbers.as_array()[axis]);
+        let at = origin + bin as f32 / scale;
+        Plane { axis, at }
     }
 
     /// Whether the bin on one axis comes before `boundary`.
@@ -51,26 +62,54 @@ impl Grid {
 
 /// What lies in each bin of each axis.
 pub(super) struct Bins {
-    bounds: [[Bounds; 3]; MAX_BINS],
+    pub bounds: [[Bounds; 3]; MAX_BINS],
     /// The fourth axis is not used.
-    counts: [[i32; 4]; MAX_BINS],
+    pub counts: [[i32; 4]; MAX_BINS],
+}
+
+/// A place to split at: between a bin and the one before it.
+pub(super) struct Boundary {
+    pub axis: usize,
+    pub bin: usize,
+    /// The sides' areas times their leaves.
+    pub cost: f32,
 }
 
 impl Bins {
+    pub const EMPTY: Self = Self {
+        bounds: [[Bounds::EMPTY; 3]; MAX_BINS],
+        counts: [[0; 4]; MAX_BINS],
+    };
+
     pub fn fill(grid: &Grid, references: &[Reference]) -> Self {
-        let mut bins = Self {
-            bounds: [[Bounds::EMPTY; 3]; MAX_BINS],
-            counts: [[0; 4]; MAX_BINS],
-        };
+        let mut bins = Self::EMPTY;
         for reference in references {
             let at = grid.bin(reference.center());
-            for (axis, &bin) in at.iter().enumerate() {
-                let bounds = &mut bins.bounds[bin][axis];
-                *bounds = bounds.union(reference.bounds());
-                bins.counts[bin][axis] += 1;
-            }
+            bins.count(at);
+            bins.add(at, reference.bounds());
         }
         bins
+    }
+
+    /// One more on each axis.
+    #[inline(always)]
+    pub fn count(&mut self, at: [usize; 3]) {
+        for (axis, &bin) in at.iter().enumerate() {
+            self.counts[bin][axis] += 1;
+        }
+    }
+
+    #[inline(always)]
+    pub fn add(&mut self, at: [usize; 3], part: Bounds) {
+        for (axis, &bin) in at.iter().enumerate() {
+            self.add_on(axis, bin, part);
+        }
+    }
+
+    #[inline(always)]
+    pub fn add_on(&mut self, axis: usize, bin: usize, part: Bounds) {
+        let bounds = &mut self.bounds[bin][axis];
+        *bounds = bounds.union(part);
     }
 
     pub fn merge(mut self, other: Self) -> Self {
@@ -84,18 +123,18 @@ impl Bins {
         self
     }
 
-    /// Axis and first bin of the right side.
-    pub fn cheapest(&self, grid: &Grid, align: usize, scale: f32) -> Option<(usize, usize)> {
+    /// The cheapest boundary, by what the first bins say of its left side and the second ones of its right. None if no cost is a number.
+    pub fn cheapest([of_left, of_right]: [&Self; 2], grid: &Grid, align: usize, scale: f32) -> Option<Boundary> {
         let mut right_costs = [f32x4::ZERO; MAX_BINS];
         let mut side = Side::EMPTY;
         for bin in (1..grid.bins).rev() {
-            side.grow(self, bin);
+            side.grow(of_right, bin);
             right_costs[bin] = side.costs(align, scale);
         }
         let (mut best_costs, mut boundaries) = (f32x4::splat(f32::INFINITY), f32x4::ZERO);
         side = Side::EMPTY;
         for (bin, &right_costs) in right_costs.iter().enumerate().take(grid.bins).skip(1) {
-            side.grow(self, bin - 1);
+            side.grow(of_left, bin - 1);
             let costs = side.costs(align, scale) + right_costs;
             let is_better = costs.simd_lt(best_costs);
             best_costs = is_better.select(costs, best_costs);
@@ -109,8 +148,9 @@ impl Bins {
         } else {
             2
         };
-        let boundary = boundaries.as_array()[axis] as usize;
-        (boundary > 0).then_some((axis, boundary))
+        let bin = boundaries.as_array()[axis] as usize;
+        let cost = best_costs.as_array()[axis];
+        (bin > 0).then_some(Boundary { axis, bin, cost })
     }
 }
 

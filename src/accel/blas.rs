@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DAffine3, Vec3};
 use rayon::prelude::*;
 
 use super::affine_mesh::AffineMesh;
@@ -11,6 +11,7 @@ use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
 use super::memory::{CACHE, Table};
 use super::packet::{LANES, TrianglePacket};
+use super::spatial::cut_triangle;
 use super::tlas::Hit;
 use super::traverse::Steps;
 use crate::geometry::mesh::MeshData;
@@ -28,6 +29,8 @@ pub struct Blas {
     packets: Table<TrianglePacket>,
     /// The expected work of a ray when the hierarchy was built, not merely fitted to other vertices.
     cost_when_built: f32,
+    /// Whether some triangle is in more leaves than one.
+    is_in_parts: bool,
     /// Where rays begin that will have to wait for triangles, and know no better than to go on: the box around everything, empty if caches
     /// hold it all. Rays from outside lie side by side, and what they meet first is what they hit.
     afar_within: Aabb,
@@ -52,9 +55,11 @@ pub struct MeshHit {
 impl Blas {
     /// Triangles without area, with corners that are not finite or do not exist, are left out: no ray can hit them.
     pub fn build(mesh: Arc<MeshData>, method: SplitMethod) -> Self {
+        let cut = |index, part: &Aabb, plane| cut_triangle(mesh.corners(index as usize), part, plane);
         let bvh = Bvh::over(
             mesh.triangles.len(),
             |index| triangle_bounds(&mesh, index),
+            Some(&cut),
             method,
             LANES,
         );
@@ -63,12 +68,12 @@ impl Blas {
     }
 
     /// The same hierarchy around `mesh`, whose triangles are those of the mesh before with vertices elsewhere. None if they are not, or if
-    /// that would be much worse than to build anew.
+    /// that would be much worse than to build anew, as it is where leaves hold parts of triangles.
     pub fn refit(&self, mesh: Arc<MeshData>) -> Option<Self> {
         let is_regular = |mesh: &MeshData, index| mesh.regular_corners(index).is_some();
         let is_held_as_before = |index| is_regular(&mesh, index) == is_regular(&self.mesh, index);
         let same_triangles = mesh.triangles == self.mesh.triangles;
-        if !same_triangles || !(0..mesh.triangles.len()).into_par_iter().all(is_held_as_before) {
+        if !same_triangles || self.is_in_parts || !(0..mesh.triangles.len()).into_par_iter().all(is_held_as_before) {
             return None;
         }
         let bvh = self.bvh.refit(|index| triangle_bounds(&mesh, index));
@@ -87,16 +92,22 @@ impl Blas {
                     packet.set(lane, mesh.corners(triangle as usize), triangle);
                 }
             });
-        let is_large = bvh.bytes() + size_of_val::<[TrianglePacket]>(&packets) > CACHE;
-        Self {
-            afar_within: if is_large { bvh.bounds() } else { Aabb::EMPTY },
+        let is_regular = |&index: &usize| mesh.regular_corners(index).is_some();
+        let regular = (0..mesh.triangles.len()).into_par_iter().filter(is_regular).count();
+        let mut blas = Self {
+            is_in_parts: bvh.listed() > regular,
+            afar_within: Aabb::EMPTY,
             has_flat_normals: has_flat_normals(&mesh),
             affine: AffineMesh::of(&mesh),
             mesh,
             bvh,
             packets,
             cost_when_built,
+        };
+        if blas.bytes() > CACHE {
+            blas.afar_within = blas.bounds();
         }
+        blas
     }
 
     pub fn mesh(&self) -> &Arc<MeshData> {
@@ -105,6 +116,12 @@ impl Blas {
 
     pub fn bvh(&self) -> &Bvh {
         &self.bvh
+    }
+
+    /// What takes the square [-1, 1]² of the plane z = 0 to the mesh, if that is two triangles that make up its image.
+    pub fn from_square(&self) -> Option<DAffine3> {
+        let mesh = self.affine.as_ref().filter(|mesh| mesh.faces.len() == 1)?;
+        Some(mesh.placed)
     }
 
     /// Local bounds of what can be hit.
@@ -124,11 +141,43 @@ impl Blas {
         self.bvh.bytes() + size_of_val(self.packets())
     }
 
-    /// [`Bvh::validate`] against the mesh.
+    /// Checks the structure: as [`Bvh::validate`], but a triangle may be in several leaves if their boxes cover it together, which is looked
+    /// at in some points of it.
     pub fn validate(&self) -> Result<(), String> {
-        let bounds = |index| triangle_bounds(&self.mesh, index);
-        let bounds: Vec<Aabb> = (0..self.mesh.triangles.len()).map(bounds).collect();
-        self.bvh.validate(&bounds)
+        let mut boxes = vec![Vec::new(); self.mesh.triangles.len()];
+        self.bvh.validate_structure(|triangle, leaf| {
+            let boxes = boxes
+                .get_mut(triangle as usize)
+                .ok_or_else(|| format!("no triangle {triangle}"))?;
+            boxes.push(*leaf);
+            Ok(())
+        })?;
+        for (triangle, boxes) in boxes.iter().enumerate() {
+            let Some(corners) = self.mesh.regular_corners(triangle) else {
+                if boxes.is_empty() {
+                    continue;
+                }
+                return Err(format!("triangle {triangle} should not be there"));
+            };
+            let around = Aabb::from_points(corners);
+            if boxes.iter().any(|part| part.intersection(around).is_empty()) {
+                return Err(format!("triangle {triangle} is in a leaf that has no part of it"));
+            }
+            if boxes.len() == 1 && boxes[0].contains(&around) {
+                continue;
+            }
+            // What points between the corners lose by rounding.
+            let margin = 4.0 * f32::EPSILON * around.min.abs().max(around.max.abs());
+            let is_held = |point: Vec3| {
+                let holds =
+                    |part: &Aabb| (part.min - margin).cmple(point).all() && point.cmple(part.max + margin).all();
+                boxes.iter().any(holds)
+            };
+            if let Some(point) = points_of(corners).find(|&point| !is_held(point)) {
+                return Err(format!("triangle {triangle} is in no leaf at {point}"));
+            }
+        }
+        Ok(())
     }
 
     /// The nearest hit with 0 < t < t_max; `ray` is in local space.
@@ -260,6 +309,16 @@ fn has_flat_normals(mesh: &MeshData) -> bool {
     };
     // Most meshes can be told by their first triangle.
     mesh.triangles.first().is_some_and(is_flat) && mesh.triangles.par_iter().all(is_flat)
+}
+
+/// Its corners, and points between them.
+fn points_of([a, b, c]: [Vec3; 3]) -> impl Iterator<Item = Vec3> {
+    const STEPS: u32 = 16;
+    let weights = (0..=STEPS).flat_map(|u| (0..=STEPS - u).map(move |v| [u, v]));
+    weights.map(move |weights| {
+        let [u, v] = weights.map(|weight| weight as f32 / STEPS as f32);
+        a * (1.0 - u - v) + b * u + c * v
+    })
 }
 
 /// The box of a triangle, empty for one that is left out.

@@ -6,10 +6,11 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::binning::{Bins, Grid};
-use super::collapse::{Branch, Costs, collapse};
+use super::binning::{Bins, Boundary, Grid};
+use super::collapse::{BinaryTree, Branch, Costs, collapse};
 use super::node::Node;
-use super::sets::{Reference, Set};
+use super::sets::{Bounds, Reference, Set};
+use super::spatial::{Cut, SpatialBins, divide};
 use crate::math::Aabb;
 
 /// How sets of primitives are divided.
@@ -54,17 +55,27 @@ pub(super) const MAX_DEPTH: usize = MEDIAN_DEPTH + 33;
 const PARALLEL: usize = 4096;
 const PARALLEL_BINNING: usize = 1 << 16;
 
-struct Builder {
+/// A set is only split by a plane if this share of its cost is saved where its halves end in the middle of what they have in common: most
+/// have little to gain, and to look for planes takes long.
+const WORTH_CUTTING: f32 = 0.07;
+/// Nor are smaller sets: their leaves would be filled less.
+const LEAST_CUT: usize = 256;
+
+struct Builder<'a> {
     method: SplitMethod,
     leaf_size: usize,
+    /// Where primitives may be held in parts.
+    cut: Option<&'a Cut<'a>>,
     /// Makes areas independent of the scene's unit, so that neither huge nor tiny scenes leave f32.
     scale: f32,
 }
 
-/// Over `count` boxes, with leaves of up to `leaf_size` primitives; a linear list is one leaf of all.
+/// Over `count` boxes, with leaves of up to `leaf_size` primitives; a linear list is one leaf of all. What can be `cut` may be held by
+/// several leaves, each with a box around a part of it.
 pub(super) fn build(
     count: usize,
     bounds: impl Fn(usize) -> Aabb + Sync,
+    cut: Option<&Cut>,
     method: SplitMethod,
     leaf_size: usize,
 ) -> Tree {
@@ -77,107 +88,199 @@ pub(super) fn build(
     let all = references
         .par_chunks(PARALLEL)
         .map(Set::of_what_can_be_hit)
-        .reduce(|| Set::empty(0), Set::union);
+        .reduce(|| Set::EMPTY, Set::union);
     if all.len < count {
         references.retain(Reference::can_be_hit);
     }
     let [x, y, z, _] = all.bounds.extent().to_array();
     let extent = x.max(y).max(z);
+    let scale = if extent > 0.0 {
+        extent.recip().clamp(f32::MIN_POSITIVE, f32::MAX)
+    } else {
+        1.0
+    };
     let builder = Builder {
         method,
         leaf_size,
-        scale: if extent > 0.0 {
-            extent.recip().clamp(f32::MIN_POSITIVE, f32::MAX)
-        } else {
-            1.0
-        },
+        cut,
+        scale,
     };
-    let mut branches = Vec::new();
+    let mut tree = BinaryTree::default();
     if !references.is_empty() {
-        builder.grow(&mut references, &all, 0, &mut branches);
+        let spare = all.len.min(u32::MAX as usize - all.len);
+        builder.grow(&mut references, &all, 0, spare, &mut tree);
     }
-    collapse(&branches, &references, leaf_size)
+    collapse(&tree, leaf_size)
 }
 
-impl Builder {
+/// What a set is divided into. The references of the left half come before those of the right one in place of the set's.
+struct Halves {
+    left: Set,
+    right: Set,
+    /// Or else they are here, and only the right half's are there.
+    cut_off: Vec<Reference>,
+}
+
+impl Halves {
+    fn in_place(left: Set, right: Set) -> Self {
+        let cut_off = Vec::new();
+        Self { left, right, cut_off }
+    }
+}
+
+impl Builder<'_> {
     fn is_leaf(&self, set: &Set) -> bool {
         set.len <= self.leaf_size || self.method == SplitMethod::Linear
     }
 
-    /// Appends the tree over `set`, which is all of `references`.
-    fn grow(&self, references: &mut [Reference], set: &Set, depth: usize, branches: &mut Vec<Branch>) -> Costs {
-        let index = branches.len();
-        let (leaf, costs) = Branch::leaf(set);
-        branches.push(leaf);
+    /// Appends the tree over `set`, which is all of `references`, to which no more than `spare` may be added.
+    fn grow(
+        &self,
+        references: &mut [Reference],
+        set: &Set,
+        depth: usize,
+        spare: usize,
+        tree: &mut BinaryTree,
+    ) -> Costs {
+        let index = tree.branches.len();
+        let (leaf, costs) = Branch::leaf(set, tree.order.len());
+        tree.branches.push(leaf);
         if self.is_leaf(set) {
+            tree.order.extend(references.iter().map(|reference| reference.index));
             return costs;
         }
         let by_median = self.method == SplitMethod::Median || depth >= MEDIAN_DEPTH;
-        let split = if by_median {
-            None
+        let Halves {
+            left,
+            right,
+            mut cut_off,
+        } = if by_median {
+            split_in_half(references, set)
         } else {
-            self.split_by_area(references, set)
+            self.split_by_area(references, set, spare)
         };
-        let (left, right) = split.unwrap_or_else(|| split_in_half(references, set));
-        let (of_left, of_right) = references.split_at_mut(left.len);
+        let (of_left, of_right) = if cut_off.is_empty() {
+            references.split_at_mut(left.len)
+        } else {
+            (&mut cut_off[..], &mut references[..right.len])
+        };
+        let spare = spare + set.len - left.len - right.len;
+        let left_spare = (spare as u128 * left.len as u128 / (left.len + right.len) as u128) as usize;
+        let right_spare = spare - left_spare;
         let right_index;
         let costs = if set.len < PARALLEL {
-            let left_costs = self.grow(of_left, &left, depth + 1, branches);
-            right_index = branches.len();
-            [left_costs, self.grow(of_right, &right, depth + 1, branches)]
+            let left_costs = self.grow(of_left, &left, depth + 1, left_spare, tree);
+            right_index = tree.branches.len();
+            [left_costs, self.grow(of_right, &right, depth + 1, right_spare, tree)]
         } else {
-            let mut right_branches = Vec::new();
+            let mut right_tree = BinaryTree::default();
             let (left_costs, right_costs) = rayon::join(
-                || self.grow(of_left, &left, depth + 1, branches),
-                || self.grow(of_right, &right, depth + 1, &mut right_branches),
+                || self.grow(of_left, &left, depth + 1, left_spare, tree),
+                || self.grow(of_right, &right, depth + 1, right_spare, &mut right_tree),
             );
-            right_index = branches.len();
-            append(branches, right_branches);
+            right_index = tree.branches.len();
+            tree.append(right_tree);
             [left_costs, right_costs]
         };
-        branches[index].set_children(costs, right_index, set.bounds.half_area(self.scale))
+        tree.branches[index].set_children(costs, right_index, set.bounds.half_area(self.scale))
+    }
+
+    /// Partitions where it is cheapest.
+    fn split_by_area(&self, references: &mut [Reference], set: &Set, spare: usize) -> Halves {
+        let Some((boundary, halves)) = self.split_between_centers(references, set) else {
+            return split_in_half(references, set);
+        };
+        match self.cut {
+            Some(cut) if spare > 0 && set.len >= LEAST_CUT && self.is_worth_cutting(&boundary, &halves) => self
+                .split_by_plane(references, set, boundary.cost, cut, spare)
+                .unwrap_or(halves),
+            _ => halves,
+        }
+    }
+
+    fn is_worth_cutting(&self, boundary: &Boundary, Halves { left, right, .. }: &Halves) -> bool {
+        let axis = boundary.axis;
+        let [mut before, mut behind] = [left, right].map(|set| set.bounds.to_aabb());
+        let middle = 0.5 * (before.max[axis] + behind.min[axis]);
+        before.max[axis] = before.max[axis].min(middle);
+        behind.min[axis] = behind.min[axis].max(middle);
+        let cost =
+            |part: &Aabb, set: &Set| Bounds::of(part).half_area(self.scale) * set.len.div_ceil(self.leaf_size) as f32;
+        cost(&before, left) + cost(&behind, right) < (1.0 - WORTH_CUTTING) * boundary.cost
+    }
+
+    /// None if it costs more, or would make more than `spare` references.
+    fn split_by_plane(
+        &self,
+        references: &mut [Reference],
+        set: &Set,
+        most: f32,
+        cut: &Cut,
+        spare: usize,
+    ) -> Option<Halves> {
+        let grid = SpatialBins::grid(set);
+        let bins = in_chunks(
+            references,
+            |chunk| SpatialBins::fill(&grid, chunk, cut),
+            SpatialBins::merge,
+        );
+        let (plane, cost) = bins.cheapest(&grid, self.leaf_size, self.scale)?;
+        if cost >= most {
+            return None;
+        }
+        let mut sides = divide(references, plane, cut);
+        sides.sort_by_key(Vec::len);
+        let [smaller, larger] = sides;
+        let is_possible = !smaller.is_empty()
+            && larger.len() < references.len()
+            && smaller.len() + larger.len() <= references.len() + spare;
+        is_possible.then(|| {
+            references[..larger.len()].copy_from_slice(&larger);
+            Halves {
+                left: Set::of(&smaller),
+                right: Set::of(&larger),
+                cut_off: smaller,
+            }
+        })
     }
 
     /// Partitions at the cheapest boundary between bins, `None` if all centres fall into one bin or no cost is a number.
-    fn split_by_area(&self, references: &mut [Reference], set: &Set) -> Option<(Set, Set)> {
+    fn split_between_centers(&self, references: &mut [Reference], set: &Set) -> Option<(Boundary, Halves)> {
         let grid = Grid::new(set);
-        let bins = if references.len() >= PARALLEL_BINNING {
-            references
-                .par_chunks(PARALLEL_BINNING / 4)
-                .map(|chunk| Bins::fill(&grid, chunk))
-                .reduce_with(Bins::merge)?
-        } else {
-            Bins::fill(&grid, references)
-        };
-        let (axis, boundary) = bins.cheapest(&grid, self.leaf_size, self.scale)?;
+        let bins = in_chunks(references, |chunk| Bins::fill(&grid, chunk), Bins::merge);
+        let boundary = Bins::cheapest([&bins, &bins], &grid, self.leaf_size, self.scale)?;
+        let Boundary { axis, bin, .. } = boundary;
 
         // Every step exchanges two references, needed or not: which side one is on cannot be foreseen, so a branch would cost more.
-        let (mut left, mut right) = (Set::empty(set.start), Set::empty(0));
+        let (mut left, mut right) = (Set::EMPTY, Set::EMPTY);
         for next in 0..references.len() {
             let reference = references[next];
             let center = reference.center();
-            let is_left = grid.is_before(center, axis, boundary);
+            let is_left = grid.is_before(center, axis, bin);
             references[next] = references[left.len];
             references[left.len] = reference;
             left.add_if(is_left, &reference, center);
             right.add_if(!is_left, &reference, center);
         }
-        right.start = set.start + left.len;
-        Some((left, right))
+        Some((boundary, Halves::in_place(left, right)))
     }
 }
 
-/// Appends a tree, whose indices count from its own start.
-fn append(branches: &mut Vec<Branch>, tree: Vec<Branch>) {
-    let base = branches.len();
-    branches.extend(tree.into_iter().map(|mut branch| {
-        branch.advance(base);
-        branch
-    }));
+/// What `of_chunk` says of all references, of large sets by all threads.
+fn in_chunks<T: Send>(
+    references: &[Reference],
+    of_chunk: impl Fn(&[Reference]) -> T + Sync + Send,
+    merge: impl Fn(T, T) -> T + Sync + Send,
+) -> T {
+    if references.len() < PARALLEL_BINNING {
+        return of_chunk(references);
+    }
+    let chunks = references.par_chunks(PARALLEL_BINNING / 4);
+    chunks.map(&of_chunk).reduce_with(merge).expect("there are chunks")
 }
 
 /// Halves by count along the axis on which the centres spread most; equal centres are told apart by index.
-fn split_in_half(references: &mut [Reference], set: &Set) -> (Set, Set) {
+fn split_in_half(references: &mut [Reference], set: &Set) -> Halves {
     let [x, y, z, _] = set.centers.extent().to_array();
     let axis = Vec3::new(x, y, z).max_position();
     let middle = references.len() / 2;
@@ -186,5 +289,5 @@ fn split_in_half(references: &mut [Reference], set: &Set) -> (Set, Set) {
         a_center.total_cmp(&b_center).then(a.index.cmp(&b.index))
     });
     let (left, right) = references.split_at(middle);
-    (Set::of(set.start, left), Set::of(set.start + middle, right))
+    Halves::in_place(Set::of(left), Set::of(right))
 }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::build::{MAX_DEPTH, NO_PRIMITIVE, SplitMethod, Tree, build};
 use super::node::{Child, MAX_LEAF, Node, WIDTH};
+use super::spatial::Cut;
 use crate::math::Aabb;
 
 /// A wide (8 children a node) bounding volume hierarchy over boxes.
@@ -53,18 +54,19 @@ impl Bvh {
     /// Builds over `bounds`, with leaves of up to `leaf_size` primitives (1 to 16), which are taken to be tested together. Boxes that are
     /// empty or have a NaN hold nothing that a ray could hit and are left out.
     pub fn build(bounds: &[Aabb], method: SplitMethod, leaf_size: usize) -> Self {
-        Self::over(bounds.len(), |index| bounds[index], method, leaf_size)
+        Self::over(bounds.len(), |index| bounds[index], None, method, leaf_size)
     }
 
     /// [`Bvh::build`] over `count` boxes that are asked for once.
     pub(super) fn over(
         count: usize,
         bounds: impl Fn(usize) -> Aabb + Sync,
+        cut: Option<&Cut>,
         method: SplitMethod,
         leaf_size: usize,
     ) -> Self {
         let leaf_size = leaf_size.clamp(1, MAX_LEAF);
-        let Tree { nodes, order, depth } = build(count, bounds, method, leaf_size);
+        let Tree { nodes, order, depth } = build(count, bounds, cut, method, leaf_size);
         let listed = || order.iter().filter(|&&primitive| primitive != NO_PRIMITIVE).count();
         let linear = (method == SplitMethod::Linear).then(listed);
         Self {
@@ -91,6 +93,14 @@ impl Bvh {
     /// Primitive indices in leaf order; `u32::MAX` fills a leaf up to its size.
     pub fn order(&self) -> &[u32] {
         &self.order
+    }
+
+    /// How many primitives the order lists, some maybe more than once.
+    pub(super) fn listed(&self) -> usize {
+        self.order
+            .par_iter()
+            .filter(|&&primitive| primitive != NO_PRIMITIVE)
+            .count()
     }
 
     /// The same tree around boxes that have moved (Wald, Boulos and Shirley, Ray tracing deformable scenes using dynamic bounding volume
@@ -212,11 +222,37 @@ impl Bvh {
     /// Checks the structure against the boxes it was built from: every box that can be hit in exactly one leaf, each child within its
     /// parent's box, no cycle, depth within what the traversal's stack holds.
     pub fn validate(&self, bounds: &[Aabb]) -> Result<(), String> {
+        let mut seen = vec![false; bounds.len()];
+        self.validate_structure(|primitive, leaf| {
+            let seen = seen
+                .get_mut(primitive as usize)
+                .ok_or_else(|| format!("no primitive {primitive}"))?;
+            if std::mem::replace(seen, true) {
+                return Err(format!("primitive {primitive} is in two leaves"));
+            }
+            if !leaf.contains(&bounds[primitive as usize]) {
+                return Err(format!("primitive {primitive} is not within its leaf's box"));
+            }
+            Ok(())
+        })?;
+        for (primitive, bounds) in bounds.iter().enumerate() {
+            if seen[primitive] != can_be_hit(bounds) {
+                return Err(format!("primitive {primitive} is missing or should not be there"));
+            }
+        }
+        Ok(())
+    }
+
+    /// [`Bvh::validate`] but for what leaves hold, which `visit` looks at: each primitive with its leaf's box.
+    pub(super) fn validate_structure(
+        &self,
+        mut visit: impl FnMut(u32, &Aabb) -> Result<(), String>,
+    ) -> Result<(), String> {
         let everything = Aabb {
             min: glam::Vec3::NEG_INFINITY,
             max: glam::Vec3::INFINITY,
         };
-        let mut seen = vec![false; bounds.len()];
+        let mut held = 0;
         let mut reached = vec![false; self.nodes.len()];
         let mut pending = vec![(0usize, 1usize, everything)];
         while let Some((index, depth, parent)) = pending.pop() {
@@ -246,32 +282,15 @@ impl Bvh {
                 }
                 let leaf = self.order.get(self.leaf_range(child));
                 for &primitive in leaf.ok_or_else(|| format!("node {index}: leaf {slot} is out of range"))? {
-                    let found = seen
-                        .get_mut(primitive as usize)
-                        .ok_or_else(|| format!("no primitive {primitive}"))?;
-                    if std::mem::replace(found, true) {
-                        return Err(format!("primitive {primitive} is in two leaves"));
-                    }
-                    if !bounds_here.contains(&bounds[primitive as usize]) {
-                        return Err(format!("primitive {primitive} is not within its leaf's box"));
-                    }
+                    visit(primitive, &bounds_here)?;
+                    held += 1;
                 }
             }
         }
         if let Some(index) = reached.iter().position(|&reached| !reached) {
             return Err(format!("node {index} is not reached"));
         }
-        for (primitive, bounds) in bounds.iter().enumerate() {
-            if seen[primitive] != can_be_hit(bounds) {
-                return Err(format!("primitive {primitive} is missing or should not be there"));
-            }
-        }
-        let listed = self
-            .order
-            .iter()
-            .filter(|&&primitive| primitive != NO_PRIMITIVE)
-            .count();
-        if listed != seen.iter().filter(|&&seen| seen).count() {
+        if self.listed() != held {
             return Err("the order lists primitives that no leaf holds".into());
         }
         Ok(())

@@ -11,10 +11,31 @@ use rayon::prelude::*;
 
 use super::build::{NO_PRIMITIVE, Tree};
 use super::node::{Child, Node, WIDTH};
-use super::sets::{Reference, Set};
+use super::sets::Set;
 use crate::math::Aabb;
 
-/// A node of the binary tree. The tree is a list in which a node's left child follows it.
+/// What is made wide.
+#[derive(Default)]
+pub(super) struct BinaryTree {
+    /// Nodes, each followed by its left child.
+    pub branches: Vec<Branch>,
+    /// The primitives that leaves hold runs of.
+    pub order: Vec<u32>,
+}
+
+impl BinaryTree {
+    /// Appends a tree, whose indices count from its own start.
+    pub fn append(&mut self, tree: Self) {
+        let (branches, order) = (self.branches.len(), self.order.len());
+        self.branches.extend(tree.branches.into_iter().map(|mut branch| {
+            branch.advance(branches, order);
+            branch
+        }));
+        self.order.extend(tree.order);
+    }
+}
+
+/// A node of the binary tree.
 pub(super) struct Branch {
     bounds: Aabb,
     kind: BranchKind,
@@ -22,7 +43,7 @@ pub(super) struct Branch {
 
 #[derive(Clone, Copy)]
 enum BranchKind {
-    /// A run of references.
+    /// A run of [`BinaryTree::order`].
     Leaf { start: u32, len: u32 },
     Inner {
         /// The index of the right child.
@@ -37,10 +58,10 @@ enum BranchKind {
 pub(super) type Costs = [f32; WIDTH];
 
 impl Branch {
-    /// Also a place for what will be an inner node.
-    pub fn leaf(set: &Set) -> (Self, Costs) {
+    /// A leaf that starts there in the order. Also a place for what will be an inner node.
+    pub fn leaf(set: &Set, start: usize) -> (Self, Costs) {
         let kind = BranchKind::Leaf {
-            start: set.start as u32,
+            start: start as u32,
             len: set.len as u32,
         };
         let bounds = set.bounds.to_aabb();
@@ -73,24 +94,21 @@ impl Branch {
         costs
     }
 
-    /// Moves this within the list, with all that is below it.
-    pub fn advance(&mut self, by: usize) {
-        if let BranchKind::Inner { right, .. } = &mut self.kind {
-            *right += by as u32;
+    /// Moves this within the lists, with all that is below it.
+    fn advance(&mut self, branches: usize, order: usize) {
+        match &mut self.kind {
+            BranchKind::Inner { right, .. } => *right += branches as u32,
+            BranchKind::Leaf { start, .. } => *start += order as u32,
         }
     }
 }
 
-/// Wide nodes over `branches`, whose leaves hold runs of `references`. The children of a node lie side by side, its leaves too.
-pub(super) fn collapse(branches: &[Branch], references: &[Reference], leaf_size: usize) -> Tree {
-    let collapse = Collapse {
-        branches,
-        references,
-        leaf_size,
-    };
+/// Wide nodes over `binary`. The children of a node lie side by side, its leaves too.
+pub(super) fn collapse(binary: &BinaryTree, leaf_size: usize) -> Tree {
+    let collapse = Collapse { binary, leaf_size };
     let mut tree = Tree::childless();
-    if !branches.is_empty() {
-        collapse.fill(&mut tree, 0, 0..branches.len(), 1);
+    if !binary.branches.is_empty() {
+        collapse.fill(&mut tree, 0, 0..binary.branches.len(), 1);
     }
     tree
 }
@@ -99,8 +117,7 @@ pub(super) fn collapse(branches: &[Branch], references: &[Reference], leaf_size:
 const PARALLEL: usize = 2048;
 
 struct Collapse<'a> {
-    branches: &'a [Branch],
-    references: &'a [Reference],
+    binary: &'a BinaryTree,
     leaf_size: usize,
 }
 
@@ -114,7 +131,7 @@ impl Collapse<'_> {
         let first = tree.nodes.len();
         let mut inner = ArrayVec::<Range<usize>, WIDTH>::new();
         for (slot, &child) in children.iter().enumerate() {
-            let branch = &self.branches[child];
+            let branch = &self.binary.branches[child];
             let content = match branch.kind {
                 BranchKind::Leaf { start, len } => self.push_leaf(tree, start as usize, len as usize),
                 BranchKind::Inner { .. } => {
@@ -160,7 +177,7 @@ impl Collapse<'_> {
 
     /// The branches that fill up to `slots` slots for branch `index`.
     fn gather(&self, index: usize, slots: usize, children: &mut ArrayVec<usize, WIDTH>) {
-        match self.branches[index].kind {
+        match self.binary.branches[index].kind {
             BranchKind::Inner { right, left_slots } if slots > 1 && left_slots[slots - 2] > 0 => {
                 let of_left = left_slots[slots - 2] as usize;
                 self.gather(index + 1, of_left, children);
@@ -173,8 +190,7 @@ impl Collapse<'_> {
     fn push_leaf(&self, tree: &mut Tree, start: usize, len: usize) -> Child {
         let order = &mut tree.order;
         let block = order.len() / self.leaf_size;
-        let references = &self.references[start..start + len];
-        order.extend(references.iter().map(|reference| reference.index));
+        order.extend_from_slice(&self.binary.order[start..start + len]);
         order.resize(order.len().next_multiple_of(self.leaf_size), NO_PRIMITIVE);
         // A linear list says how long it is itself.
         Child::leaf(block, len.min(self.leaf_size))

@@ -22,6 +22,7 @@ mod ray_lanes;
 mod sets;
 mod shape_lanes;
 mod shape_packet;
+mod spatial;
 mod surface;
 mod tiny_mesh;
 mod tlas;

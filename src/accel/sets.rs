@@ -33,8 +33,7 @@ impl Reference {
     /// Neither empty nor NaN.
     #[inline(always)]
     pub fn can_be_hit(&self) -> bool {
-        let [negated_min, max] = self.bounds().corners();
-        (-negated_min).simd_le(max).to_bitmask() & 7 == 7
+        self.bounds().holds_points()
     }
 
     #[inline(always)]
@@ -56,6 +55,18 @@ pub(super) struct Bounds(f32x8);
 
 impl Bounds {
     pub const EMPTY: Self = Self(f32x8::splat(f32::NEG_INFINITY));
+
+    pub fn of(bounds: &Aabb) -> Self {
+        Reference::new(bounds, 0).bounds()
+    }
+
+    /// [`Bounds::EMPTY`] of a box that is empty on any axis.
+    pub fn of_part(part: &Aabb) -> Self {
+        match part.is_empty() {
+            true => Self::EMPTY,
+            false => Self::of(part),
+        }
+    }
 
     #[inline(always)]
     pub fn of_point(point: f32x4) -> Self {
@@ -84,6 +95,18 @@ impl Bounds {
     }
 
     #[inline(always)]
+    pub fn max(self) -> f32x4 {
+        self.corners()[1]
+    }
+
+    /// Neither empty nor NaN.
+    #[inline(always)]
+    pub fn holds_points(self) -> bool {
+        let [negated_min, max] = self.corners();
+        (-negated_min).simd_le(max).to_bitmask() & 7 == 7
+    }
+
+    #[inline(always)]
     pub fn extent(self) -> f32x4 {
         let [negated_min, max] = self.corners();
         max + negated_min
@@ -101,24 +124,20 @@ impl Bounds {
     }
 }
 
-/// A run of references with the box around them and the box around their (doubled) centres.
+/// How many references, the box around them and the box around their (doubled) centres.
 #[derive(Clone, Copy)]
 pub(super) struct Set {
-    pub start: usize,
     pub len: usize,
     pub bounds: Bounds,
     pub centers: Bounds,
 }
 
 impl Set {
-    pub fn empty(start: usize) -> Self {
-        Self {
-            start,
-            len: 0,
-            bounds: Bounds::EMPTY,
-            centers: Bounds::EMPTY,
-        }
-    }
+    pub const EMPTY: Self = Self {
+        len: 0,
+        bounds: Bounds::EMPTY,
+        centers: Bounds::EMPTY,
+    };
 
     /// Adds a reference if `condition` holds, without a branch on it.
     #[inline(always)]
@@ -131,7 +150,6 @@ impl Set {
 
     pub fn union(self, other: Self) -> Self {
         Self {
-            start: self.start,
             len: self.len + other.len,
             bounds: self.bounds.union(other.bounds),
             centers: self.centers.union(other.centers),
@@ -139,15 +157,15 @@ impl Set {
     }
 
     pub fn of_what_can_be_hit(references: &[Reference]) -> Self {
-        let mut set = Self::empty(0);
+        let mut set = Self::EMPTY;
         for reference in references {
             set.add_if(reference.can_be_hit(), reference, reference.center());
         }
         set
     }
 
-    pub fn of(start: usize, references: &[Reference]) -> Self {
-        let mut set = Self::empty(start);
+    pub fn of(references: &[Reference]) -> Self {
+        let mut set = Self::EMPTY;
         for reference in references {
             set.add_if(true, reference, reference.center());
         }

@@ -39,6 +39,14 @@ impl Aabb {
         }
     }
 
+    /// What is in both; empty if nothing is.
+    pub fn intersection(self, other: Self) -> Self {
+        Self {
+            min: self.min.max(other.min),
+            max: self.max.min(other.max),
+        }
+    }
+
     /// Edge lengths; zero for the empty box.
     pub fn extent(&self) -> Vec3 {
         (self.max - self.min).max(Vec3::ZERO)

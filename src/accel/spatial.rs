@@ -1,0 +1,123 @@
+//! Spatial splits: a set of references is divided by a plane, and what lies on both sides of it is held by both (Stich, Friedrich and
+//! Dietrich, Spatial splits in bounding volume hierarchies, 2009). That pays where primitives are long or large beside their neighbours.
+
+use glam::Vec3;
+
+use super::binning::{Bins, Grid};
+use super::sets::{Bounds, Reference, Set};
+use crate::math::Aabb;
+
+/// Boxes around the two sides of a primitive's part within a box: those before and behind a plane across an axis. A side without anything
+/// is empty.
+pub(super) type Cut<'a> = dyn Fn(u32, &Aabb, Plane) -> [Aabb; 2] + Sync + 'a;
+
+#[derive(Clone, Copy)]
+pub(super) struct Plane {
+    pub axis: usize,
+    pub at: f32,
+}
+
+/// Planes that are tried on each axis, and one.
+const BINS: usize = 16;
+
+/// Bins of what begins in them and of what ends there; both have the boxes of all that lies in them.
+pub(super) struct SpatialBins {
+    begins: Bins,
+    ends: Bins,
+}
+
+impl SpatialBins {
+    pub fn grid(set: &Set) -> Grid {
+        Grid::over(set.bounds, BINS)
+    }
+
+    pub fn fill(grid: &Grid, references: &[Reference], cut: &Cut) -> Self {
+        let [mut begins, mut ends] = [Bins::EMPTY; 2];
+        for reference in references {
+            let bounds = reference.bounds();
+            let (first, last) = (grid.bin(bounds.min()), grid.bin(bounds.max()));
+            begins.count(first);
+            ends.count(last);
+            if first == last {
+                begins.add(first, bounds);
+                continue;
+            }
+            for axis in 0..3 {
+                let mut rest = bounds.to_aabb();
+                for bin in first[axis]..last[axis] {
+                    let [here, beyond] = cut(reference.index, &rest, grid.plane(axis, bin + 1));
+                    begins.add_on(axis, bin, Bounds::of_part(&here));
+                    rest = beyond;
+                }
+                begins.add_on(axis, last[axis], Bounds::of_part(&rest));
+            }
+        }
+        ends.bounds = begins.bounds;
+        Self { begins, ends }
+    }
+
+    pub fn merge(self, other: Self) -> Self {
+        Self {
+            begins: self.begins.merge(other.begins),
+            ends: self.ends.merge(other.ends),
+        }
+    }
+
+    /// The cheapest plane, and its cost.
+    pub fn cheapest(&self, grid: &Grid, align: usize, scale: f32) -> Option<(Plane, f32)> {
+        let boundary = Bins::cheapest([&self.begins, &self.ends], grid, align, scale)?;
+        Some((grid.plane(boundary.axis, boundary.bin), boundary.cost))
+    }
+}
+
+/// What lies before and behind the plane.
+pub(super) fn divide(references: &[Reference], plane: Plane, cut: &Cut) -> [Vec<Reference>; 2] {
+    let mut sides = [Vec::new(), Vec::new()];
+    for reference in references {
+        let bounds = reference.bounds().to_aabb();
+        if bounds.max[plane.axis] <= plane.at {
+            sides[0].push(*reference);
+        } else if bounds.min[plane.axis] >= plane.at {
+            sides[1].push(*reference);
+        } else {
+            for (side, part) in sides.iter_mut().zip(cut(reference.index, &bounds, plane)) {
+                let part = Reference::new(&part, reference.index);
+                if part.can_be_hit() {
+                    side.push(part);
+                }
+            }
+        }
+    }
+    sides
+}
+
+/// A [`Cut`] of a triangle.
+pub(super) fn cut_triangle(corners: [Vec3; 3], part: &Aabb, plane: Plane) -> [Aabb; 2] {
+    let Plane { axis, at } = plane;
+    let mut sides = [Aabb::EMPTY; 2];
+    for (k, &corner) in corners.iter().enumerate() {
+        if corner[axis] <= at {
+            sides[0] = sides[0].grown(corner);
+        }
+        if corner[axis] >= at {
+            sides[1] = sides[1].grown(corner);
+        }
+        let next = corners[(k + 1) % 3];
+        if (corner[axis] < at) != (next[axis] < at) && corner[axis] != at && next[axis] != at {
+            let (from, to) = (corner.as_dvec3(), next.as_dvec3());
+            let mut crossing = from.lerp(to, (f64::from(at) - from[axis]) / (to[axis] - from[axis]));
+            crossing[axis] = f64::from(at);
+            // Around the exact point.
+            let error = 4.0 * f64::EPSILON * from.abs().max(to.abs());
+            let [min, max] = [crossing - error, crossing + error].map(|corner| corner.as_vec3().to_array());
+            let around = Aabb {
+                min: Vec3::from_array(min.map(f32::next_down)),
+                max: Vec3::from_array(max.map(f32::next_up)),
+            };
+            sides = sides.map(|side| side.union(around));
+        }
+    }
+    sides[0].max[axis] = sides[0].max[axis].min(at);
+    sides[1].min[axis] = sides[1].min[axis].max(at);
+    sides.map(|side| side.intersection(*part))
+}
