@@ -19,7 +19,8 @@ use sunroom::material;
 use sunroom::render::scene::RenderScene;
 use sunroom::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, IntegratorSettings, Material,
-    MeshFile, MeshHandle, SamplerSettings, ScenePlugin, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial,
+    MeshFile, MeshHandle, MeshShape, SamplerSettings, ScenePlugin, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh,
+    UsesMaterial,
 };
 
 /// The entities of the little scene that the tests change.
@@ -582,9 +583,12 @@ fn sheet(n: u32) -> MeshData {
 }
 
 fn mesh_asset(data: MeshData) -> TriangleMesh {
-    TriangleMesh {
+    let shape = MeshShape {
         data: Arc::new(data),
         warnings: Vec::new(),
+    };
+    TriangleMesh {
+        shapes: vec![shape],
         dependencies: Vec::new(),
     }
 }
@@ -636,7 +640,7 @@ fn one_hierarchy_per_mesh_and_a_new_one_when_its_file_changes() {
     );
     let handle = large.clone();
     let mut meshes = room.app.world_mut().resource_mut::<Assets<TriangleMesh>>();
-    meshes.get_mut(&handle).expect("the sheet").data = Arc::new(sheet(80));
+    meshes.get_mut(&handle).expect("the sheet").shapes[0].data = Arc::new(sheet(80));
     room.update_until(|room| room.status().triangles == 2 * 12_800 + 12);
     let after = blases(&room);
     assert!(Arc::ptr_eq(&after[0], &after[1]) && !Arc::ptr_eq(&after[0], &before[0]));

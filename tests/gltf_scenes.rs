@@ -198,7 +198,7 @@ impl Open {
     fn data(&mut self, id: &str) -> Arc<MeshData> {
         let handle = self.get::<MeshHandle>(id);
         let meshes = self.0.world().resource::<Assets<TriangleMesh>>();
-        meshes.get(&handle.0).expect("is loaded").data.clone()
+        meshes.get(&handle.0).expect("is loaded").shapes[0].data.clone()
     }
 
     fn until_revision(&mut self, revision: u64) {

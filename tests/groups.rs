@@ -242,51 +242,91 @@ fn serialized(sizes: &[f32]) -> Vec<u8> {
     bytes
 }
 
-#[test]
-fn every_shape_of_a_serialized_file_can_be_asked_for() {
-    let folder = tempfile::tempdir().unwrap();
-    let shape = |index: &str| {
-        format!("<shape type='serialized'><string name='filename' value='three.serialized'/>{index}</shape>")
+/// Opens a scene of shapes with these properties, all of them from `shapes.serialized`.
+fn open_serialized(folder: &Path, shapes: &[&str]) -> App {
+    let shape = |index: &&str| {
+        format!("<shape type='serialized'><string name='filename' value='shapes.serialized'/>{index}</shape>")
     };
-    let body: String = [
-        "",
-        "<integer name='shape_index' value='2'/>",
-        "<integer name='shape_index' value='7'/>",
-    ]
-    .map(shape)
-    .concat();
+    let body: String = shapes.iter().map(shape).collect();
     let text = format!("<scene version='3.0.0'><sensor type='perspective'/>{body}</scene>");
-    std::fs::write(folder.path().join("scene.xml"), text).unwrap();
-    std::fs::write(folder.path().join("three.serialized"), serialized(&[1.0, 2.0, 3.0])).unwrap();
+    std::fs::write(folder.join("scene.xml"), text).unwrap();
     let mut app = app();
     app.world_mut().write_message(OpenScene {
-        path: folder.path().join("scene.xml"),
+        path: folder.join("scene.xml"),
         defines: Vec::new(),
         ..OpenScene::default()
     });
+    update_until(&mut app, |app| app.world().resource::<SceneStatus>().is_complete());
+    app.update();
+    app
+}
+
+fn update_until(app: &mut App, condition: impl Fn(&App) -> bool) {
     let deadline = Instant::now() + Duration::from_secs(20);
-    while !app.world().resource::<SceneStatus>().is_complete() {
+    while !condition(app) {
         app.update();
         assert!(Instant::now() < deadline, "{:?}", app.world().resource::<SceneStatus>());
         std::thread::sleep(Duration::from_millis(5));
     }
-    app.update();
+}
+
+/// Of each shape that is there.
+fn widths(app: &App) -> Vec<f32> {
+    let scene = app.world().resource::<CurrentScene>().scene.clone().unwrap();
+    let instances = scene.geometry.instances();
+    instances.iter().map(|one| one.world_bounds().extent().x).collect()
+}
+
+#[test]
+fn every_shape_of_a_serialized_file_can_be_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("shapes.serialized"), serialized(&[1.0, 2.0, 3.0])).unwrap();
+    let shapes = [
+        "",
+        "<integer name='shape_index' value='2'/>",
+        "<integer name='shape_index' value='7'/>",
+    ];
+    let app = open_serialized(folder.path(), &shapes);
     let status = app.world().resource::<SceneStatus>();
     let errors: Vec<&str> = status.mesh_errors.iter().map(|error| error.message.as_str()).collect();
     assert!(
         matches!(errors[..], [one] if one.ends_with("there is no shape 7: the file has 3")),
         "{errors:?}"
     );
-    let scene = app.world().resource::<CurrentScene>().scene.clone().unwrap();
-    let extents: Vec<f32> = scene
-        .geometry
-        .instances()
-        .iter()
-        .map(|one| one.world_bounds().extent().x)
-        .collect();
+    let widths = widths(&app);
     // The bounds are a little wider than the triangles.
     assert!(
-        matches!(extents[..], [a, b] if (a - 1.0).abs() < 1e-4 && (b - 3.0).abs() < 1e-4),
-        "{extents:?}"
+        matches!(widths[..], [a, b] if (a - 1.0).abs() < 1e-4 && (b - 3.0).abs() < 1e-4),
+        "{widths:?}"
     );
+}
+
+/// The file's asset stays; what is asked of it changes.
+#[test]
+fn another_shape_of_a_serialized_file_can_be_asked_for_later() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("shapes.serialized"), serialized(&[1.0, 2.0])).unwrap();
+    let [second, missing] = [1, 7].map(|index| format!("<integer name='shape_index' value='{index}'/>"));
+    let mut app = open_serialized(folder.path(), &[&missing]);
+    let errors = |app: &App| app.world().resource::<SceneStatus>().mesh_errors.len();
+    assert_eq!((errors(&app), widths(&app).len()), (1, 0));
+    let text = std::fs::read_to_string(folder.path().join("scene.xml")).unwrap();
+    std::fs::write(folder.path().join("scene.xml"), text.replace(&missing, &second)).unwrap();
+    update_until(&mut app, |app| errors(app) == 0 && widths(app).len() == 1);
+    std::fs::write(folder.path().join("scene.xml"), text).unwrap();
+    update_until(&mut app, |app| errors(app) == 1 && widths(app).is_empty());
+}
+
+#[test]
+fn a_serialized_file_whose_first_shape_nobody_uses_is_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |second: f32| {
+        std::fs::write(folder.path().join("shapes.serialized"), serialized(&[1.0, second])).unwrap();
+    };
+    write(2.0);
+    let mut app = open_serialized(folder.path(), &["<integer name='shape_index' value='1'/>"]);
+    let is_about = |app: &App, expected: f32| matches!(widths(app)[..], [width] if (width - expected).abs() < 1e-4);
+    assert!(is_about(&app, 2.0), "{:?}", widths(&app));
+    write(5.0);
+    update_until(&mut app, |app| is_about(app, 5.0));
 }

@@ -156,7 +156,7 @@ impl Open {
     fn mesh(&mut self, id: &str) -> (AssetId<TriangleMesh>, Arc<MeshData>) {
         let handle = self.get::<MeshHandle>(id).0;
         let meshes = self.app.world().resource::<Assets<TriangleMesh>>();
-        (handle.id(), meshes.get(&handle).unwrap().data.clone())
+        (handle.id(), meshes.get(&handle).unwrap().shapes[0].data.clone())
     }
 
     fn count<C: Component>(&mut self) -> usize {
@@ -297,7 +297,7 @@ fn an_edited_mesh_is_read_again_and_no_other() {
         world
             .resource::<Assets<TriangleMesh>>()
             .get(first)
-            .is_some_and(|mesh| mesh.data.triangles.len() == 2)
+            .is_some_and(|mesh| mesh.shapes[0].data.triangles.len() == 2)
     });
     assert!(!Arc::ptr_eq(&open.mesh("first").1, &old));
     open.until("the news of it", |world| {
@@ -374,7 +374,7 @@ fn material_libraries_and_includes_are_watched() {
     let (first, _) = open.mesh("first");
     let kd = |world: &World| {
         let mesh = world.resource::<Assets<TriangleMesh>>().get(first)?;
-        mesh.data.materials.first().map(|material| material.kd.x)
+        mesh.shapes[0].data.materials.first().map(|material| material.kd.x)
     };
     std::fs::write(&path, format!("mtllib lib.mtl\nusemtl paint\n{TRIANGLE}")).unwrap();
     // The library comes later: its place is watched already.

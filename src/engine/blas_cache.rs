@@ -23,6 +23,7 @@ const SMALL: usize = 4096;
 pub(super) enum MeshKey {
     Asset {
         id: AssetId<TriangleMesh>,
+        shape_index: u32,
         /// With the texture coordinates of the asset turned over.
         upside_down: bool,
     },

@@ -221,9 +221,11 @@ impl Extracted {
                     Some(mesh) => {
                         let key = MeshKey::Asset {
                             id: handle.id(),
+                            shape_index: file.shape_index,
                             upside_down: file.flip_tex_coords != file.format.flips_tex_coords(),
                         };
-                        cache.get(key, &mesh.data, policy)
+                        mesh.data(file.shape_index)
+                            .and_then(|data| cache.get(key, data, policy))
                     }
                     None => {
                         let failed = |server: &AssetServer| server.load_state(handle).is_failed();

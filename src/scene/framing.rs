@@ -28,7 +28,7 @@ pub fn world_bounds(shape: &Shape, to_world: &Affine3A, mesh: Option<&TriangleMe
             Aabb::from_points([p0.min(*p1) - reach, p0.max(*p1) + reach])
         }
         ShapeKind::Instance => return None,
-        ShapeKind::Mesh(_) => mesh?.data.bounds(),
+        ShapeKind::Mesh(file) => mesh?.data(file.shape_index)?.bounds(),
     };
     Some(local.transformed(to_world))
 }

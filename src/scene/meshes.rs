@@ -1,13 +1,13 @@
 //! Mesh assets follow the shapes that name them, and their troubles reach the status.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use bevy::asset::{AssetLoadFailedEvent, AssetPath, LoadState};
 use bevy::prelude::*;
 
 use super::assets::cause;
 use super::loading::SceneFile;
-use super::{Authored, DocumentOrder, MeshFile, MeshHandle, MeshProblem, SceneStatus, Shape, ShapeKind, TriangleMesh};
+use super::{Authored, DocumentOrder, MeshHandle, MeshProblem, SceneStatus, Shape, ShapeKind, TriangleMesh};
 use crate::document::Diagnostics;
 
 pub(super) fn follow_mesh_files(
@@ -20,7 +20,7 @@ pub(super) fn follow_mesh_files(
             // Without a file the mesh is one that the program has made.
             ShapeKind::Mesh(file) if file.path.as_os_str().is_empty() => {}
             ShapeKind::Mesh(file) => {
-                let handle = MeshHandle(server.load(asset_path(file)));
+                let handle = MeshHandle(server.load(AssetPath::from_path_buf(file.path.clone())));
                 if current != Some(&handle) {
                     commands.entity(entity).insert(handle);
                 }
@@ -33,15 +33,6 @@ pub(super) fn follow_mesh_files(
     }
 }
 
-/// What the loader of meshes calls this one: the first shape of a file is the file, others are labelled with their numbers.
-fn asset_path(mesh: &MeshFile) -> AssetPath<'static> {
-    let path = AssetPath::from_path_buf(mesh.path.clone());
-    match mesh.shape_index {
-        0 => path,
-        index => path.with_label(index.to_string()),
-    }
-}
-
 /// Brings errors, warnings and the number of missing meshes up to date, whenever a mesh or a shape has changed.
 pub(super) fn report_meshes(
     mut status: ResMut<SceneStatus>,
@@ -50,7 +41,7 @@ pub(super) fn report_meshes(
     assets: Res<Assets<TriangleMesh>>,
     mut events: MessageReader<AssetEvent<TriangleMesh>>,
     mut failures: MessageReader<AssetLoadFailedEvent<TriangleMesh>>,
-    changed: Query<(), Or<(Changed<MeshHandle>, Changed<DocumentOrder>)>>,
+    changed: Query<(), Or<(Changed<Shape>, Changed<MeshHandle>, Changed<DocumentOrder>)>>,
     mut removed: RemovedComponents<MeshHandle>,
     shapes: Query<(&Shape, &MeshHandle, &DocumentOrder, Option<&Authored>)>,
 ) {
@@ -63,40 +54,56 @@ pub(super) fn report_meshes(
     if news == [0; 4] && status.meshes_loading == 0 {
         return;
     }
-    // One message per file, at the first shape that names it.
+    // One message per mesh, at the first shape that names it.
     let mut first_use = HashMap::new();
     for (shape, handle, order, authored) in &shapes {
-        let entry = first_use.entry(handle.0.id()).or_insert((order, shape, authored));
+        let ShapeKind::Mesh(mesh) = &shape.kind else {
+            continue;
+        };
+        let entry = first_use
+            .entry((handle.0.id(), mesh.shape_index))
+            .or_insert((order, mesh, authored));
         if *order < *entry.0 {
-            *entry = (order, shape, authored);
+            *entry = (order, mesh, authored);
         }
     }
     let mut uses: Vec<_> = first_use.into_iter().collect();
     uses.sort_by_key(|(_, (order, ..))| **order);
     let mut errors = Vec::new();
     let mut warnings = Vec::new();
-    let mut loading = 0;
-    for (id, (_, shape, authored)) in uses {
-        let ShapeKind::Mesh(mesh) = &shape.kind else {
-            continue;
-        };
+    // What is the file's is told once, whichever of its shapes are used.
+    let (mut failed, mut loading) = (HashSet::new(), HashSet::new());
+    for ((id, index), (_, mesh, authored)) in uses {
         let shown = mesh.path.display();
-        if let Some(asset) = assets.get(id) {
-            warnings.extend(asset.warnings.iter().map(|warning| format!("{shown}: {warning}")));
+        let mut problem = |what: String| {
+            errors.push(MeshProblem {
+                path: mesh.path.clone(),
+                message: format!("{}mesh {shown}: {what}", place(authored, &file.good_diagnostics)),
+            });
+        };
+        let asset = assets.get(id);
+        match asset.map(|asset| (asset.shapes.get(index as usize), asset.shapes.len())) {
+            Some((Some(shape), _)) => {
+                warnings.extend(shape.warnings.iter().map(|warning| format!("{shown}: {warning}")));
+            }
+            Some((None, count)) => problem(format!("there is no shape {index}: the file has {count}")),
+            None => {}
         }
         match server.load_state(id) {
-            LoadState::Failed(error) => errors.push(MeshProblem {
-                path: mesh.path.clone(),
-                message: format!(
-                    "{}mesh {shown}: {}",
-                    place(authored, &file.good_diagnostics),
-                    cause(&error)
-                ),
-            }),
+            LoadState::Failed(error) => {
+                if failed.insert(id) {
+                    problem(cause(&error));
+                }
+            }
             LoadState::Loaded => {}
-            LoadState::NotLoaded | LoadState::Loading => loading += usize::from(!assets.contains(id)),
+            LoadState::NotLoaded | LoadState::Loading => {
+                if asset.is_none() {
+                    loading.insert(id);
+                }
+            }
         }
     }
+    let loading = loading.len();
     for problem in errors.iter().filter(|problem| !status.mesh_errors.contains(problem)) {
         error!("{}", problem.message);
     }

@@ -35,7 +35,7 @@ pub mod texture;
 pub mod watch;
 pub mod write;
 
-pub use assets::{MeshHandle, TextureMap, TriangleMesh};
+pub use assets::{MeshHandle, MeshShape, TextureMap, TriangleMesh};
 pub use authored::{Authored, AuthoredScene, DeclaredIn, Declares};
 pub use description::SceneDescription;
 pub use emitter::{AreaLight, Emitter, EmitterKind, EmitterVisitor};

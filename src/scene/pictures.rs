@@ -98,7 +98,8 @@ pub(super) fn follow_pictures(
         });
     }
     for mesh in libraries.iter().filter_map(|handle| meshes.get(&handle.0)) {
-        let maps = mesh.data.materials.iter().flat_map(|material| material.maps.iter());
+        let materials = mesh.shapes.iter().flat_map(|shape| &shape.data.materials);
+        let maps = materials.flat_map(|material| material.maps.iter());
         wanted.extend(maps.map(|map| map.file.clone()));
     }
     let same = wanted.iter().eq(pictures.0.keys());

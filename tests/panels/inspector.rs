@@ -6,7 +6,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use sunroom::app::editor::command::Command;
 use sunroom::app::editor::mixed::Mixed;
-use sunroom::app::editor::model::{Inspected, Model, Outline};
+use sunroom::app::editor::model::{Inspected, InspectedMesh, Model, Outline};
 use sunroom::app::editor::panels::inspector::{InspectorState, inspector};
 use sunroom::app::editor::selection::Selection;
 use sunroom::scene::{Lens, Material, Sensor, Shape, ShapeKind};
@@ -57,7 +57,7 @@ fn names_are_explained_where_the_pointer_rests() {
 }
 
 #[test]
-fn what_has_no_material_is_grey_and_a_light_black() {
+fn what_has_no_material_is_grey_and_a_light_black_unless_its_file_has_some() {
     let plain = Inspected {
         shape: Some(Shape::default()),
         ..Inspected::new(entity(5), "wall")
@@ -66,7 +66,20 @@ fn what_has_no_material_is_grey_and_a_light_black() {
         area_light: Some(light(Vec3::ONE)),
         ..plain.clone()
     };
-    for (inspected, looks) in [(plain, "none (grey)"), (lamp, "none (black)")] {
+    let mesh = |has_materials| Inspected {
+        mesh: Some(InspectedMesh {
+            triangles: 12,
+            has_materials,
+        }),
+        ..lamp.clone()
+    };
+    let cases = [
+        (plain, "none (grey)"),
+        (mesh(true), "of the file"),
+        (mesh(false), "none (black)"),
+        (lamp, "none (black)"),
+    ];
+    for (inspected, looks) in cases {
         let harness = inspect(inspected);
         assert_eq!(harness.get_by_label("Uses").value().as_deref(), Some(looks));
     }

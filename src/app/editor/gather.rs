@@ -15,8 +15,8 @@ use super::latency::FrameTimes;
 use super::light_mix::LightMix;
 use super::mixed::Mixed;
 use super::model::{
-    ComparisonModel, HistoryModel, Inspected, InspectedMaterial, Item, MaterialPlace, Model, Notice, Outline,
-    StatusModel,
+    ComparisonModel, HistoryModel, Inspected, InspectedMaterial, InspectedMesh, Item, MaterialPlace, Model, Notice,
+    Outline, StatusModel,
 };
 use super::panels::{emission, material};
 use super::preferences::PreferencesFile;
@@ -27,8 +27,9 @@ use crate::document::{Diagnostic, Diagnostics, Severity};
 use crate::engine::{LightGroup, RenderControl, RenderFilm, RenderStatus};
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, FirstNested, FirstNestedIn,
-    Hidden, IntegratorSettings, Locked, Material, MaterialUsers, Placements, SamplerSettings, SceneId, SceneState,
-    SceneStatus, SecondNested, SecondNestedIn, Sensor, Shape, ShapeKind, ToWorld, UsesMaterial,
+    Hidden, IntegratorSettings, Locked, Material, MaterialUsers, MeshHandle, Placements, SamplerSettings, SceneId,
+    SceneState, SceneStatus, SecondNested, SecondNestedIn, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh,
+    UsesMaterial,
 };
 
 #[derive(Resource, Default)]
@@ -184,6 +185,7 @@ type Parts = (
     Naming,
     Option<&'static ToWorld>,
     Option<&'static Shape>,
+    Option<&'static MeshHandle>,
     Option<&'static AreaLight>,
     Option<&'static Emitter>,
     Option<&'static Sensor>,
@@ -211,12 +213,13 @@ pub fn gather_selection(
     mut selection: ResMut<Selection>,
     parts: Query<Parts, IsThing>,
     materials: Query<MaterialParts>,
+    meshes: Res<Assets<TriangleMesh>>,
 ) {
     // A reload may have taken things away.
     if selection.entities().iter().any(|entity| !parts.contains(*entity)) {
         selection.retain(|entity| parts.contains(*entity));
     }
-    let inspected = |entity: Entity| inspect(entity, &parts, &materials);
+    let inspected = |entity: Entity| inspect(entity, &parts, &materials, &meshes);
     model.0.inspected = selection.active().and_then(inspected).map(|shown| {
         let others = selection.entities().iter().filter(|other| **other != shown.entity);
         let others: Vec<Inspected> = others
@@ -231,8 +234,13 @@ pub fn gather_selection(
 /// Of a selection, to see where they differ.
 const MOST_COMPARED: usize = 256;
 
-fn inspect(entity: Entity, parts: &Query<Parts, IsThing>, materials: &Query<MaterialParts>) -> Option<Inspected> {
-    let (naming, to_world, shape, area_light, emitter, sensor, film, uses, is_crowd) = parts.get(entity).ok()?;
+fn inspect(
+    entity: Entity,
+    parts: &Query<Parts, IsThing>,
+    materials: &Query<MaterialParts>,
+    meshes: &Assets<TriangleMesh>,
+) -> Option<Inspected> {
+    let (naming, to_world, shape, mesh, area_light, emitter, sensor, film, uses, is_crowd) = parts.get(entity).ok()?;
     let is_material = materials.contains(entity);
     if shape.is_none() && emitter.is_none() && sensor.is_none() && !is_material {
         return None;
@@ -248,6 +256,7 @@ fn inspect(entity: Entity, parts: &Query<Parts, IsThing>, materials: &Query<Mate
     let mut inspected = Inspected {
         to_world: to_world.filter(|_| has_place).map(|to_world| to_world.0),
         shape: shape.cloned(),
+        mesh: shape.and_then(|shape| inspect_mesh(shape, meshes.get(&mesh?.0)?)),
         area_light: area_light.cloned(),
         emitter: emitter.cloned(),
         sensor: sensor.copied(),
@@ -270,6 +279,16 @@ fn inspect(entity: Entity, parts: &Query<Parts, IsThing>, materials: &Query<Mate
         );
     }
     Some(inspected)
+}
+
+fn inspect_mesh(shape: &Shape, mesh: &TriangleMesh) -> Option<InspectedMesh> {
+    let ShapeKind::Mesh(file) = &shape.kind else {
+        return None;
+    };
+    mesh.data(file.shape_index).map(|data| InspectedMesh {
+        triangles: data.triangles.len(),
+        has_materials: !data.materials.is_empty(),
+    })
 }
 
 fn collect_materials(

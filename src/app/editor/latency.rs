@@ -18,7 +18,7 @@ use super::picture::Picture;
 use super::script::assign;
 use super::state::{CommandQueue, EditorState};
 use crate::engine::{RenderFilm, RenderState, RenderStatus};
-use crate::scene::{AreaLight, Emitter, Material, MeshHandle, Shape, ToWorld, TriangleMesh, UsesMaterial};
+use crate::scene::{AreaLight, Emitter, Material, MeshHandle, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial};
 
 /// Times between the last frames.
 #[derive(Resource, Default)]
@@ -312,14 +312,19 @@ fn read_mesh(world: &mut World) -> Option<()> {
 }
 
 fn largest_mesh(world: &mut World) -> Option<(Entity, Affine3A)> {
-    let mut shapes = world.query_filtered::<(Entity, &ToWorld, Option<&MeshHandle>), With<Shape>>();
+    let mut shapes = world.query::<(Entity, &ToWorld, &Shape, Option<&MeshHandle>)>();
     let meshes = world.get_resource::<Assets<TriangleMesh>>();
-    let triangles = |handle: Option<&MeshHandle>| {
-        let mesh = meshes.zip(handle).and_then(|(meshes, handle)| meshes.get(&handle.0));
-        mesh.map_or(0, |mesh| mesh.data.triangles.len())
+    let triangles = |shape: &Shape, handle: Option<&MeshHandle>| {
+        let ShapeKind::Mesh(file) = &shape.kind else {
+            return None;
+        };
+        let data = meshes?.get(&handle?.0)?.data(file.shape_index)?;
+        Some(data.triangles.len())
     };
-    let largest = shapes.iter(world).max_by_key(|(_, _, handle)| triangles(*handle));
-    largest.map(|(entity, pose, _)| (entity, pose.0))
+    let largest = shapes
+        .iter(world)
+        .max_by_key(|(_, _, shape, handle)| triangles(shape, *handle));
+    largest.map(|(entity, pose, ..)| (entity, pose.0))
 }
 
 /// Of the material of that mesh, or any, the first colour that can be set.

@@ -87,6 +87,13 @@ pub enum MaterialPlace {
     Inside,
 }
 
+/// What a mesh file brings along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InspectedMesh {
+    pub triangles: usize,
+    pub has_materials: bool,
+}
+
 /// The selected entity with everything that can be edited on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inspected {
@@ -94,8 +101,8 @@ pub struct Inspected {
     pub name: String,
     pub to_world: Option<Affine3A>,
     pub shape: Option<Shape>,
-    /// Triangles of its mesh, once that is loaded.
-    pub triangles: Option<usize>,
+    /// Once its mesh is loaded.
+    pub mesh: Option<InspectedMesh>,
     pub area_light: Option<AreaLight>,
     pub emitter: Option<Emitter>,
     pub sensor: Option<Sensor>,
@@ -115,7 +122,7 @@ impl Inspected {
             name: name.into(),
             to_world: None,
             shape: None,
-            triangles: None,
+            mesh: None,
             area_light: None,
             emitter: None,
             sensor: None,

@@ -12,7 +12,7 @@ use bevy::ecs::error::BevyError;
 
 pub use scene_asset::{SceneAsset, SceneDefines, SceneLoader};
 pub use texture_map::{TextureMap, TextureMapLoader};
-pub use triangle_mesh::{MeshHandle, MeshLoader, TriangleMesh};
+pub use triangle_mesh::{MeshHandle, MeshLoader, MeshShape, TriangleMesh};
 
 use texture_map::TextureMapError;
 use triangle_mesh::MeshLoadError;
@@ -23,10 +23,6 @@ pub fn cause(error: &AssetLoadError) -> String {
         AssetLoadError::AssetLoaderError(error) => message(error.error()),
         AssetLoadError::AssetReaderError(bevy::asset::io::AssetReaderError::NotFound(_)) => "no such file".to_owned(),
         AssetLoadError::AssetReaderError(bevy::asset::io::AssetReaderError::Io(error)) => error.to_string(),
-        AssetLoadError::MissingLabel { label, all_labels, .. } => {
-            // The first shape of a file has no label.
-            format!("there is no shape {label}: the file has {}", all_labels.len() + 1)
-        }
         other => other.to_string(),
     }
 }

@@ -1,4 +1,4 @@
-//! A triangle mesh loaded from an OBJ, PLY or serialized file.
+//! Triangle meshes loaded from an OBJ, PLY or serialized file.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
+use rayon::prelude::*;
 
 use crate::document::paths::settle;
 use crate::geometry::mesh::MeshData;
@@ -13,14 +14,29 @@ use crate::geometry::mesh_file::{LoadedMesh, MeshError};
 use crate::geometry::serialized::{self, SerializedFile};
 use crate::geometry::{obj, ply};
 
-/// A mesh in its own space; its texture coordinates are upside down already where the format's default is to flip them. `data` is a new `Arc` after each reload.
-#[derive(Asset, TypePath, Clone, Debug)]
+/// What a mesh file holds, all of it, whichever of its shapes are used.
+#[derive(Asset, TypePath, Clone, Debug, Default)]
 pub struct TriangleMesh {
-    pub data: Arc<MeshData>,
-    /// What of the file was left out or mended, one sentence each.
-    pub warnings: Vec<String>,
+    /// One of an OBJ or PLY file, at least one of a serialized one.
+    pub shapes: Vec<MeshShape>,
     /// The other files it was read from (material libraries), absolute, whether they exist or not.
     pub dependencies: Vec<PathBuf>,
+}
+
+/// A mesh in its own space; its texture coordinates are upside down already where the format's default is to flip them.
+#[derive(Clone, Debug)]
+pub struct MeshShape {
+    /// A new `Arc` after each reload.
+    pub data: Arc<MeshData>,
+    /// What of it was left out or mended, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+impl TriangleMesh {
+    /// The mesh of a shape that asks for this one of the file's.
+    pub fn data(&self, shape_index: u32) -> Option<&Arc<MeshData>> {
+        self.shapes.get(shape_index as usize).map(|shape| &shape.data)
+    }
 }
 
 /// The loaded file of a shape whose kind is `Mesh`. Follows the shape's path: set when the path is, removed when the shape is no mesh.
@@ -28,8 +44,7 @@ pub struct TriangleMesh {
 #[reflect(Component, PartialEq)]
 pub struct MeshHandle(pub Handle<TriangleMesh>);
 
-/// Reads OBJ, PLY and serialized files; which it is, the content says. The second and later shapes of a file are assets labelled with
-/// their numbers, from 1.
+/// Reads OBJ, PLY and serialized files; which it is, the content says.
 #[derive(Default, TypePath)]
 pub struct MeshLoader;
 
@@ -62,10 +77,13 @@ impl AssetLoader for MeshLoader {
         }
         if serialized::is_serialized(&bytes) {
             let file = SerializedFile::open(&bytes)?;
-            for shape in 1..file.count() {
-                context.add_labeled_asset(shape.to_string(), TriangleMesh::from(file.load(shape)?));
-            }
-            return Ok(file.load(0)?.into());
+            let load = |shape| file.load(shape).map(MeshShape::from);
+            let shapes: Vec<_> = (0..file.count()).into_par_iter().map(load).collect();
+            return Ok(TriangleMesh {
+                // Of several that are broken the first is told of.
+                shapes: shapes.into_iter().collect::<Result<_, _>>()?,
+                ..TriangleMesh::default()
+            });
         }
         read_mesh(&bytes, &path)
     }
@@ -75,12 +93,11 @@ impl AssetLoader for MeshLoader {
     }
 }
 
-impl From<LoadedMesh> for TriangleMesh {
+impl From<LoadedMesh> for MeshShape {
     fn from(loaded: LoadedMesh) -> Self {
         Self {
             data: Arc::new(loaded.mesh),
             warnings: loaded.warnings,
-            dependencies: Vec::new(),
         }
     }
 }
@@ -110,7 +127,7 @@ pub fn read_mesh(bytes: &[u8], path: &Path) -> Result<TriangleMesh, MeshLoadErro
         map.file = settle(&folder.join(&map.file));
     }
     Ok(TriangleMesh {
+        shapes: vec![loaded.into()],
         dependencies,
-        ..loaded.into()
     })
 }

@@ -5,7 +5,7 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
 use super::super::command::{Command, FileDialogKind};
-use super::super::model::{Inspected, Model};
+use super::super::model::{Inspected, InspectedMesh, Model};
 use super::material::Edit;
 use super::material_header::{material_header, presets};
 use super::transform::Freedom;
@@ -63,7 +63,7 @@ fn sections(
     if let Some(shape) = &inspected.shape {
         section(ui, "Shape", |ui| {
             let mut edited = shape.clone();
-            if shape_rows(ui, &mut edited, inspected.triangles) {
+            if shape_rows(ui, &mut edited, inspected.mesh) {
                 commands.push(Command::SetShape(inspected.entity, edited));
             }
         });
@@ -166,7 +166,7 @@ fn up_axis(kind: &EmitterKind) -> Vec3 {
 }
 
 /// True if edited.
-fn shape_rows(ui: &mut Ui, shape: &mut Shape, triangles: Option<usize>) -> bool {
+fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bool {
     let mut changed = false;
     match &mut shape.kind {
         // Its centre is its position.
@@ -214,8 +214,8 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, triangles: Option<usize>) -> bool 
             if *shape_index > 0 {
                 fields::note(ui, "Shape", shape_index.to_string());
             }
-            if let Some(triangles) = triangles {
-                fields::note(ui, "Triangles", triangles.to_string());
+            if let Some(mesh) = mesh {
+                fields::note(ui, "Triangles", mesh.triangles.to_string());
             }
             changed |= fields::checkbox(ui, "Flat shading", face_normals);
         }
@@ -225,11 +225,8 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, triangles: Option<usize>) -> bool 
 
 /// What a shape looks like that has no material of the scene.
 fn without_material(inspected: &Inspected) -> &'static str {
-    match inspected.shape.as_ref().map(|shape| &shape.kind) {
-        Some(ShapeKind::Mesh(MeshFile {
-            format: MeshFormat::Obj,
-            ..
-        })) => "of the file",
+    match inspected.mesh {
+        Some(mesh) if mesh.has_materials => "of the file",
         // A light without a material reflects nothing.
         _ if inspected.area_light.is_some() => "none (black)",
         _ => "none (grey)",
