@@ -7,11 +7,11 @@ mod wavy_sphere;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use glam::{Affine3A, Quat, UVec2, Vec2, Vec3};
+use glam::{Affine2, Affine3A, Quat, UVec2, Vec2, Vec3};
 use sunroom::accel::{Blas, Primitive, SplitMethod};
 use sunroom::geometry::mesh::MeshData;
 use sunroom::light::LightSource;
-use sunroom::material::{BumpOptions, Material, MaterialId};
+use sunroom::material::{BumpOptions, Material, MaterialId, TexturedBsdf};
 use sunroom::render::camera::{Camera, ThinLens};
 use sunroom::render::filter::{FilterKernel, PixelFilter};
 use sunroom::render::path::trace_path;
@@ -20,9 +20,11 @@ use sunroom::render::tile::{render_preview, render_tile, tiles};
 use sunroom::render::view::{Integrator, PathSettings, Strategy, View};
 use sunroom::sampling::SequenceKind;
 use sunroom::shading::{
-    Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Ggx, Metal, Microfacet, RoughConductor,
+    Beckmann, Bsdf, CoatedBase, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Ggx, Metal,
+    Microfacet, MicrofacetKind, Plastic, RoughCoat, RoughConductor, RoughDielectric, RoughPlastic, SmoothCoat,
+    ThinDielectric,
 };
-use sunroom::texture::Parameter;
+use sunroom::texture::{Checkerboard, Parameter, Texture, TextureId, TextureTable};
 
 use support::{SceneBuilder, camera, square_mesh, triangle_mesh, view};
 use wavy_sphere::wavy_sphere;
@@ -50,7 +52,7 @@ fn placed(at: Vec3, turned: Quat, size: f32) -> Affine3A {
 
 /// A room with a floor and walls, and balls of every kind of model: those that are traced in lanes and those that are not.
 fn room() -> SceneBuilder {
-    let mut room = SceneBuilder::default();
+    let mut room = SceneBuilder::with_textures(squares());
     let down = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
     let floor = placed(Vec3::NEG_Y, down, 3.0);
     room.add(Primitive::Rectangle, floor, diffuse([0.5, 0.6, 0.7]), None);
@@ -112,7 +114,86 @@ fn room() -> SceneBuilder {
         bumped,
         None,
     );
+    for (i, material) in others().into_iter().enumerate() {
+        let at = Vec3::new(0.5 * i as f32 - 1.5, 0.5, -1.2);
+        room.add(Primitive::Sphere, placed(at, Quat::IDENTITY, 0.22), material, None);
+    }
     room
+}
+
+/// Models that are evaluated one by one: smooth ones with a mirror on top, those that light passes in many directions, a mixture.
+fn others() -> [Material; 6] {
+    let base = CoatedBase {
+        diffuse_reflectance: Vec3::new(0.7, 0.6, 0.5),
+        specular_reflectance: Vec3::ONE,
+        nonlinear: true,
+    };
+    let satin = Microfacet::Beckmann(Beckmann::new(0.3, 0.2));
+    [
+        Material::Plain(Bsdf::Plastic(Plastic {
+            coat: SmoothCoat::new(1.5),
+            base,
+        })),
+        Material::Plain(Bsdf::RoughPlastic(RoughPlastic {
+            coat: RoughCoat::uniform(MicrofacetKind::Ggx, 1.5, 0.3),
+            alpha: 0.3,
+            base,
+        })),
+        Material::Plain(Bsdf::RoughDielectric(RoughDielectric {
+            eta: 1.5,
+            model: DielectricModel::Exact,
+            distribution: satin,
+            specular_reflectance: Vec3::ONE,
+            specular_transmittance: Vec3::ONE,
+        })),
+        Material::Plain(Bsdf::RoughConductor(RoughConductor {
+            specular: gold(),
+            distribution: satin,
+            multiple_scattering: None,
+        })),
+        Material::Textured(TexturedBsdf::Diffuse {
+            reflectance: Parameter::Texture(TextureId(0)),
+        }),
+        Material::Blend {
+            first: MaterialId(0),
+            second: MaterialId(2),
+            weight: Parameter::Constant(0.4),
+        },
+    ]
+}
+
+/// Squares of two colours.
+fn squares() -> TextureTable {
+    TextureTable::new(vec![Texture::Checkerboard(Checkerboard {
+        colors: [Vec3::new(0.8, 0.7, 0.2), Vec3::new(0.1, 0.2, 0.3)].map(Parameter::Constant),
+        to_uv: Affine2::from_scale(Vec2::splat(6.0)),
+    })])
+}
+
+/// Light passes straight through a pane and the holes of a screen.
+fn behind_panes() -> RenderScene {
+    let mut room = room();
+    let pane = Bsdf::ThinDielectric(ThinDielectric {
+        eta: 1.5,
+        model: DielectricModel::Exact,
+        specular_reflectance: Vec3::ONE,
+        specular_transmittance: Vec3::new(0.9, 1.0, 0.8),
+    });
+    let screen = Material::Mask {
+        nested: MaterialId(0),
+        opacity: Parameter::Constant(0.3),
+    };
+    let at = |x: f32, y: f32| placed(Vec3::new(x, y, 0.8), Quat::IDENTITY, 0.5);
+    room.add(Primitive::Rectangle, at(-0.6, -0.3), pane, None);
+    room.add(Primitive::Rectangle, at(0.6, -0.3), screen, None);
+    room.light(LightSource::Point {
+        position: Vec3::new(-0.5, 0.8, 2.0),
+        intensity: Vec3::splat(4.0),
+    });
+    room.light(LightSource::Constant {
+        radiance: Vec3::new(0.1, 0.2, 0.3),
+    });
+    room.build()
 }
 
 fn with_lamp() -> RenderScene {
@@ -228,6 +309,7 @@ fn pictures_are_those_of_paths_one_by_one() {
         ("one lamp", with_lamp()),
         ("an even sky", under_an_even_sky()),
         ("many lights", with_many_lights()),
+        ("panes", behind_panes()),
     ];
     for (what, scene) in &scenes {
         for strategy in [Strategy::Mis, Strategy::Light, Strategy::Bsdf] {
@@ -238,6 +320,38 @@ fn pictures_are_those_of_paths_one_by_one() {
         for (max_depth, hide_emitters) in [(2, true), (1, false)] {
             let short = settings(max_depth, 5, hide_emitters, Strategy::Mis);
             compare(what, scene, &look(short, SequenceKind::Sobol));
+        }
+    }
+}
+
+/// Each model over most of the picture, so that no stray pixels could hide it.
+#[test]
+fn every_other_model_is_that_of_paths_one_by_one() {
+    let models = others();
+    for (number, model) in models.into_iter().enumerate() {
+        let mut scene = SceneBuilder::with_textures(squares());
+        let down = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
+        let floor = placed(Vec3::NEG_Y, down, 3.0);
+        scene.add(Primitive::Rectangle, floor, diffuse([0.5, 0.6, 0.7]), None);
+        let away = placed(Vec3::new(0.0, -90.0, 0.0), down, 1.0);
+        for plain in [
+            diffuse([0.1, 0.2, 0.3]),
+            Bsdf::Conductor(Conductor { specular: gold() }),
+        ] {
+            scene.add(Primitive::Disk, away, plain, None);
+        }
+        scene.add(Primitive::Sphere, placed(Vec3::ZERO, Quat::IDENTITY, 0.9), model, None);
+        scene.light(LightSource::Point {
+            position: Vec3::new(1.0, 1.5, 2.0),
+            intensity: Vec3::splat(3.0),
+        });
+        scene.light(LightSource::Constant {
+            radiance: Vec3::new(0.1, 0.2, 0.3),
+        });
+        let scene = scene.build();
+        for max_depth in [2, 3] {
+            let short = settings(max_depth, 5, false, Strategy::Mis);
+            compare(&format!("model {number}"), &scene, &look(short, SequenceKind::Sobol));
         }
     }
 }

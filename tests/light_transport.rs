@@ -18,7 +18,9 @@ use sunroom::shading::{
     Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microfacet, MicrofacetKind,
     RoughConductor,
 };
-use support::{SceneBuilder, assert_close, camera, mean_luminance, render, square_mesh, view};
+use support::{
+    SceneBuilder, assert_close, camera, mean_luminance, render, square_mesh, square_of_three_triangles, view,
+};
 
 const STRATEGIES: [Strategy; 3] = [Strategy::Bsdf, Strategy::Light, Strategy::Mis];
 const UNBOUNDED: u32 = u32::MAX;
@@ -224,7 +226,11 @@ fn a_square_light_gives_its_form_factor_as_rectangle_and_as_mesh() {
     let x = a / d;
     let root = (1.0 + x * x).sqrt();
     let form_factor = 4.0 / (2.0 * PI) * 2.0 * x / root * (x / root).atan();
-    for (name, primitive) in [("rectangle", Primitive::Rectangle), ("mesh", square_mesh())] {
+    for (name, primitive) in [
+        ("rectangle", Primitive::Rectangle),
+        ("two triangles", square_mesh()),
+        ("three triangles", square_of_three_triangles()),
+    ] {
         let mut scene = floor(diffuse(0.7));
         scene.add(primitive, facing_down(a, d), diffuse(0.0), Some(Rgb::splat(3.0)));
         let scene = scene.build();
@@ -323,7 +329,7 @@ fn furnished_room() -> RenderScene {
         Some(Rgb::splat(20.0)),
     );
     scene.add(
-        square_mesh(),
+        square_of_three_triangles(),
         placed(0.2, Vec3::new(-0.4, 0.3, -0.9)),
         diffuse(0.2),
         Some(Rgb::splat(6.0)),

@@ -11,7 +11,7 @@ use sunroom::math::Ray;
 use sunroom::render::scene::RenderScene;
 use sunroom::sampling::{Sampler, SequenceKind};
 use sunroom::shading::{Bsdf, Diffuse};
-use support::{SceneBuilder, all_around, square_mesh, triangle_mesh};
+use support::{SceneBuilder, all_around, square_mesh, square_of_three_triangles, triangle_mesh};
 
 fn black() -> Bsdf {
     Bsdf::Diffuse(Diffuse { reflectance: Rgb::ZERO })
@@ -141,11 +141,13 @@ fn scenes() -> Vec<(&'static str, RenderScene)> {
             "cylinder, elliptical and mirrored",
             emitter(Primitive::Cylinder, skew(Vec3::new(-0.7, 0.2, 0.9)), false),
         ),
-        ("mesh", emitter(square_mesh(), down(1.0, 0.8), false)),
+        ("two triangles", emitter(square_mesh(), down(1.0, 0.8), false)),
+        ("two triangles, sheared", emitter(square_mesh(), shear, false)),
+        ("mesh", emitter(square_of_three_triangles(), down(1.0, 0.8), false)),
         (
             "mesh, mirrored",
             emitter(
-                square_mesh(),
+                square_of_three_triangles(),
                 down(1.0, 0.8) * Affine3A::from_scale(Vec3::new(1.0, -1.0, 1.0)),
                 true,
             ),
@@ -221,6 +223,36 @@ fn sampled_directions_carry_the_density_of_found_ones() {
         assert!(sampled > 500, "{name}: {sampled} samples");
         assert!(passing <= sampled / 100, "{name}: {passing} of {sampled} pass");
     }
+}
+
+/// The solid angle of a rectangle is one over the density of its samples, which is the same everywhere; triangles have one each.
+#[test]
+fn two_triangles_that_are_a_rectangle_are_sampled_as_one() {
+    let place = transform(Vec3::new(0.7, 0.3, 1.0), Vec3::X, 2.0, Vec3::new(0.4, 0.8, -0.3));
+    let densities = |primitive: Primitive, to_world: Affine3A| -> Vec<f32> {
+        let scene = emitter(primitive, to_world, false);
+        let sample = |index| {
+            let mut sampler = Sampler::new(SequenceKind::Sobol, glam::UVec2::ZERO, index, 3);
+            let reference = all_around(Vec3::ZERO);
+            let (_, sample) = scene.lights.sample(&reference, sampler.next_1d(), sampler.next_2d())?;
+            Some(sample.pdf)
+        };
+        (0..100).filter_map(sample).collect()
+    };
+    let is_even = |densities: &[f32], density: f32| {
+        densities.len() == 100 && densities.iter().all(|found| (found / density - 1.0).abs() < 1e-4)
+    };
+    let expected = densities(Primitive::Rectangle, place)[0];
+    assert!(is_even(&densities(Primitive::Rectangle, place), expected));
+    assert!(is_even(&densities(square_mesh(), place), expected));
+    assert!(!is_even(&densities(square_of_three_triangles(), place), expected));
+
+    let sheared = place * Affine3A::from_mat3(glam::Mat3::from_cols(Vec3::X, Vec3::new(0.5, 1.0, 0.0), Vec3::Z));
+    let of_parallelogram = densities(square_mesh(), sheared);
+    assert!(!is_even(&of_parallelogram, of_parallelogram[0]), "a parallelogram");
+    let [a, b, c, d] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
+    let two_faced = densities(triangle_mesh([[a, b, c], [a, d, c]]), place);
+    assert!((1..100).contains(&two_faced.len()), "half of it shines elsewhere");
 }
 
 #[test]

@@ -79,10 +79,9 @@ impl EnvironmentMap {
         }
     }
 
-    /// Radiance from a local unit direction.
-    fn radiance(&self, local: Vec3) -> Rgb {
+    /// Radiance from where [`uv`] says.
+    fn radiance(&self, uv: Vec2) -> Rgb {
         let (width, height) = (self.image.width(), self.image.height());
-        let uv = uv(local);
         let x = uv.x * width as f32 - 0.5;
         let y = uv.y * (height.max(LEAST_ROWS) - 1) as f32;
         let (column, row) = (x.floor(), (y as u32).min(height - 1));
@@ -118,32 +117,34 @@ impl EnvironmentLight {
     pub fn sample(&self, u: Vec2) -> Option<LightSample> {
         let sample = self.map.density.as_ref()?.sample(u);
         let half_column = 0.5 / self.map.image.width() as f32;
-        let (sin_phi, cos_phi) = (TAU * (sample.position.x + half_column)).sin_cos();
-        let (sin_theta, cos_theta) = (PI * sample.position.y).sin_cos();
+        let uv = Vec2::new(sample.position.x + half_column, sample.position.y);
+        let (sin_phi, cos_phi) = (TAU * uv.x).sin_cos();
+        let (sin_theta, cos_theta) = (PI * uv.y).sin_cos();
         let local = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
         Some(LightSample {
             wi: self.world_from_local * local,
             target: Target::Infinity,
-            radiance: self.scale * self.map.radiance(local),
+            radiance: self.scale * self.map.radiance(uv),
             pdf: sample.pdf * uv_density(sin_theta),
             is_delta: false,
         })
     }
 
-    /// Density per solid angle of [`Self::sample`].
-    pub fn pdf(&self, wi: Vec3) -> f32 {
+    pub fn radiance(&self, wi: Vec3) -> Rgb {
+        self.scale * self.map.radiance(uv(self.world_from_local.transpose() * wi))
+    }
+
+    /// [`Self::radiance`], and the density per solid angle of [`Self::sample`].
+    pub fn radiance_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
         let local = self.world_from_local.transpose() * wi;
         let uv = uv(local);
         let x = uv.x - 0.5 / self.map.image.width() as f32;
         let sin_theta = local.x.hypot(local.z);
         let density = self.map.density.as_ref();
-        density.map_or(0.0, |density| {
+        let pdf = density.map_or(0.0, |density| {
             density.pdf(Vec2::new(x - x.floor(), uv.y)) * uv_density(sin_theta)
-        })
-    }
-
-    pub fn radiance(&self, wi: Vec3) -> Rgb {
-        self.scale * self.map.radiance(self.world_from_local.transpose() * wi)
+        });
+        (self.scale * self.map.radiance(uv), pdf)
     }
 
     /// Luminance on average over all directions.

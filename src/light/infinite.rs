@@ -50,13 +50,13 @@ impl InfiniteLight {
         }
     }
 
-    /// Density per solid angle of [`Self::sample`].
-    pub fn pdf(&self, reference: &LightReference, wi: Vec3) -> f32 {
+    /// [`Self::radiance`], and the density per solid angle of [`Self::sample`].
+    pub fn radiance_and_pdf(&self, reference: &LightReference, wi: Vec3) -> (Rgb, f32) {
         match self {
-            Self::Directional(_) => 0.0,
-            Self::Constant(light) => light.pdf(reference, wi),
-            Self::Environment(light) => light.pdf(wi),
-            Self::SunSky(light) => light.pdf(wi),
+            Self::Directional(_) => (Rgb::ZERO, 0.0),
+            Self::Constant(light) => (light.radiance, light.pdf(reference, wi)),
+            Self::Environment(light) => light.radiance_and_pdf(wi),
+            Self::SunSky(light) => (light.radiance(wi), light.pdf(wi)),
         }
     }
 

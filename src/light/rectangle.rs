@@ -20,7 +20,7 @@ pub(super) struct RectangleLight {
     /// None of a parallelogram that is none: it is sampled by area.
     rectangle: Option<Rectangle>,
     /// Over a and b, if it is not equally bright all over.
-    density: Option<PiecewiseBilinear2d>,
+    density: Option<Box<PiecewiseBilinear2d>>,
 }
 
 impl RectangleLight {
@@ -38,7 +38,15 @@ impl RectangleLight {
 
     /// Sampled by a density over its parameters, which are the surface's uv.
     pub fn with_density(self, density: Option<PiecewiseBilinear2d>) -> Self {
-        Self { density, ..self }
+        Self {
+            density: density.map(Box::new),
+            ..self
+        }
+    }
+
+    /// Whether it is no other parallelogram.
+    pub fn is_rectangle(&self) -> bool {
+        self.rectangle.is_some()
     }
 
     pub fn area(&self) -> f32 {

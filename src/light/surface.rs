@@ -13,7 +13,7 @@ use super::sphere::{EllipsoidLight, SphereLight};
 use super::texture_density::{self, mean_luminance};
 use super::triangle::TriangleLight;
 use super::{LightSample, Target};
-use crate::accel::{Primitive, Tlas};
+use crate::accel::{Blas, Primitive, Tlas};
 use crate::color::{Rgb, luminance};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::{cylinder, disk, rectangle, sphere};
@@ -114,7 +114,14 @@ impl SurfaceLight {
             Primitive::Cylinder => {
                 EmitterShape::Cylinder(CylinderLight::new(to_world, instance.local_from_world, side))
             }
-            Primitive::Mesh(blas) => EmitterShape::Mesh(TriangleLight::of_mesh(blas.mesh(), slot, &to_world, side)),
+            Primitive::Mesh(blas) => {
+                let triangles = TriangleLight::of_mesh(blas.mesh(), slot, &to_world, side);
+                match radiance {
+                    Parameter::Constant(_) => rectangle_of(blas, &to_world, &triangles),
+                    Parameter::Texture(_) => None,
+                }
+                .map_or(EmitterShape::Mesh(triangles), EmitterShape::Rectangle)
+            }
         };
         let bounds = instance.world_bounds();
         let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
@@ -309,6 +316,23 @@ impl SurfaceLight {
             EmitterShape::Mesh(triangles) => triangles[part as usize].pdf(reference, hit),
         }
     }
+}
+
+/// Two triangles that are one rectangle, as lights from modelling programs often are: sampled as that they cost less, and less noise.
+fn rectangle_of(blas: &Blas, to_world: &Affine3A, triangles: &[TriangleLight]) -> Option<RectangleLight> {
+    let [a, b] = triangles else {
+        return None;
+    };
+    // Those of the square, not one of them and one that no ray can hit.
+    let is_regular = |triangle: &TriangleLight| blas.mesh().regular_corners(triangle.primitive as usize).is_some();
+    if !is_regular(a) || !is_regular(b) {
+        return None;
+    }
+    let (normal, other) = (a.normal()?, b.normal()?);
+    let placed = (to_world.as_daffine3() * blas.from_square()?).as_affine3a();
+    let [x, y] = [placed.matrix3.x_axis, placed.matrix3.y_axis].map(Vec3::from);
+    let light = RectangleLight::new(Vec3::from(placed.translation) - x - y, 2.0 * x, 2.0 * y, normal);
+    (normal.dot(other) > 0.0 && light.is_rectangle()).then_some(light)
 }
 
 impl SurfaceSample {

@@ -39,7 +39,7 @@ impl TriangleLight {
     }
 
     /// None for a degenerate triangle.
-    fn normal(&self) -> Option<Vec3> {
+    pub fn normal(&self) -> Option<Vec3> {
         self.scaled_normal().try_normalize()
     }
 

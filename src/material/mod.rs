@@ -11,7 +11,7 @@ mod textured;
 
 pub use nesting::{LARGEST_MIX, MaterialTableError, NestingProblem};
 pub use principled::{TexturedPrincipled, TexturedPrincipledThin};
-pub use scattering::{Lobe, ScatterSample, Scattering};
+pub use scattering::{Lobe, ScatterSample, Scattering, Single};
 pub use textured::{TexturedBase, TexturedBsdf, TexturedFacets, TexturedSpecular};
 
 use glam::Vec3;

@@ -61,6 +61,41 @@ pub struct ScatterSample {
     pub eta: f32,
 }
 
+/// A [`Scattering`] that is a single model.
+#[derive(Clone, Debug)]
+pub struct Single<'a> {
+    wo: Vec3,
+    part: Part<'a>,
+}
+
+impl Single<'_> {
+    /// As [`Scattering::eval_and_pdf`].
+    pub fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
+        self.part.eval_and_pdf(wi)
+    }
+
+    /// As [`Scattering::sample`].
+    pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<ScatterSample> {
+        Some(only(self.wo, &self.part, self.part.sample(u_lobe, u)?, 1.0))
+    }
+}
+
+/// A sample that no other part could have found, of a part that was chosen with probability `chosen`.
+fn only(wo: Vec3, part: &Part, sample: BsdfSample, chosen: f32) -> ScatterSample {
+    let straight = || part.bsdf.lets_through() && sample.wi.dot(wo) < STRAIGHT;
+    ScatterSample {
+        wi: sample.wi,
+        weight: sample.weight,
+        pdf: chosen * sample.pdf,
+        lobe: match sample.is_delta {
+            false => Lobe::Smooth,
+            true if straight() => Lobe::Null,
+            true => Lobe::Delta,
+        },
+        eta: sample.eta,
+    }
+}
+
 impl Part<'_> {
     fn factor(&self, wi: Vec3) -> f32 {
         self.bump.map_or(1.0, |bump| bump.factor(wi))
@@ -118,7 +153,7 @@ impl<'a> Scattering<'a> {
     /// A direction for the path to go on, from independent uniform numbers. None if the light is absorbed.
     pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<ScatterSample> {
         if let ([part], 0.0) = (&self.parts[..], self.passing) {
-            return Some(self.only(part, part.sample(u_lobe, u)?, 1.0));
+            return Some(only(self.wo, part, part.sample(u_lobe, u)?, 1.0));
         }
         if u_lobe < self.passing {
             return Some(ScatterSample {
@@ -143,7 +178,7 @@ impl<'a> Scattering<'a> {
         let u_part = (left / part.weight).clamp(0.0, 1.0 - f32::EPSILON);
         let sample = part.sample(u_part, u)?;
         if sample.is_delta {
-            return Some(self.only(part, sample, part.weight));
+            return Some(only(self.wo, part, sample, part.weight));
         }
         // Other parts could have found the direction as well.
         let pdf = part.weight * sample.pdf;
@@ -162,20 +197,11 @@ impl<'a> Scattering<'a> {
         })
     }
 
-    /// A sample that no other part could have found, of a part that was chosen with probability `chosen`.
-    fn only(&self, part: &Part, sample: BsdfSample, chosen: f32) -> ScatterSample {
-        let straight = || part.bsdf.lets_through() && sample.wi.dot(self.wo) < STRAIGHT;
-        ScatterSample {
-            wi: sample.wi,
-            weight: sample.weight,
-            pdf: chosen * sample.pdf,
-            lobe: match sample.is_delta {
-                false => Lobe::Smooth,
-                true if straight() => Lobe::Null,
-                true => Lobe::Delta,
-            },
-            eta: sample.eta,
-        }
+    /// Takes out the one model that this is; None if it is no single one, or lets light pass straight through.
+    pub fn take_single(&mut self) -> Option<Single<'a>> {
+        let is_single = self.passing == 0.0 && matches!(&self.parts[..], [part] if !part.bsdf.lets_through());
+        let part = if is_single { self.parts.pop() } else { None };
+        part.map(|part| Single { wo: self.wo, part })
     }
 
     /// What a shadow ray against `wo` finds of the light behind.

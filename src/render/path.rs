@@ -157,7 +157,7 @@ impl Path {
                 if reflected != Rgb::ZERO {
                     let origin = offset_origin(point.position, point.error, point.geometric_normal, light.wi);
                     let crossings = settings.max_depth - depth - 1;
-                    let arriving = shadow_ray(scene, origin, &light, crossings, &mut self.result.rays);
+                    let arriving = shadow_ray(scene, origin, light.wi, light.target, crossings, &mut self.result.rays);
                     sampled.arriving = Some(arriving);
                     sampled.contribution = reflected * arriving;
                     self.result.radiance += sampled.contribution;
@@ -216,10 +216,13 @@ impl Path {
     pub fn escape(&mut self, scene: &RenderScene, settings: &PathSettings, observer: &mut impl PathObserver) {
         if self.depth > 0 || !settings.hide_emitters {
             for &light in scene.lights.infinite() {
-                let found = self.arrival.weigh(settings.strategy, |from| {
-                    scene.lights.pdf_of_escape(light, from, self.ray.dir)
-                });
-                let met = found.emitter(light, scene.lights.radiance_from(light, self.ray.dir), self.throughput);
+                let wi = self.ray.dir;
+                let (radiance, pdf) = match &self.arrival {
+                    Arrival::Sampled { from, .. } => scene.lights.radiance_and_pdf_from(light, from, wi),
+                    Arrival::Only => (scene.lights.radiance_from(light, wi), 0.0),
+                };
+                let found = self.arrival.weigh(settings.strategy, |_| pdf);
+                let met = found.emitter(light, radiance, self.throughput);
                 self.result.radiance += met.contribution;
                 observer.emitter_met(&met);
             }
@@ -285,14 +288,21 @@ impl Path {
     }
 }
 
-/// The share of a light's radiance that arrives at `origin`, through at most `crossings` surfaces that let it pass.
-fn shadow_ray(scene: &RenderScene, mut origin: Vec3, light: &LightSample, crossings: u32, rays: &mut u32) -> Rgb {
+/// The share of a light's radiance that arrives at `origin` from `target`, in the direction `wi`, through at most `crossings` surfaces that let it pass.
+pub(super) fn shadow_ray(
+    scene: &RenderScene,
+    mut origin: Vec3,
+    wi: Vec3,
+    target: Target,
+    crossings: u32,
+    rays: &mut u32,
+) -> Rgb {
     let mut arriving = Rgb::ONE;
     for crossed in 0.. {
         *rays += 1;
-        let shadow = match light.target {
+        let shadow = match target {
             Target::Point(target) => Ray::segment(origin, target),
-            Target::Infinity => Ray::new(origin, light.wi),
+            Target::Infinity => Ray::new(origin, wi),
         };
         if !scene.materials.lets_through() {
             if scene.geometry.occluded(&shadow) {
@@ -308,11 +318,11 @@ fn shadow_ray(scene: &RenderScene, mut origin: Vec3, light: &LightSample, crossi
         }
         let slot = scene.slot(&hit);
         let point = scene.surface(&shadow, &hit, &slot);
-        arriving *= scene.scattering(slot.material, &hit, &point, -light.wi).passing();
+        arriving *= scene.scattering(slot.material, &hit, &point, -wi).passing();
         if arriving == Rgb::ZERO {
             break;
         }
-        origin = offset_origin(point.position, point.error, point.geometric_normal, light.wi);
+        origin = offset_origin(point.position, point.error, point.geometric_normal, wi);
     }
     arriving
 }

@@ -124,7 +124,7 @@ pub fn render_tile(
         invalid: 0,
     };
     let mut layers = LayerSums::new(&view.light_groups);
-    let rows_at_once = match Traced::settings_for_lanes(scene, view) {
+    let rows_at_once = match Traced::settings_for_lanes(view) {
         Some(_) => (SAMPLES_AT_ONCE / (tile.width * samples.len() as u32).max(1)).max(1),
         None => 1,
     };
@@ -217,12 +217,10 @@ struct Traced<'a> {
 }
 
 impl<'a> Traced<'a> {
-    /// None where paths are traced one by one: they are not all alike, are watched, or have shadow rays that ask what they meet.
-    fn settings_for_lanes(scene: &RenderScene, view: &View) -> Option<PathSettings> {
+    /// None where paths are traced one by one: they are not all alike, or are watched.
+    fn settings_for_lanes(view: &View) -> Option<PathSettings> {
         match view.integrator {
-            Integrator::Path(settings) if view.light_groups.count() == 0 && !scene.materials.lets_through() => {
-                Some(settings)
-            }
+            Integrator::Path(settings) if view.light_groups.count() == 0 => Some(settings),
             _ => None,
         }
     }
@@ -234,7 +232,7 @@ impl<'a> Traced<'a> {
         jobs: impl Iterator<Item = Job>,
         cancel: &AtomicBool,
     ) -> Option<Self> {
-        let from_lanes = match Self::settings_for_lanes(scene, view) {
+        let from_lanes = match Self::settings_for_lanes(view) {
             Some(settings) => {
                 let jobs: Vec<Job> = jobs.collect();
                 Some(lanes::trace(scene, view, &settings, &jobs, cancel)?.into_iter())

@@ -30,7 +30,15 @@ pub struct PiecewiseBilinear2d {
     along_row: Vec<f32>,
     /// Per row, the integral over the square up to it.
     up_to_row: Vec<f64>,
+    /// Per row, the columns before which equal shares of the row lie: where to look for a share (Chen and Asau, On generating random
+    /// variates from an empirical distribution, 1974).
+    guides: Vec<u32>,
+    /// Such shares per row.
+    shares: usize,
 }
+
+/// Columns per share. Of most shares they lie in one piece of the cache.
+const COLUMNS_PER_SHARE: usize = 2;
 
 impl PiecewiseBilinear2d {
     /// From `rows` rows of `columns` function values of any scale. Negative and non-finite values count as zero. `None` if none is
@@ -74,13 +82,37 @@ impl PiecewiseBilinear2d {
                 sum
             }))
             .collect();
+        let shares = (columns / COLUMNS_PER_SHARE).max(1);
+        let guides = along_row.chunks_exact(columns).flat_map(|sums| {
+            let mut column = 0;
+            (0..=shares).map(move |share| {
+                let target = f64::from(sums[columns - 1]) * (share as f64 / shares as f64);
+                while column < columns - 2 && f64::from(sums[column + 1]) <= target {
+                    column += 1;
+                }
+                column as u32
+            })
+        });
         Some(Self {
+            guides: guides.collect(),
+            shares,
             columns,
             rows,
             nodes,
             along_row,
             up_to_row,
         })
+    }
+
+    /// Columns between which that share `u` of both rows lies, but for rounding.
+    fn guided(&self, row: usize, u: f64) -> (usize, usize) {
+        let share = ((u * self.shares as f64) as usize).min(self.shares - 1);
+        let of_row = |row: usize| {
+            let at = row * (self.shares + 1) + share;
+            [self.guides[at] as usize, self.guides[at + 1] as usize]
+        };
+        let ([start, end], [other_start, other_end]) = (of_row(row), of_row(row + 1));
+        (start.min(other_start), end.max(other_end) + 1)
     }
 
     /// Density at a point, per unit area; 0 outside of [0, 1]^2.
@@ -118,7 +150,13 @@ impl PiecewiseBilinear2d {
         let sum_at = |column| blend(&self.along_row, column);
         let target = u.x * sum_at(self.columns - 1);
         // The last column whose sum is not above the target: in [0, columns - 2].
-        let (mut column, mut beyond) = (0, self.columns - 1);
+        let (mut column, mut beyond) = self.guided(row, u.x);
+        if sum_at(column) > target {
+            column = 0;
+        }
+        if sum_at(beyond) <= target {
+            beyond = self.columns - 1;
+        }
         while beyond - column > 1 {
             let middle = column.midpoint(beyond);
             if sum_at(middle) <= target {

@@ -109,18 +109,25 @@ impl Image {
     /// As [`Self::pixel`]; `raw` leaves out the decoding to linear.
     pub(super) fn texel(&self, x: u32, y: u32, raw: bool) -> Rgb {
         let first = (y as usize * self.width as usize + x as usize) * self.channels;
-        let color = |value: &dyn Fn(usize) -> f32| match self.channels {
-            1 => Rgb::splat(value(first)),
-            _ => Rgb::new(value(first), value(first + 1), value(first + 2)),
-        };
         let decoded = self.transfer == Transfer::Srgb && !raw;
         match &self.samples {
-            Samples::U8(samples) if decoded => color(&|i| linear_from_srgb8(samples[i])),
-            Samples::U8(samples) => color(&|i| f32::from(samples[i]) / 255.0),
-            Samples::U16(samples) if decoded => color(&|i| LINEAR_FROM_16_BITS[usize::from(samples[i])]),
-            Samples::U16(samples) => color(&|i| f32::from(samples[i]) / 65_535.0),
-            Samples::F16(samples) => color(&|i| samples[i].to_f32()),
-            Samples::F32(samples) => color(&|i| samples[i]),
+            Samples::U8(samples) if decoded => self.color(&samples[first..], linear_from_srgb8),
+            Samples::U8(samples) => self.color(&samples[first..], |value| f32::from(value) / 255.0),
+            Samples::U16(samples) if decoded => {
+                self.color(&samples[first..], |value| LINEAR_FROM_16_BITS[usize::from(value)])
+            }
+            Samples::U16(samples) => self.color(&samples[first..], |value| f32::from(value) / 65_535.0),
+            Samples::F16(samples) => self.color(&samples[first..], f16::to_f32),
+            Samples::F32(samples) => self.color(&samples[first..], |value| value),
+        }
+    }
+
+    /// Of the pixel that comes first.
+    #[inline(always)]
+    fn color<T: Copy>(&self, samples: &[T], value: impl Fn(T) -> f32) -> Rgb {
+        match self.channels {
+            1 => Rgb::splat(value(samples[0])),
+            _ => Rgb::new(value(samples[0]), value(samples[1]), value(samples[2])),
         }
     }
 

@@ -124,6 +124,19 @@ pub fn square_mesh() -> Primitive {
     triangle_mesh([[a, b, c], [a, c, d]])
 }
 
+/// The same as three triangles, which nobody takes for a square.
+pub fn square_of_three_triangles() -> Primitive {
+    let corner = |x, y| Vec3::new(x, y, 0.0);
+    let [a, b, c, d] = [
+        corner(-1.0, -1.0),
+        corner(1.0, -1.0),
+        corner(1.0, 1.0),
+        corner(-1.0, 1.0),
+    ];
+    let between = corner(0.3, 1.0);
+    triangle_mesh([[a, b, c], [a, c, between], [a, between, d]])
+}
+
 /// Triangles that share no corners.
 pub fn triangle_mesh(triangles: impl IntoIterator<Item = [Vec3; 3]>) -> Primitive {
     let positions: Vec<Vec3> = triangles.into_iter().flatten().collect();

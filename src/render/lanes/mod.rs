@@ -2,8 +2,9 @@
 //! vectors.
 //!
 //! Surfaces are looked up one by one. Where a surface has one of the models of [`crate::shading::lanes`], the rest is done in
-//! lanes; elsewhere the path takes its step alone, by [`Path::advance`]. A path that has ended gives its lane to the next one. The numbers
-//! are those of one path at a time, but for rounding.
+//! lanes; any other model is evaluated by itself, and its random numbers, lights and shadow rays are in lanes. Where several models are
+//! mixed, or light passes straight through, the path takes its step alone, by [`Path::advance`]. A path that has ended gives its lane to
+//! the next one. The numbers are those of one path at a time, but for rounding.
 
 mod camera_rays;
 mod vertices;
@@ -62,8 +63,8 @@ struct Paths<'a> {
     /// Jobs that have been begun.
     begun: usize,
     /// Those that have left their first vertex, until there is a lane for them.
-    first: Wave,
-    later: Wave,
+    first: Wave<'a>,
+    later: Wave<'a>,
 }
 
 impl<'a> Paths<'a> {
@@ -77,7 +78,7 @@ impl<'a> Paths<'a> {
     }
 
     /// Gives every free lane a path, as long as there are any.
-    fn begin(&mut self, around: &Surroundings, samples: &mut Samples) {
+    fn begin(&mut self, around: &Surroundings<'a>, samples: &mut Samples) {
         const ALL: u32 = (1 << LANES) - 1;
         for lane in each_lane(!self.later.active & ALL) {
             while self.first.active == 0 {

@@ -1,14 +1,17 @@
-//! Where sixteen paths have come to, as far as their surfaces are of the common kinds.
+//! Where sixteen paths have come to.
+
+use glam::{Vec2, Vec3};
 
 use crate::accel::{Detail, Hit, SurfacePoint};
-use crate::material::PlainSide;
+use crate::color::Rgb;
+use crate::material::{Lobe, Single};
 use crate::math::Ray;
-use crate::math::lanes::{Lanes, Vec3Lanes};
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
 use crate::render::scene::{RenderScene, SurfaceSlot};
-use crate::shading::lanes::BsdfLanes;
+use crate::shading::lanes::{BsdfLanes, BsdfSampleLanes};
 
 /// Surfaces and their models; only the lanes of `lanes` mean something.
-pub(super) struct Vertices {
+pub(super) struct Vertices<'a> {
     /// A bit per lane.
     pub lanes: u32,
     pub position: Vec3Lanes,
@@ -18,16 +21,27 @@ pub(super) struct Vertices {
     pub shading_normal: Vec3Lanes,
     /// The side of the shading normal that the model is seen from: 1, or -1 from behind.
     pub side: Lanes,
+    /// The commonest models.
     pub bsdf: BsdfLanes,
+    /// The lanes of others.
+    pub other: u32,
+    singles: [Option<Single<'a>>; LANES],
+    /// Those of `other` that have smooth lobes.
+    other_smooth: u32,
+    /// Those of `other` that scatter light from one half space only.
+    other_halved: u32,
 }
 
-/// One of them.
-pub(super) struct PlainVertex<'a> {
+/// What there is to be seen at one of them.
+pub(super) struct Met {
     pub point: SurfacePoint,
-    pub made_of: PlainSide<'a>,
+    /// As [`crate::material::Scattering::has_smooth_lobe`].
+    pub is_smooth: bool,
+    /// As [`crate::material::Scattering::albedo`].
+    pub albedo: Rgb,
 }
 
-impl Vertices {
+impl<'a> Vertices<'a> {
     pub fn new() -> Self {
         Self {
             lanes: 0,
@@ -37,35 +51,135 @@ impl Vertices {
             shading_normal: Vec3Lanes::ZERO,
             side: Lanes::ONE,
             bsdf: BsdfLanes::new(),
+            other: 0,
+            singles: [const { None }; LANES],
+            other_smooth: 0,
+            other_halved: 0,
         }
     }
 
     pub fn clear(&mut self) {
         self.lanes = 0;
         self.bsdf.clear();
+        (self.other, self.other_smooth, self.other_halved) = (0, 0, 0);
     }
 
-    /// The surface that `ray` has met at `hit`, if its model is one for lanes.
+    /// As [`crate::material::Scattering::has_smooth_lobe`], a bit per lane.
+    pub fn smooth(&self) -> u32 {
+        self.bsdf.smooth() | self.other_smooth
+    }
+
+    /// The lanes that have a [`crate::material::Scattering::half_space`], about the side of the shading normal that is seen.
+    pub fn halved(&self) -> u32 {
+        self.lanes & !(self.bsdf.transmitting() | self.other & !self.other_halved)
+    }
+
+    /// `value` and `pdf` with those of [`Single::eval_and_pdf`] in the lanes `asked`, which are some of `other`. Apart from what is done in
+    /// lanes, so that this stays in registers.
+    #[inline(never)]
+    pub fn eval_others(&self, asked: u32, wi: Vec3Lanes, mut value: Vec3Lanes, mut pdf: Lanes) -> (Vec3Lanes, Lanes) {
+        for lane in each_lane(asked) {
+            if let Some(single) = &self.singles[lane] {
+                let (own_value, own_pdf) = single.eval_and_pdf(wi.get(lane));
+                value.set(lane, own_value);
+                pdf.as_mut_array()[lane] = own_pdf;
+            }
+        }
+        (value, pdf)
+    }
+
+    /// `sample` with those of [`Single::sample`] in the lanes of `other` that are among `lanes`, in world space, and which of them are of
+    /// smooth lobes.
+    #[inline(never)]
+    pub fn sample_others(
+        &self,
+        lanes: u32,
+        u_lobe: Lanes,
+        u: [Lanes; 2],
+        mut sample: BsdfSampleLanes,
+    ) -> (BsdfSampleLanes, u32) {
+        let asked = lanes & self.other;
+        let mut returned = sample.returned.to_bitmask() & !asked;
+        let mut smooth = 0;
+        for lane in each_lane(asked) {
+            let [u_lobe, x, y] = [u_lobe, u[0], u[1]].map(|numbers| numbers.as_array()[lane]);
+            let single = self.singles[lane].as_ref();
+            if let Some(own) = single.and_then(|single| single.sample(u_lobe, Vec2::new(x, y))) {
+                sample.wi.set(lane, own.wi);
+                sample.weight.set(lane, own.weight);
+                sample.pdf.as_mut_array()[lane] = own.pdf;
+                sample.eta.as_mut_array()[lane] = own.eta;
+                returned |= 1 << lane;
+                smooth |= u32::from(own.lobe == Lobe::Smooth) << lane;
+            }
+        }
+        sample.returned = lanes_of(returned);
+        (sample, smooth)
+    }
+
+    /// Gives `lane` the surface that `ray` has met at `hit`. None, and nothing done, if it is of another than the commonest models, or its
+    /// light wants to know more.
     #[inline(always)]
-    pub fn plain<'a>(scene: &'a RenderScene, ray: &Ray, hit: &Hit, slot: &SurfaceSlot) -> Option<PlainVertex<'a>> {
-        if !scene.materials.is_for_lanes(slot.material) {
+    pub fn set_plain(
+        &mut self,
+        lane: usize,
+        scene: &RenderScene,
+        ray: &Ray,
+        hit: &Hit,
+        slot: &SurfaceSlot,
+    ) -> Option<Met> {
+        let is_textured = slot.light.is_some_and(|light| scene.lights.is_textured(light));
+        if is_textured || !scene.materials.is_for_lanes(slot.material) {
             return None;
         }
         let point = scene.geometry.surface_in(ray, hit, Detail::Plain);
         let made_of = scene
             .materials
             .plain(slot.material, -point.shading_normal.dot(ray.dir))?;
-        Some(PlainVertex { point, made_of })
+        self.set_place(lane, &point);
+        self.shading_normal.set(lane, point.shading_normal);
+        self.side.as_mut_array()[lane] = made_of.side;
+        self.bsdf.set(lane, made_of.bsdf);
+        Some(Met {
+            point,
+            is_smooth: made_of.bsdf.has_smooth_lobe(),
+            albedo: made_of.albedo,
+        })
+    }
+
+    /// As [`Self::set_plain`], of any other kind. None if it is a mixture of models or lets light pass straight through.
+    pub fn set_other(
+        &mut self,
+        lane: usize,
+        scene: &'a RenderScene,
+        ray: &Ray,
+        hit: &Hit,
+        slot: &SurfaceSlot,
+    ) -> Option<Met> {
+        let point = scene.surface(ray, hit, slot);
+        let mut scattering = scene.scattering(slot.material, hit, &point, -ray.dir);
+        let (half_space, albedo) = (scattering.half_space(), scattering.albedo());
+        let is_smooth = scattering.has_smooth_lobe();
+        self.singles[lane] = Some(scattering.take_single()?);
+        self.set_place(lane, &point);
+        self.shading_normal.set(lane, half_space.unwrap_or(Vec3::Z));
+        self.side.as_mut_array()[lane] = 1.0;
+        let bit = |condition: bool| u32::from(condition) << lane;
+        self.other |= bit(true);
+        self.other_smooth |= bit(is_smooth);
+        self.other_halved |= bit(half_space.is_some());
+        Some(Met {
+            point,
+            is_smooth,
+            albedo,
+        })
     }
 
     #[inline(always)]
-    pub fn set(&mut self, lane: usize, vertex: &PlainVertex) {
+    fn set_place(&mut self, lane: usize, point: &SurfacePoint) {
         self.lanes |= 1 << lane;
-        self.position.set(lane, vertex.point.position);
-        self.error.as_mut_array()[lane] = vertex.point.error;
-        self.geometric_normal.set(lane, vertex.point.geometric_normal);
-        self.shading_normal.set(lane, vertex.point.shading_normal);
-        self.side.as_mut_array()[lane] = vertex.made_of.side;
-        self.bsdf.set(lane, vertex.made_of.bsdf);
+        self.position.set(lane, point.position);
+        self.error.as_mut_array()[lane] = point.error;
+        self.geometric_normal.set(lane, point.geometric_normal);
     }
 }

@@ -4,17 +4,20 @@ use glam::{UVec2, Vec2, Vec3};
 
 use super::Job;
 use super::camera_rays::CameraRays;
-use super::vertices::Vertices;
+use super::vertices::{Met, Vertices};
 use crate::accel::{Hit, RayLanes};
 use crate::light::lanes::{SoleLight, sample_constant};
 use crate::light::{LightReference, Target};
 use crate::math::Ray;
 use crate::math::lanes::{FrameLanes, LANES, Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of, offset_origins};
-use crate::render::path::{Arrival, BOUNCE_DIMENSIONS, CAMERA_DIMENSIONS, HIGHEST_SURVIVAL, Path, PathSample};
-use crate::render::scene::RenderScene;
+use crate::render::path::{
+    Arrival, BOUNCE_DIMENSIONS, CAMERA_DIMENSIONS, HIGHEST_SURVIVAL, Path, PathSample, shadow_ray,
+};
+use crate::render::scene::{RenderScene, SurfaceSlot};
 use crate::render::view::{PathSettings, Strategy, View};
 use crate::sampling::Sampler;
 use crate::sampling::lanes::{SamplerLanes, power_heuristics};
+use crate::shading::lanes::BsdfSampleLanes;
 
 /// What all paths have in common.
 pub(super) struct Surroundings<'a> {
@@ -35,7 +38,7 @@ pub(super) enum Company {
 pub(super) type Samples = Vec<(PathSample, f32)>;
 
 /// The paths under way. What changes at every vertex lies in lanes, the rest in `homes`.
-pub(super) struct Wave {
+pub(super) struct Wave<'a> {
     /// A bit per lane.
     pub active: u32,
     /// Where they go next; endless but for those from the camera.
@@ -55,7 +58,7 @@ pub(super) struct Wave {
     depth: WordLanes,
     sampler: SamplerLanes,
     homes: [Home; LANES],
-    vertices: Vertices,
+    vertices: Vertices<'a>,
 }
 
 /// A path's own things, and the whole of it while it steps alone.
@@ -67,6 +70,7 @@ struct Home {
 }
 
 /// Directions to a light, with what arrives from there unless something is in between.
+#[derive(Clone, Copy)]
 struct LightLanes {
     wi: Vec3Lanes,
     target: Vec3Lanes,
@@ -76,6 +80,25 @@ struct LightLanes {
     pdf: Lanes,
     is_delta: u32,
     is_valid: Lanes,
+}
+
+impl LightLanes {
+    const NONE: Self = Self {
+        wi: Vec3Lanes::ZERO,
+        target: Vec3Lanes::ZERO,
+        infinite: 0,
+        radiance: Vec3Lanes::ZERO,
+        pdf: Lanes::ONE,
+        is_delta: 0,
+        is_valid: Lanes::ZERO,
+    };
+
+    fn target(&self, lane: usize) -> Target {
+        match self.infinite >> lane & 1 {
+            0 => Target::Point(self.target.get(lane)),
+            _ => Target::Infinity,
+        }
+    }
 }
 
 impl<'a> Surroundings<'a> {
@@ -89,7 +112,7 @@ impl<'a> Surroundings<'a> {
     }
 }
 
-impl Wave {
+impl<'a> Wave<'a> {
     /// Without paths.
     pub fn new(view: &View) -> Self {
         let nowhere = Path::new(
@@ -246,7 +269,7 @@ impl Wave {
 
     /// Takes all paths to their next vertices and on from there.
     #[inline(never)]
-    pub fn step(&mut self, company: Company, around: &Surroundings, samples: &mut Samples) {
+    pub fn step(&mut self, company: Company, around: &Surroundings<'a>, samples: &mut Samples) {
         if self.active == 0 {
             return;
         }
@@ -272,40 +295,68 @@ impl Wave {
         self.finish(lane, samples);
     }
 
-    /// Takes the path of a lane to its hit, and on to its next vertex unless that is to be done in lanes.
-    fn arrive(&mut self, lane: usize, hit: Hit, around: &Surroundings, samples: &mut Samples) {
-        let (scene, settings) = (around.scene, around.settings);
-        let slot = scene.slot(&hit);
-        let is_textured = slot.light.is_some_and(|light| scene.lights.is_textured(light));
+    /// Takes the path of a lane to its hit. What light does there is done in lanes, or else the path goes on to its next ray by itself.
+    fn arrive(&mut self, lane: usize, hit: Hit, around: &Surroundings<'a>, samples: &mut Samples) {
+        let slot = around.scene.slot(&hit);
         let ray = self.rays.get(lane);
-        if !is_textured && let Some(vertex) = Vertices::plain(scene, &ray, &hit, &slot) {
-            let (point, made_of) = (&vertex.point, &vertex.made_of);
-            let depth = self.depth.as_array()[lane];
-            let is_last = depth + 1 >= settings.max_depth;
-            self.homes[lane].path.result.rays += 1;
-            if slot.light.is_some() || depth == 0 {
-                let path = self.load(lane);
-                path.arrive(scene, settings, &hit, &slot, point, &mut ());
-                let radiance = path.result.radiance;
-                self.radiance.set(lane, radiance);
-            }
-            if !self.homes[lane].path.guided && (is_last || made_of.bsdf.has_smooth_lobe() || slot.light.is_some()) {
-                let throughput = self.throughput.get(lane);
-                let path = &mut self.homes[lane].path;
-                path.throughput = throughput;
-                path.guide(made_of.albedo, &slot, point);
-            }
-            if is_last {
-                self.finish(lane, samples);
-            } else {
-                self.vertices.set(lane, &vertex);
-            }
+        match self.vertices.set_plain(lane, around.scene, &ray, &hit, &slot) {
+            Some(met) => self.look(lane, &hit, &slot, &met, around, samples),
+            None => self.arrive_elsewhere(lane, hit, &slot, around, samples),
+        }
+    }
+
+    /// At a surface that is not of one of the commonest models.
+    #[inline(never)]
+    fn arrive_elsewhere(
+        &mut self,
+        lane: usize,
+        hit: Hit,
+        slot: &SurfaceSlot,
+        around: &Surroundings<'a>,
+        samples: &mut Samples,
+    ) {
+        let ray = self.rays.get(lane);
+        if let Some(met) = self.vertices.set_other(lane, around.scene, &ray, &hit, slot) {
+            self.look(lane, &hit, slot, &met, around, samples);
             return;
         }
         let path = self.load(lane);
-        let goes_on = path.advance(scene, settings, Some(hit), &mut ());
+        let goes_on = path.advance(around.scene, around.settings, Some(hit), &mut ());
         self.store(lane);
         if !goes_on {
+            self.finish(lane, samples);
+        }
+    }
+
+    /// What a path sees where it has come to. It ends there if that was its last vertex.
+    #[inline(always)]
+    fn look(
+        &mut self,
+        lane: usize,
+        hit: &Hit,
+        slot: &SurfaceSlot,
+        met: &Met,
+        around: &Surroundings,
+        samples: &mut Samples,
+    ) {
+        let (scene, settings) = (around.scene, around.settings);
+        let depth = self.depth.as_array()[lane];
+        let is_last = depth + 1 >= settings.max_depth;
+        self.homes[lane].path.result.rays += 1;
+        if slot.light.is_some() || depth == 0 {
+            let path = self.load(lane);
+            path.arrive(scene, settings, hit, slot, &met.point, &mut ());
+            let radiance = path.result.radiance;
+            self.radiance.set(lane, radiance);
+        }
+        if !self.homes[lane].path.guided && (is_last || met.is_smooth || slot.light.is_some()) {
+            let throughput = self.throughput.get(lane);
+            let path = &mut self.homes[lane].path;
+            path.throughput = throughput;
+            path.guide(met.albedo, slot, &met.point);
+        }
+        if is_last {
+            self.vertices.lanes &= !(1 << lane);
             self.finish(lane, samples);
         }
     }
@@ -337,10 +388,15 @@ impl Wave {
         };
         let wo = frame.to_local(-self.rays.dir);
 
-        let smooth = bsdf.smooth();
+        let (smooth, halved) = (self.vertices.smooth() & lanes, self.vertices.halved());
+        let other = self.vertices.other & lanes;
         if smooth != 0 && !(settings.strategy == Strategy::Bsdf && around.sole_light.is_some()) {
-            let light = self.sample_light(around, smooth, position, frame.n, at);
-            let (value, bsdf_pdf) = bsdf.eval_and_pdf(wo, frame.to_local(light.wi));
+            let light = self.sample_light(around, smooth, position, frame.n, halved, at);
+            let (mut value, mut bsdf_pdf) = bsdf.eval_and_pdf(wo, frame.to_local(light.wi));
+            if other & smooth != 0 {
+                let asked = other & smooth & light.is_valid.to_bitmask();
+                (value, bsdf_pdf) = self.vertices.eval_others(asked, light.wi, value, bsdf_pdf);
+            }
             let weight = match settings.strategy {
                 Strategy::Mis => power_heuristics(light.pdf, bsdf_pdf),
                 Strategy::Light => Lanes::ONE,
@@ -357,23 +413,47 @@ impl Wave {
                 dir: Vec3Lanes::select(is_infinite, light.wi, light.target - origin),
                 t_max: is_infinite.select(Lanes::splat(f32::INFINITY), Lanes::ONE),
             };
-            for lane in each_lane(asked) {
-                self.homes[lane].path.result.rays += 1;
-            }
             let occluded = match company {
                 Company::Coherent => scene.geometry.occluded_bundle(&shadows, asked),
                 Company::Mixed => scene.geometry.occluded_lanes(&shadows, asked),
             };
             let lit = asked & !occluded;
             self.radiance += reflected.only(lanes_of(lit));
+            let lets_through = scene.materials.lets_through();
+            for lane in each_lane(if lets_through { lit } else { asked }) {
+                self.homes[lane].path.result.rays += 1;
+            }
+            if lets_through {
+                let through = look_through(
+                    around,
+                    occluded,
+                    self.depth,
+                    [origin, reflected],
+                    light,
+                    &mut self.homes,
+                );
+                self.radiance += through.only(lanes_of(occluded));
+            }
         }
 
-        let u_lobe = match bsdf.transmitting() {
+        let u_lobe = match bsdf.transmitting() | other {
             0 => zero,
             _ => self.sampler.at_1d(at(2)),
         };
-        let sample = bsdf.sample(wo, u_lobe, self.sampler.at_2d(at(3)));
-        let wi = frame.to_world(sample.wi);
+        let u = self.sampler.at_2d(at(3));
+        let sample = bsdf.sample(wo, u_lobe, u);
+        let mut sample = BsdfSampleLanes {
+            wi: frame.to_world(sample.wi),
+            ..sample
+        };
+        // By a density, not the only direction of a lobe.
+        let mut scattered = smooth;
+        if other != 0 {
+            let smooth_sample;
+            (sample, smooth_sample) = self.vertices.sample_others(lanes, u_lobe, u, sample);
+            scattered &= !other | smooth_sample;
+        }
+        let wi = sample.wi;
         self.throughput = Vec3Lanes::select(here, self.throughput * sample.weight, self.throughput);
         self.eta_squared = here.select(self.eta_squared * sample.eta * sample.eta, self.eta_squared);
         let mut goes_on = here & sample.returned & self.throughput.is_not_zero();
@@ -385,11 +465,11 @@ impl Wave {
         );
         self.rays.dir = Vec3Lanes::select(here, wi, self.rays.dir);
         self.rays.t_max = here.select(Lanes::splat(f32::INFINITY), self.rays.t_max);
-        let is_smooth = lanes_of(smooth);
-        self.arrival_pdf = here.select(is_smooth.select(sample.pdf, -Lanes::ONE), self.arrival_pdf);
+        let is_scattered = lanes_of(scattered);
+        self.arrival_pdf = here.select(is_scattered.select(sample.pdf, -Lanes::ONE), self.arrival_pdf);
         self.from = Vec3Lanes::select(here, position, self.from);
         self.from_normal = Vec3Lanes::select(here, frame.n, self.from_normal);
-        self.from_has_normal = (self.from_has_normal & !lanes) | (lanes & !bsdf.transmitting());
+        self.from_has_normal = (self.from_has_normal & !lanes) | (lanes & halved);
 
         let plays = here & bytemuck::cast::<_, Lanes>(self.depth.simd_ge(WordLanes::splat(settings.rr_depth)));
         if plays.any() {
@@ -405,17 +485,18 @@ impl Wave {
         }
     }
 
-    /// A light for each of the lanes `asked`, seen from their positions, whose half spaces have the normals `normal`.
+    /// A light for each of the lanes `asked`, seen from their positions, whose half spaces have the normals `normal` if they are `halved`.
     fn sample_light(
         &self,
         around: &Surroundings,
         asked: u32,
         position: Vec3Lanes,
         normal: Vec3Lanes,
+        halved: u32,
         at: impl Fn(u32) -> WordLanes,
     ) -> LightLanes {
         let u = self.sampler.at_2d(at(1));
-        match &around.sole_light {
+        let (light, alone) = match &around.sole_light {
             Some(SoleLight::Rectangle(rectangle)) => {
                 let sample = rectangle.sample(position, u);
                 return LightLanes {
@@ -430,7 +511,7 @@ impl Wave {
             }
             Some(SoleLight::Constant(radiance)) => {
                 let (wi, pdf) = sample_constant(normal, u);
-                return LightLanes {
+                let light = LightLanes {
                     wi,
                     target: Vec3Lanes::ZERO,
                     infinite: asked,
@@ -439,27 +520,37 @@ impl Wave {
                     is_delta: 0,
                     is_valid: pdf.simd_gt(Lanes::ZERO),
                 };
+                if asked & !halved == 0 {
+                    return light;
+                }
+                (light, asked & !halved)
             }
-            None => {}
-        }
-        let u_choice = self.sampler.at_1d(at(0));
-        let mut light = LightLanes {
-            wi: Vec3Lanes::ZERO,
-            target: Vec3Lanes::ZERO,
-            infinite: 0,
-            radiance: Vec3Lanes::ZERO,
-            pdf: Lanes::ONE,
-            is_delta: 0,
-            is_valid: Lanes::ZERO,
+            None => (LightLanes::NONE, asked),
         };
-        let mut valid = 0;
+        let u_choice = self.sampler.at_1d(at(0));
+        self.sample_lights(around, alone, [position, normal], halved, [u_choice, u[0], u[1]], light)
+    }
+
+    /// `light` with lights for the lanes `asked`, one by one.
+    #[inline(never)]
+    fn sample_lights(
+        &self,
+        around: &Surroundings,
+        asked: u32,
+        [position, normal]: [Vec3Lanes; 2],
+        halved: u32,
+        u: [Lanes; 3],
+        mut light: LightLanes,
+    ) -> LightLanes {
+        light.infinite &= !asked;
+        let mut valid = light.is_valid.to_bitmask() & !asked;
         for lane in each_lane(asked) {
             let reference = LightReference {
                 position: position.get(lane),
-                normal: Some(normal.get(lane)),
+                normal: (halved >> lane & 1 == 1).then(|| normal.get(lane)),
             };
-            let place = Vec2::new(u[0].as_array()[lane], u[1].as_array()[lane]);
-            let Some((_, sample)) = around.scene.lights.sample(&reference, u_choice.as_array()[lane], place) else {
+            let [u_choice, x, y] = u.map(|numbers| numbers.as_array()[lane]);
+            let Some((_, sample)) = around.scene.lights.sample(&reference, u_choice, Vec2::new(x, y)) else {
                 continue;
             };
             let bit = 1 << lane;
@@ -476,4 +567,24 @@ impl Wave {
         light.is_valid = lanes_of(valid);
         light
     }
+}
+
+/// What of the `reflected` light of the lanes `asked` arrives at their `origin` through surfaces that let it pass.
+#[inline(never)]
+fn look_through(
+    around: &Surroundings,
+    asked: u32,
+    depth: WordLanes,
+    [origin, mut reflected]: [Vec3Lanes; 2],
+    light: LightLanes,
+    homes: &mut [Home; LANES],
+) -> Vec3Lanes {
+    for lane in each_lane(asked) {
+        let crossings = around.settings.max_depth - depth.as_array()[lane] - 1;
+        let (origin, wi) = (origin.get(lane), light.wi.get(lane));
+        let rays = &mut homes[lane].path.result.rays;
+        let arriving = shadow_ray(around.scene, origin, wi, light.target(lane), crossings, rays);
+        reflected.set(lane, reflected.get(lane) * arriving);
+    }
+    reflected
 }
