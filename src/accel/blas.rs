@@ -29,8 +29,6 @@ pub struct Blas {
     packets: Table<TrianglePacket>,
     /// The expected work of a ray when the hierarchy was built, not merely fitted to other vertices.
     cost_when_built: f32,
-    /// Whether some triangle is in more leaves than one.
-    is_in_parts: bool,
     /// Where rays begin that will have to wait for triangles, and know no better than to go on: the box around everything, empty if caches
     /// hold it all. Rays from outside lie side by side, and what they meet first is what they hit.
     afar_within: Aabb,
@@ -68,12 +66,12 @@ impl Blas {
     }
 
     /// The same hierarchy around `mesh`, whose triangles are those of the mesh before with vertices elsewhere. None if they are not, or if
-    /// that would be much worse than to build anew, as it is where leaves hold parts of triangles.
+    /// that would be much worse than to build anew, as it is where many leaves hold parts of triangles.
     pub fn refit(&self, mesh: Arc<MeshData>) -> Option<Self> {
         let is_regular = |mesh: &MeshData, index| mesh.regular_corners(index).is_some();
         let is_held_as_before = |index| is_regular(&mesh, index) == is_regular(&self.mesh, index);
         let same_triangles = mesh.triangles == self.mesh.triangles;
-        if !same_triangles || self.is_in_parts || !(0..mesh.triangles.len()).into_par_iter().all(is_held_as_before) {
+        if !same_triangles || !(0..mesh.triangles.len()).into_par_iter().all(is_held_as_before) {
             return None;
         }
         let bvh = self.bvh.refit(|index| triangle_bounds(&mesh, index));
@@ -92,10 +90,7 @@ impl Blas {
                     packet.set(lane, mesh.corners(triangle as usize), triangle);
                 }
             });
-        let is_regular = |&index: &usize| mesh.regular_corners(index).is_some();
-        let regular = (0..mesh.triangles.len()).into_par_iter().filter(is_regular).count();
         let mut blas = Self {
-            is_in_parts: bvh.listed() > regular,
             afar_within: Aabb::EMPTY,
             has_flat_normals: has_flat_normals(&mesh),
             affine: AffineMesh::of(&mesh),
