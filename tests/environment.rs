@@ -151,7 +151,10 @@ fn cases() -> Vec<(&'static str, RenderScene, Vec3)> {
 }
 
 fn pdf(scene: &RenderScene, wi: Vec3) -> f32 {
-    scene.lights.pdf_of_escape(LightId(0), &all_around(Vec3::ZERO), wi)
+    let (_, pdf) = scene
+        .lights
+        .radiance_and_pdf_from(LightId(0), &all_around(Vec3::ZERO), wi);
+    pdf
 }
 
 fn radiance(scene: &RenderScene, wi: Vec3) -> Rgb {

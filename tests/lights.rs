@@ -56,7 +56,7 @@ fn pdf(scene: &RenderScene, wi: Vec3) -> f32 {
             .lights
             .infinite()
             .iter()
-            .map(|&id| scene.lights.pdf_of_escape(id, &all_around(Vec3::ZERO), wi))
+            .map(|&id| scene.lights.radiance_and_pdf_from(id, &all_around(Vec3::ZERO), wi).1)
             .sum();
     };
     let point = scene.geometry.surface(&ray, &hit);
@@ -471,7 +471,8 @@ fn lights_without_extent_send_what_they_say() {
                 .map(|&id| scene.lights.radiance_from(id, wi))
                 .sum();
             assert_eq!(escaping, Rgb::ZERO);
-            assert_eq!(scene.lights.pdf_of_escape(LightId(0), &all_around(at), wi), 0.0);
+            let (_, pdf) = scene.lights.radiance_and_pdf_from(LightId(0), &all_around(at), wi);
+            assert_eq!(pdf, 0.0);
         }
     }
 }

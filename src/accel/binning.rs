@@ -20,6 +20,7 @@ impl Grid {
         Self::over(set.centers, (4 + set.len).min(MAX_BINS))
     }
 
+    /// Of `bins` slabs along each axis between the sides of `bounds`.
     pub fn over(bounds: Bounds, bins: usize) -> Self {
         let scale = f32x4::splat(bins as f32 * (1.0 - 1e-6)) / bounds.extent();
         Self {

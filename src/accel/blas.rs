@@ -114,7 +114,7 @@ impl Blas {
     }
 
     /// What takes the square [-1, 1]² of the plane z = 0 to the mesh, if that is two triangles that make up its image.
-    pub fn from_square(&self) -> Option<DAffine3> {
+    pub fn local_from_square(&self) -> Option<DAffine3> {
         let mesh = self.affine.as_ref().filter(|mesh| mesh.faces.len() == 1)?;
         Some(mesh.placed)
     }

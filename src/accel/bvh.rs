@@ -67,15 +67,15 @@ impl Bvh {
     ) -> Self {
         let leaf_size = leaf_size.clamp(1, MAX_LEAF);
         let Tree { nodes, order, depth } = build(count, bounds, cut, method, leaf_size);
-        let listed = || order.iter().filter(|&&primitive| primitive != NO_PRIMITIVE).count();
-        let linear = (method == SplitMethod::Linear).then(listed);
-        Self {
+        let mut bvh = Self {
             nodes,
             order,
             leaf_size,
-            linear,
+            linear: None,
             depth,
-        }
+        };
+        bvh.linear = (method == SplitMethod::Linear).then(|| bvh.listed());
+        bvh
     }
 
     /// Whether all primitives are in one leaf of any size.

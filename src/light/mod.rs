@@ -2,7 +2,7 @@
 //!
 //! The contract: [`LightTable::sample`] gives a direction from a reference point towards a light with the radiance that would arrive if
 //! nothing stood between, and its density per solid angle *including the probability of having chosen this light*;
-//! [`LightTable::pdf_of_hit`] and [`LightTable::pdf_of_escape`] give that same density for a direction that was found by other means.
+//! [`LightTable::pdf_of_hit`] and [`LightTable::radiance_and_pdf_from`] give that same density for a direction found by other means.
 //! Directions here are in world space.
 //!
 //! Emitters (`finite.rs`, `infinite.rs` and one file per kind) know how to be sampled and how much they send; which of them a sample

@@ -329,7 +329,7 @@ fn rectangle_of(blas: &Blas, to_world: &Affine3A, triangles: &[TriangleLight]) -
         return None;
     }
     let (normal, other) = (a.normal()?, b.normal()?);
-    let placed = (to_world.as_daffine3() * blas.from_square()?).as_affine3a();
+    let placed = (to_world.as_daffine3() * blas.local_from_square()?).as_affine3a();
     let [x, y] = [placed.matrix3.x_axis, placed.matrix3.y_axis].map(Vec3::from);
     let light = RectangleLight::new(Vec3::from(placed.translation) - x - y, 2.0 * x, 2.0 * y, normal);
     (normal.dot(other) > 0.0 && light.is_rectangle()).then_some(light)

@@ -204,12 +204,7 @@ impl LightTable {
         self.at_infinity(id).map_or(Rgb::ZERO, |(_, light)| light.radiance(wi))
     }
 
-    /// The density with which [`Self::sample`] gives the direction `wi` to infinite light `id`.
-    pub fn pdf_of_escape(&self, id: LightId, reference: &LightReference, wi: Vec3) -> f32 {
-        self.radiance_and_pdf_from(id, reference, wi).1
-    }
-
-    /// [`Self::radiance_from`] and [`Self::pdf_of_escape`], which have much in common.
+    /// [`Self::radiance_from`] and the density with which [`Self::sample`] gives the direction `wi` to infinite light `id`.
     pub fn radiance_and_pdf_from(&self, id: LightId, reference: &LightReference, wi: Vec3) -> (Rgb, f32) {
         self.at_infinity(id).map_or((Rgb::ZERO, 0.0), |(index, light)| {
             let (radiance, pdf) = light.radiance_and_pdf(reference, wi);

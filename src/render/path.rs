@@ -288,7 +288,8 @@ impl Path {
     }
 }
 
-/// The share of a light's radiance that arrives at `origin` from `target`, in the direction `wi`, through at most `crossings` surfaces that let it pass.
+/// The share of a light's radiance that arrives at `origin` from `target`, in the direction `wi`, through at most `crossings` surfaces
+/// that let it pass.
 pub(super) fn shadow_ray(
     scene: &RenderScene,
     mut origin: Vec3,

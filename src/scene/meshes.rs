@@ -82,12 +82,14 @@ pub(super) fn report_meshes(
             });
         };
         let asset = assets.get(id);
-        match asset.map(|asset| (asset.shapes.get(index as usize), asset.shapes.len())) {
-            Some((Some(shape), _)) => {
-                warnings.extend(shape.warnings.iter().map(|warning| format!("{shown}: {warning}")));
+        if let Some(asset) = asset {
+            match asset.shapes.get(index as usize) {
+                Some(shape) => warnings.extend(shape.warnings.iter().map(|warning| format!("{shown}: {warning}"))),
+                None => problem(format!(
+                    "there is no shape {index}: the file has {}",
+                    asset.shapes.len()
+                )),
             }
-            Some((None, count)) => problem(format!("there is no shape {index}: the file has {count}")),
-            None => {}
         }
         match server.load_state(id) {
             LoadState::Failed(error) => {

@@ -112,28 +112,23 @@ pub fn all_around(position: Vec3) -> LightReference {
     LightReference { position, normal: None }
 }
 
+const SQUARE: [Vec3; 4] = [
+    Vec3::new(-1.0, -1.0, 0.0),
+    Vec3::new(1.0, -1.0, 0.0),
+    Vec3::new(1.0, 1.0, 0.0),
+    Vec3::new(-1.0, 1.0, 0.0),
+];
+
 /// The square [-1, 1]^2 as two triangles.
 pub fn square_mesh() -> Primitive {
-    let corner = |x, y| Vec3::new(x, y, 0.0);
-    let [a, b, c, d] = [
-        corner(-1.0, -1.0),
-        corner(1.0, -1.0),
-        corner(1.0, 1.0),
-        corner(-1.0, 1.0),
-    ];
+    let [a, b, c, d] = SQUARE;
     triangle_mesh([[a, b, c], [a, c, d]])
 }
 
 /// The same as three triangles, which nobody takes for a square.
 pub fn square_of_three_triangles() -> Primitive {
-    let corner = |x, y| Vec3::new(x, y, 0.0);
-    let [a, b, c, d] = [
-        corner(-1.0, -1.0),
-        corner(1.0, -1.0),
-        corner(1.0, 1.0),
-        corner(-1.0, 1.0),
-    ];
-    let between = corner(0.3, 1.0);
+    let [a, b, c, d] = SQUARE;
+    let between = Vec3::new(0.3, 1.0, 0.0);
     triangle_mesh([[a, b, c], [a, c, between], [a, between, d]])
 }
 

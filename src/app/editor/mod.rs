@@ -22,6 +22,7 @@ pub mod gizmo;
 pub mod guard;
 pub mod history;
 pub mod icons;
+mod inspection;
 pub mod keys;
 mod latency;
 pub mod layout;
@@ -190,7 +191,7 @@ impl Plugin for EditorPlugin {
                         scene_watch::measure_scene,
                         gather::gather_outline,
                         paths::follow_paths,
-                        gather::gather_selection,
+                        inspection::gather_selection,
                         looks::update_thumbnails,
                         gather::gather_status,
                     )

@@ -7,6 +7,7 @@
 //! the next one. The numbers are those of one path at a time, but for rounding.
 
 mod camera_rays;
+mod light_samples;
 mod vertices;
 mod wave;
 

@@ -1,13 +1,14 @@
 //! Sixteen paths at their next rays: from vertex to vertex.
 
-use glam::{UVec2, Vec2, Vec3};
+use glam::{UVec2, Vec3};
 
 use super::Job;
 use super::camera_rays::CameraRays;
+use super::light_samples::{LightLanes, ReferenceLanes};
 use super::vertices::{Met, Vertices};
 use crate::accel::{Hit, RayLanes};
-use crate::light::lanes::{SoleLight, sample_constant};
-use crate::light::{LightReference, Target};
+use crate::light::LightReference;
+use crate::light::lanes::SoleLight;
 use crate::math::Ray;
 use crate::math::lanes::{FrameLanes, LANES, Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of, offset_origins};
 use crate::render::path::{
@@ -24,7 +25,7 @@ pub(super) struct Surroundings<'a> {
     pub scene: &'a RenderScene,
     pub view: &'a View,
     pub settings: &'a PathSettings,
-    sole_light: Option<SoleLight>,
+    pub sole_light: Option<SoleLight>,
 }
 
 /// Whether rays have much in common, as those through one pixel have.
@@ -67,38 +68,6 @@ struct Home {
     job: usize,
     weight: f32,
     path: Path,
-}
-
-/// Directions to a light, with what arrives from there unless something is in between.
-#[derive(Clone, Copy)]
-struct LightLanes {
-    wi: Vec3Lanes,
-    target: Vec3Lanes,
-    /// Bits of lanes whose light is at infinity, in the direction `wi`.
-    infinite: u32,
-    radiance: Vec3Lanes,
-    pdf: Lanes,
-    is_delta: u32,
-    is_valid: Lanes,
-}
-
-impl LightLanes {
-    const NONE: Self = Self {
-        wi: Vec3Lanes::ZERO,
-        target: Vec3Lanes::ZERO,
-        infinite: 0,
-        radiance: Vec3Lanes::ZERO,
-        pdf: Lanes::ONE,
-        is_delta: 0,
-        is_valid: Lanes::ZERO,
-    };
-
-    fn target(&self, lane: usize) -> Target {
-        match self.infinite >> lane & 1 {
-            0 => Target::Point(self.target.get(lane)),
-            _ => Target::Infinity,
-        }
-    }
 }
 
 impl<'a> Surroundings<'a> {
@@ -391,7 +360,12 @@ impl<'a> Wave<'a> {
         let (smooth, halved) = (self.vertices.smooth() & lanes, self.vertices.halved());
         let other = self.vertices.other & lanes;
         if smooth != 0 && !(settings.strategy == Strategy::Bsdf && around.sole_light.is_some()) {
-            let light = self.sample_light(around, smooth, position, frame.n, halved, at);
+            let seen_from = ReferenceLanes {
+                position,
+                normal: frame.n,
+                halved,
+            };
+            let light = LightLanes::sample(around, smooth, &seen_from, &self.sampler, at);
             let (mut value, mut bsdf_pdf) = bsdf.eval_and_pdf(wo, frame.to_local(light.wi));
             if other & smooth != 0 {
                 let asked = other & smooth & light.is_valid.to_bitmask();
@@ -483,89 +457,6 @@ impl<'a> Wave<'a> {
         for lane in each_lane(lanes & !goes_on.to_bitmask()) {
             self.finish(lane, samples);
         }
-    }
-
-    /// A light for each of the lanes `asked`, seen from their positions, whose half spaces have the normals `normal` if they are `halved`.
-    fn sample_light(
-        &self,
-        around: &Surroundings,
-        asked: u32,
-        position: Vec3Lanes,
-        normal: Vec3Lanes,
-        halved: u32,
-        at: impl Fn(u32) -> WordLanes,
-    ) -> LightLanes {
-        let u = self.sampler.at_2d(at(1));
-        let (light, alone) = match &around.sole_light {
-            Some(SoleLight::Rectangle(rectangle)) => {
-                let sample = rectangle.sample(position, u);
-                return LightLanes {
-                    wi: sample.wi,
-                    target: sample.target,
-                    infinite: 0,
-                    radiance: Vec3Lanes::splat(rectangle.radiance),
-                    pdf: sample.pdf,
-                    is_delta: 0,
-                    is_valid: sample.is_valid,
-                };
-            }
-            Some(SoleLight::Constant(radiance)) => {
-                let (wi, pdf) = sample_constant(normal, u);
-                let light = LightLanes {
-                    wi,
-                    target: Vec3Lanes::ZERO,
-                    infinite: asked,
-                    radiance: Vec3Lanes::splat(*radiance),
-                    pdf,
-                    is_delta: 0,
-                    is_valid: pdf.simd_gt(Lanes::ZERO),
-                };
-                if asked & !halved == 0 {
-                    return light;
-                }
-                (light, asked & !halved)
-            }
-            None => (LightLanes::NONE, asked),
-        };
-        let u_choice = self.sampler.at_1d(at(0));
-        self.sample_lights(around, alone, [position, normal], halved, [u_choice, u[0], u[1]], light)
-    }
-
-    /// `light` with lights for the lanes `asked`, one by one.
-    #[inline(never)]
-    fn sample_lights(
-        &self,
-        around: &Surroundings,
-        asked: u32,
-        [position, normal]: [Vec3Lanes; 2],
-        halved: u32,
-        u: [Lanes; 3],
-        mut light: LightLanes,
-    ) -> LightLanes {
-        light.infinite &= !asked;
-        let mut valid = light.is_valid.to_bitmask() & !asked;
-        for lane in each_lane(asked) {
-            let reference = LightReference {
-                position: position.get(lane),
-                normal: (halved >> lane & 1 == 1).then(|| normal.get(lane)),
-            };
-            let [u_choice, x, y] = u.map(|numbers| numbers.as_array()[lane]);
-            let Some((_, sample)) = around.scene.lights.sample(&reference, u_choice, Vec2::new(x, y)) else {
-                continue;
-            };
-            let bit = 1 << lane;
-            valid |= bit;
-            light.wi.set(lane, sample.wi);
-            light.radiance.set(lane, sample.radiance);
-            light.pdf.as_mut_array()[lane] = sample.pdf;
-            light.is_delta |= if sample.is_delta { bit } else { 0 };
-            match sample.target {
-                Target::Point(target) => light.target.set(lane, target),
-                Target::Infinity => light.infinite |= bit,
-            }
-        }
-        light.is_valid = lanes_of(valid);
-        light
     }
 }
 

@@ -15,7 +15,7 @@ use crate::geometry::serialized::{self, SerializedFile};
 use crate::geometry::{obj, ply};
 
 /// What a mesh file holds, all of it, whichever of its shapes are used.
-#[derive(Asset, TypePath, Clone, Debug, Default)]
+#[derive(Asset, TypePath, Clone, Debug)]
 pub struct TriangleMesh {
     /// One of an OBJ or PLY file, at least one of a serialized one.
     pub shapes: Vec<MeshShape>,
@@ -82,7 +82,7 @@ impl AssetLoader for MeshLoader {
             return Ok(TriangleMesh {
                 // Of several that are broken the first is told of.
                 shapes: shapes.into_iter().collect::<Result<_, _>>()?,
-                ..TriangleMesh::default()
+                dependencies: Vec::new(),
             });
         }
         read_mesh(&bytes, &path)

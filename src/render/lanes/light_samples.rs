@@ -1,0 +1,131 @@
+//! Directions from vertices to lights.
+
+use glam::Vec2;
+
+use super::wave::Surroundings;
+use crate::light::lanes::{SoleLight, sample_constant};
+use crate::light::{LightReference, Target};
+use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of};
+use crate::sampling::lanes::SamplerLanes;
+
+/// The places lights are seen from.
+#[derive(Clone, Copy)]
+pub(super) struct ReferenceLanes {
+    pub position: Vec3Lanes,
+    pub normal: Vec3Lanes,
+    /// Bits of lanes that see the half space around their normal only.
+    pub halved: u32,
+}
+
+/// Directions to a light, with what arrives from there unless something is in between.
+#[derive(Clone, Copy)]
+pub(super) struct LightLanes {
+    pub wi: Vec3Lanes,
+    pub target: Vec3Lanes,
+    /// Bits of lanes whose light is at infinity, in the direction `wi`.
+    pub infinite: u32,
+    pub radiance: Vec3Lanes,
+    pub pdf: Lanes,
+    pub is_delta: u32,
+    pub is_valid: Lanes,
+}
+
+impl ReferenceLanes {
+    fn get(&self, lane: usize) -> LightReference {
+        LightReference {
+            position: self.position.get(lane),
+            normal: (self.halved >> lane & 1 == 1).then(|| self.normal.get(lane)),
+        }
+    }
+}
+
+impl LightLanes {
+    const NONE: Self = Self {
+        wi: Vec3Lanes::ZERO,
+        target: Vec3Lanes::ZERO,
+        infinite: 0,
+        radiance: Vec3Lanes::ZERO,
+        pdf: Lanes::ONE,
+        is_delta: 0,
+        is_valid: Lanes::ZERO,
+    };
+
+    pub fn target(&self, lane: usize) -> Target {
+        match self.infinite >> lane & 1 {
+            0 => Target::Point(self.target.get(lane)),
+            _ => Target::Infinity,
+        }
+    }
+
+    /// A light for each of the lanes `asked`, by the numbers of a vertex: `at(0)` which light it is, `at(1)` where.
+    #[inline(always)]
+    pub fn sample(
+        around: &Surroundings,
+        asked: u32,
+        seen_from: &ReferenceLanes,
+        sampler: &SamplerLanes,
+        at: impl Fn(u32) -> WordLanes,
+    ) -> Self {
+        let u = sampler.at_2d(at(1));
+        let (light, alone) = match &around.sole_light {
+            Some(SoleLight::Rectangle(rectangle)) => {
+                let sample = rectangle.sample(seen_from.position, u);
+                return Self {
+                    wi: sample.wi,
+                    target: sample.target,
+                    infinite: 0,
+                    radiance: Vec3Lanes::splat(rectangle.radiance),
+                    pdf: sample.pdf,
+                    is_delta: 0,
+                    is_valid: sample.is_valid,
+                };
+            }
+            Some(SoleLight::Constant(radiance)) => {
+                let (wi, pdf) = sample_constant(seen_from.normal, u);
+                let light = Self {
+                    wi,
+                    target: Vec3Lanes::ZERO,
+                    infinite: asked,
+                    radiance: Vec3Lanes::splat(*radiance),
+                    pdf,
+                    is_delta: 0,
+                    is_valid: pdf.simd_gt(Lanes::ZERO),
+                };
+                let everywhere = asked & !seen_from.halved;
+                if everywhere == 0 {
+                    return light;
+                }
+                (light, everywhere)
+            }
+            None => (Self::NONE, asked),
+        };
+        let u_choice = sampler.at_1d(at(0));
+        light.with_others(around, alone, seen_from, [u_choice, u[0], u[1]])
+    }
+
+    /// These with lights for the lanes `asked`, one by one. Not in line, for what is set lane by lane lies in memory.
+    #[inline(never)]
+    fn with_others(mut self, around: &Surroundings, asked: u32, seen_from: &ReferenceLanes, u: [Lanes; 3]) -> Self {
+        self.infinite &= !asked;
+        let mut valid = self.is_valid.to_bitmask() & !asked;
+        for lane in each_lane(asked) {
+            let [u_choice, x, y] = u.map(|numbers| numbers.as_array()[lane]);
+            let place = Vec2::new(x, y);
+            let Some((_, sample)) = around.scene.lights.sample(&seen_from.get(lane), u_choice, place) else {
+                continue;
+            };
+            let bit = 1 << lane;
+            valid |= bit;
+            self.wi.set(lane, sample.wi);
+            self.radiance.set(lane, sample.radiance);
+            self.pdf.as_mut_array()[lane] = sample.pdf;
+            self.is_delta |= if sample.is_delta { bit } else { 0 };
+            match sample.target {
+                Target::Point(target) => self.target.set(lane, target),
+                Target::Infinity => self.infinite |= bit,
+            }
+        }
+        self.is_valid = lanes_of(valid);
+        self
+    }
+}
