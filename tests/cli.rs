@@ -318,6 +318,17 @@ fn check_says_what_could_not_be_shown() {
 }
 
 #[test]
+fn a_misspelt_command_is_taken_for_one() {
+    let output = sunroom().args(["rendr", "scene.xml"]).output().expect("starts");
+    assert_code(&output, 2);
+    assert!(
+        stderr(&output).contains("did you mean `render`?"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+#[test]
 fn cameras_are_listed_and_chosen() {
     let shop = Workshop::new();
     let second = r#"<sensor type="orthographic" id="above">
@@ -336,7 +347,8 @@ fn cameras_are_listed_and_chosen() {
     }
     let output = render(&scene, &shop.path("b.exr"), &["--camera", "below"]);
     assert_code(&output, 1);
-    assert!(stderr(&output).contains("`below`"), "{}", stderr(&output));
+    let expected = "there is no camera `below`; there is `perspective` (or 0), `above` (or 1)";
+    assert!(stderr(&output).contains(expected), "{}", stderr(&output));
 }
 
 #[test]

@@ -315,7 +315,9 @@ fn lines_that_cannot_be_done_say_why() {
         ("move bal 1,0,0", "no thing called \"bal\"; did you mean `ball`"),
         ("moove ball 1,0,0", "did you mean `move`"),
         ("set ball radius -1", "expected"),
-        ("set ball roughness 1", "there is no `roughness`, only"),
+        ("set ball roughness 1", "there is no `roughness`, only position"),
+        ("set ball radus 1", "there is no `radus`; did you mean `radius`?"),
+        ("set ball reflectence 0.5", "did you mean `reflectance`?"),
         ("set ball reflectance 2", "within 0 to 1"),
         ("make ball difuse", "did you mean `diffuse`"),
         ("add teapot", "\"teapot\" cannot be added, only sphere, rectangle"),
@@ -388,6 +390,22 @@ fn a_material_deleted_inside_another_leaves_one_in_its_place() {
         .expect("it");
     let inner = outer.first.map(|index| scene.materials[index].material.plugin());
     assert_eq!(inner, Some("diffuse"));
+}
+
+#[test]
+fn what_was_inside_of_a_material_goes_when_it_becomes_another() {
+    let mut world = world();
+    let paste =
+        "paste <shape type=\"cube\"><bsdf type=\"twosided\" id=\"clay\"><bsdf type=\"diffuse\"/></bsdf></shape>";
+    say(&mut world, paste);
+    let message = parse::line(&mut world, "set clay reflectance 0.2").expect_err("that is inside");
+    assert_eq!(message, "there is no `reflectance`; the material is made of `diffuse`");
+    assert!(say(&mut world, "make clay plastic"));
+    let scene = gather::describe(&mut world);
+    let plugins: Vec<_> = scene.materials.iter().map(|it| it.material.plugin()).collect();
+    assert_eq!((plugins, scene.materials[0].first), (vec!["plastic"], None));
+    say(&mut world, "undo");
+    assert_eq!(gather::describe(&mut world).materials.len(), 2);
 }
 
 #[test]

@@ -17,7 +17,9 @@ mod stats;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
+
+use sunroom::document::suggest::did_you_mean;
 
 /// A small level editor whose viewport is a path tracer.
 #[derive(Parser)]
@@ -105,7 +107,13 @@ struct EditArgs {
 
 /// Does what the arguments of the process ask for.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = Cli::try_parse().unwrap_or_else(|error| {
+        let _ = error.print();
+        if let Some(help) = misspelt_command() {
+            eprintln!("{help}");
+        }
+        std::process::exit(error.exit_code());
+    });
     match cli.command {
         None => edit(cli.edit),
         Some(Command::Edit(args)) => edit(args),
@@ -114,6 +122,15 @@ pub fn run() -> ExitCode {
         Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Bench(args)) => bench::run(args),
     }
+}
+
+/// What the first word may have meant, which otherwise is a scene to edit.
+fn misspelt_command() -> Option<String> {
+    let first = std::env::args().nth(1)?;
+    let command = Cli::command();
+    let names = command.get_subcommands().map(clap::Command::get_name);
+    let is_file = std::path::Path::new(&first).exists();
+    did_you_mean(&first, names).filter(|_| !is_file)
 }
 
 #[cfg(feature = "window")]

@@ -75,26 +75,27 @@ pub(super) fn report_meshes(
     let (mut failed, mut loading) = (HashSet::new(), HashSet::new());
     for ((id, index), (_, mesh, authored)) in uses {
         let shown = mesh.path.display();
-        let mut problem = |what: String| {
+        let mut problem = |property: &str, what: String| {
+            let place = place(authored, property, &file.good_diagnostics);
             errors.push(MeshProblem {
                 path: mesh.path.clone(),
-                message: format!("{}mesh {shown}: {what}", place(authored, &file.good_diagnostics)),
+                message: format!("{place}mesh {shown}: {what}"),
             });
         };
         let asset = assets.get(id);
         if let Some(asset) = asset {
             match asset.shapes.get(index as usize) {
                 Some(shape) => warnings.extend(shape.warnings.iter().map(|warning| format!("{shown}: {warning}"))),
-                None => problem(format!(
-                    "there is no shape {index}: the file has {}",
-                    asset.shapes.len()
-                )),
+                None => problem(
+                    "shape_index",
+                    format!("there is no shape {index}: the file has {}", asset.shapes.len()),
+                ),
             }
         }
         match server.load_state(id) {
             LoadState::Failed(error) => {
                 if failed.insert(id) {
-                    problem(cause(&error));
+                    problem("filename", cause(&error));
                 }
             }
             LoadState::Loaded => {}
@@ -116,16 +117,12 @@ pub(super) fn report_meshes(
     }
 }
 
-/// `file:line:column: ` of a shape in its scene file.
-fn place(authored: Option<&Authored>, diagnostics: &Diagnostics) -> String {
+/// `file:line:column: ` of a shape's property in its scene file, or of the shape that does not give it.
+fn place(authored: Option<&Authored>, property: &str, diagnostics: &Diagnostics) -> String {
     let Some(authored) = authored else {
         return String::new();
     };
-    let named = authored
-        .object
-        .properties
-        .iter()
-        .find(|property| property.name == "filename");
+    let named = authored.object.properties.iter().find(|given| given.name == property);
     let span = named.map_or(authored.object.span, |property| property.span);
     match diagnostics.locate(span) {
         Some((path, line, column)) => format!("{}:{line}:{column}: ", path.display()),

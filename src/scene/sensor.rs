@@ -203,16 +203,22 @@ pub fn find_camera(world: &mut World, wanted: &str) -> Result<Entity, NoSuchCame
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("there is no camera `{wanted}`; the scene has {}", numbered(names))]
+#[error("there is no camera `{wanted}`; {}", known(names))]
 pub struct NoSuchCamera {
     pub wanted: String,
     /// Of all cameras of the scene.
     pub names: Vec<String>,
 }
 
-fn numbered(names: &[String]) -> String {
-    let names = names.iter().zip(0..).map(|(name, index)| format!("{index}: `{name}`"));
-    names.collect::<Vec<String>>().join(", ")
+fn known(names: &[String]) -> String {
+    if names.is_empty() {
+        return "the scene has none".to_owned();
+    }
+    let names = names
+        .iter()
+        .zip(0..)
+        .map(|(name, index)| format!("`{name}` (or {index})"));
+    format!("there is {}", names.collect::<Vec<String>>().join(", "))
 }
 
 #[cfg(test)]

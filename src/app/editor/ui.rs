@@ -93,7 +93,7 @@ pub struct Scene<'w, 's> {
     picture: Res<'w, Picture>,
     film: Res<'w, RenderFilm>,
     paths: Res<'w, PathInspector>,
-    movable: Query<'w, 's, Movable, (Without<Locked>, Without<Placements>, Without<MemberOf>)>,
+    movable: Query<'w, 's, Movable, (Without<Locked>, Without<Hidden>, Without<Placements>, Without<MemberOf>)>,
     emitters: Query<'w, 's, (Entity, &'static Emitter, &'static ToWorld), Without<Hidden>>,
     sensors: Query<'w, 's, (Entity, &'static ToWorld), With<Sensor>>,
     films: Query<'w, 's, &'static Film>,

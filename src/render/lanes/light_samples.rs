@@ -62,7 +62,7 @@ impl LightLanes {
     pub fn sample(
         around: &Surroundings,
         asked: u32,
-        seen_from: &ReferenceLanes,
+        seen_from: ReferenceLanes,
         sampler: &SamplerLanes,
         at: impl Fn(u32) -> WordLanes,
     ) -> Self {
@@ -105,7 +105,7 @@ impl LightLanes {
 
     /// These with lights for the lanes `asked`, one by one. Not in line, for what is set lane by lane lies in memory.
     #[inline(never)]
-    fn with_others(mut self, around: &Surroundings, asked: u32, seen_from: &ReferenceLanes, u: [Lanes; 3]) -> Self {
+    fn with_others(mut self, around: &Surroundings, asked: u32, seen_from: ReferenceLanes, u: [Lanes; 3]) -> Self {
         self.infinite &= !asked;
         let mut valid = self.is_valid.to_bitmask() & !asked;
         for lane in each_lane(asked) {

@@ -365,7 +365,7 @@ impl<'a> Wave<'a> {
                 normal: frame.n,
                 halved,
             };
-            let light = LightLanes::sample(around, smooth, &seen_from, &self.sampler, at);
+            let light = LightLanes::sample(around, smooth, seen_from, &self.sampler, at);
             let (mut value, mut bsdf_pdf) = bsdf.eval_and_pdf(wo, frame.to_local(light.wi));
             if other & smooth != 0 {
                 let asked = other & smooth & light.is_valid.to_bitmask();

@@ -159,7 +159,8 @@ fn write_tree(edit: &mut Edit, material: Entity, tree: &MaterialTree, moves: &mu
     }
 }
 
-pub(super) fn inside(world: &World, material: Entity) -> Vec<Entity> {
+/// The materials that a material is made of.
+pub fn inside(world: &World, material: Entity) -> Vec<Entity> {
     let first = world.get::<FirstNested>(material).map(|nested| nested.0);
     let second = world.get::<SecondNested>(material).map(|nested| nested.0);
     first.into_iter().chain(second).collect()

@@ -13,6 +13,16 @@ use crate::scene::{
     ParameterVisitor, PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SunPosition, Texture,
 };
 
+/// Why a parameter was not set.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum AssignError {
+    #[error("there is no such parameter, only {}", .known.join(", "))]
+    Unknown { known: Vec<&'static str> },
+    /// What is wrong with the value.
+    #[error("{0}")]
+    Value(String),
+}
+
 /// The parameter that is looked for, and whether it was there.
 struct Assign<'t> {
     wanted: &'t str,
@@ -21,20 +31,19 @@ struct Assign<'t> {
     outcome: Option<Result<(), String>>,
 }
 
-/// The error names the parameters that there are, or says what is wrong with the value.
-pub fn material(material: &mut Material, parameter: &str, text: &str) -> Result<(), String> {
+pub fn material(material: &mut Material, parameter: &str, text: &str) -> Result<(), AssignError> {
     assign(parameter, text, |visitor| material.visit(visitor))
 }
 
-pub fn area_light(light: &mut AreaLight, parameter: &str, text: &str) -> Result<(), String> {
+pub fn area_light(light: &mut AreaLight, parameter: &str, text: &str) -> Result<(), AssignError> {
     assign(parameter, text, |visitor| light.visit(visitor))
 }
 
-pub fn emitter(emitter: &mut Emitter, parameter: &str, text: &str) -> Result<(), String> {
+pub fn emitter(emitter: &mut Emitter, parameter: &str, text: &str) -> Result<(), AssignError> {
     assign(parameter, text, |visitor| emitter.visit(visitor))
 }
 
-pub fn shape(shape: &mut Shape, parameter: &str, text: &str) -> Result<(), String> {
+pub fn shape(shape: &mut Shape, parameter: &str, text: &str) -> Result<(), AssignError> {
     assign(parameter, text, |visitor| {
         visitor.value("flip_normals", &mut shape.flip_normals, parse_boolean);
         match &mut shape.kind {
@@ -57,7 +66,7 @@ pub fn shape(shape: &mut Shape, parameter: &str, text: &str) -> Result<(), Strin
     })
 }
 
-pub fn sensor(sensor: &mut Sensor, parameter: &str, text: &str) -> Result<(), String> {
+pub fn sensor(sensor: &mut Sensor, parameter: &str, text: &str) -> Result<(), AssignError> {
     assign(parameter, text, |visitor| {
         visitor.bounded("fov", &mut sensor.fov, 0.1..=179.0);
         visitor.bounded("near_clip", &mut sensor.near_clip, 1e-6..=f32::MAX);
@@ -74,7 +83,7 @@ pub fn sensor(sensor: &mut Sensor, parameter: &str, text: &str) -> Result<(), St
     })
 }
 
-pub fn film(film: &mut Film, parameter: &str, text: &str) -> Result<(), String> {
+pub fn film(film: &mut Film, parameter: &str, text: &str) -> Result<(), AssignError> {
     let pixels = |text: &str| match parse_integer(text)? {
         number @ 1..=65536 => Ok(number as u32),
         other => Err(format!("expected 1 to 65536, found {other}")),
@@ -87,7 +96,7 @@ pub fn film(film: &mut Film, parameter: &str, text: &str) -> Result<(), String> 
 }
 
 /// Position, rotation (degrees about x, then y, then z) or scale of a pose without shear.
-pub fn pose(pose: &mut Affine3A, parameter: &str, text: &str) -> Result<(), String> {
+pub fn pose(pose: &mut Affine3A, parameter: &str, text: &str) -> Result<(), AssignError> {
     let (mut scale, rotation, mut position) = pose.to_scale_rotation_translation();
     let (z, y, x) = rotation.to_euler(bevy::math::EulerRot::ZYX);
     let mut degrees = bevy::math::Vec3::new(x, y, z).map(f32::to_degrees);
@@ -109,7 +118,7 @@ pub fn pose(pose: &mut Affine3A, parameter: &str, text: &str) -> Result<(), Stri
     Ok(())
 }
 
-fn assign(wanted: &str, text: &str, visit: impl FnOnce(&mut Assign)) -> Result<(), String> {
+fn assign(wanted: &str, text: &str, visit: impl FnOnce(&mut Assign)) -> Result<(), AssignError> {
     let mut visitor = Assign {
         wanted,
         text,
@@ -117,10 +126,11 @@ fn assign(wanted: &str, text: &str, visit: impl FnOnce(&mut Assign)) -> Result<(
         outcome: None,
     };
     visit(&mut visitor);
-    visitor.outcome.unwrap_or_else(|| match &visitor.known[..] {
-        [] => Err(format!("`{wanted}` cannot be set")),
-        known => Err(format!("there is no `{wanted}`, only {}", known.join(", "))),
-    })
+    let known = visitor.known;
+    match visitor.outcome {
+        Some(outcome) => outcome.map_err(AssignError::Value),
+        None => Err(AssignError::Unknown { known }),
+    }
 }
 
 impl Assign<'_> {

@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use bevy::math::{Affine3A, Quat};
 use bevy::prelude::*;
 
+use super::assign::AssignError;
 use super::{assign, rendering};
 use crate::app::editor::actions::{self, ActionContext};
 use crate::app::editor::addition::{Addition, AdditionKind};
 use crate::app::editor::command::Command;
-use crate::app::editor::commands::view_pose;
+use crate::app::editor::commands::{materials_inside, view_pose};
 use crate::app::editor::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::gather::EditorModel;
 use crate::app::editor::light_mix::LightMix;
@@ -165,7 +166,10 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             if *material.nested_count().start() > 0 {
                 return Err(format!("a {plugin} has others inside: paste it as XML"));
             }
-            Command::SetMaterial(entity, Box::new(material))
+            Command::BuildMaterial {
+                targets: vec![entity],
+                tree: Box::new(material.into()),
+            }
         }
         ("assign", [material, shapes @ ..]) if !shapes.is_empty() => Command::UseMaterial {
             shapes: all_named(world, shapes)?,
@@ -185,7 +189,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("emit", [shape, "none"]) => Command::SetAreaLight(named(world, shape)?, None),
         ("emit", [shape, radiance]) => {
             let mut light = AreaLight::default();
-            assign::area_light(&mut light, "radiance", radiance)?;
+            assign::area_light(&mut light, "radiance", radiance).map_err(|error| error.to_string())?;
             Command::SetAreaLight(named(world, shape)?, Some(light))
         }
         ("rename", [name, new]) => Command::Rename(named(world, name)?, (*new).to_owned()),
@@ -376,45 +380,64 @@ fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Resul
         // An environment map has a factor of this name.
         if !(parameter == "scale" && world.get::<Emitter>(entity).is_some()) {
             let mut pose = pose.0;
-            assign::pose(&mut pose, parameter, value)?;
+            assign::pose(&mut pose, parameter, value).map_err(|error| error.to_string())?;
             return Ok(Command::Transform(vec![(entity, pose)]));
         }
     }
-    let mut first_error = None;
+    let mut known = match world.get::<ToWorld>(entity) {
+        Some(_) => vec!["position", "rotation", "scale"],
+        None => Vec::new(),
+    };
+    // Tells more than that something else has no such parameter.
+    let mut wrong_value = None;
     macro_rules! attempt {
-        ($component:ty, $assign:path, $command:expr) => {
-            if let Some(mut edited) = world.get::<$component>(entity).cloned() {
+        ($of:expr, $component:ty, $assign:path, $command:expr) => {
+            if let Some(mut edited) = world.get::<$component>($of).cloned() {
                 match $assign(&mut edited, parameter, value) {
                     Ok(()) => return Ok($command(edited)),
-                    Err(error) => first_error = Some(better(first_error.take(), error)),
+                    Err(AssignError::Unknown { known: names }) => known.extend(names),
+                    Err(AssignError::Value(error)) => wrong_value = wrong_value.or(Some(error)),
                 }
             }
         };
     }
-    attempt!(Shape, assign::shape, |edited| Command::SetShape(entity, edited));
-    attempt!(AreaLight, assign::area_light, |edited| Command::SetAreaLight(
+    attempt!(entity, Shape, assign::shape, |edited| Command::SetShape(entity, edited));
+    attempt!(entity, AreaLight, assign::area_light, |edited| Command::SetAreaLight(
         entity,
         Some(edited)
     ));
-    attempt!(Emitter, assign::emitter, |edited| Command::SetEmitter(entity, edited));
-    attempt!(Sensor, assign::sensor, |edited| Command::SetSensor(entity, edited));
-    attempt!(Film, assign::film, |edited| Command::SetFilm(entity, edited));
-    if let Some(material) = material_of(world, entity)
-        && let Some(mut edited) = world.get::<Material>(material).cloned()
-    {
-        match assign::material(&mut edited, parameter, value) {
-            Ok(()) => return Ok(Command::SetMaterial(material, Box::new(edited))),
-            Err(error) => first_error = Some(better(first_error, error)),
-        }
+    attempt!(entity, Emitter, assign::emitter, |edited| Command::SetEmitter(
+        entity, edited
+    ));
+    attempt!(entity, Sensor, assign::sensor, |edited| Command::SetSensor(
+        entity, edited
+    ));
+    attempt!(entity, Film, assign::film, |edited| Command::SetFilm(entity, edited));
+    let material = material_of(world, entity);
+    if let Some(material) = material {
+        attempt!(material, Material, assign::material, |edited| Command::SetMaterial(
+            material,
+            Box::new(edited)
+        ));
     }
-    Err(first_error.unwrap_or_else(|| "it has nothing to set".to_owned()))
+    Err(wrong_value.unwrap_or_else(|| no_parameter(world, parameter, &known, material)))
 }
 
-/// An error about the value tells more than one about the name.
-fn better(known: Option<String>, new: String) -> String {
-    match known {
-        Some(known) if !known.starts_with("there is no `") => known,
-        Some(known) if new.starts_with("there is no `") || new.ends_with("cannot be set") => known,
-        _ => new,
-    }
+/// The message where a thing has parameters called `known`, and `material`, but no such parameter.
+fn no_parameter(world: &World, parameter: &str, known: &[&str], material: Option<Entity>) -> String {
+    let inside = material.map_or(Vec::new(), |material| materials_inside(world, material));
+    let inside: Vec<String> = inside
+        .into_iter()
+        .filter_map(|inner| Some(format!("`{}`", world.get::<Name>(inner)?)))
+        .collect();
+    let instead = match (did_you_mean(parameter, known.iter().copied()), known) {
+        (Some(help), _) => format!("; {help}"),
+        (None, []) => String::new(),
+        (None, known) => format!(", only {}", known.join(", ")),
+    };
+    let elsewhere = match &inside[..] {
+        [] => String::new(),
+        inside => format!("; the material is made of {}", inside.join(" and ")),
+    };
+    format!("there is no `{parameter}`{instead}{elsewhere}")
 }
