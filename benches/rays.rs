@@ -2,8 +2,9 @@
 //!
 //! `cargo bench --bench rays -- [--rounds N] [--mine] [MESH [RAYS...]]` takes a mesh and files of rays (see `sunroom bench rays`). Without
 //! files the rays are made here: those of a pinhole camera, and cosine-distributed ones that leave random hits of those. Without a mesh
-//! it takes a generated one and the shared models. `--mine` leaves obvhs out. Rates are in 10^6 rays per second of the thread's own time, medians over rounds
-//! in which all take turns.
+//! it takes a generated one and the shared models. `--mine` leaves obvhs out. Rates are in 10^6 rays per second of the thread's own time,
+//! medians over rounds in which all take turns. Ratios are medians, too, of those within a round, to the layout of obvhs to which they are
+//! least.
 
 #[path = "../tests/accel_support/random.rs"]
 mod random;
@@ -23,9 +24,10 @@ use obvhs::ray::RayHit;
 use obvhs::rt_triangle::RtTriangle;
 use obvhs::triangle::Triangle;
 use random::Random;
-use sunroom::accel::{Blas, Instance, Primitive, SplitMethod, Tlas};
+use sunroom::accel::{Blas, Instance, Primitive, RayLanes, SplitMethod, Tlas};
 use sunroom::geometry::{mesh::MeshData, obj::load_obj, ply::load_ply};
 use sunroom::math::Ray;
+use sunroom::math::lanes::LANES;
 use wavy_sphere::wavy_sphere;
 
 type Failure = Box<dyn std::error::Error>;
@@ -33,21 +35,43 @@ type Failure = Box<dyn std::error::Error>;
 /// Of a generated set, whose pinhole pictures are square.
 const PICTURE: usize = 512;
 
+/// Rays one by one, and the same in lanes, where renders have theirs.
+struct RaySet {
+    name: String,
+    alone: Vec<Ray>,
+    together: Vec<RayLanes>,
+}
+
+impl RaySet {
+    fn new(name: &str, rays: Vec<Ray>) -> Self {
+        let in_lanes = |rays: &[Ray]| {
+            let mut lanes = RayLanes::NOWHERE;
+            rays.iter().enumerate().for_each(|(lane, ray)| lanes.set(lane, ray));
+            lanes
+        };
+        Self {
+            name: name.to_owned(),
+            together: rays.chunks(LANES).map(in_lanes).collect(),
+            alone: rays,
+        }
+    }
+}
+
 /// What traces rays: closest hits and any hits, each over a whole set.
 trait Tracer {
-    fn closest(&self, rays: &[Ray]) -> usize;
-    fn any(&self, rays: &[Ray]) -> usize;
+    fn closest(&self, rays: &RaySet) -> usize;
+    fn any(&self, rays: &RaySet) -> usize;
 }
 
 impl Tracer for Blas {
-    fn closest(&self, rays: &[Ray]) -> usize {
-        rays.iter()
-            .filter(|ray| self.intersect(black_box(ray)).is_some())
-            .count()
+    fn closest(&self, rays: &RaySet) -> usize {
+        let rays = rays.alone.iter();
+        rays.filter(|ray| self.intersect(black_box(ray)).is_some()).count()
     }
 
-    fn any(&self, rays: &[Ray]) -> usize {
-        rays.iter().filter(|ray| self.occluded(black_box(ray))).count()
+    fn any(&self, rays: &RaySet) -> usize {
+        let rays = rays.alone.iter();
+        rays.filter(|ray| self.occluded(black_box(ray))).count()
     }
 }
 
@@ -60,23 +84,20 @@ impl Together {
         let instance = Instance::new(mesh, Affine3A::IDENTITY).ok_or("not a place")?;
         Ok(Self(Tlas::build(vec![instance], SplitMethod::Sah)))
     }
-
-    fn count(rays: &[Ray], query: impl Fn(&[Ray; 16]) -> usize) -> usize {
-        // What is left over is not worth a measurement.
-        rays.as_chunks().0.iter().map(|rays| query(black_box(rays))).sum()
-    }
 }
 
 impl Tracer for Together {
-    fn closest(&self, rays: &[Ray]) -> usize {
-        Self::count(rays, |rays| {
-            let hits = self.0.intersect_many(rays, u32::MAX);
-            hits.iter().filter(|hit| hit.is_some()).count()
-        })
+    fn closest(&self, rays: &RaySet) -> usize {
+        let hits = |rays| self.0.intersect_lanes(black_box(rays), u32::MAX);
+        rays.together
+            .iter()
+            .map(|rays| hits(rays).iter().flatten().count())
+            .sum()
     }
 
-    fn any(&self, rays: &[Ray]) -> usize {
-        Self::count(rays, |rays| self.0.occluded_many(rays, u32::MAX).count_ones() as usize)
+    fn any(&self, rays: &RaySet) -> usize {
+        let hits = |rays| self.0.occluded_lanes(black_box(rays), u32::MAX);
+        rays.together.iter().map(|rays| hits(rays).count_ones() as usize).sum()
     }
 }
 
@@ -94,7 +115,7 @@ fn peer_ray(ray: &Ray) -> obvhs::ray::Ray {
 macro_rules! trace_with {
     ($hierarchy:ty) => {
         impl Tracer for Peer<$hierarchy> {
-            fn closest(&self, rays: &[Ray]) -> usize {
+            fn closest(&self, rays: &RaySet) -> usize {
                 let hit = |ray: &&Ray| {
                     let mut hit = RayHit::none();
                     self.hierarchy
@@ -103,10 +124,10 @@ macro_rules! trace_with {
                         });
                     black_box(&hit).t < f32::INFINITY
                 };
-                rays.iter().filter(hit).count()
+                rays.alone.iter().filter(hit).count()
             }
 
-            fn any(&self, rays: &[Ray]) -> usize {
+            fn any(&self, rays: &RaySet) -> usize {
                 let hit = |ray: &&Ray| {
                     !self
                         .hierarchy
@@ -114,7 +135,7 @@ macro_rules! trace_with {
                             self.triangles[id].intersect(ray)
                         })
                 };
-                rays.iter().filter(hit).count()
+                rays.alone.iter().filter(hit).count()
             }
         }
     };
@@ -170,7 +191,7 @@ fn main() -> Result<(), Failure> {
     }
     let settings = Settings { rounds, with_peers };
     if let Some((mesh, files)) = files.split_first() {
-        let sets = files.iter().map(|file| Ok((name(file), read_rays(file)?)));
+        let sets = files.iter().map(|file| Ok(RaySet::new(&name(file), read_rays(file)?)));
         return settings.compare(&name(mesh), load(mesh)?, sets.collect::<Result<_, Failure>>()?);
     }
     let mut random = Random::new(1);
@@ -178,14 +199,14 @@ fn main() -> Result<(), Failure> {
     settings.compare(
         "wavy sphere",
         wavy_sphere(200),
-        vec![("random".to_owned(), incoherent.collect())],
+        vec![RaySet::new("random", incoherent.collect())],
     )?;
     let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
     let mut of_bunny = Vec::new();
     for set in ["primary", "bounce"] {
         let file = shared.join(format!("rays/rays_bunny_{set}_262144.bin"));
         if file.exists() {
-            of_bunny.push((set.to_owned(), read_rays(&file)?));
+            of_bunny.push(RaySet::new(set, read_rays(&file)?));
         }
     }
     for (mesh, sets) in [("models/bunny.obj", of_bunny), ("models/dragon.ply", Vec::new())] {
@@ -210,7 +231,7 @@ struct Settings {
 
 impl Settings {
     /// Without `sets` they are made.
-    fn compare(&self, name: &str, mesh: MeshData, sets: Vec<(String, Vec<Ray>)>) -> Result<(), Failure> {
+    fn compare(&self, name: &str, mesh: MeshData, sets: Vec<RaySet>) -> Result<(), Failure> {
         let mesh = Arc::new(mesh);
         let triangles: Vec<Triangle> = (0..mesh.triangles.len())
             .map(|index| {
@@ -225,17 +246,13 @@ impl Settings {
         let sets = if sets.is_empty() {
             let primary = pinhole(&mesh);
             let bounce = bounces(&blas, &primary);
-            vec![("primary".to_owned(), primary), ("bounce".to_owned(), bounce)]
+            vec![RaySet::new("primary", primary), RaySet::new("bounce", bounce)]
         } else {
             sets
         };
-        for (set, rays) in &sets {
-            self.compare_rates(&format!("{set} closest"), own, &peers, rays, |tracer, rays| {
-                tracer.closest(rays)
-            });
-            self.compare_rates(&format!("{set} any"), own, &peers, rays, |tracer, rays| {
-                tracer.any(rays)
-            });
+        for set in &sets {
+            self.compare_rates("closest", own, &peers, set, |tracer, rays| tracer.closest(rays));
+            self.compare_rates("any", own, &peers, set, |tracer, rays| tracer.any(rays));
         }
         Ok(())
     }
@@ -261,10 +278,10 @@ impl Settings {
         let blas = Blas::build(mesh.clone(), SplitMethod::Sah);
         println!(
             "{name}: built in {:.4} s (all threads), {:.1} bytes per triangle, SAH cost {:.2}; obvhs bvh2 fast {:.4} s",
-            median(&mut own),
+            median(own),
             blas.stats().bytes as f64 / mesh.triangles.len() as f64,
             blas.stats().sah_cost,
-            median(&mut peer),
+            median(peer),
         );
         blas
     }
@@ -274,8 +291,8 @@ impl Settings {
         what: &str,
         own: [&dyn Tracer; 2],
         peers: &[(String, Box<dyn Tracer>)],
-        rays: &[Ray],
-        query: fn(&dyn Tracer, &[Ray]) -> usize,
+        rays: &RaySet,
+        query: fn(&dyn Tracer, &RaySet) -> usize,
     ) {
         let mut rates_of_own = [Vec::new(), Vec::new()];
         let mut others = vec![Vec::new(); peers.len()];
@@ -287,21 +304,25 @@ impl Settings {
                 rates.push(rate(&*peer.1, rays, query));
             }
         }
-        let [alone, together] = rates_of_own.each_mut().map(|rates| median(rates));
-        let hits = 100.0 * query(own[0], rays) as f64 / rays.len() as f64;
-        print!("  {what}: {alone:.2} Mrays/s alone, {together:.2} sixteen together ({hits:.1} % hit)");
+        let [alone, together] = rates_of_own.each_ref().map(|rates| median(rates.clone()));
+        let hits = 100.0 * query(own[0], rays) as f64 / rays.alone.len() as f64;
+        let set = &rays.name;
+        print!("  {set} {what}: {alone:.2} Mrays/s alone, {together:.2} sixteen together ({hits:.1} % hit)");
         let best = peers
             .iter()
-            .zip(&mut others)
-            .map(|((layout, _), rates)| (median(rates), layout));
-        match best.max_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((best, layout)) => println!(
-                ", obvhs {best:.2} ({layout}), ratios {:.2} and {:.2}",
-                alone / best,
-                together / best
-            ),
-            None => println!(),
-        }
+            .zip(&others)
+            .map(|((layout, _), rates)| (median(rates.clone()), layout))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((best, layout)) = best else {
+            return println!();
+        };
+        let [alone, together] = rates_of_own.map(|own| {
+            let ratios = others
+                .iter()
+                .map(|other| median(own.iter().zip(other).map(|(own, other)| own / other).collect()));
+            ratios.fold(f64::INFINITY, f64::min)
+        });
+        println!(", obvhs {best:.2} ({layout}), ratios {alone:.2} and {together:.2}");
     }
 }
 
@@ -309,12 +330,12 @@ impl Settings {
 const MEASURED: f64 = 0.25;
 
 /// In 10^6 rays per second of this thread.
-fn rate(tracer: &dyn Tracer, rays: &[Ray], query: fn(&dyn Tracer, &[Ray]) -> usize) -> f64 {
+fn rate(tracer: &dyn Tracer, rays: &RaySet, query: fn(&dyn Tracer, &RaySet) -> usize) -> f64 {
     let begin = thread_seconds();
     let mut traced = 0;
     loop {
         black_box(query(tracer, rays));
-        traced += rays.len();
+        traced += rays.alone.len();
         let seconds = thread_seconds() - begin;
         if seconds > MEASURED {
             return traced as f64 / seconds / 1e6;
@@ -338,7 +359,7 @@ fn thread_seconds() -> f64 {
     )
 }
 
-fn median(values: &mut [f64]) -> f64 {
+fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }

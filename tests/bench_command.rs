@@ -101,7 +101,12 @@ fn rays_are_checked() {
     let json: Value = serde_json::from_str(&out).expect("nothing but JSON");
     assert_eq!((code, json["rays"][0]["wrong"].as_u64()), (0, Some(0)));
     assert!(json["rays"][0]["closest"]["one_thread"].as_f64() > Some(0.0), "{json}");
-    let (code, out, _) = told(&bench(folder.path(), &of("wrong.rays")));
+    assert!(
+        json["rays"][0]["closest_together"]["one_thread"].as_f64() > Some(0.0),
+        "{json}"
+    );
+    let (code, out, error) = told(&bench(folder.path(), &of("wrong.rays")));
+    assert!(error.contains("error: wrong answers: 1"), "{error}");
     let json: Value = serde_json::from_str(&out).expect("nothing but JSON");
     assert_eq!((code, json["rays"][0]["wrong"].as_u64()), (1, Some(1)));
 }

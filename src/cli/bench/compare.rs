@@ -36,19 +36,19 @@ pub fn table(new: &Results, old: &Results) -> Option<String> {
     }
     for now in &new.rays {
         if let Some(before) = old.rays.iter().find(|before| is_same_rays(before, now)) {
-            line(
-                now.rays.clone(),
-                &[
-                    ("closest", now.closest.one_thread / before.closest.one_thread),
-                    (
-                        "closest, all threads",
-                        now.closest.all_threads / before.closest.all_threads,
-                    ),
-                    ("any", now.any.one_thread / before.any.one_thread),
-                    ("build", before.build_seconds / now.build_seconds),
-                    ("memory", before.bytes_per_triangle / now.bytes_per_triangle),
-                ],
-            );
+            let rates = now.rates().filter_map(|(name, rate)| {
+                let (_, before) = before.rates().find(|before| before.0 == name)?;
+                Some((name, rate.one_thread / before.one_thread))
+            });
+            let others = [
+                (
+                    "closest, all threads",
+                    now.closest.all_threads / before.closest.all_threads,
+                ),
+                ("build", before.build_seconds / now.build_seconds),
+                ("memory", before.bytes_per_triangle / now.bytes_per_triangle),
+            ];
+            line(now.rays.clone(), &rates.chain(others).collect::<Vec<_>>());
         }
     }
     (text.len() > heading).then_some(text)

@@ -80,14 +80,14 @@ pub fn run(args: BenchArgs) -> ExitCode {
         Some(Subject::Rays(rays)) => compared(&rays.common, || rays::measure(rays)),
     };
     match outcome {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
+        Ok(0) => ExitCode::SUCCESS,
+        Ok(wrong) => report::error(format_args!("wrong answers: {wrong}")),
         Err(error) => report::error(error),
     }
 }
 
-/// Measures, prints and writes; false if an answer was wrong. That there is nothing to compare with is an error, after all that.
-fn compared(common: &CommonArgs, measure: impl FnOnce() -> Result<Results, Error>) -> Result<bool, Error> {
+/// Measures, prints and writes; how many answers were wrong. That there is nothing to compare with is an error, after all that.
+fn compared(common: &CommonArgs, measure: impl FnOnce() -> Result<Results, Error>) -> Result<usize, Error> {
     // What is wrong with an earlier run's file is said before time is spent.
     let against = common.against.as_deref();
     let earlier = against
@@ -108,7 +108,7 @@ fn compared(common: &CommonArgs, measure: impl FnOnce() -> Result<Results, Error
         results.write(path)?;
     }
     comparison.transpose()?;
-    Ok(results.rays.iter().all(|rays| rays.wrong == 0))
+    Ok(results.rays.iter().map(|rays| rays.wrong).sum())
 }
 
 /// Of an odd number the middle one, else the mean of the two in the middle; not a number of none.

@@ -1,4 +1,5 @@
-//! Rays against one mesh: rates with one and with all threads, the build, the memory, and whether every answer is right.
+//! Rays against one mesh: rates with one and with all threads, the build, the memory, and whether every answer is right. Rays go one at a
+//! time, and sixteen together as renders send them.
 //!
 //! A file of rays is little endian: "RAYS", then three u32 (version 1, number of rays, bytes of a record, 32), then of each ray its origin
 //! and unit direction (three f32 each), the distance of the nearest hit (f32, infinite for none) and the triangle's index (u32, all ones
@@ -9,11 +10,12 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use glam::Vec3;
-use sunroom::accel::{Blas, SplitMethod};
+use glam::{Affine3A, Vec3};
+use sunroom::accel::{Blas, Instance, Primitive, RayLanes, SplitMethod, Tlas};
 use sunroom::geometry::mesh::MeshData;
 use sunroom::geometry::{obj::load_obj, ply::load_ply};
 use sunroom::math::Ray;
+use sunroom::math::lanes::LANES;
 
 use super::results::{Rate, RayResult, Results};
 use super::{Error, RayBenchArgs, median};
@@ -34,6 +36,12 @@ struct Answered {
     triangle: u32,
 }
 
+/// The mesh, and the scene that holds nothing else.
+struct Subject {
+    mesh: Arc<Blas>,
+    scene: Tlas,
+}
+
 pub fn measure(args: &RayBenchArgs) -> Result<Results, Error> {
     let mesh = Arc::new(load_mesh(&args.mesh)?);
     let sets = args
@@ -43,25 +51,26 @@ pub fn measure(args: &RayBenchArgs) -> Result<Results, Error> {
         .collect::<Result<Vec<_>, Error>>()?;
     let threads = sunroom::app::threads::worker_count(args.common.threads.threads, false).get();
     let mut builds = Vec::new();
-    let mut blas = None;
+    let mut built = None;
     for _ in 0..args.common.rounds {
         let begin = Instant::now();
-        blas = Some(Blas::build(mesh.clone(), SplitMethod::Sah));
+        built = Some(Blas::build(mesh.clone(), SplitMethod::Sah));
         builds.push(begin.elapsed().as_secs_f64());
     }
-    let Some(blas) = blas else {
+    let Some(built) = built else {
         return Err("there is nothing to measure in no rounds".into());
     };
+    let subject = Subject::new(built)?;
     let mut results = Results::new(threads);
     for (name, set) in &sets {
-        let (wrong, ties) = check(&blas, set);
+        let (wrong, ties) = check(&subject, set);
+        let Subject { mesh: blas, scene } = &subject;
         let rays: Vec<Ray> = set.iter().map(|answered| answered.ray).collect();
-        let rate = |query: fn(&Blas, &Ray) -> bool| {
-            let rate = |threads: usize| median((0..args.common.rounds).map(|_| rate(&blas, &rays, query, threads)));
-            Rate {
-                one_thread: rate(1),
-                all_threads: rate(threads),
-            }
+        let together: Vec<RayLanes> = set.chunks(LANES).map(in_lanes).collect();
+        let rounds = Rounds {
+            count: args.common.rounds,
+            threads,
+            rays: rays.len(),
         };
         results.rays.push(RayResult {
             mesh: name_of(&args.mesh),
@@ -70,13 +79,38 @@ pub fn measure(args: &RayBenchArgs) -> Result<Results, Error> {
             count: rays.len(),
             build_seconds: median(builds.iter().copied()),
             bytes_per_triangle: blas.stats().bytes as f64 / mesh.triangles.len().max(1) as f64,
-            closest: rate(|blas, ray| blas.intersect(ray).is_some()),
-            any: rate(Blas::occluded),
+            closest: rounds.rate(&rays, |ray| usize::from(blas.intersect(ray).is_some())),
+            any: rounds.rate(&rays, |ray| usize::from(blas.occluded(ray))),
+            closest_together: Some(rounds.rate(&together, |rays| {
+                let hits = scene.intersect_lanes(rays, u32::MAX);
+                hits.iter().flatten().count()
+            })),
+            any_together: Some(rounds.rate(&together, |rays| {
+                scene.occluded_lanes(rays, u32::MAX).count_ones() as usize
+            })),
             wrong,
             ties,
         });
     }
     Ok(results)
+}
+
+impl Subject {
+    fn new(mesh: Blas) -> Result<Self, Error> {
+        let mesh = Arc::new(mesh);
+        let placed = Instance::new(Primitive::Mesh(mesh.clone()), Affine3A::IDENTITY);
+        let scene = Tlas::build(vec![placed.ok_or("the mesh has no place")?], SplitMethod::Sah);
+        Ok(Self { mesh, scene })
+    }
+}
+
+/// At most [`LANES`] of them.
+fn in_lanes(set: &[Answered]) -> RayLanes {
+    let mut lanes = RayLanes::NOWHERE;
+    for (lane, answered) in set.iter().enumerate() {
+        lanes.set(lane, &answered.ray);
+    }
+    lanes
 }
 
 fn name_of(path: &Path) -> String {
@@ -139,40 +173,89 @@ fn parse(bytes: &[u8]) -> Result<Vec<Answered>, String> {
     Ok(answered.collect())
 }
 
-/// How many answers are wrong, and how many are of the neighbour at the same distance.
-fn check(blas: &Blas, set: &[Answered]) -> (usize, usize) {
+/// How many answers are wrong, alone or together, and how many are of the neighbour at the same distance.
+fn check(subject: &Subject, set: &[Answered]) -> (usize, usize) {
     let (mut wrong, mut ties) = (0, 0);
-    for answered in set {
-        let hit = blas.intersect(&answered.ray);
-        let t = hit.as_ref().map_or(f32::INFINITY, |hit| hit.t);
-        let triangle = hit.as_ref().map_or(u32::MAX, |hit| hit.triangle);
-        let apart = (t - answered.t).abs();
-        let is_same_distance = t == answered.t || (apart.is_finite() && apart <= SAME_DISTANCE * answered.t.abs());
-        let is_consistent = blas.occluded(&answered.ray) == hit.is_some();
-        if !is_same_distance || !is_consistent {
-            wrong += 1;
-        } else if triangle != answered.triangle {
-            ties += 1;
+    for set in set.chunks(LANES) {
+        let lanes = in_lanes(set);
+        let hits = subject.scene.intersect_lanes(&lanes, u32::MAX);
+        let occluded = subject.scene.occluded_lanes(&lanes, u32::MAX);
+        for (lane, answered) in set.iter().enumerate() {
+            let ray = &answered.ray;
+            let alone = subject.mesh.intersect(ray).map(|hit| (hit.t, hit.triangle));
+            let together = hits[lane].map(|hit| (hit.t, hit.primitive));
+            let verdicts = [
+                answered.verdict(alone, subject.mesh.occluded(ray)),
+                answered.verdict(together, occluded >> lane & 1 == 1),
+            ];
+            if verdicts.contains(&Verdict::Wrong) {
+                wrong += 1;
+            } else if verdicts.contains(&Verdict::Tie) {
+                ties += 1;
+            }
         }
     }
     (wrong, ties)
 }
 
-/// In 10^6 rays a second: the rays are dealt out evenly, and each thread goes over its own until enough time has passed.
-fn rate(blas: &Blas, rays: &[Ray], query: fn(&Blas, &Ray) -> bool, threads: usize) -> f64 {
-    let share = rays.len().div_ceil(threads);
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    Right,
+    /// Another triangle at the same distance.
+    Tie,
+    Wrong,
+}
+
+impl Answered {
+    /// On the distance and triangle that were found, and whether the ray was said to hit anything.
+    fn verdict(&self, found: Option<(f32, u32)>, occluded: bool) -> Verdict {
+        let (t, triangle) = found.unwrap_or((f32::INFINITY, u32::MAX));
+        let apart = (t - self.t).abs();
+        let is_same_distance = t == self.t || (apart.is_finite() && apart <= SAME_DISTANCE * self.t.abs());
+        if !is_same_distance || occluded != found.is_some() {
+            Verdict::Wrong
+        } else if triangle != self.triangle {
+            Verdict::Tie
+        } else {
+            Verdict::Right
+        }
+    }
+}
+
+struct Rounds {
+    count: u32,
+    threads: usize,
+    rays: usize,
+}
+
+impl Rounds {
+    /// Of queries over all `items`, which hold the rays among them.
+    fn rate<T: Sync>(&self, items: &[T], query: impl Fn(&T) -> usize + Sync) -> Rate {
+        let rays_per_item = self.rays as f64 / items.len() as f64;
+        let rate =
+            |threads: usize| rays_per_item * median((0..self.count).map(|_| millions_a_second(items, &query, threads)));
+        Rate {
+            one_thread: rate(1),
+            all_threads: rate(self.threads),
+        }
+    }
+}
+
+/// The items are dealt out evenly, and each thread goes over its own until enough time has passed.
+fn millions_a_second<T: Sync>(items: &[T], query: &(impl Fn(&T) -> usize + Sync), threads: usize) -> f64 {
+    let share = items.len().div_ceil(threads);
     std::thread::scope(|scope| {
-        let workers: Vec<_> = rays
+        let workers: Vec<_> = items
             .chunks(share)
-            .map(|rays| {
+            .map(|items| {
                 scope.spawn(move || {
                     let begin = Instant::now();
-                    let mut traced = 0usize;
+                    let mut done = 0usize;
                     while begin.elapsed() < SHORTEST {
-                        black_box(rays.iter().filter(|ray| query(blas, black_box(ray))).count());
-                        traced += rays.len();
+                        black_box(items.iter().map(|item| query(black_box(item))).sum::<usize>());
+                        done += items.len();
                     }
-                    traced as f64 / begin.elapsed().as_secs_f64()
+                    done as f64 / begin.elapsed().as_secs_f64()
                 })
             })
             .collect();
@@ -235,6 +318,7 @@ mod tests {
             answered(2.0, 0),
             answered(f32::INFINITY, u32::MAX),
         ];
-        assert_eq!(check(&blas, &set), (2, 1));
+        let subject = Subject::new(blas).expect("a place");
+        assert_eq!(check(&subject, &set), (2, 1));
     }
 }

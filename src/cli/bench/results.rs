@@ -51,8 +51,14 @@ pub struct RayResult {
     pub build_seconds: f64,
     /// Of nodes and leaves, without the mesh itself.
     pub bytes_per_triangle: f64,
+    /// Of rays one at a time.
     pub closest: Rate,
     pub any: Rate,
+    /// Of sixteen at a time; None of earlier versions.
+    #[serde(default)]
+    pub closest_together: Option<Rate>,
+    #[serde(default)]
+    pub any_together: Option<Rate>,
     /// Answers that differ from those of the file.
     pub wrong: usize,
     /// Answers that name another triangle at the same distance: rays through a common edge.
@@ -125,7 +131,6 @@ impl Results {
             )?;
         }
         for rays in &self.rays {
-            let RayResult { closest, any, .. } = rays;
             writeln!(
                 text,
                 "{}, {} triangles: built in {:.3} s, {:.1} bytes per triangle\n  {}, {} rays: {} wrong, {} ties",
@@ -138,14 +143,27 @@ impl Results {
                 rays.wrong,
                 rays.ties,
             )?;
-            for (name, rate) in [("closest hit", closest), ("any hit", any)] {
+            for (name, rate) in rays.rates() {
                 writeln!(
                     text,
-                    "  {name:12} {:>8.2} Mrays/s with one thread, {:>8.2} with {}",
+                    "  {name:24} {:>8.2} Mrays/s with one thread, {:>8.2} with {}",
                     rate.one_thread, rate.all_threads, self.threads
                 )?;
             }
         }
         Ok(())
+    }
+}
+
+impl RayResult {
+    /// Of all kinds of queries that were measured.
+    pub fn rates(&self) -> impl Iterator<Item = (&'static str, Rate)> {
+        let rates = [
+            ("closest hit", Some(self.closest)),
+            ("closest hits, by 16", self.closest_together),
+            ("any hit", Some(self.any)),
+            ("any hits, by 16", self.any_together),
+        ];
+        rates.into_iter().filter_map(|(name, rate)| Some((name, rate?)))
     }
 }
