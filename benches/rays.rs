@@ -3,8 +3,8 @@
 //! `cargo bench --bench rays -- [--rounds N] [--mine] [MESH [RAYS...]]` takes a mesh and files of rays (see `sunroom bench rays`). Without
 //! files the rays are made here: those of a pinhole camera, and cosine-distributed ones that leave random hits of those. Without a mesh
 //! it takes a generated one and the shared models. `--mine` leaves obvhs out. Rates are in 10^6 rays per second of the thread's own time,
-//! medians over rounds in which all take turns. Ratios are medians, too, of those within a round, to the layout of obvhs to which they are
-//! least.
+//! medians over rounds in which all take turns, every second time backwards. Ratios are medians of those within a round, to the fastest layout.
+//! Rays that go together are in lanes beforehand, where those of renders are; each one of obvhs is made of ours when its turn comes.
 
 #[path = "../tests/accel_support/random.rs"]
 mod random;
@@ -44,14 +44,9 @@ struct RaySet {
 
 impl RaySet {
     fn new(name: &str, rays: Vec<Ray>) -> Self {
-        let in_lanes = |rays: &[Ray]| {
-            let mut lanes = RayLanes::NOWHERE;
-            rays.iter().enumerate().for_each(|(lane, ray)| lanes.set(lane, ray));
-            lanes
-        };
         Self {
             name: name.to_owned(),
-            together: rays.chunks(LANES).map(in_lanes).collect(),
+            together: rays.chunks(LANES).map(RayLanes::of).collect(),
             alone: rays,
         }
     }
@@ -66,7 +61,8 @@ trait Tracer {
 impl Tracer for Blas {
     fn closest(&self, rays: &RaySet) -> usize {
         let rays = rays.alone.iter();
-        rays.filter(|ray| self.intersect(black_box(ray)).is_some()).count()
+        rays.filter(|ray| black_box(self.intersect(black_box(ray))).is_some())
+            .count()
     }
 
     fn any(&self, rays: &RaySet) -> usize {
@@ -189,6 +185,9 @@ fn main() -> Result<(), Failure> {
             _ => files.push(PathBuf::from(argument)),
         }
     }
+    if rounds == 0 {
+        return Err("--rounds wants at least 1".into());
+    }
     let settings = Settings { rounds, with_peers };
     if let Some((mesh, files)) = files.split_first() {
         let sets = files.iter().map(|file| Ok(RaySet::new(&name(file), read_rays(file)?)));
@@ -294,33 +293,33 @@ impl Settings {
         rays: &RaySet,
         query: fn(&dyn Tracer, &RaySet) -> usize,
     ) {
-        let mut rates_of_own = [Vec::new(), Vec::new()];
-        let mut others = vec![Vec::new(); peers.len()];
-        for _ in 0..self.rounds {
-            for (tracer, rates) in own.iter().zip(&mut rates_of_own) {
-                rates.push(rate(*tracer, rays, query));
+        let tracers: Vec<&dyn Tracer> = own.into_iter().chain(peers.iter().map(|peer| &*peer.1)).collect();
+        let mut rates = vec![Vec::new(); tracers.len()];
+        for round in 0..self.rounds {
+            let mut turns: Vec<usize> = (0..tracers.len()).collect();
+            if round % 2 == 1 {
+                turns.reverse();
             }
-            for (peer, rates) in peers.iter().zip(&mut others) {
-                rates.push(rate(&*peer.1, rays, query));
+            for turn in turns {
+                rates[turn].push(rate(tracers[turn], rays, query));
             }
         }
-        let [alone, together] = rates_of_own.each_ref().map(|rates| median(rates.clone()));
+        let (of_own, of_peers) = rates.split_at(own.len());
+        let [alone, together] = [0, 1].map(|which| median(of_own[which].clone()));
         let hits = 100.0 * query(own[0], rays) as f64 / rays.alone.len() as f64;
         let set = &rays.name;
         print!("  {set} {what}: {alone:.2} Mrays/s alone, {together:.2} sixteen together ({hits:.1} % hit)");
         let best = peers
             .iter()
-            .zip(&others)
-            .map(|((layout, _), rates)| (median(rates.clone()), layout))
+            .zip(of_peers)
+            .map(|((layout, _), rates)| (median(rates.clone()), layout, rates))
             .max_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((best, layout)) = best else {
+        let Some((best, layout, best_rates)) = best else {
             return println!();
         };
-        let [alone, together] = rates_of_own.map(|own| {
-            let ratios = others
-                .iter()
-                .map(|other| median(own.iter().zip(other).map(|(own, other)| own / other).collect()));
-            ratios.fold(f64::INFINITY, f64::min)
+        let [alone, together] = [0, 1].map(|which| {
+            let pairs = of_own[which].iter().zip(best_rates);
+            median(pairs.map(|(own, best)| own / best).collect())
         });
         println!(", obvhs {best:.2} ({layout}), ratios {alone:.2} and {together:.2}");
     }

@@ -109,8 +109,7 @@ fn check_bundles(name: &str, scene: &Tlas, random: &mut Random) {
         } else {
             0xffff
         };
-        let mut lanes = RayLanes::NOWHERE;
-        (0..LANES).for_each(|lane| lanes.set(lane, &rays[lane]));
+        let lanes = RayLanes::of(&rays);
         let as_bundle = (
             scene.intersect_bundle(&lanes, active),
             scene.occluded_bundle(&lanes, active),
@@ -158,8 +157,7 @@ fn bundles_and_lanes_meet_what_their_rays_meet() {
     let scene = Tlas::with_placements(shapes(7, 0.2, random), groups, placed, SplitMethod::Sah);
     check_bundles("groups", &scene, random);
     let nothing = Tlas::build(Vec::new(), SplitMethod::Sah);
-    let mut lanes = RayLanes::NOWHERE;
-    (0..LANES).for_each(|lane| lanes.set(lane, &Ray::new(Vec3::ZERO, random.direction())));
+    let lanes = RayLanes::of(&[(); LANES].map(|()| Ray::new(Vec3::ZERO, random.direction())));
     assert_eq!(nothing.intersect_bundle(&lanes, 0xffff), [None; LANES]);
 }
 

@@ -318,14 +318,13 @@ fn check_says_what_could_not_be_shown() {
 }
 
 #[test]
-fn a_misspelt_command_is_taken_for_one() {
-    let output = sunroom().args(["rendr", "scene.xml"]).output().expect("starts");
-    assert_code(&output, 2);
-    assert!(
-        stderr(&output).contains("did you mean `render`?"),
-        "{}",
-        stderr(&output)
-    );
+fn a_misspelt_command_gets_a_suggestion() {
+    for (arguments, code, meant) in [(&["rendr", "scene.xml"][..], 2, "render"), (&["bnech"], 1, "bench")] {
+        let output = sunroom().args(arguments).output().expect("starts");
+        assert_code(&output, code);
+        let expected = format!("did you mean `{meant}`?");
+        assert!(stderr(&output).contains(&expected), "{}", stderr(&output));
+    }
 }
 
 #[test]
@@ -347,7 +346,7 @@ fn cameras_are_listed_and_chosen() {
     }
     let output = render(&scene, &shop.path("b.exr"), &["--camera", "below"]);
     assert_code(&output, 1);
-    let expected = "there is no camera `below`; there is `perspective` (or 0), `above` (or 1)";
+    let expected = "there is no camera `below`; there are 0: perspective, 1: above";
     assert!(stderr(&output).contains(expected), "{}", stderr(&output));
 }
 

@@ -110,14 +110,6 @@ fn crowd(is_round: bool) -> [Tlas; 2] {
     [SplitMethod::Sah, SplitMethod::Linear].map(|method| Tlas::build(instances.clone(), method))
 }
 
-fn lanes(rays: &[Ray; LANES]) -> RayLanes {
-    let mut lanes = RayLanes::NOWHERE;
-    for (lane, ray) in rays.iter().enumerate() {
-        lanes.set(lane, ray);
-    }
-    lanes
-}
-
 /// Rays from within and without, some of them along axes, some short.
 fn ray(k: usize) -> Ray {
     let mut dir = direction(2 * k + 5);
@@ -176,7 +168,7 @@ fn compare(scene: &Tlas, expected: &Tlas) {
     for start in (0..40_000).step_by(LANES) {
         let rays: [Ray; LANES] = std::array::from_fn(|lane| ray(start + lane));
         let active = if start.is_multiple_of(64) { 0x5a3c } else { 0xffff };
-        let rays_in_lanes = &lanes(&rays);
+        let rays_in_lanes = &RayLanes::of(&rays);
         // Bundles are for rays that are alike, but right for all.
         let (hits, occluded) = match start / LANES % 2 {
             0 => (
@@ -227,9 +219,9 @@ fn no_ray_slips_through_an_edge() {
             let [from, to] = [from, to].map(|p| placed.transform_point3(p));
             Ray::new(from, to - from)
         });
-        let hits = scene.intersect_lanes(&lanes(&rays), 0xffff);
+        let hits = scene.intersect_lanes(&RayLanes::of(&rays), 0xffff);
         assert!(hits.iter().all(Option::is_some), "{hits:?}");
-        assert_eq!(scene.occluded_lanes(&lanes(&rays), 0xffff), 0xffff);
+        assert_eq!(scene.occluded_lanes(&RayLanes::of(&rays), 0xffff), 0xffff);
     }
 }
 
@@ -261,7 +253,7 @@ fn small_and_thin_shapes_are_met_where_they_are() {
                     let from = distance * direction(3 * k + 1).normalize();
                     Ray::new(from, (to - from).normalize())
                 });
-                let hits = scene.intersect_lanes(&lanes(&rays), 0xffff);
+                let hits = scene.intersect_lanes(&RayLanes::of(&rays), 0xffff);
                 for (ray, hit) in rays.iter().zip(hits) {
                     let expected = scene.intersect(ray);
                     met += usize::from(expected.is_some());
@@ -297,7 +289,7 @@ fn the_corner_at_the_origin_does_not_shadow_itself() {
             });
             let mut leaving = RayLanes::NOWHERE;
             let mut active = 0;
-            for (lane, hit) in scene.intersect_lanes(&lanes(&rays), 0xffff).iter().enumerate() {
+            for (lane, hit) in scene.intersect_lanes(&RayLanes::of(&rays), 0xffff).iter().enumerate() {
                 let Some(hit) = hit else { continue };
                 let point = scene.surface(&rays[lane], hit);
                 let dir = direction(7 * start + 5 * lane + 2).normalize();
@@ -339,7 +331,7 @@ fn what_is_no_ray_meets_nothing() {
                 ray(within, Vec3::X, -1.0),
                 ray(within, Vec3::X, f32::NAN),
             ];
-            let mut rays = lanes(&std::array::from_fn(|lane| none[lane % none.len()]));
+            let mut rays = RayLanes::of(&std::array::from_fn::<Ray, LANES, _>(|lane| none[lane % none.len()]));
             // And a true one among them.
             rays.set(3, &ray(Vec3::new(0.1, 0.2, 3.0), -Vec3::Z, endless));
             let expected = scene.intersect(&rays.get(3)).is_some();
@@ -382,7 +374,7 @@ fn surfaces_do_not_meet_the_rays_that_leave_them() {
                     let from = at + 3.0 * direction(3 * k + 1).normalize();
                     Ray::new(from, to - from)
                 });
-                let hits = scene.intersect_lanes(&lanes(&rays), 0xffff);
+                let hits = scene.intersect_lanes(&RayLanes::of(&rays), 0xffff);
                 let mut leaving = RayLanes::NOWHERE;
                 let (mut active, mut outward, mut faces) = (0u32, 0, [0; LANES]);
                 for (lane, hit) in hits.iter().enumerate() {

@@ -281,6 +281,9 @@ fn cameras_have_names_and_indices() {
         assert_eq!(find_camera(world, wanted), Ok(all[place].0), "{wanted}");
     }
     let message = find_camera(world, "back").expect_err("there is none").to_string();
-    assert!(message.contains("`back`") && message.contains("2: `top`"), "{message}");
+    assert!(
+        message.contains("`back`") && message.contains("there are 0: front, 1: 1, 2: top"),
+        "{message}"
+    );
     assert_eq!(world.resource::<ActiveSensor>().0, Some(all[0].0));
 }

@@ -19,6 +19,15 @@ impl RayLanes {
         t_max: Lanes::ZERO,
     };
 
+    /// At most as many as there are lanes; the others are [`Self::NOWHERE`].
+    pub fn of(rays: &[Ray]) -> Self {
+        let mut lanes = Self::NOWHERE;
+        for (lane, ray) in rays.iter().enumerate() {
+            lanes.set(lane, ray);
+        }
+        lanes
+    }
+
     /// The same in every lane.
     #[inline(always)]
     pub(super) fn splat(ray: &Ray) -> Self {

@@ -12,7 +12,8 @@ const FIRST_SCENE: &str = "scenes/cornell-box.xml";
 
 pub fn run(args: EditArgs) -> ExitCode {
     if let Some(scene) = args.scene.as_ref().filter(|scene| !scene.is_file()) {
-        return report::error(format_args!("{}: there is no such file", scene.display()));
+        let help = super::misspelt_command().map_or(String::new(), |help| format!(" ({help})"));
+        return report::error(format_args!("{}: there is no such file{help}", scene.display()));
     }
     let options = WindowOptions {
         scene: args.scene.or_else(first_scene),

@@ -107,13 +107,16 @@ struct EditArgs {
 
 /// Does what the arguments of the process ask for.
 pub fn run() -> ExitCode {
-    let cli = Cli::try_parse().unwrap_or_else(|error| {
-        let _ = error.print();
-        if let Some(help) = misspelt_command() {
-            eprintln!("{help}");
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            let _ = error.print();
+            if let Some(help) = misspelt_command() {
+                report::line(help);
+            }
+            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }
-        std::process::exit(error.exit_code());
-    });
+    };
     match cli.command {
         None => edit(cli.edit),
         Some(Command::Edit(args)) => edit(args),
@@ -126,11 +129,10 @@ pub fn run() -> ExitCode {
 
 /// What the first word may have meant, which otherwise is a scene to edit.
 fn misspelt_command() -> Option<String> {
-    let first = std::env::args().nth(1)?;
+    let first = PathBuf::from(std::env::args_os().nth(1)?);
     let command = Cli::command();
     let names = command.get_subcommands().map(clap::Command::get_name);
-    let is_file = std::path::Path::new(&first).exists();
-    did_you_mean(&first, names).filter(|_| !is_file)
+    did_you_mean(first.to_str()?, names).filter(|_| !first.exists())
 }
 
 #[cfg(feature = "window")]

@@ -211,14 +211,12 @@ pub struct NoSuchCamera {
 }
 
 fn known(names: &[String]) -> String {
-    if names.is_empty() {
-        return "the scene has none".to_owned();
+    let numbered = names.iter().zip(0..).map(|(name, index)| format!("{index}: {name}"));
+    match names {
+        [] => "the scene has none".to_owned(),
+        [only] => format!("the only one is `{only}`"),
+        _ => format!("there are {}", numbered.collect::<Vec<String>>().join(", ")),
     }
-    let names = names
-        .iter()
-        .zip(0..)
-        .map(|(name, index)| format!("`{name}` (or {index})"));
-    format!("there is {}", names.collect::<Vec<String>>().join(", "))
 }
 
 #[cfg(test)]

@@ -31,7 +31,7 @@ pub struct EditorModel(pub Model);
 /// What names a thing.
 #[derive(QueryData)]
 pub struct Naming {
-    pub entity: Entity,
+    entity: Entity,
     order: Option<&'static DocumentOrder>,
     name: Option<&'static Name>,
     id: Option<&'static SceneId>,

@@ -1,8 +1,8 @@
 //! A material with those inside it as one value: what a material is to become in one step. Wrapping, unwrapping and presets are such trees.
 
-use bevy::prelude::Entity;
+use bevy::prelude::{Entity, World};
 
-use crate::scene::Material;
+use crate::scene::{FirstNested, Material, SecondNested};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialTree {
@@ -59,6 +59,13 @@ impl MaterialTree {
             inside,
         }
     }
+}
+
+/// The materials that a material is made of.
+pub fn materials_inside(world: &World, material: Entity) -> Vec<Entity> {
+    let first = world.get::<FirstNested>(material).map(|nested| nested.0);
+    let second = world.get::<SecondNested>(material).map(|nested| nested.0);
+    first.into_iter().chain(second).collect()
 }
 
 /// Trees as one list, each material with the places of those inside of it, and the place of each tree's outermost. Those of the scene are

@@ -41,7 +41,7 @@ use crate::engine::{CurrentScene, RenderFilm};
 use crate::math::Aabb;
 use crate::scene::{
     ActiveSensor, Emitter, EmitterKind, Film, FreeView, Hidden, Locked, MemberOf, Placements, SceneState, SceneStatus,
-    Sensor, Shape, ToWorld,
+    Sensor, Shape, ToWorld, world_bounds,
 };
 
 /// The boxes as they were last collected.
@@ -93,7 +93,7 @@ pub struct Scene<'w, 's> {
     picture: Res<'w, Picture>,
     film: Res<'w, RenderFilm>,
     paths: Res<'w, PathInspector>,
-    movable: Query<'w, 's, Movable, (Without<Locked>, Without<Hidden>, Without<Placements>, Without<MemberOf>)>,
+    movable: Query<'w, 's, Movable, (Without<Locked>, Without<Placements>, Without<MemberOf>)>,
     emitters: Query<'w, 's, (Entity, &'static Emitter, &'static ToWorld), Without<Hidden>>,
     sensors: Query<'w, 's, (Entity, &'static ToWorld), With<Sensor>>,
     films: Query<'w, 's, &'static Film>,
@@ -102,7 +102,12 @@ pub struct Scene<'w, 's> {
     unlocked: RemovedComponents<'w, 's, Locked>,
 }
 
-type Movable = (&'static ToWorld, Has<Shape>, Option<&'static Emitter>, Has<Sensor>);
+type Movable = (
+    &'static ToWorld,
+    Option<&'static Shape>,
+    Option<&'static Emitter>,
+    Has<Sensor>,
+);
 
 impl Scene<'_, '_> {
     /// The selected things that can be moved, with their bounds.
@@ -113,9 +118,9 @@ impl Scene<'_, '_> {
             .iter()
             .zip(bounds.iter().chain(std::iter::repeat(&None)));
         let targets = places.filter_map(|(&entity, &bounds)| {
-            let (to_world, is_shape, emitter, is_sensor) = self.movable.get(entity).ok()?;
+            let (to_world, shape, emitter, is_sensor) = self.movable.get(entity).ok()?;
             let freedom = match emitter {
-                _ if is_shape => Freedom::Affine,
+                _ if shape.is_some() => Freedom::Affine,
                 Some(emitter) if emitter.is_environment() => Freedom::Turning,
                 Some(emitter) if matches!(emitter.kind, EmitterKind::Constant { .. }) => return None,
                 Some(_) => Freedom::Rigid,
@@ -126,7 +131,8 @@ impl Scene<'_, '_> {
                 entity,
                 to_world: to_world.0,
                 freedom,
-                bounds,
+                // What is hidden is not in the picture.
+                bounds: bounds.or_else(|| world_bounds(shape?, &to_world.0, None)),
             })
         });
         targets.collect()

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::results::{RayResult, RenderResult, Results};
+use super::results::{Rate, RayResult, RenderResult, Results};
 
 /// One line for each subject that both have; None if there is none.
 pub fn table(new: &Results, old: &Results) -> Option<String> {
@@ -36,19 +36,27 @@ pub fn table(new: &Results, old: &Results) -> Option<String> {
     }
     for now in &new.rays {
         if let Some(before) = old.rays.iter().find(|before| is_same_rays(before, now)) {
-            let rates = now.rates().filter_map(|(name, rate)| {
-                let (_, before) = before.rates().find(|before| before.0 == name)?;
-                Some((name, rate.one_thread / before.one_thread))
-            });
-            let others = [
+            let together = |rate: fn(&RayResult) -> Option<Rate>| {
+                let (now, before) = rate(now).zip(rate(before))?;
+                Some(now.one_thread / before.one_thread)
+            };
+            let ratios = [
+                ("closest", Some(now.closest.one_thread / before.closest.one_thread)),
+                ("closest together", together(|rays| rays.closest_together)),
                 (
-                    "closest, all threads",
-                    now.closest.all_threads / before.closest.all_threads,
+                    "closest with all threads",
+                    Some(now.closest.all_threads / before.closest.all_threads),
                 ),
-                ("build", before.build_seconds / now.build_seconds),
-                ("memory", before.bytes_per_triangle / now.bytes_per_triangle),
+                ("any", Some(now.any.one_thread / before.any.one_thread)),
+                ("any together", together(|rays| rays.any_together)),
+                ("build", Some(before.build_seconds / now.build_seconds)),
+                ("memory", Some(before.bytes_per_triangle / now.bytes_per_triangle)),
             ];
-            line(now.rays.clone(), &rates.chain(others).collect::<Vec<_>>());
+            let ratios: Vec<_> = ratios
+                .iter()
+                .filter_map(|&(what, ratio)| Some((what, ratio?)))
+                .collect();
+            line(now.rays.clone(), &ratios);
         }
     }
     (text.len() > heading).then_some(text)
@@ -122,6 +130,42 @@ mod tests {
         assert_eq!(
             nothing_in_common(&results(vec![render(32, 2.0)]), &old, Path::new("old.json")),
             "nothing to compare with old.json\n  it has box at 8 x 6 and 4 spp, box at 8 x 6 and 16 spp\n  this run has box at 8 x 6 and 32 spp"
+        );
+    }
+
+    #[test]
+    fn rates_that_only_one_has_are_left_out() {
+        let rate = |one_thread: f64| Rate {
+            one_thread,
+            all_threads: 2.0 * one_thread,
+        };
+        let of = |closest: f64, closest_together: Option<Rate>| Results {
+            rays: vec![RayResult {
+                mesh: "m.ply".to_owned(),
+                rays: "r.rays".to_owned(),
+                triangles: 1,
+                count: 1,
+                build_seconds: 1.0,
+                bytes_per_triangle: 50.0,
+                closest: rate(closest),
+                any: rate(1.0),
+                closest_together,
+                any_together: None,
+                wrong: 0,
+                ties: 0,
+            }],
+            ..Results::new(2)
+        };
+        let line = |old: &Results| table(&of(3.0, Some(rate(4.0))), old).expect("there is a line");
+        let both = line(&of(2.0, Some(rate(2.0))));
+        assert!(
+            both.contains("closest 1.50, closest together 2.00, closest with"),
+            "{both}"
+        );
+        let one = line(&of(2.0, None));
+        assert!(
+            one.contains("closest 1.50, closest with all threads 1.50, any 1.00, build"),
+            "{one}"
         );
     }
 }

@@ -1,5 +1,5 @@
 //! Rays against one mesh: rates with one and with all threads, the build, the memory, and whether every answer is right. Rays go one at a
-//! time, and sixteen together as renders send them.
+//! time, and sixteen together as those of renders go after the first bounce, in lanes beforehand.
 //!
 //! A file of rays is little endian: "RAYS", then three u32 (version 1, number of rays, bytes of a record, 32), then of each ray its origin
 //! and unit direction (three f32 each), the distance of the nearest hit (f32, infinite for none) and the triangle's index (u32, all ones
@@ -36,9 +36,9 @@ struct Answered {
     triangle: u32,
 }
 
-/// The mesh, and the scene that holds nothing else.
+/// The mesh's hierarchy, and the scene that holds nothing else.
 struct Subject {
-    mesh: Arc<Blas>,
+    blas: Arc<Blas>,
     scene: Tlas,
 }
 
@@ -60,15 +60,15 @@ pub fn measure(args: &RayBenchArgs) -> Result<Results, Error> {
     let Some(built) = built else {
         return Err("there is nothing to measure in no rounds".into());
     };
-    let subject = Subject::new(built)?;
+    let subject = Subject::new(built);
     let mut results = Results::new(threads);
     for (name, set) in &sets {
         let (wrong, ties) = check(&subject, set);
-        let Subject { mesh: blas, scene } = &subject;
+        let Subject { blas, scene } = &subject;
         let rays: Vec<Ray> = set.iter().map(|answered| answered.ray).collect();
-        let together: Vec<RayLanes> = set.chunks(LANES).map(in_lanes).collect();
-        let rounds = Rounds {
-            count: args.common.rounds,
+        let together: Vec<RayLanes> = rays.chunks(LANES).map(RayLanes::of).collect();
+        let clock = Clock {
+            rounds: args.common.rounds,
             threads,
             rays: rays.len(),
         };
@@ -79,13 +79,13 @@ pub fn measure(args: &RayBenchArgs) -> Result<Results, Error> {
             count: rays.len(),
             build_seconds: median(builds.iter().copied()),
             bytes_per_triangle: blas.stats().bytes as f64 / mesh.triangles.len().max(1) as f64,
-            closest: rounds.rate(&rays, |ray| usize::from(blas.intersect(ray).is_some())),
-            any: rounds.rate(&rays, |ray| usize::from(blas.occluded(ray))),
-            closest_together: Some(rounds.rate(&together, |rays| {
+            closest: clock.rate(&rays, |ray| usize::from(black_box(blas.intersect(ray)).is_some())),
+            any: clock.rate(&rays, |ray| usize::from(blas.occluded(ray))),
+            closest_together: Some(clock.rate(&together, |rays| {
                 let hits = scene.intersect_lanes(rays, u32::MAX);
                 hits.iter().flatten().count()
             })),
-            any_together: Some(rounds.rate(&together, |rays| {
+            any_together: Some(clock.rate(&together, |rays| {
                 scene.occluded_lanes(rays, u32::MAX).count_ones() as usize
             })),
             wrong,
@@ -96,21 +96,12 @@ pub fn measure(args: &RayBenchArgs) -> Result<Results, Error> {
 }
 
 impl Subject {
-    fn new(mesh: Blas) -> Result<Self, Error> {
-        let mesh = Arc::new(mesh);
-        let placed = Instance::new(Primitive::Mesh(mesh.clone()), Affine3A::IDENTITY);
-        let scene = Tlas::build(vec![placed.ok_or("the mesh has no place")?], SplitMethod::Sah);
-        Ok(Self { mesh, scene })
+    fn new(blas: Blas) -> Self {
+        let blas = Arc::new(blas);
+        let placed = Instance::new(Primitive::Mesh(blas.clone()), Affine3A::IDENTITY);
+        let scene = Tlas::build(placed.into_iter().collect(), SplitMethod::Sah);
+        Self { blas, scene }
     }
-}
-
-/// At most [`LANES`] of them.
-fn in_lanes(set: &[Answered]) -> RayLanes {
-    let mut lanes = RayLanes::NOWHERE;
-    for (lane, answered) in set.iter().enumerate() {
-        lanes.set(lane, &answered.ray);
-    }
-    lanes
 }
 
 fn name_of(path: &Path) -> String {
@@ -173,32 +164,31 @@ fn parse(bytes: &[u8]) -> Result<Vec<Answered>, String> {
     Ok(answered.collect())
 }
 
-/// How many answers are wrong, alone or together, and how many are of the neighbour at the same distance.
+/// How many answers are wrong, alone or together, and how many others are of the neighbour at the same distance.
 fn check(subject: &Subject, set: &[Answered]) -> (usize, usize) {
     let (mut wrong, mut ties) = (0, 0);
-    for set in set.chunks(LANES) {
-        let lanes = in_lanes(set);
+    for chunk in set.chunks(LANES) {
+        let rays: Vec<Ray> = chunk.iter().map(|answered| answered.ray).collect();
+        let lanes = RayLanes::of(&rays);
         let hits = subject.scene.intersect_lanes(&lanes, u32::MAX);
         let occluded = subject.scene.occluded_lanes(&lanes, u32::MAX);
-        for (lane, answered) in set.iter().enumerate() {
+        for (lane, answered) in chunk.iter().enumerate() {
             let ray = &answered.ray;
-            let alone = subject.mesh.intersect(ray).map(|hit| (hit.t, hit.triangle));
+            let alone = subject.blas.intersect(ray).map(|hit| (hit.t, hit.triangle));
             let together = hits[lane].map(|hit| (hit.t, hit.primitive));
-            let verdicts = [
-                answered.verdict(alone, subject.mesh.occluded(ray)),
-                answered.verdict(together, occluded >> lane & 1 == 1),
-            ];
-            if verdicts.contains(&Verdict::Wrong) {
-                wrong += 1;
-            } else if verdicts.contains(&Verdict::Tie) {
-                ties += 1;
+            let alone = answered.verdict(alone, subject.blas.occluded(ray));
+            let together = answered.verdict(together, occluded >> lane & 1 == 1);
+            match alone.max(together) {
+                Verdict::Right => {}
+                Verdict::Tie => ties += 1,
+                Verdict::Wrong => wrong += 1,
             }
         }
     }
     (wrong, ties)
 }
 
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Verdict {
     Right,
     /// Another triangle at the same distance.
@@ -222,18 +212,19 @@ impl Answered {
     }
 }
 
-struct Rounds {
-    count: u32,
+/// How often, and by how many, queries of so many rays are measured.
+struct Clock {
+    rounds: u32,
     threads: usize,
     rays: usize,
 }
 
-impl Rounds {
+impl Clock {
     /// Of queries over all `items`, which hold the rays among them.
     fn rate<T: Sync>(&self, items: &[T], query: impl Fn(&T) -> usize + Sync) -> Rate {
         let rays_per_item = self.rays as f64 / items.len() as f64;
         let rate =
-            |threads: usize| rays_per_item * median((0..self.count).map(|_| millions_a_second(items, &query, threads)));
+            |threads: usize| rays_per_item * median((0..self.rounds).map(|_| items_rate(items, &query, threads)));
         Rate {
             one_thread: rate(1),
             all_threads: rate(self.threads),
@@ -241,8 +232,8 @@ impl Rounds {
     }
 }
 
-/// The items are dealt out evenly, and each thread goes over its own until enough time has passed.
-fn millions_a_second<T: Sync>(items: &[T], query: &(impl Fn(&T) -> usize + Sync), threads: usize) -> f64 {
+/// In 10^6 items a second: they are dealt out evenly, and each thread goes over its own until enough time has passed.
+fn items_rate<T: Sync>(items: &[T], query: &(impl Fn(&T) -> usize + Sync), threads: usize) -> f64 {
     let share = items.len().div_ceil(threads);
     std::thread::scope(|scope| {
         let workers: Vec<_> = items
@@ -318,7 +309,33 @@ mod tests {
             answered(2.0, 0),
             answered(f32::INFINITY, u32::MAX),
         ];
-        let subject = Subject::new(blas).expect("a place");
+        let subject = Subject::new(blas);
         assert_eq!(check(&subject, &set), (2, 1));
+        // The last of them alone in its lanes.
+        let mut many = vec![answered(3.0, 0); LANES];
+        many.push(answered(2.0, 0));
+        assert_eq!(check(&subject, &many), (1, 0));
+    }
+
+    #[test]
+    fn verdicts() {
+        let ray = Ray::new(Vec3::ZERO, Vec3::Z);
+        let [hit, miss] = [(3.0, 7), (f32::INFINITY, u32::MAX)].map(|(t, triangle)| Answered { ray, t, triangle });
+        for (answered, found, occluded, expected) in [
+            (hit, Some((3.0001, 7)), true, Verdict::Right),
+            (hit, Some((3.0, 8)), true, Verdict::Tie),
+            (hit, Some((3.0, 7)), false, Verdict::Wrong),
+            (hit, Some((3.001, 7)), true, Verdict::Wrong),
+            (hit, None, false, Verdict::Wrong),
+            (miss, None, false, Verdict::Right),
+            (miss, None, true, Verdict::Wrong),
+            (miss, Some((3.0, 7)), true, Verdict::Wrong),
+        ] {
+            assert_eq!(
+                answered.verdict(found, occluded),
+                expected,
+                "{answered:?} {found:?} {occluded}"
+            );
+        }
     }
 }

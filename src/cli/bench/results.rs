@@ -54,14 +54,12 @@ pub struct RayResult {
     /// Of rays one at a time.
     pub closest: Rate,
     pub any: Rate,
-    /// Of sixteen at a time; None of earlier versions.
-    #[serde(default)]
+    /// Of sixteen at a time; None in files of before that was measured.
     pub closest_together: Option<Rate>,
-    #[serde(default)]
     pub any_together: Option<Rate>,
-    /// Answers that differ from those of the file.
+    /// Rays whose answers differ from those of the file, alone or together.
     pub wrong: usize,
-    /// Answers that name another triangle at the same distance: rays through a common edge.
+    /// Others that name another triangle at the same distance, alone or together: rays through a common edge.
     pub ties: usize,
 }
 
@@ -143,27 +141,21 @@ impl Results {
                 rays.wrong,
                 rays.ties,
             )?;
-            for (name, rate) in rays.rates() {
+            let rates = [
+                ("closest hit", Some(rays.closest)),
+                ("closest hit, sixteen rays together", rays.closest_together),
+                ("any hit", Some(rays.any)),
+                ("any hit, sixteen rays together", rays.any_together),
+            ];
+            for (name, rate) in rates {
+                let Some(rate) = rate else { continue };
                 writeln!(
                     text,
-                    "  {name:24} {:>8.2} Mrays/s with one thread, {:>8.2} with {}",
+                    "  {name:36} {:>8.2} Mrays/s with one thread, {:>8.2} with {}",
                     rate.one_thread, rate.all_threads, self.threads
                 )?;
             }
         }
         Ok(())
-    }
-}
-
-impl RayResult {
-    /// Of all kinds of queries that were measured.
-    pub fn rates(&self) -> impl Iterator<Item = (&'static str, Rate)> {
-        let rates = [
-            ("closest hit", Some(self.closest)),
-            ("closest hits, by 16", self.closest_together),
-            ("any hit", Some(self.any)),
-            ("any hits, by 16", self.any_together),
-        ];
-        rates.into_iter().filter_map(|(name, rate)| Some((name, rate?)))
     }
 }

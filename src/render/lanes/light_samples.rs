@@ -2,7 +2,7 @@
 
 use glam::Vec2;
 
-use super::wave::Surroundings;
+use super::Surroundings;
 use crate::light::lanes::{SoleLight, sample_constant};
 use crate::light::{LightReference, Target};
 use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of};
@@ -57,7 +57,8 @@ impl LightLanes {
         }
     }
 
-    /// A light for each of the lanes `asked`, by the numbers of a vertex: `at(0)` which light it is, `at(1)` where.
+    /// A light for each of the lanes `asked`, by the numbers of a vertex: `at(0)` which light it is, `at(1)` where. Densities are per solid
+    /// angle, the choice included. The other lanes mean nothing, valid or not.
     #[inline(always)]
     pub fn sample(
         around: &Surroundings,

@@ -15,10 +15,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::UVec2;
 
-use self::wave::{Company, Samples, Surroundings, Wave};
+use self::wave::{Company, Samples, Wave};
 use super::path::PathSample;
 use super::scene::RenderScene;
 use super::view::{PathSettings, View};
+use crate::light::lanes::SoleLight;
 use crate::math::lanes::{LANES, each_lane};
 
 /// A sample of a pixel that is to be traced.
@@ -26,6 +27,14 @@ use crate::math::lanes::{LANES, each_lane};
 pub(super) struct Job {
     pub pixel: UVec2,
     pub index: u32,
+}
+
+/// What all paths have in common.
+struct Surroundings<'a> {
+    scene: &'a RenderScene,
+    view: &'a View,
+    settings: &'a PathSettings,
+    sole_light: Option<SoleLight>,
 }
 
 /// Steps between two looks at whether to stop.
@@ -39,7 +48,12 @@ pub(super) fn trace(
     jobs: &[Job],
     cancel: &AtomicBool,
 ) -> Option<Vec<(PathSample, f32)>> {
-    let around = Surroundings::new(scene, view, settings);
+    let around = Surroundings {
+        scene,
+        view,
+        settings,
+        sole_light: SoleLight::of(&scene.lights),
+    };
     let mut samples = vec![(PathSample::default(), 0.0); jobs.len()];
     let mut paths = Paths::new(view, jobs);
     loop {

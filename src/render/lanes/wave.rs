@@ -2,31 +2,22 @@
 
 use glam::{UVec2, Vec3};
 
-use super::Job;
 use super::camera_rays::CameraRays;
 use super::light_samples::{LightLanes, ReferenceLanes};
 use super::vertices::{Met, Vertices};
+use super::{Job, Surroundings};
 use crate::accel::{Hit, RayLanes};
 use crate::light::LightReference;
-use crate::light::lanes::SoleLight;
 use crate::math::Ray;
 use crate::math::lanes::{FrameLanes, LANES, Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of, offset_origins};
 use crate::render::path::{
     Arrival, BOUNCE_DIMENSIONS, CAMERA_DIMENSIONS, HIGHEST_SURVIVAL, Path, PathSample, shadow_ray,
 };
-use crate::render::scene::{RenderScene, SurfaceSlot};
-use crate::render::view::{PathSettings, Strategy, View};
+use crate::render::scene::SurfaceSlot;
+use crate::render::view::{Strategy, View};
 use crate::sampling::Sampler;
 use crate::sampling::lanes::{SamplerLanes, power_heuristics};
 use crate::shading::lanes::BsdfSampleLanes;
-
-/// What all paths have in common.
-pub(super) struct Surroundings<'a> {
-    pub scene: &'a RenderScene,
-    pub view: &'a View,
-    pub settings: &'a PathSettings,
-    pub sole_light: Option<SoleLight>,
-}
 
 /// Whether rays have much in common, as those through one pixel have.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -68,17 +59,6 @@ struct Home {
     job: usize,
     weight: f32,
     path: Path,
-}
-
-impl<'a> Surroundings<'a> {
-    pub fn new(scene: &'a RenderScene, view: &'a View, settings: &'a PathSettings) -> Self {
-        Self {
-            scene,
-            view,
-            settings,
-            sole_light: SoleLight::of(&scene.lights),
-        }
-    }
 }
 
 impl<'a> Wave<'a> {

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::edits::{delete, need, outer_materials};
 use crate::app::editor::history::Edit;
-use crate::app::editor::material_tree::{Inside, MaterialTree};
+use crate::app::editor::material_tree::{Inside, MaterialTree, materials_inside};
 use crate::app::editor::picking;
 use crate::app::editor::presets::Preset;
 use crate::engine::CurrentScene;
@@ -66,7 +66,7 @@ pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result
 fn tree_of(world: &World, material: Entity) -> Option<MaterialTree> {
     const DEEPEST: usize = 16;
     fn below(world: &World, material: Entity, depth: usize) -> Option<MaterialTree> {
-        let inside = inside(world, material).into_iter();
+        let inside = materials_inside(world, material).into_iter();
         let inside = inside.map(|inner| Some(below(world, inner, depth.checked_sub(1)?)?.into()));
         Some(MaterialTree {
             material: world.get::<Material>(material)?.clone(),
@@ -103,14 +103,14 @@ pub fn build(edit: &mut Edit, targets: &[Entity], tree: &MaterialTree) {
 
 /// What was inside before and is used by nobody any more goes.
 fn become_tree(edit: &mut Edit, material: Entity, tree: &MaterialTree) {
-    let before = inside(edit.world, material);
+    let before = materials_inside(edit.world, material);
     let mut moves = Vec::new();
     write_tree(edit, material, tree, &mut moves);
     for inner in before {
         remove_unused(edit, inner);
     }
     for Move { inner, from, to } in moves {
-        if !inside(edit.world, from).contains(&inner) {
+        if !materials_inside(edit.world, from).contains(&inner) {
             edit.set(inner, DeclaredIn(to));
         }
     }
@@ -159,13 +159,6 @@ fn write_tree(edit: &mut Edit, material: Entity, tree: &MaterialTree, moves: &mu
     }
 }
 
-/// The materials that a material is made of.
-pub fn inside(world: &World, material: Entity) -> Vec<Entity> {
-    let first = world.get::<FirstNested>(material).map(|nested| nested.0);
-    let second = world.get::<SecondNested>(material).map(|nested| nested.0);
-    first.into_iter().chain(second).collect()
-}
-
 /// Takes a material out of the scene that stands nowhere but inside of others, and is inside of none. What is in it goes the same way.
 fn remove_unused(edit: &mut Edit, material: Entity) {
     let is_own = edit.world.get::<DeclaredIn>(material).is_none();
@@ -176,7 +169,7 @@ fn remove_unused(edit: &mut Edit, material: Entity) {
     if is_own || has_users || !outer_materials(edit.world, material).is_empty() {
         return;
     }
-    let before = inside(edit.world, material);
+    let before = materials_inside(edit.world, material);
     delete(edit, material);
     for inner in before {
         remove_unused(edit, inner);
@@ -231,7 +224,7 @@ mod tests {
         let shape = world.spawn((Shape::default(), UsesMaterial(paint))).id();
         let plain = MaterialTree::from(red());
         for plugin in ["bumpmap", "twosided"] {
-            let tree = MaterialTree::of(world.get(paint).expect("there"), &inside(&world, paint));
+            let tree = MaterialTree::of(world.get(paint).expect("there"), &materials_inside(&world, paint));
             apply(&mut world, paint, &tree.wrapped(plugin));
         }
         assert_eq!(
@@ -240,15 +233,18 @@ mod tests {
         );
         assert_eq!(world.get::<UsesMaterial>(shape), Some(&UsesMaterial(paint)));
         // The bump map is written inside of the two-sided one, the paint inside of the bump map.
-        let bump = inside(&world, paint)[0];
-        let inner = inside(&world, bump)[0];
+        let bump = materials_inside(&world, paint)[0];
+        let inner = materials_inside(&world, bump)[0];
         assert_eq!(world.get(bump), Some(&DeclaredIn(paint)));
         assert_eq!(world.get(inner), Some(&DeclaredIn(bump)));
         // Off: the bump map takes the place of the two-sided one, around the very same paint.
         let off = MaterialTree::of(world.get(bump).expect("there"), &[inner]);
         apply(&mut world, paint, &off);
         assert_eq!(tree_of(&world, paint), plain.clone().wrapped("bumpmap"));
-        assert_eq!((inside(&world, paint), materials(&mut world)), (vec![inner], 2));
+        assert_eq!(
+            (materials_inside(&world, paint), materials(&mut world)),
+            (vec![inner], 2)
+        );
         assert_eq!(world.get(inner), Some(&DeclaredIn(paint)));
         for _ in 0..3 {
             undo(&mut world).expect("three steps");
@@ -311,7 +307,7 @@ mod tests {
         assert_eq!(first.1.as_deref(), Some("gold-satin"));
         assert_eq!(give(shapes[1]), first);
         // One that was edited since is another material.
-        let inner = inside(&world, first.0)[0];
+        let inner = materials_inside(&world, first.0)[0];
         world.entity_mut(inner).insert(Material::Null);
         let mut give = |shape: Entity| {
             let mut edit = Edit::begin(&mut world);
@@ -331,6 +327,6 @@ mod tests {
             .id();
         apply(&mut world, outer, &MaterialTree::from(Material::Null));
         assert_eq!(materials(&mut world), 2);
-        assert!(inside(&world, outer).is_empty());
+        assert!(materials_inside(&world, outer).is_empty());
     }
 }

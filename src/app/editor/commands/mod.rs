@@ -41,7 +41,6 @@ use crate::scene::{
     ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, Sensor, Shape, ToWorld,
 };
 pub use adding::{ENVIRONMENTS, extension};
-pub use materials::inside as materials_inside;
 pub use several::rounding;
 pub use view::{camera_pose, view_pose};
 

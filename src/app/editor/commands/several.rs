@@ -5,9 +5,9 @@ use bevy::prelude::*;
 use bevy::reflect::PartialReflect;
 
 use super::edits;
-use super::materials::inside;
 use crate::app::editor::command::Command;
 use crate::app::editor::history::Edit;
+use crate::app::editor::material_tree::materials_inside;
 use crate::app::editor::panels::conversion::{emitter_turned_into, turned_into};
 use crate::app::editor::selection::Selection;
 use crate::scene::carry_over::{Vectors, carry_over};
@@ -170,14 +170,18 @@ fn path_to(world: &World, from: Entity, to: Entity, deepest: usize) -> Option<Ve
         return Some(Vec::new());
     }
     let deepest = deepest.checked_sub(1)?;
-    inside(world, from).into_iter().enumerate().find_map(|(place, inner)| {
-        let mut path = path_to(world, inner, to, deepest)?;
-        path.insert(0, place);
-        Some(path)
-    })
+    materials_inside(world, from)
+        .into_iter()
+        .enumerate()
+        .find_map(|(place, inner)| {
+            let mut path = path_to(world, inner, to, deepest)?;
+            path.insert(0, place);
+            Some(path)
+        })
 }
 
 fn follow(world: &World, from: Entity, path: &[usize]) -> Option<Entity> {
-    path.iter()
-        .try_fold(from, |material, place| inside(world, material).get(*place).copied())
+    path.iter().try_fold(from, |material, place| {
+        materials_inside(world, material).get(*place).copied()
+    })
 }

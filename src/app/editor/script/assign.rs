@@ -14,13 +14,22 @@ use crate::scene::{
 };
 
 /// Why a parameter was not set.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AssignError {
-    #[error("there is no such parameter, only {}", .known.join(", "))]
-    Unknown { known: Vec<&'static str> },
+    Unknown {
+        known: Vec<&'static str>,
+    },
     /// What is wrong with the value.
-    #[error("{0}")]
     Value(String),
+}
+
+impl From<AssignError> for String {
+    fn from(error: AssignError) -> Self {
+        match error {
+            AssignError::Unknown { known } => format!("expected {}", known.join(" or ")),
+            AssignError::Value(error) => error,
+        }
+    }
 }
 
 /// The parameter that is looked for, and whether it was there.

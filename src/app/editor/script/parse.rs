@@ -10,10 +10,11 @@ use super::{assign, rendering};
 use crate::app::editor::actions::{self, ActionContext};
 use crate::app::editor::addition::{Addition, AdditionKind};
 use crate::app::editor::command::Command;
-use crate::app::editor::commands::{materials_inside, view_pose};
+use crate::app::editor::commands::view_pose;
 use crate::app::editor::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::gather::EditorModel;
 use crate::app::editor::light_mix::LightMix;
+use crate::app::editor::material_tree::materials_inside;
 use crate::app::editor::navigation::scale_of;
 use crate::app::editor::selection::{Extend, Selection};
 use crate::app::editor::state::EditorState;
@@ -189,7 +190,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("emit", [shape, "none"]) => Command::SetAreaLight(named(world, shape)?, None),
         ("emit", [shape, radiance]) => {
             let mut light = AreaLight::default();
-            assign::area_light(&mut light, "radiance", radiance).map_err(|error| error.to_string())?;
+            assign::area_light(&mut light, "radiance", radiance)?;
             Command::SetAreaLight(named(world, shape)?, Some(light))
         }
         ("rename", [name, new]) => Command::Rename(named(world, name)?, (*new).to_owned()),
@@ -376,18 +377,19 @@ fn material_of(world: &World, entity: Entity) -> Option<Entity> {
 
 /// Looks for the parameter among all that the thing is; what is not found anywhere is an error that names what there is.
 fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Result<Command, String> {
-    if let ("position" | "rotation" | "scale", Some(pose)) = (parameter, world.get::<ToWorld>(entity)) {
-        // An environment map has a factor of this name.
-        if !(parameter == "scale" && world.get::<Emitter>(entity).is_some()) {
+    let mut known = Vec::new();
+    if let Some(pose) = world.get::<ToWorld>(entity) {
+        known = vec!["position", "rotation", "scale"];
+        if world.get::<Emitter>(entity).is_some() {
+            // Some have a factor of this name.
+            known.pop();
+        }
+        if known.contains(&parameter) {
             let mut pose = pose.0;
-            assign::pose(&mut pose, parameter, value).map_err(|error| error.to_string())?;
+            assign::pose(&mut pose, parameter, value)?;
             return Ok(Command::Transform(vec![(entity, pose)]));
         }
     }
-    let mut known = match world.get::<ToWorld>(entity) {
-        Some(_) => vec!["position", "rotation", "scale"],
-        None => Vec::new(),
-    };
     // Tells more than that something else has no such parameter.
     let mut wrong_value = None;
     macro_rules! attempt {
@@ -430,10 +432,12 @@ fn no_parameter(world: &World, parameter: &str, known: &[&str], material: Option
         .into_iter()
         .filter_map(|inner| Some(format!("`{}`", world.get::<Name>(inner)?)))
         .collect();
-    let instead = match (did_you_mean(parameter, known.iter().copied()), known) {
-        (Some(help), _) => format!("; {help}"),
-        (None, []) => String::new(),
-        (None, known) => format!(", only {}", known.join(", ")),
+    if let Some(help) = did_you_mean(parameter, known.iter().copied()) {
+        return format!("there is no `{parameter}`; {help}");
+    }
+    let instead = match known {
+        [] => String::new(),
+        known => format!(", only {}", known.join(", ")),
     };
     let elsewhere = match &inside[..] {
         [] => String::new(),
