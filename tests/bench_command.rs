@@ -47,23 +47,33 @@ fn renders_are_measured_and_compared() {
     let (code, out, _) = told(&bench(folder.path(), &[&few[..], &["--against", "old.json"]].concat()));
     assert_eq!(code, 0);
     assert!(out.contains("relMSE 1.00"), "{out}");
-    // What was measured is still said and written, but nobody takes it for a comparison.
-    let other = [
-        "ball.xml",
+    // From another folder, by another name of the same file.
+    let elsewhere = folder.path().join("elsewhere");
+    std::fs::create_dir(&elsewhere).expect("a folder");
+    let again = [
+        "../ball.xml",
         "--spp",
-        "2",
+        "4",
         "--size",
         "64x64",
         "--rounds",
-        "1",
+        "2",
         "--against",
-        "old.json",
+        "../old.json",
     ];
-    let (code, out, error) = told(&bench(folder.path(), &[&other[..], &["--json", "new.json"]].concat()));
-    assert_eq!(code, 1);
+    let (code, out, _) = told(&bench(&elsewhere, &again));
+    assert_eq!(code, 0);
     assert!(
-        out.contains("relMSE") && folder.path().join("new.json").exists(),
+        out.contains("rounds: 1; this run has ") && out.contains("rounds: 2)"),
         "{out}"
+    );
+    // That there is nothing to compare is said before time is spent.
+    let other = ["ball.xml", "--spp", "2", "--size", "64x64", "--against", "old.json"];
+    let (code, out, error) = told(&bench(folder.path(), &[&other[..], &["--json", "new.json"]].concat()));
+    assert_eq!((code, out.as_str()), (1, ""));
+    assert!(
+        !folder.path().join("new.json").exists() && !error.contains("ball.xml ..."),
+        "{error}"
     );
     for part in [
         "error: nothing to compare with old.json",
@@ -120,6 +130,7 @@ fn what_cannot_be_measured_is_said() {
         (&["nothing.xml"][..], "nothing.xml"),
         (&[][..], "folder `scenes`"),
         (&["ball.xml", "--rounds", "0"], "--rounds"),
+        (&["ball.xml", "--json", "nowhere/a.json"], "there is no folder nowhere"),
         (
             &["ball.xml", "--spp", "1", "--size", "64x64", "--against", "other.json"],
             "other.json:2:8",

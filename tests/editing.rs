@@ -330,6 +330,7 @@ fn lines_that_cannot_be_done_say_why() {
         ("move ball", "usage: move NAME X,Y,Z"),
         ("select \"ball", "not closed"),
         ("duplicate", "nothing is selected"),
+        ("import lamp.obj", "`import` takes no words behind it"),
         ("show albdo", "did you mean"),
     ];
     for (line, part) in cases {
@@ -402,11 +403,16 @@ fn what_was_inside_of_a_material_goes_when_it_becomes_another() {
     let message = parse::line(&mut world, "set clay reflectance 0.2").expect_err("that is inside");
     let expected = "there is no `reflectance`; the material is made of `diffuse`";
     assert!(message.starts_with(expected), "{message}");
-    assert!(say(&mut world, "make clay plastic"));
-    let scene = gather::describe(&mut world);
-    let plugins: Vec<_> = scene.materials.iter().map(|it| it.material.plugin()).collect();
-    assert_eq!((plugins, scene.materials[0].first), (vec!["plastic"], None));
-    assert!(say(&mut world, "undo"));
+    for (plugin, expected) in [
+        ("plastic", &["twosided", "plastic"][..]),
+        ("dielectric", &["dielectric"]),
+    ] {
+        assert!(say(&mut world, &format!("make clay {plugin}")));
+        let scene = gather::describe(&mut world);
+        let plugins: Vec<_> = scene.materials.iter().map(|it| it.material.plugin()).collect();
+        assert_eq!(plugins, expected);
+        assert!(say(&mut world, "undo"));
+    }
     assert_same(&state(&mut world), &before);
 }
 

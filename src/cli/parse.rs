@@ -1,5 +1,6 @@
 //! Values of command-line arguments; errors are sentences for the user.
 
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 /// `NAME=VALUE`
@@ -12,11 +13,23 @@ pub fn define(text: &str) -> Result<(String, String), String> {
 
 /// `1280x720`
 pub fn size(text: &str) -> Result<(u32, u32), String> {
+    sides(text, 64..=16384)
+}
+
+/// As [`size`], of a picture, which may be smaller.
+pub fn picture_size(text: &str) -> Result<(u32, u32), String> {
+    sides(text, 1..=65536)
+}
+
+fn sides(text: &str, possible: RangeInclusive<u32>) -> Result<(u32, u32), String> {
     let parts = text.split_once(['x', 'X']);
     parts
         .and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)))
-        .filter(|&(width, height)| (64..=16384).contains(&width) && (64..=16384).contains(&height))
-        .ok_or_else(|| "expected WIDTHxHEIGHT in pixels, each from 64 to 16384".to_owned())
+        .filter(|(width, height)| possible.contains(width) && possible.contains(height))
+        .ok_or_else(|| {
+            let (least, most) = (possible.start(), possible.end());
+            format!("expected WIDTHxHEIGHT in pixels, each from {least} to {most}")
+        })
 }
 
 /// A number with a unit: `500ms`, `60s`, `5m`, `2h`; seconds without one.
@@ -60,6 +73,8 @@ mod tests {
     fn sizes_and_defines() {
         assert_eq!(size("1280x720"), Ok((1280, 720)));
         assert!(size("1280").is_err() && size("0x10").is_err() && size("1x-1").is_err());
+        assert_eq!(picture_size("1x20"), Ok((1, 20)));
+        assert!(picture_size("0x10").is_err());
         assert_eq!(define("spp=4=2"), Ok(("spp".into(), "4=2".into())));
         assert!(define("spp").is_err() && define("=4").is_err());
     }

@@ -42,6 +42,9 @@ pub struct RenderArgs {
     /// Stop after this time, such as 500ms, 60s, 5m; a bare number is seconds
     #[arg(long, value_name = "TIME", value_parser = parse::duration)]
     time: Option<Duration>,
+    /// Both sides of the picture in pixels
+    #[arg(long, value_name = "WxH", value_parser = parse::picture_size, conflicts_with_all = ["width", "height"])]
+    size: Option<(u32, u32)>,
     /// Width of the picture in pixels; the other side follows if it is not given
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
     width: Option<u32>,
@@ -202,6 +205,12 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
     }
 
     let status = app.world().resource::<RenderStatus>();
+    if outcome == Outcome::Cancelled && !args.quiet {
+        report::line(format_args!(
+            "interrupted, written with {} samples per pixel",
+            status.samples
+        ));
+    }
     for error in &status.errors {
         report::line(format_args!("warning: {error}"));
     }
@@ -248,12 +257,18 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
 fn check_outputs(outputs: &[PathBuf]) -> Result<(), Error> {
     for path in outputs.iter().filter(|path| !is_stdout(path)) {
         FileFormat::from_path(path)?;
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-            return Err(format!("there is no folder {} to write {} to", folder.display(), path.display()).into());
-        }
+        check_folder(path)?;
     }
     Ok(())
+}
+
+/// An error if a file cannot be there.
+pub fn check_folder(path: &Path) -> Result<(), Error> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder.filter(|folder| !folder.is_dir()) {
+        Some(folder) => Err(format!("there is no folder {} to write {} to", folder.display(), path.display()).into()),
+        None => Ok(()),
+    }
 }
 
 pub fn is_stdout(path: &Path) -> bool {
@@ -303,17 +318,21 @@ fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Error> {
         .0
         .and_then(|sensor| world.get::<SensorFilm>(sensor))
         .map(SensorFilm::window);
+    let sides = match args.size {
+        Some((width, height)) => [Some(width), Some(height)],
+        None => [args.width, args.height],
+    };
     if let Some(Crop { width, height, .. }) = window
-        && (args.width.is_some() || args.height.is_some())
+        && sides != [None; 2]
     {
         let scaled = |side: u32, to: u32, from: u32| (f64::from(side) * f64::from(to) / f64::from(from)).round() as u32;
         let size = UVec2::new(
-            args.width
-                .or_else(|| Some(scaled(width, args.height?, height)))
+            sides[0]
+                .or_else(|| Some(scaled(width, sides[1]?, height)))
                 .unwrap_or(width)
                 .max(1),
-            args.height
-                .or_else(|| Some(scaled(height, args.width?, width)))
+            sides[1]
+                .or_else(|| Some(scaled(height, sides[0]?, width)))
                 .unwrap_or(height)
                 .max(1),
         );

@@ -1,17 +1,118 @@
 //! Two runs side by side, pair by pair: ratios above 1 are for the new one.
 
-use std::fmt::Write;
-use std::path::Path;
+use std::fmt::{self, Display, Formatter, Write};
+use std::path::{Path, PathBuf};
 
 use super::results::{Rate, RayResult, RenderResult, Results};
 
-/// One line for each subject that both have; None if there is none.
-pub fn table(new: &Results, old: &Results) -> Option<String> {
+/// What was or is to be measured: all that has to be the same in two runs.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Subject {
+    Render { scene: PathBuf, size: (u32, u32), spp: u32 },
+    Rays { mesh: String, rays: String },
+}
+
+impl Subject {
+    /// Speeds of other sizes and other numbers of samples say nothing about each other. Scenes may have been called from other folders.
+    fn is_like(&self, other: &Self) -> bool {
+        match (self, other) {
+            (
+                Self::Render { scene, size, spp },
+                Self::Render {
+                    scene: other_scene,
+                    size: other_size,
+                    spp: other_spp,
+                },
+            ) => scene.file_name() == other_scene.file_name() && (size, spp) == (other_size, other_spp),
+            _ => self == other,
+        }
+    }
+}
+
+impl Display for Subject {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        match self {
+            Self::Render { scene, size, spp } => {
+                write!(f, "{} at {} x {} and {spp} spp", scene.display(), size.0, size.1)
+            }
+            Self::Rays { mesh, rays } => write!(f, "{rays} against {mesh}"),
+        }
+    }
+}
+
+impl From<&RenderResult> for Subject {
+    fn from(render: &RenderResult) -> Self {
+        Self::Render {
+            scene: PathBuf::from(&render.scene),
+            size: (render.width, render.height),
+            spp: render.spp,
+        }
+    }
+}
+
+impl From<&RayResult> for Subject {
+    fn from(rays: &RayResult) -> Self {
+        Self::Rays {
+            mesh: rays.mesh.clone(),
+            rays: rays.rays.clone(),
+        }
+    }
+}
+
+/// Of an earlier run the one that is like one of this run, by its whole name or else by what only it is like.
+fn counterpart<'o, T>(of: &Subject, old: &'o [T]) -> Option<&'o T>
+where
+    Subject: From<&'o T>,
+{
+    let like = || old.iter().filter(|old| of.is_like(&Subject::from(*old)));
+    let same = like().find(|old| *of == Subject::from(*old));
+    same.or_else(|| like().next().filter(|_| like().count() == 1))
+}
+
+fn has_counterpart(of: &Subject, old: &Results) -> bool {
+    counterpart(of, &old.renders).is_some() || counterpart(of, &old.rays).is_some()
+}
+
+/// An error if nothing of what is `planned` is in the file at `path`.
+pub fn check(planned: &[Subject], old: &Results, path: &Path) -> Result<(), String> {
+    if planned.iter().any(|subject| has_counterpart(subject, old)) {
+        return Ok(());
+    }
+    let (path, there, here) = (path.display(), list(&subjects(old)), list(planned));
+    Err(format!(
+        "nothing to compare with {path}\n  it has {there}\n  this run has {here}"
+    ))
+}
+
+fn subjects(results: &Results) -> Vec<Subject> {
+    let renders = results.renders.iter().map(Subject::from);
+    renders.chain(results.rays.iter().map(Subject::from)).collect()
+}
+
+fn list(subjects: &[Subject]) -> String {
+    match subjects {
+        [] => "nothing".to_owned(),
+        subjects => subjects.iter().map(Subject::to_string).collect::<Vec<_>>().join(", "),
+    }
+}
+
+/// One line for each subject that both have, and what is not compared.
+pub fn table(new: &Results, old: &Results) -> String {
+    let how = |results: &Results| {
+        let rounds = results
+            .rounds
+            .map_or(String::new(), |rounds| format!(", rounds: {rounds}"));
+        format!("threads: {}{rounds}", results.threads)
+    };
+    let this = match (new.threads, new.rounds) == (old.threads, old.rounds) {
+        true => String::new(),
+        false => format!("; this run has {}", how(new)),
+    };
     let mut text = format!(
-        "\nagainst {} ({} threads): above 1 this run is ahead\n",
-        old.program, old.threads
+        "\nagainst {} ({}{this}): above 1 this run is ahead\n",
+        old.program,
+        how(old)
     );
-    let heading = text.len();
     let mut line = |name: String, ratios: &[(&str, f64)]| {
         let ratios: Vec<String> = ratios
             .iter()
@@ -21,7 +122,7 @@ pub fn table(new: &Results, old: &Results) -> Option<String> {
         let _ = writeln!(text, "{name:36} {}", ratios.join(", "));
     };
     for now in &new.renders {
-        if let Some(before) = old.renders.iter().find(|before| is_same_render(before, now)) {
+        if let Some(before) = counterpart(&now.into(), &old.renders) {
             let cpu = before.cpu_seconds.zip(now.cpu_seconds);
             line(
                 now.scene.clone(),
@@ -35,7 +136,7 @@ pub fn table(new: &Results, old: &Results) -> Option<String> {
         }
     }
     for now in &new.rays {
-        if let Some(before) = old.rays.iter().find(|before| is_same_rays(before, now)) {
+        if let Some(before) = counterpart(&now.into(), &old.rays) {
             let together = |rate: fn(&RayResult) -> Option<Rate>| {
                 let (now, before) = rate(now).zip(rate(before))?;
                 Some(now.one_thread / before.one_thread)
@@ -59,45 +160,14 @@ pub fn table(new: &Results, old: &Results) -> Option<String> {
             line(now.rays.clone(), &ratios);
         }
     }
-    (text.len() > heading).then_some(text)
-}
-
-/// What to say where there is no table.
-pub fn nothing_in_common(new: &Results, old: &Results, path: &Path) -> String {
-    let (path, there, here) = (path.display(), subjects(old), subjects(new));
-    format!("nothing to compare with {path}\n  it has {there}\n  this run has {here}")
-}
-
-/// All that has to be the same in two runs.
-fn subjects(results: &Results) -> String {
-    let renders = results.renders.iter().map(|render| {
-        let RenderResult {
-            scene,
-            width,
-            height,
-            spp,
-            ..
-        } = render;
-        format!("{scene} at {width} x {height} and {spp} spp")
-    });
-    let rays = results
-        .rays
-        .iter()
-        .map(|rays| format!("{} rays of {} against {}", rays.count, rays.rays, rays.mesh));
-    let all: Vec<String> = renders.chain(rays).collect();
-    match all.is_empty() {
-        true => "nothing".to_owned(),
-        false => all.join(", "),
+    let alone: Vec<Subject> = subjects(new)
+        .into_iter()
+        .filter(|subject| !has_counterpart(subject, old))
+        .collect();
+    if !alone.is_empty() {
+        text += &format!("not there before: {}\n", list(&alone));
     }
-}
-
-/// Speeds of other sizes and other numbers of samples say nothing about each other.
-fn is_same_render(a: &RenderResult, b: &RenderResult) -> bool {
-    (&a.scene, a.width, a.height, a.spp) == (&b.scene, b.width, b.height, b.spp)
-}
-
-fn is_same_rays(a: &RayResult, b: &RayResult) -> bool {
-    (&a.mesh, &a.rays, a.count) == (&b.mesh, &b.rays, b.count)
+    text
 }
 
 #[cfg(test)]
@@ -106,8 +176,8 @@ mod tests {
 
     #[test]
     fn only_the_same_is_compared() {
-        let render = |spp: u32, seconds: f64| RenderResult {
-            scene: "box".to_owned(),
+        let render = |scene: &str, spp: u32, seconds: f64| RenderResult {
+            scene: scene.to_owned(),
             width: 8,
             height: 6,
             spp,
@@ -120,17 +190,23 @@ mod tests {
         };
         let results = |renders: Vec<RenderResult>| Results {
             renders,
-            ..Results::new(2)
+            ..Results::new(2, 3)
         };
-        let old = results(vec![render(4, 9.0), render(16, 3.0)]);
-        let text = table(&results(vec![render(16, 2.0)]), &old);
-        let text = text.expect("there is a line");
+        let old = results(vec![render("box", 4, 9.0), render("scenes/box", 16, 3.0)]);
+        let text = table(&results(vec![render("box", 16, 2.0), render("ball", 16, 2.0)]), &old);
         assert!(text.contains("speed 1.50") && text.contains("relMSE 1.00"), "{text}");
-        assert_eq!(table(&results(vec![render(32, 2.0)]), &old), None);
+        assert!(text.ends_with("not there before: ball at 8 x 6 and 16 spp\n"), "{text}");
+        let planned = [Subject::from(&render("box", 32, 2.0))];
         assert_eq!(
-            nothing_in_common(&results(vec![render(32, 2.0)]), &old, Path::new("old.json")),
-            "nothing to compare with old.json\n  it has box at 8 x 6 and 4 spp, box at 8 x 6 and 16 spp\n  this run has box at 8 x 6 and 32 spp"
+            check(&planned, &old, Path::new("old.json")).expect_err("other samples"),
+            "nothing to compare with old.json\n  it has box at 8 x 6 and 4 spp, scenes/box at 8 x 6 and 16 spp\n  \
+             this run has box at 8 x 6 and 32 spp"
         );
+        // Which of two is meant only the whole name tells.
+        let two = results(vec![render("a/box", 16, 3.0), render("b/box", 16, 4.0)]);
+        let text = table(&results(vec![render("b/box", 16, 2.0)]), &two);
+        assert!(text.contains("speed 2.00"), "{text}");
+        assert!(check(&[Subject::from(&render("box", 16, 2.0))], &two, Path::new("old.json")).is_err());
     }
 
     #[test]
@@ -154,9 +230,9 @@ mod tests {
                 wrong: 0,
                 ties: 0,
             }],
-            ..Results::new(2)
+            ..Results::new(2, 3)
         };
-        let line = |old: &Results| table(&of(3.0, Some(rate(4.0))), old).expect("there is a line");
+        let line = |old: &Results| table(&of(3.0, Some(rate(4.0))), old);
         let both = line(&of(2.0, Some(rate(2.0))));
         assert!(
             both.contains("closest 1.50, closest together 2.00, closest with"),

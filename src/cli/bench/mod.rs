@@ -76,38 +76,47 @@ type Error = Box<dyn std::error::Error>;
 
 pub fn run(args: BenchArgs) -> ExitCode {
     let outcome = match &args.subject {
-        None => compared(&args.renders.common, || renders::measure(&args.renders)),
-        Some(Subject::Rays(rays)) => compared(&rays.common, || rays::measure(rays)),
+        None => renders::Plan::new(&args.renders).and_then(|plan| {
+            let planned = plan.subjects();
+            compared(&args.renders.common, &planned, || plan.measure())
+        }),
+        Some(Subject::Rays(rays)) => compared(&rays.common, &rays::subjects(rays), || rays::measure(rays)),
     };
     match outcome {
         Ok(0) => ExitCode::SUCCESS,
-        Ok(wrong) => report::error(format_args!("wrong answers: {wrong}")),
+        Ok(wrong) => report::error(format_args!("wrong answers: {wrong}; are these rays of another mesh?")),
         Err(error) => report::error(error),
     }
 }
 
-/// Measures, prints and writes; how many answers were wrong. That there is nothing to compare with is an error, after all that.
-fn compared(common: &CommonArgs, measure: impl FnOnce() -> Result<Results, Error>) -> Result<usize, Error> {
-    // What is wrong with an earlier run's file is said before time is spent.
-    let against = common.against.as_deref();
-    let earlier = against
-        .map(|path| Results::read(path).map(|earlier| (path, earlier)))
-        .transpose()?;
-    let results = measure()?;
+/// Measures, prints and writes; how many answers were wrong. What would fail afterwards is an error before.
+fn compared(
+    common: &CommonArgs,
+    planned: &[compare::Subject],
+    measure: impl FnOnce() -> Result<Results, Error>,
+) -> Result<usize, Error> {
+    let earlier = match &common.against {
+        Some(path) => {
+            let earlier = Results::read(path)?;
+            compare::check(planned, &earlier, path)?;
+            Some(earlier)
+        }
+        None => None,
+    };
     let is_machine_only = common.json.as_deref().is_some_and(super::render::is_stdout);
-    let comparison = earlier.as_ref().map(|(path, earlier)| {
-        compare::table(&results, earlier).ok_or_else(|| compare::nothing_in_common(&results, earlier, path))
-    });
+    if let Some(path) = common.json.as_deref().filter(|_| !is_machine_only) {
+        super::render::check_folder(path)?;
+    }
+    let results = measure()?;
     if !is_machine_only {
         super::render::print(results.table().as_bytes())?;
-        if let Some(Ok(table)) = &comparison {
-            super::render::print(table.as_bytes())?;
+        if let Some(earlier) = &earlier {
+            super::render::print(compare::table(&results, earlier).as_bytes())?;
         }
     }
     if let Some(path) = &common.json {
         results.write(path)?;
     }
-    comparison.transpose()?;
     Ok(results.rays.iter().map(|rays| rays.wrong).sum())
 }
 

@@ -18,7 +18,7 @@ use sunroom::math::Ray;
 use sunroom::math::lanes::LANES;
 
 use super::results::{Rate, RayResult, Results};
-use super::{Error, RayBenchArgs, median};
+use super::{Error, RayBenchArgs, compare, median};
 
 /// Distances closer than this, relative to their size, are the same: another program rounds in another order.
 const SAME_DISTANCE: f32 = 1e-4;
@@ -42,6 +42,16 @@ struct Subject {
     scene: Tlas,
 }
 
+/// What would be measured.
+pub fn subjects(args: &RayBenchArgs) -> Vec<compare::Subject> {
+    let sets = args.rays.iter();
+    sets.map(|path| compare::Subject::Rays {
+        mesh: name_of(&args.mesh),
+        rays: name_of(path),
+    })
+    .collect()
+}
+
 pub fn measure(args: &RayBenchArgs) -> Result<Results, Error> {
     let mesh = Arc::new(load_mesh(&args.mesh)?);
     let sets = args
@@ -61,7 +71,7 @@ pub fn measure(args: &RayBenchArgs) -> Result<Results, Error> {
         return Err("there is nothing to measure in no rounds".into());
     };
     let subject = Subject::new(built);
-    let mut results = Results::new(threads);
+    let mut results = Results::new(threads, args.common.rounds);
     for (name, set) in &sets {
         let (wrong, ties) = check(&subject, set);
         let Subject { blas, scene } = &subject;

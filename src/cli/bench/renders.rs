@@ -11,7 +11,7 @@ use sunroom::engine::{Limits, RenderFilm, RenderStatus, load_to_completion, rend
 use sunroom::scene::{OpenScene, SamplerSettings, SceneStatus};
 
 use super::results::{RenderResult, Results};
-use super::{Error, RenderBenchArgs, median};
+use super::{Error, RenderBenchArgs, compare, median};
 use crate::cli::check::report_scene;
 use crate::cli::report;
 
@@ -19,22 +19,51 @@ use crate::cli::report;
 const DARK: f64 = 0.01;
 const SCENES: &str = "scenes";
 
-pub fn measure(args: &RenderBenchArgs) -> Result<Results, Error> {
-    let scenes = match args.scenes.is_empty() {
-        true => all_scenes(Path::new(SCENES))?,
-        false => args.scenes.clone(),
-    };
-    let mut results = Results::new(sunroom::app::threads::worker_count(args.common.threads.threads, false).get());
-    for scene in &scenes {
-        report::line(format_args!("{} ...", scene.display()));
-        match measure_scene(scene, args) {
-            Ok(result) => results.renders.push(result),
-            // Of a folder what can be rendered is; what was asked for by its name must be there.
-            Err(error) if args.scenes.is_empty() => report::line(format_args!("  left out: {error}")),
-            Err(error) => return Err(error),
+/// The scenes that will be measured.
+pub struct Plan<'a> {
+    args: &'a RenderBenchArgs,
+    scenes: Vec<PathBuf>,
+}
+
+impl<'a> Plan<'a> {
+    /// An error if a scene is not there.
+    pub fn new(args: &'a RenderBenchArgs) -> Result<Self, Error> {
+        let scenes = match args.scenes.is_empty() {
+            true => all_scenes(Path::new(SCENES))?,
+            false => args.scenes.clone(),
+        };
+        match scenes.iter().find(|scene| !scene.is_file()) {
+            Some(missing) => Err(format!("{}: there is no such file", missing.display()).into()),
+            None => Ok(Self { args, scenes }),
         }
     }
-    Ok(results)
+
+    pub fn subjects(&self) -> Vec<compare::Subject> {
+        let scenes = self.scenes.iter().cloned();
+        scenes
+            .map(|scene| compare::Subject::Render {
+                scene,
+                size: self.args.size,
+                spp: self.args.spp,
+            })
+            .collect()
+    }
+
+    pub fn measure(&self) -> Result<Results, Error> {
+        let common = &self.args.common;
+        let threads = sunroom::app::threads::worker_count(common.threads.threads, false).get();
+        let mut results = Results::new(threads, common.rounds);
+        for scene in &self.scenes {
+            report::line(format_args!("{} ...", scene.display()));
+            match measure_scene(scene, self.args) {
+                Ok(result) => results.renders.push(result),
+                // Of a folder what can be rendered is; what was asked for by its name must be there.
+                Err(error) if self.args.scenes.is_empty() => report::line(format_args!("  left out: {error}")),
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(results)
+    }
 }
 
 fn all_scenes(folder: &Path) -> Result<Vec<PathBuf>, Error> {

@@ -16,6 +16,8 @@ pub struct Results {
     /// Of the program that measured.
     pub program: String,
     pub threads: usize,
+    /// None in files of before that was written.
+    pub rounds: Option<u32>,
     #[serde(default)]
     pub renders: Vec<RenderResult>,
     #[serde(default)]
@@ -70,11 +72,12 @@ pub struct Rate {
 }
 
 impl Results {
-    pub fn new(threads: usize) -> Self {
+    pub fn new(threads: usize, rounds: u32) -> Self {
         Self {
             version: VERSION,
             program: concat!("sunroom ", env!("CARGO_PKG_VERSION")).to_owned(),
             threads,
+            rounds: Some(rounds),
             renders: Vec::new(),
             rays: Vec::new(),
         }
@@ -128,10 +131,17 @@ impl Results {
                 render.scene, render.seconds, render.msamples_per_s, render.mrays_per_s, render.rel_mse, render.cost,
             )?;
         }
+        if !self.renders.is_empty() {
+            let renders = 2 * self.rounds.unwrap_or_default();
+            writeln!(
+                text,
+                "medians of {renders} renders; CPU s: of all threads, loading included"
+            )?;
+        }
         for rays in &self.rays {
             writeln!(
                 text,
-                "{}, {} triangles: built in {:.3} s, {:.1} bytes per triangle\n  {}, {} rays: {} wrong, {} ties",
+                "{}, {} triangles: built in {:.3} s, {:.1} bytes per triangle\n  {}, {} rays: {} wrong, {} ties (another triangle at the same distance)",
                 rays.mesh,
                 rays.triangles,
                 rays.build_seconds,
@@ -149,11 +159,11 @@ impl Results {
             ];
             for (name, rate) in rates {
                 let Some(rate) = rate else { continue };
-                writeln!(
-                    text,
-                    "  {name:36} {:>8.2} Mrays/s with one thread, {:>8.2} with {}",
-                    rate.one_thread, rate.all_threads, self.threads
-                )?;
+                write!(text, "  {name:36} {:>8.2} Mrays/s with one thread", rate.one_thread)?;
+                match self.threads {
+                    1 => writeln!(text)?,
+                    threads => writeln!(text, ", {:>8.2} with {threads}", rate.all_threads)?,
+                }
             }
         }
         Ok(())

@@ -1,7 +1,8 @@
 //! Integrators: `path`; every other one is taken for it.
 
 use super::SceneReader;
-use crate::document::{Category, Object};
+use crate::document::suggest::did_you_mean;
+use crate::document::{Category, Object, Severity};
 use crate::scene::{AuthoredScene, IntegratorSettings, write};
 
 /// Longer paths are as good as unbounded.
@@ -28,7 +29,9 @@ impl<'a> SceneReader<'a> {
         let plugin = object.plugin.as_str();
         if plugin != "path" {
             let message = format!("integrator `{plugin}` is not supported: `path` takes its place");
-            reader.diagnostics().warn(object.span, message);
+            let help = did_you_mean(plugin, ["path", "direct"]);
+            let span = Some(object.span);
+            reader.diagnostics().push(Severity::Warning, span, message, help);
         }
         // Direct light is what a path of two segments carries.
         if plugin == "direct" {

@@ -8,9 +8,24 @@ use super::SceneReader;
 use super::groups::is_group;
 use super::mesh_search::{Found, advice};
 use super::parameters::Parameters;
+use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Severity};
 use crate::scene::description::{DeclarationPlace, ShapeDescription};
 use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind, write};
+
+/// What there is, beside groups.
+const SHAPES: [&str; 10] = [
+    "sphere",
+    "rectangle",
+    "cube",
+    "disk",
+    "triangle",
+    "cylinder",
+    "instance",
+    "obj",
+    "ply",
+    "serialized",
+];
 
 impl<'a> SceneReader<'a> {
     /// Whether the shape became part of the description; `group`: the one it is written inside of.
@@ -75,7 +90,9 @@ impl<'a> SceneReader<'a> {
             }
             other => {
                 let message = format!("shape `{other}` is not supported: it is left out");
-                reader.diagnostics().warn(object.span, message);
+                let help = did_you_mean(other, SHAPES);
+                let span = Some(object.span);
+                reader.diagnostics().push(Severity::Warning, span, message, help);
                 return false;
             }
         };

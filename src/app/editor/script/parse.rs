@@ -14,7 +14,7 @@ use crate::app::editor::commands::view_pose;
 use crate::app::editor::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::gather::EditorModel;
 use crate::app::editor::light_mix::LightMix;
-use crate::app::editor::material_tree::materials_inside;
+use crate::app::editor::material_tree::{MaterialTree, can_wrap, materials_inside};
 use crate::app::editor::navigation::scale_of;
 use crate::app::editor::selection::{Extend, Selection};
 use crate::app::editor::state::EditorState;
@@ -53,7 +53,7 @@ pub const VERBS: [(&str, &str); 39] = [
     ("scale", "NAME FACTOR (about its origin)"),
     ("set", "NAME PARAMETER VALUE"),
     ("material-of", "SHAPE (a new one of its own)"),
-    ("make", "MATERIAL PLUGIN"),
+    ("make", "MATERIAL PLUGIN (two-sided ones stay so)"),
     ("assign", "MATERIAL SHAPE..."),
     ("preset", "GROUP/NAME SHAPE... (of the library)"),
     ("emit", "SHAPE RADIANCE|none"),
@@ -167,9 +167,15 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             if *material.nested_count().start() > 0 {
                 return Err(format!("a {plugin} has others inside: paste it as XML"));
             }
+            let is_two_sided = world.get::<Material>(entity) == Some(&Material::TwoSided);
+            let wrapper = (is_two_sided && can_wrap("twosided", &material)).then_some("twosided");
+            let tree = MaterialTree::from(material);
             Command::BuildMaterial {
                 targets: vec![entity],
-                tree: Box::new(material.into()),
+                tree: Box::new(match wrapper {
+                    Some(wrapper) => tree.wrapped(wrapper),
+                    None => tree,
+                }),
             }
         }
         ("assign", [material, shapes @ ..]) if !shapes.is_empty() => Command::UseMaterial {
@@ -251,7 +257,8 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("compare", view) => Command::SetCompareView(rendering::compare_view(view)?),
         ("wait", [samples]) => return Ok(Step::WaitForSamples(count(samples)?)),
         ("screenshot", [path]) => return Ok(Step::Screenshot(path.into())),
-        _ if VERBS.iter().any(|(name, _)| *name == verb) => return Err(format!("`{verb}` needs other words")),
+        _ if VERBS.iter().any(|(name, _)| *name == verb) => return Err(format!("`{verb}` takes other words")),
+        _ if actions::find(verb).is_some() => return Err(format!("`{verb}` takes no words behind it")),
         _ => {
             let actions = actions::ACTIONS.iter().map(|action| action.name);
             return Err(unknown(
