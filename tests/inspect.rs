@@ -14,9 +14,9 @@ use sunroom::render::inspect::{RecordedPath, record_paths};
 use sunroom::render::observer::PathEnd;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::tile::{Tile, render_tile};
-use sunroom::render::view::{Integrator, Strategy, View};
+use sunroom::render::view::{Integrator, PathSettings, Strategy, View};
 use sunroom::sampling::power_heuristic;
-use sunroom::shading::{Bsdf, Dielectric, DielectricModel, Diffuse};
+use sunroom::shading::{Bsdf, Dielectric, DielectricModel, Diffuse, Metal};
 use sunroom::texture::Parameter;
 use support::{SceneBuilder, camera, render, view};
 
@@ -248,4 +248,45 @@ fn the_split_shows_each_strategy_in_its_third() {
     }
     // They do differ.
     assert!(alone[0].radiance() != alone[1].radiance() && alone[1].radiance() != alone[2].radiance());
+}
+
+/// What has found its way through glass or from mirror to mirror is not given up on the way; but it ends, however bright.
+#[test]
+fn roulette_waits_where_surfaces_leave_no_choice() {
+    let lengths = |bsdf: Bsdf| -> Vec<usize> {
+        let mut scene = SceneBuilder::default();
+        let around = Affine3A::from_scale(Vec3::splat(9.0));
+        scene.add(Primitive::Sphere, around, bsdf, None).flip_normals = true;
+        let mut look = look(Strategy::Mis);
+        look.integrator = Integrator::Path(PathSettings {
+            max_depth: u32::MAX,
+            rr_depth: 2,
+            hide_emitters: false,
+            strategy: Strategy::Mis,
+        });
+        let paths = all_paths(&scene.build(), &look, 2);
+        // A few end where rounding takes a direction into the surface.
+        let by_roulette = paths.iter().filter(|(_, path)| path.end == PathEnd::Roulette);
+        let lengths: Vec<usize> = by_roulette.map(|(_, path)| path.vertices.len()).collect();
+        assert!(
+            10 * lengths.len() > 9 * paths.len(),
+            "{} of {}",
+            lengths.len(),
+            paths.len()
+        );
+        lengths
+    };
+    let mirror = |reflectance| {
+        Bsdf::Metal(Metal {
+            color: Rgb::splat(reflectance),
+            fuzz: 0.0,
+        })
+    };
+    let least = |bsdf| lengths(bsdf).into_iter().min();
+    assert_eq!(least(mirror(0.5)), Some(18));
+    assert_eq!(least(mirror(1.0)), Some(18));
+    let plain = Bsdf::Diffuse(Diffuse {
+        reflectance: Rgb::splat(0.5),
+    });
+    assert_eq!(least(plain), Some(2));
 }

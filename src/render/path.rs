@@ -36,6 +36,9 @@ const _: () = assert!(SPREAD_DIMENSIONS == CAMERA_DIMENSIONS + BOUNCE_DIMENSIONS
 
 /// A path goes on with this probability at most, so that bright enclosures end too.
 pub(super) const HIGHEST_SURVIVAL: f32 = 0.95;
+/// Roulette waits so many vertices where the surface has left no choice of direction: what a path brings that has found its way through glass
+/// is much, and rare. Its chance was counted where it was last scattered.
+pub(super) const SPECULAR_GRACE: u32 = 16;
 
 /// How the path came to its current vertex; what the weight of an emitter met there depends on.
 #[derive(Clone, Copy, Debug)]
@@ -193,7 +196,8 @@ impl Path {
         );
 
         let mut survival = 1.0;
-        if depth >= settings.rr_depth {
+        let grace = if sample.lobe == Lobe::Smooth { 0 } else { SPECULAR_GRACE };
+        if depth >= settings.rr_depth.saturating_add(grace) {
             survival = (self.throughput.max_element() * self.eta_squared).min(HIGHEST_SURVIVAL);
             if self.sampler.next_1d() >= survival {
                 observer.ended(PathEnd::Roulette);

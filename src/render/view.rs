@@ -35,7 +35,7 @@ pub enum Integrator {
 pub struct PathSettings {
     /// Longest path in segments; `u32::MAX` is unbounded.
     pub max_depth: u32,
-    /// From this depth on Russian roulette may end a path.
+    /// From this depth on Russian roulette may end a path; sixteen later where surfaces leave no choice of direction.
     pub rr_depth: u32,
     /// Emitters do not show themselves to the camera.
     pub hide_emitters: bool,

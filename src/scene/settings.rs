@@ -8,7 +8,7 @@ use bevy::prelude::*;
 pub struct IntegratorSettings {
     /// Longest path in segments: 1 shows emitters only, 2 adds direct light; None is unbounded.
     pub max_depth: Option<u32>,
-    /// From this depth on paths are ended by Russian roulette.
+    /// From this depth on paths may be ended by Russian roulette, see [`crate::render::view::PathSettings`].
     pub rr_depth: u32,
     /// Emitters are not seen by the camera directly.
     pub hide_emitters: bool,

@@ -11,7 +11,7 @@ use crate::light::LightReference;
 use crate::math::Ray;
 use crate::math::lanes::{FrameLanes, LANES, Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of, offset_origins};
 use crate::render::path::{
-    Arrival, BOUNCE_DIMENSIONS, CAMERA_DIMENSIONS, HIGHEST_SURVIVAL, Path, PathSample, shadow_ray,
+    Arrival, BOUNCE_DIMENSIONS, CAMERA_DIMENSIONS, HIGHEST_SURVIVAL, Path, PathSample, SPECULAR_GRACE, shadow_ray,
 };
 use crate::render::scene::SurfaceSlot;
 use crate::render::view::{Strategy, View};
@@ -425,7 +425,9 @@ impl<'a> Wave<'a> {
         self.from_normal = Vec3Lanes::select(here, frame.n, self.from_normal);
         self.from_has_normal = (self.from_has_normal & !lanes) | (lanes & halved);
 
-        let plays = here & bytemuck::cast::<_, Lanes>(self.depth.simd_ge(WordLanes::splat(settings.rr_depth)));
+        let from = |depth: u32| bytemuck::cast::<_, Lanes>(self.depth.simd_ge(WordLanes::splat(depth)));
+        let late = settings.rr_depth.saturating_add(SPECULAR_GRACE);
+        let plays = here & ((is_scattered & from(settings.rr_depth)) | from(late));
         if plays.any() {
             let brightest = self.throughput.max_element() * self.eta_squared;
             let survival = brightest.fast_min(Lanes::splat(HIGHEST_SURVIVAL));
