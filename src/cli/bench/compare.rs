@@ -9,7 +9,7 @@ use super::results::{Rate, RayResult, RenderResult, Results};
 #[derive(Clone, Debug, PartialEq)]
 pub enum Subject {
     Render { scene: PathBuf, size: (u32, u32), spp: u32 },
-    Rays { mesh: String, rays: String },
+    Rays { mesh: String, rays: String, count: usize },
 }
 
 impl Subject {
@@ -35,7 +35,7 @@ impl Display for Subject {
             Self::Render { scene, size, spp } => {
                 write!(f, "{} at {} x {} and {spp} spp", scene.display(), size.0, size.1)
             }
-            Self::Rays { mesh, rays } => write!(f, "{rays} against {mesh}"),
+            Self::Rays { mesh, rays, count } => write!(f, "{count} rays of {rays} against {mesh}"),
         }
     }
 }
@@ -55,6 +55,7 @@ impl From<&RayResult> for Subject {
         Self::Rays {
             mesh: rays.mesh.clone(),
             rays: rays.rays.clone(),
+            count: rays.count,
         }
     }
 }

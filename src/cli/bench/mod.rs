@@ -80,7 +80,10 @@ pub fn run(args: BenchArgs) -> ExitCode {
             let planned = plan.subjects();
             compared(&args.renders.common, &planned, || plan.measure())
         }),
-        Some(Subject::Rays(rays)) => compared(&rays.common, &rays::subjects(rays), || rays::measure(rays)),
+        Some(Subject::Rays(args)) => rays::Plan::new(args).and_then(|plan| {
+            let planned = plan.subjects();
+            compared(&args.common, &planned, || plan.measure())
+        }),
     };
     match outcome {
         Ok(0) => ExitCode::SUCCESS,

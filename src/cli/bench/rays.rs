@@ -37,75 +37,87 @@ struct Answered {
 }
 
 /// The mesh's hierarchy, and the scene that holds nothing else.
-struct Subject {
+struct Target {
     blas: Arc<Blas>,
     scene: Tlas,
 }
 
-/// What would be measured.
-pub fn subjects(args: &RayBenchArgs) -> Vec<compare::Subject> {
-    let sets = args.rays.iter();
-    sets.map(|path| compare::Subject::Rays {
-        mesh: name_of(&args.mesh),
-        rays: name_of(path),
-    })
-    .collect()
+/// The mesh and the sets of rays that will be measured.
+pub struct Plan<'a> {
+    args: &'a RayBenchArgs,
+    mesh: Arc<MeshData>,
+    sets: Vec<(String, Vec<Answered>)>,
 }
 
-pub fn measure(args: &RayBenchArgs) -> Result<Results, Error> {
-    let mesh = Arc::new(load_mesh(&args.mesh)?);
-    let sets = args
-        .rays
-        .iter()
-        .map(|path| Ok((name_of(path), read(path)?)))
-        .collect::<Result<Vec<_>, Error>>()?;
-    let threads = sunroom::app::threads::worker_count(args.common.threads.threads, false).get();
-    let mut builds = Vec::new();
-    let mut built = None;
-    for _ in 0..args.common.rounds {
-        let begin = Instant::now();
-        built = Some(Blas::build(mesh.clone(), SplitMethod::Sah));
-        builds.push(begin.elapsed().as_secs_f64());
+impl<'a> Plan<'a> {
+    /// An error if a file is not there or broken.
+    pub fn new(args: &'a RayBenchArgs) -> Result<Self, Error> {
+        let mesh = Arc::new(load_mesh(&args.mesh)?);
+        let sets = args.rays.iter().map(|path| Ok((name_of(path), read(path)?)));
+        let sets = sets.collect::<Result<_, Error>>()?;
+        Ok(Self { args, mesh, sets })
     }
-    let Some(built) = built else {
-        return Err("there is nothing to measure in no rounds".into());
-    };
-    let subject = Subject::new(built);
-    let mut results = Results::new(threads, args.common.rounds);
-    for (name, set) in &sets {
-        let (wrong, ties) = check(&subject, set);
-        let Subject { blas, scene } = &subject;
-        let rays: Vec<Ray> = set.iter().map(|answered| answered.ray).collect();
-        let together: Vec<RayLanes> = rays.chunks(LANES).map(RayLanes::of).collect();
-        let clock = Clock {
-            rounds: args.common.rounds,
-            threads,
-            rays: rays.len(),
-        };
-        results.rays.push(RayResult {
-            mesh: name_of(&args.mesh),
+
+    pub fn subjects(&self) -> Vec<compare::Subject> {
+        let sets = self.sets.iter();
+        sets.map(|(name, set)| compare::Subject::Rays {
+            mesh: name_of(&self.args.mesh),
             rays: name.clone(),
-            triangles: mesh.triangles.len(),
-            count: rays.len(),
-            build_seconds: median(builds.iter().copied()),
-            bytes_per_triangle: blas.stats().bytes as f64 / mesh.triangles.len().max(1) as f64,
-            closest: clock.rate(&rays, |ray| usize::from(black_box(blas.intersect(ray)).is_some())),
-            any: clock.rate(&rays, |ray| usize::from(blas.occluded(ray))),
-            closest_together: Some(clock.rate(&together, |rays| {
-                let hits = scene.intersect_lanes(rays, u32::MAX);
-                hits.iter().flatten().count()
-            })),
-            any_together: Some(clock.rate(&together, |rays| {
-                scene.occluded_lanes(rays, u32::MAX).count_ones() as usize
-            })),
-            wrong,
-            ties,
-        });
+            count: set.len(),
+        })
+        .collect()
     }
-    Ok(results)
+
+    pub fn measure(&self) -> Result<Results, Error> {
+        let Self { args, mesh, sets } = self;
+        let threads = sunroom::app::threads::worker_count(args.common.threads.threads, false).get();
+        let mut builds = Vec::new();
+        let mut built = None;
+        for _ in 0..args.common.rounds {
+            let begin = Instant::now();
+            built = Some(Blas::build(mesh.clone(), SplitMethod::Sah));
+            builds.push(begin.elapsed().as_secs_f64());
+        }
+        let Some(built) = built else {
+            return Err("there is nothing to measure in no rounds".into());
+        };
+        let target = Target::new(built);
+        let mut results = Results::new(threads, args.common.rounds);
+        for (name, set) in sets {
+            let (wrong, ties) = check(&target, set);
+            let Target { blas, scene } = &target;
+            let rays: Vec<Ray> = set.iter().map(|answered| answered.ray).collect();
+            let together: Vec<RayLanes> = rays.chunks(LANES).map(RayLanes::of).collect();
+            let clock = Clock {
+                rounds: args.common.rounds,
+                threads,
+                rays: rays.len(),
+            };
+            results.rays.push(RayResult {
+                mesh: name_of(&args.mesh),
+                rays: name.clone(),
+                triangles: mesh.triangles.len(),
+                count: rays.len(),
+                build_seconds: median(builds.iter().copied()),
+                bytes_per_triangle: blas.stats().bytes as f64 / mesh.triangles.len().max(1) as f64,
+                closest: clock.rate(&rays, |ray| usize::from(black_box(blas.intersect(ray)).is_some())),
+                any: clock.rate(&rays, |ray| usize::from(blas.occluded(ray))),
+                closest_together: Some(clock.rate(&together, |rays| {
+                    let hits = scene.intersect_lanes(rays, u32::MAX);
+                    hits.iter().flatten().count()
+                })),
+                any_together: Some(clock.rate(&together, |rays| {
+                    scene.occluded_lanes(rays, u32::MAX).count_ones() as usize
+                })),
+                wrong,
+                ties,
+            });
+        }
+        Ok(results)
+    }
 }
 
-impl Subject {
+impl Target {
     fn new(blas: Blas) -> Self {
         let blas = Arc::new(blas);
         let placed = Instance::new(Primitive::Mesh(blas.clone()), Affine3A::IDENTITY);
@@ -175,18 +187,18 @@ fn parse(bytes: &[u8]) -> Result<Vec<Answered>, String> {
 }
 
 /// How many answers are wrong, alone or together, and how many others are of the neighbour at the same distance.
-fn check(subject: &Subject, set: &[Answered]) -> (usize, usize) {
+fn check(target: &Target, set: &[Answered]) -> (usize, usize) {
     let (mut wrong, mut ties) = (0, 0);
     for chunk in set.chunks(LANES) {
         let rays: Vec<Ray> = chunk.iter().map(|answered| answered.ray).collect();
         let lanes = RayLanes::of(&rays);
-        let hits = subject.scene.intersect_lanes(&lanes, u32::MAX);
-        let occluded = subject.scene.occluded_lanes(&lanes, u32::MAX);
+        let hits = target.scene.intersect_lanes(&lanes, u32::MAX);
+        let occluded = target.scene.occluded_lanes(&lanes, u32::MAX);
         for (lane, answered) in chunk.iter().enumerate() {
             let ray = &answered.ray;
-            let alone = subject.blas.intersect(ray).map(|hit| (hit.t, hit.triangle));
+            let alone = target.blas.intersect(ray).map(|hit| (hit.t, hit.triangle));
             let together = hits[lane].map(|hit| (hit.t, hit.primitive));
-            let alone = answered.verdict(alone, subject.blas.occluded(ray));
+            let alone = answered.verdict(alone, target.blas.occluded(ray));
             let together = answered.verdict(together, occluded >> lane & 1 == 1);
             match alone.max(together) {
                 Verdict::Right => {}
@@ -319,12 +331,12 @@ mod tests {
             answered(2.0, 0),
             answered(f32::INFINITY, u32::MAX),
         ];
-        let subject = Subject::new(blas);
-        assert_eq!(check(&subject, &set), (2, 1));
+        let target = Target::new(blas);
+        assert_eq!(check(&target, &set), (2, 1));
         // The last of them alone in its lanes.
         let mut many = vec![answered(3.0, 0); LANES];
         many.push(answered(2.0, 0));
-        assert_eq!(check(&subject, &many), (1, 0));
+        assert_eq!(check(&target, &many), (1, 0));
     }
 
     #[test]

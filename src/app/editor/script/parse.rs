@@ -434,11 +434,6 @@ fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Resul
 
 /// The message where a thing has parameters called `known`, and `material`, but no such parameter.
 fn no_parameter(world: &World, parameter: &str, known: &[&str], material: Option<Entity>) -> String {
-    let inside = material.map_or(Vec::new(), |material| materials_inside(world, material));
-    let inside: Vec<String> = inside
-        .into_iter()
-        .filter_map(|inner| Some(format!("`{}`", world.get::<Name>(inner)?)))
-        .collect();
     if let Some(help) = did_you_mean(parameter, known.iter().copied()) {
         return format!("there is no `{parameter}`; {help}");
     }
@@ -446,6 +441,11 @@ fn no_parameter(world: &World, parameter: &str, known: &[&str], material: Option
         [] => String::new(),
         known => format!(", only {}", known.join(", ")),
     };
+    let inside = material.map_or(Vec::new(), |material| materials_inside(world, material));
+    let inside: Vec<String> = inside
+        .into_iter()
+        .filter_map(|inner| Some(format!("`{}`", world.get::<Name>(inner)?)))
+        .collect();
     let elsewhere = match &inside[..] {
         [] => String::new(),
         inside => format!("; the material is made of {}", inside.join(" and ")),
