@@ -97,13 +97,14 @@ impl Platform {
 }
 
 fn main() {
-    println!("cargo::rerun-if-changed=build.rs");
+    let root = workspace_root();
+    println!("cargo::rerun-if-changed={}", root.join("build.rs").display());
     if env::var_os("CARGO_FEATURE_DENOISE").is_none() {
         return;
     }
     println!("cargo::rerun-if-env-changed=OIDN_DIR");
     let platform = Platform::of_target();
-    match provide(&platform).and_then(|folder| announce(&platform, &folder)) {
+    match provide(&platform, &root).and_then(|folder| announce(&platform, &folder)) {
         Ok(()) => {}
         Err(why) => println!(
             "cargo::error=Open Image Denoise, version 2, is not there: {why}. Three ways out: set OIDN_DIR to the folder \
@@ -114,9 +115,15 @@ fn main() {
     }
 }
 
+/// The folder with the lock file, which is the common root of the two packages that this script builds.
+fn workspace_root() -> PathBuf {
+    let package = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
+    let root = package.ancestors().find(|folder| folder.join("Cargo.lock").is_file());
+    root.unwrap_or(&package).to_path_buf()
+}
+
 /// The library folder to link with and to load from.
-fn provide(platform: &Platform) -> Result<PathBuf, String> {
-    let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").ok_or("cargo did not name the package folder")?);
+fn provide(platform: &Platform, root: &Path) -> Result<PathBuf, String> {
     let own = root.join("target").join("oidn");
 
     let chosen = env::var_os("OIDN_DIR").filter(|value| !value.is_empty());

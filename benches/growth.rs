@@ -4,9 +4,11 @@
 //! named. Times per sample are of one thread, shortest of a few, on small pictures of paths of three segments. "held" is what the process
 //! holds more than before the scene was built, "peak" the most it held meanwhile.
 
+extern crate sunroom_core as sunroom;
+
 #[path = "../tests/support/mod.rs"]
 mod support;
-#[path = "../tests/accel_support/wavy_sphere.rs"]
+#[path = "../tests/core/accel_support/wavy_sphere.rs"]
 mod wavy_sphere;
 
 use std::sync::Arc;

@@ -3,7 +3,9 @@
 //! `cargo bench --bench loading -- [--rounds N] [--triangles N] [FILE...]` takes OBJ and PLY files; without any, generated ones of about so many
 //! triangles and the shared models. Files lie in memory before the clock starts. Shortest times over rounds in which all take turns.
 
-#[path = "../tests/accel_support/wavy_sphere.rs"]
+extern crate sunroom_core as sunroom;
+
+#[path = "../tests/core/accel_support/wavy_sphere.rs"]
 mod wavy_sphere;
 
 use std::fmt::Write as _;
@@ -40,7 +42,7 @@ fn main() -> Result<(), Failure> {
         let mesh = wavy_sphere(f64::from(triangles / 2).sqrt() as u32).with_vertex_normals();
         pools.compare("positions.obj", &obj_text(&mesh, false).into_bytes(), rounds)?;
         pools.compare("everything.obj", &obj_text(&mesh, true).into_bytes(), rounds)?;
-        let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/models");
+        let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/models");
         files.extend(["bunny.obj", "dragon.ply"].map(|name| models.join(name)));
     }
     for file in files {

@@ -6,9 +6,11 @@
 //! medians over rounds in which all take turns, every second time backwards. Ratios are medians of those within a round, to the fastest layout.
 //! Rays that go together are in lanes beforehand, where those of renders are; each one of obvhs is made of ours when its turn comes.
 
-#[path = "../tests/accel_support/random.rs"]
+extern crate sunroom_core as sunroom;
+
+#[path = "../tests/core/accel_support/random.rs"]
 mod random;
-#[path = "../tests/accel_support/wavy_sphere.rs"]
+#[path = "../tests/core/accel_support/wavy_sphere.rs"]
 mod wavy_sphere;
 
 use std::hint::black_box;
@@ -200,7 +202,7 @@ fn main() -> Result<(), Failure> {
         wavy_sphere(200),
         vec![RaySet::new("random", incoherent.collect())],
     )?;
-    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     let mut of_bunny = Vec::new();
     for set in ["primary", "bounce"] {
         let file = shared.join(format!("rays/rays_bunny_{set}_262144.bin"));

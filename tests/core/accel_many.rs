@@ -1,0 +1,182 @@
+//! Rays that are walked together get the answers that they get alone.
+
+use std::sync::Arc;
+
+use crate::random::Random;
+use crate::wavy_sphere::wavy_sphere;
+use glam::{Affine3A, Quat, Vec3};
+use sunroom::accel::{Blas, Hit, Instance, Placement, Primitive, RayLanes, SplitMethod, Tlas};
+use sunroom::math::Ray;
+use sunroom::math::lanes::LANES;
+
+fn transform(random: &mut Random, size: f32) -> Affine3A {
+    let scale = size * (0.5 + Vec3::new(random.unit(), random.unit(), random.unit()));
+    let rotation = Quat::from_axis_angle(random.direction(), 6.0 * random.unit());
+    Affine3A::from_scale_rotation_translation(scale, rotation, 2.0 * random.in_cube())
+}
+
+/// Every kind of shape, the mesh of 1800 triangles among them.
+fn shapes(count: usize, size: f32, random: &mut Random) -> Vec<Instance> {
+    let mesh = Primitive::Mesh(Arc::new(Blas::build(Arc::new(wavy_sphere(30)), SplitMethod::Sah)));
+    let kinds = [
+        mesh,
+        Primitive::Sphere,
+        Primitive::Rectangle,
+        Primitive::Disk,
+        Primitive::Cylinder,
+    ];
+    let kinds = kinds.iter().cycle().take(count);
+    kinds
+        .map(|kind| Instance::new(kind.clone(), transform(random, size)).unwrap())
+        .collect()
+}
+
+/// Through the middle and past it, some short, along axes, or no rays at all.
+fn ray(random: &mut Random) -> Ray {
+    let origin = 3.0 * random.in_cube();
+    let mut ray = Ray::new(origin, random.in_cube() - origin);
+    match random.next_u32() % 8 {
+        0 => ray.t_max = random.unit(),
+        1 => ray.dir = Vec3::new(0.0, -0.0, -1.0),
+        2 => ray.dir = random.direction(),
+        3 if random.unit() < 0.2 => ray.dir = Vec3::ZERO,
+        4 if random.unit() < 0.2 => ray.origin.x = f32::NAN,
+        5 if random.unit() < 0.2 => ray.t_max = 0.0,
+        _ => {}
+    }
+    ray
+}
+
+fn check<const N: usize>(name: &str, scene: &Tlas, random: &mut Random) {
+    let (mut met, mut missed) = (0, 0);
+    for round in 0..400 {
+        let rays: [Ray; N] = std::array::from_fn(|_| ray(random));
+        let active = if round % 3 == 0 { random.next_u32() } else { u32::MAX };
+        let is_active = |index: usize| active >> index & 1 == 1;
+        let hits = scene.intersect_many(&rays, active);
+        let occluded = scene.occluded_many(&rays, active);
+        for (index, ray) in rays.iter().enumerate() {
+            let alone = scene.intersect(ray).filter(|_| is_active(index));
+            assert_eq!(hits[index], alone, "{name}: {ray:?}");
+            let alone = is_active(index) && scene.occluded(ray);
+            assert_eq!(occluded >> index & 1 == 1, alone, "{name}: {ray:?}");
+            met += usize::from(alone);
+            missed += usize::from(!alone);
+        }
+        assert_eq!(u64::from(occluded) >> N, 0);
+    }
+    assert!(met > 40 && missed > 40, "{name}: {met} of {}", met + missed);
+}
+
+/// But for rounding: spheres and rectangles are met in single precision.
+fn agree(a: Option<Hit>, b: Option<Hit>) -> bool {
+    match (a, b) {
+        (None, None) => true,
+        (Some(a), Some(b)) => {
+            let near = |a: f32, b: f32| (a - b).abs() <= 1e-4 * (1.0 + b.abs());
+            (a.instance, a.member, a.primitive) == (b.instance, b.member, b.primitive)
+                && near(a.t, b.t)
+                && near(a.u, b.u)
+                && near(a.v, b.v)
+        }
+        _ => false,
+    }
+}
+
+/// Walked as a bundle, and in lanes.
+fn check_bundles(name: &str, scene: &Tlas, random: &mut Random) {
+    let (mut met, mut missed, mut strays) = (0, 0, 0);
+    for round in 0..600 {
+        let one = ray(random);
+        let rays: [Ray; LANES] = std::array::from_fn(|_| match round % 3 {
+            0 => ray(random),
+            1 => Ray {
+                dir: one.dir + 0.01 * random.in_cube(),
+                ..one
+            },
+            _ => Ray {
+                origin: one.origin + 0.01 * random.in_cube(),
+                ..one
+            },
+        });
+        let active = if round % 5 == 0 {
+            random.next_u32() & 0xffff
+        } else {
+            0xffff
+        };
+        let lanes = RayLanes::of(&rays);
+        let as_bundle = (
+            scene.intersect_bundle(&lanes, active),
+            scene.occluded_bundle(&lanes, active),
+        );
+        let in_lanes = (
+            scene.intersect_lanes(&lanes, active),
+            scene.occluded_lanes(&lanes, active),
+        );
+        for (hits, occluded) in [as_bundle, in_lanes] {
+            assert_eq!(occluded & !active, 0);
+            for (lane, ray) in rays.iter().enumerate() {
+                if active >> lane & 1 == 0 {
+                    assert_eq!(hits[lane], None);
+                    continue;
+                }
+                let is_occluded = scene.occluded(ray);
+                met += usize::from(is_occluded);
+                missed += usize::from(!is_occluded);
+                let is_alike = agree(hits[lane], scene.intersect(ray)) && (occluded >> lane & 1 == 1) == is_occluded;
+                strays += usize::from(!is_alike);
+            }
+        }
+    }
+    assert!(met > 100 && missed > 100, "{name}: {met} of {}", met + missed);
+    // At rims, and where shapes pass through each other, rounding decides.
+    assert!(strays <= met / 500, "{name}: {strays} of {met} differ");
+}
+
+#[test]
+fn bundles_and_lanes_meet_what_their_rays_meet() {
+    let random = &mut Random::new(11);
+    for method in [SplitMethod::Sah, SplitMethod::Linear] {
+        for count in [1, 5, 60] {
+            let scene = Tlas::build(shapes(count, 0.4, random), method);
+            check_bundles(&format!("{count} shapes, {method:?}"), &scene, random);
+        }
+    }
+    let large = Primitive::Mesh(Arc::new(Blas::build(Arc::new(wavy_sphere(150)), SplitMethod::Sah)));
+    let large = Instance::new(large, transform(random, 0.8)).unwrap();
+    check_bundles("45,000 triangles", &Tlas::build(vec![large], SplitMethod::Sah), random);
+    let groups = vec![Arc::new(Tlas::build(shapes(12, 0.3, random), SplitMethod::Sah))];
+    let placed = (0..30)
+        .map(|_| Placement::new(0, &transform(random, 0.2)).unwrap())
+        .collect();
+    let scene = Tlas::with_placements(shapes(7, 0.2, random), groups, placed, SplitMethod::Sah);
+    check_bundles("groups", &scene, random);
+    let nothing = Tlas::build(Vec::new(), SplitMethod::Sah);
+    let lanes = RayLanes::of(&[(); LANES].map(|()| Ray::new(Vec3::ZERO, random.direction())));
+    assert_eq!(nothing.intersect_bundle(&lanes, 0xffff), [None; LANES]);
+}
+
+#[test]
+fn rays_together_get_the_answers_they_get_alone() {
+    let random = &mut Random::new(5);
+    for method in [SplitMethod::Sah, SplitMethod::Median, SplitMethod::Linear] {
+        for count in [1, 5, 60] {
+            let scene = Tlas::build(shapes(count, 0.4, random), method);
+            check::<16>(&format!("{count} shapes, {method:?}"), &scene, random);
+        }
+        let groups = vec![
+            Arc::new(Tlas::build(shapes(12, 0.3, random), method)),
+            Arc::new(Tlas::build(shapes(1, 0.5, random), SplitMethod::Sah)),
+        ];
+        let placed = (0..30)
+            .map(|i| Placement::new(i % 2, &transform(random, 0.2)).unwrap())
+            .collect();
+        let scene = Tlas::with_placements(shapes(7, 0.2, random), groups, placed, SplitMethod::Sah);
+        check::<5>(&format!("groups, {method:?}"), &scene, random);
+        check::<32>(&format!("groups, {method:?}"), &scene, random);
+    }
+    assert_eq!(
+        Tlas::build(Vec::new(), SplitMethod::Sah).intersect_many(&[Ray::new(Vec3::ZERO, Vec3::X); 3], 7),
+        [None; 3]
+    );
+}

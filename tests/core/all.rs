@@ -1,0 +1,57 @@
+//! Tests of the package `sunroom-core`, which has no Bevy in it, as one program.
+
+extern crate sunroom_core as sunroom;
+
+/// The root of the repository.
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
+mod bsdf_support;
+#[path = "../gltf_support/mod.rs"]
+mod gltf_support;
+mod material_support;
+mod mesh_support;
+#[path = "bsdf_support/principled_cases.rs"]
+mod principled_cases;
+#[path = "bsdf_support/principled_figures.rs"]
+mod principled_figures;
+#[path = "accel_support/random.rs"]
+mod random;
+#[path = "accel_support/shared_data.rs"]
+mod shared_data;
+mod statistics;
+#[path = "../support/mod.rs"]
+mod support;
+#[path = "accel_support/wavy_sphere.rs"]
+mod wavy_sphere;
+
+mod accel;
+mod accel_many;
+mod accel_surface;
+mod bsdf;
+mod bsdf_delta;
+mod bsdf_plastic;
+mod bsdf_principled;
+mod bsdf_rough;
+mod denoise;
+mod document;
+mod environment;
+mod few_shapes;
+mod film;
+mod generated_meshes;
+mod gltf;
+mod gltf_meshes;
+mod inspect;
+mod lanes;
+mod light_transport;
+mod lights;
+mod many_lights;
+mod materials;
+mod meshes;
+mod projected_light;
+mod sampling;
+mod sensors;
+mod serialized_meshes;
+mod shared_meshes;
+mod square_density;
+mod textured_surface_light;
+mod textures;

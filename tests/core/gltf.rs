@@ -1,0 +1,452 @@
+//! glTF files written by hand: what comes out as pictures and scene, what is left out, and that broken ones give one error.
+
+use std::io::Cursor;
+
+use glam::{Affine3A, Vec3};
+use sunroom::document::{Category, Child, Object, TransformOp, Value};
+use sunroom::gltf::files::take_apart;
+use sunroom::gltf::scene::Imported;
+use sunroom::gltf::{Gltf, GltfError};
+
+use crate::gltf_support::{Parts, SQUARE, nothing_beside, open};
+
+/// 2 x 1 pixels: (255, 128, 0) with alpha 51, and (0, 64, 255) with alpha 204.
+fn png() -> Vec<u8> {
+    let image = image::RgbaImage::from_raw(2, 1, vec![255, 128, 0, 51, 0, 64, 255, 204]).expect("fits");
+    let mut bytes = Cursor::new(Vec::new());
+    image
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .expect("can be written");
+    bytes.into_inner()
+}
+
+fn textured_quad(material: &str) -> (Parts, String) {
+    let mut parts = Parts::default();
+    let positions = parts.floats("VEC3", &SQUARE);
+    let uvs = parts.floats("VEC2", &[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+    let image = parts.view(&png(), "");
+    let rest = format!(
+        r#""images": [{{"bufferView": {image}, "mimeType": "image/png"}}], "samplers": [{{"wrapS": 33071, "wrapT": 33071, "magFilter": 9728}}],
+           "textures": [{{"source": 0, "sampler": 0}}], "materials": [{material}],
+           "meshes": [{{"primitives": [{{"attributes": {{"POSITION": {positions}, "TEXCOORD_0": {uvs}}}, "mode": 6, "material": 0}}]}}],
+           "nodes": [{{"mesh": 0}}], "scenes": [{{"nodes": [0]}}], "scene": 0"#
+    );
+    (parts, rest)
+}
+
+type Files = Vec<(String, Vec<u8>)>;
+
+fn import(text: &str) -> (Imported, Files) {
+    import_file(&open(text).expect("opens")).expect("imports")
+}
+
+fn import_file(file: &Gltf) -> Result<(Imported, Files), GltfError> {
+    let mut files = Vec::new();
+    let mut keep = |name: &str, bytes: &[u8]| {
+        files.push((name.to_owned(), bytes.to_owned()));
+        Ok(name.to_owned())
+    };
+    let imported = take_apart(file, &mut keep, &mut nothing_beside)?;
+    Ok((imported, files))
+}
+
+fn of(root: &Object, category: Category) -> Vec<&Object> {
+    root.objects().filter(|object| object.category == category).collect()
+}
+
+fn value<'a>(object: &'a Object, name: &str) -> &'a Value {
+    let found = object.properties.iter().find(|property| property.name == name);
+    &found.unwrap_or_else(|| panic!("no {name} in {object:?}")).value
+}
+
+fn inside<'a>(object: &'a Object, plugin: &str) -> &'a Object {
+    object
+        .objects()
+        .find(|child| child.plugin == plugin)
+        .unwrap_or_else(|| panic!("no {plugin} in {object:?}"))
+}
+
+fn child<'a>(object: &'a Object, name: &str) -> &'a Object {
+    let named = |child: &&Object| child.name.as_deref() == Some(name);
+    object
+        .objects()
+        .find(named)
+        .unwrap_or_else(|| panic!("no {name} in {object:?}"))
+}
+
+fn world(object: &Object) -> Affine3A {
+    match value(object, "to_world") {
+        Value::Transform(steps) => TransformOp::compose(steps),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn materials_become_principled() {
+    let material = r#"{"name": "tin", "pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 0.5], "baseColorTexture": {"index": 0,
+          "extensions": {"KHR_texture_transform": {"offset": [0.5, 0], "scale": [2, 3], "rotation": 1.5707963}}},
+          "metallicRoughnessTexture": {"index": 0}, "roughnessFactor": 0.5},
+        "normalTexture": {"index": 0, "scale": 0.5}, "alphaMode": "MASK", "alphaCutoff": 0.25,
+        "emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0},
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 3}, "KHR_materials_ior": {"ior": 1.33},
+          "KHR_materials_clearcoat": {"clearcoatFactor": 0.75, "clearcoatRoughnessFactor": 0.25}}}"#;
+    let (parts, rest) = textured_quad(material);
+    let (imported, files) = import(&parts.text(&rest));
+    assert_eq!(imported.warnings, Vec::<String>::new());
+    let mask = of(&imported.root, Category::Bsdf)[0];
+    assert_eq!((mask.plugin.as_str(), mask.id.as_deref()), ("mask", Some("tin")));
+    let normal_map = inside(inside(mask, "twosided"), "normalmap");
+    let principled = inside(normal_map, "principled");
+    assert_eq!(value(principled, "eta"), &Value::Float(1.33));
+    assert_eq!(value(principled, "clearcoat"), &Value::Float(0.75));
+    assert_eq!(value(principled, "clearcoat_gloss"), &Value::Float(0.75));
+    let color = child(principled, "base_color");
+    assert_eq!(value(color, "wrap_mode"), &Value::String("clamp".into()));
+    assert_eq!(value(color, "filter_type"), &Value::String("nearest".into()));
+    let Value::Transform(steps) = value(color, "to_uv") else {
+        panic!("no transform")
+    };
+    // A quarter turn to the left in the picture, whose v points down: (1, 0) goes up, to (0, -1).
+    let moved = TransformOp::compose(steps).transform_point3(Vec3::X);
+    assert!(moved.abs_diff_eq(Vec3::new(0.5, -2.0, 0.0), 1e-5), "{moved}");
+
+    let picture = |object: &Object| {
+        let Value::String(name) = value(object, "filename") else {
+            panic!("no name")
+        };
+        let bytes = &files.iter().find(|(file, _)| file == name).expect("is written").1;
+        (
+            name.clone(),
+            image::load_from_memory(bytes).expect("a picture").to_rgb32f(),
+        )
+    };
+    let first = |object| picture(object).1.get_pixel(0, 0).0;
+    let close = |a: [f32; 3], b: [f32; 3]| Vec3::from(a).abs_diff_eq(b.into(), 1e-4);
+    // Half of the linear red: 0.735 as sRGB.
+    assert!(
+        close(first(color), [0.735_36, 128.0 / 255.0, 0.0]),
+        "{:?}",
+        first(color)
+    );
+    // Green is roughness, blue metallic, both raw; the metallic factor is 1 by default.
+    for (name, share) in [("roughness", 64.0 / 255.0), ("metallic", 0.0)] {
+        let texture = child(principled, name);
+        assert_eq!(value(texture, "raw"), &Value::Boolean(true));
+        assert!(close(first(texture), [share; 3]), "{name}: {:?}", first(texture));
+    }
+    // 0.2 * 0.5 is below the cutoff, 0.8 * 0.5 above.
+    let opacity = picture(child(mask, "opacity")).1;
+    assert_eq!(
+        (opacity.get_pixel(0, 0).0, opacity.get_pixel(1, 0).0),
+        ([0.0; 3], [1.0; 3])
+    );
+    let normal = Vec3::from(first(child(normal_map, "normalmap"))) * 2.0 - 1.0;
+    let expected = Vec3::new(0.5, -0.5 / 255.0, -1.0).normalize();
+    assert!(normal.abs_diff_eq(expected, 1e-4), "{normal} {expected}");
+    let area = inside(of(&imported.root, Category::Shape)[0], "area");
+    let (name, radiance) = picture(child(area, "radiance"));
+    assert!(
+        name.ends_with(".exr") && close(radiance.get_pixel(0, 0).0, [3.0, 3.0 * 0.215_86, 0.0]),
+        "{name}"
+    );
+}
+
+#[test]
+fn transmission_is_thin_without_a_volume() {
+    let material = |more: &str| {
+        let text =
+            format!(r#"{{"extensions": {{"KHR_materials_transmission": {{"transmissionFactor": 0.9}}{more}}}}}"#);
+        let (parts, rest) = textured_quad(&text);
+        import(&parts.text(&rest)).0
+    };
+    let thin = material("");
+    let bsdf = of(&thin.root, Category::Bsdf)[0];
+    assert_eq!(
+        (bsdf.plugin.as_str(), value(bsdf, "spec_trans")),
+        ("principledthin", &Value::Float(0.9))
+    );
+    let thick = material(r#", "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 2}"#);
+    assert_eq!(of(&thick.root, Category::Bsdf)[0].plugin, "principled");
+    assert!(
+        thick.warnings.len() == 1 && thick.warnings[0].contains("absorbed"),
+        "{:?}",
+        thick.warnings
+    );
+}
+
+#[test]
+fn nodes_place_meshes_cameras_and_lights() {
+    let mut parts = Parts::default();
+    let positions = parts.floats("VEC3", &SQUARE);
+    let text = parts.text(&format!(
+        r#""meshes": [{{"name": "leaf", "primitives": [{{"attributes": {{"POSITION": {positions}}}}}]}}],
+        "cameras": [{{"type": "perspective", "perspective": {{"yfov": 0.5, "aspectRatio": 2, "znear": 0.1}}}},
+            {{"type": "orthographic", "orthographic": {{"xmag": 3, "ymag": 1.5, "znear": 0.1, "zfar": 50}}}}],
+        "extensions": {{"KHR_lights_punctual": {{"lights": [{{"type": "point", "color": [1, 0.5, 0], "intensity": 4}},
+            {{"type": "directional"}}, {{"type": "spot", "spot": {{"innerConeAngle": 0.1, "outerConeAngle": 0.5}}}}]}}}},
+        "nodes": [{{"translation": [1, 2, 3], "rotation": [0, 0.70710678, 0, 0.70710678], "children": [1, 2, 3, 4, 5]}},
+            {{"mesh": 0, "scale": [2, 2, 2]}}, {{"camera": 0}}, {{"camera": 1, "name": "flat/plan"}},
+            {{"extensions": {{"KHR_lights_punctual": {{"light": 0}}}}}},
+            {{"matrix": [1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1], "children": [6, 7]}},
+            {{"extensions": {{"KHR_lights_punctual": {{"light": 1}}}}}}, {{"extensions": {{"KHR_lights_punctual": {{"light": 2}}}}}}]"#
+    ));
+    let (imported, files) = import(&text);
+    let root = &imported.root;
+    // (x, y, z) turns to (z, y, -x).
+    let placed = world(of(root, Category::Shape)[0]).transform_point3(Vec3::new(1.0, 1.0, 0.0));
+    assert!(placed.abs_diff_eq(Vec3::new(1.0, 4.0, 1.0), 1e-5), "{placed}");
+    assert_eq!(
+        value(of(root, Category::Shape)[0], "face_normals"),
+        &Value::Boolean(true)
+    );
+    let cameras = of(root, Category::Sensor);
+    let [perspective, plan] = cameras[..] else {
+        panic!("{cameras:?}")
+    };
+    assert_eq!(
+        (perspective.plugin.as_str(), plan.plugin.as_str()),
+        ("perspective", "orthographic")
+    );
+    assert_eq!(plan.id.as_deref(), Some("flat_plan"));
+    assert_eq!(value(perspective, "fov"), &Value::Float(0.5f32.to_degrees()));
+    assert_eq!(value(inside(perspective, "hdrfilm"), "width"), &Value::Integer(1440));
+    // It looked along -z, which turned to -x; its right was +x, which turned to -z.
+    let pose = world(perspective);
+    assert!(pose.transform_vector3(Vec3::Z).abs_diff_eq(Vec3::NEG_X, 1e-5));
+    assert!(
+        pose.transform_vector3(Vec3::X).abs_diff_eq(Vec3::Z, 1e-5),
+        "+x is to the left"
+    );
+    assert!((world(plan).transform_vector3(Vec3::X).length() - 3.0).abs() < 1e-5);
+    let lights = of(root, Category::Emitter);
+    let [point, sun, spot] = lights[..] else {
+        panic!("{lights:?}")
+    };
+    assert_eq!(value(point, "intensity"), &Value::Rgb(Vec3::new(4.0, 2.0, 0.0)));
+    let Value::Point(place) = value(point, "position") else {
+        panic!()
+    };
+    assert!(place.abs_diff_eq(Vec3::new(1.0, 2.0, 3.0), 1e-5));
+    // -z turns to -y by the matrix, which stays there.
+    let Value::Vector(direction) = value(sun, "direction") else {
+        panic!()
+    };
+    assert!(direction.abs_diff_eq(Vec3::NEG_Y, 1e-5), "{direction}");
+    assert!(world(spot).transform_vector3(Vec3::Z).abs_diff_eq(Vec3::NEG_Y, 1e-5));
+    assert_eq!(value(spot, "cutoff_angle"), &Value::Float(0.5f32.to_degrees()));
+    assert_eq!(files.len(), 1);
+}
+
+#[test]
+fn without_camera_and_light_there_are_some() {
+    let (parts, rest) = textured_quad("{}");
+    let (imported, _) = import(&parts.text(&rest));
+    let sensor = of(&imported.root, Category::Sensor)[0];
+    let pose = world(sensor);
+    let toward = Vec3::new(0.5, 0.5, 0.0) - Vec3::from(pose.translation);
+    assert!(pose.transform_vector3(Vec3::Z).dot(toward.normalize()) > 0.9999);
+    assert_eq!(of(&imported.root, Category::Emitter)[0].plugin, "constant");
+}
+
+#[test]
+fn a_mesh_is_written_as_it_is_read() {
+    let (parts, rest) = textured_quad("{}");
+    let file = Gltf::open(&parts.binary(&rest), &mut nothing_beside).expect("opens");
+    let (imported, files) = import_file(&file).expect("imports");
+    let again = sunroom::geometry::ply::load_ply(&files[0].1).expect("a PLY file");
+    assert_eq!(again.warnings, Vec::<String>::new());
+    assert_eq!(again.mesh, file.mesh(0).expect("a mesh").mesh);
+    let Some(Child::Reference { id, .. }) = of(&imported.root, Category::Shape)[0].children.first() else {
+        panic!("no material")
+    };
+    assert_eq!(of(&imported.root, Category::Bsdf)[0].id.as_ref(), Some(id));
+}
+
+#[test]
+fn what_is_passed_over_is_said() {
+    let material = r#"{"extensions": {"KHR_materials_specular": {"specularColorFactor": [1, 0.5, 0]},
+        "KHR_materials_iridescence": {"iridescenceFactor": 1}}}"#;
+    let (parts, rest) = textured_quad(material);
+    let used = r#""extensionsUsed": ["KHR_materials_specular", "KHR_materials_iridescence"], "animations": [{}], "#;
+    let (imported, _) = import(&parts.text(&format!("{used}{rest}")));
+    let [iridescence, animations, specular] = &imported.warnings[..] else {
+        panic!("{:?}", imported.warnings)
+    };
+    assert!(iridescence.contains("KHR_materials_iridescence"), "{iridescence}");
+    assert!(animations.contains("animations"), "{animations}");
+    assert!(specular.contains("colour"), "{specular}");
+}
+
+#[test]
+fn what_cannot_be_is_one_error() {
+    let (parts, rest) = textured_quad("{}");
+    let good = parts.text(&rest);
+    let table = [
+        (r#""version": "2.0""#, r#""version": "1.0""#, "1.0"),
+        (
+            r#""asset""#,
+            r#""extensionsRequired": ["KHR_draco_mesh_compression"], "asset""#,
+            "KHR_draco",
+        ),
+        (r#""mesh": 0}"#, r#""mesh": 7}"#, "mesh 7"),
+        (r#""nodes": [0]"#, r#""nodes": [3]"#, "node 3"),
+        (r#"{"mesh": 0}"#, r#"{"mesh": 0, "children": [0]}"#, "ancestor"),
+        (";base64,", ";base64,!", "base64"),
+        ("data:application/octet-stream;base64,", "http://a/b?", "fetched"),
+    ];
+    for (old, new, part) in table {
+        let text = good.replacen(old, new, 1);
+        assert_ne!(text, good, "{old} is not there");
+        let opened = open(&text).and_then(|file| import_file(&file).map(|_| ()));
+        let message = opened.expect_err(part).to_string();
+        assert!(message.contains(part), "{message}");
+    }
+    let message = open("{ \"asset\": 1 }").expect_err("not an object").to_string();
+    assert!(message.contains("at line 1 column 12"), "{message}");
+}
+
+#[test]
+fn what_cannot_be_read_of_a_mesh_is_left_out_and_said() {
+    let (mut parts, rest) = textured_quad("{}");
+    // Beside the square of the file a second one, which is good.
+    let rest = rest
+        .replace(
+            r#""meshes": ["#,
+            r#""meshes": [{"primitives": [{"attributes": {"POSITION": 2}}]}, "#,
+        )
+        .replace(
+            r#""nodes": [{"mesh": 0}]"#,
+            r#""nodes": [{"mesh": 1, "name": "flag"}, {"mesh": 0}]"#,
+        )
+        .replace(r#""nodes": [0]"#, r#""nodes": [0, 1]"#);
+    parts.floats("VEC3", &SQUARE);
+    let good = parts.text(&rest);
+    assert_eq!(import(&good).0.warnings, Vec::<String>::new());
+    let table = [
+        (r#""count": 4"#, r#""count": 4000000000"#, "elements"),
+        (r#""type": "VEC3""#, r#""type": "MAT4""#, "VEC3"),
+        (r#""byteOffset": 0"#, r#""byteOffset": 18446744073709551615"#, "beyond"),
+        (r#""mode": 6"#, r#""mode": 6, "indices": 1"#, "indices"),
+        (r#""componentType": 5126"#, r#""componentType": 5130"#, "5130"),
+        (r#""POSITION": 0"#, r#""POSITIONS": 0"#, "no positions"),
+        (r#""POSITION": 0"#, r#""POSITION": 9"#, "accessor 9"),
+    ];
+    for (old, new, part) in table {
+        let text = good.replacen(old, new, 1);
+        assert_ne!(text, good, "{old} is not there");
+        let (imported, files) = import(&text);
+        let [warning] = &imported.warnings[..] else {
+            panic!("{part}: {:?}", imported.warnings)
+        };
+        assert!(warning.contains("flag") && warning.contains(part), "{warning}");
+        assert_eq!(of(&imported.root, Category::Shape).len(), 1, "{part}");
+        assert_eq!(files.len(), 1, "{part}");
+    }
+    let (imported, _) = import(&good.replacen(r#""material": 0"#, r#""material": 4"#, 1));
+    assert!(imported.warnings.len() == 1 && imported.warnings[0].contains("material 4"));
+    assert_eq!(of(&imported.root, Category::Shape).len(), 2);
+}
+
+#[test]
+fn of_pictures_that_cannot_be_read_the_factors_stay() {
+    let material = r#"{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1], "baseColorTexture": {"index": 0},
+          "metallicRoughnessTexture": {"index": 0}, "roughnessFactor": 0.25},
+        "normalTexture": {"index": 0}, "emissiveFactor": [1, 2, 3], "emissiveTexture": {"index": 0}}"#;
+    let (parts, rest) = textured_quad(material);
+    let good = parts.text(&rest);
+    for (image, part) in [
+        (r#"{"name": "bark", "uri": "gone.png"}"#, "gone.png"),
+        (r#"{"name": "bark", "bufferView": 0}"#, "format"),
+        (r#"{"name": "bark", "bufferView": 9}"#, "buffer view 9"),
+        (r#"{"name": "bark"}"#, "neither"),
+    ] {
+        let text = good.replacen(r#"{"bufferView": 2, "mimeType": "image/png"}"#, image, 1);
+        assert_ne!(text, good);
+        let (imported, files) = import(&text);
+        let [warning] = &imported.warnings[..] else {
+            panic!("{:?}", imported.warnings)
+        };
+        assert!(warning.contains("bark") && warning.contains(part), "{warning}");
+        assert_eq!(files.len(), 1, "only the mesh");
+        let principled = inside(of(&imported.root, Category::Bsdf)[0], "principled");
+        assert_eq!(value(principled, "base_color"), &Value::Rgb(Vec3::new(0.5, 1.0, 1.0)));
+        assert_eq!(value(principled, "roughness"), &Value::Float(0.25));
+        let area = inside(of(&imported.root, Category::Shape)[0], "area");
+        assert_eq!(value(area, "radiance"), &Value::Rgb(Vec3::new(1.0, 2.0, 3.0)));
+    }
+}
+
+#[test]
+fn what_cannot_be_kept_is_an_error() {
+    let (parts, rest) = textured_quad(r#"{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}"#);
+    let file = open(&parts.text(&rest)).expect("opens");
+    for kind in ["mesh", "picture"] {
+        let mut keep = |name: &str, _: &[u8]| match name.starts_with(kind) {
+            true => Err(std::io::Error::other("the disk is full")),
+            false => Ok(name.to_owned()),
+        };
+        let error = take_apart(&file, &mut keep, &mut nothing_beside)
+            .expect_err(kind)
+            .to_string();
+        assert!(error.contains(kind) && error.contains("full"), "{error}");
+    }
+}
+
+#[test]
+fn nodes_stand_at_finite_places() {
+    let (parts, rest) = textured_quad("{}");
+    let nodes = r#""nodes": [{"mesh": 0, "rotation": [0, 0, 0, 0], "translation": [1, 2, 3]},
+        {"mesh": 0, "name": "lost", "translation": [1e39, 0, 0], "children": [2]}, {"mesh": 0}]"#;
+    let rest = rest
+        .replace(r#""nodes": [{"mesh": 0}]"#, nodes)
+        .replace(r#""nodes": [0]"#, r#""nodes": [0, 1]"#);
+    let (imported, _) = import(&parts.text(&rest));
+    let shapes = of(&imported.root, Category::Shape);
+    assert_eq!(shapes.len(), 1);
+    assert_eq!(world(shapes[0]), Affine3A::from_translation(Vec3::new(1.0, 2.0, 3.0)));
+    assert!(imported.warnings.len() == 1 && imported.warnings[0].contains("lost"));
+}
+
+#[test]
+fn equal_names_are_numbered() {
+    let (parts, rest) = textured_quad("{}");
+    let names = ["leaf", "leaf-2", "leaf", "leaf", "leaf-2"];
+    let nodes: Vec<String> = names
+        .iter()
+        .map(|name| format!(r#"{{"mesh": 0, "name": "{name}"}}"#))
+        .collect();
+    let rest = rest
+        .replace(
+            r#""nodes": [{"mesh": 0}]"#,
+            &format!(r#""nodes": [{}]"#, nodes.join(",")),
+        )
+        .replace(r#""nodes": [0]"#, r#""nodes": [0, 1, 2, 3, 4]"#);
+    let (imported, _) = import(&parts.text(&rest));
+    let ids: Vec<&str> = of(&imported.root, Category::Shape)
+        .iter()
+        .filter_map(|shape| shape.id.as_deref())
+        .collect();
+    assert_eq!(ids, ["leaf", "leaf-2", "leaf-3", "leaf-4", "leaf-2-2"]);
+}
+
+#[test]
+fn broken_files_never_panic() {
+    let (parts, rest) = textured_quad(r#"{"pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}}}"#);
+    let good = parts.binary(&rest);
+    let attempt = |bytes: &[u8]| {
+        let file = Gltf::open(bytes, &mut nothing_beside)?;
+        import_file(&file).map(|_| ())
+    };
+    attempt(&good).expect("is good");
+    for length in 0..good.len() {
+        assert!(attempt(&good[..length]).is_err(), "cut at {length}");
+    }
+    // Any one byte may be another; whether the file is still good does not matter.
+    for place in 0..good.len() {
+        for flip in [0x01, 0x80, 0xff] {
+            let mut bad = good.clone();
+            bad[place] ^= flip;
+            let _ = attempt(&bad);
+        }
+    }
+}
