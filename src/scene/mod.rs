@@ -16,7 +16,8 @@ pub mod insert;
 mod loading;
 pub mod material;
 mod meshes;
-pub mod object_state;
+pub mod object_change;
+mod object_state;
 mod parameters;
 mod pictures;
 pub mod plugin;
@@ -47,6 +48,7 @@ pub use material::{
     ConductorIor, Distribution, FirstNested, FirstNestedIn, Ior, Material, MaterialUsers, Roughness, SecondNested,
     SecondNestedIn, UsesMaterial,
 };
+pub use object_change::{ObjectChange, Side};
 pub use object_state::ObjectState;
 pub use parameters::{HEIGHT, NORMALS, ParameterVisitor};
 pub use pictures::Pictures;

@@ -11,7 +11,7 @@ use super::{
 };
 
 macro_rules! object_state {
-    ($($field:ident: $component:ty,)*) => {
+    ($($field:ident: $component:ident,)*) => {
         /// The components of an entity; None is the absence of one. All None: the entity is not (or no longer) in the scene.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct ObjectState {
@@ -59,28 +59,36 @@ macro_rules! object_state {
     };
 }
 
-object_state! {
-    order: DocumentOrder,
-    id: SceneId,
-    name: Name,
-    to_world: ToWorld,
-    shape: Shape,
-    material: Material,
-    emitter: Emitter,
-    sensor: Sensor,
-    film: Film,
-    group: ShapeGroup,
-    uses: UsesMaterial,
-    area_light: AreaLight,
-    first: FirstNested,
-    second: SecondNested,
-    declared_in: DeclaredIn,
-    member_of: MemberOf,
-    instance_of: InstanceOf,
-    placements: Placements,
-    hidden: Hidden,
-    locked: Locked,
+/// Hands the list of components to a macro.
+macro_rules! with_components {
+    ($macro:ident) => {
+        $macro! {
+            order: DocumentOrder,
+            id: SceneId,
+            name: Name,
+            to_world: ToWorld,
+            shape: Shape,
+            material: Material,
+            emitter: Emitter,
+            sensor: Sensor,
+            film: Film,
+            group: ShapeGroup,
+            uses: UsesMaterial,
+            area_light: AreaLight,
+            first: FirstNested,
+            second: SecondNested,
+            declared_in: DeclaredIn,
+            member_of: MemberOf,
+            instance_of: InstanceOf,
+            placements: Placements,
+            hidden: Hidden,
+            locked: Locked,
+        }
+    };
 }
+pub(super) use with_components;
+
+with_components!(object_state);
 
 /// What came of three states.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -132,7 +140,7 @@ impl ObjectState {
 }
 
 /// By insertion, since relationships cannot be changed in place.
-fn write_component<C: Component + Clone + PartialEq>(world: &mut World, entity: Entity, value: &Option<C>) {
+pub(super) fn write_component<C: Component + Clone + PartialEq>(world: &mut World, entity: Entity, value: &Option<C>) {
     let Ok(mut entity) = world.get_entity_mut(entity) else {
         return;
     };

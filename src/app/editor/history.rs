@@ -1,5 +1,7 @@
-//! What was done to the scene, to be taken back and done again. An entry holds the components that an edit changed, before and after;
-//! entities are never despawned while entries speak of them: without components they are out of the scene and their ids stay valid.
+//! What was done to the scene, to be taken back and done again. An entry holds the components that an edit changed, before and after, and no
+//! others; the number of entries and their memory are bounded.
+//!
+//! Entities are not despawned: without components they are out of the scene, and their ids stay valid for entries that name them.
 
 use std::collections::HashMap;
 
@@ -7,10 +9,14 @@ use bevy::prelude::*;
 
 use super::light_mix::LightMix;
 use super::selection::Selection;
-use crate::scene::{AccelMethod, ActiveSensor, FreeView, IntegratorSettings, ObjectState, SamplerSettings};
+use crate::scene::{
+    AccelMethod, ActiveSensor, FreeView, IntegratorSettings, ObjectChange, ObjectState, SamplerSettings, Side,
+};
 
-/// Older entries are forgotten. One of a thousand objects takes about a megabyte.
-const MOST_ENTRIES: usize = 1000;
+/// Older entries are forgotten above this number of steps.
+pub const MOST_ENTRIES: usize = 1000;
+/// Older entries are also forgotten above this estimate of their memory. The newest step stays, however large it is.
+pub const MOST_BYTES: usize = 64 << 20;
 
 /// The settings that a scene has as a whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,8 +68,7 @@ impl Standpoint {
 #[derive(Clone, Debug)]
 struct Change {
     entity: Entity,
-    before: ObjectState,
-    after: ObjectState,
+    change: ObjectChange,
 }
 
 /// One step of the history.
@@ -81,6 +86,8 @@ pub struct Entry {
     /// Steps of one interaction with equal keys are one entry.
     merge: Option<(u64, MergeKey)>,
     number: u64,
+    /// An estimate of its memory.
+    bytes: usize,
 }
 
 /// What kind of edit it is and of which entities: two of a kind in one drag are one step.
@@ -95,6 +102,8 @@ pub struct History {
     saved_at: Option<u64>,
     /// The state that was saved cannot be reached any more.
     saved_is_lost: bool,
+    /// The oldest entries are gone.
+    has_forgotten: bool,
 }
 
 impl History {
@@ -116,6 +125,16 @@ impl History {
     /// How many steps lie behind and ahead.
     pub fn len(&self) -> (usize, usize) {
         (self.done.len(), self.undone.len())
+    }
+
+    /// Whether everything can be undone back to when the scene was opened.
+    pub fn is_whole(&self) -> bool {
+        !self.has_forgotten
+    }
+
+    /// An estimate of the memory of all steps, in bytes.
+    pub fn bytes(&self) -> usize {
+        self.done.iter().chain(&self.undone).map(|entry| entry.bytes).sum()
     }
 
     /// The number of the last edit that a file would hold; equal numbers of one run mean equal files.
@@ -166,8 +185,20 @@ impl History {
             return;
         }
         self.done.push(entry);
-        if self.done.len() > MOST_ENTRIES {
-            let forgotten = self.done.remove(0);
+        self.forget();
+    }
+
+    /// Keeps the newest steps that the bounds have room for.
+    fn forget(&mut self) {
+        let mut bytes = 0;
+        let newest = self.done.iter().rev().take(MOST_ENTRIES);
+        let kept = newest.take_while(|entry| {
+            bytes += entry.bytes;
+            bytes <= MOST_BYTES
+        });
+        let kept = kept.count().max(1);
+        for forgotten in self.done.drain(..self.done.len().saturating_sub(kept)) {
+            self.has_forgotten = true;
             match self.saved_at {
                 Some(saved) if saved == forgotten.number => self.saved_at = None,
                 None => self.saved_is_lost = true,
@@ -184,21 +215,32 @@ impl Entry {
 
     /// Hiding and locking is no file's matter.
     fn is_of_file(&self) -> bool {
-        let differs = |change: &Change| change.before.for_file() != change.after.for_file();
-        self.settings[0] != self.settings[1] || self.changes.iter().any(differs)
+        self.settings[0] != self.settings[1] || self.changes.iter().any(|change| change.change.is_of_file())
+    }
+
+    fn count_bytes(&mut self) {
+        let changes = self.changes.iter().map(|change| change.change.bytes());
+        let selected = self.selection.iter().map(|selection| selection.entities().len());
+        self.bytes = size_of::<Self>()
+            + self.label.len()
+            + changes.sum::<usize>()
+            + selected.sum::<usize>() * size_of::<Entity>();
     }
 
     fn absorb(&mut self, later: Self) {
         let places: HashMap<Entity, usize> = self.changes.iter().zip(0..).map(|(it, i)| (it.entity, i)).collect();
+        let mut is_undone = vec![false; self.changes.len()];
         for change in later.changes {
             match places.get(&change.entity) {
-                Some(&place) => self.changes[place].after = change.after,
+                Some(&place) => is_undone[place] = self.changes[place].change.absorb(change.change),
                 None => self.changes.push(change),
             }
         }
-        self.changes.retain(|change| change.before != change.after);
+        let mut is_undone = is_undone.into_iter();
+        self.changes.retain(|_| !is_undone.next().unwrap_or(false));
         self.settings[1] = later.settings[1];
         self.selection[1] = later.selection[1].clone();
+        self.count_bytes();
     }
 }
 
@@ -289,8 +331,8 @@ impl<'w> Edit<'w> {
     /// Writes the step into the history; without one nothing is written where nothing changed.
     pub fn finish(self, label: String, merge: Option<(u64, MergeKey)>) {
         let changes = self.before.into_iter().filter_map(|(entity, before)| {
-            let after = ObjectState::of(self.world, entity);
-            (before != after).then_some(Change { entity, before, after })
+            let change = ObjectChange::between(&before, &ObjectState::of(self.world, entity))?;
+            Some(Change { entity, change })
         });
         let (now, mix) = (Standpoint::of(self.world), mix_of(self.world));
         let mut entry = Entry {
@@ -302,7 +344,10 @@ impl<'w> Edit<'w> {
             mix: (mix != self.mix).then_some([self.mix, mix]),
             merge,
             number: 0,
+            bytes: 0,
         };
+        entry.changes.shrink_to_fit();
+        entry.count_bytes();
         let mut history = self.world.resource_mut::<History>();
         history.next_number += 1;
         entry.number = history.next_number;
@@ -319,28 +364,13 @@ fn stand(world: &mut World, at: Standpoint) {
     world.insert_resource(at.free);
 }
 
-/// Back to what it was, where the edit changed it: what the file changed meanwhile stays.
-fn revert(world: &mut World, entity: Entity, from: &ObjectState, to: &ObjectState) {
-    let now = ObjectState::of(world, entity);
-    if from.is_there() && !now.is_there() {
-        // The file took it away since.
-        return;
-    }
-    if !to.is_there() {
-        // With what others gave it meanwhile.
-        ObjectState::default().write(world, entity);
-        return;
-    }
-    ObjectState::merged(from, to, &now).state.write(world, entity);
-}
-
 /// An error, in words, if there is nothing to undo.
 pub fn undo(world: &mut World) -> Result<(), &'static str> {
     let Some(mut entry) = world.resource_mut::<History>().done.pop() else {
         return Err("There is nothing to undo.");
     };
     for change in entry.changes.iter().rev() {
-        revert(world, change.entity, &change.after, &change.before);
+        change.change.write(world, change.entity, Side::Before);
     }
     entry.settings[0].write(world, entry.settings[1]);
     world.insert_resource(entry.selection[0].clone());
@@ -361,7 +391,7 @@ pub fn redo(world: &mut World) -> Result<(), &'static str> {
         return Err("There is nothing to do again.");
     };
     for change in &entry.changes {
-        revert(world, change.entity, &change.before, &change.after);
+        change.change.write(world, change.entity, Side::After);
     }
     entry.settings[1].write(world, entry.settings[0]);
     world.insert_resource(entry.selection[1].clone());
