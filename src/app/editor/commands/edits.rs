@@ -71,7 +71,10 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
         Command::Drop => placing::drop(edit)?,
         Command::Transform(poses) => transform(edit, poses)?,
         Command::SetShape(entity, shape) => replace(edit, entity, shape)?,
-        Command::SetMaterial(entity, material) => replace(edit, entity, *material)?,
+        Command::SetMaterial(entity, material) => {
+            replace(edit, entity, *material)?;
+            materials::check_sides(edit.world, entity)?;
+        }
         Command::SetPicture {
             owner,
             parameter,
@@ -98,7 +101,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
             edit.set(shape, UsesMaterial(material));
         }
         Command::DropMaterial { material, at } => materials::drop_at(edit, material, at)?,
-        Command::BuildMaterial { targets, tree } => materials::build(edit, &targets, &tree),
+        Command::BuildMaterial { targets, tree } => materials::build(edit, &targets, &tree)?,
         Command::UsePreset { preset, shapes } => materials::use_preset(edit, &preset, &shapes)?,
         Command::DropPreset { preset, at } => {
             let shape = materials::shape_at(edit, at)?;

@@ -77,7 +77,8 @@ fn tree_of(world: &World, material: Entity) -> Option<MaterialTree> {
 }
 
 /// Makes materials, or those of shapes, become the tree; a shape without one gets a new one. Several shapes that share a material share it on.
-pub fn build(edit: &mut Edit, targets: &[Entity], tree: &MaterialTree) {
+/// An error where the tree has no place inside of what is around the material.
+pub fn build(edit: &mut Edit, targets: &[Entity], tree: &MaterialTree) -> Result<(), String> {
     let mut done = Vec::new();
     for &target in targets {
         let material = if edit.world.get::<Material>(target).is_some() {
@@ -99,6 +100,30 @@ pub fn build(edit: &mut Edit, targets: &[Entity], tree: &MaterialTree) {
             done.push(material);
         }
     }
+    done.into_iter()
+        .try_for_each(|material| check_sides(edit.world, material))
+}
+
+/// An error where a material that refracts is inside of `twosided`: no scene file may have that.
+pub fn check_sides(world: &World, material: Entity) -> Result<(), String> {
+    let get = |entity: Entity| world.get::<Material>(entity);
+    let outer = outer_materials(world, material)
+        .into_iter()
+        .map(|outer| (outer, material));
+    let inner = materials_inside(world, material)
+        .into_iter()
+        .map(|inner| (material, inner));
+    for (outer, inner) in outer.chain(inner) {
+        if get(outer) == Some(&Material::TwoSided)
+            && let Some(refractive) = get(inner).filter(|inner| inner.refracts())
+        {
+            let plugin = refractive.plugin();
+            return Err(format!(
+                "`{plugin}` has two sides already: `twosided` does not take it."
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// What was inside before and is used by nobody any more goes.
@@ -199,7 +224,7 @@ mod tests {
 
     fn apply(world: &mut World, target: Entity, tree: &MaterialTree) {
         let mut edit = Edit::begin(world);
-        build(&mut edit, &[target], tree);
+        build(&mut edit, &[target], tree).expect("it fits");
         edit.finish("Edit".to_owned(), None);
     }
 
@@ -270,7 +295,7 @@ mod tests {
         let before = [paint, one, two, bare].map(|entity| ObjectState::of(&world, entity));
         let cloth = MaterialTree::from(Material::of_plugin("principled").expect("a plugin")).wrapped("twosided");
         let mut edit = Edit::begin(&mut world);
-        build(&mut edit, &[one, two, bare], &cloth);
+        build(&mut edit, &[one, two, bare], &cloth).expect("it fits");
         edit.finish("Preset".to_owned(), None);
         for shape in [one, two, bare] {
             let used = world.get::<UsesMaterial>(shape).expect("a material").0;

@@ -366,3 +366,32 @@ fn materials_within_others_are_edited_together() {
         [true; 2]
     );
 }
+
+#[test]
+fn what_refracts_does_not_come_inside_of_two_sides() {
+    let mut world = world();
+    let ball = add(&mut world, AdditionKind::Sphere);
+    let build = |target, tree: MaterialTree| Command::BuildMaterial {
+        targets: vec![target],
+        tree: Box::new(tree),
+    };
+    let grey = MaterialTree::from(Material::default());
+    say(&mut world, build(ball, grey.wrapped("twosided")));
+    let outer = world.get::<UsesMaterial>(ball).expect("a material").0;
+    let inner = world.get::<FirstNested>(outer).expect("a material inside").0;
+    let glass = Material::of_plugin("dielectric").expect("a plugin");
+    let wrong = [
+        build(inner, glass.clone().into()),
+        Command::SetMaterial(inner, Box::new(glass.clone())),
+        build(ball, MaterialTree::from(glass.clone()).wrapped("twosided")),
+    ];
+    for command in wrong {
+        let steps = world.resource::<History>().len();
+        let error = apply(&mut world, command).expect_err("no file could hold it");
+        assert!(error.contains("two sides already"), "{error}");
+        assert_eq!(world.get::<Material>(inner), Some(&Material::default()));
+        assert_eq!(world.resource::<History>().len(), steps);
+    }
+    say(&mut world, build(ball, glass.clone().into()));
+    assert_eq!(world.get::<Material>(outer), Some(&glass));
+}
