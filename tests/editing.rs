@@ -1,14 +1,16 @@
 //! Edits of a scene without a window: what is undone, redone and replayed.
 #![cfg(feature = "window")]
 
-use std::path::Path;
+use std::fmt::Write;
 
 use bevy::prelude::*;
-use numbers::Random;
 use sunroom::app::editor::command::Command;
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::history::History;
 use sunroom::app::editor::light_mix::{FilmLights, LightMix};
+use sunroom::app::editor::monkey::edits::{PART, names, random_edit};
+use sunroom::app::editor::monkey::random::Random;
+use sunroom::app::editor::monkey::{Length, Monkey, MonkeyOptions, Snapshot, windowless};
 use sunroom::app::editor::script::parse::{self, Step};
 use sunroom::app::editor::selection::Selection;
 use sunroom::app::editor::state::{CommandQueue, EditorState};
@@ -55,152 +57,14 @@ fn say(world: &mut World, line: &str) -> bool {
     }
 }
 
-type State = (description::SceneDescription, Vec<(String, bool, bool)>);
-
 /// Everything of the scene, free of entities: equal if and only if the scenes are.
-fn state(world: &mut World) -> State {
-    let mut marks: Vec<(String, bool, bool)> = world
-        .query_filtered::<(&Name, Has<Hidden>, Has<Locked>), With<DocumentOrder>>()
-        .iter(world)
-        .map(|(name, hidden, locked)| (name.to_string(), hidden, locked))
-        .collect();
-    marks.sort();
-    (gather::describe(world), marks)
+fn state(world: &mut World) -> Snapshot {
+    Snapshot::of(world)
 }
 
 /// Says what differs, for the whole would fill pages.
-fn assert_same(one: &State, other: &State) {
-    for (a, b) in one.0.shapes.iter().zip(&other.0.shapes) {
-        assert_eq!(a, b);
-    }
-    for (a, b) in one.0.materials.iter().zip(&other.0.materials) {
-        assert_eq!(a, b);
-    }
-    for (a, b) in one.0.emitters.iter().zip(&other.0.emitters) {
-        assert_eq!(a, b);
-    }
-    assert_eq!(one.1, other.1);
-    assert!(one == other);
-}
-
-/// The names of all things, or of one kind.
-fn names<F: bevy::ecs::query::QueryFilter>(world: &mut World) -> Vec<String> {
-    let mut names: Vec<String> = world
-        .query_filtered::<&Name, F>()
-        .iter(world)
-        .map(|name| name.to_string())
-        .collect();
-    names.sort();
-    names
-}
-
-/// Numbers that look random, the same in every run (xorshift; Marsaglia 2003).
-mod numbers {
-    pub struct Random(pub u64);
-
-    impl Random {
-        pub fn below(&mut self, bound: usize) -> usize {
-            self.0 ^= self.0 << 13;
-            self.0 ^= self.0 >> 7;
-            self.0 ^= self.0 << 17;
-            ((self.0 >> 16) % bound as u64) as usize
-        }
-
-        pub fn one_of<'a, T>(&mut self, list: &'a [T]) -> Option<&'a T> {
-            (!list.is_empty()).then(|| &list[self.below(list.len())])
-        }
-
-        pub fn number(&mut self) -> f32 {
-            self.below(2001) as f32 * 0.01 - 10.0
-        }
-
-        pub fn vector(&mut self) -> String {
-            format!("{},{},{}", self.number(), self.number(), self.number())
-        }
-    }
-}
-
-/// Comes into the scene again and again.
-const PART: &str = "<scene version='3.0.0'><bsdf type='plastic' id='part-plastic'/>
-    <shape type='cube' id='part-cube'><ref id='part-plastic'/></shape>
-    <emitter type='point' id='part-light'/></scene>";
-
-/// A step as the lines that make it, the last of them the edit.
-fn random_step(world: &mut World, random: &mut Random, file: &Path) -> Option<Vec<String>> {
-    let shapes = names::<With<Shape>>(world);
-    let materials = names::<With<Material>>(world);
-    let lights = names::<With<Emitter>>(world);
-    let all: Vec<String> = [&shapes[..], &materials, &lights].concat();
-    // About sixty things: few enough to be quick, enough to have several of each kind.
-    if all.len() > 60 {
-        let victims: Vec<String> = (0..3).filter_map(|_| random.one_of(&all).cloned()).collect();
-        return Some(vec![format!("select {}", victims.join(" ")), "delete".to_owned()]);
-    }
-    let shape = random.one_of(&shapes).cloned();
-    let material = random.one_of(&materials).cloned();
-    let anything = random.one_of(&all).cloned();
-    let kinds = [
-        "sphere",
-        "rectangle",
-        "cube",
-        "disk",
-        "cylinder",
-        "area",
-        "point",
-        "spot",
-        "constant",
-        "directional",
-    ];
-    let one = |line: String| Some(vec![line]);
-    match random.below(22) {
-        0..3 => one(format!(
-            "add {} at={} size=0.5",
-            kinds[random.below(kinds.len())],
-            random.vector()
-        )),
-        3 => one(format!("move {} {}", shape?, random.vector())),
-        4 => one(format!("rotate {} 0,1,0.5 {}", shape?, random.number())),
-        5 => one(format!("set {} position {}", random.one_of(&lights)?, random.vector())),
-        6 => one(format!("material-of {}", shape?)),
-        7 => one(format!("make {} {}", material?, Material::PLUGINS[random.below(6)])),
-        8 => one(format!("set {} alpha 0.{}", material?, 1 + random.below(9))),
-        9 => one(format!("assign {} {}", material?, shape?)),
-        10 => one(format!("emit {} {}", shape?, 1 + random.below(20))),
-        11 => one(format!("emit {} none", shape?)),
-        12 => one(format!("rename {} thing-{}", anything?, random.below(200))),
-        13 => Some(vec![
-            format!("select {} {}", shape?, random.one_of(&shapes)?),
-            "duplicate".to_owned(),
-        ]),
-        14 => Some(vec![format!("select {}", anything?), "delete".to_owned()]),
-        15 => match random.below(4) {
-            0 => Some(vec![format!("select {}", shape?), "hide-others".to_owned()]),
-            1 => one("show-all".to_owned()),
-            2 => one(format!("hide-thing {}", shape?)),
-            _ => Some(vec![
-                format!("select {} {}", shape?, random.one_of(&shapes)?),
-                "group".to_owned(),
-            ]),
-        },
-        17 => one(format!("lock {} {}", ["on", "off"][random.below(2)], anything?)),
-        18 => one(format!(
-            "put-into {} {} {}",
-            ["shelf", "shelf/upper", "none"][random.below(3)],
-            anything?,
-            random.one_of(&all)?
-        )),
-        19 => Some(vec![
-            "mix none".to_owned(),
-            format!("mix {} 0.{}", random.one_of(&lights)?, 1 + random.below(9)),
-            "bake-lights".to_owned(),
-        ]),
-        20 => one(format!("import-file {}", file.display())),
-        16 => one(format!("put-before {} {}", anything?, random.one_of(&all)?)),
-        _ => one(format!(
-            "paste <shape type=\"sphere\" id=\"pasted\"><float name=\"radius\" value=\"{}\"/><bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf></shape>",
-            1 + random.below(5)
-        )),
-    }
+fn assert_same(one: &Snapshot, other: &Snapshot) {
+    assert_eq!(one.difference(other), None);
 }
 
 #[test]
@@ -209,7 +73,7 @@ fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
     let file = folder.path().join("part.xml");
     std::fs::write(&file, PART).expect("a file");
     let mut world = world();
-    let mut random = Random(0x5eed_1234_9abc_def1);
+    let mut random = Random::new(0x5eed_1234_9abc_def1);
     // What a replay would have to do, and what could be done again, each a step of the history.
     let (mut done, mut undone): (Vec<Vec<String>>, Vec<Vec<String>>) = (Vec::new(), Vec::new());
     let mut refused = 0;
@@ -224,7 +88,7 @@ fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
                 done.extend(undone.pop());
             }
             _ => {
-                let Some(step) = random_step(&mut world, &mut random, &file) else {
+                let Some(step) = random_edit(&mut world, &mut random, &file) else {
                     continue;
                 };
                 world.resource_mut::<EditorState>().interaction += 1;
@@ -263,9 +127,9 @@ fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
     println!(
         "{} steps in effect, {steps} in the history, {} things, {refused} refused",
         done.len(),
-        edited.1.len()
+        edited.things()
     );
-    assert!(steps > 500 && edited.1.len() > 20 && refused < 2000);
+    assert!(steps > 500 && edited.things() > 20 && refused < 2000);
 }
 
 #[test]
@@ -478,4 +342,64 @@ fn after_a_save_the_file_and_the_things_still_belong_together() {
     let summary = spawn::update(&mut world, &read());
     assert_eq!((summary.removed > 0, summary.kept), (true, 0), "{summary:?}");
     assert_eq!(names::<With<Shape>>(&mut world), ["a"]);
+}
+
+/// Plays so many acts on a scene of our own without a window; the outcome, and what the monkey has done.
+fn play(steps: usize, seed: u64, folder: &std::path::Path) -> (AppExit, String) {
+    let [scene, log] = ["scene.xml", "log.txt"].map(|name| folder.join(name));
+    let text = "<scene version=\"3.0.0\">
+        <sensor type=\"perspective\" id=\"eye\">
+            <transform name=\"to_world\"><lookat origin=\"0, 1, 6\" target=\"0, 0, 0\" up=\"0, 1, 0\"/></transform>
+            <film type=\"hdrfilm\"><integer name=\"width\" value=\"32\"/><integer name=\"height\" value=\"24\"/></film>
+        </sensor>
+        <bsdf type=\"plastic\" id=\"shiny\"/>
+        <shape type=\"sphere\" id=\"ball\"><ref id=\"shiny\"/></shape>
+        <shape type=\"cube\"><bsdf type=\"diffuse\"/></shape>
+        <emitter type=\"constant\" id=\"sky\"/></scene>";
+    std::fs::write(&scene, text).expect("a scene");
+    let options = MonkeyOptions {
+        length: Length::Steps(steps),
+        seed,
+        scenes: vec![scene.clone()],
+        log: Some(log.clone()),
+        longest_frame: None,
+    };
+    let outcome = windowless(Monkey::new(options).expect("a folder"), Some(1)).run();
+    assert_eq!(
+        std::fs::read_to_string(scene).expect("the scene"),
+        text,
+        "the user's file"
+    );
+    // Folders have random names.
+    let log = std::fs::read_to_string(log).expect("a log");
+    let mut shown = String::new();
+    for line in log.lines() {
+        let name = line
+            .find("sunroom-monkey-")
+            .map(|at| (at, at + "sunroom-monkey-".len() + 6));
+        match name {
+            Some((begin, end)) => writeln!(shown, "{}{}", &line[..begin], &line[end..]).expect("a string"),
+            None => writeln!(shown, "{line}").expect("a string"),
+        }
+    }
+    (outcome, shown)
+}
+
+/// With changed and broken files, reloads, imports, rendering, undo to the start and redo, and all that was saved opened again.
+#[test]
+fn a_monkey_leaves_the_editor_whole_and_does_the_same_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (outcome, first) = play(400, 5, folder.path());
+    assert_eq!(outcome, AppExit::Success);
+    assert!(first.lines().count() > 400 && first.contains("another program writes"));
+    let (outcome, again) = play(400, 5, folder.path());
+    assert_eq!(outcome, AppExit::Success);
+    let differs = first
+        .lines()
+        .zip(again.lines())
+        .zip(1..)
+        .find(|((one, two), _)| one != two);
+    assert_eq!(differs, None);
+    let (_, other) = play(40, 6, folder.path());
+    assert!(!first.starts_with(&other));
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use sunroom::app::editor::monkey::{Monkey, run_windowless};
 use sunroom::app::windowed::{self, WindowOptions};
 
 use super::{EditArgs, report};
@@ -11,12 +12,24 @@ use super::{EditArgs, report};
 const FIRST_SCENE: &str = "scenes/cornell-box.xml";
 
 pub fn run(args: EditArgs) -> ExitCode {
-    if let Some(scene) = args.scene.as_ref().filter(|scene| !scene.is_file()) {
+    let all = args.scene.iter().chain(&args.monkey.more_scenes);
+    if let Some(scene) = all.into_iter().find(|scene| !scene.is_file()) {
         let help = super::misspelt_command().map_or(String::new(), |help| format!(" ({help})"));
         return report::error(format_args!("{}: there is no such file{help}", scene.display()));
     }
+    let scene = args.scene.or_else(first_scene);
+    let monkey = args.monkey.options(scene.as_ref());
+    if args.monkey.no_window
+        && let Some(options) = monkey
+    {
+        return match Monkey::new(options) {
+            Ok(monkey) => run_windowless(monkey, args.threads.threads),
+            Err(error) => report::error(format_args!("the monkey's files cannot be written: {error}")),
+        };
+    }
     let options = WindowOptions {
-        scene: args.scene.or_else(first_scene),
+        // The monkey opens copies.
+        scene: scene.filter(|_| monkey.is_none()),
         defines: args.defines.defines,
         camera: args.camera,
         size: args.window.into(),
@@ -26,6 +39,7 @@ pub fn run(args: EditArgs) -> ExitCode {
         after_spp: args.after_spp,
         exit: args.exit,
         measure_latency: args.measure_latency,
+        monkey,
         undrawn: args.undrawn,
         timeout: args.timeout,
     };

@@ -8,6 +8,7 @@ mod check;
 mod convert;
 #[cfg(feature = "window")]
 mod edit;
+mod monkey;
 mod parse;
 mod progress;
 mod render;
@@ -95,11 +96,13 @@ struct EditArgs {
     #[arg(long)]
     exit: bool,
     /// Fly, drag a mesh, change a material and a light, undo: N times each, and print how long the picture took to follow
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", group = "unattended")]
     measure_latency: Option<u32>,
-    /// With --measure-latency: do not draw the window, so that what a software graphics driver takes is not in the figures
-    #[arg(long, requires = "measure_latency", conflicts_with = "screenshot")]
+    /// With --measure-latency or --monkey: do not draw the window, so that what a software graphics driver takes is not in the figures
+    #[arg(long, requires = "unattended", conflicts_with = "screenshot")]
     undrawn: bool,
+    #[command(flatten)]
+    monkey: monkey::MonkeyArgs,
     /// With --exit: fail if it is not done after this time
     #[arg(long, value_name = "TIME", default_value = "10m", value_parser = parse::duration)]
     timeout: std::time::Duration,

@@ -41,6 +41,11 @@ impl FrameTimes {
         self.last
     }
 
+    /// Milliseconds that the systems of the last frame took, ours and egui's, without the drawing of the window.
+    pub fn own_ms(&self) -> f32 {
+        self.own
+    }
+
     /// Milliseconds; None before the second frame.
     pub fn median_ms(&self) -> Option<f32> {
         median(self.recent.iter().copied().collect(), 0.5)

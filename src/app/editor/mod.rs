@@ -32,6 +32,7 @@ pub mod material_drop;
 pub mod material_tree;
 pub mod mixed;
 pub mod model;
+pub mod monkey;
 mod motion;
 pub mod navigation;
 pub mod options;
@@ -79,6 +80,7 @@ use bevy_egui::{EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet, EguiPrimaryCont
 
 use crate::engine::EngineSystems;
 use crate::scene::{OpenScene, SceneSystems};
+use monkey::Monkey;
 use options::{SceneDefines, WantedCamera, WindowOptions};
 use preferences::PreferencesFile;
 use toasts::Topic;
@@ -100,7 +102,11 @@ pub enum EditorSystems {
 impl Plugin for EditorPlugin {
     fn build(&self, app: &mut App) {
         let options = &self.0;
-        let folder = preferences::folder(options.is_attended());
+        let monkey = options.monkey.clone().map(Monkey::new).transpose();
+        let folder = match &monkey {
+            Ok(Some(monkey)) => Some(monkey::settings_folder(monkey)),
+            _ => preferences::folder(options.is_attended()),
+        };
         let (preferences_file, preferences) = PreferencesFile::open(folder.as_deref());
         let mut state = state::EditorState::default();
         state.navigation.set_speed(preferences.speed);
@@ -115,9 +121,9 @@ impl Plugin for EditorPlugin {
             .insert_resource(preferences_file)
             .insert_resource(recovery::Recovery::new(folder.as_deref()))
             .insert_resource(stored_views::ViewsFile::new(folder.as_deref()))
-            .insert_resource(flight::Flights::new(options.is_attended()))
+            .insert_resource(flight::Flights::new(options.is_attended() || options.monkey.is_some()))
             .insert_resource(motion::Motion::new(
-                options.is_attended() || options.measure_latency.is_some(),
+                options.is_attended() || options.measure_latency.is_some() || options.monkey.is_some(),
             ))
             .init_resource::<dropping::DroppedFiles>()
             .init_resource::<history::History>()
@@ -251,6 +257,16 @@ impl Plugin for EditorPlugin {
                     latency::watch_probe.after(EditorSystems::Show),
                 ),
             );
+        }
+        match monkey {
+            Ok(Some(monkey)) => monkey::add_to(app, monkey),
+            Ok(None) => {}
+            Err(error) => {
+                eprintln!("error: the monkey's files cannot be written: {error}");
+                app.add_systems(Startup, |mut exit: MessageWriter<AppExit>| {
+                    exit.write(AppExit::error());
+                });
+            }
         }
         if let Some(path) = &options.script {
             match script::Script::read(path) {

@@ -5,6 +5,8 @@ use std::time::Duration;
 
 use bevy::prelude::*;
 
+use super::monkey::MonkeyOptions;
+
 /// How to open the window, and what to do in it without a user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowOptions {
@@ -28,6 +30,8 @@ pub struct WindowOptions {
     pub exit: bool,
     /// Does edits of several kinds this many times each and prints how long it took until the picture followed.
     pub measure_latency: Option<u32>,
+    /// Does random things and judges how the program bears them; the program ends with the outcome.
+    pub monkey: Option<MonkeyOptions>,
     /// Everything is done but the drawing of the window's pixels, as if the graphics driver took no time.
     pub undrawn: bool,
     /// With `exit`: the program fails if it is not done after this time.
@@ -47,6 +51,7 @@ impl Default for WindowOptions {
             after_spp: 1,
             exit: false,
             measure_latency: None,
+            monkey: None,
             undrawn: false,
             timeout: Duration::from_secs(600),
         }
@@ -56,7 +61,7 @@ impl Default for WindowOptions {
 impl WindowOptions {
     /// Somebody sits before it.
     pub fn is_attended(&self) -> bool {
-        !self.exit && self.script.is_none() && self.measure_latency.is_none()
+        !self.exit && self.script.is_none() && self.measure_latency.is_none() && self.monkey.is_none()
     }
 }
 

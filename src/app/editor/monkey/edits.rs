@@ -1,0 +1,106 @@
+//! Random edits of the scene, as lines of a script. The property tests of undo and redo use the same ones.
+
+use std::path::Path;
+
+use bevy::ecs::query::QueryFilter;
+use bevy::prelude::*;
+
+use super::random::Random;
+use crate::scene::{Emitter, Material, Shape};
+
+/// A scene of every kind of thing that [`random_edit`] may import.
+pub const PART: &str = "<scene version='3.0.0'><bsdf type='plastic' id='part-plastic'/>
+    <shape type='cube' id='part-cube'><ref id='part-plastic'/></shape>
+    <emitter type='point' id='part-light'/></scene>";
+
+/// Above this number of things edits delete some: few enough to be quick, enough to have several of each kind.
+const MOST_THINGS: usize = 60;
+
+/// The sorted names of all things that pass the filter.
+pub fn names<F: QueryFilter>(world: &mut World) -> Vec<String> {
+    let mut names: Vec<String> = world
+        .query_filtered::<&Name, F>()
+        .iter(world)
+        .map(|name| name.to_string())
+        .collect();
+    names.sort();
+    names
+}
+
+/// One edit as the lines of a script that make it, of which the last is the edit itself. None: the scene has nothing to do the chosen edit
+/// to. `part` is a scene file to import.
+pub fn random_edit(world: &mut World, random: &mut Random, part: &Path) -> Option<Vec<String>> {
+    let shapes = names::<With<Shape>>(world);
+    let materials = names::<With<Material>>(world);
+    let lights = names::<With<Emitter>>(world);
+    let all: Vec<String> = [&shapes[..], &materials, &lights].concat();
+    if all.len() > MOST_THINGS {
+        let victims: Vec<String> = (0..3).filter_map(|_| random.one_of(&all).cloned()).collect();
+        return Some(vec![format!("select {}", victims.join(" ")), "delete".to_owned()]);
+    }
+    let shape = random.one_of(&shapes).cloned();
+    let material = random.one_of(&materials).cloned();
+    let anything = random.one_of(&all).cloned();
+    let kinds = [
+        "sphere",
+        "rectangle",
+        "cube",
+        "disk",
+        "cylinder",
+        "area",
+        "point",
+        "spot",
+        "constant",
+        "directional",
+    ];
+    let one = |line: String| Some(vec![line]);
+    match random.below(22) {
+        0..3 => one(format!(
+            "add {} at={} size=0.5",
+            kinds[random.below(kinds.len())],
+            random.vector()
+        )),
+        3 => one(format!("move {} {}", shape?, random.vector())),
+        4 => one(format!("rotate {} 0,1,0.5 {}", shape?, random.number())),
+        5 => one(format!("set {} position {}", random.one_of(&lights)?, random.vector())),
+        6 => one(format!("material-of {}", shape?)),
+        7 => one(format!("make {} {}", material?, Material::PLUGINS[random.below(6)])),
+        8 => one(format!("set {} alpha 0.{}", material?, 1 + random.below(9))),
+        9 => one(format!("assign {} {}", material?, shape?)),
+        10 => one(format!("emit {} {}", shape?, 1 + random.below(20))),
+        11 => one(format!("emit {} none", shape?)),
+        12 => one(format!("rename {} thing-{}", anything?, random.below(200))),
+        13 => Some(vec![
+            format!("select {} {}", shape?, random.one_of(&shapes)?),
+            "duplicate".to_owned(),
+        ]),
+        14 => Some(vec![format!("select {}", anything?), "delete".to_owned()]),
+        15 => match random.below(4) {
+            0 => Some(vec![format!("select {}", shape?), "hide-others".to_owned()]),
+            1 => one("show-all".to_owned()),
+            2 => one(format!("hide-thing {}", shape?)),
+            _ => Some(vec![
+                format!("select {} {}", shape?, random.one_of(&shapes)?),
+                "group".to_owned(),
+            ]),
+        },
+        16 => one(format!("put-before {} {}", anything?, random.one_of(&all)?)),
+        17 => one(format!("lock {} {}", ["on", "off"][random.below(2)], anything?)),
+        18 => one(format!(
+            "put-into {} {} {}",
+            ["shelf", "shelf/upper", "none"][random.below(3)],
+            anything?,
+            random.one_of(&all)?
+        )),
+        19 => Some(vec![
+            "mix none".to_owned(),
+            format!("mix {} 0.{}", random.one_of(&lights)?, 1 + random.below(9)),
+            "bake-lights".to_owned(),
+        ]),
+        20 => one(format!("import-file {}", part.display())),
+        _ => one(format!(
+            "paste <shape type=\"sphere\" id=\"pasted\"><float name=\"radius\" value=\"{}\"/><bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf></shape>",
+            1 + random.below(5)
+        )),
+    }
+}

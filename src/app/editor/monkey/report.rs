@@ -1,0 +1,381 @@
+//! What the monkey has measured, and whether that is good enough.
+
+use std::collections::BTreeMap;
+use std::fmt::{self, Display, Formatter};
+use std::time::Duration;
+
+use super::frames::Span;
+use super::gauge::Gauge;
+
+/// One look at the process.
+#[derive(Clone, Copy, Debug)]
+pub struct Mark {
+    pub at: Duration,
+    /// Of the whole run, 0 to 1.
+    pub progress: f32,
+    pub gauge: Gauge,
+    pub entities: usize,
+    pub steps: usize,
+    /// The longest frame since the mark before.
+    pub longest_frame: Duration,
+    /// A scene has just been opened and nothing has been edited yet: such marks can be compared with each other.
+    pub at_start_of_round: bool,
+}
+
+/// A frame of the window's own systems, without the monkey's own work.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    pub time: Span,
+    pub at: Duration,
+    pub doing: String,
+}
+
+/// Everything that is reported.
+#[derive(Default)]
+pub struct Record {
+    pub seed: u64,
+    pub scenes: usize,
+    pub has_window: bool,
+    pub duration: Duration,
+    pub frames: u64,
+    pub rounds: usize,
+    pub done: BTreeMap<&'static str, usize>,
+    /// Commands that the editor refused with a sentence, which is right: much of what the monkey says makes no sense.
+    pub refused: usize,
+    pub marks: Vec<Mark>,
+    /// The longest frames, the longest first.
+    pub longest: Vec<Frame>,
+    /// Frames above the limit.
+    pub frames_too_long: u64,
+    /// Times that the scene was undone to its start and compared.
+    pub undone_to_start: usize,
+    /// Times that the scene was saved and opened again.
+    pub opened_again: usize,
+    /// Times that an awaited change of a file was noticed.
+    pub noticed: usize,
+    /// What went wrong, in words, by criterion.
+    pub faults: Vec<(Criterion, String)>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Criterion {
+    Undo,
+    Saving,
+    Files,
+    /// The monkey itself could not go on.
+    Run,
+}
+
+/// Above these the run has failed.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    /// None: frames are not judged.
+    pub longest_frame: Option<Duration>,
+}
+
+/// Memory at the start of rounds may grow by this share of it and this many kB from the second quarter of the run to the last.
+const MEMORY_SHARE: f64 = 0.05;
+const MEMORY_KB: u64 = 8 * 1024;
+/// Threads and files at the start of rounds may be so many more in the last quarter than ever in the first half. Pictures of materials are
+/// made on threads that come and go.
+const MORE_THREADS: u64 = 3;
+const MORE_FILES: u64 = 4;
+/// The frames that are listed.
+const FRAMES_LISTED: usize = 8;
+/// Lines of the table of marks.
+const MARKS_LISTED: usize = 60;
+
+/// What came out of one criterion.
+pub struct Verdict {
+    pub what: &'static str,
+    /// None: it was not judged.
+    pub holds: Option<bool>,
+    pub text: String,
+}
+
+impl Record {
+    pub fn note_frame(&mut self, frame: Frame, bounds: &Bounds) {
+        self.frames += 1;
+        if bounds.longest_frame.is_some_and(|longest| frame.time.own > longest) {
+            self.frames_too_long += 1;
+        }
+        let place = self.longest.partition_point(|known| known.time.own >= frame.time.own);
+        if place < FRAMES_LISTED {
+            self.longest.insert(place, frame);
+            self.longest.truncate(FRAMES_LISTED);
+        }
+    }
+
+    pub fn fault(&mut self, criterion: Criterion, text: impl Into<String>) {
+        self.faults.push((criterion, text.into()));
+    }
+
+    pub fn steps(&self) -> usize {
+        self.done.values().sum()
+    }
+
+    /// One for each criterion.
+    pub fn verdicts(&self, bounds: &Bounds) -> Vec<Verdict> {
+        let of = |what, criterion, text: String| {
+            let mut faults = self.faults.iter().filter(|(of, _)| *of == criterion);
+            let first = faults.next();
+            Verdict {
+                what,
+                holds: Some(first.is_none()),
+                text: first.map_or(text, |(_, fault)| {
+                    format!("{} faults, the first: {fault}", 1 + faults.count())
+                }),
+            }
+        };
+        vec![
+            self.memory(),
+            self.flat("threads", |gauge| gauge.threads, MORE_THREADS),
+            self.flat("open files", |gauge| gauge.files, MORE_FILES),
+            self.frames(bounds),
+            of(
+                "the saved scene opens again",
+                Criterion::Saving,
+                format!("{} times", self.opened_again),
+            ),
+            of(
+                "undone to the start it is as at the start",
+                Criterion::Undo,
+                format!("{} times, and redone to the end as at the end", self.undone_to_start),
+            ),
+            of(
+                "changes of the scene's file are noticed",
+                Criterion::Files,
+                format!("{} times", self.noticed),
+            ),
+            of(
+                "the run came to its end",
+                Criterion::Run,
+                format!("{} steps", self.steps()),
+            ),
+        ]
+    }
+
+    /// Marks at the start of rounds within a part of the run.
+    fn starts(&self, from: f32, to: f32) -> impl Iterator<Item = &Gauge> {
+        let marks = self.marks.iter().filter(|mark| mark.at_start_of_round);
+        let within = marks.filter(move |mark| (from..=to).contains(&mark.progress));
+        within.map(|mark| &mark.gauge)
+    }
+
+    fn memory(&self) -> Verdict {
+        let median = |from, to| {
+            let mut values: Vec<u64> = self.starts(from, to).map(|gauge| gauge.memory_kb).collect();
+            values.sort();
+            values.get(values.len() / 2).copied()
+        };
+        let what = "memory is flat";
+        let (Some(before), Some(after)) = (median(0.25, 0.5), median(0.75, 1.0)) else {
+            return not_judged(what);
+        };
+        let most = before + (MEMORY_SHARE * before as f64) as u64 + MEMORY_KB;
+        Verdict {
+            what,
+            holds: Some(after <= most),
+            text: format!(
+                "median at the start of rounds {} in the second quarter, {} in the last; at most {}",
+                megabytes(before),
+                megabytes(after),
+                megabytes(most)
+            ),
+        }
+    }
+
+    fn flat(&self, what: &'static str, value: fn(&Gauge) -> u64, more: u64) -> Verdict {
+        let most = |from, to| self.starts(from, to).map(value).max();
+        let (Some(before), Some(after)) = (most(0.0, 0.5), most(0.75, 1.0)) else {
+            return not_judged(what);
+        };
+        Verdict {
+            what,
+            holds: Some(after <= before + more),
+            text: format!(
+                "at the start of rounds at most {before} in the first half, {after} in the last quarter; at most {more} more are allowed"
+            ),
+        }
+    }
+
+    fn frames(&self, bounds: &Bounds) -> Verdict {
+        let what = "frames of the window's own systems";
+        let Some(longest) = bounds.longest_frame else {
+            return not_judged(what);
+        };
+        let found = self.longest.first().map_or(Duration::ZERO, |frame| frame.time.own);
+        Verdict {
+            what,
+            holds: Some(self.frames_too_long == 0),
+            text: format!(
+                "the longest of {} took {} ms; {} took more than {} ms",
+                self.frames,
+                found.as_millis(),
+                self.frames_too_long,
+                longest.as_millis()
+            ),
+        }
+    }
+}
+
+fn not_judged(what: &'static str) -> Verdict {
+    Verdict {
+        what,
+        holds: None,
+        text: "not judged".to_owned(),
+    }
+}
+
+fn megabytes(kb: u64) -> String {
+    format!("{:.1} MB", kb as f64 / 1024.0)
+}
+
+fn clock(time: Duration) -> String {
+    let seconds = time.as_secs();
+    format!("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
+}
+
+impl Display for Record {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        writeln!(
+            f,
+            "monkey: seed {}, {} of time, {} steps in {} rounds, {} frames, {} scene{}, {}",
+            self.seed,
+            clock(self.duration),
+            self.steps(),
+            self.rounds,
+            self.frames,
+            self.scenes,
+            if self.scenes == 1 { "" } else { "s" },
+            if self.has_window {
+                "in a window"
+            } else {
+                "without a window"
+            },
+        )?;
+        let done = self.done.iter().map(|(kind, count)| format!("{kind} {count}"));
+        writeln!(f, "done: {}", done.collect::<Vec<_>>().join(", "))?;
+        writeln!(f, "commands that were refused with a reason: {}", self.refused)?;
+        writeln!(f)?;
+        writeln!(
+            f,
+            "     time     memory  threads  files  entities    steps  longest own frame"
+        )?;
+        let every = self.marks.len().div_ceil(MARKS_LISTED).max(1);
+        let last = self.marks.len().saturating_sub(1);
+        let mut longest = Duration::ZERO;
+        for (number, mark) in self.marks.iter().enumerate() {
+            longest = longest.max(mark.longest_frame);
+            if number % every != 0 && number != last {
+                continue;
+            }
+            writeln!(
+                f,
+                "{:>9} {:>10} {:>8} {:>6} {:>9} {:>8}  {:>14} ms",
+                clock(mark.at),
+                megabytes(mark.gauge.memory_kb),
+                mark.gauge.threads,
+                mark.gauge.files,
+                mark.entities,
+                mark.steps,
+                longest.as_millis()
+            )?;
+            longest = Duration::ZERO;
+        }
+        writeln!(f)?;
+        writeln!(
+            f,
+            "longest frames of the window's own systems, without the time in which other threads had the cores (with it; on a core):"
+        )?;
+        for frame in &self.longest {
+            writeln!(
+                f,
+                "{:>6} ms ({} ms; {} ms) at {}: {}",
+                frame.time.own.as_millis(),
+                frame.time.wall.as_millis(),
+                frame.time.computed.as_millis(),
+                clock(frame.at),
+                frame.doing
+            )?;
+        }
+        Ok(())
+    }
+}
+
+impl Display for Verdict {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        let word = match self.holds {
+            Some(true) => "ok",
+            Some(false) => "FAILED",
+            None => "-",
+        };
+        write!(f, "{word:<6} {}: {}", self.what, self.text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(memory: impl Fn(usize) -> u64) -> Record {
+        let mark = |number: usize| Mark {
+            at: Duration::from_secs(number as u64),
+            progress: number as f32 / 100.0,
+            gauge: Gauge {
+                memory_kb: memory(number),
+                threads: 10 + number as u64 % 2,
+                files: 20 + number as u64 / 10,
+            },
+            entities: 0,
+            steps: number,
+            longest_frame: Duration::ZERO,
+            at_start_of_round: number % 3 == 0,
+        };
+        Record {
+            marks: (0..=100).map(mark).collect(),
+            ..Record::default()
+        }
+    }
+
+    fn holds(record: &Record, what: &str) -> Option<bool> {
+        let bounds = Bounds {
+            longest_frame: Some(Duration::from_millis(250)),
+        };
+        let verdicts = record.verdicts(&bounds);
+        verdicts.iter().find(|verdict| verdict.what == what).expect(what).holds
+    }
+
+    #[test]
+    fn memory_that_rises_is_not_flat() {
+        let flat = record(|number| 200_000 + number as u64 % 7 * 1000);
+        assert_eq!(holds(&flat, "memory is flat"), Some(true));
+        assert_eq!(holds(&flat, "threads"), Some(true));
+        // 24 in the first half and 29 in the last quarter.
+        assert_eq!(holds(&flat, "open files"), Some(false));
+        let rising = record(|number| 200_000 + number as u64 * 1000);
+        assert_eq!(holds(&rising, "memory is flat"), Some(false));
+        assert_eq!(holds(&Record::default(), "memory is flat"), None);
+    }
+
+    #[test]
+    fn a_long_frame_fails_and_is_named() {
+        let mut record = Record::default();
+        let bounds = Bounds {
+            longest_frame: Some(Duration::from_millis(250)),
+        };
+        for millis in [3, 300, 7] {
+            let frame = Frame {
+                time: Span {
+                    own: Duration::from_millis(millis),
+                    ..Span::default()
+                },
+                doing: format!("{millis}"),
+                ..Frame::default()
+            };
+            record.note_frame(frame, &bounds);
+        }
+        assert_eq!(record.longest[0].doing, "300");
+        assert_eq!(holds(&record, "frames of the window's own systems"), Some(false));
+    }
+}
