@@ -1,6 +1,8 @@
 //! The application: drives the scene and the engine, with or without a window.
 
 #[cfg(feature = "window")]
+mod allocator;
+#[cfg(feature = "window")]
 pub mod editor;
 pub mod headless;
 pub mod threads;

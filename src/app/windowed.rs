@@ -11,6 +11,7 @@ use bevy::render::settings::{Backends, RenderCreation, WgpuSettings};
 use bevy::window::{PresentMode, WindowResolution};
 use thiserror::Error;
 
+use super::allocator::keep_memory_low;
 use super::editor::EditorPlugin;
 pub use super::editor::options::WindowOptions;
 use super::threads::{run_systems_in_turn, worker_count};
@@ -30,6 +31,7 @@ pub fn run(options: WindowOptions) -> Result<ExitCode, WindowError> {
     if !has_display() {
         return Err(WindowError::NoDisplay);
     }
+    keep_memory_low();
     explain_startup_panics();
     Ok(match windowed(options).run() {
         AppExit::Success => ExitCode::SUCCESS,
