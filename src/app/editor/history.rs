@@ -1,16 +1,17 @@
 //! What was done to the scene, to be taken back and done again. An entry holds the components that an edit changed, before and after, and no
 //! others; the number of entries and their memory are bounded.
 //!
-//! Entities are not despawned: without components they are out of the scene, and their ids stay valid for entries that name them.
+//! Entities are not despawned while entries name them: without components they are out of the scene, and their ids stay valid.
 
 use std::collections::HashMap;
 
+use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 
 use super::light_mix::LightMix;
 use super::selection::Selection;
 use crate::scene::{
-    AccelMethod, ActiveSensor, FreeView, IntegratorSettings, ObjectChange, ObjectState, SamplerSettings, Side,
+    AccelMethod, ActiveSensor, Authored, FreeView, IntegratorSettings, ObjectChange, ObjectState, SamplerSettings, Side,
 };
 
 /// Older entries are forgotten above this number of steps.
@@ -104,13 +105,18 @@ pub struct History {
     saved_is_lost: bool,
     /// The oldest entries are gone.
     has_forgotten: bool,
+    /// What entries named that are gone.
+    named_once: Vec<Entity>,
 }
 
 impl History {
     /// As after opening a scene.
     pub fn clear(&mut self) {
+        let gone = self.done.drain(..).chain(self.undone.drain(..));
+        self.named_once.extend(gone.flat_map(Entry::into_entities));
         *self = Self {
             next_number: self.next_number,
+            named_once: std::mem::take(&mut self.named_once),
             ..Self::default()
         };
     }
@@ -173,7 +179,8 @@ impl History {
         if let Some(saved) = self.saved_at {
             self.saved_is_lost |= self.undone.iter().any(|entry| entry.number == saved);
         }
-        self.undone.clear();
+        let undone = self.undone.drain(..).flat_map(Entry::into_entities);
+        self.named_once.extend(undone);
         if let Some(last) = self.done.last_mut()
             && last.merge.is_some()
             && last.merge == entry.merge
@@ -204,11 +211,40 @@ impl History {
                 None => self.saved_is_lost = true,
                 Some(_) => {}
             }
+            self.named_once.extend(forgotten.into_entities());
+        }
+    }
+}
+
+/// Entities that no entry names any more are despawned this many at a time: to find them takes a look at all entries.
+const GONE_AT_ONCE: usize = 512;
+
+/// Despawns what was deleted, cannot come back by undo or redo, and is not deleted from the file as well: a reload must know the latter.
+pub fn despawn_forgotten(world: &mut World) {
+    let mut history = world.resource_mut::<History>();
+    if history.named_once.len() < GONE_AT_ONCE {
+        return;
+    }
+    let gone = std::mem::take(&mut history.named_once);
+    let entries = history.done.iter().chain(&history.undone);
+    let named: EntityHashSet = entries
+        .flat_map(|entry| entry.changes.iter().map(|change| change.entity))
+        .collect();
+    for entity in gone {
+        let is_needed = named.contains(&entity)
+            || ObjectState::is_in_scene(world, entity)
+            || world.get::<Authored>(entity).is_some();
+        if !is_needed && let Ok(entity) = world.get_entity_mut(entity) {
+            entity.despawn();
         }
     }
 }
 
 impl Entry {
+    fn into_entities(self) -> impl Iterator<Item = Entity> {
+        self.changes.into_iter().map(|change| change.entity)
+    }
+
     fn is_empty(&self) -> bool {
         self.changes.is_empty() && self.settings[0] == self.settings[1]
     }

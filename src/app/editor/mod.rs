@@ -232,7 +232,7 @@ impl Plugin for EditorPlugin {
                 )
                     .chain(),
             )
-            .add_systems(First, latency::time_frames)
+            .add_systems(First, (latency::time_frames, history::despawn_forgotten).chain())
             .add_systems(Last, latency::time_systems.after(recovery::clean_up))
             .add_systems(
                 Last,

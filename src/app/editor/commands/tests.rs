@@ -395,3 +395,48 @@ fn what_refracts_does_not_come_inside_of_two_sides() {
     say(&mut world, build(ball, glass.clone().into()));
     assert_eq!(world.get::<Material>(outer), Some(&glass));
 }
+
+#[test]
+fn what_can_never_come_back_is_despawned() {
+    let mut world = world();
+    let kept = add(&mut world, AdditionKind::Cube);
+    let spawned = |world: &World| world.entities().count_spawned();
+    let before = spawned(&world);
+    for _ in 0..2000 {
+        add(&mut world, AdditionKind::Sphere);
+        // Undone, and then lost by the next edit.
+        say(&mut world, Command::Undo);
+        history::despawn_forgotten(&mut world);
+    }
+    assert!(spawned(&world) < before + 600, "{} {before}", spawned(&world));
+    let deleted = add(&mut world, AdditionKind::Sphere);
+    say(&mut world, Command::Delete);
+    for _ in 0..700 {
+        add(&mut world, AdditionKind::Sphere);
+        say(&mut world, Command::Undo);
+        history::despawn_forgotten(&mut world);
+    }
+    assert!(world.get_entity(deleted).is_ok(), "it can be undone");
+    assert!(world.get::<Shape>(kept).is_some());
+    say(&mut world, Command::GoTo(2));
+    assert!(world.get::<Shape>(deleted).is_some());
+    world.resource_mut::<History>().clear();
+    assert_eq!(world.resource::<History>().bytes(), 0);
+}
+
+#[test]
+fn the_history_is_bounded_in_memory() {
+    let mut world = world();
+    let ball = add(&mut world, AdditionKind::Sphere);
+    let megabyte = "n".repeat(1 << 20);
+    for number in 0..200 {
+        let name = format!("{megabyte}{number}");
+        apply(&mut world, Command::Rename(ball, name)).expect("a name");
+    }
+    let history = world.resource::<History>();
+    assert!(history.bytes() <= history::MOST_BYTES, "{}", history.bytes());
+    assert!(history.len().0 > 5 && !history.is_whole());
+    say(&mut world, Command::Undo);
+    let name = world.get::<Name>(ball).expect("a name");
+    assert!(name.as_str().ends_with("198"));
+}

@@ -7,6 +7,7 @@ use bevy::app::ScheduleRunnerPlugin;
 use bevy::prelude::*;
 
 use super::{Monkey, add_to, settings_folder};
+use crate::app::allocator::keep_memory_low;
 use crate::app::editor::{
     EditorSystems, commands, compare, denoiser, flight, gather, history, inspection, latency, layout, light_mix,
     motion, options, pacing, paths, preferences, recovery, scene_watch, selection, state, stored_views,
@@ -89,7 +90,7 @@ pub fn windowless(monkey: Monkey, threads: Option<i32>) -> App {
                     .in_set(EditorSystems::Show),
             ),
         )
-        .add_systems(First, latency::time_frames)
+        .add_systems(First, (latency::time_frames, history::despawn_forgotten).chain())
         .add_systems(Last, latency::time_systems.after(recovery::clean_up))
         .add_systems(
             Last,
@@ -108,6 +109,7 @@ pub fn windowless(monkey: Monkey, threads: Option<i32>) -> App {
 
 /// Plays to the end and prints the report.
 pub fn run_windowless(monkey: Monkey, threads: Option<i32>) -> ExitCode {
+    keep_memory_low();
     match windowless(monkey, threads).run() {
         AppExit::Success => ExitCode::SUCCESS,
         AppExit::Error(code) => ExitCode::from(code.get()),
