@@ -38,8 +38,8 @@ const LIBRARY: Quality = Quality { edge: 112, samples: 32 };
 const LISTED: Quality = Quality { edge: 40, samples: 32 };
 /// Samples of all of them, before any gets more.
 const ROUGH: u32 = 4;
-/// Pictures that are kept of what is not in sight any more, some 100 kB each.
-const MOST: usize = 256;
+/// Pictures that are kept of what is not in sight any more, some 100 kB each here and as much in the graphics driver.
+const MOST: usize = 128;
 
 /// What is rendered of a ball.
 struct Picture {
@@ -114,11 +114,7 @@ pub fn update_previews(
     {
         previews.work = start(wanted.ball, wanted.look.clone(), quality, wake_up.clone());
     }
-    if previews.pictures.len() > MOST {
-        previews
-            .pictures
-            .retain(|ball, _| wanted.iter().any(|wanted| wanted.ball == *ball));
-    }
+    previews.let_go(&current, &wanted);
     model.0.looks.balls = previews.shown();
     Ok(())
 }
@@ -188,6 +184,19 @@ impl Previews {
             material: ids[place],
         });
         self.presets = looks.collect();
+    }
+
+    /// Forgets pictures of materials that are not in the scene any more: each keeps the tables alive that it was rendered from, with their
+    /// textures.
+    fn let_go(&mut self, current: &CurrentScene, wanted: &[Wanted]) {
+        self.pictures.retain(|ball, _| match ball {
+            Ball::Material(entity) => current.material_of_entity.contains_key(entity),
+            Ball::Preset(_) => true,
+        });
+        if self.pictures.len() > MOST {
+            self.pictures
+                .retain(|ball, _| wanted.iter().any(|wanted| wanted.ball == *ball));
+        }
     }
 
     /// All there are: what a panel shows that comes to the front is there in its first frame.
