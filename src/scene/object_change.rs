@@ -214,6 +214,7 @@ mod tests {
     #[test]
     fn a_moved_thing_takes_less_than_its_whole_state() {
         let change = ObjectChange::between(&state(1.0, 0.0), &state(1.0, 1.0)).expect("they differ");
+        println!("{} bytes of {}", change.bytes(), 2 * size_of::<ObjectState>());
         assert!(change.bytes() < 300, "{}", change.bytes());
         let deleted = ObjectChange::between(&state(1.0, 0.0), &ObjectState::default()).expect("they differ");
         assert!(deleted.bytes() > change.bytes() && !deleted.is_there[1]);

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use bevy::math::UVec2;
 use bevy::prelude::*;
 
 use super::edits::{names, random_edit};
@@ -34,8 +33,8 @@ pub enum Act {
     },
     /// Another program deletes a file.
     Remove(PathBuf),
-    /// Pixels of the window's content.
-    Resize(UVec2),
+    /// The window's content, as shares of its first width and height.
+    Resize(Vec2),
     CloseSheet,
     /// Nothing for so many frames.
     Rest(usize),
@@ -287,9 +286,9 @@ fn window(random: &mut Random) -> Vec<Act> {
             acts
         }
         4 => vec![Act::Do(Command::ShowPanels(random.below(4) > 0))],
-        _ => vec![Act::Resize(UVec2::new(
-            400 + random.below(900) as u32,
-            300 + random.below(500) as u32,
+        _ => vec![Act::Resize(Vec2::new(
+            0.5 + 0.7 * random.fraction(),
+            0.5 + 0.7 * random.fraction(),
         ))],
     }
 }

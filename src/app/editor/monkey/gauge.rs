@@ -54,6 +54,14 @@ impl ThreadTimes {
     }
 }
 
+/// Threads of the whole machine that run or are ready to run, for each core, as a mean over the last minute. Zero where the system does not say.
+pub fn threads_per_core() -> f32 {
+    let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    let load = text.split_whitespace().next().and_then(|load| load.parse().ok());
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get);
+    load.unwrap_or(0.0) / cores as f32
+}
+
 #[cfg(all(test, target_os = "linux"))]
 mod tests {
     use super::*;

@@ -106,6 +106,8 @@ pub struct Monkey {
     waiting: Waiting,
     waiting_since: Instant,
     round: Round,
+    /// Points, before the monkey has changed it.
+    window_size: Option<Vec2>,
     /// Acts that are decided, one for each of the next frames.
     coming: VecDeque<Act>,
     /// What is being done, for the list of long frames.
@@ -149,6 +151,7 @@ impl Monkey {
                 steps_left: 0,
                 start: None,
             },
+            window_size: None,
             coming: VecDeque::new(),
             doing: String::new(),
             begun: Instant::now(),
@@ -268,6 +271,7 @@ fn end_frame(mut monkey: ResMut<Monkey>, frames: Res<FrameTimes>) {
         time,
         at: monkey.begun.elapsed(),
         doing: monkey.doing.clone(),
+        load: gauge::threads_per_core(),
     };
     let bounds = monkey.bounds();
     monkey.record.note_frame(frame, &bounds);

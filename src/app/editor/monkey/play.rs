@@ -326,12 +326,14 @@ impl Monkey {
                     self.fault(Criterion::Run, format!("{}: {error}", path.display()));
                 }
             }
-            Act::Resize(size) => {
-                self.doing = format!("resize the window to {} x {}", size.x, size.y);
+            Act::Resize(shares) => {
+                self.doing = format!("resize the window to {:.2} x {:.2} of its size", shares.x, shares.y);
                 self.write_log(&format!("# {}", self.doing));
                 let mut windows = world.query_filtered::<&mut Window, With<PrimaryWindow>>();
                 if let Ok(mut window) = windows.single_mut(world) {
-                    window.resolution.set(size.x as f32, size.y as f32);
+                    let first = *self.window_size.get_or_insert(window.resolution.size());
+                    let size = (first * shares).round();
+                    window.resolution.set(size.x, size.y);
                 }
             }
             Act::CloseSheet => world.resource_mut::<EditorState>().sheet = None,
