@@ -205,8 +205,8 @@ impl<'l> Writer<'l> {
     }
 }
 
-/// Whether all numbers of a value can be written.
-pub(super) fn check_finite(value: &Value, name: &str, owner: &Object) -> Result<(), WriteError> {
+/// An error if a number of the value is infinite or none: the format has no text for it.
+pub fn check_finite(value: &Value, name: &str, owner: &Object) -> Result<(), WriteError> {
     let numbers = match value {
         Value::Float(number) | Value::Spectrum(number) => vec![*number],
         Value::Rgb(triple) | Value::Point(triple) | Value::Vector(triple) => triple.to_array().to_vec(),

@@ -198,8 +198,16 @@ impl Gltf {
         elements.elements().map(whole).collect()
     }
 
+    /// An accessor whose elements can be numbered with 32 bits, as the indices of triangles are.
     pub(super) fn accessor(&self, index: usize) -> Result<&Accessor, GltfError> {
-        self.get("accessor", &self.root.accessors, index)
+        let accessor = self.get("accessor", &self.root.accessors, index)?;
+        match u32::try_from(accessor.count) {
+            Ok(_) => Ok(accessor),
+            Err(_) => Err(bad(
+                index,
+                format!("has {} elements, but at most {} are possible", accessor.count, u32::MAX),
+            )),
+        }
     }
 
     /// `place`: buffer view and offset into it.
@@ -213,15 +221,20 @@ impl Gltf {
     ) -> Result<Strided<'_>, GltfError> {
         let given = self.get("buffer view", &self.root.buffer_views, view)?.byte_stride;
         let stride = given.filter(|_| may_stride).unwrap_or(size);
+        // Elements that overlap would make a large mesh of a small file.
+        if stride < size && count > 1 {
+            return Err(bad(
+                accessor,
+                format!("has elements of {size} bytes, but they are only {stride} bytes apart"),
+            ));
+        }
         let bytes = self.view(view)?;
-        let end = count
-            .checked_sub(1)
-            .and_then(|last| last.checked_mul(stride))
-            .map_or(Some(0), |start| start.checked_add(size))
-            .and_then(|length| length.checked_add(offset));
-        // A stride of zero would make many elements of few bytes.
-        let fits = end.is_some_and(|end| end <= bytes.len()) && (stride > 0 || count <= 1);
-        if !fits {
+        let length = match count.checked_sub(1) {
+            Some(last) => last.checked_mul(stride).and_then(|start| start.checked_add(size)),
+            None => Some(0),
+        };
+        let end = length.and_then(|length| length.checked_add(offset));
+        if end.is_none_or(|end| end > bytes.len()) {
             let held = bytes.len();
             return Err(bad(
                 accessor,
@@ -229,7 +242,7 @@ impl Gltf {
             ));
         }
         Ok(Strided {
-            bytes: &bytes[offset.min(bytes.len())..],
+            bytes: &bytes[offset..],
             stride,
             size,
             count,

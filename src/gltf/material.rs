@@ -59,12 +59,7 @@ impl Builder<'_> {
         let material = index
             .and_then(|index| gltf.root.materials.get(index))
             .unwrap_or(&default);
-        let title = match (index, &material.name) {
-            (Some(index), Some(name)) => format!("material {index} ({name})"),
-            (Some(index), None) => format!("material {index}"),
-            (None, _) => "the default material".to_owned(),
-        };
-        self.report_limits(material, &title);
+        self.report_limits(material, &title(index, material));
         let pbr = &material.pbr_metallic_roughness;
         let extensions = &material.extensions;
         let transmission = extensions
@@ -159,6 +154,7 @@ impl Builder<'_> {
         let strength = material.extensions.emissive_strength.as_ref();
         let radiance =
             Vec3::from(material.emissive_factor) * strength.map_or(1.0, |strength| strength.emissive_strength);
+        let radiance = self.possible_light(radiance, &title(index, material));
         if radiance.max_element() <= 0.0 {
             return None;
         }
@@ -307,6 +303,15 @@ impl Builder<'_> {
         for (_, what) in limits.into_iter().filter(|&(is_so, _)| is_so) {
             self.warn(format!("{title}: {what}"));
         }
+    }
+}
+
+/// What messages call a material.
+fn title(index: Option<usize>, material: &Material) -> String {
+    match (index, &material.name) {
+        (Some(index), Some(name)) => format!("material {index} ({name})"),
+        (Some(index), None) => format!("material {index}"),
+        (None, _) => "the default material".to_owned(),
     }
 }
 

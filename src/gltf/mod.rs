@@ -51,6 +51,12 @@ pub enum GltfError {
     Tree(usize),
     #[error("image {index}: {what}")]
     Image { index: usize, what: String },
+    /// Of the scene that the file becomes.
+    #[error("`{name}` of {owner} is too large for a number of single precision")]
+    Number { name: String, owner: String },
+    /// The largest coordinate of the scene, and the largest for which a camera can be placed.
+    #[error("the scene has no camera, and reaches to {reach:e}: a camera is placed only up to {limit:e}")]
+    Reach { reach: f32, limit: f32 },
     #[error("the URI `{uri}` {what}")]
     Uri { uri: String, what: &'static str },
     #[error("{name}: {source}")]

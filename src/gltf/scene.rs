@@ -12,6 +12,7 @@ use super::mesh::VERTEX_COLOR;
 use super::picture::Picture;
 use super::schema::{Camera, Light, Node, Primitive};
 use super::{Gltf, GltfError, is_supported};
+use crate::document::write::check_finite;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
 use crate::geometry::mesh::MeshData;
 use crate::math::Aabb;
@@ -41,6 +42,12 @@ const SAMPLES: i64 = 64;
 /// Where the camera stands if the file has none, seen from the middle of things.
 const VIEWPOINT: Vec3 = Vec3::new(0.5, 0.4, 1.0);
 const VIEW_DEGREES: f32 = 40.0;
+/// A camera is placed for scenes whose coordinates are at most this large. Products of three lengths still fit into single precision.
+const FARTHEST_REACH: f32 = 1e12;
+/// The radius that such a camera frames is at least this share of the largest coordinate, 80 times the rounding of single precision,
+const SMALLEST_SHARE: f32 = 1e-5;
+/// and at least this long, so that its cube is far above the smallest positive number.
+const SMALLEST_RADIUS: f32 = 1e-9;
 
 pub(super) struct Builder<'a> {
     pub gltf: &'a Gltf,
@@ -55,6 +62,8 @@ pub(super) struct Builder<'a> {
     pictures: Vec<(Picture, Option<String>)>,
     /// Why the first picture could not be kept.
     failure: Option<GltfError>,
+    /// Why the first primitive that was left out could not be read.
+    unreadable: Option<GltfError>,
     ids: HashSet<String>,
     /// By name the number that the next thing of this name may get.
     next_numbers: HashMap<String, u32>,
@@ -88,6 +97,7 @@ impl Gltf {
             meshes: BTreeMap::new(),
             pictures: Vec::new(),
             failure: None,
+            unreadable: None,
             ids: HashSet::new(),
             next_numbers: HashMap::new(),
             sensors: Vec::new(),
@@ -118,6 +128,17 @@ impl Builder<'_> {
         if self.warned.insert(sentence.clone()) {
             self.warnings.push(sentence);
         }
+    }
+
+    /// The light that something sends out, with zero (reported) in place of numbers that are negative or too large for single precision.
+    pub fn possible_light(&mut self, light: Vec3, title: &str) -> Vec3 {
+        let possible = light.map(|number| if number.is_finite() { number.max(0.0) } else { 0.0 });
+        if possible != light {
+            self.warn(format!(
+                "{title}: its light {light} is negative or infinite, {possible} takes its place"
+            ));
+        }
+        possible
     }
 
     /// The name of the picture's file; None (reported) if the picture cannot be read.
@@ -168,7 +189,8 @@ impl Builder<'_> {
         if let Some(light) = &node.extensions.light {
             let lights = &gltf.root.extensions.lights.lights;
             let light = gltf.get("light", lights, light.light)?;
-            self.light(light, world);
+            let name = node.name.as_deref().or(light.name.as_deref()).unwrap_or("unnamed");
+            self.light(light, name, world);
         }
         Ok(())
     }
@@ -232,6 +254,7 @@ impl Builder<'_> {
             }
             Err(error) => {
                 self.warn(format!("primitive {number} of `{name}` is left out: {error}"));
+                self.unreadable.get_or_insert(error);
                 None
             }
         };
@@ -286,8 +309,8 @@ impl Builder<'_> {
         self.sensors.push(Object { id: Some(id), ..sensor });
     }
 
-    fn light(&mut self, light: &Light, world: Mat4) {
-        let power = Vec3::from(light.color) * light.intensity;
+    fn light(&mut self, light: &Light, name: &str, world: Mat4) {
+        let power = self.possible_light(Vec3::from(light.color) * light.intensity, &format!("light `{name}`"));
         let emitter = |plugin: &str| object(Category::Emitter, plugin);
         let forward = world.transform_vector3(Vec3::NEG_Z);
         self.emitters.push(match light.kind.as_str() {
@@ -348,8 +371,12 @@ impl Builder<'_> {
         if let Some(failure) = self.failure {
             return Err(failure);
         }
-        if self.sensors.is_empty() && !self.bounds.is_empty() {
-            self.sensors.push(overview(&self.bounds));
+        if let Some(unreadable) = self.unreadable.take_if(|_| self.shapes.is_empty()) {
+            return Err(unreadable);
+        }
+        if self.sensors.is_empty() {
+            let sensor = self.overview()?;
+            self.sensors.push(sensor);
         }
         if self.emitters.is_empty() && !self.has_area_light {
             let sky = object(Category::Emitter, "constant");
@@ -363,20 +390,55 @@ impl Builder<'_> {
             .chain(self.shapes)
             .map(Child::Object)
             .collect();
+        check_numbers(&root)?;
         Ok(Imported {
             root,
             warnings: self.warnings,
         })
     }
+
+    /// A camera that sees everything there is. An error if single precision cannot hold its distance from things.
+    fn overview(&mut self) -> Result<Object, GltfError> {
+        if self.shapes.is_empty() {
+            self.warn("the scene has no triangles".to_owned());
+            return Ok(overview(Vec3::ZERO, 1.0));
+        }
+        let reach = self.bounds.min.abs().max(self.bounds.max.abs()).max_element();
+        // Not a number is no reach either.
+        if !(reach <= FARTHEST_REACH) {
+            return Err(GltfError::Reach {
+                reach,
+                limit: FARTHEST_REACH,
+            });
+        }
+        let radius = 0.5 * self.bounds.extent().length();
+        let least = (SMALLEST_SHARE * reach).max(SMALLEST_RADIUS);
+        if radius < least {
+            self.warn(format!(
+                "the scene has an extent of {radius:e}, too small for a camera to frame: the camera frames {least:e}"
+            ));
+        }
+        Ok(overview(self.bounds.center(), radius.max(least)))
+    }
 }
 
-/// A camera that sees the sphere around the box.
-fn overview(bounds: &Aabb) -> Object {
-    let radius = (0.5 * bounds.extent().length()).max(f32::MIN_POSITIVE);
+/// An error if a number of the scene is too large for single precision.
+fn check_numbers(object: &Object) -> Result<(), GltfError> {
+    for property in &object.properties {
+        check_finite(&property.value, &property.name, object).map_err(|_| GltfError::Number {
+            name: property.name.clone(),
+            owner: object.title(),
+        })?;
+    }
+    object.objects().try_for_each(check_numbers)
+}
+
+/// A camera that sees a sphere.
+fn overview(center: Vec3, radius: f32) -> Object {
     let distance = radius / (0.5 * VIEW_DEGREES.to_radians()).sin();
     let look = TransformOp::LookAt {
-        origin: bounds.center() + distance * VIEWPOINT.normalize(),
-        target: bounds.center(),
+        origin: center + distance * VIEWPOINT.normalize(),
+        target: center,
         up: Vec3::Y,
     };
     let sensor = with_float(object(Category::Sensor, "perspective"), "fov", VIEW_DEGREES);

@@ -50,6 +50,7 @@ pub struct Lights {
 
 #[derive(Debug, Deserialize)]
 pub struct Light {
+    pub name: Option<String>,
     #[serde(rename = "type")]
     pub kind: String,
     #[serde(default = "white")]

@@ -249,6 +249,100 @@ fn without_camera_and_light_there_are_some() {
 }
 
 #[test]
+fn a_scene_of_no_extent_is_framed_and_one_beyond_all_numbers_is_refused_for_that() {
+    let frame = |corner: f32, scale: f32| {
+        let (mut parts, rest) = textured_quad("{}");
+        let corners: Vec<f32> = SQUARE.iter().map(|number| corner + scale * number).collect();
+        let square = parts.floats("VEC3", &corners);
+        let rest = rest.replacen(r#""POSITION": 0"#, &format!(r#""POSITION": {square}"#), 1);
+        let file = open(&parts.text(&rest)).expect("opens");
+        import_file(&file).map(|(imported, _)| imported)
+    };
+    for (corner, scale) in [
+        (0.0, 0.0),
+        (7.0, 0.0),
+        (-1e12, 0.0),
+        (0.0, 1e-38),
+        (1e6, 1e-3),
+        (0.0, 1e12),
+    ] {
+        let imported = frame(corner, scale).expect("can be framed");
+        let pose = world(of(&imported.root, Category::Sensor)[0]);
+        assert!(pose.is_finite(), "{corner} {scale}: {pose}");
+        let toward = Vec3::splat(corner) + 0.5 * scale * Vec3::new(1.0, 1.0, 0.0) - Vec3::from(pose.translation);
+        let toward = (toward / toward.abs().max_element()).normalize();
+        assert!(
+            pose.transform_vector3(Vec3::Z).dot(toward) > 0.99,
+            "{corner} {scale}: {pose}"
+        );
+        // Only what is too small to see is said.
+        assert_eq!(
+            imported.warnings.len(),
+            usize::from(scale < 1.0),
+            "{:?}",
+            imported.warnings
+        );
+    }
+    for (corner, scale) in [(0.0, 1e13), (1e20, 1.0), (0.0, 3e38), (-2e38, 3e38)] {
+        let error = frame(corner, scale).expect_err("is too large").to_string();
+        assert!(error.contains("no camera") && error.contains("reaches to"), "{error}");
+    }
+    let nothing = r#"{"asset": {"version": "2.0"}}"#;
+    let (imported, _) = import(nothing);
+    assert_eq!(imported.warnings, ["the scene has no triangles"]);
+    assert_eq!(of(&imported.root, Category::Sensor).len(), 1);
+}
+
+#[test]
+fn a_file_of_which_no_primitive_can_be_read_is_an_error() {
+    let (parts, rest) = textured_quad("{}");
+    let text = parts
+        .text(&rest)
+        .replacen(r#""count": 4"#, r#""count": 9223372036854775808"#, 1);
+    let file = open(&text).expect("opens");
+    let error = import_file(&file).map(|_| ()).expect_err("nothing is left").to_string();
+    assert!(error.contains("accessor 0 has 9223372036854775808 elements"), "{error}");
+}
+
+#[test]
+fn light_is_neither_negative_nor_infinite() {
+    let lit = |material: &str, lights: &str| {
+        let (parts, rest) = textured_quad(material);
+        let rest = rest.replacen(
+            r#"{"mesh": 0}"#,
+            r#"{"mesh": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}"#,
+            1,
+        );
+        let lights = format!(r#""extensions": {{"KHR_lights_punctual": {{"lights": [{lights}]}}}}, "#);
+        import(&parts.text(&format!("{lights}{rest}"))).0
+    };
+    let imported = lit(
+        r#"{"name": "lamp", "emissiveFactor": [1, -0.5, 0]}"#,
+        r#"{"type": "point", "name": "bulb", "color": [1, 0.5, -1], "intensity": 2}"#,
+    );
+    let area = inside(of(&imported.root, Category::Shape)[0], "area");
+    assert_eq!(value(area, "radiance"), &Value::Rgb(Vec3::X));
+    let point = of(&imported.root, Category::Emitter)[0];
+    assert_eq!(value(point, "intensity"), &Value::Rgb(Vec3::new(2.0, 1.0, 0.0)));
+    let [lamp, bulb] = &imported.warnings[..] else {
+        panic!("{:?}", imported.warnings)
+    };
+    assert!(
+        lamp.contains("material 0 (lamp)") && lamp.contains("negative"),
+        "{lamp}"
+    );
+    assert!(bulb.contains("`bulb`") && bulb.contains("negative"), "{bulb}");
+    // A light that takes everything away is none.
+    let imported = lit(
+        r#"{"emissiveFactor": [-1, -1, -1]}"#,
+        r#"{"type": "point", "intensity": 1e39}"#,
+    );
+    assert_eq!(imported.warnings.len(), 2, "{:?}", imported.warnings);
+    let point = of(&imported.root, Category::Emitter)[0];
+    assert_eq!(value(point, "intensity"), &Value::Rgb(Vec3::ZERO));
+}
+
+#[test]
 fn a_mesh_is_written_as_it_is_read() {
     let (parts, rest) = textured_quad("{}");
     let file = Gltf::open(&parts.binary(&rest), &mut nothing_beside).expect("opens");
@@ -289,6 +383,11 @@ fn what_cannot_be_is_one_error() {
             "KHR_draco",
         ),
         (r#""mesh": 0}"#, r#""mesh": 7}"#, "mesh 7"),
+        (
+            r#"{"mesh": 0}"#,
+            r#"{"mesh": 0, "camera": 0}], "cameras": [{"perspective": {"yfov": 1e39, "znear": 1}}"#,
+            "`fov` of sensor",
+        ),
         (r#""nodes": [0]"#, r#""nodes": [3]"#, "node 3"),
         (r#"{"mesh": 0}"#, r#"{"mesh": 0, "children": [0]}"#, "ancestor"),
         (";base64,", ";base64,!", "base64"),

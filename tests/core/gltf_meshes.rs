@@ -197,3 +197,63 @@ fn elements_without_bytes_have_a_limit_for_all_together() {
     let error = zeros(2237).expect_err("too many").to_string();
     assert!(error.contains("without a buffer"), "{error}");
 }
+
+#[test]
+fn counts_offsets_and_strides_of_any_size_are_errors_of_the_accessor() {
+    let mut parts = Parts::default();
+    parts.floats("VEC3", &SQUARE);
+    let places = parts.view(&[1, 0, 3, 0], "");
+    let values = parts.view(&[5.0f32; 6].map(f32::to_le_bytes).concat(), "");
+    let sparse = format!(
+        r#", "sparse": {{"count": 2, "indices": {{"bufferView": {places}, "byteOffset": 0, "componentType": 5123}},
+            "values": {{"bufferView": {values}, "byteOffset": 0}}}}}}"#
+    );
+    parts.accessors[0] = parts.accessors[0].replace('}', &format!(r#", "byteOffset": 0{sparse}"#));
+    let indices = parts.view(&[0, 1, 2], "");
+    parts.accessor(indices, 5121, "SCALAR", 3, "");
+    let text = parts.text(r#""meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}]"#);
+    let read = |text: &str| open(text).and_then(|file| file.mesh(0));
+    read(&text).expect("is good");
+    // One number at a time is wrong, among them some whose product with a size of 12 or 2 bytes, or sum with an offset, wraps around to a small number.
+    let numbers = [
+        u64::MAX,
+        u64::MAX - 11,
+        1 << 63,
+        (1 << 63) + 1,
+        (1 << 62) + 1,
+        u64::MAX / 12 + 1,
+        u64::MAX / 12 + 2,
+        u64::from(u32::MAX) + 1,
+        u64::from(u32::MAX),
+    ];
+    let places = [
+        (r#""type": "VEC3", "count": 4"#, "accessor 0"),
+        (r#""sparse": {"count": 2"#, "accessor 0"),
+        (r#""type": "SCALAR", "count": 3"#, "accessor 1"),
+        (r#""byteOffset": 0, "sparse""#, "accessor 0"),
+        (r#""byteOffset": 0, "componentType""#, "accessor 0"),
+        (r#""byteOffset": 0}}"#, "accessor 0"),
+        (r#""byteOffset": 0, "byteLength""#, "buffer view 0"),
+        (r#""byteLength": 48"#, "buffer view 0"),
+    ];
+    for (old, part) in places {
+        assert_eq!(text.matches(old).count(), 1, "{old}");
+        let digit = old.rfind(|c: char| c.is_ascii_digit()).expect("has a number");
+        let first = old[..=digit].rfind(' ').expect("a space before it") + 1;
+        for number in numbers {
+            let bad = text.replace(old, &format!("{}{number}{}", &old[..first], &old[digit + 1..]));
+            let error = read(&bad).expect_err(&bad).to_string();
+            assert!(error.contains(part), "{old} {number}: {error}");
+        }
+    }
+    for stride in [0, 1, 11, u64::MAX, u64::MAX / 3 + 1] {
+        let strided = text.replace(
+            r#""byteLength": 48"#,
+            &format!(r#""byteLength": 48, "byteStride": {stride}"#),
+        );
+        let error = read(&strided)
+            .expect_err("elements overlap or reach too far")
+            .to_string();
+        assert!(error.contains("accessor 0"), "{stride}: {error}");
+    }
+}
