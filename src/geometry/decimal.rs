@@ -52,6 +52,38 @@ pub(super) fn leading_f32(text: &[u8]) -> Option<(f32, usize)> {
     Some((if sign == 1 { -value } else { value }, end))
 }
 
+/// The longest number at the beginning of `text`, whatever follows it: 3.1 of `3.1+e2`, 0.5 of `0.5f`. None if there is no digit, and before a
+/// comma: `1,5` is a number of another language, of which 1 would be a wrong reading.
+pub(super) fn longest_number(text: &[u8]) -> Option<f32> {
+    let is_sign = |place: usize| matches!(text.get(place), Some(b'+' | b'-'));
+    let digits_from = |place: usize| {
+        let rest = text.get(place..).unwrap_or_default();
+        place + rest.iter().take_while(|byte| byte.is_ascii_digit()).count()
+    };
+    let sign = usize::from(is_sign(0));
+    let mut end = digits_from(sign);
+    let mut digits = end - sign;
+    if text.get(end) == Some(&b'.') {
+        let begin = end + 1;
+        end = digits_from(begin);
+        digits += end - begin;
+    }
+    if digits == 0 {
+        return None;
+    }
+    if let Some(b'e' | b'E') = text.get(end) {
+        let begin = end + 1 + usize::from(is_sign(end + 1));
+        let after = digits_from(begin);
+        if after > begin {
+            end = after;
+        }
+    }
+    if text.get(end) == Some(&b',') {
+        return None;
+    }
+    std::str::from_utf8(text.get(..end)?).ok()?.parse().ok()
+}
+
 /// The whole number at the beginning of `text` without a sign, and its length: at most nine digits.
 #[inline]
 pub(super) fn leading_u32(text: &[u8]) -> Option<(u32, usize)> {

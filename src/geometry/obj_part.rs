@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use glam::{Vec2, Vec3};
 
-use super::decimal::{leading_f32, leading_u32};
+use super::decimal::{leading_f32, leading_u32, longest_number};
 use super::mesh_file::{MeshError, Place, Warnings, decode, excerpt};
 use super::obj_lines::{Lines, Words};
 
@@ -139,17 +139,20 @@ impl Part {
         };
         match keyword {
             b"v" => {
-                let position = Vec3::from(numbers(&mut words, place, text, "three coordinates")?);
+                let position = Vec3::from(self.numbers(&mut words, place, text, "three coordinates")?);
                 if !position.is_finite() {
                     return Err(MeshError::NotFinite { place });
                 }
                 self.positions.push(position);
             }
             b"vn" => {
-                let normal = numbers(&mut words, place, text, "three components of a normal")?;
+                let normal: [f32; 3] = self.numbers(&mut words, place, text, "three components of a normal")?;
                 self.normals.push(normal.into());
             }
-            b"vt" => self.uvs.push(texture_coordinate(&mut words, place, text)?),
+            b"vt" => {
+                let uv = self.texture_coordinate(&mut words, place, text)?;
+                self.uvs.push(uv);
+            }
             b"f" | b"fo" => self.add_face(&mut words, line, place)?,
             b"usemtl" => {
                 let name = decode(argument(text, keyword));
@@ -174,6 +177,60 @@ impl Part {
             }
         }
         Ok(())
+    }
+
+    #[inline]
+    fn numbers<const N: usize>(
+        &mut self,
+        words: &mut Words,
+        place: Place,
+        line: &[u8],
+        expected: &str,
+    ) -> Result<[f32; N], MeshError> {
+        let mut numbers = [0.0; N];
+        for number in &mut numbers {
+            *number = match words.next_if(leading_f32) {
+                Some(number) => number,
+                None => {
+                    let word = words.next();
+                    self.number(word, place)
+                        .ok_or_else(|| MeshError::syntax(place, expected, excerpt(line)))?
+                }
+            };
+        }
+        Ok(numbers)
+    }
+
+    /// The number that a word is or, with a warning, begins with: tinyobjloader and Assimp take that as well.
+    fn number(&mut self, word: Option<&[u8]>, place: Place) -> Option<f32> {
+        let word = word?;
+        let whole = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+        whole.or_else(|| {
+            let number = longest_number(word)?;
+            let message = format!(
+                "{} is no number: {number} is taken, with which it begins",
+                excerpt(word)
+            );
+            self.warnings.add(place, &message);
+            Some(number)
+        })
+    }
+
+    /// One to three numbers, of which two count. What is not finite becomes 0.
+    fn texture_coordinate(&mut self, words: &mut Words, place: Place, line: &[u8]) -> Result<Vec2, MeshError> {
+        const EXPECTED: &str = "one to three texture coordinates";
+        let [u] = self.numbers(words, place, line, EXPECTED)?;
+        let v = match words.next_if(leading_f32) {
+            Some(v) => v,
+            None => match words.next() {
+                None => 0.0,
+                word => self
+                    .number(word, place)
+                    .ok_or_else(|| MeshError::syntax(place, EXPECTED, excerpt(line)))?,
+            },
+        };
+        let uv = Vec2::new(u, v);
+        Ok(if uv.is_finite() { uv } else { Vec2::ZERO })
     }
 
     fn add_face(&mut self, words: &mut Words, line: u32, place: Place) -> Result<(), MeshError> {
@@ -252,44 +309,6 @@ fn plain_corner(text: &[u8]) -> Option<(Corner, usize)> {
 /// The text after the keyword, which may hold spaces.
 fn argument<'a>(text: &'a [u8], keyword: &[u8]) -> &'a [u8] {
     text.trim_ascii_start()[keyword.len()..].trim_ascii()
-}
-
-#[inline]
-fn numbers<const N: usize>(
-    words: &mut Words,
-    place: Place,
-    line: &[u8],
-    expected: &str,
-) -> Result<[f32; N], MeshError> {
-    let mut numbers = [0.0; N];
-    for number in &mut numbers {
-        *number = next_number(words).ok_or_else(|| MeshError::syntax(place, expected, excerpt(line)))?;
-    }
-    Ok(numbers)
-}
-
-#[inline]
-fn next_number(words: &mut Words) -> Option<f32> {
-    words.next_if(leading_f32).or_else(|| parse_number(words.next()?))
-}
-
-fn parse_number(word: &[u8]) -> Option<f32> {
-    std::str::from_utf8(word).ok()?.parse().ok()
-}
-
-/// One to three numbers, of which two count. What is not finite becomes 0.
-fn texture_coordinate(words: &mut Words, place: Place, line: &[u8]) -> Result<Vec2, MeshError> {
-    const EXPECTED: &str = "one to three texture coordinates";
-    let [u] = numbers(words, place, line, EXPECTED)?;
-    let v = match words.next_if(leading_f32) {
-        Some(v) => v,
-        None => match words.next() {
-            None => 0.0,
-            Some(word) => parse_number(word).ok_or_else(|| MeshError::syntax(place, EXPECTED, excerpt(line)))?,
-        },
-    };
-    let uv = Vec2::new(u, v);
-    Ok(if uv.is_finite() { uv } else { Vec2::ZERO })
 }
 
 /// An index of the file, from 1 or backwards from -1 with `defined` so far, as an index from 0; not yet checked against the whole file.

@@ -787,3 +787,33 @@ fn colours_of_a_ply_file_become_attributes() {
         4 * 3 + 4 * 4 + 3 * 4
     );
 }
+
+#[test]
+fn a_number_with_something_behind_it_is_read_as_far_as_it_is_one() {
+    let text = "v 3.1+e2 0 0.5f\nv 1 0 0\nv 0 -1e2x 0\nvt 0.25a 0.5.5\nvn 0 0 1e\nf 1/1/1 2/1/1 3/1/1\n";
+    let loaded = obj(text).expect("is read");
+    assert_eq!(
+        loaded.mesh.positions,
+        [Vec3::new(3.1, 0.0, 0.5), Vec3::X, Vec3::new(0.0, -100.0, 0.0)]
+    );
+    assert_eq!(loaded.mesh.uvs[0], Vec2::new(0.25, 0.5));
+    assert_eq!(loaded.mesh.normals[0], Vec3::Z);
+    assert_eq!(loaded.warnings.len(), 6, "{:?}", loaded.warnings);
+    assert!(
+        loaded.warnings[0].starts_with("line 1: `3.1+e2` is no number: 3.1 is taken"),
+        "{:?}",
+        loaded.warnings
+    );
+    for bad in [
+        "v x 0 0\n",
+        "v 0,5 0 0\n",
+        "v + 0 0\n",
+        "v .e5 0 0\n",
+        "v 1 2\n",
+        "vt e1\n",
+        "v 1e99x 0 0\n",
+    ] {
+        let error = obj(&format!("v 1 0 0\n{bad}v 0 1 0\nf 1 2 3\n")).expect_err(bad);
+        assert!(error.to_string().starts_with("line 2: "), "{error}");
+    }
+}
