@@ -281,6 +281,24 @@ fn what_is_not_supported_gets_a_stand_in_and_a_warning_with_its_line() {
 }
 
 #[test]
+fn a_ring_of_references_is_one_error_that_names_both_lines() {
+    let (_, diagnostics) = describe(
+        "<sensor type='perspective'/>\n<bsdf type='twosided' id='a'><ref id='b'/></bsdf>\n<bsdf type='mask' id='b'><ref id='a'/></bsdf>",
+    );
+    let said = diagnostics.to_string();
+    assert_eq!(diagnostics.list.len(), 1, "{said}");
+    assert!(said.contains("scene.xml:4:") && said.contains("scene.xml:3:"), "{said}");
+    // A reference to nothing has no second error either.
+    for body in [
+        "<bsdf type='twosided'><ref id='a'/></bsdf>",
+        "<shape type='instance'><ref id='a'/></shape>",
+    ] {
+        let (_, diagnostics) = describe(&format!("{body}<sensor type='perspective'/>"));
+        assert_eq!(diagnostics.list.len(), 1, "{diagnostics}");
+    }
+}
+
+#[test]
 fn what_cannot_be_is_an_error_with_its_line() {
     for (body, part) in [
         (

@@ -11,6 +11,9 @@ use super::{Child, Diagnostics, Index, Object, Severity, Span};
 /// twice, grow exponentially; readers that follow them need a bound.
 const MAX_EXPANDED: u64 = 50_000_000;
 
+/// The help about a circle names at most this many references.
+const MOST_PLACES: usize = 8;
+
 /// `<alias id="..." as="...">`: another name for an object.
 #[derive(Debug)]
 pub struct Alias {
@@ -19,8 +22,8 @@ pub struct Alias {
     pub span: Span,
 }
 
-/// Makes aliased references name the object's own id, reports references to nothing (they stay), and reports and removes those that
-/// close a circle or nest too deep.
+/// Makes aliased references name the object's own id, reports references to nothing (they stay), and reports those that close a circle or nest too
+/// deep: they lead to nothing from then on.
 pub fn link(root: &mut Object, ids: &HashMap<String, Span>, aliases: &[Alias], diagnostics: &mut Diagnostics) {
     let names = resolve_aliases(ids, aliases, diagnostics);
     check_references(root, ids, &names, diagnostics);
@@ -30,12 +33,13 @@ pub fn link(root: &mut Object, ids: &HashMap<String, Span>, aliases: &[Alias], d
         diagnostics,
         measured: HashMap::new(),
         open: HashSet::new(),
+        followed: Vec::new(),
         cut: HashSet::new(),
     };
     walk.measure(root, 0);
     let cut = walk.cut;
     if !cut.is_empty() {
-        remove(root, &cut);
+        disconnect(root, &cut);
     }
 }
 
@@ -100,7 +104,9 @@ struct Walk<'a, 'd> {
     measured: HashMap<&'a str, Extent>,
     /// The objects with ids from the root to here.
     open: HashSet<&'a str>,
-    /// References to remove.
+    /// The references from the root to here, with what they lead to.
+    followed: Vec<(&'a str, Span)>,
+    /// References to disconnect.
     cut: HashSet<Span>,
 }
 
@@ -136,7 +142,7 @@ impl<'a> Walk<'a, '_> {
     fn follow(&mut self, id: &'a str, span: Span, depth: usize) -> Option<Extent> {
         let target = self.index.get(id)?;
         if self.open.contains(id) {
-            self.cut(span, format!("a circle of references leads back to {}", quote(id)));
+            self.report_circle(id, span);
             return None;
         }
         let known = self.measured.get(id).copied();
@@ -145,7 +151,35 @@ impl<'a> Walk<'a, '_> {
             self.cut(span, format!("references lead more than {MAX_DEPTH} objects deep"));
             return None;
         }
-        known.or_else(|| Some(self.measure(target, depth)))
+        if known.is_some() {
+            return known;
+        }
+        self.followed.push((id, span));
+        let measured = self.measure(target, depth);
+        self.followed.pop();
+        Some(measured)
+    }
+
+    /// `span` is the reference that closes the circle; the others of the circle are named in the help.
+    fn report_circle(&mut self, id: &'a str, span: Span) {
+        // The object is open since the reference that led to it, or since it was met where it is declared.
+        let first = self.followed.iter().position(|&(followed, _)| followed == id);
+        let others = self.followed.iter().skip(first.map_or(0, |first| first + 1));
+        let places: Vec<String> = others
+            .filter_map(|&(id, span)| {
+                let (path, line, column) = self.diagnostics.locate(span)?;
+                Some(format!(
+                    "{} is referred to at {}:{line}:{column}",
+                    quote(id),
+                    path.display()
+                ))
+            })
+            .take(MOST_PLACES)
+            .collect();
+        let message = format!("a circle of references leads back to {}", quote(id));
+        let help = (!places.is_empty()).then(|| places.join(", "));
+        self.diagnostics.push(Severity::Error, Some(span), message, help);
+        self.cut.insert(span);
     }
 
     fn cut(&mut self, span: Span, message: String) {
@@ -154,12 +188,13 @@ impl<'a> Walk<'a, '_> {
     }
 }
 
-fn remove(object: &mut Object, cut: &HashSet<Span>) {
-    object.children.retain_mut(|child| match child {
-        Child::Reference { span, .. } => !cut.contains(span),
-        Child::Object(object) => {
-            remove(object, cut);
-            true
+/// Nothing has an empty id. The references stay in place, so that nobody misses what they stood for and reports that as well.
+fn disconnect(object: &mut Object, cut: &HashSet<Span>) {
+    for child in &mut object.children {
+        match child {
+            Child::Reference { id, span, .. } if cut.contains(span) => id.clear(),
+            Child::Reference { .. } => {}
+            Child::Object(object) => disconnect(object, cut),
         }
-    });
+    }
 }

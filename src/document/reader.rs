@@ -206,6 +206,12 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.index.resolve(&children[place])
     }
 
+    /// Whether a reference of this object leads to nothing, which has been reported where the file was read.
+    pub fn has_lost_reference(&self) -> bool {
+        let mut children = self.object.children.iter();
+        children.any(|child| self.index.resolve(child).is_none())
+    }
+
     /// Reads another object with the same index and diagnostics, and finishes with it.
     pub fn nested<T>(&mut self, object: &'a Object, read: impl FnOnce(&mut Reader<'a, '_>) -> T) -> T {
         let mut reader = Reader::new(self.index, object, self.diagnostics);

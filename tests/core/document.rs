@@ -334,7 +334,7 @@ const BROKEN: &[(&str, &[&str])] = &[
     ),
     (
         r#"<bsdf type="twosided" id="a"><ref id="b"/></bsdf> <bsdf type="twosided" id="b"><ref id="a"/></bsdf>"#,
-        &["2:80: error: a circle of references leads back to `a`"],
+        &["2:80: error: a circle of references leads back to `a` (`b` is referred to at scene.xml:2:30)"],
     ),
     (
         r#"<bsdf type="twosided" id="a"><bsdf type="mask"><ref id="a"/></bsdf></bsdf>"#,
@@ -609,6 +609,7 @@ fn includes_cannot_go_round_or_on_for_ever() {
     let document = load(&folder.path().join("a.xml"), &[]).unwrap();
     let said = document.diagnostics.to_string();
     assert!(said.contains("b.xml:2:20: error: `a.xml` includes itself"), "{said}");
+    assert!(said.contains("a.xml:2:20"), "{said}");
     assert_eq!(document.diagnostics.list.len(), 1);
     for i in 0..40 {
         write(&format!("c{i}.xml"), &format!("<include filename=\"c{}.xml\"/>", i + 1));

@@ -64,9 +64,20 @@ impl Parser {
             return;
         };
         let key = canonical(&path);
-        if self.open_files.contains(&key) {
+        if let Some(first) = self.open_files.iter().position(|(open, _)| *open == key) {
+            // The chain of includes from that file on, of which this include is the last.
+            let chain = self.open_files[first + 1..].iter().filter_map(|(file, span)| {
+                let (path, line, column) = self.diagnostics.locate((*span)?)?;
+                Some(format!(
+                    "{} is included at {}:{line}:{column}",
+                    file.display(),
+                    path.display()
+                ))
+            });
+            let chain: Vec<String> = chain.collect();
+            let help = (!chain.is_empty()).then(|| chain.join(", "));
             let message = format!("{} includes itself", quote(file));
-            self.diagnostics.error(span, message);
+            self.diagnostics.push(Severity::Error, Some(span), message, help);
             return;
         }
         if self.open_files.len() > MAX_INCLUDE_DEPTH {
@@ -93,7 +104,7 @@ impl Parser {
             },
         };
         self.includes.push(Include { span, source });
-        self.open_files.push(key);
+        self.open_files.push((key, Some(span)));
         let root = self.parse_source(source, depth);
         self.open_files.pop();
         match root {

@@ -70,7 +70,7 @@ pub fn parse_str(text: &str, path: &Path, defines: &[(String, String)]) -> Docum
         {
             return dialect::import(file.clone(), defines);
         }
-        parser.open_files.push(canonical(path));
+        parser.open_files.push((canonical(path), None));
         parser.parse_source(source, 0)
     };
     parser.finish(path, root)
@@ -127,8 +127,8 @@ struct Parser {
     search_folders: Vec<PathBuf>,
     /// Files read so far.
     files: HashMap<PathBuf, SourceId>,
-    /// The chain of includes that is being read, the main file first.
-    open_files: Vec<PathBuf>,
+    /// The chain of includes that is being read, the main file first, each with the place of its include.
+    open_files: Vec<(PathBuf, Option<Span>)>,
     ids: HashMap<String, Span>,
     aliases: Vec<Alias>,
     includes: Vec<Include>,

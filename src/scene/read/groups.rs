@@ -73,6 +73,8 @@ impl<'a> SceneReader<'a> {
             .map(|(_, shape)| self.group_of.get(&address(shape)).copied());
         match (groups.next(), groups.next()) {
             (Some(Some(group)), None) => Some(group),
+            // A lost reference has been reported.
+            _ if object.children.iter().any(|child| self.index.resolve(child).is_none()) => None,
             _ => {
                 let message = "shape `instance` needs a reference to one shapegroup: it is left out";
                 self.diagnostics.error(object.span, message);
