@@ -209,6 +209,26 @@ fn only_what_was_edited_changes_however_the_editor_saves() {
 }
 
 #[test]
+fn a_spectrum_that_is_edited_is_read_again() {
+    let mut open = Open::new();
+    let with_sky = |scale: &str| {
+        let sky = format!(
+            "<emitter type='constant' id='white'><spectrum type='d65' name='radiance'><float name='scale' value='{scale}'/></spectrum></emitter></scene>"
+        );
+        SCENE.replace("</scene>", &sky)
+    };
+    for (revision, scale, expected) in [(2, "0.5", 0.5), (3, "2", 2.0)] {
+        std::fs::write(open.path("scene.xml"), with_sky(scale)).unwrap();
+        open.until_revision(revision);
+        let EmitterKind::Constant { radiance } = open.get::<Emitter>("white").kind else {
+            panic!("no light")
+        };
+        assert_eq!(radiance, Vec3::splat(expected));
+        open.settle();
+    }
+}
+
+#[test]
 fn a_file_touched_without_a_change_changes_nothing() {
     let mut open = Open::new();
     // Comments move every line.

@@ -9,7 +9,9 @@ use sunroom::scene::description::{DeclarationPlace, Identity, MaterialDescriptio
 use sunroom::scene::read::read;
 use sunroom::scene::spawn;
 use sunroom::scene::write::{Extensions, files, save, save_description, write_anew};
-use sunroom::scene::{DocumentOrder, EmitterKind, Material, SceneDescription, SceneId, Shape, ShapeKind, UsesMaterial};
+use sunroom::scene::{
+    DocumentOrder, EmitterKind, Material, Roughness, SceneDescription, SceneId, Shape, ShapeKind, UsesMaterial,
+};
 use tempfile::TempDir;
 
 /// A folder with scene files in it.
@@ -620,4 +622,55 @@ fn a_portable_scene_has_no_parameters_of_ours() {
         !portable.contains("blade") && !portable.contains("multiple_scattering"),
         "{portable}"
     );
+}
+
+#[test]
+fn spectra_stay_as_they_are_until_their_colour_is_edited() {
+    let body = "  <emitter type=\"constant\">\n    <spectrum type=\"blackbody\" name=\"radiance\">\n      <float name=\"temperature\" value=\"3000\"/>\n    </spectrum>\n  </emitter>\n  \
+        <bsdf type=\"roughconductor\" id=\"a\">\n    <spectrum type=\"d65\" name=\"specular_reflectance\"><float name=\"scale\" value=\"0.5\"/></spectrum>\n    <float name=\"alpha\" value=\"0.2\"/>\n  </bsdf>";
+    assert_eq!(changes(body, |_| ()), (vec![], vec![]));
+    let roughen = |scene: &mut SceneDescription| {
+        let Material::RoughConductor { alpha, .. } = &mut scene.materials[0].material else {
+            panic!("another material")
+        };
+        *alpha = Roughness::Isotropic(0.5.into());
+    };
+    let (gone, came) = changes(body, roughen);
+    assert_eq!(gone, lines(&["    <float name=\"alpha\" value=\"0.2\"/>"]));
+    assert_eq!(came, lines(&["    <float name=\"alpha\" value=\"0.5\"/>"]));
+    let brighten = |scene: &mut SceneDescription| {
+        scene.emitters[0].emitter.kind = EmitterKind::Constant {
+            radiance: Vec3::new(1.0, 2.0, 3.0),
+        };
+    };
+    let (gone, came) = changes(body, brighten);
+    assert!(
+        gone[0].contains("blackbody") && gone[1].contains("temperature"),
+        "{gone:?}"
+    );
+    assert_eq!(came, lines(&["    <rgb name=\"radiance\" value=\"1, 2, 3\"/>"]));
+}
+
+#[test]
+fn a_new_file_has_colours_for_spectra_that_need_wavelengths() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "<scene version='3.0.0'><sensor type='perspective'/>
+        <spectrum type='blackbody' id='hot'><float name='temperature' value='5000'/></spectrum>
+        <emitter type='constant'><ref id='hot' name='radiance'/></emitter>
+        <bsdf type='diffuse' id='a'><spectrum type='irregular' name='reflectance'><string name='wavelengths' value='400, 700'/><string name='values' value='0.1, 0.9'/></spectrum></bsdf>
+        <bsdf type='diffuse' id='b'><spectrum type='d65' name='reflectance'><float name='scale' value='0.5'/></spectrum></bsdf></scene>";
+    std::fs::write(folder.path().join("old.xml"), text).unwrap();
+    let old = describe(&folder.path().join("old.xml"));
+    let target = folder.path().join("new.xml");
+    write_anew(&old, &target, Extensions::Keep).unwrap();
+    let written = std::fs::read_to_string(&target).unwrap();
+    assert!(
+        !written.contains("blackbody") && !written.contains("irregular"),
+        "{written}"
+    );
+    assert!(written.contains("d65"), "{written}");
+    let new = describe(&target);
+    assert_eq!(new.emitters[0].emitter, old.emitters[0].emitter);
+    let materials = |scene: &SceneDescription| scene.materials.iter().map(|it| it.material.clone()).collect::<Vec<_>>();
+    assert_eq!(materials(&new), materials(&old));
 }

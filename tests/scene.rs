@@ -298,6 +298,171 @@ fn a_ring_of_references_is_one_error_that_names_both_lines() {
     }
 }
 
+/// What a spectrum gives for the light of an emitter, for a reflectance, and for an index of refraction; None for an error.
+type Colors = [Option<[f32; 3]>; 3];
+
+/// Each row: the inside of `<spectrum>`, and its colours in Mitsuba 3.9.1, variant `scalar_rgb`. Of `uniform`, `d65`, `srgb` and `rawconstant` these are
+/// the values that `mi.traverse` shows of a loaded emitter and a loaded bsdf, and that renders of a constant emitter and of a white furnace
+/// show too. That variant does not evaluate `regular`, `irregular` and `blackbody`: their rows are what it makes of a `<spectrum value="...">` with
+/// the same wavelengths and values, of a black body with its radiance at every quarter of a nanometre (`mi.spectrum_list_to_srgb`). Renders
+/// of a constant `blackbody` emitter by `scalar_spectral` agree with these to 0.1 %.
+#[rustfmt::skip]
+fn spectra() -> Vec<(&'static str, Colors)> {
+    let all = |color| [Some(color); 3];
+    let light = |color| [Some(color), None, None];
+    vec![
+        ("type='uniform'><float name='value' value='0.5'/>", all([0.5; 3])),
+        ("type='uniform'><float name='value' value='1'/><float name='wavelength_min' value='400'/><float name='wavelength_max' value='700'/>", all([1.0; 3])),
+        ("type='d65'>", all([1.0; 3])),
+        ("type='d65'><float name='scale' value='0.5'/>", all([0.5; 3])),
+        ("type='d65'><rgb name='color' value='0.4, 0.2, 0.1'/><float name='scale' value='2'/>", all([0.8, 0.4, 0.2])),
+        ("type='srgb'><rgb name='color' value='0.8, 0.2, 0.1'/>", all([0.8, 0.2, 0.1])),
+        ("type='srgb'><rgb name='color' value='1.5, 0.2, 0.1'/>", [None; 3]),
+        ("type='srgb'><rgb name='color' value='-0.5, 0.2, 0.1'/>", [None; 3]),
+        ("type='rawconstant'><vector name='value' value='0.8, 0.2, 0.1'/>", all([0.8, 0.2, 0.1])),
+        ("type='rawconstant'><float name='value' value='0.25'/>", all([0.25; 3])),
+        ("type='rawconstant'><rgb name='value' value='1, 1, 1'/>", [None; 3]),
+        ("type='regular'><float name='wavelength_min' value='400'/><float name='wavelength_max' value='700'/><string name='values' value='0.1, 0.2, 0.9'/>",
+            [Some([0.683_862_75, 0.198_951_24, 0.103_903_49]), Some([0.588_794_77, 0.209_877_39, 0.118_282_69]), Some([0.588_794_77, 0.209_877_39, 0.118_282_69])]),
+        ("type='irregular'><string name='wavelengths' value='400, 500, 700'/><string name='values' value='0.1, 0.2, 0.9'/>",
+            [Some([0.815_080_1, 0.325_279_27, 0.105_921_66]), Some([0.702_162_74, 0.340_679_6, 0.122_438_53]), Some([0.702_162_74, 0.340_679_6, 0.122_438_53])]),
+        ("type='irregular'><string name='wavelengths' value='380 480 580 680 780'/><string name='values' value='0.05 0.1 0.6 0.7 0.7'/>",
+            [Some([0.872_478_2, 0.391_267_96, 0.035_262_54]), Some([0.755_955_76, 0.407_203_6, 0.045_403_46]), Some([0.755_955_76, 0.407_203_6, 0.045_403_46])]),
+        ("type='regular'><float name='wavelength_min' value='360'/><float name='wavelength_max' value='830'/><string name='values' value='2, 4'/>",
+            [Some([3.820_851_6, 2.637_766_6, 2.118_213]), Some([1.0; 3]), Some([3.198_560_5, 2.775_591_4, 2.341_143_6])]),
+        ("type='irregular'><string name='wavelengths' value='450, 500'/><string name='values' value='1, 0'/>",
+            [Some([0.0, 0.002_625_2, 0.331_720_62]), Some([0.0, 0.002_267_68, 0.390_211_82]), Some([0.0, 0.002_267_68, 0.390_211_82])]),
+        ("type='blackbody'><float name='temperature' value='2000'/>", light([16.014_284, 4.111_85, 0.130_394_58])),
+        ("type='blackbody'><float name='temperature' value='2856'/>", light([499.216_98, 223.559_59, 63.195_35])),
+        ("type='blackbody'><float name='temperature' value='5000'/>", light([15_262.982, 12_082.539, 9_592.563])),
+        ("type='blackbody'><float name='temperature' value='6504'/>", light([44_014.74, 41_512.402, 43_718.316])),
+        ("type='blackbody'><float name='temperature' value='10000'/>", light([158_407.84, 180_718.52, 260_026.69])),
+        ("type='blackbody'><float name='temperature' value='5000'/><float name='wavelength_min' value='500'/><float name='wavelength_max' value='600'/>",
+            light([3_607.296_4, 12_459.387, 0.0])),
+    ]
+}
+
+#[test]
+fn spectra_are_the_colours_that_mitsuba_gives_them() {
+    let contexts = [
+        (
+            "<shape type='disk'><emitter type='area'><spectrum name='radiance' ",
+            "</spectrum></emitter></shape>",
+        ),
+        (
+            "<bsdf type='diffuse'><spectrum name='reflectance' ",
+            "</spectrum></bsdf>",
+        ),
+        (
+            "<bsdf type='conductor'><float name='k' value='1'/><spectrum name='eta' ",
+            "</spectrum></bsdf>",
+        ),
+    ];
+    for (inside, expected) in spectra() {
+        for ((before, after), expected) in contexts.iter().zip(expected) {
+            let body = format!("{before}{inside}{after}<sensor type='perspective'/>");
+            let (scene, diagnostics) = describe(&body);
+            assert_eq!(!diagnostics.has_errors(), expected.is_some(), "{body}: {diagnostics}");
+            let Some(expected) = expected.map(Vec3::from) else {
+                continue;
+            };
+            let found = match scene.shapes.first() {
+                Some(shape) => shape.area_light.as_ref().map(|light| light.radiance.clone()),
+                None => match &scene.materials[0].material {
+                    Material::Diffuse { reflectance } => Some(reflectance.clone()),
+                    Material::Conductor {
+                        ior: ConductorIor::Given { eta, .. },
+                        ..
+                    } => Some(eta.clone()),
+                    other => panic!("{other:?}"),
+                },
+            };
+            let found = found.and_then(|found| found.constant()).expect("a colour");
+            // The sums over the observer's tables differ in the fourth digit.
+            let tolerance = 2e-3 * expected + 5e-4 * expected.max_element();
+            let is_close = (found - expected).abs().cmple(tolerance).all();
+            assert!(is_close, "{body}: {found}, not {expected}");
+        }
+    }
+}
+
+#[test]
+fn spectra_stand_wherever_a_colour_or_a_number_may() {
+    let scene = clean(
+        "<spectrum type='d65' id='dim'><float name='scale' value='0.25'/></spectrum>
+         <texture type='checkerboard' id='tiles'/>
+         <emitter type='point'><ref id='dim' name='intensity'/></emitter>
+         <emitter type='sunsky'><spectrum type='uniform' name='albedo'><float name='value' value='0.5'/></spectrum></emitter>
+         <bsdf type='roughconductor'><texture type='uniform' name='alpha'><float name='value' value='0.125'/></texture></bsdf>
+         <bsdf type='diffuse'><spectrum type='d65' name='reflectance'><ref id='tiles'/></spectrum></bsdf>",
+    );
+    let EmitterKind::Point { intensity } = scene.emitters[0].emitter.kind else {
+        panic!("{:?}", scene.emitters[0])
+    };
+    assert_eq!(intensity, Vec3::splat(0.25));
+    let EmitterKind::SunSky(sky) = &scene.emitters[1].emitter.kind else {
+        panic!("{:?}", scene.emitters[1])
+    };
+    assert_eq!(sky.albedo, Vec3::splat(0.5));
+    let Material::RoughConductor { alpha, .. } = &scene.materials[0].material else {
+        panic!("{:?}", scene.materials[0])
+    };
+    assert_eq!(*alpha, Roughness::Isotropic(0.125.into()));
+    let Material::Diffuse { reflectance } = &scene.materials[1].material else {
+        panic!("{:?}", scene.materials[1])
+    };
+    assert!(
+        matches!(reflectance, Parameter::Texture(Texture::Checkerboard { .. })),
+        "{reflectance:?}"
+    );
+}
+
+#[test]
+fn what_is_wrong_with_a_spectrum_is_said_at_its_place() {
+    for (inside, expected) in [
+        ("type='uniform'>", "2: error: `uniform` needs a `value`"),
+        (
+            "type='blackbody'>\n<float name='temperature' value='-1'/>",
+            "3: error: `temperature` is -1, but should be at least",
+        ),
+        (
+            "type='regular'>\n<string name='values' value='1, 2'/><float name='wavelength_max' value='700'/>",
+            "2: error: `regular` needs a `wavelength_min`",
+        ),
+        (
+            "type='irregular'><string name='wavelengths' value='400, 500'/>\n<string name='values' value='1'/>",
+            "3: error: there are 2 wavelengths, but 1 values",
+        ),
+        (
+            "type='irregular'><string name='wavelengths' value='500, 400'/>\n<string name='values' value='1, 2'/>",
+            "3: error: wavelengths must increase",
+        ),
+        (
+            "type='irregular'><string name='wavelengths' value='400, 500'/>\n<string name='values' value='1, x'/>",
+            "3: error: expected a number, found `x`",
+        ),
+        (
+            "type='srgb'>\n<rgb name='color' value='2, 0, 0'/>",
+            "3: error: the `color` of `srgb` should be between 0 and 1",
+        ),
+        (
+            "type='uniform'>\n<float name='value' value='-1'/>",
+            "2: error: `radiance` is negative",
+        ),
+        (
+            "type='d65'>\n<float name='sclae' value='1'/>",
+            "3: warning: `sclae` is not a parameter of texture `d65`",
+        ),
+        ("type='d56'>", "2: warning: texture `d56` is not supported"),
+    ] {
+        let body = format!(
+            "<shape type='disk'><emitter type='area'><spectrum name='radiance' {inside}</spectrum></emitter></shape>"
+        );
+        let said = complaints(&body);
+        assert!(said.len() == 1 && said[0].starts_with(expected), "{body}: {said:?}");
+    }
+}
+
 #[test]
 fn what_cannot_be_is_an_error_with_its_line() {
     for (body, part) in [

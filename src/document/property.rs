@@ -2,10 +2,10 @@
 
 use glam::{Mat4, Vec3};
 
-use super::spectrum::{Role, SampledSpectrum};
+use super::spectrum::{CLAMPED, Role, SampledSpectrum};
 use super::tag::Tag;
 use super::value::{self, quote};
-use super::{Category, Diagnostics, Span, TransformOp, Value};
+use super::{Diagnostics, Span, TransformOp, Value};
 
 /// The tags of single values; a transform has children and is not one.
 pub const VALUE_TAGS: [&str; 9] = [
@@ -66,21 +66,9 @@ pub fn read_spectrum(text: &str, span: Span, role: Role, diagnostics: &mut Diagn
 pub fn sampled_color(sampled: &SampledSpectrum, span: Span, role: Role, diagnostics: &mut Diagnostics) -> Value {
     let (rgb, clamped) = sampled.to_rgb(role);
     if clamped {
-        diagnostics.warn(
-            span,
-            "no mixture of red, green and blue gives this spectrum; the nearest colour is taken",
-        );
+        diagnostics.warn(span, CLAMPED);
     }
     Value::Rgb(rgb)
-}
-
-/// What the spectrum `name` of a plugin of this kind stands for.
-pub fn spectrum_role(category: Category, name: &str) -> Role {
-    match category {
-        Category::Emitter => Role::Emission,
-        _ if name.contains("reflectance") || name.contains("transmittance") => Role::Reflectance,
-        _ => Role::Unbounded,
-    }
 }
 
 /// One step of a transform; None has been reported.

@@ -55,10 +55,12 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.diagnostics
     }
 
-    /// Where a property stands; the object's own place if the file does not give it.
+    /// Where a property or the plugin for it stands; the object's own place if the file does not give it.
     pub fn span_of(&self, name: &str) -> Span {
         let property = self.object.properties.iter().find(|property| property.name == name);
-        property.map_or(self.object.span, |property| property.span)
+        let child = || self.object.children.iter().find(|child| child.name() == Some(name));
+        let span = property.map(|property| property.span);
+        span.or_else(|| child().map(Child::span)).unwrap_or(self.object.span)
     }
 
     /// Whether the file gives this property; does not count as reading it.

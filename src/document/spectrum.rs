@@ -1,10 +1,11 @@
-//! `<spectrum>` given as wavelengths and values: its linear Rec. 709 colour.
+//! Spectra given as wavelengths and values, or as the temperature of a black body: their linear Rec. 709 colour.
 //!
 //! A renderer of three colours has to integrate a spectrum when it reads it. As in Mitsuba's RGB mode a reflectance is seen under D65
 //! (so that white stays 1, 1, 1), and a light's spectrum is taken as it is (so that equal energy is slightly purple).
 
 use glam::{DMat3, DVec3, Vec3};
 
+use super::Category;
 use super::cie::{D65, FIRST_NM, OBSERVER, SAMPLES, STEP_NM};
 use super::value::{fields, parse_float};
 
@@ -26,6 +27,20 @@ pub enum Role {
     /// Indices of refraction, extinction: seen under D65, no upper bound.
     Unbounded,
 }
+
+impl Role {
+    /// The role of a spectrum that is given for a parameter of this name in a plugin of this kind.
+    pub fn of(owner: Category, parameter: &str) -> Self {
+        match owner {
+            Category::Emitter => Self::Emission,
+            _ if parameter.contains("reflectance") || parameter.contains("transmittance") => Self::Reflectance,
+            _ => Self::Unbounded,
+        }
+    }
+}
+
+/// The warning for a spectrum whose colour had to be clamped.
+pub const CLAMPED: &str = "no mixture of red, green and blue gives this spectrum; the nearest colour is taken";
 
 /// A sampled spectrum; the wavelengths (nm) increase.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,6 +83,24 @@ impl SampledSpectrum {
         Self::new(pairs)
     }
 
+    /// Values at equal distances, the first at `first_nm` and the last at `last_nm`; `values` is a list of numbers.
+    pub fn parse_regular(first_nm: f32, last_nm: f32, values: &str) -> Result<Self, String> {
+        let values = parse_numbers(values)?;
+        let step = (last_nm - first_nm) / values.len().saturating_sub(1).max(1) as f32;
+        let pairs = values.iter().enumerate();
+        Self::new(pairs.map(|(i, &value)| (first_nm + step * i as f32, value)).collect())
+    }
+
+    /// As many wavelengths as values, both lists of numbers.
+    pub fn parse_irregular(wavelengths: &str, values: &str) -> Result<Self, String> {
+        let (wavelengths, values) = (parse_numbers(wavelengths)?, parse_numbers(values)?);
+        if wavelengths.len() != values.len() {
+            let (expected, found) = (wavelengths.len(), values.len());
+            return Err(format!("there are {expected} wavelengths, but {found} values"));
+        }
+        Self::new(wavelengths.into_iter().zip(values).collect())
+    }
+
     fn new(pairs: Vec<(f32, f32)>) -> Result<Self, String> {
         if pairs.len() < 2 {
             return Err("a spectrum needs at least two wavelengths".to_owned());
@@ -84,34 +117,76 @@ impl SampledSpectrum {
 
     /// The colour, and whether it had to be clamped because no mixture of the three primaries makes it.
     pub fn to_rgb(&self, role: Role) -> (Vec3, bool) {
-        let range = STEP_NM * (SAMPLES - 1) as f64;
-        let mut xyz = DVec3::ZERO;
-        let mut whole = 0.0;
         let mut segment = 0;
-        for step in 0..STEPS {
-            let offset = step as f64 / (STEPS - 1) as f64 * range;
-            let observer = table(offset, |i| DVec3::from_array(OBSERVER[i]));
-            let light = match role {
-                Role::Emission => 1.0,
-                Role::Reflectance | Role::Unbounded => table(offset, |i| D65[i]),
-            };
-            whole += observer.y * light;
-            let wavelength = FIRST_NM + offset;
+        integrate(role, |wavelength| {
             while segment + 2 < self.points.len() && wavelength > self.points[segment + 1].0 {
                 segment += 1;
             }
             let ((nm0, value0), (nm1, value1)) = (self.points[segment], self.points[segment + 1]);
-            if (nm0..=nm1).contains(&wavelength) {
-                let value = value0 + (value1 - value0) * (wavelength - nm0) / (nm1 - nm0);
-                xyz += observer * light * value;
+            match (nm0..=nm1).contains(&wavelength) {
+                true => value0 + (value1 - value0) * (wavelength - nm0) / (nm1 - nm0),
+                false => 0.0,
             }
-        }
-        let rgb = (REC709_FROM_XYZ * (xyz / whole)).as_vec3();
-        let highest = if role == Role::Reflectance { 1.0 } else { f32::MAX };
-        let possible = rgb.clamp(Vec3::ZERO, Vec3::splat(highest));
-        // Rounding may leave white a hair above one; that is no reason for a warning.
-        (possible, !possible.abs_diff_eq(rgb, 1e-3))
+        })
     }
+}
+
+/// The light of a black body between two wavelengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlackBody {
+    /// The temperature, above zero.
+    pub kelvin: f32,
+    pub first_nm: f32,
+    pub last_nm: f32,
+}
+
+impl BlackBody {
+    /// The colour of its radiance, as [`SampledSpectrum::to_rgb`] for [`Role::Emission`]. The spectral radiance is in W/(m^2 sr nm) by Planck's law.
+    pub fn to_rgb(self) -> (Vec3, bool) {
+        // The defining constants of the SI.
+        const SPEED_OF_LIGHT: f64 = 299_792_458.0;
+        const PLANCK: f64 = 6.626_070_15e-34;
+        const BOLTZMANN: f64 = 1.380_649e-23;
+        const METERS_PER_NM: f64 = 1e-9;
+        let range = f64::from(self.first_nm)..=f64::from(self.last_nm);
+        integrate(Role::Emission, |wavelength| {
+            if !range.contains(&wavelength) {
+                return 0.0;
+            }
+            let lambda = METERS_PER_NM * wavelength;
+            let energy_ratio = PLANCK * SPEED_OF_LIGHT / (lambda * BOLTZMANN * f64::from(self.kelvin));
+            METERS_PER_NM * 2.0 * PLANCK * SPEED_OF_LIGHT.powi(2) / (lambda.powi(5) * energy_ratio.exp_m1())
+        })
+    }
+}
+
+/// The colour of a spectrum that is asked for wavelengths (nm) in increasing order, and whether it was clamped.
+fn integrate(role: Role, mut value: impl FnMut(f64) -> f64) -> (Vec3, bool) {
+    let range = STEP_NM * (SAMPLES - 1) as f64;
+    let mut xyz = DVec3::ZERO;
+    let mut whole = 0.0;
+    for step in 0..STEPS {
+        let offset = step as f64 / (STEPS - 1) as f64 * range;
+        let observer = table(offset, |i| DVec3::from_array(OBSERVER[i]));
+        let light = match role {
+            Role::Emission => 1.0,
+            Role::Reflectance | Role::Unbounded => table(offset, |i| D65[i]),
+        };
+        whole += observer.y * light;
+        xyz += observer * light * value(FIRST_NM + offset);
+    }
+    let rgb = (REC709_FROM_XYZ * (xyz / whole)).as_vec3();
+    let highest = if role == Role::Reflectance { 1.0 } else { f32::MAX };
+    let possible = rgb.clamp(Vec3::ZERO, Vec3::splat(highest));
+    // Rounding may leave white a hair above one; that is no reason for a warning.
+    (
+        possible,
+        !possible.abs_diff_eq(rgb, 1e-3 * rgb.abs().max_element().max(1.0)),
+    )
+}
+
+fn parse_numbers(text: &str) -> Result<Vec<f32>, String> {
+    fields(text).map(parse_float).collect()
 }
 
 /// Linear interpolation in a table of the CIE, `offset` nm after its first entry.

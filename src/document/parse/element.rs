@@ -6,10 +6,10 @@ use super::{Frame, Parser};
 use crate::document::links::Alias;
 use crate::document::naming::snake_case;
 use crate::document::property::{
-    TRANSFORM_TAGS, VALUE_TAGS, read_spectrum, read_transform_op, read_value, sampled_color, spectrum_role,
+    TRANSFORM_TAGS, VALUE_TAGS, read_spectrum, read_transform_op, read_value, sampled_color,
 };
 use crate::document::source::read_text;
-use crate::document::spectrum::SampledSpectrum;
+use crate::document::spectrum::{Role, SampledSpectrum};
 use crate::document::suggest::did_you_mean;
 use crate::document::tag::Tag;
 use crate::document::value::quote;
@@ -215,7 +215,7 @@ impl Parser {
     }
 
     fn read_spectrum_tag(&mut self, tag: &mut Tag, category: Category, name: &str) -> Option<Value> {
-        let role = spectrum_role(category, name);
+        let role = Role::of(category, name);
         if let Some((file, span)) = tag.take("filename") {
             let path = self.find_file(&file, span)?;
             let sampled = read_text(&path).map_err(|error| error.to_string()).and_then(|text| {

@@ -114,29 +114,42 @@ fn exclude_to_world(reader: &mut Reader, instead: &str) {
 
 impl EmitterVisitor for FromFile<'_, '_, '_> {
     fn emission(&mut self, name: &'static str, value: &mut Rgb) {
-        if let Some(object) = self.reader.child(name) {
-            let owner = self.reader.object().title();
-            let message = format!("`{name}` of {owner} is the same everywhere: 1 takes the place of the texture");
-            self.reader.diagnostics().warn(object.span, message);
-        } else if let Some(given) = self.reader.radiometric(name) {
-            *value = given;
+        match self.reader.radiometric(name, self.pictures) {
+            Some(Parameter::Constant(given)) => *value = given,
+            Some(Parameter::Texture(_)) => {
+                let owner = self.reader.object().title();
+                let message = format!("`{name}` of {owner} is the same everywhere: 1 takes the place of the texture");
+                self.reader.warn_at(name, message);
+            }
+            None => {}
         }
     }
 
     fn textured_emission(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        let texture = self.reader.texture(name, self.pictures).map(Parameter::Texture);
-        if let Some(given) = texture.or_else(|| self.reader.radiometric(name).map(Parameter::Constant)) {
+        if let Some(given) = self.reader.radiometric(name, self.pictures) {
             *value = given;
         }
     }
 
     fn uniform_reflectance(&mut self, name: &'static str, value: &mut Rgb) {
-        if let Some(object) = self.reader.child(name) {
-            let owner = self.reader.object().title();
-            let message = format!("`{name}` of {owner} is the same everywhere: the texture has no effect");
-            self.reader.diagnostics().warn(object.span, message);
-        } else if let Some(given) = self.reader.rgb_in(name, 0.0..=1.0) {
-            *value = given;
+        if self.reader.child(name).is_none() {
+            *value = self.reader.rgb_in(name, 0.0..=1.0).unwrap_or(*value);
+            return;
+        }
+        match self.reader.spectrum_or_texture(name, self.pictures) {
+            Some(Parameter::Constant(given)) if (given.cmpge(Rgb::ZERO) & given.cmple(Rgb::ONE)).all() => {
+                *value = given
+            }
+            Some(Parameter::Constant(_)) => {
+                let message = format!("`{name}` should be between 0 and 1");
+                self.reader.error_at(name, message);
+            }
+            Some(Parameter::Texture(_)) => {
+                let owner = self.reader.object().title();
+                let message = format!("`{name}` of {owner} is the same everywhere: the texture has no effect");
+                self.reader.warn_at(name, message);
+            }
+            None => {}
         }
     }
 

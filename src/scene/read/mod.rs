@@ -14,6 +14,7 @@ mod parameters;
 pub use parameters::frame_along;
 mod sensors;
 mod shapes;
+pub mod spectra;
 mod textures;
 
 use std::collections::HashMap;

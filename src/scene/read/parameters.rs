@@ -5,8 +5,10 @@ use std::ops::RangeInclusive;
 use bevy::math::Affine3A;
 use glam::Vec3;
 
+use super::spectra::{is_spectrum, read_spectrum};
 use super::textures::{PictureSearch, read_texture};
 use crate::color::Rgb;
+use crate::document::spectrum::Role;
 use crate::document::{Category, Reader, TransformOp};
 use crate::scene::{Parameter, Texture};
 
@@ -22,8 +24,10 @@ pub trait Parameters {
         range: RangeInclusive<f32>,
         pictures: &mut PictureSearch,
     ) -> Option<Parameter<f32>>;
-    /// What a light sends out; not negative.
-    fn radiometric(&mut self, name: &str) -> Option<Rgb>;
+    /// The light that an emitter sends out; not negative.
+    fn radiometric(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>>;
+    /// The plugin given for a parameter: the colour of a spectrum, or a texture.
+    fn spectrum_or_texture(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>>;
     /// The texture given for a parameter.
     fn texture(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Texture>;
     /// `to_world`; the identity if it is absent, None (with an error) if it cannot be undone.
@@ -42,8 +46,15 @@ impl Parameters for Reader<'_, '_> {
     }
 
     fn unbounded_color(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
-        let texture = self.texture(name, pictures).map(Parameter::Texture);
-        texture.or_else(|| self.rgb_in(name, 0.0..).map(Parameter::Constant))
+        if self.child(name).is_none() {
+            return self.rgb_in(name, 0.0..).map(Parameter::Constant);
+        }
+        let given = self.spectrum_or_texture(name, pictures)?;
+        if is_negative(&given) {
+            self.error_at(name, format!("`{name}` is negative"));
+            return None;
+        }
+        Some(given)
     }
 
     fn float_parameter(
@@ -52,17 +63,44 @@ impl Parameters for Reader<'_, '_> {
         range: RangeInclusive<f32>,
         pictures: &mut PictureSearch,
     ) -> Option<Parameter<f32>> {
-        let texture = self.texture(name, pictures).map(Parameter::Texture);
-        texture.or_else(|| self.float_in(name, range).map(Parameter::Constant))
+        if self.child(name).is_none() {
+            return self.float_in(name, range).map(Parameter::Constant);
+        }
+        let number = match self.spectrum_or_texture(name, pictures)? {
+            Parameter::Texture(texture) => return Some(Parameter::Texture(texture)),
+            // Mitsuba takes the mean of a colour for a number.
+            Parameter::Constant(color) => color.element_sum() / 3.0,
+        };
+        if !range.contains(&number) {
+            let (low, high) = range.into_inner();
+            self.error_at(
+                name,
+                format!("`{name}` is {number}, but should be from {low} to {high}"),
+            );
+            return None;
+        }
+        Some(Parameter::Constant(number))
     }
 
-    fn radiometric(&mut self, name: &str) -> Option<Rgb> {
-        let color = self.emission(name)?;
-        if color.min_element() < 0.0 {
+    fn radiometric(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
+        let given = match self.child(name) {
+            Some(_) => self.spectrum_or_texture(name, pictures)?,
+            None => Parameter::Constant(self.emission(name)?),
+        };
+        if is_negative(&given) {
             self.error_at(name, format!("`{name}` is negative: light cannot be taken away"));
             return None;
         }
-        Some(color)
+        Some(given)
+    }
+
+    fn spectrum_or_texture(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
+        let role = Role::of(self.object().category, name);
+        let object = self.child(name)?;
+        match object.category == Category::Texture && is_spectrum(&object.plugin) {
+            true => self.nested(object, |reader| read_spectrum(reader, role, pictures)),
+            false => self.texture(name, pictures).map(Parameter::Texture),
+        }
     }
 
     fn texture(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Texture> {
@@ -90,6 +128,10 @@ impl Parameters for Reader<'_, '_> {
         );
         None
     }
+}
+
+fn is_negative(given: &Parameter<Rgb>) -> bool {
+    matches!(given, Parameter::Constant(color) if color.min_element() < 0.0)
 }
 
 /// Whether the three axes still span a space, whatever their lengths. They do if the volume of the box along their directions is well

@@ -12,6 +12,7 @@ mod parts;
 mod patch;
 mod portable;
 mod poses;
+mod spectra;
 mod steps;
 
 use std::collections::HashSet;
@@ -120,6 +121,7 @@ pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions)
     copy_parts(&moves)?;
     // Mitsuba refuses a scene for a folder that is not there.
     document.search_folders.retain(|folder| folder.is_dir());
+    spectra::as_colors(Arc::make_mut(&mut document.root));
     if let Some((path, text)) = portable::translate(Arc::make_mut(&mut document.root), path, extensions) {
         write_file(&path, text)?;
     }

@@ -1,0 +1,61 @@
+//! Spectra that the RGB modes of Mitsuba refuse, written as the colours that they are read as.
+
+use std::collections::HashMap;
+
+use crate::document::spectrum::Role;
+use crate::document::{Category, Child, Diagnostics, Index, Object, Reader, Value};
+use crate::scene::read::spectra::{integrated, is_spectral_only};
+
+/// Replaces each such spectrum of a scene, and each reference to one, by an `<rgb>`.
+pub fn as_colors(root: &mut Object) {
+    let mut named = HashMap::new();
+    collect(root, &mut named);
+    replace(root, &named);
+    // Everything that referred to them has a colour of its own now.
+    root.children.retain(|child| spectrum(child, &HashMap::new()).is_none());
+}
+
+fn is_refused(object: &Object) -> bool {
+    object.category == Category::Texture && is_spectral_only(&object.plugin)
+}
+
+/// The spectra that have ids.
+fn collect(object: &Object, named: &mut HashMap<String, Object>) {
+    for child in object.objects() {
+        if let Some(id) = child.id.as_ref().filter(|_| is_refused(child)) {
+            named.insert(id.clone(), child.clone());
+        }
+        collect(child, named);
+    }
+}
+
+fn spectrum<'s>(child: &'s Child, named: &'s HashMap<String, Object>) -> Option<&'s Object> {
+    match child {
+        Child::Object(object) => Some(object).filter(|object| is_refused(object)),
+        Child::Reference { id, .. } => named.get(id),
+    }
+}
+
+fn replace(object: &mut Object, named: &HashMap<String, Object>) {
+    let owner = object.category;
+    let mut colors = Vec::new();
+    object.children.retain(|child| {
+        let Some((spectrum, name)) = spectrum(child, named).zip(child.name()) else {
+            return true;
+        };
+        // Faults were reported when the scene was read.
+        let (index, mut diagnostics) = (Index::new(spectrum), Diagnostics::default());
+        let mut reader = Reader::new(&index, spectrum, &mut diagnostics);
+        let color = integrated(&mut reader, Role::of(owner, name));
+        colors.extend(color.map(|color| (name.to_owned(), color)));
+        color.is_none()
+    });
+    for (name, color) in colors {
+        *object = std::mem::replace(object, Object::new(owner, "")).with(&name, Value::Rgb(color));
+    }
+    for child in &mut object.children {
+        if let Child::Object(inner) = child {
+            replace(inner, named);
+        }
+    }
+}
