@@ -1,6 +1,7 @@
 //! Files that become data: meshes, pictures and scenes, each asset beside its loader.
 
 pub mod gltf_scene;
+pub mod parts_cache;
 pub mod scene_asset;
 pub mod texture_map;
 pub mod triangle_mesh;

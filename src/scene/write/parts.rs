@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::document::paths::{file_name, settle};
 use crate::document::{Child, Object, Value};
-use crate::scene::assets::gltf_scene::is_part;
+use crate::scene::assets::parts_cache::is_part;
 
 /// Where parts are, and where they go to, absolute.
 pub type Moves = BTreeMap<PathBuf, PathBuf>;
