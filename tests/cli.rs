@@ -513,3 +513,83 @@ fn converted_scenes_name_files_where_every_program_looks() {
     let written = std::fs::read_to_string(shop.path("new.xml")).expect("is there");
     assert!(written.contains(r#"value="assets/models/a.obj""#), "{written}");
 }
+
+/// A scene with something more in it.
+fn with(more: &str) -> String {
+    SCENE.replace("</scene>", &format!("{more}</scene>"))
+}
+
+#[test]
+fn a_damaged_picture_is_an_error_and_a_missing_one_a_warning() {
+    let shop = Workshop::new();
+    let scene = shop.scene(&with(
+        "<shape type=\"sphere\"><bsdf type=\"diffuse\"><texture type=\"bitmap\" name=\"reflectance\"><string name=\"filename\" value=\"p.png\"/></texture></bsdf></shape>",
+    ));
+    let (floor, picture) = (shop.path("p.png"), shop.path("a.exr"));
+    assert_code(&render(&scene, &picture, &["-q", "--spp", "1"]), 0);
+    let check = |arguments: &[&str]| {
+        sunroom()
+            .arg("check")
+            .arg(&scene)
+            .args(arguments)
+            .output()
+            .expect("starts")
+    };
+    assert_code(&check(&[]), 0);
+    assert_code(&check(&["--strict"]), 1);
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image::RgbImage::new(8, 8)
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .expect("can be written");
+    let bytes = bytes.into_inner();
+    std::fs::write(&floor, &bytes).expect("can be written");
+    assert_code(&check(&["--strict"]), 0);
+    std::fs::write(&floor, &bytes[..bytes.len() / 2]).expect("can be written");
+    for output in [check(&[]), render(&scene, &picture, &["-q", "--spp", "1"])] {
+        assert_code(&output, 1);
+        assert!(
+            stderr(&output).contains("error") && stderr(&output).contains("p.png"),
+            "{}",
+            stderr(&output)
+        );
+    }
+}
+
+#[test]
+fn negative_pixels_of_lights_are_counted_and_black() {
+    let shop = Workshop::new();
+    // 2 x 1 pixels, the left one with a negative green.
+    let mut picture = b"PF\n2 1\n-1.0\n".to_vec();
+    for sample in [1.0f32, -3.0, 0.5, 1.0, 2.0, 0.5] {
+        picture.extend(sample.to_le_bytes());
+    }
+    std::fs::write(shop.path("light.pfm"), picture).expect("can be written");
+    let bitmap = "<texture type=\"bitmap\" name=\"radiance\"><string name=\"filename\" value=\"light.pfm\"/><string name=\"filter_type\" value=\"nearest\"/></texture>";
+    let lamp = "<emitter type=\"area\"><rgb name=\"radiance\" value=\"5, 5, 5\"/></emitter>";
+    let lit = [
+        SCENE.replace(lamp, &format!("<emitter type=\"area\">{bitmap}</emitter>")),
+        with("<emitter type=\"envmap\"><string name=\"filename\" value=\"light.pfm\"/></emitter>"),
+    ];
+    for text in lit {
+        assert!(text.contains("light.pfm"));
+        let scene = shop.scene(&text);
+        let output = render(&scene, &shop.path("a.exr"), &["-q", "--spp", "4"]);
+        assert_code(&output, 0);
+        let said = stderr(&output);
+        assert!(said.contains("light.pfm: 1 pixels are negative"), "{said}");
+        let least = image(&shop.path("a.exr"))
+            .pixels
+            .iter()
+            .map(|pixel| pixel.min_element())
+            .fold(0.0, f32::min);
+        assert_eq!(least, 0.0);
+        assert_code(&render(&scene, &shop.path("a.exr"), &["-q", "--strict"]), 1);
+    }
+    // A height or a normal may be negative without a word.
+    let height = "<shape type=\"sphere\"><bsdf type=\"bumpmap\"><texture type=\"bitmap\"><string name=\"filename\" value=\"light.pfm\"/><boolean name=\"raw\" value=\"true\"/></texture><bsdf type=\"diffuse\"/></bsdf></shape>";
+    let scene = shop.scene(&with(height));
+    assert_code(
+        &render(&scene, &shop.path("a.exr"), &["-q", "--spp", "1", "--strict"]),
+        0,
+    );
+}

@@ -46,7 +46,7 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
     let shown = scene.display();
     let status = app.world().resource::<SceneStatus>();
     let is_good = report_scene(status, args.strict);
-    let has_errors = status.has_errors();
+    let has_errors = status.has_errors() || !status.damaged_pictures.is_empty();
     if let Err(error) = loaded
         && is_good
     {
@@ -104,9 +104,18 @@ pub fn report_scene(status: &SceneStatus, strict: bool) -> bool {
     for problem in &status.mesh_errors {
         report::line(format_args!("error: {}", problem.message));
     }
-    for problem in &status.picture_problems {
+    for problem in &status.damaged_pictures {
+        report::line(format_args!("error: {problem}"));
+    }
+    for problem in status.picture_problems.iter().chain(&status.picture_warnings) {
         report::line(format_args!("warning: {problem}"));
     }
-    let files_are_clean = status.mesh_warnings.is_empty() && status.picture_problems.is_empty();
-    report::acceptable(&status.diagnostics, strict) && (files_are_clean || !strict) && !status.has_errors()
+    let warnings = [
+        &status.mesh_warnings,
+        &status.picture_problems,
+        &status.picture_warnings,
+    ];
+    let files_are_clean = warnings.iter().all(|list| list.is_empty());
+    let is_whole = !status.has_errors() && status.damaged_pictures.is_empty();
+    report::acceptable(&status.diagnostics, strict) && (files_are_clean || !strict) && is_whole
 }

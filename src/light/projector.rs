@@ -62,7 +62,7 @@ impl ProjectorLight {
         let wi = (self.position() - reference).try_normalize()?;
         let axis = Vec3::from(self.projector.world_from_local.transform_vector3a(Vec3A::Z));
         let cos = -axis.dot(wi);
-        let irradiance = textures.color(self.projector.irradiance, &TexturePoint::of_uv(uv));
+        let irradiance = textures.light(self.projector.irradiance, &TexturePoint::of_uv(uv));
         Some(LightSample {
             wi,
             target: Target::Point(self.position()),

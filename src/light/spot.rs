@@ -59,7 +59,7 @@ impl SpotLight {
         let falloff = self.falloff(local.z);
         (falloff > 0.0).then(|| {
             let uv = Vec2::splat(0.5) + 0.5 * local.truncate() / (local.z * self.spot.cutoff_angle.tan());
-            let color = textures.color(self.spot.texture, &TexturePoint::of_uv(uv));
+            let color = textures.light(self.spot.texture, &TexturePoint::of_uv(uv));
             LightSample {
                 wi: to_light.normalize(),
                 target: Target::Point(self.position()),

@@ -196,7 +196,7 @@ impl SurfaceLight {
 
     /// Radiance sent to the front from a point of this surface.
     pub fn radiance(&self, hit: &SurfaceHit, textures: &TextureTable) -> Rgb {
-        textures.color(self.radiance, &self.texture_point(hit))
+        textures.light(self.radiance, &self.texture_point(hit))
     }
 
     fn texture_point(&self, hit: &SurfaceHit) -> TexturePoint<'_> {

@@ -44,7 +44,7 @@ fn mean_around(textures: &TextureTable, color: Parameter<Rgb>, center: Vec2, siz
     let step = ((center + 0.5 * size).min(Vec2::ONE) - low) / LOOKUPS as f32;
     let at = |index: usize| {
         let uv = low + step * Vec2::new((index % LOOKUPS) as f32 + 0.5, (index / LOOKUPS) as f32 + 0.5);
-        luminance(textures.color(color, &TexturePoint::of_uv(uv)))
+        luminance(textures.light(color, &TexturePoint::of_uv(uv)))
     };
     (0..LOOKUPS * LOOKUPS).map(at).sum::<f32>() / (LOOKUPS * LOOKUPS) as f32
 }

@@ -85,18 +85,7 @@ pub(super) fn follow_pictures(
             });
         });
     }
-    for light in &lights {
-        if let Parameter::Texture(texture) = &light.radiance {
-            texture.for_each_bitmap(&mut |bitmap| {
-                wanted.insert(bitmap.path.clone());
-            });
-        }
-    }
-    for emitter in &emitters {
-        emitter.for_each_picture(&mut |path| {
-            wanted.insert(path.clone());
-        });
-    }
+    wanted.extend(pictures_of_lights(&lights, &emitters));
     for mesh in libraries.iter().filter_map(|handle| meshes.get(&handle.0)) {
         let materials = mesh.shapes.iter().flat_map(|shape| &shape.data.materials);
         let maps = materials.flat_map(|material| material.maps.iter());
@@ -124,33 +113,66 @@ pub(super) fn report_pictures(
     assets: Res<Assets<TextureMap>>,
     mut events: MessageReader<AssetEvent<TextureMap>>,
     mut failures: MessageReader<AssetLoadFailedEvent<TextureMap>>,
+    lights: Query<&AreaLight>,
+    emitters: Query<&Emitter>,
+    // A light may be given a picture that is there already.
+    changed: Query<(), Or<(Changed<AreaLight>, Changed<Emitter>)>>,
 ) {
-    let news = events.read().count() + failures.read().count();
+    let news = events.read().count() + failures.read().count() + changed.iter().count();
     if news == 0 && status.pictures_loading == 0 && !pictures.is_changed() {
         return;
     }
-    let mut problems = Vec::new();
+    let (mut missing, mut damaged, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
     let mut loading = 0;
+    let shining = pictures_of_lights(&lights, &emitters);
     for (path, handle) in &pictures.0 {
+        let say = |what: String| format!("{}picture {}: {what}", file.place_of_picture(path), path.display());
         match server.load_state(handle) {
-            LoadState::Failed(error) => problems.push(format!(
-                "{}picture {}: {}",
-                file.place_of_picture(path),
-                path.display(),
-                cause(&error)
-            )),
+            LoadState::Failed(error) => match path.exists() {
+                true => damaged.push(say(cause(&error))),
+                false => missing.push(say(cause(&error))),
+            },
             LoadState::Loaded => {}
             LoadState::NotLoaded | LoadState::Loading => loading += usize::from(!assets.contains(handle)),
         }
+        let negative = assets.get(handle).map_or(0, |picture| picture.negative_pixels);
+        if negative > 0 && shining.contains(path) {
+            warnings.push(say(format!(
+                "{negative} pixels are negative: as light they count as zero"
+            )));
+        }
     }
-    for problem in problems
-        .iter()
-        .filter(|problem| !status.picture_problems.contains(problem))
-    {
-        error!("{problem}");
+    let known = [&status.picture_problems, &status.damaged_pictures];
+    for problem in missing.iter().chain(&damaged) {
+        if !known.iter().any(|known| known.contains(problem)) {
+            error!("{problem}");
+        }
     }
-    if status.picture_problems != problems || status.pictures_loading != loading {
-        status.picture_problems = problems;
+    let is_known = status.picture_problems == missing
+        && status.damaged_pictures == damaged
+        && status.picture_warnings == warnings
+        && status.pictures_loading == loading;
+    if !is_known {
+        status.picture_problems = missing;
+        status.damaged_pictures = damaged;
+        status.picture_warnings = warnings;
         status.pictures_loading = loading;
     }
+}
+
+fn pictures_of_lights(lights: &Query<&AreaLight>, emitters: &Query<&Emitter>) -> BTreeSet<PathBuf> {
+    let mut paths = BTreeSet::new();
+    for light in lights {
+        if let Parameter::Texture(texture) = &light.radiance {
+            texture.for_each_bitmap(&mut |bitmap| {
+                paths.insert(bitmap.path.clone());
+            });
+        }
+    }
+    for emitter in emitters {
+        emitter.for_each_picture(&mut |path| {
+            paths.insert(path.clone());
+        });
+    }
+    paths
 }

@@ -64,9 +64,13 @@ pub struct SceneStatus {
     pub mesh_warnings: Vec<String>,
     /// Meshes whose first load is not over.
     pub meshes_loading: usize,
-    /// Pictures that could not be read, one sentence each that begins with their place in the scene file; a grey takes their place, or what
+    /// Pictures that are not there, one sentence each that begins with their place in the scene file; a grey takes their place, or what
     /// the last good file held.
     pub picture_problems: Vec<String>,
+    /// Pictures that are there and cannot be read, likewise.
+    pub damaged_pictures: Vec<String>,
+    /// Pictures of lights that have negative pixels, likewise.
+    pub picture_warnings: Vec<String>,
     /// Pictures whose first load is not over.
     pub pictures_loading: usize,
     /// Files of the scene, itself among them, that were there and have gone from the disk; what was read of them stays.

@@ -88,6 +88,19 @@ impl Image {
         }
     }
 
+    /// How many pixels have a channel below zero, which only pictures of floats can have.
+    pub fn negative_pixels(&self) -> usize {
+        fn count<T>(samples: &[T], channels: usize, is_negative: impl Fn(&T) -> bool) -> usize {
+            let pixels = samples.chunks_exact(channels);
+            pixels.filter(|pixel| pixel.iter().any(&is_negative)).count()
+        }
+        match &self.samples {
+            Samples::U8(_) | Samples::U16(_) => 0,
+            Samples::F16(samples) => count(samples, self.channels, |sample| *sample < f16::ZERO),
+            Samples::F32(samples) => count(samples, self.channels, |sample| *sample < 0.0),
+        }
+    }
+
     pub fn width(&self) -> u32 {
         self.width
     }

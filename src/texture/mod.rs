@@ -95,6 +95,11 @@ impl TextureTable {
         }
     }
 
+    /// The light that a colour stands for: nothing where the colour is negative, as pixels of EXR and PFM pictures may be.
+    pub fn light(&self, parameter: Parameter<Rgb>, at: &TexturePoint) -> Rgb {
+        self.color(parameter, at).max(Rgb::ZERO)
+    }
+
     /// A colour texture gives its luminance.
     pub fn float(&self, parameter: Parameter<f32>, at: &TexturePoint) -> f32 {
         match parameter {

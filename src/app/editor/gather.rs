@@ -333,7 +333,12 @@ fn notices(scene: &SceneStatus, engine_errors: &[String], preferences: &Preferen
             .iter()
             .map(|diagnostic| notice(diagnostics, diagnostic)),
     );
-    notices.extend(scene.picture_problems.iter().map(|problem| plain(true, problem)));
+    let pictures = [
+        &scene.picture_problems,
+        &scene.damaged_pictures,
+        &scene.picture_warnings,
+    ];
+    notices.extend(pictures.into_iter().flatten().map(|problem| plain(true, problem)));
     notices.extend(scene.mesh_warnings.iter().map(|warning| plain(false, warning)));
     notices.extend(
         scene

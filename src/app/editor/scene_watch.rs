@@ -138,7 +138,11 @@ impl FileTroubles {
         let of_meshes = status.mesh_errors.iter().map(|problem| &problem.message);
         Self {
             gone: status.files_gone.clone(),
-            unreadable: of_meshes.chain(&status.picture_problems).cloned().collect(),
+            unreadable: of_meshes
+                .chain(&status.picture_problems)
+                .chain(&status.damaged_pictures)
+                .cloned()
+                .collect(),
         }
     }
 }

@@ -12,6 +12,8 @@ use crate::texture::{Image, ImageFileError, load_image};
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct TextureMap {
     pub image: Arc<Image>,
+    /// How many pixels have a channel below zero; as light these channels count as zero.
+    pub negative_pixels: usize,
 }
 
 /// Reads every kind of picture; which it is, the content says.
@@ -40,7 +42,10 @@ impl AssetLoader for TextureMapLoader {
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
         let image = Arc::new(load_image(&bytes)?);
-        Ok(TextureMap { image })
+        Ok(TextureMap {
+            negative_pixels: image.negative_pixels(),
+            image,
+        })
     }
 
     fn extensions(&self) -> &[&str] {
