@@ -520,6 +520,53 @@ fn with(more: &str) -> String {
 }
 
 #[test]
+fn a_broken_mesh_is_an_error_wherever_the_scene_is_read() {
+    let shop = Workshop::new();
+    let scene = shop.scene(&with(
+        "<shape type=\"ply\">\n<string name=\"filename\" value=\"cut.ply\"/></shape>",
+    ));
+    let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    std::fs::write(shop.path("cut.ply"), format!("{header}0 0 0\n1 0 0\n")).expect("can be written");
+    let copy = shop.path("copy.xml");
+    let picture = shop.path("a.png");
+    for args in [
+        vec!["check", "scene.xml"],
+        vec!["convert", "scene.xml", "copy.xml"],
+        vec!["render", "scene.xml", "-o", "a.png"],
+    ] {
+        let output = sunroom()
+            .current_dir(shop.folder.path())
+            .args(&args)
+            .output()
+            .expect("starts");
+        assert_code(&output, 1);
+        let said = stderr(&output);
+        assert!(said.contains("cut.ply") && said.contains(":18:"), "{args:?}: {said}");
+    }
+    assert!(!copy.exists() && !picture.exists());
+    // Mended, it converts; what the reader mends is a warning.
+    let whole = format!("{header}0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    std::fs::write(shop.path("cut.ply"), whole).expect("can be written");
+    let output = sunroom()
+        .arg("convert")
+        .arg(&scene)
+        .arg(&copy)
+        .output()
+        .expect("starts");
+    assert_code(&output, 0);
+    let index = "<shape type=\"serialized\"><string name=\"filename\" value=\"cut.ply\"/><integer name=\"shape_index\" value=\"3\"/></shape>";
+    let scene = shop.scene(&with(index));
+    let output = sunroom()
+        .arg("convert")
+        .arg(&scene)
+        .arg(&copy)
+        .output()
+        .expect("starts");
+    assert_code(&output, 1);
+    assert!(stderr(&output).contains("there is no shape 3"), "{}", stderr(&output));
+}
+
+#[test]
 fn a_damaged_picture_is_an_error_and_a_missing_one_a_warning() {
     let shop = Workshop::new();
     let scene = shop.scene(&with(

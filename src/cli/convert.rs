@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use sunroom::scene::assets::scene_asset::load_document;
+use sunroom::scene::mesh_check::check_meshes;
 use sunroom::scene::read;
 use sunroom::scene::write::{self, Extensions};
 
@@ -31,6 +32,9 @@ pub fn run(args: ConvertArgs) -> ExitCode {
         Err(error) => return report::error(error),
     };
     let scene = read::read(&mut document);
+    if !document.diagnostics.has_errors() {
+        check_meshes(&scene, &mut document.diagnostics);
+    }
     report::diagnostics(&document.diagnostics);
     if !report::acceptable(&document.diagnostics, args.strict) {
         return ExitCode::FAILURE;

@@ -15,6 +15,7 @@ pub mod identity;
 pub mod insert;
 mod loading;
 pub mod material;
+pub mod mesh_check;
 mod meshes;
 pub mod object_change;
 mod object_state;

@@ -342,7 +342,9 @@ mod tests {
         let other = PartsCache::new(Some(folder.path().to_owned()));
         other.keep("part", &[0; 100]).expect("can be kept");
         cache.keep("part", &[1; 100]).expect("can be kept");
-        parts[..2].iter().for_each(|part| make_old(&part.with_file_name(MARKER), 20));
+        parts[..2]
+            .iter()
+            .for_each(|part| make_old(&part.with_file_name(MARKER), 20));
         cache.tidy_down_to(350);
         let left: Vec<bool> = parts.iter().map(|part| part.exists()).collect();
         assert_eq!(left, [true, true, false, false, true]);

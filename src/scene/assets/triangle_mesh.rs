@@ -75,17 +75,7 @@ impl AssetLoader for MeshLoader {
         } else {
             reader.read_to_end(&mut bytes).await?;
         }
-        if serialized::is_serialized(&bytes) {
-            let file = SerializedFile::open(&bytes)?;
-            let load = |shape| file.load(shape).map(MeshShape::from);
-            let shapes: Vec<_> = (0..file.count()).into_par_iter().map(load).collect();
-            return Ok(TriangleMesh {
-                // Of several that are broken the first is told of.
-                shapes: shapes.into_iter().collect::<Result<_, _>>()?,
-                dependencies: Vec::new(),
-            });
-        }
-        read_mesh(&bytes, &path)
+        read_any_mesh(&bytes, &path)
     }
 
     fn extensions(&self) -> &[&str] {
@@ -100,6 +90,25 @@ impl From<LoadedMesh> for MeshShape {
             warnings: loaded.warnings,
         }
     }
+}
+
+/// A whole mesh file of any kind, read from the disk.
+pub fn load_mesh(path: &Path) -> Result<TriangleMesh, MeshLoadError> {
+    read_any_mesh(&std::fs::read(path)?, path)
+}
+
+fn read_any_mesh(bytes: &[u8], path: &Path) -> Result<TriangleMesh, MeshLoadError> {
+    if !serialized::is_serialized(bytes) {
+        return read_mesh(bytes, path);
+    }
+    let file = SerializedFile::open(bytes)?;
+    let load = |shape| file.load(shape).map(MeshShape::from);
+    let shapes: Vec<_> = (0..file.count()).into_par_iter().map(load).collect();
+    Ok(TriangleMesh {
+        // The first error counts if several shapes are broken.
+        shapes: shapes.into_iter().collect::<Result<_, _>>()?,
+        dependencies: Vec::new(),
+    })
 }
 
 /// Of an OBJ or PLY file. `path`: of the file the bytes are from; material libraries are looked for beside it, and the names of their
