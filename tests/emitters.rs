@@ -261,10 +261,7 @@ fn what_is_wrong_is_said_with_its_place() {
             "<shape type='disk'><emitter type='area'><texture type='noise' name='radiance'/></emitter></shape>",
             "2:41: warning: texture `noise` is not supported",
         ),
-        (
-            "<emitter type='sunski'/>",
-            "2:1: warning: emitter `sunski` is not supported: it is left out",
-        ),
+        ("<emitter type='sunski'/>", "2:1: error: emitter `sunski` is not known"),
     ] {
         let (_, diagnostics) = describe(body);
         let list: Vec<String> = diagnostics

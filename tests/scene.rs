@@ -253,8 +253,8 @@ fn what_is_not_supported_gets_a_stand_in_and_a_warning_with_its_line() {
             "3: warning: shape `sdfgrid` is not supported: it is left out",
         ),
         (
-            "<emitter type='glow'/>",
-            "2: warning: emitter `glow` is not supported: it is left out",
+            "<emitter type='sky'/>",
+            "2: warning: emitter `sky` is not supported: it is left out",
         ),
         (
             "<integrator type='bdpt'/>",
@@ -295,6 +295,16 @@ fn a_ring_of_references_is_one_error_that_names_both_lines() {
     ] {
         let (_, diagnostics) = describe(&format!("{body}<sensor type='perspective'/>"));
         assert_eq!(diagnostics.list.len(), 1, "{diagnostics}");
+    }
+}
+
+#[test]
+fn plugins_that_nobody_has_are_errors() {
+    for (body, expected) in [
+        ("<shape type='shpere'/>", "2: error: shape `shpere` is not known"),
+        ("<emitter type='glow'/>", "2: error: emitter `glow` is not known"),
+    ] {
+        assert_eq!(complaints(body), [expected], "{body}");
     }
 }
 

@@ -7,12 +7,12 @@ use bevy::math::Affine3A;
 
 use super::SceneReader;
 use super::bsdfs::FromFile;
-use super::parameters::{Parameters, frame_along};
+use super::parameters::{Parameters, frame_along, report_left_out};
 use super::sensors::read_fov;
 use super::textures::PictureSearch;
 use crate::color::Rgb;
 use crate::document::suggest::did_you_mean;
-use crate::document::{Object, Reader, Severity};
+use crate::document::{Object, Reader};
 use crate::scene::description::EmitterDescription;
 use crate::scene::{
     AreaLight, Emitter, EmitterKind, EmitterVisitor, FovAxis, Parameter, PlaceAndTime, SunPosition, Texture, write,
@@ -61,13 +61,21 @@ impl<'a> SceneReader<'a> {
     }
 }
 
+/// Emitters of Mitsuba, also of old versions, that this program does not have.
+const FOREIGN_EMITTERS: [&str; 6] = [
+    "directionalarea",
+    "timed_sunsky",
+    "volumelight",
+    "sky",
+    "sun",
+    "collimated",
+];
+
 fn read_parameters(mut reader: Reader, pictures: &mut PictureSearch) -> Option<(Emitter, Affine3A)> {
     let plugin = reader.object().plugin.as_str();
     let Some(mut emitter) = Emitter::of_plugin(plugin) else {
-        let message = format!("emitter `{plugin}` is not supported: it is left out");
         let help = did_you_mean(plugin, Emitter::PLUGINS);
-        let span = reader.object().span;
-        reader.diagnostics().push(Severity::Warning, Some(span), message, help);
+        report_left_out(&mut reader, FOREIGN_EMITTERS.contains(&plugin), help);
         return None;
     };
     emitter.visit(&mut FromFile {

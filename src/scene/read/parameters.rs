@@ -9,7 +9,7 @@ use super::spectra::{is_spectrum, read_spectrum};
 use super::textures::{PictureSearch, read_texture};
 use crate::color::Rgb;
 use crate::document::spectrum::Role;
-use crate::document::{Category, Reader, TransformOp};
+use crate::document::{Category, Reader, Severity, TransformOp};
 use crate::scene::{Parameter, Texture};
 
 /// Reads one kind of parameter. None where the file does not give it or what it gives is unusable; the latter has been reported.
@@ -128,6 +128,18 @@ impl Parameters for Reader<'_, '_> {
         );
         None
     }
+}
+
+/// Reports a shape or an emitter that cannot be read. A plugin that Mitsuba has is a limit of this program: a warning, and the rest of the scene is
+/// worth seeing. A plugin that nobody has is a misspelt name: an error, because Mitsuba reads no such file either.
+pub fn report_left_out(reader: &mut Reader, is_known_elsewhere: bool, help: Option<String>) {
+    let title = reader.object().title();
+    let span = Some(reader.object().span);
+    let (severity, message) = match is_known_elsewhere {
+        true => (Severity::Warning, format!("{title} is not supported: it is left out")),
+        false => (Severity::Error, format!("{title} is not known")),
+    };
+    reader.diagnostics().push(severity, span, message, help);
 }
 
 fn is_negative(given: &Parameter<Rgb>) -> bool {

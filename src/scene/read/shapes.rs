@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::SceneReader;
 use super::groups::is_group;
 use super::mesh_search::{Found, advice};
-use super::parameters::Parameters;
+use super::parameters::{Parameters, report_left_out};
 use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Severity};
 use crate::scene::description::{DeclarationPlace, ShapeDescription};
@@ -25,6 +25,19 @@ const SHAPES: [&str; 10] = [
     "obj",
     "ply",
     "serialized",
+];
+
+/// Shapes of Mitsuba, also of old versions, that this program does not have.
+const FOREIGN_SHAPES: [&str; 9] = [
+    "bsplinecurve",
+    "linearcurve",
+    "sdfgrid",
+    "ellipsoids",
+    "ellipsoidsmesh",
+    "merge",
+    "hair",
+    "heightfield",
+    "deformable",
 ];
 
 impl<'a> SceneReader<'a> {
@@ -89,10 +102,8 @@ impl<'a> SceneReader<'a> {
                 })
             }
             other => {
-                let message = format!("shape `{other}` is not supported: it is left out");
                 let help = did_you_mean(other, SHAPES);
-                let span = Some(object.span);
-                reader.diagnostics().push(Severity::Warning, span, message, help);
+                report_left_out(&mut reader, FOREIGN_SHAPES.contains(&other), help);
                 return false;
             }
         };
