@@ -290,10 +290,10 @@ fn a_saved_scene_without_a_camera_of_its_own_keeps_the_one_it_got() {
         sunroom::scene::read::read(&mut document)
     };
     let mut world = world();
-    spawn::spawn_fresh(&mut world, &read());
+    spawn::spawn_fresh(&mut world, &read().into());
     let camera = world.resource::<ActiveSensor>().0.expect("a stand-in");
     assert_eq!(write::save(&mut world, &path).expect("saved"), None);
-    spawn::update(&mut world, &read());
+    spawn::update(&mut world, &read().into());
     assert_eq!(world.resource::<ActiveSensor>().0, Some(camera));
     assert!(world.get::<Sensor>(camera).is_some());
 }
@@ -315,7 +315,7 @@ fn after_a_save_the_file_and_the_things_still_belong_together() {
         sunroom::scene::read::read(&mut document)
     };
     let mut world = world();
-    spawn::spawn_fresh(&mut world, &read());
+    spawn::spawn_fresh(&mut world, &read().into());
     // The material written inside of a is nobody's any more, and is not written.
     say(&mut world, "assign metal a");
     say(&mut world, "rotate b 0,1,0 33");
@@ -323,7 +323,7 @@ fn after_a_save_the_file_and_the_things_still_belong_together() {
     let saved = std::fs::read_to_string(&path).expect("a file");
     // The other changes in the file, and b is gone from it.
     std::fs::write(&path, saved.replace("0.2", "0.7")).expect("a file");
-    spawn::update(&mut world, &read());
+    spawn::update(&mut world, &read().into());
     let color = |world: &mut World, name: &str| {
         let scene = gather::describe(world);
         let shape = scene
@@ -339,7 +339,7 @@ fn after_a_save_the_file_and_the_things_still_belong_together() {
     let start = saved.find("<shape type='sphere' id='b'>").expect("b");
     let end = start + saved[start..].find("</shape>").expect("its end") + "</shape>".len();
     std::fs::write(&path, [&saved[..start], &saved[end..]].concat()).expect("a file");
-    let summary = spawn::update(&mut world, &read());
+    let summary = spawn::update(&mut world, &read().into());
     assert_eq!((summary.removed > 0, summary.kept), (true, 0), "{summary:?}");
     assert_eq!(names::<With<Shape>>(&mut world), ["a"]);
 }

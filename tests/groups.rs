@@ -62,7 +62,7 @@ fn app() -> App {
 
 fn packed(scene: &SceneDescription) -> (App, RenderScene) {
     let mut app = app();
-    spawn::spawn_fresh(app.world_mut(), scene);
+    spawn::spawn_fresh(app.world_mut(), &scene.clone().into());
     app.update();
     let packed = app.world().resource::<CurrentScene>().scene.clone();
     (app, packed.expect("a scene that was packed"))

@@ -582,7 +582,7 @@ fn what_was_made_in_the_editor_belongs_to_the_file_once_it_is_saved() {
     let folder = Folder::with(&[("main.xml", text)]);
     let path = folder.path("main.xml");
     let mut world = World::new();
-    spawn::update(&mut world, &describe(&path));
+    spawn::update(&mut world, &describe(&path).into());
     let shape = world.query_filtered::<Entity, With<Shape>>().single(&world).unwrap();
     let made = world.spawn((Material::default(), DocumentOrder(100))).id();
     world.entity_mut(shape).insert(UsesMaterial(made));
@@ -591,7 +591,7 @@ fn what_was_made_in_the_editor_belongs_to_the_file_once_it_is_saved() {
     let saved = folder.text("main.xml");
     assert_eq!(world.get::<SceneId>(made), Some(&SceneId("material-1".to_owned())));
     // As the watch over the file does.
-    spawn::update(&mut world, &describe(&path));
+    spawn::update(&mut world, &describe(&path).into());
     assert_eq!(world.query::<&Material>().iter(&world).count(), 1);
     assert_eq!(world.get::<UsesMaterial>(shape), Some(&UsesMaterial(made)));
     save(&mut world, &path).unwrap();

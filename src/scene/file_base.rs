@@ -1,11 +1,17 @@
-//! What the file said of each thing when it was last read or written, and how things are recognised: by kind and id; those without id, of the
-//! same kind and plugin, by what they are and their order ([`recognised`]).
+//! The description of the file as it was last read or written, and which entity each thing of it is.
+//!
+//! A new description of the file is compared with it. A thing with an id is recognised by its kind and id. A thing without an id is recognised
+//! among those of the same kind and plugin, by what it is and by its order ([`recognised`]).
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use bevy::prelude::*;
 
-use super::description::{DeclarationPlace, Identity, SceneDescription};
+use super::description::{
+    DeclarationPlace, EmitterDescription, GroupDescription, Identity, MaterialDescription, SceneDescription,
+    SensorDescription, ShapeDescription,
+};
 use super::recognition::recognised;
 use super::write::gather::Entities;
 use super::{
@@ -16,236 +22,303 @@ use super::{
 /// What the file says, and which entity each thing of it is.
 #[derive(Resource, Clone, Debug, Default)]
 pub(super) struct FileBase {
-    pub(super) things: HashMap<Key, Thing>,
+    /// The file as it was last read or written. It shares its memory with the asset that was loaded.
+    pub(super) scene: Arc<SceneDescription>,
+    /// The entities of the scene's lists, in the same order.
+    pub(super) entities: Entities,
+    /// The state that an entity had when the file was read or written, where that is not the state that the file gives.
+    /// The order is not compared.
+    pub(super) unlike_file: HashMap<Entity, ObjectState>,
     pub(super) integrator: Option<IntegratorSettings>,
 }
 
-#[derive(Clone, Debug)]
-pub(super) struct Thing {
-    pub(super) entity: Entity,
-    /// As the file has it.
-    pub(super) state: ObjectState,
-    /// As the entity was then; the same, but numbers that were written may have been shortened.
-    pub(super) here: ObjectState,
-}
+impl FileBase {
+    /// The state of an entity when the file was last read or written.
+    pub(super) fn state_then(&self, thing: Thing) -> ObjectState {
+        let entity = thing.entity(&self.entities);
+        let unlike = self.unlike_file.get(&entity).cloned();
+        unlike.unwrap_or_else(|| thing.state(&self.scene, &self.entities))
+    }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Kind {
-    Sensor,
-    Material,
-    Group,
-    Shape,
-    Emitter,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Key {
-    Id(Kind, String),
-    Number(Kind, String, usize),
-}
-
-/// Gives out keys in the order of the file.
-#[derive(Default)]
-struct Keys(HashMap<(Kind, String), usize>);
-
-impl Keys {
-    fn key(&mut self, kind: Kind, identity: &Identity) -> Key {
-        if let Some(id) = &identity.id {
-            return Key::Id(kind, id.clone());
+    /// Remembers the state `here` of a thing which the file describes as `in_file`.
+    pub(super) fn remember(&mut self, entity: Entity, here: ObjectState, in_file: &ObjectState) {
+        if here.unordered() != in_file.unordered() {
+            self.unlike_file.insert(entity, here);
         }
-        let authored = identity.authored.as_ref();
-        let plugin = authored.map_or(String::new(), |authored| authored.object.plugin.clone());
-        let next = self.0.entry((kind, plugin.clone())).or_default();
-        *next += 1;
-        Key::Number(kind, plugin, *next)
     }
 }
 
-/// The keys of all that a description has, list by list.
-pub(super) struct SceneKeys {
-    sensors: Vec<Key>,
-    materials: Vec<Key>,
-    groups: Vec<Key>,
-    shapes: Vec<Key>,
-    emitters: Vec<Key>,
+/// A place in one of the lists of a [`SceneDescription`], and in the same list of [`Entities`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Thing {
+    Material(usize),
+    Group(usize),
+    Shape(usize),
+    Emitter(usize),
+    Sensor(usize),
 }
 
-impl SceneKeys {
-    pub(super) fn of(scene: &SceneDescription) -> Self {
-        let mut keys = Keys::default();
-        let mut list = |kind, identities: &mut dyn Iterator<Item = &Identity>| -> Vec<Key> {
-            identities.map(|identity| keys.key(kind, identity)).collect()
+impl Thing {
+    /// All things of a description.
+    pub(super) fn all(scene: &SceneDescription) -> impl Iterator<Item = Self> + use<> {
+        let materials = (0..scene.materials.len()).map(Self::Material);
+        let groups = (0..scene.groups.len()).map(Self::Group);
+        let shapes = (0..scene.shapes.len()).map(Self::Shape);
+        let emitters = (0..scene.emitters.len()).map(Self::Emitter);
+        let sensors = (0..scene.sensors.len()).map(Self::Sensor);
+        materials.chain(groups).chain(shapes).chain(emitters).chain(sensors)
+    }
+
+    pub(super) fn entity(self, entities: &Entities) -> Entity {
+        match self {
+            Self::Material(index) => entities.materials[index],
+            Self::Group(index) => entities.groups[index],
+            Self::Shape(index) => entities.shapes[index],
+            Self::Emitter(index) => entities.emitters[index],
+            Self::Sensor(index) => entities.sensors[index],
+        }
+    }
+
+    pub(super) fn identity(self, scene: &SceneDescription) -> &Identity {
+        match self {
+            Self::Material(index) => &scene.materials[index].identity,
+            Self::Group(index) => &scene.groups[index].identity,
+            Self::Shape(index) => &scene.shapes[index].identity,
+            Self::Emitter(index) => &scene.emitters[index].identity,
+            Self::Sensor(index) => &scene.sensors[index].identity,
+        }
+    }
+
+    /// The components that the description gives the thing's entity.
+    pub(super) fn state(self, scene: &SceneDescription, entities: &Entities) -> ObjectState {
+        let identity = self.identity(scene);
+        let common = ObjectState {
+            order: Some(DocumentOrder(identity.order)),
+            id: identity.id.clone().map(SceneId),
+            name: Some(Name::new(identity.name.clone())),
+            ..ObjectState::default()
         };
+        match self {
+            Self::Material(index) => {
+                let material = &scene.materials[index];
+                let owner = match material.declared_in {
+                    DeclarationPlace::TopLevel => None,
+                    DeclarationPlace::Shape(index) => entities.shapes.get(index),
+                    DeclarationPlace::Material(index) => entities.materials.get(index),
+                };
+                ObjectState {
+                    material: Some(material.material.clone()),
+                    first: material.first.map(|index| FirstNested(entities.materials[index])),
+                    second: material.second.map(|index| SecondNested(entities.materials[index])),
+                    declared_in: owner.map(|owner| DeclaredIn(*owner)),
+                    ..common
+                }
+            }
+            Self::Group(_) => ObjectState {
+                group: Some(ShapeGroup),
+                ..common
+            },
+            Self::Shape(index) => {
+                let shape = &scene.shapes[index];
+                ObjectState {
+                    shape: Some(shape.shape.clone()),
+                    to_world: Some(ToWorld(shape.to_world)),
+                    area_light: shape.area_light.clone(),
+                    uses: shape.material.map(|index| UsesMaterial(entities.materials[index])),
+                    member_of: shape.member_of.map(|index| MemberOf(entities.groups[index])),
+                    instance_of: shape.instance_of.map(|index| InstanceOf(entities.groups[index])),
+                    placements: shape.placements.clone(),
+                    ..common
+                }
+            }
+            Self::Emitter(index) => {
+                let emitter = &scene.emitters[index];
+                ObjectState {
+                    emitter: Some(emitter.emitter.clone()),
+                    to_world: Some(ToWorld(emitter.to_world)),
+                    ..common
+                }
+            }
+            Self::Sensor(index) => {
+                let sensor = &scene.sensors[index];
+                ObjectState {
+                    sensor: Some(sensor.sensor),
+                    film: Some(sensor.film),
+                    to_world: Some(ToWorld(sensor.to_world)),
+                    ..common
+                }
+            }
+        }
+    }
+}
+
+/// For each thing of a new description its place in the same list of the old one; None for new things.
+#[derive(Debug)]
+pub(super) struct Recognised {
+    materials: Vec<Option<usize>>,
+    groups: Vec<Option<usize>>,
+    shapes: Vec<Option<usize>>,
+    emitters: Vec<Option<usize>>,
+    sensors: Vec<Option<usize>>,
+}
+
+impl Recognised {
+    pub(super) fn new(before: &SceneDescription, now: &SceneDescription) -> Self {
         Self {
-            sensors: list(Kind::Sensor, &mut scene.sensors.iter().map(|it| &it.identity)),
-            materials: list(Kind::Material, &mut scene.materials.iter().map(|it| &it.identity)),
-            groups: list(Kind::Group, &mut scene.groups.iter().map(|it| &it.identity)),
-            shapes: list(Kind::Shape, &mut scene.shapes.iter().map(|it| &it.identity)),
-            emitters: list(Kind::Emitter, &mut scene.emitters.iter().map(|it| &it.identity)),
+            materials: pairs(&before.materials, &now.materials),
+            groups: pairs(&before.groups, &now.groups),
+            shapes: pairs(&before.shapes, &now.shapes),
+            emitters: pairs(&before.emitters, &now.emitters),
+            sensors: pairs(&before.sensors, &now.sensors),
         }
     }
 
-    /// As [`Self::of`], but those without ids have the keys that they have in `base`.
-    pub(super) fn recognised(scene: &SceneDescription, base: &FileBase) -> Self {
-        let mut keys = Self::of(scene);
-        if base.things.is_empty() {
-            return keys;
+    /// The thing of the old description that this thing of the new one was.
+    pub(super) fn before(&self, thing: Thing) -> Option<Thing> {
+        match thing {
+            Thing::Material(index) => self.materials[index].map(Thing::Material),
+            Thing::Group(index) => self.groups[index].map(Thing::Group),
+            Thing::Shape(index) => self.shapes[index].map(Thing::Shape),
+            Thing::Emitter(index) => self.emitters[index].map(Thing::Emitter),
+            Thing::Sensor(index) => self.sensors[index].map(Thing::Sensor),
         }
-        let contents = states(scene, &keys.entities(|_| Entity::PLACEHOLDER));
-        let mut now: HashMap<(Kind, String), Vec<(&mut Key, ObjectState)>> = HashMap::new();
-        for (key, (_, state, _)) in keys.in_order_mut().zip(contents) {
-            if let Key::Number(kind, plugin, _) = &*key {
-                let like = now.entry((*kind, plugin.clone())).or_default();
-                like.push((key, content(state)));
-            }
-        }
-        let mut before: HashMap<(Kind, String), Vec<(Option<DocumentOrder>, usize)>> = HashMap::new();
-        for (key, thing) in &base.things {
-            if let Key::Number(kind, plugin, number) = key {
-                let like = before.entry((*kind, plugin.clone())).or_default();
-                like.push((thing.state.order, *number));
-            }
-        }
-        for ((kind, plugin), now) in now {
-            let mut before = before.remove(&(kind, plugin.clone())).unwrap_or_default();
-            before.sort();
-            let key = |number| Key::Number(kind, plugin.clone(), number);
-            let known = before.iter().filter_map(|(_, number)| base.things.get(&key(*number)));
-            let known: Vec<ObjectState> = known.map(|thing| content(thing.state.clone())).collect();
-            let (places, contents): (Vec<&mut Key>, Vec<ObjectState>) = now.into_iter().unzip();
-            let mut last = before.iter().map(|(_, number)| *number).max().unwrap_or(0);
-            for (place, pair) in places.into_iter().zip(recognised(&known, &contents)) {
-                *place = key(pair.map_or_else(
-                    || {
-                        last += 1;
-                        last
-                    },
-                    |pair| before[pair].1,
-                ));
-            }
-        }
-        keys
     }
 
-    /// Each with the entity it is.
-    pub(super) fn entities(&self, mut entity: impl FnMut(&Key) -> Entity) -> Entities {
-        let mut all = |keys: &[Key]| keys.iter().map(&mut entity).collect();
+    /// An entity for each thing of the new description: its old one, if `keep` accepts that, or else one from `make`.
+    pub(super) fn entities(
+        &self,
+        before: &Entities,
+        mut keep_or_make: impl FnMut(Option<Entity>) -> Entity,
+    ) -> Entities {
+        let mut all = |pairs: &[Option<usize>], before: &[Entity]| {
+            let known = pairs.iter().map(|pair| pair.map(|index| before[index]));
+            known.map(&mut keep_or_make).collect()
+        };
         Entities {
-            sensors: all(&self.sensors),
-            materials: all(&self.materials),
-            groups: all(&self.groups),
-            shapes: all(&self.shapes),
-            emitters: all(&self.emitters),
+            sensors: all(&self.sensors, &before.sensors),
+            materials: all(&self.materials, &before.materials),
+            groups: all(&self.groups, &before.groups),
+            shapes: all(&self.shapes, &before.shapes),
+            emitters: all(&self.emitters, &before.emitters),
         }
     }
+}
 
-    pub(super) fn in_order(self) -> impl Iterator<Item = Key> {
-        let lists = [self.materials, self.groups, self.shapes, self.emitters, self.sensors];
-        lists.into_iter().flatten()
+/// One of the lists' elements.
+trait Described {
+    fn identity(&self) -> &Identity;
+    /// Whether two things are the same in themselves, whatever they are called, wherever they stand in the file and whatever they refer to.
+    fn is_alike(&self, other: &Self) -> bool;
+}
+
+impl Described for MaterialDescription {
+    fn identity(&self) -> &Identity {
+        &self.identity
     }
 
-    fn in_order_mut(&mut self) -> impl Iterator<Item = &mut Key> {
-        let lists = [
-            &mut self.materials,
-            &mut self.groups,
-            &mut self.shapes,
-            &mut self.emitters,
-            &mut self.sensors,
-        ];
-        lists.into_iter().flatten()
+    fn is_alike(&self, other: &Self) -> bool {
+        self.material == other.material
     }
 }
 
-/// What a thing is in itself, whatever it is called, wherever it stands and whatever it refers to.
-fn content(state: ObjectState) -> ObjectState {
-    ObjectState {
-        order: None,
-        id: None,
-        name: None,
-        uses: None,
-        first: None,
-        second: None,
-        declared_in: None,
-        member_of: None,
-        instance_of: None,
-        ..state
+impl Described for GroupDescription {
+    fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    fn is_alike(&self, _: &Self) -> bool {
+        true
     }
 }
 
-/// What the description says of each entity, in the order of [`SceneKeys::in_order`].
-pub(super) fn states<'s>(
-    scene: &'s SceneDescription,
-    entities: &Entities,
-) -> Vec<(Entity, ObjectState, Option<&'s Authored>)> {
-    let mut states = Vec::new();
-    let common = |identity: &Identity| ObjectState {
-        order: Some(DocumentOrder(identity.order)),
-        id: identity.id.clone().map(SceneId),
-        name: Some(Name::new(identity.name.clone())),
-        ..ObjectState::default()
-    };
-    for (material, &entity) in scene.materials.iter().zip(&entities.materials) {
-        let owner = match material.declared_in {
-            DeclarationPlace::TopLevel => None,
-            DeclarationPlace::Shape(index) => entities.shapes.get(index),
-            DeclarationPlace::Material(index) => entities.materials.get(index),
-        };
-        let state = ObjectState {
-            material: Some(material.material.clone()),
-            first: material.first.map(|index| FirstNested(entities.materials[index])),
-            second: material.second.map(|index| SecondNested(entities.materials[index])),
-            declared_in: owner.map(|owner| DeclaredIn(*owner)),
-            ..common(&material.identity)
-        };
-        states.push((entity, state, material.identity.authored.as_ref()));
+impl Described for ShapeDescription {
+    fn identity(&self) -> &Identity {
+        &self.identity
     }
-    for (group, &entity) in scene.groups.iter().zip(&entities.groups) {
-        let state = ObjectState {
-            group: Some(ShapeGroup),
-            ..common(&group.identity)
-        };
-        states.push((entity, state, group.identity.authored.as_ref()));
+
+    fn is_alike(&self, other: &Self) -> bool {
+        (&self.shape, &self.to_world, &self.area_light, &self.placements)
+            == (&other.shape, &other.to_world, &other.area_light, &other.placements)
     }
-    for (shape, &entity) in scene.shapes.iter().zip(&entities.shapes) {
-        let state = ObjectState {
-            shape: Some(shape.shape.clone()),
-            to_world: Some(ToWorld(shape.to_world)),
-            area_light: shape.area_light.clone(),
-            uses: shape.material.map(|index| UsesMaterial(entities.materials[index])),
-            member_of: shape.member_of.map(|index| MemberOf(entities.groups[index])),
-            instance_of: shape.instance_of.map(|index| InstanceOf(entities.groups[index])),
-            placements: shape.placements.clone(),
-            ..common(&shape.identity)
-        };
-        states.push((entity, state, shape.identity.authored.as_ref()));
-    }
-    for (emitter, &entity) in scene.emitters.iter().zip(&entities.emitters) {
-        let state = ObjectState {
-            emitter: Some(emitter.emitter.clone()),
-            to_world: Some(ToWorld(emitter.to_world)),
-            ..common(&emitter.identity)
-        };
-        states.push((entity, state, emitter.identity.authored.as_ref()));
-    }
-    for (sensor, &entity) in scene.sensors.iter().zip(&entities.sensors) {
-        let state = ObjectState {
-            sensor: Some(sensor.sensor),
-            film: Some(sensor.film),
-            to_world: Some(ToWorld(sensor.to_world)),
-            ..common(&sensor.identity)
-        };
-        states.push((entity, state, sensor.identity.authored.as_ref()));
-    }
-    states
 }
 
-pub(super) fn set_authored(world: &mut World, entity: Entity, authored: Option<Authored>) {
-    if world.get::<Authored>(entity) == authored.as_ref() {
+impl Described for EmitterDescription {
+    fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    fn is_alike(&self, other: &Self) -> bool {
+        (&self.emitter, &self.to_world) == (&other.emitter, &other.to_world)
+    }
+}
+
+impl Described for SensorDescription {
+    fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    fn is_alike(&self, other: &Self) -> bool {
+        (&self.sensor, &self.film, &self.to_world) == (&other.sensor, &other.film, &other.to_world)
+    }
+}
+
+/// Compares by [`Described::is_alike`].
+struct Content<'s, T>(&'s T);
+
+impl<T: Described> PartialEq for Content<'_, T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.is_alike(other.0)
+    }
+}
+
+fn pairs<T: Described>(before: &[T], now: &[T]) -> Vec<Option<usize>> {
+    let mut pairs = vec![None; now.len()];
+    if before.is_empty() {
+        return pairs;
+    }
+    let by_id: HashMap<&str, usize> = (0..)
+        .zip(before)
+        .filter_map(|(index, thing)| Some((thing.identity().id.as_deref()?, index)))
+        .collect();
+    for (pair, thing) in pairs.iter_mut().zip(now) {
+        *pair = thing.identity().id.as_deref().and_then(|id| by_id.get(id).copied());
+    }
+    let mut old = nameless(before);
+    for (plugin, new) in nameless(now) {
+        let old = old.remove(plugin).unwrap_or_default();
+        let found = recognised(&contents(before, &old), &contents(now, &new));
+        for (place, pair) in new.into_iter().zip(found) {
+            pairs[place] = pair.map(|pair| old[pair]);
+        }
+    }
+    pairs
+}
+
+fn contents<'s, T>(list: &'s [T], places: &[usize]) -> Vec<Content<'s, T>> {
+    places.iter().map(|&place| Content(&list[place])).collect()
+}
+
+/// The things without an id by their plugin, in the order of the file.
+fn nameless<T: Described>(list: &[T]) -> HashMap<&str, Vec<usize>> {
+    let mut by_plugin: HashMap<&str, Vec<usize>> = HashMap::new();
+    for (index, thing) in list.iter().enumerate() {
+        let identity = thing.identity();
+        if identity.id.is_none() {
+            let authored = identity.authored.as_ref();
+            let plugin = authored.map_or("", |authored| authored.object.plugin.as_str());
+            by_plugin.entry(plugin).or_default().push(index);
+        }
+    }
+    by_plugin
+}
+
+pub(super) fn set_authored(world: &mut World, entity: Entity, authored: Option<&Authored>) {
+    if world.get::<Authored>(entity) == authored {
         return;
     }
     match authored {
         Some(authored) => {
-            world.entity_mut(entity).insert(authored);
+            world.entity_mut(entity).insert(authored.clone());
         }
         None => {
             world.entity_mut(entity).remove::<Authored>();

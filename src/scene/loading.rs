@@ -181,7 +181,7 @@ fn take_in(world: &mut World, id: AssetId<SceneAsset>, asset: SceneAsset) {
 }
 
 /// The entities are the scene of this file, which has just been written and read again.
-pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagnostics>, written: SceneDescription) {
+pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagnostics>, written: &SceneDescription) {
     let server = world.get_resource::<AssetServer>().cloned();
     if let Some(mut file) = world.get_resource_mut::<SceneFile>() {
         if file.path != path {
@@ -191,7 +191,7 @@ pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagn
         }
         file.asked = None;
         file.good_diagnostics = diagnostics.clone();
-        file.picture_places = written.picture_places;
+        file.picture_places.clone_from(&written.picture_places);
     }
     if let Some(mut status) = world.get_resource_mut::<SceneStatus>() {
         status.path = Some(path.to_owned());
@@ -204,7 +204,7 @@ pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagn
 
 /// An empty scene of no file, in place of what was there: a camera that looks at the origin, and a grey sky.
 pub fn new_scene(world: &mut World) {
-    spawn::spawn_fresh(world, &SceneDescription::empty());
+    spawn::spawn_fresh(world, &Arc::new(SceneDescription::empty()));
     world.insert_resource(SceneFile::default());
     let mut status = world.resource_mut::<SceneStatus>();
     *status = SceneStatus {

@@ -1,18 +1,18 @@
 //! After saving, the file says what was written: the entities are what is written there from now on, whether they were read or made here.
 
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use bevy::prelude::*;
 
 use super::description::{Identity, SceneDescription};
-use super::file_base::{FileBase, SceneKeys, Thing, set_authored, states};
+use super::file_base::{FileBase, Thing, set_authored};
 use super::spawn::StandInSensor;
 use super::write::gather::Entities;
 use super::{Authored, ObjectState, Placements, SceneId};
 
 /// The file now says what `written` says, which was made of `scene`, of these entities: what was made in the editor belongs to it from now on.
-pub(super) fn rebase(world: &mut World, scene: &SceneDescription, entities: &Entities, written: &SceneDescription) {
-    let keys = SceneKeys::of(written);
+pub(super) fn rebase(world: &mut World, scene: &SceneDescription, entities: &Entities, written: Arc<SceneDescription>) {
     let mut paired = |known: &[Entity], pairs: Vec<Option<usize>>| {
         let pairs = pairs.into_iter().map(|index| index.map(|index| known[index]));
         pairs
@@ -30,7 +30,7 @@ pub(super) fn rebase(world: &mut World, scene: &SceneDescription, entities: &Ent
         },
     );
     let now = Entities {
-        materials: paired(&entities.materials, material_pairs(scene, written, &shapes)),
+        materials: paired(&entities.materials, material_pairs(scene, &written, &shapes)),
         shapes: paired(&entities.shapes, shapes),
         sensors: paired(
             &entities.sensors,
@@ -50,9 +50,14 @@ pub(super) fn rebase(world: &mut World, scene: &SceneDescription, entities: &Ent
             ),
         ),
     };
-    let mut things = HashMap::new();
-    for (key, (entity, state, authored)) in keys.in_order().zip(states(written, &now)) {
-        set_authored(world, entity, authored.cloned());
+    let mut base = FileBase {
+        integrator: Some(written.integrator),
+        ..FileBase::default()
+    };
+    for thing in Thing::all(&written) {
+        let entity = thing.entity(&now);
+        let state = thing.state(&written, &now);
+        set_authored(world, entity, thing.identity(&written).authored.as_ref());
         if ObjectState::of(world, entity).is_there()
             && let Some(id) = &state.id
             && world.get::<SceneId>(entity) != Some(id)
@@ -67,10 +72,9 @@ pub(super) fn rebase(world: &mut World, scene: &SceneDescription, entities: &Ent
         {
             world.entity_mut(entity).insert(placements);
         }
-        let here = ObjectState::of(world, entity);
-        things.insert(key, Thing { entity, state, here });
+        base.remember(entity, ObjectState::of(world, entity), &state);
     }
-    let claimed: HashSet<Entity> = things.values().map(|thing| thing.entity).collect();
+    let claimed: HashSet<Entity> = now.all().collect();
     let mut others = world.query_filtered::<Entity, With<Authored>>();
     let others: Vec<Entity> = others.iter(world).filter(|entity| !claimed.contains(entity)).collect();
     for entity in others {
@@ -79,11 +83,9 @@ pub(super) fn rebase(world: &mut World, scene: &SceneDescription, entities: &Ent
     for &camera in &now.sensors {
         world.entity_mut(camera).remove::<StandInSensor>();
     }
-    world.insert_resource(FileBase {
-        things,
-        integrator: Some(written.integrator),
-    });
     world.insert_resource(written.remains.clone());
+    (base.scene, base.entities) = (written, now);
+    world.insert_resource(base);
 }
 
 /// For each of the written things which of the known ones it is: of the same id, or else the next without one that is alike.

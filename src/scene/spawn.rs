@@ -5,12 +5,14 @@
 //! else that was edited stays.
 
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use bevy::prelude::*;
 
 use super::description::SceneDescription;
-use super::file_base::{FileBase, SceneKeys, Thing, set_authored, states};
+use super::file_base::{FileBase, Recognised, Thing, set_authored};
 use super::insert::{free_name, names};
+use super::write::gather::Entities;
 use super::{
     ActiveSensor, Authored, AuthoredScene, DocumentOrder, Emitter, FirstNestedIn, FrameWhenLoaded, FreeView,
     IntegratorSettings, Material, MaterialUsers, ObjectState, SceneId, SecondNestedIn, Sensor, Shape, ShapeGroup,
@@ -56,7 +58,7 @@ impl ReloadSummary {
 }
 
 /// Replaces whatever scene was there.
-pub fn spawn_fresh(world: &mut World, scene: &SceneDescription) {
+pub fn spawn_fresh(world: &mut World, scene: &Arc<SceneDescription>) {
     let old: Vec<Entity> = world
         .query_filtered::<Entity, Or<(
             With<Sensor>,
@@ -78,72 +80,72 @@ pub fn spawn_fresh(world: &mut World, scene: &SceneDescription) {
 }
 
 /// Makes the entities what the description says, but for what was edited since it was last read or written.
-pub fn update(world: &mut World, scene: &SceneDescription) -> ReloadSummary {
+pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary {
     let base = world.remove_resource::<FileBase>().unwrap_or_default();
     let mut summary = ReloadSummary::default();
-    let keys = SceneKeys::recognised(scene, &base);
-    let entities = keys.entities(|key| match base.things.get(key) {
-        Some(thing) if world.get_entity(thing.entity).is_ok() => thing.entity,
+    let recognised = Recognised::new(&base.scene, scene);
+    let entities = recognised.entities(&base.entities, |known| match known {
+        Some(entity) if world.get_entity(entity).is_ok() => entity,
         _ => world.spawn_empty().id(),
     });
-    let states = states(scene, &entities);
-    let keeps_order = is_in_order(world, &states);
+    let keeps_order = is_in_order(world, scene, &entities);
     let watched = looked_from(world);
-    let mut things = HashMap::new();
+    let mut new_base = FileBase {
+        scene: scene.clone(),
+        integrator: base.integrator,
+        ..FileBase::default()
+    };
     let mut new_ids = HashMap::new();
-    for (key, (entity, theirs, authored)) in keys.in_order().zip(states) {
+    for thing in Thing::all(scene) {
+        let entity = thing.entity(&entities);
+        let theirs = thing.state(scene, &entities);
         let ours = ObjectState::of(world, entity);
-        let now = match base.things.get(&key).filter(|thing| thing.entity == entity) {
+        let known = recognised.before(thing);
+        let known = known.filter(|known| known.entity(&base.entities) == entity);
+        let now = match known {
             None => {
                 summary.added += 1;
                 new_ids.extend(theirs.id.clone().map(|id| (id, entity)));
                 theirs.clone()
             }
-            Some(thing) => taken_over(thing, &theirs, &ours, &mut summary),
+            Some(known) => taken_over(&base, known, &theirs, &ours, &mut summary),
         };
         let now = ObjectState {
             order: if keeps_order { ours.order } else { theirs.order },
             ..now
         };
         now.write(world, entity);
-        set_authored(world, entity, authored.cloned());
+        set_authored(world, entity, thing.identity(scene).authored.as_ref());
         // What was edited since stays an edit.
-        let here = base
-            .things
-            .get(&key)
-            .filter(|_| ours == now)
-            .map_or(now, |thing| thing.here.clone());
-        let state = theirs;
-        things.insert(key, Thing { entity, state, here });
+        let here = match known {
+            Some(known) if ours == now => base.state_then(known),
+            _ => now,
+        };
+        new_base.remember(entity, here, &theirs);
     }
-    let claimed: HashSet<Entity> = things.values().map(|thing| thing.entity).collect();
-    let gone: Vec<&Thing> = base
-        .things
-        .values()
-        .filter(|thing| !claimed.contains(&thing.entity))
-        .collect();
-    let is_gone: HashSet<Entity> = gone.iter().map(|thing| thing.entity).collect();
+    let claimed: HashSet<Entity> = entities.all().collect();
+    let is_gone: HashSet<Entity> = base.entities.all().filter(|entity| !claimed.contains(entity)).collect();
+    let gone = Thing::all(&base.scene).filter(|thing| is_gone.contains(&thing.entity(&base.entities)));
     for thing in gone {
-        let ours = ObjectState::of(world, thing.entity);
-        set_authored(world, thing.entity, None);
+        let entity = thing.entity(&base.entities);
+        let ours = ObjectState::of(world, entity);
+        set_authored(world, entity, None);
         if !ours.is_there() {
             continue;
         }
-        let is_untouched = ours.for_file().unordered() == thing.here.for_file().unordered();
-        if is_untouched && !is_needed(world, thing.entity, &is_gone) {
+        let is_untouched = ours.for_file().unordered() == base.state_then(thing).for_file().unordered();
+        if is_untouched && !is_needed(world, entity, &is_gone) {
             // Without components it can come back when an edit of it is taken back.
-            ObjectState::default().write(world, thing.entity);
+            ObjectState::default().write(world, entity);
             summary.removed += 1;
         } else {
             summary.kept += 1;
         }
     }
     summary.renamed = give_way(world, &new_ids);
-    world.insert_resource(FileBase {
-        things,
-        integrator: base.integrator,
-    });
     update_cameras(world, &entities.sensors);
+    new_base.entities = entities;
+    world.insert_resource(new_base);
     if watched.is_some() && looked_from(world) != watched {
         // Whoever moves the camera in the file wants to see from there.
         world.insert_resource(FreeView::default());
@@ -195,18 +197,27 @@ fn is_needed(world: &World, material: Entity, is_gone: &HashSet<Entity>) -> bool
 }
 
 /// Whether the entities stand in the order of the file already, whatever their numbers; numbers are not changed then.
-fn is_in_order(world: &World, states: &[(Entity, ObjectState, Option<&Authored>)]) -> bool {
-    let mut places: Vec<(Option<DocumentOrder>, Option<DocumentOrder>)> = states
-        .iter()
-        .map(|(entity, state, _)| (state.order, world.get::<DocumentOrder>(*entity).copied()))
-        .collect();
+fn is_in_order(world: &World, scene: &SceneDescription, entities: &Entities) -> bool {
+    let order_of = |thing: Thing| {
+        let here = world.get::<DocumentOrder>(thing.entity(entities)).copied();
+        Some((thing.identity(scene).order, here?))
+    };
+    let Some(mut places) = Thing::all(scene).map(order_of).collect::<Option<Vec<_>>>() else {
+        return false;
+    };
     places.sort();
-    places.iter().all(|(_, here)| here.is_some()) && places.is_sorted_by(|a, b| a.1 < b.1)
+    places.is_sorted_by(|a, b| a.1 < b.1)
 }
 
-/// What a thing is after the file said `theirs`, and it is `ours` here.
-fn taken_over(thing: &Thing, theirs: &ObjectState, ours: &ObjectState, summary: &mut ReloadSummary) -> ObjectState {
-    let (before, new) = (thing.state.unordered(), theirs.unordered());
+/// What a thing is after the file said `theirs`, and it is `ours` here. `known`: the thing in `base`.
+fn taken_over(
+    base: &FileBase,
+    known: Thing,
+    theirs: &ObjectState,
+    ours: &ObjectState,
+    summary: &mut ReloadSummary,
+) -> ObjectState {
+    let (before, new) = (known.state(&base.scene, &base.entities).unordered(), theirs.unordered());
     if !ours.is_there() {
         // Deleted here: it comes back only if the file has something new to say of it.
         if before == new {
@@ -218,7 +229,7 @@ fn taken_over(thing: &Thing, theirs: &ObjectState, ours: &ObjectState, summary: 
     let marks = ObjectState {
         hidden: ours.hidden,
         locked: ours.locked,
-        ..thing.here.unordered()
+        ..base.state_then(known).unordered()
     };
     let merged = ObjectState::merged_since(&before, &new, &marks, &ours.unordered());
     summary.kept += usize::from(merged.kept && before != new);

@@ -33,6 +33,14 @@ pub struct Entities {
     pub emitters: Vec<Entity>,
 }
 
+impl Entities {
+    /// All entities, list by list.
+    pub fn all(&self) -> impl Iterator<Item = Entity> {
+        let lists = [&self.materials, &self.groups, &self.shapes, &self.emitters, &self.sensors];
+        lists.into_iter().flatten().copied()
+    }
+}
+
 /// All shapes, materials, emitters and sensors, each kind in the order of the file.
 pub fn describe(world: &mut World) -> SceneDescription {
     describe_entities(world).0

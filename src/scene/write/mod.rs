@@ -73,8 +73,9 @@ pub fn save(world: &mut World, path: &Path) -> Result<Option<String>, SaveError>
     if let Some(first) = diagnostics.list.iter().find(is_error) {
         return Ok(Some(diagnostics.line(first)));
     }
-    rebase::rebase(world, &scene, &entities, &written);
-    loading::follow_file(world, &target, diagnostics.into(), written);
+    let written = Arc::new(written);
+    rebase::rebase(world, &scene, &entities, written.clone());
+    loading::follow_file(world, &target, diagnostics.into(), &written);
     Ok(None)
 }
 
