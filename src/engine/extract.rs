@@ -19,7 +19,7 @@ use super::dispatch::Renderer;
 use super::light_groups::{LightGroup, group_lights};
 use super::pack::Checker;
 use super::pack::environment::Environments;
-use super::pack::group::{Layout, PlacedGroup};
+use super::pack::group::{Layout, Packed, PlacedGroup};
 use super::pack::instance::pack_instance;
 use super::pack::light::LightContext;
 use super::pack::material::material_table;
@@ -58,7 +58,6 @@ pub(super) struct Extracted {
     layout: Layout,
     entity_of_instance: Arc<[Entity]>,
     material_of_entity: Arc<HashMap<Entity, MaterialId>>,
-    surface_sources: Vec<SurfaceSource>,
     method: SplitMethod,
     light_sources: Vec<WeightedSource>,
     /// Whose lights they are, and that as layers of a film.
@@ -100,7 +99,6 @@ impl Default for Extracted {
             layout: Layout::default(),
             entity_of_instance: Arc::from([]),
             material_of_entity: Arc::default(),
-            surface_sources: Vec::new(),
             method: SplitMethod::default(),
             light_sources: Vec::new(),
             owners: Arc::default(),
@@ -193,8 +191,8 @@ impl Extracted {
         let mut groups: Vec<_> = authored.groups.iter().map(|(entity, &order)| (order, entity)).collect();
         groups.sort();
         let groups: HashMap<Entity, usize> = groups.into_iter().zip(0..).map(|((_, group), i)| (group, i)).collect();
-        let mut in_world = Vec::with_capacity(shapes.len());
-        let mut members = vec![Vec::new(); groups.len()];
+        let mut in_world = Packed::default();
+        let mut members: Vec<Packed> = groups.iter().map(|_| Packed::default()).collect();
         let mut placed = Vec::new();
         for (entity, order, id, shape, to_world, handle, member_of, instance_of) in shapes {
             if let Some((InstanceOf(group), placements)) = instance_of
@@ -245,16 +243,18 @@ impl Extracted {
                 name: &name,
                 errors: &mut self.errors.instances,
             };
-            let record = pack_instance(entity, shape, to_world.0, built, &mut check);
-            match member_of.and_then(|MemberOf(group)| groups.get(group)) {
-                Some(&group) => members[group].extend(record),
-                None => in_world.extend(record),
-            }
+            let packed = pack_instance(entity, shape, to_world.0, built, &mut check);
+            let list = match member_of.and_then(|MemberOf(group)| groups.get(group)) {
+                Some(&group) => &mut members[group],
+                None => &mut in_world,
+            };
+            list.extend(packed);
         }
         cache.end_use();
         self.errors.instances.extend(cache.failures().map(str::to_owned));
 
-        let old = std::mem::replace(&mut self.layout, Layout::new(in_world, members, placed));
+        let (layout, instances) = Layout::new(in_world, members, placed);
+        let old = std::mem::replace(&mut self.layout, layout);
         let moved = self.layout.moved_since(&old);
         if moved.contains(&true)
             || old.shapes.len() != self.layout.shapes.len()
@@ -262,7 +262,7 @@ impl Extracted {
             || self.method != policy.method
         {
             self.errors.placements.clear();
-            let (geometry, entities) = self.layout.build(policy.method, &mut self.errors.placements);
+            let (geometry, entities) = self.layout.build(instances, policy.method, &mut self.errors.placements);
             self.scene.geometry = Arc::new(geometry);
             self.entity_of_instance = entities.into();
             self.method = policy.method;
@@ -301,21 +301,22 @@ impl Extracted {
             Some(asset.image.clone())
         };
         let mut textures = TexturePacker::new(&picture);
-        let materials = authored.pack_materials(model, &mut textures, &mut self.errors.surfaces);
-        self.surface_sources.clear();
-        self.surface_sources.extend(self.layout.shapes.iter().map(|record| {
+        let packed = authored.pack_materials(model, &mut textures, &mut self.errors.surfaces);
+        let (materials, ids) = (packed.materials, packed.ids);
+        let sources = self.layout.shapes.iter().map(|record| {
             // A shape that has just gone has made the instances dirty: it is not among them.
             let clothes = authored.clothes.get(record.entity).ok();
             SurfaceSource {
                 name: clothes.map_or_else(String::new, |(order, id, ..)| name_of("shape", *order, id)),
                 material: clothes.and_then(|(_, _, uses, _)| uses.map(|uses| uses.0)),
-                light: clothes.and_then(|(_, _, _, light)| light.cloned()),
+                light: clothes.and_then(|(_, _, _, light)| light),
             }
-        }));
+        });
         let packed = pack_surfaces(
             &self.layout,
-            &self.surface_sources,
-            &materials,
+            sources,
+            materials,
+            &ids,
             model,
             &mut textures,
             &mut self.errors.surfaces,
@@ -323,8 +324,8 @@ impl Extracted {
         if *self.scene.surfaces != packed.table {
             self.scene.surfaces = Arc::new(packed.table);
         }
-        if *self.material_of_entity != materials.ids {
-            self.material_of_entity = Arc::new(materials.ids);
+        if *self.material_of_entity != ids {
+            self.material_of_entity = Arc::new(ids);
         }
         let table = material_table(packed.materials, &mut self.errors.surfaces);
         if *self.scene.materials != table {

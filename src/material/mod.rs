@@ -107,8 +107,18 @@ pub struct PlainSide<'a> {
 
 impl MaterialTable {
     /// A table whose [`MaterialId`]s are the positions in `materials`. Nested materials must be of the same list, before or after.
-    pub fn new(mut materials: Vec<Material>) -> Result<Self, MaterialTableError> {
-        nesting::check(&materials)?;
+    pub fn new(materials: Vec<Material>) -> Result<Self, MaterialTableError> {
+        Self::check(&materials)?;
+        Ok(Self::checked(materials))
+    }
+
+    /// Whether these materials can be a table: nothing is nested that is not there, in itself, or too deep.
+    pub fn check(materials: &[Material]) -> Result<(), MaterialTableError> {
+        nesting::check(materials)
+    }
+
+    /// As [`Self::new`], of materials that have passed [`Self::check`].
+    pub fn checked(mut materials: Vec<Material>) -> Self {
         for material in &mut materials {
             if let Material::Textured(textured) = material
                 && let Some(bsdf) = textured.if_constant()
@@ -127,13 +137,13 @@ impl MaterialTable {
             Material::Plain(bsdf) => bsdf.albedo(),
             _ => Rgb::ZERO,
         };
-        Ok(Self {
+        Self {
             albedos: materials.iter().map(albedo).collect(),
             for_lanes: nesting::for_lanes(&materials, &parametrised),
             parametrised,
             materials,
             lets_through,
-        })
+        }
     }
 
     /// The same table with more materials, whose ids go on from [`Self::len`].

@@ -20,6 +20,16 @@ pub(in crate::engine) struct PlacedGroup {
     pub places: Arc<[Affine3A]>,
 }
 
+/// Shapes of the world or of one group: what becomes part of the hierarchy, and a record of each that stays.
+pub(in crate::engine) type Packed = (Vec<Instance>, Vec<InstanceRecord>);
+
+/// The shapes of the world, and those of each group, for the hierarchy.
+#[derive(Debug)]
+pub(in crate::engine) struct Instances {
+    in_world: Vec<Instance>,
+    members: Vec<Vec<Instance>>,
+}
+
 /// All shapes, in the order in which [`Tlas::shape_index`] counts them.
 #[derive(Clone, Debug, Default)]
 pub(in crate::engine) struct Layout {
@@ -33,13 +43,17 @@ pub(in crate::engine) struct Layout {
 
 impl Layout {
     /// `members`: per group, in order.
-    pub fn new(in_world: Vec<InstanceRecord>, members: Vec<Vec<InstanceRecord>>, placed: Vec<PlacedGroup>) -> Self {
-        Self {
+    pub fn new(in_world: Packed, members: Vec<Packed>, placed: Vec<PlacedGroup>) -> (Self, Instances) {
+        let (in_world, mut shapes) = in_world;
+        let (members, records): (Vec<_>, Vec<_>) = members.into_iter().unzip();
+        shapes.extend(records.into_iter().flatten());
+        let layout = Self {
             in_world: in_world.len(),
             members: members.iter().map(Vec::len).collect(),
-            shapes: in_world.into_iter().chain(members.into_iter().flatten()).collect(),
+            shapes,
             placed,
-        }
+        };
+        (layout, Instances { in_world, members })
     }
 
     /// Per shape, whether it is not where and what it was; all of them if there are others than before.
@@ -65,18 +79,11 @@ impl Layout {
         shape >= self.in_world
     }
 
-    /// The hierarchy over everything, and the entity behind each of its items.
-    pub fn build(&self, method: SplitMethod, errors: &mut Vec<String>) -> (Tlas, Vec<Entity>) {
-        let instances = |records: &[InstanceRecord]| -> Vec<Instance> {
-            records.iter().map(|record| record.instance.clone()).collect()
-        };
-        let (in_world, mut rest) = self.shapes.split_at(self.in_world);
-        let mut groups = Vec::with_capacity(self.members.len());
-        for &count in &self.members {
-            let (members, after) = rest.split_at(count);
-            rest = after;
-            groups.push(Arc::new(Tlas::build(instances(members), method)));
-        }
+    /// The hierarchy over everything, and the entity behind each of its items. `instances`: those that [`Self::new`] gave with it.
+    pub fn build(&self, instances: Instances, method: SplitMethod, errors: &mut Vec<String>) -> (Tlas, Vec<Entity>) {
+        let members = instances.members.into_iter();
+        let groups = members.map(|members| Arc::new(Tlas::build(members, method))).collect();
+        let in_world = &self.shapes[..self.in_world];
         let mut entities: Vec<Entity> = in_world.iter().map(|record| record.entity).collect();
         let mut placements = Vec::new();
         for placed in &self.placed {
@@ -95,7 +102,7 @@ impl Layout {
             entities.resize(in_world.len() + placements.len(), placed.entity);
         }
         (
-            Tlas::with_placements(instances(in_world), groups, placements, method),
+            Tlas::with_placements(instances.in_world, groups, placements, method),
             entities,
         )
     }

@@ -11,11 +11,14 @@ use crate::accel::{Instance, Primitive};
 use crate::math::Frame;
 use crate::scene::{Shape, ShapeKind};
 
-/// A shape of the scene whose geometry is there.
+/// A shape of the scene whose geometry is there: what its [`Instance`] was made from.
 #[derive(Clone, Debug)]
 pub(in crate::engine) struct InstanceRecord {
     pub entity: Entity,
-    pub instance: Instance,
+    pub primitive: Primitive,
+    world_from_local: Affine3A,
+    face_normals: bool,
+    flip_normals: bool,
     /// Material slots of its mesh; 1 for other shapes.
     pub slots: u32,
 }
@@ -23,8 +26,7 @@ pub(in crate::engine) struct InstanceRecord {
 impl InstanceRecord {
     /// Whether rays meet the same surface (the transform's inverse follows from the transform).
     pub fn same_geometry(&self, other: &Self) -> bool {
-        let (a, b) = (&self.instance, &other.instance);
-        let same_primitive = match (&a.primitive, &b.primitive) {
+        let same_primitive = match (&self.primitive, &other.primitive) {
             (Primitive::Mesh(a), Primitive::Mesh(b)) => Arc::ptr_eq(a, b),
             (Primitive::Sphere, Primitive::Sphere)
             | (Primitive::Rectangle, Primitive::Rectangle)
@@ -33,9 +35,9 @@ impl InstanceRecord {
             _ => false,
         };
         same_primitive
-            && a.world_from_local == b.world_from_local
-            && a.face_normals == b.face_normals
-            && a.flip_normals == b.flip_normals
+            && self.world_from_local == other.world_from_local
+            && self.face_normals == other.face_normals
+            && self.flip_normals == other.flip_normals
             && self.slots == other.slots
     }
 }
@@ -47,7 +49,7 @@ pub(in crate::engine) fn pack_instance(
     to_world: Affine3A,
     mesh: Option<&BuiltMesh>,
     check: &mut Checker,
-) -> Option<InstanceRecord> {
+) -> Option<(Instance, InstanceRecord)> {
     let mesh_primitive = || mesh.map(|mesh| Primitive::Mesh(mesh.blas.clone()));
     let (primitive, world_from_local, face_normals) = match &shape.kind {
         ShapeKind::Sphere { center, radius } => {
@@ -99,25 +101,29 @@ pub(in crate::engine) fn pack_instance(
     };
     instance.face_normals = face_normals;
     instance.flip_normals = shape.flip_normals;
-    Some(InstanceRecord {
+    let record = InstanceRecord {
         entity,
-        instance,
+        primitive: instance.primitive.clone(),
+        world_from_local: instance.world_from_local,
+        face_normals,
+        flip_normals: shape.flip_normals,
         slots: mesh.map_or(1, |mesh| mesh.slots),
-    })
+    };
+    Some((instance, record))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn pack(shape: &Shape, to_world: Affine3A) -> (Option<InstanceRecord>, Vec<String>) {
+    fn pack(shape: &Shape, to_world: Affine3A) -> (Option<Instance>, Vec<String>) {
         let mut errors = Vec::new();
         let mut check = Checker {
             name: "ball",
             errors: &mut errors,
         };
-        let record = pack_instance(Entity::PLACEHOLDER, shape, to_world, None, &mut check);
-        (record, errors)
+        let packed = pack_instance(Entity::PLACEHOLDER, shape, to_world, None, &mut check);
+        (packed.map(|(instance, _)| instance), errors)
     }
 
     fn sphere(center: Vec3, radius: f32) -> Shape {
@@ -138,7 +144,7 @@ mod tests {
     fn a_cylinders_ends_and_radius_go_into_its_transform() {
         let (p0, p1) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(-4.0, 0.5, 7.0));
         let (record, errors) = pack(&cylinder(p0, p1, 2.0), Affine3A::IDENTITY);
-        let map = record.expect("a good cylinder").instance.world_from_local;
+        let map = record.expect("a good cylinder").world_from_local;
         // Rounding of numbers up to 10, a few times.
         assert!(map.transform_point3(Vec3::ZERO).abs_diff_eq(p0, 1e-5));
         assert!(map.transform_point3(Vec3::Z).abs_diff_eq(p1, 1e-5));
@@ -155,7 +161,7 @@ mod tests {
         let to_world = Affine3A::from_rotation_z(0.5) * Affine3A::from_scale(Vec3::new(1.0, 2.0, 3.0));
         let center = Vec3::new(4.0, 5.0, 6.0);
         let (record, errors) = pack(&sphere(center, 7.0), to_world);
-        let world_from_unit = record.expect("a good sphere").instance.world_from_local;
+        let world_from_unit = record.expect("a good sphere").world_from_local;
         let expected = to_world.transform_point3(center + 7.0 * Vec3::Y);
         // Two products of numbers up to 60 with rounding 2^-24 each.
         assert!(world_from_unit.transform_point3(Vec3::Y).abs_diff_eq(expected, 1e-4));

@@ -91,15 +91,11 @@ pub(in crate::engine) fn material_table(
     mut materials: Vec<material::Material>,
     errors: &mut Vec<String>,
 ) -> MaterialTable {
-    loop {
-        match MaterialTable::new(materials.clone()) {
-            Ok(table) => return table,
-            Err(error) => {
-                errors.push(error.to_string());
-                materials[error.place] = STAND_IN;
-            }
-        }
+    while let Err(error) = MaterialTable::check(&materials) {
+        errors.push(error.to_string());
+        materials[error.place] = STAND_IN;
     }
+    MaterialTable::checked(materials)
 }
 
 /// Materials that are in no scene, as light transport has them, and which is which. Each comes with the places of those inside of it in the
@@ -143,6 +139,10 @@ fn contains_itself(start: usize, sources: &[MaterialSource], places: &HashMap<En
             .filter_map(|entity| places.get(&entity).copied())
     };
     let mut waiting: Vec<usize> = nested(start).collect();
+    // A list of marks for each of very many plain materials would take the square of their number.
+    if waiting.is_empty() {
+        return false;
+    }
     let mut seen = vec![false; sources.len()];
     while let Some(place) = waiting.pop() {
         if place == start {

@@ -9,7 +9,7 @@ use super::BRIGHTEST;
 use super::Checker;
 use super::group::Layout;
 use super::light::{emission, sampling_weight};
-use super::material::{LAMP_ID, PackedMaterials, STAND_IN_ID};
+use super::material::{LAMP_ID, STAND_IN_ID};
 use super::mtl::push_mtl;
 use super::texture::TexturePacker;
 use crate::accel::Primitive;
@@ -24,12 +24,12 @@ use crate::texture::Parameter;
 
 /// What a shape says of its surface.
 #[derive(Clone, Debug)]
-pub(in crate::engine) struct SurfaceSource {
+pub(in crate::engine) struct SurfaceSource<'s> {
     pub name: String,
     /// None for a shape without one.
     pub material: Option<Entity>,
     /// None for a shape without an area light.
-    pub light: Option<AreaLight>,
+    pub light: Option<&'s AreaLight>,
 }
 
 /// The surfaces of all instances, the materials they refer to, and the lights they are.
@@ -42,22 +42,23 @@ pub(in crate::engine) struct PackedSurfaces {
     pub lights: Vec<(Entity, WeightedSource)>,
 }
 
-/// `sources` runs parallel to the shapes of `layout`.
-pub(in crate::engine) fn pack_surfaces(
+/// `sources` runs parallel to the shapes of `layout`. `ids`: of the entities of `materials`.
+pub(in crate::engine) fn pack_surfaces<'s>(
     layout: &Layout,
-    sources: &[SurfaceSource],
-    materials: &PackedMaterials,
+    sources: impl Iterator<Item = SurfaceSource<'s>>,
+    materials: Vec<Material>,
+    ids: &HashMap<Entity, MaterialId>,
     model: DielectricModel,
     textures: &mut TexturePacker,
     errors: &mut Vec<String>,
 ) -> PackedSurfaces {
     let mut packed = PackedSurfaces {
-        materials: materials.materials.clone(),
+        materials,
         ..PackedSurfaces::default()
     };
     let mut of_file: HashMap<*const MeshData, Vec<MaterialId>> = HashMap::new();
     for (index, (record, source)) in layout.shapes.iter().zip(sources).enumerate() {
-        let mesh = match (&record.instance.primitive, source.material) {
+        let mesh = match (&record.primitive, source.material) {
             (Primitive::Mesh(blas), None) => Some(blas.mesh()),
             _ => None,
         };
@@ -66,12 +67,12 @@ pub(in crate::engine) fn pack_surfaces(
             errors,
         };
         let own = source.material.map(|material| {
-            materials.ids.get(&material).copied().unwrap_or_else(|| {
+            ids.get(&material).copied().unwrap_or_else(|| {
                 check.report("its material does not exist");
                 STAND_IN_ID
             })
         });
-        let own_light = source.light.as_ref().map(|light| {
+        let own_light = source.light.map(|light| {
             let radiance = emission("radiance", &light.radiance, textures, &mut check);
             (radiance, sampling_weight(light.sampling_weight, &mut check))
         });
