@@ -113,7 +113,7 @@ fn every_parameter_survives_being_saved() {
         raw: true,
         ..Bitmap::default()
     };
-    let slide = Texture::Bitmap(bitmap);
+    let slide = Texture::Bitmap(Box::new(bitmap));
     let spot = &scene.emitters[1].emitter.kind;
     assert!(
         matches!(spot, EmitterKind::Spot { texture: Some(texture), beam_width: 24.0, .. } if *texture == slide),

@@ -127,7 +127,7 @@ mod tests {
             reflectance: crate::scene::Parameter::Texture(crate::scene::Texture::Checkerboard {
                 color0: Box::new(Rgb::ZERO.into()),
                 color1: Box::new(Rgb::ONE.into()),
-                to_uv: bevy::math::Affine2::IDENTITY,
+                to_uv: Box::new(bevy::math::Affine2::IDENTITY),
             }),
         };
         let paint = Material::Diffuse {

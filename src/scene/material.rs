@@ -1,5 +1,7 @@
 //! Materials as the user knows them: the bsdfs of the format with their own parameters.
 
+use std::sync::Arc;
+
 use bevy::prelude::*;
 
 use super::DocumentOrder;
@@ -70,8 +72,10 @@ pub enum Material {
         reflectance: Parameter<Rgb>,
         fuzz: Parameter<f32>,
     },
-    Principled(Principled),
-    PrincipledThin(PrincipledThin),
+    /// Shared until it is edited, because it is several times as large as the others.
+    Principled(Arc<Principled>),
+    /// Likewise.
+    PrincipledThin(Arc<PrincipledThin>),
     /// Shows [`FirstNested`] to the front and [`SecondNested`], or else the same, to the back.
     TwoSided,
     /// [`SecondNested`] with the share `weight`, [`FirstNested`] with the rest.
@@ -188,8 +192,8 @@ impl Material {
                 reflectance: Rgb::splat(0.5).into(),
                 fuzz: 0.0.into(),
             },
-            "principled" => Self::Principled(Principled::default()),
-            "principledthin" => Self::PrincipledThin(PrincipledThin::default()),
+            "principled" => Self::Principled(Arc::default()),
+            "principledthin" => Self::PrincipledThin(Arc::default()),
             "twosided" => Self::TwoSided,
             "blendbsdf" => Self::Blend { weight: 0.5.into() },
             "mask" => Self::Mask { opacity: 0.5.into() },

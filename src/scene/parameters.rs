@@ -2,6 +2,7 @@
 
 use std::ops::RangeInclusive;
 use std::path::Path;
+use std::sync::Arc;
 
 use super::material::{ConductorIor, Distribution, Ior, Material, Roughness};
 use super::principled::PrincipledIndex;
@@ -136,8 +137,8 @@ impl Material {
                 visitor.reflectance("reflectance", reflectance);
                 visitor.float("fuzz", fuzz, UNIT);
             }
-            Self::Principled(principled) => principled.visit(visitor),
-            Self::PrincipledThin(thin) => thin.visit(visitor),
+            Self::Principled(principled) => Arc::make_mut(principled).visit(visitor),
+            Self::PrincipledThin(thin) => Arc::make_mut(thin).visit(visitor),
             Self::TwoSided | Self::Null => {}
             Self::Blend { weight } => visitor.float("weight", weight, UNIT),
             Self::Mask { opacity } => visitor.float("opacity", opacity, UNIT),

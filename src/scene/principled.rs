@@ -174,7 +174,7 @@ mod tests {
     /// The scene of these bsdfs, and what there is to complain of.
     fn scene(bsdfs: &str) -> (SceneDescription, Vec<String>) {
         let text = format!("<scene version='3.0.0'>{bsdfs}<sensor type='perspective'/></scene>");
-        let mut document = document::parse_str(&text, Path::new("/scene.xml"), &[]);
+        let mut document = document::parse_str(&*text, Path::new("/scene.xml"), &[]);
         let scene = read::read(&mut document);
         let complaints = document.diagnostics.list.iter().map(|d| d.message.clone());
         (scene, complaints.collect())

@@ -85,13 +85,13 @@ impl From<f32> for Parameter<f32> {
 #[reflect(opaque)]
 #[reflect(Clone, PartialEq)]
 pub enum Texture {
-    /// A picture over uv.
-    Bitmap(Bitmap),
+    /// A picture over uv. What is large is boxed: every parameter of every material has room for a texture.
+    Bitmap(Box<Bitmap>),
     /// Squares of two colours, two by two per unit of uv.
     Checkerboard {
         color0: Box<Parameter<Rgb>>,
         color1: Box<Parameter<Rgb>>,
-        to_uv: Affine2,
+        to_uv: Box<Affine2>,
     },
     /// A value that the mesh itself has per vertex or face.
     MeshAttribute {
@@ -132,11 +132,12 @@ pub enum TextureWrap {
 impl Texture {
     /// A picture, looked at as the one before it if there was one.
     pub fn of_picture(path: PathBuf, before: Option<&Self>) -> Self {
-        let looks = match before {
+        let mut bitmap = match before {
             Some(Self::Bitmap(bitmap)) => bitmap.clone(),
-            _ => Bitmap::default(),
+            _ => Box::default(),
         };
-        Self::Bitmap(Bitmap { path, ..looks })
+        bitmap.path = path;
+        Self::Bitmap(bitmap)
     }
 
     /// The plugin's name in the file.
@@ -173,7 +174,7 @@ mod tests {
         let board = |color0: Parameter<Rgb>, color1: Parameter<Rgb>| Texture::Checkerboard {
             color0: Box::new(color0),
             color1: Box::new(color1),
-            to_uv: Affine2::IDENTITY,
+            to_uv: Box::new(Affine2::IDENTITY),
         };
         let grey = || Parameter::Constant(Rgb::ONE);
         let inner = board(grey(), grey());

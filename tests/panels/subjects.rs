@@ -182,7 +182,7 @@ pub fn checkerboard() -> Texture {
     Texture::Checkerboard {
         color0: Box::new(Rgb::splat(0.4).into()),
         color1: Box::new(Parameter::Texture(Texture::of_picture("/pictures/a.png".into(), None))),
-        to_uv: Affine2::IDENTITY,
+        to_uv: Box::new(Affine2::IDENTITY),
     }
 }
 

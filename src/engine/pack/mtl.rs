@@ -83,7 +83,7 @@ pub(in crate::engine) fn push_mtl(
 fn picture(map: &MtlMap, raw: bool) -> Texture {
     let (scale, offset) = (map.scale, map.offset);
     let offset = Vec2::new(offset.x, 1.0 - scale.y - offset.y);
-    Texture::Bitmap(Bitmap {
+    Texture::Bitmap(Box::new(Bitmap {
         path: map.file.clone(),
         filter: TextureFilter::Bilinear,
         wrap: if map.clamp {
@@ -93,7 +93,7 @@ fn picture(map: &MtlMap, raw: bool) -> Texture {
         },
         raw,
         to_uv: Affine2::from_scale_angle_translation(scale, 0.0, offset),
-    })
+    }))
 }
 
 fn one_sided(mtl: &MtlMaterial, model: DielectricModel, check: &mut Checker) -> Bsdf {

@@ -138,7 +138,7 @@ mod tests {
                 spec_trans: spec_trans.into(),
                 ..Principled::default()
             };
-            match packed(Material::Principled(material)) {
+            match packed(Material::Principled(material.into())) {
                 (TexturedBsdf::Principled(principled), errors) if errors.is_empty() => principled.eta,
                 other => panic!("{other:?}"),
             }
@@ -188,7 +188,10 @@ mod tests {
             diffuse_reflectance_sampling_rate: nan,
             diffuse_transmittance_sampling_rate: nan,
         };
-        for (material, count) in [(Material::Principled(solid), 15), (Material::PrincipledThin(thin), 14)] {
+        for (material, count) in [
+            (Material::Principled(solid.into()), 15),
+            (Material::PrincipledThin(thin.into()), 14),
+        ] {
             let (packed, errors) = packed(material);
             let text = format!("{packed:?}");
             assert!(

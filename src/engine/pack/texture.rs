@@ -44,7 +44,7 @@ impl<'a> TexturePacker<'a> {
             Texture::Bitmap(bitmap) => texture::Texture::Bitmap(self.bitmap(bitmap)),
             Texture::Checkerboard { color0, color1, to_uv } => texture::Texture::Checkerboard(Checkerboard {
                 colors: [self.color(color0), self.color(color1)],
-                to_uv: *to_uv,
+                to_uv: **to_uv,
             }),
             Texture::MeshAttribute { name, scale } => texture::Texture::MeshAttribute(texture::MeshAttribute {
                 name: name.as_str().into(),

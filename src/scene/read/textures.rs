@@ -37,7 +37,7 @@ impl PictureSearch {
 /// None for a texture that is not supported or makes no sense, which is reported.
 pub fn read_texture(reader: &mut Reader, pictures: &mut PictureSearch) -> Option<Texture> {
     Some(match reader.object().plugin.as_str() {
-        "bitmap" => Texture::Bitmap(bitmap(reader, pictures)?),
+        "bitmap" => Texture::Bitmap(Box::new(bitmap(reader, pictures)?)),
         "checkerboard" => {
             let mut color = |name, default: f32| {
                 let given = reader.unbounded_color(name, pictures);
@@ -46,7 +46,7 @@ pub fn read_texture(reader: &mut Reader, pictures: &mut PictureSearch) -> Option
             Texture::Checkerboard {
                 color0: color("color0", 0.4),
                 color1: color("color1", 0.2),
-                to_uv: to_uv(reader),
+                to_uv: Box::new(to_uv(reader)),
             }
         }
         "mesh_attribute" => Texture::MeshAttribute {

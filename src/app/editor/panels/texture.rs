@@ -46,7 +46,7 @@ pub fn switch<T: PlainValue>(value: &mut Parameter<T>, kind: TextureKind, otherw
     let (color, to_uv) = match &*value {
         Parameter::Constant(plain) => (Some(plain.to_color()), Affine2::IDENTITY),
         Parameter::Texture(Texture::Bitmap(bitmap)) => (None, bitmap.to_uv),
-        Parameter::Texture(Texture::Checkerboard { color0, to_uv, .. }) => (color0.constant(), *to_uv),
+        Parameter::Texture(Texture::Checkerboard { color0, to_uv, .. }) => (color0.constant(), **to_uv),
         Parameter::Texture(Texture::MeshAttribute { .. }) => (None, Affine2::IDENTITY),
     };
     match kind {
@@ -57,7 +57,7 @@ pub fn switch<T: PlainValue>(value: &mut Parameter<T>, kind: TextureKind, otherw
                 // The second is the format's own.
                 color0: Box::new(color.unwrap_or(Rgb::splat(0.4)).into()),
                 color1: Box::new(Rgb::splat(0.2).into()),
-                to_uv,
+                to_uv: Box::new(to_uv),
             });
         }
         TextureKind::MeshAttribute => {
@@ -141,7 +141,7 @@ mod tests {
             panic!("{value:?}")
         };
         assert_eq!(**color0, red.into());
-        *to_uv = Affine2::from_scale(Vec2::splat(4.0));
+        **to_uv = Affine2::from_scale(Vec2::splat(4.0));
         switch(&mut value, TextureKind::Plain, Rgb::ONE);
         assert_eq!(value, red.into());
 
@@ -149,12 +149,12 @@ mod tests {
             to_uv: Affine2::from_angle(0.5),
             ..Bitmap::default()
         };
-        let mut roughness = Parameter::<f32>::Texture(Texture::Bitmap(placed));
+        let mut roughness = Parameter::<f32>::Texture(Texture::Bitmap(Box::new(placed)));
         switch(&mut roughness, TextureKind::Checkerboard, 0.3);
         let Parameter::Texture(Texture::Checkerboard { to_uv, .. }) = &roughness else {
             panic!("{roughness:?}")
         };
-        assert_eq!(*to_uv, Affine2::from_angle(0.5));
+        assert_eq!(**to_uv, Affine2::from_angle(0.5));
         let mut attribute = Parameter::<f32>::Constant(0.1);
         switch(&mut attribute, TextureKind::MeshAttribute, 0.3);
         switch(&mut attribute, TextureKind::Plain, 0.3);

@@ -571,7 +571,7 @@ mod tests {
         }
         let mut by_index = Material::of_plugin("principled").expect("a plugin");
         if let Material::Principled(principled) = &mut by_index {
-            principled.index = PrincipledIndex::Eta(1.5);
+            std::sync::Arc::make_mut(principled).index = PrincipledIndex::Eta(1.5);
         }
         let to_uv = Affine2::from_scale(Vec2::splat(2.0));
         let bitmap = Texture::of_picture(PathBuf::from("/a.png"), None);
@@ -583,7 +583,7 @@ mod tests {
             Texture::Checkerboard {
                 color0: Box::new(Parameter::Texture(bitmap.clone())),
                 color1: Box::new(Rgb::ONE.into()),
-                to_uv,
+                to_uv: Box::new(to_uv),
             },
             bitmap.clone(),
         ];
