@@ -158,7 +158,7 @@ fn every_scene_changes_in_few_lines_when_one_thing_is_moved_or_painted() {
         let original = std::fs::read_to_string(&path).unwrap();
         let saved = |scene: &SceneDescription| {
             let (_, text) = files(scene, &path).unwrap().pop().unwrap();
-            let mut document = document::parse_str(&text, &path, &[]);
+            let mut document = document::parse_str(&*text, &path, &[]);
             let again = read(&mut document);
             assert!(!document.diagnostics.has_errors(), "{}", document.diagnostics);
             (text, again)

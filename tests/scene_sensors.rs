@@ -25,7 +25,7 @@ fn film(content: &str) -> String {
 
 fn describe(body: &str) -> (SceneDescription, Vec<String>) {
     let text = format!("<scene version='3.0.0'>{body}</scene>");
-    let mut document = document::parse_str(&text, Path::new("/there/scene.xml"), &[]);
+    let mut document = document::parse_str(&*text, Path::new("/there/scene.xml"), &[]);
     let scene = read(&mut document);
     let complaints = document.diagnostics.list.iter();
     let complaints = complaints.map(|one| {

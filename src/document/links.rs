@@ -1,6 +1,9 @@
 //! References between objects: that they lead somewhere, and never in a circle.
 
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use smol_str::SmolStr;
 
 use super::parse::MAX_DEPTH;
 use super::suggest::did_you_mean;
@@ -24,7 +27,7 @@ pub struct Alias {
 
 /// Makes aliased references name the object's own id, reports references to nothing (they stay), and reports those that close a circle or nest too
 /// deep: they lead to nothing from then on.
-pub fn link(root: &mut Object, ids: &HashMap<String, Span>, aliases: &[Alias], diagnostics: &mut Diagnostics) {
+pub fn link(root: &mut Object, ids: &HashMap<SmolStr, Span>, aliases: &[Alias], diagnostics: &mut Diagnostics) {
     let names = resolve_aliases(ids, aliases, diagnostics);
     check_references(root, ids, &names, diagnostics);
     let index = Index::new(root);
@@ -45,14 +48,14 @@ pub fn link(root: &mut Object, ids: &HashMap<String, Span>, aliases: &[Alias], d
 
 /// From each alias to the id it stands for.
 fn resolve_aliases<'a>(
-    ids: &HashMap<String, Span>,
+    ids: &HashMap<SmolStr, Span>,
     aliases: &'a [Alias],
     diagnostics: &mut Diagnostics,
 ) -> HashMap<&'a str, &'a str> {
     let mut names: HashMap<&str, &str> = HashMap::new();
     for alias in aliases {
         let target = names.get(alias.id.as_str()).copied().unwrap_or(&alias.id);
-        if ids.contains_key(&alias.name) || names.contains_key(alias.name.as_str()) {
+        if ids.contains_key(alias.name.as_str()) || names.contains_key(alias.name.as_str()) {
             diagnostics.error(alias.span, format!("the id {} is given twice", quote(&alias.name)));
         } else if ids.contains_key(target) {
             names.insert(&alias.name, target);
@@ -63,10 +66,10 @@ fn resolve_aliases<'a>(
     names
 }
 
-fn report_unknown(id: &str, span: Span, ids: &HashMap<String, Span>, diagnostics: &mut Diagnostics) {
+fn report_unknown(id: &str, span: Span, ids: &HashMap<SmolStr, Span>, diagnostics: &mut Diagnostics) {
     let help = match diagnostics.is_full() {
         true => None,
-        false => did_you_mean(id, ids.keys().map(String::as_str)),
+        false => did_you_mean(id, ids.keys().map(SmolStr::as_str)),
     };
     let message = format!("there is no object with the id {}", quote(id));
     diagnostics.push(Severity::Error, Some(span), message, help);
@@ -74,16 +77,16 @@ fn report_unknown(id: &str, span: Span, ids: &HashMap<String, Span>, diagnostics
 
 fn check_references(
     object: &mut Object,
-    ids: &HashMap<String, Span>,
+    ids: &HashMap<SmolStr, Span>,
     names: &HashMap<&str, &str>,
     diagnostics: &mut Diagnostics,
 ) {
     for child in &mut object.children {
         match child {
-            Child::Object(object) => check_references(object, ids, names, diagnostics),
+            Child::Object(object) => check_references(Arc::make_mut(object), ids, names, diagnostics),
             Child::Reference { id, .. } if ids.contains_key(id.as_str()) => {}
             Child::Reference { id, span, .. } => match names.get(id.as_str()) {
-                Some(own_id) => *id = (*own_id).to_owned(),
+                Some(own_id) => *id = (*own_id).into(),
                 None => report_unknown(id, *span, ids, diagnostics),
             },
         }
@@ -192,9 +195,9 @@ impl<'a> Walk<'a, '_> {
 fn disconnect(object: &mut Object, cut: &HashSet<Span>) {
     for child in &mut object.children {
         match child {
-            Child::Reference { id, span, .. } if cut.contains(span) => id.clear(),
+            Child::Reference { id, span, .. } if cut.contains(span) => *id = SmolStr::default(),
             Child::Reference { .. } => {}
-            Child::Object(object) => disconnect(object, cut),
+            Child::Object(object) => disconnect(Arc::make_mut(object), cut),
         }
     }
 }

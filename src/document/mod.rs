@@ -4,6 +4,7 @@
 //! stands in its file; which plugins and parameters exist is `scene`'s knowledge, read through [`Reader`].
 
 mod cie;
+mod crowd;
 mod define;
 pub mod diagnostic;
 mod dialect;
@@ -25,6 +26,7 @@ pub mod transform;
 pub mod value;
 pub mod write;
 
+pub use crowd::Crowd;
 pub use diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile, SourceId, Span};
 pub use index::Index;
 pub use object::{Category, Child, Document, Include, Object, Property, Value};

@@ -1,13 +1,14 @@
 //! The names of old files (0.5, 0.6) in today's spelling.
 
 use glam::Vec3;
+use smol_str::SmolStr;
 
-use super::{Category, Child, Object, Property, TransformOp, Value};
+use super::{Category, Object, Property, TransformOp, Value};
 
 /// `toWorld` -> `to_world`, `intIOR` -> `int_ior`; names in snake_case stay.
-pub fn snake_case(name: &str) -> String {
-    if name.len() == 1 {
-        return name.to_owned();
+pub fn snake_case(name: &str) -> SmolStr {
+    if name.len() == 1 || !name.bytes().any(|byte| byte.is_ascii_uppercase()) {
+        return name.into();
     }
     let mut result = String::with_capacity(name.len() + 4);
     let mut after_lower = false;
@@ -23,21 +24,20 @@ pub fn snake_case(name: &str) -> String {
             after_lower = c.is_ascii_lowercase();
         }
     }
-    result
+    result.into()
 }
 
 /// Parameters of version 0.x that have another name, or another form, today.
 pub fn modernize(object: &mut Object) {
     if object.category == Category::Bsdf && object.plugin == "diffuse" {
         for property in &mut object.properties {
-            rename(&mut property.name);
+            if property.name == OLD_REFLECTANCE {
+                property.name = REFLECTANCE;
+            }
         }
         for child in &mut object.children {
-            match child {
-                Child::Object(Object { name: Some(name), .. }) | Child::Reference { name: Some(name), .. } => {
-                    rename(name)
-                }
-                _ => {}
+            if child.name() == Some(OLD_REFLECTANCE) {
+                child.set_name(Some(REFLECTANCE));
             }
         }
     }
@@ -46,11 +46,8 @@ pub fn modernize(object: &mut Object) {
     }
 }
 
-fn rename(name: &mut String) {
-    if name == "diffuse_reflectance" {
-        *name = "reflectance".to_owned();
-    }
-}
+const OLD_REFLECTANCE: &str = "diffuse_reflectance";
+const REFLECTANCE: SmolStr = SmolStr::new_static("reflectance");
 
 /// `uoffset`, `voffset`, `uscale`, `vscale` as the transform `to_uv`.
 fn texture_offset_and_scale(object: &mut Object) {
@@ -75,7 +72,7 @@ fn texture_offset_and_scale(object: &mut Object) {
     });
     if let Some(span) = span {
         object.properties.push(Property {
-            name: "to_uv".to_owned(),
+            name: "to_uv".into(),
             value: Value::Transform(vec![TransformOp::Translate(offset), TransformOp::Scale(scale)]),
             span,
         });

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::Vec3;
+use smol_str::SmolStr;
 
 use super::parse::file_candidates;
-use super::{Diagnostics, SourceId, Span, TransformOp};
+use super::{Crowd, Diagnostics, SourceId, Span, TransformOp};
 
 /// The kind of plugin a tag declares; the tag's name is the kind's name in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -103,7 +104,7 @@ impl Value {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Property {
     /// In snake_case: camelCase names of old files have been renamed.
-    pub name: String,
+    pub name: SmolStr,
     pub value: Value,
     /// The span of the whole tag; what a message about the value points at.
     pub span: Span,
@@ -112,11 +113,12 @@ pub struct Property {
 /// A plugin inside a plugin, in place or by reference.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Child {
-    Object(Object),
+    /// Shared: what is read from a document keeps its objects without a copy.
+    Object(Arc<Object>),
     Reference {
         /// The parameter it is meant for, where the file names one.
-        name: Option<String>,
-        id: String,
+        name: Option<SmolStr>,
+        id: SmolStr,
         span: Span,
     },
 }
@@ -130,6 +132,14 @@ impl Child {
         }
     }
 
+    /// Gives it another [`Self::name`].
+    pub fn set_name(&mut self, new: Option<SmolStr>) {
+        match self {
+            Self::Object(object) => Arc::make_mut(object).name = new,
+            Self::Reference { name, .. } => *name = new,
+        }
+    }
+
     pub fn span(&self) -> Span {
         match self {
             Self::Object(object) => object.span,
@@ -138,15 +148,21 @@ impl Child {
     }
 }
 
+impl From<Object> for Child {
+    fn from(object: Object) -> Self {
+        Self::Object(Arc::new(object))
+    }
+}
+
 /// One plugin: `<bsdf type="diffuse" id="red" name="..."> ... </bsdf>`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
     pub category: Category,
     /// The `type` attribute; empty for the scene itself.
-    pub plugin: String,
-    pub id: Option<String>,
+    pub plugin: SmolStr,
+    pub id: Option<SmolStr>,
     /// The parameter of the parent it is meant for, where the file names one.
-    pub name: Option<String>,
+    pub name: Option<SmolStr>,
     pub properties: Vec<Property>,
     pub children: Vec<Child>,
     /// The start tag.
@@ -155,7 +171,7 @@ pub struct Object {
 
 impl Object {
     /// An empty one; `plugin` is its `type`.
-    pub fn new(category: Category, plugin: impl Into<String>) -> Self {
+    pub fn new(category: Category, plugin: impl Into<SmolStr>) -> Self {
         Self {
             category,
             plugin: plugin.into(),
@@ -175,7 +191,7 @@ impl Object {
     /// With another property, which has the object's place.
     pub fn with(mut self, name: &str, value: Value) -> Self {
         self.properties.push(Property {
-            name: name.to_owned(),
+            name: name.into(),
             value,
             span: self.span,
         });
@@ -184,16 +200,21 @@ impl Object {
 
     /// With another plugin in it.
     pub fn with_child(mut self, child: Object) -> Self {
-        self.children.push(Child::Object(child));
+        self.children.push(child.into());
         self
     }
 
     /// The plugins given in place, without those referred to.
     pub fn objects(&self) -> impl Iterator<Item = &Object> {
         self.children.iter().filter_map(|child| match child {
-            Child::Object(object) => Some(object),
+            Child::Object(object) => Some(&**object),
             Child::Reference { .. } => None,
         })
+    }
+
+    /// Whether it is a group of shapes, which stand where its instances are.
+    pub fn is_group(&self) -> bool {
+        self.category == Category::Shape && self.plugin == "shapegroup"
     }
 
     /// What a message calls it: "bsdf `diffuse`", "the scene".
@@ -218,8 +239,10 @@ pub struct Include {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Document {
     pub path: PathBuf,
-    /// The `<scene>`; shared, because saving wants what was read, which may be very large.
+    /// The `<scene>` without its crowds; shared, because saving wants what was read, which may be very large.
     pub root: Arc<Object>,
+    /// In the order of their positions among the children of the root. An imported document has none.
+    pub crowds: Vec<Crowd>,
     /// Where files are looked for besides the folders of the scene's own files: the `<path>`s, absolute, in file order.
     pub search_folders: Vec<PathBuf>,
     pub includes: Vec<Include>,
@@ -234,6 +257,7 @@ impl Document {
         Self {
             path: path.into(),
             root: Arc::new(root),
+            crowds: Vec::new(),
             search_folders: Vec::new(),
             includes: Vec::new(),
             imported: false,

@@ -1,5 +1,7 @@
 //! Value tags: `<float name= value=>` to `<rgb>`, and the steps of a `<transform>`.
 
+use std::borrow::Cow;
+
 use glam::{Mat4, Vec3};
 
 use super::spectrum::{CLAMPED, Role, SampledSpectrum};
@@ -16,7 +18,7 @@ pub const TRANSFORM_TAGS: [&str; 5] = ["translate", "rotate", "scale", "matrix",
 
 /// The value of a value tag other than `<spectrum>`; None has been reported.
 pub fn read_value(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<Value> {
-    if matches!(tag.name.as_str(), "point" | "vector") && !tag.has("value") {
+    if matches!(tag.name, "point" | "vector") && !tag.has("value") {
         let mut axis = |name| Some(number(tag.need(name, diagnostics)?, diagnostics));
         let (x, y, z) = (axis("x"), axis("y"), axis("z"));
         let xyz = Vec3::new(x??, y??, z??);
@@ -28,10 +30,10 @@ pub fn read_value(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<Value>
         if !given {
             diagnostics.error(tag.span, "<string> needs the attribute `value`");
         }
-        return text.map(|(text, _)| Value::String(text));
+        return text.map(|(text, _)| Value::String(text.into_owned()));
     }
     let (text, span) = tag.need("value", diagnostics)?;
-    let parsed = match tag.name.as_str() {
+    let parsed = match tag.name {
         "float" => value::parse_float(&text).map(Value::Float),
         "integer" => value::parse_integer(&text).map(Value::Integer),
         "boolean" => value::parse_boolean(&text).map(Value::Boolean),
@@ -43,7 +45,7 @@ pub fn read_value(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<Value>
 }
 
 fn point_or_vector(tag: &Tag, xyz: Vec3) -> Value {
-    match tag.name.as_str() {
+    match tag.name {
         "point" => Value::Point(xyz),
         _ => Value::Vector(xyz),
     }
@@ -73,7 +75,7 @@ pub fn sampled_color(sampled: &SampledSpectrum, span: Span, role: Role, diagnost
 
 /// One step of a transform; None has been reported.
 pub fn read_transform_op(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<TransformOp> {
-    match tag.name.as_str() {
+    match tag.name {
         "translate" => Some(TransformOp::Translate(xyz(tag, 0.0, diagnostics)?)),
         "scale" => Some(TransformOp::Scale(xyz(tag, 1.0, diagnostics)?)),
         "rotate" => {
@@ -148,7 +150,7 @@ fn look_at(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<TransformOp> 
     let up = tag.take("up");
     let origin = tag.need("origin", diagnostics);
     let target = tag.need("target", diagnostics);
-    let mut corner = |attribute: Option<(String, Span)>| {
+    let mut corner = |attribute: Option<(Cow<str>, Span)>| {
         let (text, span) = attribute?;
         report(value::parse_vec3(&text), span, diagnostics)
     };
@@ -180,7 +182,7 @@ fn any_up(n: Vec3) -> Vec3 {
     Vec3::new(1.0 + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x)
 }
 
-fn number((text, span): (String, Span), diagnostics: &mut Diagnostics) -> Option<f32> {
+fn number((text, span): (Cow<str>, Span), diagnostics: &mut Diagnostics) -> Option<f32> {
     report(value::parse_float(&text), span, diagnostics)
 }
 

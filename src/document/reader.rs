@@ -17,6 +17,7 @@
 use std::ops::{Bound, RangeBounds};
 
 use glam::Vec3;
+use smol_str::SmolStr;
 
 use super::spectrum::equal_energy_white;
 use super::suggest::did_you_mean;
@@ -29,7 +30,7 @@ pub struct Reader<'a, 'd> {
     index: &'d Index<'a>,
     object: &'a Object,
     diagnostics: &'d mut Diagnostics,
-    asked: Vec<String>,
+    asked: Vec<SmolStr>,
     property_read: Vec<bool>,
     child_read: Vec<bool>,
 }
@@ -239,16 +240,17 @@ impl<'a, 'd> Reader<'a, 'd> {
 
     /// Warns for each property and plugin nobody asked for.
     pub fn finish(self) {
-        let owner = self.object.title();
-        let dictionary = || self.asked.iter().map(String::as_str);
+        let owner = || self.object.title();
+        let dictionary = || self.asked.iter().map(SmolStr::as_str);
         for (property, read) in self.object.properties.iter().zip(&self.property_read) {
             if !read {
                 let name = &property.name;
                 // It was looked for as something else.
                 let message = if dictionary().any(|asked| asked == name) {
-                    format!("{} given for `{name}` has no effect in {owner}", property.value.kind())
+                    let kind = property.value.kind();
+                    format!("{kind} given for `{name}` has no effect in {}", owner())
                 } else {
-                    format!("`{name}` is not a parameter of {owner}")
+                    format!("`{name}` is not a parameter of {}", owner())
                 };
                 let help = did_you_mean(name, dictionary());
                 self.diagnostics
@@ -265,10 +267,14 @@ impl<'a, 'd> Reader<'a, 'd> {
             };
             let (message, help) = match child.name() {
                 Some(name) => (
-                    format!("{} is given for `{name}`, which {owner} does not read", object.title()),
+                    format!(
+                        "{} is given for `{name}`, which {} does not read",
+                        object.title(),
+                        owner()
+                    ),
                     did_you_mean(name, dictionary()),
                 ),
-                None => (format!("{} has no effect in {owner}", object.title()), None),
+                None => (format!("{} has no effect in {}", object.title(), owner()), None),
             };
             self.diagnostics
                 .push(Severity::Warning, Some(child.span()), message, help);
@@ -277,7 +283,7 @@ impl<'a, 'd> Reader<'a, 'd> {
 
     fn ask(&mut self, name: &str) {
         if !self.asked.iter().any(|asked| asked == name) {
-            self.asked.push(name.to_owned());
+            self.asked.push(name.into());
         }
     }
 

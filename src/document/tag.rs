@@ -1,36 +1,43 @@
 //! One start tag: its name and its attributes, unescaped and with `$names` replaced, each with its place.
 
+use std::borrow::Cow;
+
+use arrayvec::ArrayVec;
 use quick_xml::XmlVersion;
 use quick_xml::events::BytesStart;
 
-use super::define::Defines;
+use super::define::{DefineError, Defines};
 use super::suggest::did_you_mean;
 use super::{Diagnostics, Severity, Span};
 
 /// No tag of the format has more than six.
 const MAX_ATTRIBUTES: usize = 64;
 
+/// No tag is asked for more different attributes.
+const MAX_ASKED: usize = 8;
+
 #[derive(Debug)]
-pub struct Attribute {
-    name: String,
+pub struct Attribute<'t> {
+    name: &'t str,
     /// None if it could not be made; that has been reported.
-    value: Option<String>,
+    value: Option<Cow<'t, str>>,
     span: Span,
 }
 
+/// A start tag. What needs no unescaping and no replacement is borrowed from the source text.
 #[derive(Debug)]
-pub struct Tag {
-    pub name: String,
+pub struct Tag<'t> {
+    pub name: &'t str,
     pub span: Span,
-    attributes: Vec<Attribute>,
+    attributes: Vec<Attribute<'t>>,
     /// The names asked for, for suggestions.
-    asked: Vec<&'static str>,
+    asked: ArrayVec<&'static str, MAX_ASKED>,
 }
 
-impl Tag {
+impl<'t> Tag<'t> {
     /// `text` is the whole source, `span` the tag's place in it.
     pub fn new(
-        start: &BytesStart,
+        start: &'t BytesStart,
         text: &str,
         span: Span,
         defines: &mut Defines,
@@ -49,15 +56,15 @@ impl Tag {
                     break;
                 }
             };
-            let name = attribute.key.as_ref().to_owned();
+            let name = attribute.key.into_inner();
             let place = value_span(&attribute.value, text, span);
             if attributes.iter().any(|earlier| earlier.name == name) {
                 diagnostics.error(place, format!("attribute `{name}` is given twice"));
                 continue;
             }
             let value = match attribute.normalized_value(XmlVersion::Implicit1_0) {
-                Ok(raw) => match defines.substitute(&raw) {
-                    Ok(value) => Some(value.into_owned()),
+                Ok(raw) => match substitute(raw, defines) {
+                    Ok(value) => Some(value),
                     Err(error) => {
                         diagnostics.push(Severity::Error, Some(place), error.message, error.help);
                         None
@@ -77,23 +84,25 @@ impl Tag {
             });
         }
         Self {
-            name: start.name().as_ref().to_owned(),
+            name: start.name().into_inner(),
             span,
             attributes,
-            asked: Vec::new(),
+            asked: ArrayVec::new(),
         }
     }
 
     /// The attribute's value and place, if it is there and could be read.
-    pub fn take(&mut self, name: &'static str) -> Option<(String, Span)> {
-        self.asked.push(name);
+    pub fn take(&mut self, name: &'static str) -> Option<(Cow<'t, str>, Span)> {
+        if !self.asked.is_full() {
+            self.asked.push(name);
+        }
         let index = self.attributes.iter().position(|attribute| attribute.name == name)?;
         let attribute = self.attributes.remove(index);
         attribute.value.map(|value| (value, attribute.span))
     }
 
     /// An attribute that has to be there and not be empty; what is wrong is reported.
-    pub fn need(&mut self, name: &'static str, diagnostics: &mut Diagnostics) -> Option<(String, Span)> {
+    pub fn need(&mut self, name: &'static str, diagnostics: &mut Diagnostics) -> Option<(Cow<'t, str>, Span)> {
         let present = self.has(name);
         let taken = self.take(name);
         match &taken {
@@ -117,10 +126,18 @@ impl Tag {
     pub fn finish(self, diagnostics: &mut Diagnostics) {
         for attribute in self.attributes {
             let known = self.asked.iter().copied();
-            let help = did_you_mean(&attribute.name, known);
+            let help = did_you_mean(attribute.name, known);
             let message = format!("<{}> has no attribute `{}`; it is ignored", self.name, attribute.name);
             diagnostics.push(Severity::Warning, Some(attribute.span), message, help);
         }
+    }
+}
+
+/// The value with its `$names` replaced.
+fn substitute<'t>(raw: Cow<'t, str>, defines: &mut Defines) -> Result<Cow<'t, str>, DefineError> {
+    match raw {
+        Cow::Borrowed(text) => defines.substitute(text),
+        Cow::Owned(text) => Ok(Cow::Owned(defines.substitute(&text)?.into_owned())),
     }
 }
 

@@ -1,5 +1,6 @@
 //! The text of an attribute as a value. Every error says what was expected and quotes what was found.
 
+use arrayvec::ArrayVec;
 use glam::Vec3;
 
 use crate::color::linear_from_srgb;
@@ -23,10 +24,10 @@ pub fn fields(text: &str) -> impl Iterator<Item = &str> {
 /// A finite number.
 pub fn parse_float(text: &str) -> Result<f32, String> {
     let text = text.trim();
-    let digits = text.contains(|c: char| c.is_ascii_digit());
+    let digits = || text.contains(|c: char| c.is_ascii_digit());
     match text.parse::<f32>() {
         Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) if digits => Err(format!("{} is too large for a number", quote(text))),
+        Ok(_) if digits() => Err(format!("{} is too large for a number", quote(text))),
         Ok(_) => Err(format!("expected a finite number, found {}", quote(text))),
         Err(_) => Err(format!("expected a number, found {}", quote(text))),
     }
@@ -70,9 +71,12 @@ pub fn parse_vec3_or_splat(text: &str) -> Result<Vec3, String> {
     }
 }
 
+/// More than any value has: those of a matrix, and one more.
+const MOST_NUMBERS: usize = 17;
+
 /// As many numbers as there are; more than any value here needs are not looked at.
-pub fn parse_floats(text: &str) -> Result<Vec<f32>, String> {
-    fields(text).take(17).map(parse_float).collect()
+pub fn parse_floats(text: &str) -> Result<ArrayVec<f32, MOST_NUMBERS>, String> {
+    fields(text).take(MOST_NUMBERS).map(parse_float).collect()
 }
 
 /// `r, g, b` or one number, linear; or `#rrggbb`, `#rgb`, which are sRGB.

@@ -29,7 +29,8 @@ pub fn to_xml(document: &Document) -> Result<String, WriteError> {
         .search_folders
         .iter()
         .map(|folder| folder.display().to_string());
-    writer.object(&document.root, &search_folders.collect::<Vec<_>>())?;
+    let root = document.unpacked().root;
+    writer.object(&root, &search_folders.collect::<Vec<_>>())?;
     Ok(writer.text)
 }
 

@@ -317,7 +317,7 @@ fn title(index: Option<usize>, material: &Material) -> String {
 
 fn named(texture: Object, name: &str) -> Object {
     Object {
-        name: Some(name.to_owned()),
+        name: Some(name.into()),
         ..texture
     }
 }

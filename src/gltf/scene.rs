@@ -219,14 +219,14 @@ impl Builder<'_> {
                 self.warn(format!("material {missing} is not there: `{name}` has the default one"));
             }
             let mut shape = mesh.shape;
-            shape.id = Some(self.unique(name));
+            shape.id = Some(self.unique(name).into());
             if primitive.is_flat() {
                 shape = with(shape, "face_normals", Value::Boolean(true));
             }
             shape = with_world(shape, world);
             shape.children.push(Child::Reference {
                 name: None,
-                id: self.material(material, mesh.has_colors),
+                id: self.material(material, mesh.has_colors).into(),
                 span: Span::default(),
             });
             if let Some(emitter) = self.emitter(material) {
@@ -270,7 +270,7 @@ impl Builder<'_> {
         let name = index.and_then(|index| self.gltf.root.materials[index].name.as_deref());
         let id = self.unique(name.unwrap_or("material"));
         let mut bsdf = self.bsdf(index, vertex_colors);
-        bsdf.id = Some(id.clone());
+        bsdf.id = Some(id.as_str().into());
         self.bsdfs.push(bsdf);
         self.materials.insert((index, vertex_colors), id.clone());
         id
@@ -306,7 +306,8 @@ impl Builder<'_> {
             }
         };
         let sensor = with_film(with_world(sensor, pose), aspect);
-        self.sensors.push(Object { id: Some(id), ..sensor });
+        let id = Some(id.into());
+        self.sensors.push(Object { id, ..sensor });
     }
 
     fn light(&mut self, light: &Light, name: &str, world: Mat4) {
@@ -388,7 +389,7 @@ impl Builder<'_> {
             .chain(self.emitters)
             .chain(self.bsdfs)
             .chain(self.shapes)
-            .map(Child::Object)
+            .map(Child::from)
             .collect();
         check_numbers(&root)?;
         Ok(Imported {
@@ -426,7 +427,7 @@ impl Builder<'_> {
 fn check_numbers(object: &Object) -> Result<(), GltfError> {
     for property in &object.properties {
         check_finite(&property.value, &property.name, object).map_err(|_| GltfError::Number {
-            name: property.name.clone(),
+            name: property.name.to_string(),
             owner: object.title(),
         })?;
     }
@@ -471,7 +472,7 @@ pub(super) fn object(category: Category, plugin: &str) -> Object {
 
 pub(super) fn with(mut object: Object, name: &str, value: Value) -> Object {
     object.properties.push(Property {
-        name: name.to_owned(),
+        name: name.into(),
         value,
         span: Span::default(),
     });
@@ -487,7 +488,7 @@ pub(super) fn with_color(object: Object, name: &str, color: Vec3) -> Object {
 }
 
 pub(super) fn with_child(mut object: Object, child: Object) -> Object {
-    object.children.push(Child::Object(child));
+    object.children.push(child.into());
     object
 }
 

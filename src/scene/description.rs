@@ -2,6 +2,7 @@
 //!
 //! No entities and no handles: two descriptions can be compared, and references are indices into `materials`.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use bevy::math::{Affine3A, Vec3};
@@ -43,7 +44,7 @@ impl SceneDescription {
     pub fn empty() -> Self {
         let identity = |name: &str, order| Identity {
             id: Some(name.to_owned()),
-            name: name.to_owned(),
+            name: name.to_owned().into(),
             order,
             ..Identity::default()
         };
@@ -79,7 +80,7 @@ pub struct Identity {
     /// The `id` of the file, where it gives one.
     pub id: Option<String>,
     /// What people call it: the id, or else the plugin.
-    pub name: String,
+    pub name: Cow<'static, str>,
     /// Place in the file among all objects; ascending in every list of the description.
     pub order: u32,
     pub span: Span,

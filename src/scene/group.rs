@@ -1,6 +1,5 @@
 //! Shapes that stand in the scene many times: a group of them, and the places where it stands.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use bevy::math::Affine3A;
@@ -37,14 +36,14 @@ pub struct Instances(Vec<Entity>);
 /// Very many instances as one: in place of `ToWorld`, which is not asked then. Saved as they were read.
 #[derive(Component, Clone, Debug)]
 pub struct Placements {
-    /// World from group.
+    /// World from group; shared with the document.
     pub places: Arc<[Affine3A]>,
-    /// The instances among the children of the scene they were read from.
-    pub children: Range<usize>,
+    /// The index of the crowd in the document that it was read from.
+    pub crowd: usize,
 }
 
 impl PartialEq for Placements {
     fn eq(&self, other: &Self) -> bool {
-        self.children == other.children && (Arc::ptr_eq(&self.places, &other.places) || self.places == other.places)
+        self.crowd == other.crowd && (Arc::ptr_eq(&self.places, &other.places) || self.places == other.places)
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use bevy::prelude::*;
+use smol_str::SmolStr;
 
 use super::description::{DeclarationPlace, Identity, SceneDescription};
 use super::write::gather::describe_entities;
@@ -62,7 +63,7 @@ pub fn names(world: &mut World) -> HashSet<String> {
     let mut known = world.query::<&Authored>();
     for authored in known.iter(world) {
         if let Some(id) = &authored.object.id {
-            names.remove(id);
+            names.remove(id.as_str());
         }
     }
     let mut query = world.query_filtered::<(Option<&SceneId>, Option<&Name>), With<DocumentOrder>>();
@@ -74,7 +75,7 @@ pub fn names(world: &mut World) -> HashSet<String> {
 }
 
 fn collect_ids(object: &Object, ids: &mut HashSet<String>) {
-    ids.extend(object.id.clone());
+    ids.extend(object.id.as_ref().map(SmolStr::to_string));
     object.objects().for_each(|inner| collect_ids(inner, ids));
 }
 
@@ -94,7 +95,7 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
                 world.entity_mut(entity).insert(SceneId(id.clone()));
                 id
             }
-            None => identity.name.clone(),
+            None => identity.name.to_string(),
         };
         taken.insert(name.clone());
         world.entity_mut(entity).insert(Name::new(name));

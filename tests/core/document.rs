@@ -242,7 +242,7 @@ fn defaults_and_the_command_line() {
     assert_eq!(*value(&document, "sample_count"), Value::Integer(16));
     assert_eq!(*value(&document, "out"), Value::String("16.exr $spp".to_owned()));
     let defines = [("spp".to_owned(), "4".to_owned()), ("sp".to_owned(), "1".to_owned())];
-    let document = parse_str(&text, Path::new("scene.xml"), &defines);
+    let document = parse_str(&*text, Path::new("scene.xml"), &defines);
     assert_eq!(*value(&document, "sample_count"), Value::Integer(4));
     assert_eq!(
         document.diagnostics.to_string(),
@@ -763,7 +763,7 @@ fn without_spans(object: &Object) -> Object {
         ..property.clone()
     });
     let children = object.children.iter().map(|child| match child {
-        Child::Object(object) => Child::Object(without_spans(object)),
+        Child::Object(object) => without_spans(object).into(),
         Child::Reference { name, id, .. } => Child::Reference {
             name: name.clone(),
             id: id.clone(),
@@ -780,7 +780,7 @@ fn without_spans(object: &Object) -> Object {
 
 fn assert_round_trip(document: &Document, what: &str) {
     let text = to_xml(document).unwrap();
-    let again = parse_str(&text, &document.path, &[]);
+    let again = parse_str(&*text, &document.path, &[]);
     assert_eq!(
         without_spans(&again.root),
         without_spans(&document.root),
@@ -890,19 +890,19 @@ impl Random {
         let category = Category::ALL[1 + self.below(Category::ALL.len() - 1)];
         let mut object = Object::new(category, format!("p{}", self.text()));
         if self.below(2) == 0 {
-            object.id = Some(format!("{}#{ids}", self.text()));
+            object.id = Some(format!("{}#{ids}", self.text()).into());
             *ids += 1;
         }
-        object.name = (self.below(3) == 0).then(|| format!("name_{}", self.below(5)));
+        object.name = (self.below(3) == 0).then(|| format!("name_{}", self.below(5)).into());
         object.properties = (0..self.below(5))
             .map(|i| Property {
-                name: format!("p{i}_{}", self.text()),
+                name: format!("p{i}_{}", self.text()).into(),
                 value: self.value(),
                 span: Span::default(),
             })
             .collect();
         if depth < 4 {
-            let inner = (0..self.below(4)).map(|_| Child::Object(self.object(depth + 1, ids)));
+            let inner = (0..self.below(4)).map(|_| self.object(depth + 1, ids).into());
             object.children = inner.collect();
         }
         object
@@ -916,9 +916,9 @@ fn made_up_scenes_survive_writing() {
         let mut ids = 0;
         let mut root = Object::new(Category::Scene, "");
         let children: Vec<Child> = (0..random.below(5))
-            .map(|_| Child::Object(random.object(0, &mut ids)))
+            .map(|_| random.object(0, &mut ids).into())
             .collect();
-        let known: Vec<String> = children
+        let known: Vec<_> = children
             .iter()
             .filter_map(|child| match child {
                 Child::Object(object) => object.id.clone(),
@@ -927,7 +927,7 @@ fn made_up_scenes_survive_writing() {
             .collect();
         root.children = children;
         root.children.extend(known.into_iter().map(|id| Child::Reference {
-            name: Some("again".to_owned()),
+            name: Some("again".into()),
             id,
             span: Span::default(),
         }));
@@ -945,12 +945,12 @@ fn made_up_scenes_survive_writing() {
 fn what_xml_cannot_carry_is_refused() {
     let mut object = Object::new(Category::Bsdf, "diffuse");
     object.properties.push(Property {
-        name: "alpha".to_owned(),
+        name: "alpha".into(),
         value: Value::Float(f32::NAN),
         span: Span::default(),
     });
     let mut root = Object::new(Category::Scene, "");
-    root.children.push(Child::Object(object));
+    root.children.push(object.into());
     let error = to_xml(&Document::new("a.xml", root)).unwrap_err();
     assert_eq!(
         error.to_string(),
@@ -1074,4 +1074,87 @@ fn damaged_files_never_panic_or_hang() {
     }
     // Generous: a debug build on a loaded machine needs a few seconds.
     assert!(started.elapsed() < Duration::from_secs(120));
+}
+
+/// A group, instances of it with a comment and another shape between them, and one whose size is a `$name`.
+fn crowded(count: usize, size: &str) -> String {
+    let instance = |index: usize| {
+        format!(
+            "  <shape type='instance'><ref id='group'/><transform name='to_world'>\n    <scale value='{size}'/><translate x='{index}'/>\
+             </transform></shape> <!-- {index} -->\n"
+        )
+    };
+    let instances = |range: std::ops::Range<usize>| -> String { range.map(instance).collect() };
+    format!(
+        "<scene version='3.0.0'>\n<default name='size' value='0.5'/>\n\
+         <shape type='shapegroup' id='group'><shape type='cube'/></shape>\n{}<shape type='disk'/>\n{}</scene>\n",
+        instances(0..count),
+        instances(count..count + 3),
+    )
+}
+
+#[test]
+fn very_many_instances_are_packed_and_unpacked() {
+    for size in ["0.5", "$size"] {
+        let count = 2000;
+        let document = parse(&crowded(count, size));
+        assert_eq!(document.diagnostics.list, []);
+        // The group, the disk, and the few instances behind it.
+        assert_eq!(document.root.children.len(), 5);
+        let [crowd] = &document.crowds[..] else {
+            panic!("{} crowds", document.crowds.len())
+        };
+        assert_eq!((crowd.position, crowd.group.as_str()), (1, "group"));
+        assert_eq!(crowd.places.len(), count);
+        let place = glam::Affine3A::from_translation(Vec3::X * 77.0) * glam::Affine3A::from_scale(Vec3::splat(0.5));
+        assert_eq!(crowd.places[77], place);
+
+        // The tree is that of a text in which nothing is packed, for there a name makes the instances different.
+        let named = crowded(count, size).replace("<ref id", "<ref name='group' id");
+        let plain = parse(&named);
+        assert_eq!(plain.crowds, []);
+        let unpacked = document.unpacked();
+        assert_eq!(unpacked.root.children.len(), plain.root.children.len());
+        for (place, (child, plain)) in unpacked.root.children.iter().zip(&plain.root.children).enumerate() {
+            let (Child::Object(child), Child::Object(plain)) = (child, plain) else {
+                panic!("references")
+            };
+            assert_eq!(child.properties.len(), plain.properties.len());
+            for (property, plain) in child.properties.iter().zip(&plain.properties) {
+                assert_eq!(
+                    (&property.name, &property.value),
+                    (&plain.name, &plain.value),
+                    "{place}"
+                );
+            }
+        }
+        let texts = |document: &Document| {
+            let of_child = |child: &Child| {
+                let span = child.span();
+                document.diagnostics.sources[0].text[span.start as usize..span.end as usize].to_owned()
+            };
+            document.root.children.iter().map(of_child).collect::<Vec<_>>()
+        };
+        assert_eq!(texts(&unpacked), texts(&plain));
+        assert_eq!(to_xml(&document).unwrap(), to_xml(&unpacked).unwrap());
+    }
+}
+
+#[test]
+fn instances_of_no_group_are_not_packed() {
+    let text = crowded(1500, "1").replace("id='group'><shape", "id='other'><shape");
+    let document = parse(&text);
+    assert_eq!(document.crowds, []);
+    assert_eq!(document.root.children.len(), 1505);
+    // One message for each, up to the number that is kept.
+    assert_eq!(document.diagnostics.error_count(), 1503);
+    assert!(document.diagnostics.list[0].message.contains("`group`"));
+
+    // Another name for the group is a name of it.
+    let alias = text.replace("<shape type='disk'/>", "<alias id='other' as='group'/>");
+    let document = parse(&alias);
+    assert_eq!(document.diagnostics.list, []);
+    assert_eq!(document.crowds.len(), 1);
+    assert_eq!(document.crowds[0].group, "other");
+    assert_eq!(document.crowds[0].places.len(), 1503);
 }

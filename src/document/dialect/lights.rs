@@ -101,7 +101,7 @@ impl Import<'_> {
         let color = self.color(light, &["Color"]).unwrap_or(Vec3::ONE);
         let intensity = color * self.value(light, &["Intensity"]).unwrap_or(1.0).max(0.0);
         let mut object = Object::new(Category::Emitter, "point").at(light.span());
-        object.id = self.free_id(light.text_of("name"));
+        object.id = self.free_id(light.text_of("name")).map(Into::into);
         let object = object.with("position", Value::Point(position));
         self.add(object.with("intensity", Value::Rgb(intensity)));
     }

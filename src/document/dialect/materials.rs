@@ -8,7 +8,7 @@ use super::Import;
 use super::tree::Node;
 use crate::document::suggest::did_you_mean;
 use crate::document::value::quote;
-use crate::document::{Category, Child, Object, Severity, Span, Value};
+use crate::document::{Category, Object, Severity, Span, Value};
 
 const COLOR: Vec3 = Vec3::splat(0.5);
 /// What glass lets through, and reflects, at each meeting.
@@ -67,7 +67,7 @@ impl Import<'_> {
             Recipe::Light(radiance) => Look::Light(radiance),
             Recipe::Bsdf(mut object) => {
                 let id = self.free_id(Some(name.clone()))?;
-                object.id = Some(id.clone());
+                object.id = Some(id.as_str().into());
                 self.add(object);
                 Look::Bsdf(id)
             }
@@ -229,6 +229,6 @@ fn metal(color: Vec3, fuzz: f32, span: Span) -> Object {
 
 fn two_sided(inner: Object) -> Object {
     let mut object = Object::new(Category::Bsdf, "twosided").at(inner.span);
-    object.children.push(Child::Object(inner));
+    object.children.push(inner.into());
     object
 }

@@ -22,7 +22,7 @@ use self::materials::Materials;
 use self::tree::{Node, Tree};
 use super::suggest::did_you_mean;
 use super::value::quote;
-use super::{Category, Child, Diagnostics, Document, Object, Severity, SourceFile, SourceId, Span};
+use super::{Category, Diagnostics, Document, Object, Severity, SourceFile, SourceId, Span};
 
 const ROOTS: [&str; 2] = ["ItemContainer", "Scene"];
 
@@ -148,7 +148,7 @@ impl Import<'_> {
     }
 
     fn add(&mut self, object: Object) {
-        self.root.children.push(Child::Object(object));
+        self.root.children.push(object.into());
     }
 
     /// An id like `name` that nothing has yet; None for a thing without a name.

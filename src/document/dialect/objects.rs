@@ -53,7 +53,7 @@ impl Import<'_> {
 
     /// With its name and its material.
     fn finish(&mut self, node: Node, mut shape: Object, materials: &mut Materials) -> Object {
-        shape.id = self.free_id(node.text_of("name"));
+        shape.id = self.free_id(node.text_of("name")).map(Into::into);
         let in_child = node.child(&["Material"]).and_then(|child| child.attribute("name"));
         let named = in_child.or_else(|| node.attribute("material"));
         let own_materials = shape.children.is_empty() && self.brings_materials(&shape);
@@ -68,7 +68,7 @@ impl Import<'_> {
         match look {
             Some(Look::Bsdf(id)) => shape.children.push(Child::Reference {
                 name: None,
-                id,
+                id: id.into(),
                 span: node.span(),
             }),
             Some(Look::Light(radiance)) => {

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::Import;
 use super::tree::Node;
-use crate::document::{Category, Child, Object, TransformOp, Value};
+use crate::document::{Category, Object, TransformOp, Value};
 
 const WIDTH: f32 = 800.0;
 const ASPECT: f32 = 16.0 / 9.0;
@@ -64,8 +64,8 @@ impl Import<'_> {
         let sampler = Object::new(Category::Sampler, "independent").at(span);
         let mut sensor = self.camera(root);
         sensor.children = vec![
-            Child::Object(film.with_child(filter)),
-            Child::Object(sampler.with("sample_count", whole(samples))),
+            film.with_child(filter).into(),
+            sampler.with("sample_count", whole(samples)).into(),
         ];
         self.add(sensor);
     }

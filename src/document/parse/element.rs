@@ -1,8 +1,8 @@
 //! What each tag means: plugins, values, references, defaults.
 
-use std::collections::HashSet;
+use smol_str::SmolStr;
 
-use super::{Frame, Parser};
+use super::{Frame, Names, Parser};
 use crate::document::links::Alias;
 use crate::document::naming::snake_case;
 use crate::document::property::{
@@ -22,7 +22,7 @@ impl Parser {
             self.diagnostics.error(tag.span, message);
             return None;
         }
-        let Some(category) = Category::from_tag(&tag.name) else {
+        let Some(category) = Category::from_tag(tag.name) else {
             let message = format!("a scene file starts with <scene>, not <{}>", tag.name);
             self.diagnostics.error(tag.span, message);
             return None;
@@ -57,23 +57,28 @@ impl Parser {
             Category::Scene => tag.take("type"),
             _ => tag.need("type", &mut self.diagnostics),
         };
-        let mut object = Object::new(category, plugin.map_or_else(String::new, |(plugin, _)| plugin));
+        let mut object = Object::new(
+            category,
+            plugin.map_or_else(SmolStr::default, |(plugin, _)| plugin.into()),
+        );
         object.span = tag.span;
+        object.properties = self.spare.properties.take();
+        object.children = self.spare.children.take();
         object.name = self.name_of(tag);
-        object.id = tag.take("id").and_then(|(id, span)| self.register_id(id, span));
+        object.id = tag.take("id").and_then(|(id, span)| self.register_id(id.into(), span));
         Frame::Object {
             object,
-            names: HashSet::new(),
+            names: Names::default(),
         }
     }
 
-    fn name_of(&mut self, tag: &mut Tag) -> Option<String> {
+    fn name_of(&mut self, tag: &mut Tag) -> Option<SmolStr> {
         let (name, _) = tag.take("name")?;
         Some(snake_case(&name)).filter(|name| !name.is_empty())
     }
 
     /// None if the id is no good.
-    fn register_id(&mut self, id: String, span: Span) -> Option<String> {
+    fn register_id(&mut self, id: SmolStr, span: Span) -> Option<SmolStr> {
         if id.is_empty() {
             self.diagnostics.warn(span, "an empty id is ignored");
             return None;
@@ -93,39 +98,41 @@ impl Parser {
 
     pub(super) fn enter_transform_op(&mut self, tag: &mut Tag, ops: &mut Vec<TransformOp>) -> Option<Frame> {
         if tag.name == "lookAt" {
-            tag.name = "lookat".to_owned();
+            tag.name = "lookat";
         }
-        if !TRANSFORM_TAGS.contains(&tag.name.as_str()) {
+        let Some(known) = known(&TRANSFORM_TAGS, tag.name) else {
             let message = format!("<{}> is not a step of a transform", tag.name);
-            let help = did_you_mean(&tag.name, TRANSFORM_TAGS);
+            let help = did_you_mean(tag.name, TRANSFORM_TAGS);
             self.diagnostics.push(Severity::Error, Some(tag.span), message, help);
             return None;
-        }
+        };
         ops.extend(read_transform_op(tag, &mut self.diagnostics));
-        Some(leaf(tag))
+        Some(leaf(known, tag.span))
     }
 
     pub(super) fn enter_in_object(
         &mut self,
         tag: &mut Tag,
         object: &mut Object,
-        names: &mut HashSet<String>,
+        names: &mut Names,
         depth: usize,
     ) -> Option<Frame> {
-        match tag.name.as_str() {
+        let is_plugin = tag.name == "spectrum" && tag.has("type");
+        if let Some(known) = known(&VALUE_TAGS, tag.name).filter(|_| !is_plugin) {
+            self.read_property(tag, object, names);
+            return Some(leaf(known, tag.span));
+        }
+        match tag.name {
             "scene" => {
                 self.diagnostics
                     .error(tag.span, "<scene> cannot stand inside another tag");
                 None
             }
-            "spectrum" if tag.has("type") => Some(self.object_frame(tag, Category::Texture)),
-            name if VALUE_TAGS.contains(&name) => {
-                self.read_property(tag, object, names);
-                Some(leaf(tag))
-            }
+            // Without a `type` it is a value.
+            "spectrum" => Some(self.object_frame(tag, Category::Texture)),
             "transform" => Some(Frame::Transform {
                 name: self.property_name(tag),
-                ops: Vec::new(),
+                ops: self.spare.steps.take(),
                 span: tag.span,
             }),
             "ref" => {
@@ -134,11 +141,11 @@ impl Parser {
                 if let Some((id, _)) = id {
                     object.children.push(Child::Reference {
                         name,
-                        id,
+                        id: id.into(),
                         span: tag.span,
                     });
                 }
-                Some(leaf(tag))
+                Some(leaf("ref", tag.span))
             }
             "default" => {
                 let name = tag.need("name", &mut self.diagnostics);
@@ -150,32 +157,32 @@ impl Parser {
                         .error(tag.span, "<default> needs the attribute `value`"),
                     _ => {}
                 }
-                Some(leaf(tag))
+                Some(leaf("default", tag.span))
             }
             "alias" => {
                 let id = tag.need("id", &mut self.diagnostics);
                 let other = tag.need("as", &mut self.diagnostics);
                 if let (Some((id, _)), Some((other, _))) = (id, other) {
                     self.aliases.push(Alias {
-                        name: other,
-                        id,
+                        name: other.into_owned(),
+                        id: id.into_owned(),
                         span: tag.span,
                     });
                 }
-                Some(leaf(tag))
+                Some(leaf("alias", tag.span))
             }
             "path" => {
                 if let Some((folder, span)) = tag.need("value", &mut self.diagnostics) {
                     self.add_search_folder(&folder, span);
                 }
-                Some(leaf(tag))
+                Some(leaf("path", tag.span))
             }
             "include" => {
                 let name = self.name_of(tag);
                 if let Some((file, span)) = tag.need("filename", &mut self.diagnostics) {
                     self.include(&file, span, name, object, names, depth);
                 }
-                Some(leaf(tag))
+                Some(leaf("include", tag.span))
             }
             name if TRANSFORM_TAGS.contains(&name) || name == "lookAt" => {
                 let message = format!("<{name}> can only stand inside <transform>");
@@ -197,12 +204,12 @@ impl Parser {
         }
     }
 
-    fn property_name(&mut self, tag: &mut Tag) -> Option<String> {
+    fn property_name(&mut self, tag: &mut Tag) -> Option<SmolStr> {
         let (name, _) = tag.need("name", &mut self.diagnostics)?;
         Some(snake_case(&name))
     }
 
-    fn read_property(&mut self, tag: &mut Tag, object: &mut Object, names: &mut HashSet<String>) {
+    fn read_property(&mut self, tag: &mut Tag, object: &mut Object, names: &mut Names) {
         let name = self.property_name(tag);
         let value = if tag.name == "spectrum" {
             self.read_spectrum_tag(tag, object.category, name.as_deref().unwrap_or_default())
@@ -237,12 +244,12 @@ impl Parser {
     pub(super) fn add_property(
         &mut self,
         object: &mut Object,
-        names: &mut HashSet<String>,
-        name: String,
+        names: &mut Names,
+        name: SmolStr,
         value: Value,
         span: Span,
     ) {
-        if names.insert(name.clone()) {
+        if !names.contain(&name, &object.properties) {
             object.properties.push(Property { name, value, span });
         } else {
             let message = format!("{} is given twice in {}", quote(&name), object.title());
@@ -251,9 +258,11 @@ impl Parser {
     }
 }
 
-fn leaf(tag: &Tag) -> Frame {
-    Frame::Leaf {
-        tag: tag.name.clone(),
-        span: tag.span,
-    }
+fn leaf(tag: &'static str, span: Span) -> Frame {
+    Frame::Leaf { tag, span }
+}
+
+/// The one of these names that is `name`.
+fn known(names: &[&'static str], name: &str) -> Option<&'static str> {
+    names.iter().copied().find(|known| *known == name)
 }

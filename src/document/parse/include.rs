@@ -1,12 +1,13 @@
 //! Other files a scene names: includes, search folders, and where a file is looked for.
 
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use super::{MAX_INCLUDE_DEPTH, MAX_INCLUDES, Parser};
+use smol_str::SmolStr;
+
+use super::{MAX_INCLUDE_DEPTH, MAX_INCLUDES, Names, Parser};
 use crate::document::source::read_text;
 use crate::document::value::quote;
-use crate::document::{Category, Child, Include, Object, Property, Severity, SourceId, Span};
+use crate::document::{Category, Include, Object, Property, Severity, SourceId, Span};
 
 impl Parser {
     fn folder_of(&self, source: SourceId) -> PathBuf {
@@ -55,11 +56,14 @@ impl Parser {
         &mut self,
         file: &str,
         span: Span,
-        name: Option<String>,
+        name: Option<SmolStr>,
         object: &mut Object,
-        names: &mut HashSet<String>,
+        names: &mut Names,
         depth: usize,
     ) {
+        if self.is_part {
+            return;
+        }
         let Some(path) = self.find_file(file, span) else {
             return;
         };
@@ -93,7 +97,7 @@ impl Parser {
             Some(source) => *source,
             None => match read_text(&path) {
                 Ok(text) => {
-                    let source = self.add_source(path, &text);
+                    let source = self.add_source(path, text.into());
                     self.files.insert(key.clone(), source);
                     source
                 }
@@ -116,7 +120,7 @@ impl Parser {
             }
             Some(mut root) => {
                 root.name = name.or(root.name);
-                object.children.push(Child::Object(root));
+                object.children.push(root.into());
             }
             None => {}
         }

@@ -6,16 +6,23 @@
 
 mod element;
 mod include;
+mod names;
+mod spare;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use quick_xml::Reader as XmlReader;
 use quick_xml::events::{BytesStart, Event};
+use smol_str::SmolStr;
 
 use self::include::canonical;
 pub(in crate::document) use self::include::file_candidates;
+use self::names::Names;
+use self::spare::Spare;
+use super::crowd::{Packer, keep_known, pack_rest};
 use super::define::Defines;
 use super::dialect;
 use super::links::{Alias, link};
@@ -23,7 +30,8 @@ use super::naming::modernize;
 use super::source::{MAX_FILE_BYTES, SourceError, read_text};
 use super::tag::Tag;
 use super::{
-    Category, Child, Diagnostics, Document, Include, Object, Severity, SourceFile, SourceId, Span, TransformOp, Value,
+    Category, Child, Crowd, Diagnostics, Document, Include, Object, Severity, SourceFile, SourceId, Span, TransformOp,
+    Value,
 };
 
 /// Tags inside tags, references and includes counted in. Real scenes stay below ten.
@@ -41,26 +49,19 @@ const MAX_TOTAL_BYTES: u64 = 4 * MAX_FILE_BYTES;
 /// with the text is in the document's diagnostics.
 pub fn load(path: &Path, defines: &[(String, String)]) -> Result<Document, SourceError> {
     let text = read_text(path)?;
-    Ok(parse_str(&text, path, defines))
+    Ok(parse_str(text, path, defines))
 }
 
-/// As [`load`], for text that is in memory; relative paths in it start from `path`'s folder.
-pub fn parse_str(text: &str, path: &Path, defines: &[(String, String)]) -> Document {
+/// As [`load`], for text that is in memory, where it stays; relative paths in it start from `path`'s folder.
+pub fn parse_str(text: impl Into<Arc<str>>, path: &Path, defines: &[(String, String)]) -> Document {
     let mut parser = Parser {
-        diagnostics: Diagnostics::default(),
         defines: Defines::new(defines),
-        search_folders: Vec::new(),
-        files: HashMap::new(),
-        open_files: Vec::new(),
-        ids: HashMap::new(),
-        aliases: Vec::new(),
-        includes: Vec::new(),
-        elements: 0,
-        bytes: 0,
-        exhausted: false,
+        ..Parser::default()
     };
+    let text = text.into();
+    let length = text.len() as u64;
     let source = parser.add_source(path.to_owned(), text);
-    let root = if text.len() as u64 > MAX_FILE_BYTES {
+    let root = if length > MAX_FILE_BYTES {
         let message = format!("longer than {} MiB, which no scene should be", MAX_FILE_BYTES >> 20);
         parser.diagnostics.push(Severity::Error, None, message, None);
         None
@@ -76,20 +77,38 @@ pub fn parse_str(text: &str, path: &Path, defines: &[(String, String)]) -> Docum
     parser.finish(path, root)
 }
 
+/// The children of a scene that stand in a part of a source text, which was read without errors before and has no `$names`.
+pub(in crate::document) fn parse_children(file: &SourceFile, source: SourceId, range: Range<u32>) -> Vec<Child> {
+    let mut level = Level::new(source, file.text.clone(), 0);
+    level.packer = None;
+    level.stack.push(Frame::Object {
+        object: Object::new(Category::Scene, ""),
+        names: Names::default(),
+    });
+    let mut parser = Parser {
+        is_part: true,
+        ..Parser::default()
+    };
+    parser.parse_range(range.start as usize..range.end as usize, &mut level);
+    level.root.map_or_else(Vec::new, |root| root.children)
+}
+
 /// An open tag.
 enum Frame {
     Object {
         object: Object,
-        /// Names of its properties so far.
-        names: HashSet<String>,
+        names: Names,
     },
     Transform {
-        name: Option<String>,
+        name: Option<SmolStr>,
         ops: Vec<TransformOp>,
         span: Span,
     },
     /// A value or a step: nothing may stand inside.
-    Leaf { tag: String, span: Span },
+    Leaf {
+        tag: &'static str,
+        span: Span,
+    },
 }
 
 impl Frame {
@@ -119,8 +138,11 @@ struct Level {
     /// How many tags deep inside something that is skipped.
     skipping: usize,
     root: Option<Object>,
+    /// Of the main file.
+    packer: Option<Packer>,
 }
 
+#[derive(Default)]
 struct Parser {
     diagnostics: Diagnostics,
     defines: Defines,
@@ -129,13 +151,17 @@ struct Parser {
     files: HashMap<PathBuf, SourceId>,
     /// The chain of includes that is being read, the main file first, each with the place of its include.
     open_files: Vec<(PathBuf, Option<Span>)>,
-    ids: HashMap<String, Span>,
+    ids: HashMap<SmolStr, Span>,
     aliases: Vec<Alias>,
     includes: Vec<Include>,
     elements: usize,
     bytes: u64,
     /// A bound of the whole document was hit; nothing more is read.
     exhausted: bool,
+    /// Only a part of a text is read: includes in it are left out.
+    is_part: bool,
+    crowds: Vec<Crowd>,
+    spare: Spare,
 }
 
 impl Parser {
@@ -147,10 +173,12 @@ impl Parser {
                 format!("a scene file starts with <scene>, not <{}>", root.category.tag()),
             );
             let mut scene = Object::new(Category::Scene, "");
-            scene.children.push(Child::Object(root));
+            scene.children.push(root.into());
             root = scene;
         }
+        let crowds = keep_known(&mut root, self.crowds, &self.diagnostics);
         link(&mut root, &self.ids, &self.aliases, &mut self.diagnostics);
+        let crowds = pack_rest(&mut root, crowds);
         for (name, help) in self.defines.unused() {
             let message = format!("`-D {name}=...` has no effect: the scene does not use `${name}`");
             self.diagnostics.push(Severity::Warning, None, message, help);
@@ -158,6 +186,7 @@ impl Parser {
         Document {
             path: path.to_owned(),
             root: Arc::new(root),
+            crowds,
             search_folders: self.search_folders,
             includes: self.includes,
             imported: false,
@@ -165,13 +194,13 @@ impl Parser {
         }
     }
 
-    fn add_source(&mut self, path: PathBuf, text: &str) -> SourceId {
+    fn add_source(&mut self, path: PathBuf, text: Arc<str>) -> SourceId {
         let id = SourceId(u32::try_from(self.diagnostics.sources.len()).unwrap_or(u32::MAX));
-        let without_mark = text.strip_prefix('\u{feff}');
+        let without_mark: Option<Arc<str>> = text.strip_prefix('\u{feff}').map(Arc::from);
         self.diagnostics.sources.push(SourceFile {
             path,
-            text: without_mark.unwrap_or(text).into(),
             byte_order_mark: without_mark.is_some(),
+            text: without_mark.unwrap_or(text),
         });
         id
     }
@@ -184,29 +213,34 @@ impl Parser {
             self.exhaust(None, "the includes of this scene add up to too much text");
             return None;
         }
-        let mut reader = XmlReader::from_str(&text);
-        let mut level = Level {
-            source,
-            text: text.clone(),
-            stack: Vec::new(),
-            base_depth,
-            skipping: 0,
-            root: None,
-        };
+        let all = 0..text.len();
+        let mut level = Level::new(source, text, base_depth);
+        self.parse_range(all, &mut level);
+        if let Some(packer) = level.packer {
+            self.crowds = packer.finish();
+        }
+        level.root
+    }
+
+    /// The tags of a part of the level's text.
+    fn parse_range(&mut self, range: Range<usize>, level: &mut Level) {
+        let (source, text) = (level.source, level.text.clone());
+        let mut reader = XmlReader::from_str(text.get(range.clone()).unwrap_or_default());
+        let position = |offset: u64| u32::try_from(range.start as u64 + offset).unwrap_or(u32::MAX);
         while !self.exhausted {
             let start = reader.buffer_position();
             let event = reader.read_event();
             let span = Span {
                 source,
-                start: u32::try_from(start).unwrap_or(u32::MAX),
-                end: u32::try_from(reader.buffer_position()).unwrap_or(u32::MAX),
+                start: position(start),
+                end: position(reader.buffer_position()),
             };
             match event {
-                Ok(Event::Start(tag)) => self.open(&tag, span, true, &mut level),
-                Ok(Event::Empty(tag)) => self.open(&tag, span, false, &mut level),
-                Ok(Event::End(_)) => self.close(&mut level),
-                Ok(Event::Text(content)) if !content.trim().is_empty() => self.stray_text(span, &level),
-                Ok(Event::CData(_) | Event::GeneralRef(_)) => self.stray_text(span, &level),
+                Ok(Event::Start(tag)) => self.open(&tag, span, true, level),
+                Ok(Event::Empty(tag)) => self.open(&tag, span, false, level),
+                Ok(Event::End(_)) => self.close(level, span.end),
+                Ok(Event::Text(content)) if !content.trim().is_empty() => self.stray_text(span, level),
+                Ok(Event::CData(_) | Event::GeneralRef(_)) => self.stray_text(span, level),
                 Ok(Event::DocType(content)) => {
                     if content.contains("<!ENTITY") {
                         let message = "entities are not supported";
@@ -218,12 +252,12 @@ impl Parser {
                     }
                 }
                 Ok(Event::Eof) => {
-                    self.end_of_file(&level);
+                    self.end_of_file(level);
                     break;
                 }
                 Ok(Event::Text(_) | Event::Comment(_) | Event::Decl(_) | Event::PI(_)) => {}
                 Err(error) => {
-                    let at = u32::try_from(reader.error_position()).unwrap_or(u32::MAX);
+                    let at = position(reader.error_position());
                     let place = Span {
                         start: at,
                         end: span.end.max(at),
@@ -241,10 +275,10 @@ impl Parser {
             }
         }
         level.skipping = 0;
+        let end = position(reader.buffer_position());
         while !level.stack.is_empty() {
-            self.close(&mut level);
+            self.close(level, end);
         }
-        level.root
     }
 
     fn stray_text(&mut self, span: Span, level: &Level) {
@@ -287,7 +321,7 @@ impl Parser {
         }
         let opened = level.skipping == 0 && self.enter(start, span, level);
         if opened && !stays_open {
-            self.close(level);
+            self.close(level, span.end);
         } else if !opened && stays_open {
             level.skipping += 1;
         }
@@ -320,8 +354,8 @@ impl Parser {
         true
     }
 
-    /// An end tag, or the end of a broken file.
-    fn close(&mut self, level: &mut Level) {
+    /// An end tag, or the end of a broken file. `end`: the byte after it.
+    fn close(&mut self, level: &mut Level, end: u32) {
         if level.skipping > 0 {
             level.skipping -= 1;
             return;
@@ -329,20 +363,25 @@ impl Parser {
         match level.stack.pop() {
             Some(Frame::Object { mut object, .. }) => {
                 modernize(&mut object);
-                // A million instances have few of either each.
-                object.properties.shrink_to_fit();
-                object.children.shrink_to_fit();
+                object.properties = self.spare.properties.fitted(object.properties);
+                object.children = self.spare.children.fitted(object.children);
+                let is_top_level = level.stack.len() == 1;
                 match level.stack.last_mut() {
-                    Some(Frame::Object { object: parent, .. }) => parent.children.push(Child::Object(object)),
+                    Some(Frame::Object { object: parent, .. }) => {
+                        parent.children.push(object.into());
+                        if let Some(packer) = level.packer.as_mut().filter(|_| is_top_level) {
+                            packer.note(&mut parent.children, &level.text, end);
+                        }
+                    }
                     _ => level.root = Some(object),
                 }
             }
             Some(Frame::Transform {
                 name: Some(name),
-                mut ops,
+                ops,
                 span,
             }) => {
-                ops.shrink_to_fit();
+                let ops = self.spare.steps.fitted(ops);
                 if let Some(Frame::Object { object, names }) = level.stack.last_mut() {
                     self.add_property(object, names, name, Value::Transform(ops), span);
                 }
@@ -353,6 +392,19 @@ impl Parser {
 }
 
 impl Level {
+    /// `base_depth`: zero for the main file, whose crowds are packed.
+    fn new(source: SourceId, text: Arc<str>, base_depth: usize) -> Self {
+        Self {
+            source,
+            text,
+            stack: Vec::new(),
+            base_depth,
+            skipping: 0,
+            root: None,
+            packer: (base_depth == 0).then(Packer::default),
+        }
+    }
+
     /// The place after the last character.
     fn end(&self) -> Span {
         let end = u32::try_from(self.text.trim_end().len()).unwrap_or(u32::MAX);

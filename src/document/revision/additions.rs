@@ -107,9 +107,9 @@ impl<'r> Reviser<'r> {
             let block = apply(from.text(), range, edits);
             return Ok(resettle(&block, old_margin, margin, layout.newline));
         }
-        let mut moved: Object = now.clone();
+        let mut moved = Object::clone(now);
         self.names.move_object(&mut moved, place.folder);
-        to_block(&Child::Object(moved), margin, layout)
+        to_block(&moved.into(), margin, layout)
     }
 
     /// An included file's text for the place of its `<include>`.

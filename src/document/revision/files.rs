@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::edits::Edit;
 use super::elements::Element;
@@ -73,7 +74,7 @@ impl<'d> FileNames<'d> {
         }
         for child in &mut object.children {
             if let Child::Object(inner) = child {
-                self.move_object(inner, folder);
+                self.move_object(Arc::make_mut(inner), folder);
             }
         }
     }

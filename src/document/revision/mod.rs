@@ -46,6 +46,7 @@ pub fn revise(
     now: &Document,
     destination: &Destination,
 ) -> Result<Vec<(PathBuf, String)>, WriteError> {
+    let origin = &origin.unpacked();
     let sources = Source::all(origin);
     let names = FileNames::new(origin, destination);
     let mut reviser = Reviser {

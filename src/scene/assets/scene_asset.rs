@@ -95,7 +95,7 @@ fn parse(bytes: Vec<u8>, path: &Path, defines: &[(String, String)]) -> Result<Do
         return Ok(import(&bytes, path));
     }
     let text = document::source::decode(bytes, path)?;
-    Ok(document::parse_str(&text, path, defines))
+    Ok(document::parse_str(text, path, defines))
 }
 
 fn unreadable(path: &Path, error: &SourceError) -> SceneAsset {

@@ -17,16 +17,19 @@ mod shapes;
 pub mod spectra;
 mod textures;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use smol_str::SmolStr;
+
 use self::mesh_search::MeshSearch;
 use self::textures::PictureSearch;
 use super::description::{DeclarationPlace, Identity, SceneDescription};
-use super::{Authored, AuthoredScene};
+use super::{Authored, AuthoredScene, Material};
 pub use crate::document::paths::settle;
-use crate::document::{Category, Child, Diagnostics, Document, Index, Object, Reader, Severity, Span};
+use crate::document::{Category, Child, Crowd, Diagnostics, Document, Index, Object, Reader, Severity, Span};
 
 /// Everything the document says; its diagnostics grow by what is wrong with it.
 pub fn read(document: &mut Document) -> SceneDescription {
@@ -49,7 +52,8 @@ pub fn read(document: &mut Document) -> SceneDescription {
 }
 
 /// An object's place among all objects of the document.
-struct Place {
+struct Place<'a> {
+    object: &'a Arc<Object>,
     order: u32,
     top_level: bool,
 }
@@ -63,9 +67,14 @@ struct SceneReader<'a> {
     meshes: MeshSearch,
     pictures: PictureSearch,
     folder: PathBuf,
-    places: HashMap<usize, Place>,
+    places: HashMap<usize, Place<'a>>,
     material_of: HashMap<usize, usize>,
     group_of: HashMap<usize, usize>,
+    crowds: &'a [Crowd],
+    /// Per crowd, the place of its first instance among all objects.
+    crowd_orders: Vec<u32>,
+    /// So many crowds have become shapes.
+    crowds_read: usize,
     description: SceneDescription,
 }
 
@@ -74,22 +83,54 @@ fn address(object: &Object) -> usize {
     std::ptr::from_ref(object).addr()
 }
 
+/// The objects given in place.
+fn inside(object: &Object) -> impl Iterator<Item = &Arc<Object>> {
+    object.children.iter().filter_map(|child| match child {
+        Child::Object(object) => Some(object),
+        Child::Reference { .. } => None,
+    })
+}
+
+/// The places of all objects, and of the first instance of each crowd: they are counted through in the order of the file.
+fn places(document: &Document) -> (HashMap<usize, Place<'_>>, Vec<u32>) {
+    let mut places = HashMap::new();
+    let mut crowd_orders = Vec::new();
+    let mut order = 0;
+    let mut waiting: Vec<&Arc<Object>> = Vec::new();
+    let mut crowds = document.crowds.iter().peekable();
+    for (position, child) in document.root.children.iter().enumerate() {
+        while let Some(crowd) = crowds.next_if(|crowd| crowd.position <= position) {
+            crowd_orders.push(order);
+            order += crowd.places.len() as u32;
+        }
+        let Child::Object(top) = child else { continue };
+        waiting.push(top);
+        while let Some(object) = waiting.pop() {
+            let place = Place {
+                object,
+                order,
+                top_level: std::ptr::eq(object, top),
+            };
+            places.insert(address(object), place);
+            order += 1;
+            let first = waiting.len();
+            waiting.extend(inside(object));
+            waiting[first..].reverse();
+        }
+    }
+    for crowd in crowds {
+        crowd_orders.push(order);
+        order += crowd.places.len() as u32;
+    }
+    (places, crowd_orders)
+}
+
 impl<'a> SceneReader<'a> {
     fn new(document: &'a Document, diagnostics: Diagnostics) -> Self {
         let sources: Vec<PathBuf> = diagnostics.sources.iter().map(|file| settle(&file.path)).collect();
         let path = settle(&document.path);
         let folder = path.parent().unwrap_or(Path::new("/")).to_owned();
-        let mut places = HashMap::new();
-        let mut order = 0;
-        let mut waiting: Vec<(&Object, bool)> = document.root.objects().map(|object| (object, true)).collect();
-        waiting.reverse();
-        while let Some((object, top_level)) = waiting.pop() {
-            places.insert(address(object), Place { order, top_level });
-            order += 1;
-            let first = waiting.len();
-            waiting.extend(object.objects().map(|child| (child, false)));
-            waiting[first..].reverse();
-        }
+        let (places, crowd_orders) = places(document);
         let meshes = MeshSearch::new(&folder, &document.search_folders);
         Self {
             root: &document.root,
@@ -104,6 +145,9 @@ impl<'a> SceneReader<'a> {
             places,
             material_of: HashMap::new(),
             group_of: HashMap::new(),
+            crowds: &document.crowds,
+            crowd_orders,
+            crowds_read: 0,
             description: SceneDescription {
                 path,
                 sources,
@@ -122,20 +166,8 @@ impl<'a> SceneReader<'a> {
         };
         self.list_groups();
         let mut last_order = 0;
-        let mut crowd = 0..0;
-        for (place, child) in root.children.iter().enumerate() {
-            if crowd.contains(&place) {
-                continue;
-            }
-            if let Some(instances) = self.read_crowd(place) {
-                crowd = instances;
-                last_order = self
-                    .description
-                    .shapes
-                    .last()
-                    .map_or(last_order, |crowd| crowd.identity.order);
-                continue;
-            }
+        for (position, child) in root.children.iter().enumerate() {
+            last_order = self.read_crowds(position).unwrap_or(last_order);
             let Child::Object(object) = child else {
                 remains.rest.push((last_order, child.clone()));
                 continue;
@@ -157,6 +189,7 @@ impl<'a> SceneReader<'a> {
                 remains.rest.push((last_order, child.clone()));
             }
         }
+        self.read_crowds(usize::MAX);
         self.description.remains = remains;
 
         let mut reader = Reader::new(&self.index, root, &mut self.diagnostics);
@@ -178,6 +211,12 @@ impl<'a> SceneReader<'a> {
         self.places.get(&address(object)).map_or(0, |place| place.order)
     }
 
+    /// The same object as the document holds it.
+    fn shared(&self, object: &Object) -> Arc<Object> {
+        let place = self.places.get(&address(object));
+        place.map_or_else(|| Arc::new(object.clone()), |place| place.object.clone())
+    }
+
     fn is_top_level(&self, object: &Object) -> bool {
         self.places.get(&address(object)).is_some_and(|place| place.top_level)
     }
@@ -185,8 +224,11 @@ impl<'a> SceneReader<'a> {
     /// What an object brings along whatever it is. `as_read` is what would be written for it.
     fn identity(&self, object: &Object, as_read: Object) -> Identity {
         Identity {
-            id: object.id.clone(),
-            name: object.id.clone().unwrap_or_else(|| object.plugin.clone()),
+            id: object.id.as_ref().map(SmolStr::to_string),
+            name: match &object.id {
+                Some(id) => Cow::Owned(id.to_string()),
+                None => name_of_plugin(&object.plugin),
+            },
             order: self.order(object),
             span: object.span,
             authored: Some(self.authored(object, as_read)),
@@ -198,11 +240,8 @@ impl<'a> SceneReader<'a> {
             Child::Object(object) => Some(object.category),
             Child::Reference { id, .. } => self.index.get(id).map(|object| object.category),
         };
-        Authored {
-            object: object.clone(),
-            as_read,
-            child_categories: object.children.iter().map(category).collect(),
-        }
+        let categories = object.children.iter().map(category).collect();
+        Authored::new(self.shared(object), as_read, categories)
     }
 
     /// The folder a path in a file is relative to.
@@ -211,6 +250,13 @@ impl<'a> SceneReader<'a> {
         let parent = source.and_then(|file| settle(&file.path).parent().map(Path::to_owned));
         parent.unwrap_or_else(|| self.folder.clone())
     }
+}
+
+/// A plugin's name without an allocation if it is known.
+fn name_of_plugin(plugin: &str) -> Cow<'static, str> {
+    let mut known = shapes::SHAPES.into_iter().chain(Material::PLUGINS);
+    let known = known.find(|known| *known == plugin);
+    known.map_or_else(|| Cow::Owned(plugin.to_owned()), Cow::Borrowed)
 }
 
 /// Materials are found in the order they are referred to; the description has them in the order of the file.

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use glam::Vec3;
 
 use super::SceneReader;
-use super::groups::is_group;
 use super::mesh_search::{Found, advice};
 use super::parameters::{Parameters, report_left_out};
 use crate::document::suggest::did_you_mean;
@@ -14,7 +13,7 @@ use crate::scene::description::{DeclarationPlace, ShapeDescription};
 use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind, write};
 
 /// What there is, beside groups.
-const SHAPES: [&str; 10] = [
+pub(super) const SHAPES: [&str; 10] = [
     "sphere",
     "rectangle",
     "cube",
@@ -43,7 +42,7 @@ const FOREIGN_SHAPES: [&str; 9] = [
 impl<'a> SceneReader<'a> {
     /// Whether the shape became part of the description; `group`: the one it is written inside of.
     pub(super) fn read_shape(&mut self, object: &'a Object, group: Option<usize>) -> bool {
-        if is_group(object) {
+        if object.is_group() {
             return self.read_group(object);
         }
         let mut reader = self.reader(object);
@@ -162,7 +161,7 @@ impl<'a> SceneReader<'a> {
             && let ShapeKind::Mesh(mesh) = &shape.kind
             && let Some(stem) = mesh.path.file_stem()
         {
-            identity.name = stem.to_string_lossy().into_owned();
+            identity.name = stem.to_string_lossy().into_owned().into();
         }
         self.description.shapes.push(ShapeDescription {
             identity,

@@ -3,6 +3,8 @@
 use std::cell::RefCell;
 use std::path::Path;
 
+use smol_str::SmolStr;
+
 use super::{lights, objects};
 use crate::document::{Category, Object, Property, parse_str};
 use crate::scene::read;
@@ -12,13 +14,13 @@ const DEPENDENT: [&str; 3] = ["beam_width", "fov", "fov_axis"];
 
 /// Remembers what the plugins are without parameters; None for those that cannot be.
 #[derive(Default)]
-pub(super) struct Defaults(RefCell<Vec<(Category, String, Option<Object>)>>);
+pub(super) struct Defaults(RefCell<Vec<(Category, SmolStr, Option<Object>)>>);
 
 impl Defaults {
     /// The object without those properties that have their default.
     pub fn left_out(&self, mut object: Object) -> Object {
         let mut known = self.0.borrow_mut();
-        let is_it = |(category, plugin, _): &(Category, String, _)| {
+        let is_it = |(category, plugin, _): &(Category, SmolStr, _)| {
             (*category, plugin.as_str()) == (object.category, object.plugin.as_str())
         };
         let place = known.iter().position(is_it).unwrap_or_else(|| {
@@ -45,7 +47,7 @@ fn read_plain(category: Category, plugin: &str) -> Option<Object> {
         "<scene version=\"3.0.0\"><{0} type=\"{plugin}\"/></scene>",
         category.tag()
     );
-    let mut document = parse_str(&text, Path::new("/plain.xml"), &[]);
+    let mut document = parse_str(&*text, Path::new("/plain.xml"), &[]);
     let scene = read::read(&mut document);
     if document.diagnostics.has_errors() {
         return None;
@@ -102,10 +104,10 @@ mod tests {
         let folder = Path::new("/");
         let reread = |object: Object| {
             let mut root = Object::new(Category::Scene, "");
-            root.children.push(crate::document::Child::Object(object));
+            root.children.push(object.into());
             let document = crate::document::Document::new(Path::new("/a.xml"), root);
             let text = crate::document::to_xml(&document).expect("it can be written");
-            read::read(&mut parse_str(&text, Path::new("/a.xml"), &[]))
+            read::read(&mut parse_str(&*text, Path::new("/a.xml"), &[]))
         };
         let mut left_out = 0;
         for plugin in Material::PLUGINS {

@@ -36,7 +36,13 @@ pub struct Entities {
 impl Entities {
     /// All entities, list by list.
     pub fn all(&self) -> impl Iterator<Item = Entity> {
-        let lists = [&self.materials, &self.groups, &self.shapes, &self.emitters, &self.sensors];
+        let lists = [
+            &self.materials,
+            &self.groups,
+            &self.shapes,
+            &self.emitters,
+            &self.sensors,
+        ];
         lists.into_iter().flatten().copied()
     }
 }
@@ -178,7 +184,7 @@ fn in_order<'w, T>(items: impl Iterator<Item = T>, common: impl Fn(&T) -> Common
 fn identity((_, order, id, name, authored): CommonItem) -> Identity {
     Identity {
         id: id.map(|id| id.0.clone()),
-        name: name.map(|name| name.as_str().to_owned()).unwrap_or_default(),
+        name: name.map(|name| name.as_str().to_owned().into()).unwrap_or_default(),
         order: order.0,
         span: authored.map(|authored| authored.object.span).unwrap_or_default(),
         authored: authored.cloned(),

@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bevy::prelude::World;
+use smol_str::SmolStr;
 
 use self::defaults::Defaults;
 use self::parts::Moves;
@@ -327,7 +328,7 @@ impl<'s> Writer<'s> {
         let scene = self.scene;
         let mut parts: Vec<(u32, Child)> = Vec::new();
         if let Some((order, child)) = self.integrator() {
-            parts.push((order, Child::Object(child)));
+            parts.push((order, child.into()));
         }
         for sensor in &scene.sensors {
             let current = objects::sensor(&sensor.sensor, &sensor.film, &sensor.to_world);
@@ -338,20 +339,23 @@ impl<'s> Writer<'s> {
         }
         for (index, material) in scene.materials.iter().enumerate() {
             if self.places[index] == Some(DeclarationPlace::TopLevel) {
-                parts.push((material.identity.order, Child::Object(self.material(index))));
+                parts.push((material.identity.order, self.material(index).into()));
             }
         }
         for (index, group) in scene.groups.iter().enumerate() {
-            parts.push((group.identity.order, Child::Object(self.group(index))));
+            parts.push((group.identity.order, self.group(index).into()));
         }
         for (index, shape) in scene.shapes.iter().enumerate() {
             if let Some(placements) = &shape.placements {
                 let origin = scene.remains.origin.as_ref();
-                let read = origin.and_then(|origin| origin.root.children.get(placements.children.clone()));
-                let instances = read.into_iter().flatten().cloned();
+                let instances = origin.and_then(|origin| {
+                    let crowd = origin.crowds.get(placements.crowd)?;
+                    Some(crowd.children(&origin.diagnostics))
+                });
+                let instances = instances.into_iter().flatten();
                 parts.extend(instances.map(|instance| (shape.identity.order, instance)));
             } else if shape.member_of.is_none() {
-                parts.push((shape.identity.order, Child::Object(self.shape(index))));
+                parts.push((shape.identity.order, self.shape(index).into()));
             }
         }
         for emitter in &scene.emitters {
@@ -377,7 +381,7 @@ impl<'s> Writer<'s> {
                 let id = self.scene.groups[group].identity.id.clone();
                 let reference = id.map(|id| Child::Reference {
                     name: None,
-                    id,
+                    id: id.into(),
                     span: Span::default(),
                 });
                 draft.set_nested(Category::Shape, reference.into_iter().collect())
@@ -387,7 +391,7 @@ impl<'s> Writer<'s> {
                 draft.set_nested(Category::Bsdf, bsdf)
             }
         };
-        object.id.clone_from(&shape.identity.id);
+        object.id = id_of(&shape.identity);
         object
     }
 
@@ -398,9 +402,9 @@ impl<'s> Writer<'s> {
         let members = (0..)
             .zip(&self.scene.shapes)
             .filter(|(_, shape)| shape.member_of == Some(index));
-        let members: Vec<Child> = members.map(|(member, _)| Child::Object(self.shape(member))).collect();
+        let members: Vec<Child> = members.map(|(member, _)| self.shape(member).into()).collect();
         let mut object = draft.set_nested(Category::Shape, members);
-        object.id.clone_from(&group.id);
+        object.id = id_of(group);
         object
     }
 
@@ -426,14 +430,14 @@ impl<'s> Writer<'s> {
         let authored: Option<&Authored> = material.identity.authored.as_ref();
         let draft = self.draft(authored, objects::material(&material.material, self.folder));
         // What a stand-in stands for may have bsdfs inside that were never read; they stay.
-        let is_stand_in = authored.is_some_and(|authored| authored.object.plugin != authored.as_read.plugin);
+        let is_stand_in = authored.is_some_and(|authored| authored.is_stand_in());
         let nested = self.nested(DeclarationPlace::Material(index), &[material.first, material.second]);
         let mut object = if is_stand_in && nested.is_empty() {
             draft.object
         } else {
             draft.set_nested(Category::Bsdf, nested)
         };
-        object.id.clone_from(&self.ids[index]);
+        object.id = self.ids[index].as_deref().map(SmolStr::from);
         object
     }
 
@@ -444,11 +448,11 @@ impl<'s> Writer<'s> {
         for &material in materials.iter().flatten() {
             if self.places[material] == Some(owner) && !declared.contains(&material) {
                 declared.push(material);
-                children.push(Child::Object(self.material(material)));
+                children.push(self.material(material).into());
             } else if let Some(id) = &self.ids[material] {
                 children.push(Child::Reference {
                     name: None,
-                    id: id.clone(),
+                    id: id.into(),
                     span: Span::default(),
                 });
             }
@@ -459,8 +463,12 @@ impl<'s> Writer<'s> {
 
 fn finish(identity: &Identity, draft: Draft) -> (u32, Child) {
     let mut object = draft.object;
-    object.id.clone_from(&identity.id);
-    (identity.order, Child::Object(object))
+    object.id = id_of(identity);
+    (identity.order, object.into())
+}
+
+fn id_of(identity: &Identity) -> Option<SmolStr> {
+    identity.id.as_deref().map(SmolStr::from)
 }
 
 fn identities(scene: &SceneDescription) -> impl Iterator<Item = &Identity> {
@@ -476,7 +484,7 @@ fn collect_ids(child: &Child, ids: &mut HashSet<String>) {
     let Child::Object(object) = child else {
         return;
     };
-    ids.extend(object.id.clone());
+    ids.extend(object.id.as_ref().map(SmolStr::to_string));
     for inner in &object.children {
         collect_ids(inner, ids);
     }

@@ -10,7 +10,7 @@ use super::lights::area_light;
 use super::poses::{as_look_at, as_steps};
 use crate::color::Rgb;
 use crate::document::paths::file_name;
-use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
+use crate::document::{Category, Object, Property, Span, TransformOp, Value};
 use crate::scene::{
     AreaLight, Bitmap, ConductorIor, Distribution, Film, FovAxis, HEIGHT, IntegratorSettings, Ior, Lens, Material,
     MeshFormat, Parameter, ParameterVisitor, PrincipledIndex, ReconstructionFilter, Roughness, Sensor, Shape,
@@ -57,7 +57,7 @@ impl IntoObject<'_> {
             object: Object::new(Category::Texture, texture.plugin()),
             folder: self.folder,
         };
-        inside.object.name = Some(name.to_owned());
+        inside.object.name = Some(name.into());
         match texture {
             Texture::Bitmap(bitmap) => inside.put_bitmap(bitmap),
             Texture::Checkerboard { color0, color1, to_uv } => {
@@ -70,7 +70,7 @@ impl IntoObject<'_> {
                 inside.put("scale", Value::Float(*scale));
             }
         }
-        self.object.children.push(Child::Object(inside.object));
+        self.object.children.push(inside.object.into());
     }
 
     fn put_bitmap(&mut self, bitmap: &Bitmap) {
@@ -306,7 +306,7 @@ pub fn integrator(settings: &IntegratorSettings) -> Object {
 
 fn property(name: &str, value: Value) -> Property {
     Property {
-        name: name.to_owned(),
+        name: name.into(),
         value,
         span: Span::default(),
     }
@@ -342,7 +342,7 @@ fn with_string(object: Object, name: &str, text: &str) -> Object {
 }
 
 fn with_child(mut object: Object, child: Object) -> Object {
-    object.children.push(Child::Object(child));
+    object.children.push(child.into());
     object
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::document::paths::{file_name, settle};
 use crate::document::{Child, Object, Value};
@@ -30,7 +31,7 @@ fn rename_inside(object: &mut Object, target: &Path, moves: &mut Moves) {
     }
     for child in &mut object.children {
         if let Child::Object(inner) = child {
-            rename_inside(inner, target, moves);
+            rename_inside(Arc::make_mut(inner), target, moves);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! An edited plugin written over what the file said: only what was edited changes.
 
 use bevy::math::Affine3A;
+use smol_str::SmolStr;
 
 use super::poses::as_steps;
 use super::steps;
@@ -40,14 +41,15 @@ impl Draft {
             };
         };
         let unchanged = Self {
-            object: authored.object.clone(),
-            categories: authored.child_categories.clone(),
+            object: Object::clone(&authored.object),
+            categories: authored.child_categories.to_vec(),
         };
-        if current == authored.as_read {
+        let as_read = authored.as_read();
+        if is_same(&current, &as_read) {
             return unchanged;
         }
         // A stand-in that was edited: what it stood for is gone.
-        if authored.object.plugin != authored.as_read.plugin {
+        if authored.is_stand_in() {
             return Self::new(
                 None,
                 Object {
@@ -57,7 +59,7 @@ impl Draft {
             );
         }
         let mut draft = unchanged;
-        draft.patch(&authored.as_read, &current);
+        draft.patch(&as_read, &current);
         draft
     }
 
@@ -142,7 +144,7 @@ impl Draft {
             _ => return None,
         };
         Some(Property {
-            name: "to_world".to_owned(),
+            name: "to_world".into(),
             value: Value::Transform(as_steps(&map)),
             span: Span::default(),
         })
@@ -194,12 +196,12 @@ impl Draft {
         match named.or_else(only) {
             Some(place) => {
                 let child = &mut self.object.children[place];
-                let revised = Child::Object(revised(child, before, now.clone()));
+                let revised = revised(child, before, Object::clone(now)).into();
                 *child = in_place_of(child, revised);
                 self.categories[place] = Some(Category::Texture);
             }
             None => {
-                self.object.children.push(Child::Object(now.clone()));
+                self.object.children.push(now.clone().into());
                 self.categories.push(Some(Category::Texture));
             }
         }
@@ -220,12 +222,12 @@ impl Draft {
             (None, None) => {}
             (Some(place), None) => self.remove_child(place),
             (None, Some(now)) => {
-                self.object.children.push(Child::Object(now));
+                self.object.children.push(now.into());
                 self.categories.push(Some(category));
             }
             (Some(place), Some(now)) => {
                 let child = &mut self.object.children[place];
-                *child = Child::Object(revised(child, before.as_ref(), now));
+                *child = revised(child, before.as_ref(), now).into();
             }
         }
     }
@@ -259,11 +261,7 @@ fn revised(child: &Child, before: Option<&Object>, now: Object) -> Object {
         Child::Object(object) => Some(object.category),
         Child::Reference { .. } => None,
     });
-    let authored = Authored {
-        child_categories: categories.collect(),
-        object: authored.clone(),
-        as_read: before.clone(),
-    };
+    let authored = Authored::new(authored.clone(), before.clone(), categories.collect());
     Draft::new(Some(&authored), now).object
 }
 
@@ -272,10 +270,16 @@ fn in_place_of(old: &Child, mut child: Child) -> Child {
     if let (Child::Reference { span: old, .. }, Child::Reference { span, .. }) = (old, &mut child) {
         *span = *old;
     }
-    match &mut child {
-        Child::Object(Object { name, .. }) | Child::Reference { name, .. } => *name = old.name().map(str::to_owned),
-    }
+    child.set_name(old.name().map(SmolStr::from));
     child
+}
+
+/// Whether two plugins say the same, in whatever order.
+fn is_same(a: &Object, b: &Object) -> bool {
+    let has_same = |property: &Property| value_of(b, &property.name) == Some(&property.value);
+    (a.category, &a.plugin, &a.id, &a.name, &a.children) == (b.category, &b.plugin, &b.id, &b.name, &b.children)
+        && a.properties.len() == b.properties.len()
+        && a.properties.iter().all(has_same)
 }
 
 fn value_of<'o>(object: &'o Object, name: &str) -> Option<&'o Value> {

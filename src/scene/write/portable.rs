@@ -1,6 +1,7 @@
 //! What only this program knows, said in words of the format where it has the same meaning there.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::{Mat4, Vec3, Vec4};
 
@@ -31,6 +32,7 @@ fn translate_inside(object: &mut Object, file_name: &str, extensions: Extensions
     let mut has_triangles = false;
     for child in &mut object.children {
         let Child::Object(inner) = child else { continue };
+        let inner = Arc::make_mut(inner);
         has_triangles |= translate_inside(inner, file_name, extensions);
         match (inner.category, inner.plugin.as_str()) {
             (Category::Bsdf, "metal") => metal(inner, extensions),
@@ -64,19 +66,18 @@ fn metal(object: &mut Object, extensions: Extensions) {
     if fuzz > 0.0 && extensions == Extensions::Keep {
         return;
     }
-    "conductor".clone_into(&mut object.plugin);
+    object.plugin = "conductor".into();
     object.properties.retain(|property| property.name != "fuzz");
     let has_color =
         value(object, "reflectance").is_some() || object.children.iter().any(|child| child.name().is_some());
     for property in &mut object.properties {
         if property.name == "reflectance" {
-            "specular_reflectance".clone_into(&mut property.name);
+            property.name = "specular_reflectance".into();
         }
     }
     for child in &mut object.children {
         if child.name() == Some("reflectance") {
-            let (Child::Object(Object { name, .. }) | Child::Reference { name, .. }) = child;
-            *name = Some("specular_reflectance".to_owned());
+            child.set_name(Some("specular_reflectance".into()));
         }
     }
     let mut whole = object.clone();
@@ -86,7 +87,7 @@ fn metal(object: &mut Object, extensions: Extensions) {
     }
     whole = whole.with("material", Value::String("none".to_owned()));
     if fuzz > 0.0 {
-        "roughconductor".clone_into(&mut whole.plugin);
+        whole.plugin = "roughconductor".into();
         whole = whole.with("distribution", Value::String("beckmann".to_owned()));
         whole = whole.with("alpha", Value::Float(fuzz / 10.0f32.sqrt()));
     }
@@ -107,7 +108,7 @@ fn triangle(object: &mut Object, file_name: &str) {
     if let Some(Value::Transform(further)) = value(object, "to_world") {
         steps.extend(further);
     }
-    "obj".clone_into(&mut object.plugin);
+    object.plugin = "obj".into();
     let replaced = ["v0", "v1", "v2", "to_world"];
     object
         .properties

@@ -1,6 +1,9 @@
 //! Spectra that the RGB modes of Mitsuba refuse, written as the colours that they are read as.
 
 use std::collections::HashMap;
+use std::sync::Arc;
+
+use smol_str::SmolStr;
 
 use crate::document::spectrum::Role;
 use crate::document::{Category, Child, Diagnostics, Index, Object, Reader, Value};
@@ -20,7 +23,7 @@ fn is_refused(object: &Object) -> bool {
 }
 
 /// The spectra that have ids.
-fn collect(object: &Object, named: &mut HashMap<String, Object>) {
+fn collect(object: &Object, named: &mut HashMap<SmolStr, Object>) {
     for child in object.objects() {
         if let Some(id) = child.id.as_ref().filter(|_| is_refused(child)) {
             named.insert(id.clone(), child.clone());
@@ -29,14 +32,14 @@ fn collect(object: &Object, named: &mut HashMap<String, Object>) {
     }
 }
 
-fn spectrum<'s>(child: &'s Child, named: &'s HashMap<String, Object>) -> Option<&'s Object> {
+fn spectrum<'s>(child: &'s Child, named: &'s HashMap<SmolStr, Object>) -> Option<&'s Object> {
     match child {
-        Child::Object(object) => Some(object).filter(|object| is_refused(object)),
+        Child::Object(object) => Some(&**object).filter(|object| is_refused(object)),
         Child::Reference { id, .. } => named.get(id),
     }
 }
 
-fn replace(object: &mut Object, named: &HashMap<String, Object>) {
+fn replace(object: &mut Object, named: &HashMap<SmolStr, Object>) {
     let owner = object.category;
     let mut colors = Vec::new();
     object.children.retain(|child| {
@@ -55,7 +58,7 @@ fn replace(object: &mut Object, named: &HashMap<String, Object>) {
     }
     for child in &mut object.children {
         if let Child::Object(inner) = child {
-            replace(inner, named);
+            replace(Arc::make_mut(inner), named);
         }
     }
 }

@@ -345,7 +345,7 @@ pub fn paste(edit: &mut Edit, text: &str) -> Result<(), String> {
     } else {
         format!("<scene version=\"3.0.0\">{text}</scene>")
     };
-    let mut document = parse_str(&text, Path::new(CLIPBOARD), &[]);
+    let mut document = parse_str(&*text, Path::new(CLIPBOARD), &[]);
     let scene = read::read(&mut document);
     insert_all(edit, scene, &document.diagnostics)
 }

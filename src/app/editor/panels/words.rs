@@ -622,12 +622,12 @@ mod tests {
         for property in &object.properties {
             // Where a light is: a matter of the transform.
             if !["to_world", "position", "direction"].contains(&property.name.as_str()) {
-                found.push((object.plugin.clone(), property.name.clone()));
+                found.push((object.plugin.to_string(), property.name.to_string()));
             }
         }
         for child in object.objects() {
             if let Some(name) = &child.name {
-                found.push((object.plugin.clone(), name.clone()));
+                found.push((object.plugin.to_string(), name.to_string()));
             }
             collect(child, found);
         }
