@@ -406,7 +406,7 @@ impl Builder<'_> {
         }
         let reach = self.bounds.min.abs().max(self.bounds.max.abs()).max_element();
         // Not a number is no reach either.
-        if !(reach <= FARTHEST_REACH) {
+        if reach.is_nan() || reach > FARTHEST_REACH {
             return Err(GltfError::Reach {
                 reach,
                 limit: FARTHEST_REACH,
