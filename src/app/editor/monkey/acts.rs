@@ -142,14 +142,21 @@ fn edit(world: &mut World, random: &mut Random, folder: &Folder) -> Vec<Act> {
 
 fn undo_or_redo(world: &World, random: &mut Random) -> Vec<Act> {
     let (done, undone) = world.resource::<History>().len();
-    match random.below(12) {
-        0 => say(format!("go-to {}", random.below(done + undone + 1))),
-        // Several in a row, as with a key that is held.
-        1 => (0..1 + random.below(30)).flat_map(|_| say("undo")).collect(),
-        2 => (0..1 + random.below(30)).flat_map(|_| say("redo")).collect(),
-        3..8 => say("undo"),
-        _ => say("redo"),
-    }
+    let kind = random.below(12);
+    // Several in a row, as with a key that is held.
+    let rows = match kind {
+        0 => return say(format!("go-to {}", random.below(done + undone + 1))),
+        1 | 2 => 1 + random.below(30),
+        _ => 1,
+    };
+    let (line, possible) = match (done, undone, kind % 2) {
+        // Now and then also where there is nothing.
+        (0, 0, _) => ("undo", 1),
+        (0, ..) => ("redo", undone),
+        (_, 0, _) | (.., 0) => ("undo", done),
+        _ => ("redo", undone),
+    };
+    (0..rows.min(possible)).flat_map(|_| say(line)).collect()
 }
 
 fn camera(world: &mut World, random: &mut Random) -> Vec<Act> {
