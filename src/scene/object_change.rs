@@ -121,6 +121,11 @@ impl ObjectChange {
         self.parts.iter().any(Part::is_of_file)
     }
 
+    /// Whether the id differs.
+    pub fn is_about_id(&self) -> bool {
+        self.parts.iter().any(|part| matches!(part, Part::SceneId(_)))
+    }
+
     /// An estimate of the memory that it takes.
     pub fn bytes(&self) -> usize {
         let parts = self.parts.iter();

@@ -10,8 +10,10 @@ use bevy::prelude::*;
 
 use super::light_mix::LightMix;
 use super::selection::Selection;
+use crate::scene::insert::{free_name, names};
 use crate::scene::{
-    AccelMethod, ActiveSensor, Authored, FreeView, IntegratorSettings, ObjectChange, ObjectState, SamplerSettings, Side,
+    AccelMethod, ActiveSensor, Authored, DocumentOrder, FreeView, IntegratorSettings, ObjectChange, ObjectState,
+    SamplerSettings, SceneId, Side,
 };
 
 /// Older entries are forgotten above this number of steps.
@@ -400,6 +402,27 @@ fn stand(world: &mut World, at: Standpoint) {
     world.insert_resource(at.free);
 }
 
+/// Saving and reloading give ids that the history does not know of: what comes back with the id of another thing gets a free one, for no file may
+/// give an id twice.
+fn separate_ids(world: &mut World, changes: &[Change]) {
+    let restored = changes.iter().filter(|change| change.change.is_about_id());
+    for entity in restored.map(|change| change.entity) {
+        let Some(id) = world.get::<SceneId>(entity).cloned() else {
+            continue;
+        };
+        let mut others = world.query_filtered::<(Entity, &SceneId), With<DocumentOrder>>();
+        if others
+            .iter(world)
+            .any(|(other, other_id)| other != entity && *other_id == id)
+        {
+            let free = free_name(&names(world), &id.0);
+            world
+                .entity_mut(entity)
+                .insert((SceneId(free.clone()), Name::new(free)));
+        }
+    }
+}
+
 /// An error, in words, if there is nothing to undo.
 pub fn undo(world: &mut World) -> Result<(), &'static str> {
     let Some(mut entry) = world.resource_mut::<History>().done.pop() else {
@@ -408,6 +431,7 @@ pub fn undo(world: &mut World) -> Result<(), &'static str> {
     for change in entry.changes.iter().rev() {
         change.change.write(world, change.entity, Side::Before);
     }
+    separate_ids(world, &entry.changes);
     entry.settings[0].write(world, entry.settings[1]);
     world.insert_resource(entry.selection[0].clone());
     if let Some([before, _]) = &entry.mix {
@@ -429,6 +453,7 @@ pub fn redo(world: &mut World) -> Result<(), &'static str> {
     for change in &entry.changes {
         change.change.write(world, change.entity, Side::After);
     }
+    separate_ids(world, &entry.changes);
     entry.settings[1].write(world, entry.settings[0]);
     world.insert_resource(entry.selection[1].clone());
     if let Some([_, after]) = &entry.mix {

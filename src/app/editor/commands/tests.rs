@@ -10,7 +10,7 @@ use crate::app::editor::material_tree::MaterialTree;
 use crate::color::Rgb;
 use crate::engine::ViewMode;
 use crate::scene::{
-    AreaLight, FirstNested, FreeView, Material, Parameter, ShapeKind, SquarePath, ToWorld, UsesMaterial,
+    AreaLight, FirstNested, FreeView, Material, Parameter, SceneId, ShapeKind, SquarePath, ToWorld, UsesMaterial,
 };
 
 fn world() -> World {
@@ -439,4 +439,24 @@ fn the_history_is_bounded_in_memory() {
     say(&mut world, Command::Undo);
     let name = world.get::<Name>(ball).expect("a name");
     assert!(name.as_str().ends_with("198"));
+}
+
+#[test]
+fn what_comes_back_does_not_share_an_id() {
+    let mut world = world();
+    let balls = [0; 2].map(|_| add(&mut world, AdditionKind::Sphere));
+    let [one, two] = balls.map(|shape| {
+        say(&mut world, Command::GiveMaterial { shape });
+        world.get::<UsesMaterial>(shape).expect("a material").0
+    });
+    // Saving gives ids to materials that several shapes have, and takes the first that no thing of the scene has.
+    let id = || SceneId("material-1".to_owned());
+    world.entity_mut(one).insert(id());
+    say(&mut world, Command::Select(vec![one], Extend::Replace));
+    say(&mut world, Command::Delete);
+    world.entity_mut(two).insert(id());
+    say(&mut world, Command::Undo);
+    let ids = [one, two].map(|material| world.get::<SceneId>(material).cloned());
+    assert!(ids[0].is_some() && ids[0] != ids[1], "{ids:?}");
+    assert_eq!(ids[1], Some(id()));
 }
