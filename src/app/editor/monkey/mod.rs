@@ -93,6 +93,7 @@ struct Round {
     own_file: OwnFile,
     steps_left: usize,
     start: Option<Snapshot>,
+    begun: Instant,
 }
 
 /// The monkey at work.
@@ -150,6 +151,7 @@ impl Monkey {
                 own_file: OwnFile::Harmless,
                 steps_left: 0,
                 start: None,
+                begun: Instant::now(),
             },
             window_size: None,
             coming: VecDeque::new(),

@@ -27,6 +27,8 @@ const SHORT: std::ops::Range<usize> = 30..150;
 /// Acts of one round in [`LONG_EVERY`], in which the history is full and forgets.
 const LONG: std::ops::Range<usize> = 1500..2500;
 const LONG_EVERY: usize = 20;
+/// A run of some time has so many rounds also where frames are slow: memory is compared between their starts.
+const LEAST_ROUNDS: u32 = 12;
 /// Time between two marks of a run of this number of parts.
 const PARTS: u32 = 60;
 
@@ -175,6 +177,7 @@ impl Monkey {
             own_file,
             steps_left: range.start + self.random.below(range.len()),
             start: None,
+            begun: Instant::now(),
         };
         self.wait_for_scene(world);
         self.write_log(&format!("open {}", path.file_name().unwrap_or_default().display()));
@@ -211,7 +214,11 @@ impl Monkey {
             self.round.start = Some(Snapshot::of(world));
             self.mark(world, true);
         }
-        if self.round.steps_left == 0 || self.is_over() {
+        let is_late = match self.options.length {
+            Length::Time(time) => self.round.begun.elapsed() > time / LEAST_ROUNDS,
+            Length::Steps(_) => false,
+        };
+        if self.round.steps_left == 0 || is_late || self.is_over() {
             self.phase = Phase::Close;
             return;
         }
