@@ -99,6 +99,41 @@ fn coloured(color: Vec3) -> impl FnOnce(&mut SceneDescription) {
     move |scene| set_reflectance(&mut scene.materials[0].material, color)
 }
 
+#[test]
+fn very_many_instances_stay_as_they_stand_in_the_text() {
+    let instance = |index: usize| {
+        format!(
+            "  <shape type='instance'>  <ref id='group'/><transform name='to_world'><translate x='{index}'/></transform></shape> \
+             <!-- number {index} -->\n"
+        )
+    };
+    let instances: String = (0..1500).map(instance).collect();
+    let body = format!(
+        "  <shape type='shapegroup' id='group'><shape type='cube'/></shape>\n{instances}  <shape type='sphere'>\n    \
+         <float name='radius' value='1'/>\n  </shape>\n{}",
+        instance(7)
+    );
+    let is_crowd = |shape: &ShapeDescription| shape.placements.is_some();
+    let (gone, come) = changes(&body, |scene| {
+        assert_eq!(scene.shapes.iter().filter(|shape| is_crowd(shape)).count(), 1);
+        for shape in &mut scene.shapes {
+            if let ShapeKind::Sphere { radius, .. } = &mut shape.shape.kind {
+                *radius = 2.0;
+            }
+        }
+    });
+    assert_eq!(gone, lines(&["    <float name='radius' value='1'/>"]));
+    assert_eq!(come, lines(&["    <float name='radius' value='2'/>"]));
+
+    // Without the crowd all its elements go, and nothing else does.
+    let (gone, come) = changes(&body, |scene| scene.shapes.retain(|shape| !is_crowd(shape)));
+    assert_eq!(gone.len(), 1500);
+    assert!(
+        come.iter().all(|line| line.trim().starts_with("<!-- number ")),
+        "{come:?}"
+    );
+}
+
 /// All scene files at hand: our own, and those beside the repository.
 fn scenes_at_hand() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
