@@ -171,7 +171,7 @@ struct Open(App);
 impl Open {
     fn new(path: PathBuf) -> Self {
         let mut app = App::new();
-        app.add_plugins((MinimalPlugins, asset_plugin(), ScenePlugin));
+        app.add_plugins((MinimalPlugins, FileSourcePlugin, asset_plugin(), ScenePlugin));
         app.finish();
         app.cleanup();
         app.world_mut().write_message(OpenScene {

@@ -53,7 +53,13 @@ fn clean(body: &str) -> SceneDescription {
 
 fn app() -> App {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, asset_plugin(), ScenePlugin, EnginePlugin));
+    app.add_plugins((
+        MinimalPlugins,
+        FileSourcePlugin,
+        asset_plugin(),
+        ScenePlugin,
+        EnginePlugin,
+    ));
     app.world_mut().resource_mut::<RenderControl>().interactive = false;
     app.finish();
     app.cleanup();

@@ -75,7 +75,7 @@ impl Open {
             std::fs::write(folder.path().join(name), text).unwrap();
         }
         let mut app = App::new();
-        app.add_plugins((MinimalPlugins, asset_plugin(), ScenePlugin));
+        app.add_plugins((MinimalPlugins, FileSourcePlugin, asset_plugin(), ScenePlugin));
         app.init_resource::<Seen>().add_systems(PostUpdate, record);
         app.finish();
         app.cleanup();
@@ -529,7 +529,7 @@ fn a_missing_mesh_that_appears_completes_the_scene() {
         <shape type='obj' id='late'><string name='filename' value='../assets/models/late.obj'/></shape></scene>";
     std::fs::write(&path, text).unwrap();
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, asset_plugin(), ScenePlugin));
+    app.add_plugins((MinimalPlugins, FileSourcePlugin, asset_plugin(), ScenePlugin));
     app.init_resource::<Seen>();
     app.finish();
     app.cleanup();

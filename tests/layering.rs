@@ -26,12 +26,12 @@ const RULES: &[(&str, &[&str], bool)] = &[
     ("light", BELOW_SHADING, false),
     ("medium", BELOW_SHADING, false),
     ("render", &["KERNEL", "files"], false),
-    ("document", &["math", "color"], false),
+    ("document", &["math", "color", "files"], false),
     ("gltf", &["math", "color", "geometry", "document"], false),
     ("scene", &["math", "color", "files", "document"], true),
     (
         "scene/assets",
-        &["math", "color", "document", "geometry", "gltf", "texture"],
+        &["math", "color", "files", "document", "geometry", "gltf", "texture"],
         true,
     ),
     ("engine", &["KERNEL", "document", "scene"], true),
@@ -185,6 +185,68 @@ fn sources_keep_the_directions() {
     assert!(found.is_empty(), "\n{}", found.join("\n"));
     // Were the reading broken, nothing would be found at all.
     assert!(paths > 50, "only {paths} paths in {} files", files.len());
+}
+
+/// How a file can be opened for reading past `crate::files`, each with what may follow it all the same.
+const OPENINGS: [(&str, &[&str]); 4] = [
+    ("File::open", &[]),
+    ("fs::read", &["_dir", "_link"]),
+    ("OpenOptions", &[]),
+    ("image::open", &[]),
+];
+
+/// What opens files by itself, as `line: what`.
+fn openings(file: &str, text: &str) -> Vec<String> {
+    if file.starts_with("files/") {
+        return Vec::new();
+    }
+    let code = code_of(text);
+    let opening = |line: &str| {
+        OPENINGS.iter().find(|(opening, allowed)| {
+            let mut places = line.match_indices(opening);
+            places.any(|(at, _)| {
+                let (before, after) = (&line[..at], &line[at + opening.len()..]);
+                !before.ends_with(is_word) && !allowed.iter().any(|allowed| after.starts_with(allowed))
+            })
+        })
+    };
+    // What the system says of the process is no file of the user.
+    let lines = code.lines().zip(1..).filter(|(line, _)| !line.contains("\"/proc/"));
+    lines
+        .filter_map(|(line, number)| Some(format!("{number}: `{}`: use `crate::files`", opening(line)?.0)))
+        .collect()
+}
+
+#[test]
+fn files_are_opened_in_one_place() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&root, &mut files);
+    let mut found = Vec::new();
+    for path in &files {
+        let relative = path.strip_prefix(&root).expect("found inside").to_string_lossy();
+        let text = fs::read_to_string(path).expect("the sources are text");
+        let openings = openings(&relative.replace('\\', "/"), &text);
+        found.extend(openings.into_iter().map(|what| format!("src/{relative}:{what}")));
+    }
+    assert!(found.is_empty(), "\n{}", found.join("\n"));
+}
+
+#[test]
+fn openings_of_files_are_found() {
+    for line in [
+        "let file = std::fs::File::open(path)?;",
+        "    bytes = std::fs::read(&path)?;",
+        "    texts.map(fs::read_to_string)",
+        "let file = OpenOptions::new().read(true).open(path);",
+        "let picture = image::open(path)?;",
+    ] {
+        assert_eq!(openings("scene/mod.rs", line).len(), 1, "{line}");
+        assert!(openings("files/reading.rs", line).is_empty(), "{line}");
+    }
+    assert!(openings("scene/mod.rs", "SerializedFile::open(&bytes)?").is_empty());
+    let entries = "for entry in fs::read_dir(folder)? { fs::read_link(entry)?; } // not fs::read";
+    assert!(openings("scene/mod.rs", entries).is_empty());
 }
 
 #[test]

@@ -763,7 +763,7 @@ fn scenes_of_other_people_come_back_unchanged() {
 
 fn app_with(path: &Path) -> App {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, asset_plugin(), ScenePlugin));
+    app.add_plugins((MinimalPlugins, FileSourcePlugin, asset_plugin(), ScenePlugin));
     app.finish();
     app.cleanup();
     app.world_mut().write_message(OpenScene {

@@ -16,7 +16,7 @@ use super::editor::EditorPlugin;
 pub use super::editor::options::WindowOptions;
 use super::threads::{run_systems_in_turn, worker_count};
 use crate::engine::{EnginePlugin, RenderControl};
-use crate::scene::{ScenePlugin, asset_plugin};
+use crate::scene::{FileSourcePlugin, ScenePlugin, asset_plugin};
 
 #[derive(Debug, Error)]
 pub enum WindowError {
@@ -73,7 +73,8 @@ pub fn windowed(options: WindowOptions) -> App {
             })),
             ..default()
         });
-    app.add_plugins(plugins)
+    app.add_plugins(FileSourcePlugin)
+        .add_plugins(plugins)
         .add_plugins((ScenePlugin, EnginePlugin))
         .insert_resource(ClearColor(Color::srgb_u8(18, 18, 18)))
         .insert_resource(RenderControl {

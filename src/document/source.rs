@@ -1,8 +1,8 @@
 //! Scene files from disk: bounded in size, and text.
 
-use std::fs::File;
-use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+
+use crate::files::{self, FileError};
 
 /// Larger files are no scene descriptions; spans are 32 bits wide.
 pub const MAX_FILE_BYTES: u64 = 256 << 20;
@@ -11,13 +11,7 @@ pub const MAX_FILE_BYTES: u64 = 256 << 20;
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     #[error("{}: {source}", path.display())]
-    Unreadable { path: PathBuf, source: io::Error },
-    #[error("{}: is a folder, not a scene file", path.display())]
-    Folder { path: PathBuf },
-    #[error("{}: is a device or a pipe, not a scene file", path.display())]
-    NoFile { path: PathBuf },
-    #[error("{}: larger than {} MiB, which no file of its kind should be", path.display(), limit >> 20)]
-    TooLarge { path: PathBuf, limit: u64 },
+    Unreadable { path: PathBuf, source: FileError },
     #[error("{}: is {kind}, not a scene file; {advice}", path.display())]
     Foreign {
         path: PathBuf,
@@ -30,43 +24,25 @@ pub enum SourceError {
     NotUtf8 { path: PathBuf, line: usize, column: usize },
 }
 
-/// Whether reading this file to its end would end, and in time: neither devices nor pipes nor overlong files may be opened. One that
-/// is not there is left to whoever opens it. `limit`: in bytes.
-pub fn check_file(path: &Path, limit: u64) -> Result<(), SourceError> {
-    let path_owned = || path.to_owned();
-    match path.metadata() {
-        Err(_) => Ok(()),
-        Ok(about) if about.is_dir() => Err(SourceError::Folder { path: path_owned() }),
-        Ok(about) if !about.is_file() => Err(SourceError::NoFile { path: path_owned() }),
-        Ok(about) if about.len() > limit => Err(SourceError::TooLarge {
-            path: path_owned(),
-            limit,
-        }),
-        Ok(_) => Ok(()),
-    }
-}
-
 /// The text of a file, with its byte order mark if it has one.
 pub fn read_text(path: &Path) -> Result<String, SourceError> {
-    let unreadable = |source| SourceError::Unreadable {
+    let bytes = files::read(path, MAX_FILE_BYTES).map_err(|source| unreadable(path, source))?;
+    decode(bytes, path)
+}
+
+/// An error that names the file.
+pub fn unreadable(path: &Path, source: FileError) -> SourceError {
+    SourceError::Unreadable {
         path: path.to_owned(),
         source,
-    };
-    check_file(path, MAX_FILE_BYTES)?;
-    let mut file = File::open(path).map_err(unreadable)?;
-    let mut bytes = Vec::new();
-    let mut bounded = (&mut file).take(MAX_FILE_BYTES + 1);
-    bounded.read_to_end(&mut bytes).map_err(unreadable)?;
-    decode(bytes, path)
+    }
 }
 
 /// The text in a file's bytes, with its byte order mark if it has one; `path` is for the message.
 pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<String, SourceError> {
     if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(SourceError::TooLarge {
-            path: path.to_owned(),
-            limit: MAX_FILE_BYTES,
-        });
+        let limit = MAX_FILE_BYTES;
+        return Err(unreadable(path, FileError::TooLarge { limit }));
     }
     if matches!(
         bytes[..],
@@ -166,10 +142,13 @@ mod tests {
                 .starts_with("/no/such/file.xml: ")
         );
         let folder = std::env::temp_dir();
-        assert!(matches!(read_text(&folder), Err(SourceError::Folder { .. })));
+        let reason = |path: &Path| match read_text(path) {
+            Err(SourceError::Unreadable { source, .. }) => source,
+            other => panic!("{other:?}"),
+        };
+        assert!(matches!(reason(&folder), FileError::Folder));
         if cfg!(unix) {
-            let device = Path::new("/dev/zero");
-            assert!(matches!(read_text(device), Err(SourceError::NoFile { .. })));
+            assert!(matches!(reason(Path::new("/dev/zero")), FileError::NotRegular { .. }));
         }
     }
 }

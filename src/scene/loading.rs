@@ -8,14 +8,16 @@ use bevy::asset::{AssetLoadFailedEvent, AssetPath};
 use bevy::ecs::message::{MessageCursor, Messages};
 use bevy::prelude::*;
 
-use super::assets::gltf_scene::check_scene_file;
+use super::assets::gltf_scene::largest;
 use super::assets::scene_asset::one_error;
 use super::assets::{SceneAsset, SceneDefines, cause};
 use super::pictures::PicturePlaces;
 use super::read::settle;
 use super::spawn::ReloadSummary;
 use super::{OpenScene, SceneDescription, SceneState, SceneStatus, spawn};
+use crate::document::source::unreadable;
 use crate::document::{Diagnostics, SourceFile};
+use crate::files;
 
 /// The file that the entities are from, and the one that was asked for since.
 #[derive(Resource, Debug, Default)]
@@ -74,7 +76,11 @@ pub(super) fn open_scenes(
         return;
     };
     let path = settle(&request.path);
-    if let Err(error) = check_scene_file(&path) {
+    // A file that is not there yet may come: the asset server looks for it.
+    if let Err(error) = files::check(&path, largest(&path))
+        && !error.is_not_found()
+    {
+        let error = unreadable(&path, error);
         status.asked = Some(path);
         status.state = SceneState::Failed;
         status.failures += 1;

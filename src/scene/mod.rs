@@ -37,7 +37,7 @@ pub mod texture;
 pub mod watch;
 pub mod write;
 
-pub use assets::{MeshHandle, MeshShape, TextureMap, TriangleMesh};
+pub use assets::{FileSourcePlugin, MeshHandle, MeshShape, TextureMap, TriangleMesh};
 pub use authored::{Authored, AuthoredScene, DeclaredIn, Declares};
 pub use description::SceneDescription;
 pub use emitter::{AreaLight, Emitter, EmitterKind, EmitterVisitor};

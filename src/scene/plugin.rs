@@ -15,7 +15,7 @@ use super::*;
 /// Adds scenes to an app that has [`AssetPlugin`] with absolute paths allowed:
 ///
 /// ```text
-/// app.add_plugins((MinimalPlugins, scene::asset_plugin(), ScenePlugin));
+/// app.add_plugins((MinimalPlugins, FileSourcePlugin, scene::asset_plugin(), ScenePlugin));
 /// app.world_mut().write_message(OpenScene { path, ..default() });
 /// ```
 pub struct ScenePlugin;

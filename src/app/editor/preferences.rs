@@ -14,7 +14,7 @@ use super::gizmo::Steps;
 use super::layout::Layout;
 use super::navigation::SPEED_RANGE;
 use super::state::EditorState;
-use crate::files::write_atomically;
+use crate::files::{self, LARGEST_NOTE, write_atomically};
 use crate::scene::{SceneState, SceneStatus};
 
 /// Of the file's format.
@@ -138,10 +138,10 @@ impl PreferencesFile {
             looked_at: Instant::now(),
             problem: None,
         };
-        let text = file.path.as_ref().map(std::fs::read_to_string);
+        let text = file.path.as_ref().map(|path| files::read_text(path, LARGEST_NOTE));
         let read = match text {
             None => return (file, Preferences::default()),
-            Some(Err(error)) if error.kind() == std::io::ErrorKind::NotFound => {
+            Some(Err(error)) if error.is_not_found() => {
                 return (file, Preferences::default());
             }
             Some(Err(error)) => Err(error.to_string()),

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::material_tree::MaterialTree;
 use crate::document::parse_str;
+use crate::files::{self, LARGEST_NOTE};
 use crate::scene::description::{DeclarationPlace, SceneDescription};
 use crate::scene::read;
 
@@ -35,7 +36,7 @@ pub fn load() -> (Vec<Preset>, Vec<String>) {
     let (mut presets, _) = of_text(BUILT_IN, Path::new("materials.xml"));
     let mut complaints = Vec::new();
     if let Some(path) = own_file()
-        && let Ok(text) = std::fs::read_to_string(&path)
+        && let Ok(text) = files::read_text(&path, LARGEST_NOTE)
     {
         let (own, wrong) = of_text(&text, &path);
         presets.extend(own);

@@ -13,7 +13,7 @@ use super::history::History;
 use super::preferences::Preferences;
 use super::state::EditorState;
 use super::toasts::{Tone, Topic};
-use crate::files::write_atomically;
+use crate::files::{self, LARGEST_NOTE, write_atomically};
 use crate::scene::write::{gather, save_description};
 use crate::scene::{OpenScene, SceneDescription, SceneFile, SceneState, SceneStatus};
 
@@ -155,7 +155,7 @@ fn find(all: &Path, is_meant: impl Fn(&Note) -> bool) -> Option<Offer> {
     let folders = std::fs::read_dir(all).ok()?;
     let offers = folders.filter_map(|entry| {
         let folder = entry.ok()?.path();
-        let note: Note = serde_json::from_slice(&std::fs::read(folder.join(NOTE)).ok()?).ok()?;
+        let note: Note = serde_json::from_slice(&files::read(&folder.join(NOTE), LARGEST_NOTE).ok()?).ok()?;
         Some(Offer { folder, note })
     });
     offers
@@ -171,7 +171,7 @@ fn left_over(all: &Path, scene: Option<&Path>, is_first: bool) -> Option<Offer> 
 
 /// Another window may be at work on it. Where files cannot be locked, none is.
 fn is_in_use(folder: &Path) -> bool {
-    let lock = File::open(folder.join(LOCK));
+    let lock = files::open(&folder.join(LOCK), LARGEST_NOTE);
     lock.is_ok_and(|lock| matches!(lock.try_lock(), Err(TryLockError::WouldBlock)))
 }
 

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::state::EditorState;
-use crate::files::write_atomically;
+use crate::files::{self, LARGEST_NOTE, write_atomically};
 use crate::scene::{SceneState, SceneStatus};
 
 /// A view to come back to.
@@ -125,7 +125,7 @@ fn canonical(path: &Path) -> PathBuf {
 
 /// What can be understood; those that cannot be are gone with the next that is stored, and nothing but views is lost.
 fn read(path: &Path) -> Vec<SceneViews> {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let text = files::read_text(path, LARGEST_NOTE).unwrap_or_default();
     let all: Vec<serde_json::Value> = serde_json::from_str(&text).unwrap_or_default();
     let known = all.into_iter().filter_map(|one| serde_json::from_value(one).ok());
     known.map(without_nonsense).collect()

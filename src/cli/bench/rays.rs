@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use glam::{Affine3A, Vec3};
 use sunroom::accel::{Blas, Instance, Primitive, RayLanes, SplitMethod, Tlas};
+use sunroom::files::{self, LARGEST_DATA};
 use sunroom::geometry::mesh::MeshData;
 use sunroom::geometry::{obj::load_obj, ply::load_ply};
 use sunroom::math::Ray;
@@ -132,7 +133,7 @@ fn name_of(path: &Path) -> String {
 
 fn load_mesh(path: &Path) -> Result<MeshData, Error> {
     let place = path.display();
-    let bytes = std::fs::read(path).map_err(|error| format!("{place}: {error}"))?;
+    let bytes = files::read(path, LARGEST_DATA).map_err(|error| format!("{place}: {error}"))?;
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     let loaded = match extension.to_str() {
         // Materials do not matter here.
@@ -144,7 +145,7 @@ fn load_mesh(path: &Path) -> Result<MeshData, Error> {
 }
 
 fn read(path: &Path) -> Result<Vec<Answered>, Error> {
-    let bytes = std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let bytes = files::read(path, LARGEST_DATA).map_err(|error| format!("{}: {error}", path.display()))?;
     parse(&bytes).map_err(|error| format!("{}: {error}", path.display()).into())
 }
 

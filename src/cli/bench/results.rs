@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use sunroom::files::{self, LARGEST_NOTE};
 
 use super::Error;
 
@@ -85,7 +86,7 @@ impl Results {
 
     pub fn read(path: &Path) -> Result<Self, Error> {
         let place = path.display();
-        let text = std::fs::read_to_string(path).map_err(|error| format!("{place}: {error}"))?;
+        let text = files::read_text(path, LARGEST_NOTE).map_err(|error| format!("{place}: {error}"))?;
         let results: Self = serde_json::from_str(&text).map_err(|error| {
             let (line, column) = (error.line(), error.column());
             format!("{place}:{line}:{column}: expected what `sunroom bench --json` writes: {error}")
@@ -103,7 +104,7 @@ impl Results {
         if super::super::render::is_stdout(path) {
             super::super::render::print(text.as_bytes())?;
         } else {
-            sunroom::files::write_atomically(path, text).map_err(|error| format!("{}: {error}", path.display()))?;
+            files::write_atomically(path, text).map_err(|error| format!("{}: {error}", path.display()))?;
         }
         Ok(())
     }

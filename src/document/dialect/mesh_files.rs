@@ -1,13 +1,13 @@
 //! Where a mesh or a picture named in a file of this dialect is, and whether an OBJ brings its own materials.
 
 use std::collections::VecDeque;
-use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 use super::Import;
 use crate::document::paths::settle;
-use crate::document::source::{MAX_FILE_BYTES, check_file};
+use crate::document::source::MAX_FILE_BYTES;
+use crate::files;
 
 /// A search by file name looks at so many files.
 const MOST_FILES: usize = 5000;
@@ -82,10 +82,9 @@ fn search(name: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
 
 /// Whether an OBJ uses materials of a library that is there.
 pub fn has_own_materials(path: &Path) -> bool {
-    if check_file(path, MAX_FILE_BYTES).is_err() {
+    let Ok(file) = files::open(path, MAX_FILE_BYTES) else {
         return false;
-    }
-    let Ok(file) = File::open(path) else { return false };
+    };
     let folder = path.parent().unwrap_or(Path::new(""));
     let (mut has_library, mut uses_one) = (false, false);
     for line in BufReader::new(file).split(b'\n').take(MOST_LINES) {

@@ -37,7 +37,10 @@ impl Parser {
             &[self.folder_of(span.source), self.folder_of(SourceId(0))],
             &self.search_folders,
         );
-        let found = candidates.iter().find(|path| path.is_file()).cloned();
+        let found = candidates.iter().find(|path| path.is_file());
+        // A device or a pipe is found as well: reading it says what it is.
+        let found = found.or_else(|| candidates.iter().find(|path| path.exists() && !path.is_dir()));
+        let found = found.cloned();
         if found.is_none() {
             let looked: Vec<_> = candidates
                 .iter()

@@ -8,8 +8,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::parts_cache::CACHE;
-use crate::document::source::{MAX_FILE_BYTES, SourceError, check_file};
+use crate::document::source::MAX_FILE_BYTES;
 use crate::document::{Category, Diagnostics, Document, Object, Severity, SourceFile};
+use crate::files;
 use crate::gltf::files::take_apart;
 use crate::gltf::scene::Imported;
 use crate::gltf::{Gltf, GltfError};
@@ -28,14 +29,12 @@ pub fn is_called_gltf(path: &Path) -> bool {
     extension == "gltf" || extension == "glb"
 }
 
-/// Whether a scene file of either kind may be read to its end. Before it is read only its name tells of which kind it is.
-pub fn check_scene_file(path: &Path) -> Result<(), SourceError> {
-    let limit = if is_called_gltf(path) {
-        MAX_GLTF_BYTES
-    } else {
-        MAX_FILE_BYTES
-    };
-    check_file(path, limit)
+/// The most bytes that a scene file may have. Its kind is known from its name alone, because it has not been read yet.
+pub fn largest(path: &Path) -> u64 {
+    match is_called_gltf(path) {
+        true => MAX_GLTF_BYTES,
+        false => MAX_FILE_BYTES,
+    }
 }
 
 /// The scene in a file of these bytes. The files it is read from are the diagnostics' sources, without their text.
@@ -47,8 +46,7 @@ pub fn import(bytes: &[u8], path: &Path) -> Document {
         if !sources.contains(&file) {
             sources.push(file.clone());
         }
-        check_file(&file, MAX_GLTF_BYTES).map_err(io::Error::other)?;
-        fs::read(file)
+        Ok(files::read(&file, MAX_GLTF_BYTES)?)
     };
     let taken = Gltf::open(bytes, &mut read).and_then(|gltf| {
         let mut keep = |name: &str, bytes: &[u8]| CACHE.keep(name, bytes);
@@ -87,6 +85,7 @@ fn into_document(taken: Result<Imported, GltfError>, path: &Path, sources: &[Pat
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::FileError;
 
     #[test]
     fn models_may_be_larger_than_text() {
@@ -100,12 +99,10 @@ mod tests {
             let file = fs::File::create(&path).expect(name);
             // Without content, which takes no place on the disk.
             file.set_len(limit).expect(name);
-            check_scene_file(&path).expect(name);
+            files::check(&path, largest(&path)).expect(name);
             file.set_len(limit + 1).expect(name);
-            assert!(
-                matches!(check_scene_file(&path), Err(SourceError::TooLarge { .. })),
-                "{name}"
-            );
+            let error = files::check(&path, largest(&path)).expect_err(name);
+            assert!(matches!(error, FileError::TooLarge { .. }), "{name}");
         }
     }
 }

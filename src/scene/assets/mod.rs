@@ -1,5 +1,6 @@
 //! Files that become data: meshes, pictures and scenes, each asset beside its loader.
 
+pub mod file_source;
 pub mod gltf_scene;
 pub mod parts_cache;
 pub mod scene_asset;
@@ -11,6 +12,7 @@ use std::error::Error;
 use bevy::asset::AssetLoadError;
 use bevy::ecs::error::BevyError;
 
+pub use file_source::FileSourcePlugin;
 pub use scene_asset::{SceneAsset, SceneDefines, SceneLoader};
 pub use texture_map::{TextureMap, TextureMapLoader};
 pub use triangle_mesh::{MeshHandle, MeshLoader, MeshShape, TriangleMesh};

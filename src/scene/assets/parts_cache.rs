@@ -15,6 +15,8 @@ use std::time::{Duration, SystemTime};
 
 use tempfile::NamedTempFile;
 
+use crate::files::{self, LARGEST_DATA, LARGEST_NOTE};
+
 /// Parts that were not used for so long are removed.
 const KEPT: Duration = Duration::from_secs(30 * 24 * 3600);
 
@@ -171,7 +173,7 @@ fn holds(path: &Path, bytes: &[u8]) -> io::Result<bool> {
         return Ok(false);
     }
     let mut rest = bytes;
-    let mut file = File::open(path)?;
+    let mut file = files::open(path, LARGEST_DATA)?;
     let mut piece = vec![0; 1 << 16];
     loop {
         let length = file.read(&mut piece)?;
@@ -231,7 +233,7 @@ fn used_by_programs(cache: &Path) -> HashSet<String> {
         if !is_list || !entry.file_type().is_ok_and(|kind| kind.is_file()) {
             continue;
         }
-        let Ok(mut list) = File::open(entry.path()) else {
+        let Ok(mut list) = files::open(&entry.path(), LARGEST_NOTE) else {
             continue;
         };
         if list.try_lock_shared().is_ok() {

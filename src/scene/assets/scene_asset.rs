@@ -8,8 +8,10 @@ use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 
-use super::gltf_scene::{check_scene_file, import, is_gltf};
+use super::gltf_scene::{import, is_gltf, largest};
+use crate::document::source::unreadable;
 use crate::document::{self, Diagnostics, Document, Severity, SourceError};
+use crate::files;
 use crate::scene::SceneDescription;
 use crate::scene::read;
 
@@ -51,14 +53,12 @@ impl AssetLoader for SceneLoader {
 
     async fn load(
         &self,
-        reader: &mut dyn Reader,
+        _reader: &mut dyn Reader,
         _settings: &(),
         context: &mut LoadContext<'_>,
     ) -> Result<SceneAsset, std::io::Error> {
         let path = context.path().path().to_owned();
-        check_scene_file(&path).map_err(std::io::Error::other)?;
-        let mut bytes = Vec::new();
-        reader.read_to_end(&mut bytes).await?;
+        let bytes = files::read(&path, largest(&path))?;
         Ok(read_scene(bytes, &path, &self.defines.get(&path)))
     }
 
@@ -71,7 +71,7 @@ impl AssetLoader for SceneLoader {
 pub fn read_scene(bytes: Vec<u8>, path: &Path, defines: &[(String, String)]) -> SceneAsset {
     let mut document = match parse(bytes, path, defines) {
         Ok(document) => document,
-        Err(error) => return unreadable(path, &error),
+        Err(error) => return failed(path, &error),
     };
     let description = read::read(&mut document);
     SceneAsset {
@@ -82,11 +82,7 @@ pub fn read_scene(bytes: Vec<u8>, path: &Path, defines: &[(String, String)]) -> 
 
 /// A scene file of any kind. As for [`document::load`], what is wrong with its content is in the document's diagnostics.
 pub fn load_document(path: &Path, defines: &[(String, String)]) -> Result<Document, SourceError> {
-    check_scene_file(path)?;
-    let bytes = std::fs::read(path).map_err(|source| SourceError::Unreadable {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes = files::read(path, largest(path)).map_err(|source| unreadable(path, source))?;
     parse(bytes, path, defines)
 }
 
@@ -98,7 +94,7 @@ fn parse(bytes: Vec<u8>, path: &Path, defines: &[(String, String)]) -> Result<Do
     Ok(document::parse_str(text, path, defines))
 }
 
-fn unreadable(path: &Path, error: &SourceError) -> SceneAsset {
+fn failed(path: &Path, error: &SourceError) -> SceneAsset {
     SceneAsset {
         description: Arc::new(SceneDescription {
             path: path.to_owned(),

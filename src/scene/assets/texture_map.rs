@@ -6,6 +6,7 @@ use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 
+use crate::files::{self, FileError, LARGEST_DATA};
 use crate::texture::{Image, ImageFileError, load_image};
 
 /// `image` is a new `Arc` after each reload.
@@ -23,7 +24,7 @@ pub struct TextureMapLoader;
 #[derive(Debug, thiserror::Error)]
 pub enum TextureMapError {
     #[error(transparent)]
-    Io(#[from] std::io::Error),
+    File(#[from] FileError),
     #[error(transparent)]
     Image(#[from] ImageFileError),
 }
@@ -35,12 +36,11 @@ impl AssetLoader for TextureMapLoader {
 
     async fn load(
         &self,
-        reader: &mut dyn Reader,
+        _reader: &mut dyn Reader,
         _settings: &(),
-        _context: &mut LoadContext<'_>,
+        context: &mut LoadContext<'_>,
     ) -> Result<TextureMap, TextureMapError> {
-        let mut bytes = Vec::new();
-        reader.read_to_end(&mut bytes).await?;
+        let bytes = files::read(context.path().path(), LARGEST_DATA)?;
         let image = Arc::new(load_image(&bytes)?);
         Ok(TextureMap {
             negative_pixels: image.negative_pixels(),

@@ -9,6 +9,7 @@ use bevy::prelude::*;
 use rayon::prelude::*;
 
 use crate::document::paths::settle;
+use crate::files::{self, LARGEST_DATA, LARGEST_NOTE};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::mesh_file::{LoadedMesh, MeshError};
 use crate::geometry::serialized::{self, SerializedFile};
@@ -51,7 +52,7 @@ pub struct MeshLoader;
 #[derive(Debug, thiserror::Error)]
 pub enum MeshLoadError {
     #[error(transparent)]
-    Io(#[from] std::io::Error),
+    File(#[from] files::FileError),
     #[error(transparent)]
     Mesh(#[from] MeshError),
 }
@@ -63,18 +64,12 @@ impl AssetLoader for MeshLoader {
 
     async fn load(
         &self,
-        reader: &mut dyn Reader,
+        _reader: &mut dyn Reader,
         _settings: &(),
         context: &mut LoadContext<'_>,
     ) -> Result<TriangleMesh, MeshLoadError> {
         let path = context.path().path().to_owned();
-        let mut bytes = Vec::new();
-        if path.is_absolute() {
-            // The reader passes a file's bytes from thread to thread in small pieces, which takes longer than to understand them.
-            bytes = std::fs::read(&path)?;
-        } else {
-            reader.read_to_end(&mut bytes).await?;
-        }
+        let bytes = files::read(&path, LARGEST_DATA)?;
         read_any_mesh(&bytes, &path)
     }
 
@@ -94,7 +89,7 @@ impl From<LoadedMesh> for MeshShape {
 
 /// A whole mesh file of any kind, read from the disk.
 pub fn load_mesh(path: &Path) -> Result<TriangleMesh, MeshLoadError> {
-    read_any_mesh(&std::fs::read(path)?, path)
+    read_any_mesh(&files::read(path, LARGEST_DATA)?, path)
 }
 
 fn read_any_mesh(bytes: &[u8], path: &Path) -> Result<TriangleMesh, MeshLoadError> {
@@ -122,7 +117,7 @@ pub fn read_mesh(bytes: &[u8], path: &Path) -> Result<TriangleMesh, MeshLoadErro
         let mut loaded = obj::load_obj(bytes, &mut |name| {
             let library = folder.join(name);
             dependencies.push(library.clone());
-            std::fs::read(&library)
+            Ok(files::read(&library, LARGEST_NOTE)?)
         })?;
         loaded.mesh.flip_tex_coords();
         loaded

@@ -76,7 +76,9 @@ impl MeshSearch {
                 }
             }
         }
-        match places.iter().find(|path| path.is_file()) {
+        // A device or a pipe is found as well: reading it says what it is.
+        let found = places.iter().find(|path| path.is_file());
+        match found.or_else(|| places.iter().find(|path| path.exists() && !path.is_dir())) {
             Some(path) => Found::At(path.clone()),
             None => Found::Nowhere(places),
         }

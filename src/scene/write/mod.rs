@@ -34,7 +34,7 @@ use super::read::{self, settle};
 use super::{Authored, IntegratorSettings, loading, rebase};
 use crate::document::revision::{Destination, move_files, revise};
 use crate::document::{self, Category, Child, Document, Object, Span};
-use crate::files::write_atomically;
+use crate::files::{self, LARGEST_DATA, write_atomically};
 
 /// Materials inside materials; deeper ones are written at the top level instead. More than reading allows.
 const DEEPEST: usize = 40;
@@ -165,7 +165,8 @@ fn copy_parts(moves: &Moves) -> Result<(), SaveError> {
         };
         let folder = folder(place);
         std::fs::create_dir_all(folder).map_err(failed(folder))?;
-        write_file(place, std::fs::read(part).map_err(failed(part))?)?;
+        let content = files::read(part, LARGEST_DATA).map_err(std::io::Error::from);
+        write_file(place, content.map_err(failed(part))?)?;
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use tempfile::TempDir;
 
 use super::edits::PART;
 use super::random::Random;
-use crate::files::write_atomically;
+use crate::files::{LARGEST_NOTE, read_text, write_atomically};
 
 /// A temporary folder that goes with this value.
 pub struct Folder {
@@ -114,7 +114,7 @@ impl Folder {
 
     /// Takes a copy in as it stands in its file.
     pub fn add_copy(&mut self, path: PathBuf) -> std::io::Result<()> {
-        let text = std::fs::read_to_string(&path)?;
+        let text = read_text(&path, LARGEST_NOTE)?;
         self.copies.push(SceneCopy { path, text });
         Ok(())
     }

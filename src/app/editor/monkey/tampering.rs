@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use super::acts::{Act, OwnFile};
 use super::folder::Writing;
 use super::random::Random;
+use crate::files::{LARGEST_NOTE, read_text};
 use crate::scene::SceneStatus;
 
 /// Acts that leave the file readable in the end. Empty where the scene has no file.
@@ -12,7 +13,7 @@ pub fn acts(world: &World, random: &mut Random, own: OwnFile) -> Vec<Act> {
     let Some(path) = world.resource::<SceneStatus>().path.clone() else {
         return Vec::new();
     };
-    let Ok(text) = std::fs::read_to_string(&path) else {
+    let Ok(text) = read_text(&path, LARGEST_NOTE) else {
         return Vec::new();
     };
     let how = Writing::ALL[random.below(3)];

@@ -14,7 +14,7 @@ use crate::app::editor::{
 };
 use crate::app::threads::{run_systems_in_turn, worker_count};
 use crate::engine::{EnginePlugin, EngineSystems, RenderControl};
-use crate::scene::{ScenePlugin, SceneSystems, asset_plugin};
+use crate::scene::{FileSourcePlugin, ScenePlugin, SceneSystems, asset_plugin};
 
 /// An editor without a window, in which the monkey plays until the app exits. `threads` as in [`worker_count`].
 pub fn windowless(monkey: Monkey, threads: Option<i32>) -> App {
@@ -23,7 +23,8 @@ pub fn windowless(monkey: Monkey, threads: Option<i32>) -> App {
     let (preferences_file, preferences) = preferences::PreferencesFile::open(Some(&folder));
     // The frames leave the cores to the other threads for a moment.
     let runner = ScheduleRunnerPlugin::run_loop(Duration::from_millis(1));
-    app.add_plugins((MinimalPlugins.set(runner), asset_plugin(), ScenePlugin, EnginePlugin))
+    app.add_plugins((MinimalPlugins.set(runner), FileSourcePlugin, asset_plugin()))
+        .add_plugins((ScenePlugin, EnginePlugin))
         .insert_resource(RenderControl {
             interactive: true,
             threads: worker_count(threads, false),

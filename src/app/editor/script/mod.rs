@@ -18,6 +18,7 @@ use super::exit_door::{ExitDoor, save_window};
 use super::state::EditorState;
 use crate::document::Severity;
 use crate::engine::{RenderState, RenderStatus};
+use crate::files::{self, FileError, LARGEST_NOTE};
 use crate::scene::{SceneState, SceneStatus};
 use parse::Step;
 
@@ -41,8 +42,8 @@ pub struct Script {
 }
 
 impl Script {
-    pub fn read(path: &Path) -> std::io::Result<Self> {
-        let text = std::fs::read_to_string(path)?;
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let text = files::read_text(path, LARGEST_NOTE)?;
         Ok(Self {
             path: path.to_owned(),
             lines: (1..).zip(text.lines().map(str::to_owned)).collect(),

@@ -1,4 +1,4 @@
-//! Files that are replaced as a whole or not at all.
+//! Replaces files as a whole or not at all.
 
 use std::io::{self, Write as _};
 use std::path::Path;

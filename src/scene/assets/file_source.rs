@@ -1,0 +1,53 @@
+//! The asset server's source of files: refuses at once what [`crate::files`] refuses.
+//!
+//! The server's own reader would wait for ever for a pipe. This one gives no bytes: the loaders read the whole file themselves, because the server
+//! passes bytes between threads in small pieces.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use bevy::asset::AssetApp;
+use bevy::asset::io::{
+    AssetReader, AssetReaderError, AssetSourceBuilder, AssetSourceId, PathStream, Reader, VecReader,
+};
+use bevy::prelude::*;
+
+use crate::files::{self, FileError, LARGEST_DATA};
+
+/// Makes files the asset server's default source. It must be added before [`AssetPlugin`].
+pub struct FileSourcePlugin;
+
+impl Plugin for FileSourcePlugin {
+    fn build(&self, app: &mut App) {
+        let source = AssetSourceBuilder::new(|| Box::new(FileSource));
+        app.register_asset_source(AssetSourceId::Default, source);
+    }
+}
+
+struct FileSource;
+
+impl AssetReader for FileSource {
+    async fn read<'a>(&'a self, path: &'a Path) -> Result<impl Reader + 'a, AssetReaderError> {
+        match files::check(path, LARGEST_DATA) {
+            Ok(()) => Ok(VecReader::new(Vec::new())),
+            Err(FileError::Io(error)) if error.kind() == std::io::ErrorKind::NotFound => Err(not_found(path)),
+            Err(error) => Err(AssetReaderError::Io(Arc::new(error.into()))),
+        }
+    }
+
+    async fn read_meta<'a>(&'a self, path: &'a Path) -> Result<impl Reader + 'a, AssetReaderError> {
+        Err::<VecReader, _>(not_found(path))
+    }
+
+    async fn read_directory<'a>(&'a self, path: &'a Path) -> Result<Box<PathStream>, AssetReaderError> {
+        Err(not_found(path))
+    }
+
+    async fn is_directory<'a>(&'a self, _path: &'a Path) -> Result<bool, AssetReaderError> {
+        Ok(false)
+    }
+}
+
+fn not_found(path: &Path) -> AssetReaderError {
+    AssetReaderError::NotFound(path.to_owned())
+}

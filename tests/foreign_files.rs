@@ -1,0 +1,190 @@
+//! Drives the program over scenes whose files are no ordinary files. Each run must end with a message that names the file.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+/// Far longer than any of these runs takes on a busy machine; only a run that never ends takes so long.
+const PATIENCE: Duration = Duration::from_secs(300);
+
+struct Workshop {
+    folder: TempDir,
+}
+
+impl Workshop {
+    fn new() -> Self {
+        Self {
+            folder: tempfile::tempdir().expect("a temporary folder"),
+        }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.path(name);
+        std::fs::create_dir_all(path.parent().expect("inside the folder")).expect("a writable folder");
+        std::fs::write(&path, content).expect("a writable folder");
+        path
+    }
+
+    /// A scene with a camera, a light and `content`.
+    fn scene(&self, name: &str, content: &str) -> PathBuf {
+        let text = format!(
+            "<scene version='3.0.0'>
+  <sensor type='perspective'>
+    <transform name='to_world'><lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform>
+    <film type='hdrfilm'><integer name='width' value='8'/><integer name='height' value='8'/></film>
+  </sensor>
+  <emitter type='point'><point name='position' value='0,3,3'/></emitter>
+  <shape type='sphere'/>
+  {content}
+</scene>"
+        );
+        self.write(name, text)
+    }
+}
+
+struct Outcome {
+    code: Option<i32>,
+    stderr: String,
+}
+
+/// Runs the program in `folder`. A run that does not end fails the test.
+#[track_caller]
+fn run(folder: &Path, arguments: &[&str]) -> Outcome {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_sunroom"))
+        .args(arguments)
+        .current_dir(folder)
+        // No test may read or fill the user's own folders.
+        .env("XDG_CACHE_HOME", folder)
+        .env("SUNROOM_CONFIG", folder)
+        .env_remove("SUNROOM_MEMORY")
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("WAYLAND_SOCKET")
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut pipe = child.stderr.take().expect("it is piped");
+    let reader: JoinHandle<String> = std::thread::spawn(move || {
+        let mut bytes = Vec::new();
+        let _ = pipe.read_to_end(&mut bytes);
+        String::from_utf8_lossy(&bytes).into_owned()
+    });
+    let begin = Instant::now();
+    let status = loop {
+        match child.try_wait().expect("the program can be waited for") {
+            Some(status) => break Some(status),
+            None if begin.elapsed() > PATIENCE => break None,
+            None => std::thread::sleep(Duration::from_millis(20)),
+        }
+    };
+    if status.is_none() {
+        let _ = child.kill();
+        let _ = child.wait();
+    }
+    let stderr = reader.join().expect("reading does not panic");
+    let Some(status) = status else {
+        panic!("{arguments:?} did not end\n{stderr}");
+    };
+    Outcome {
+        code: status.code(),
+        stderr,
+    }
+}
+
+#[cfg(unix)]
+mod devices {
+    use super::*;
+
+    const OBJ: &str = "mtllib pipe\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+
+    fn make_pipe(path: &Path) {
+        let made = Command::new("mkfifo").arg(path).status().expect("mkfifo is there");
+        assert!(made.success());
+    }
+
+    /// Each kind of reference to a pipe, a device and a link to a device. `name` stands for the file.
+    #[test]
+    fn references_to_devices_and_pipes_end_with_a_message() {
+        let shop = Workshop::new();
+        make_pipe(&shop.path("pipe"));
+        std::os::unix::fs::symlink("/dev/zero", shop.path("zero.png")).expect("a link");
+        shop.write("uses-pipe.obj", OBJ);
+        let gltf = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"name","byteLength":36}],
+            "bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+            "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0}"#;
+        let texture = "<shape type='sphere'><bsdf type='diffuse'>
+            <texture name='reflectance' type='bitmap'><string name='filename' value='name'/></texture></bsdf></shape>";
+        let sky = "<emitter type='envmap'><string name='filename' value='name'/></emitter>";
+        let obj = "<shape type='obj'><string name='filename' value='name'/></shape>";
+        let ply = "<shape type='ply'><string name='filename' value='name'/></shape>";
+        let include = "<include filename='name'/>";
+        let spectrum = "<bsdf type='diffuse' id='b'><spectrum name='reflectance' filename='name'/></bsdf>";
+        for (kind, content) in [
+            ("texture", texture),
+            ("sky", sky),
+            ("obj", obj),
+            ("ply", ply),
+            ("include", include),
+            ("spectrum", spectrum),
+            ("glTF", gltf),
+        ] {
+            for (name, found) in [
+                ("pipe", "is a pipe"),
+                ("/dev/zero", "is a device"),
+                ("zero.png", "is a device"),
+            ] {
+                let content = content.replace("name'/>", &format!("{name}'/>"));
+                let content = content.replace("value='name'", &format!("value='{name}'"));
+                let content = content.replace("filename='name'", &format!("filename='{name}'"));
+                let content = content.replace("\"name\"", &format!("\"{name}\""));
+                let scene = match kind {
+                    "glTF" => shop.write("scene.gltf", content),
+                    _ => shop.scene("scene.xml", &content),
+                };
+                let outcome = run(shop.folder.path(), &["check", "--strict", &scene.to_string_lossy()]);
+                assert_eq!(outcome.code, Some(1), "{kind} {name}: {}", outcome.stderr);
+                let said = &outcome.stderr;
+                assert!(said.contains(found), "{kind} {name}: {said}");
+            }
+        }
+        // A material library that cannot be read is a warning.
+        shop.scene("scene.xml", &obj.replace("name'/>", "uses-pipe.obj'/>"));
+        let outcome = run(shop.folder.path(), &["check", "scene.xml"]);
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains("is a pipe"), "{}", outcome.stderr);
+    }
+
+    #[test]
+    fn files_of_the_command_line_may_not_be_devices_either() {
+        let shop = Workshop::new();
+        make_pipe(&shop.path("pipe"));
+        shop.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        let scene = shop.scene("scene.xml", "");
+        let scene = scene.to_string_lossy();
+        for name in ["pipe", "/dev/zero"] {
+            for arguments in [
+                &["check", name][..],
+                &["render", name, "-o", "out.png"],
+                &["convert", name, "out.xml"],
+                &["bench", &scene, "--against", name],
+                &["bench", "rays", "--mesh", "mesh.obj", "--rays", name],
+            ] {
+                let outcome = run(shop.folder.path(), arguments);
+                assert_eq!(outcome.code, Some(1), "{arguments:?}: {}", outcome.stderr);
+                let said = &outcome.stderr;
+                let found = ["is a pipe", "is a device"].iter().any(|found| said.contains(found));
+                assert!(found, "{arguments:?}: {said}");
+            }
+        }
+    }
+}
