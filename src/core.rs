@@ -1,5 +1,5 @@
 //! The package `sunroom-core`: everything that does not know Bevy. The kernel (`math` to `render`) traces rays, `document` is the XML
-//! format, `gltf` turns glTF files into such documents, and `files` opens and writes files.
+//! format, `gltf` turns glTF files into such documents, `files` opens and writes files, and `memory` counts what they hold.
 //!
 //! The package shares the folder `src` with the program, whose crate root (`lib.rs`) exports these modules again under the same names.
 //! It is a package of its own so that its tests, benches and fuzz targets build without Bevy, and a change of the editor does not
@@ -14,6 +14,7 @@ pub mod gltf;
 pub mod light;
 pub mod material;
 pub mod math;
+pub mod memory;
 pub mod render;
 pub mod sampling;
 pub mod shading;

@@ -188,3 +188,159 @@ mod devices {
         }
     }
 }
+
+mod memory {
+    use super::*;
+    use flate2::Compression;
+    use flate2::write::ZlibEncoder;
+    use std::io::Write;
+
+    /// A black picture of `side` x `side` bytes, which packs to a thousandth.
+    fn png(side: u32) -> Vec<u8> {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        let black = image::GrayImage::new(side, side);
+        black
+            .write_to(&mut bytes, image::ImageFormat::Png)
+            .expect("memory can be written to");
+        bytes.into_inner()
+    }
+
+    /// A file of Mitsuba's format with so many vertices in the origin, and one triangle.
+    fn serialized(vertices: u64) -> Vec<u8> {
+        let mut content = 0x1000u32.to_le_bytes().to_vec();
+        content.push(0);
+        content.extend(vertices.to_le_bytes());
+        content.extend(1u64.to_le_bytes());
+        content.resize(content.len() + 12 * vertices as usize, 0);
+        for corner in [0u32, 1, 2] {
+            content.extend(corner.to_le_bytes());
+        }
+        let mut file = vec![0x1c, 0x04, 0x04, 0x00];
+        let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
+        encoder.write_all(&content).expect("memory can be written to");
+        file.extend(encoder.finish().expect("memory can be written to"));
+        file.extend(0u64.to_le_bytes());
+        file.extend(1u32.to_le_bytes());
+        file
+    }
+
+    fn texture(name: &str) -> String {
+        format!(
+            "<shape type='sphere'><bsdf type='diffuse'><texture name='reflectance' type='bitmap'>
+             <string name='filename' value='{name}'/></texture></bsdf></shape>"
+        )
+    }
+
+    #[test]
+    fn files_that_unpack_to_more_than_the_budget_are_refused() {
+        let shop = Workshop::new();
+        let folder = shop.folder.path();
+        shop.write("bomb.png", png(5000));
+        shop.write("bomb.serialized", serialized(1_000_000));
+        let mesh = "<shape type='serialized'><string name='filename' value='bomb.serialized'/></shape>";
+        for (content, found) in [
+            (
+                texture("bomb.png"),
+                ["bomb.png: 5000 x 5000 pixels need 25.0 MB", "the budget is 20.0 MB"],
+            ),
+            (
+                mesh.to_owned(),
+                [
+                    "bomb.serialized: 1000000 vertices and 1 triangles need 36.0 MB",
+                    "--memory SIZE",
+                ],
+            ),
+        ] {
+            shop.scene("scene.xml", &content);
+            let outcome = run(folder, &["check", "--strict", "--memory", "20MB", "scene.xml"]);
+            assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+            for found in found {
+                assert!(outcome.stderr.contains(found), "{}", outcome.stderr);
+            }
+        }
+        shop.scene("scene.xml", &texture("bomb.png"));
+        let outcome = run(folder, &["check", "--strict", "--memory", "30MB", "scene.xml"]);
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    }
+
+    #[test]
+    fn pictures_that_fit_one_by_one_must_also_fit_together() {
+        let shop = Workshop::new();
+        let folder = shop.folder.path();
+        for name in ["a.png", "b.png", "c.png"] {
+            shop.write(name, png(3000));
+        }
+        let all = ["a.png", "b.png", "c.png"].map(texture).concat();
+        shop.scene("scene.xml", &all);
+        let outcome = run(folder, &["check", "--strict", "--memory", "20MB", "scene.xml"]);
+        assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+        let refused = outcome.stderr.matches("3000 x 3000 pixels need 9.0 MB").count();
+        assert_eq!(refused, 1, "{}", outcome.stderr);
+        assert!(outcome.stderr.contains("other data take 18.0 MB"), "{}", outcome.stderr);
+        let outcome = run(folder, &["check", "--strict", "--memory", "28MB", "scene.xml"]);
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    }
+
+    #[test]
+    fn a_film_larger_than_the_budget_is_refused() {
+        let shop = Workshop::new();
+        let folder = shop.folder.path();
+        shop.scene("scene.xml", "");
+        let arguments = [
+            "render",
+            "scene.xml",
+            "-o",
+            "out.png",
+            "--spp",
+            "1",
+            "--size",
+            "1000x1000",
+        ];
+        let outcome = run(folder, &[&arguments[..], &["--memory", "50MB"]].concat());
+        assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+        assert!(
+            outcome.stderr.contains("a film of 1000 x 1000 pixels needs"),
+            "{}",
+            outcome.stderr
+        );
+        assert!(!shop.path("out.png").exists());
+        let outcome = run(
+            folder,
+            &["render", "scene.xml", "-o", "out.png", "--spp", "1", "--memory", "50MB"],
+        );
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    }
+
+    #[test]
+    fn pictures_of_gltf_files_count_with_their_conversion() {
+        let shop = Workshop::new();
+        shop.write("bomb.png", png(1000));
+        shop.write(
+            "scene.gltf",
+            r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA","byteLength":36}],
+            "bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+            "images":[{"uri":"bomb.png"}],"textures":[{"source":0}],
+            "materials":[{"pbrMetallicRoughness":{"metallicRoughnessTexture":{"index":0}}}],
+            "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0}"#,
+        );
+        let outcome = run(
+            shop.folder.path(),
+            &["check", "--strict", "--memory", "20MB", "scene.gltf"],
+        );
+        assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+        assert!(
+            outcome.stderr.contains("1000 x 1000 pixels need 29.0 MB"),
+            "{}",
+            outcome.stderr
+        );
+    }
+
+    #[test]
+    fn a_budget_that_is_no_size_is_wrong_usage() {
+        let shop = Workshop::new();
+        shop.scene("scene.xml", "");
+        let outcome = run(shop.folder.path(), &["check", "--memory", "8", "scene.xml"]);
+        assert_eq!(outcome.code, Some(2), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains("such as 8GB"), "{}", outcome.stderr);
+    }
+}

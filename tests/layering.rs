@@ -12,11 +12,12 @@ use std::path::{Path, PathBuf};
 const RULES: &[(&str, &[&str], bool)] = &[
     ("math", &[], false),
     ("files", &[], false),
+    ("memory", &["files"], false),
     ("color", &["math"], false),
     ("sampling", &["math"], false),
-    ("geometry", &["math", "color", "sampling"], false),
+    ("geometry", &["math", "color", "memory", "sampling"], false),
     ("accel", &["math", "color", "sampling", "geometry"], false),
-    ("texture", &["math", "color", "sampling", "geometry"], false),
+    ("texture", &["math", "color", "memory", "sampling", "geometry"], false),
     ("shading", BELOW_SHADING, false),
     (
         "material",
@@ -27,7 +28,7 @@ const RULES: &[(&str, &[&str], bool)] = &[
     ("medium", BELOW_SHADING, false),
     ("render", &["KERNEL", "files"], false),
     ("document", &["math", "color", "files"], false),
-    ("gltf", &["math", "color", "geometry", "document"], false),
+    ("gltf", &["math", "color", "memory", "geometry", "document"], false),
     ("scene", &["math", "color", "files", "document"], true),
     (
         "scene/assets",
@@ -49,7 +50,7 @@ const BELOW_SHADING: &[&str] = &["math", "color", "sampling", "geometry", "accel
 
 /// `"KERNEL"` in the table stands for these and `render`.
 const KERNEL: &[&str] = &[
-    "math", "color", "sampling", "geometry", "accel", "texture", "shading", "material", "light", "medium",
+    "math", "memory", "color", "sampling", "geometry", "accel", "texture", "shading", "material", "light", "medium",
 ];
 
 fn may_use(allowed: &[&str], module: &str) -> bool {

@@ -9,7 +9,7 @@ use sunroom::app::headless::headless;
 use sunroom::engine::{Limits, RenderStatus, load_to_completion};
 use sunroom::scene::{AreaLight, Emitter, OpenScene, SceneStatus, Shape, cameras};
 
-use super::{DefineArgs, report};
+use super::{DefineArgs, MemoryArgs, report};
 
 #[derive(Args)]
 pub struct CheckArgs {
@@ -18,12 +18,15 @@ pub struct CheckArgs {
     scenes: Vec<PathBuf>,
     #[command(flatten)]
     defines: DefineArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// Treat warnings as errors
     #[arg(long)]
     strict: bool,
 }
 
 pub fn run(args: CheckArgs) -> ExitCode {
+    args.memory.apply();
     // One with errors does not keep those after it from being looked at.
     let faulty = args.scenes.iter().filter(|scene| !check(scene, &args)).count();
     match faulty {

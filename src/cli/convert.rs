@@ -9,7 +9,7 @@ use sunroom::scene::mesh_check::check_meshes;
 use sunroom::scene::read;
 use sunroom::scene::write::{self, Extensions};
 
-use super::{SceneArgs, report};
+use super::{MemoryArgs, SceneArgs, report};
 
 #[derive(Args)]
 pub struct ConvertArgs {
@@ -18,6 +18,8 @@ pub struct ConvertArgs {
     /// Scene file to write
     #[arg(value_name = "OUT.xml")]
     output: PathBuf,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// Write nothing that Mitsuba does not know: of fuzzy `metal` the nearest `roughconductor`
     #[arg(long)]
     portable: bool,
@@ -27,6 +29,7 @@ pub struct ConvertArgs {
 }
 
 pub fn run(args: ConvertArgs) -> ExitCode {
+    args.memory.apply();
     let mut document = match load_document(&args.scene.scene, &args.scene.defines.defines) {
         Ok(document) => document,
         Err(error) => return report::error(error),

@@ -12,6 +12,7 @@ use super::{EditArgs, report};
 const FIRST_SCENE: &str = "scenes/cornell-box.xml";
 
 pub fn run(args: EditArgs) -> ExitCode {
+    args.memory.apply();
     let all = args.scene.iter().chain(&args.monkey.more_scenes);
     if let Some(scene) = all.into_iter().find(|scene| !scene.is_file()) {
         let help = super::misspelt_command().map_or(String::new(), |help| format!(" ({help})"));

@@ -21,6 +21,7 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use sunroom::document::suggest::did_you_mean;
+use sunroom::memory;
 
 /// A small level editor whose viewport is a path tracer.
 #[derive(Parser)]
@@ -70,6 +71,21 @@ struct ThreadArgs {
 }
 
 #[derive(Args)]
+struct MemoryArgs {
+    /// Memory for pictures, meshes and the film, such as 8GB [default: $SUNROOM_MEMORY, or three quarters of the machine's]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse_size)]
+    memory: Option<u64>,
+}
+
+impl MemoryArgs {
+    fn apply(&self) {
+        if let Some(bytes) = self.memory {
+            memory::budget().set_limit(bytes);
+        }
+    }
+}
+
+#[derive(Args)]
 struct EditArgs {
     /// Scene file (Mitsuba 3 XML, or glTF 2.0); the Cornell box if there is none
     scene: Option<PathBuf>,
@@ -77,6 +93,8 @@ struct EditArgs {
     defines: DefineArgs,
     #[command(flatten)]
     threads: ThreadArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// Camera to begin with, by its id or its index from 0 on
     #[arg(long, value_name = "NAME|INDEX")]
     camera: Option<String>,
@@ -120,6 +138,10 @@ pub fn run() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }
     };
+    if let Some(Err(message)) = memory::budget_of_variable() {
+        report::error(format_args!("{}: {message}", memory::VARIABLE));
+        return ExitCode::from(2);
+    }
     match cli.command {
         None => edit(cli.edit),
         Some(Command::Edit(args)) => edit(args),

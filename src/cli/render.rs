@@ -24,7 +24,7 @@ use sunroom::scene::{Film as SensorFilm, Strategy};
 use super::check::report_scene;
 use super::progress::Progress;
 use super::stats::{Bvh, Stats, StatsFormat, milliseconds, peak_memory_bytes};
-use super::{SceneArgs, ThreadArgs, parse, report};
+use super::{MemoryArgs, SceneArgs, ThreadArgs, parse, report};
 
 #[derive(Args)]
 pub struct RenderArgs {
@@ -53,6 +53,8 @@ pub struct RenderArgs {
     height: Option<u32>,
     #[command(flatten)]
     threads: ThreadArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// Seed of the random numbers; the same seed gives the same picture on any number of threads
     #[arg(long)]
     seed: Option<u32>,
@@ -124,6 +126,7 @@ enum ToneMapName {
 const INTERRUPTED: u8 = 130;
 
 pub fn run(args: RenderArgs) -> ExitCode {
+    args.memory.apply();
     match render(&args) {
         Ok(code) => code,
         Err(error) => report::error(error),

@@ -121,7 +121,8 @@ pub(super) fn dispatch_job(
             old.cancel();
             demand.discard.discard(old);
         }
-        let new = Job::new(
+        let reserved = film.bypass_change_detection().reserve(&view);
+        let mut new = Job::new(
             demand.extracted.scene.clone(),
             view,
             demand.extracted.light_groups.clone(),
@@ -129,13 +130,14 @@ pub(super) fn dispatch_job(
             control.motion_scale < 1.0,
             since,
         );
+        new.failure = reserved.err();
         status.last_restart = new.begun;
         *job = Some(new);
     }
     let goal = Goal::new(&control, demand.extracted.sample_count);
     if let Some(job) = job {
         job.run(pool, &goal, Waker::new(&demand.wake_up));
-        if !control.interactive {
+        if !control.interactive && job.failure.is_none() {
             // Otherwise the last picture stays in the film until the first tile of the new one is there.
             film.bypass_change_detection().begin(job);
         }

@@ -6,8 +6,10 @@ use std::time::Instant;
 
 use bevy::prelude::*;
 
+use crate::memory::{self, Reservation};
 use crate::render::film::Film;
 use crate::render::tile::{Tile, TilePreview};
+use crate::render::view::View;
 
 use super::job::Job;
 use super::light_groups::LightGroup;
@@ -28,6 +30,7 @@ pub struct RenderFilm {
     dirty: HashSet<Tile>,
     /// When the job was begun whose picture this is.
     begun: Option<Instant>,
+    memory: Option<Reservation>,
 }
 
 impl RenderFilm {
@@ -38,6 +41,16 @@ impl RenderFilm {
 
     pub fn has_dirty(&self) -> bool {
         !self.dirty.is_empty()
+    }
+
+    /// Reserves what the film of this view needs, in place of what it needed before.
+    pub(super) fn reserve(&mut self, view: &View) -> Result<(), String> {
+        let bytes = Film::memory_bytes(view.width, view.height, view.light_groups.count());
+        let result = match &mut self.memory {
+            Some(memory) => memory.resize(bytes),
+            None => memory::reserve(bytes).map(|memory| self.memory = Some(memory)),
+        };
+        result.map_err(|shortage| format!("a film of {} x {} pixels needs {shortage}", view.width, view.height))
     }
 
     /// Makes room for the job, unless that was done before. Returns the previews of the picture before.

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::mesh::MeshData;
+use crate::memory::{self, Reservation, Shortage};
 
 /// A mesh that was read, and what of the file was left out or mended on the way, one sentence each.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +61,42 @@ pub enum MeshError {
     NoTriangles,
     #[error("{what} is beyond what this program reads ({limit})")]
     TooLarge { what: &'static str, limit: u64 },
+    /// `what` is a plural noun with its number.
+    #[error("{what} need {shortage}")]
+    Memory { what: String, shortage: Shortage },
+}
+
+/// What a reader reserves while it reads a mesh.
+pub(super) struct MeshMemory {
+    reservation: Reservation,
+}
+
+impl MeshMemory {
+    /// `what` asks for the bytes: a plural noun with its number.
+    pub fn reserve(bytes: u64, what: impl FnOnce() -> String) -> Result<Self, MeshError> {
+        match memory::reserve(bytes) {
+            Ok(reservation) => Ok(Self { reservation }),
+            Err(shortage) => Err(MeshError::Memory { what: what(), shortage }),
+        }
+    }
+
+    /// Reserves so many bytes besides.
+    pub fn add(&mut self, bytes: u64, what: impl FnOnce() -> String) -> Result<(), MeshError> {
+        let sum = self.reservation.bytes().saturating_add(bytes);
+        let resized = self.reservation.resize(sum);
+        resized.map_err(|shortage| MeshError::Memory { what: what(), shortage })
+    }
+
+    /// The mesh, which holds from now on what it and its acceleration structure need.
+    pub fn hold(mut self, mut mesh: MeshData) -> Result<MeshData, MeshError> {
+        let resized = self.reservation.resize(mesh.memory_bytes());
+        resized.map_err(|shortage| MeshError::Memory {
+            what: format!("{} triangles", mesh.triangles.len()),
+            shortage,
+        })?;
+        mesh.memory = self.reservation.into();
+        Ok(mesh)
+    }
 }
 
 impl MeshError {

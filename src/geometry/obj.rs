@@ -17,7 +17,7 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::mesh::{MeshData, MtlMaterial};
-use super::mesh_file::{LoadedMesh, MeshError, Place, Warnings, excerpt};
+use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings, excerpt};
 use super::mtl::{default_material, read_mtl};
 use super::obj_lines::stretches;
 use super::obj_part::{Corner, Counts, NONE, Part};
@@ -33,6 +33,8 @@ pub fn load_obj(bytes: &[u8], library: &mut dyn FnMut(&str) -> io::Result<Vec<u8
 
 /// In bytes: enough for a thread to be busy with, little enough for all to end at once.
 const STRETCH: usize = 1 << 18;
+/// Statements in memory take about so many bytes for each byte of text.
+const BYTES_PER_BYTE: u64 = 4;
 /// More libraries than any real file names, few enough to look for.
 const MOST_LIBRARIES: usize = 64;
 
@@ -48,6 +50,10 @@ fn load_in_stretches(
             limit: u32::MAX.into(),
         });
     }
+    let length_bytes = bytes.len() as u64;
+    let memory = MeshMemory::reserve(BYTES_PER_BYTE * length_bytes, || {
+        format!("{length_bytes} bytes of text")
+    })?;
     let mut warnings = Warnings::default();
     let mut statements = Statements::read(
         bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes),
@@ -62,7 +68,7 @@ fn load_in_stretches(
     }
     statements.assign_materials(&mut mesh, &mut warnings)?;
     Ok(LoadedMesh {
-        mesh,
+        mesh: memory.hold(mesh)?,
         warnings: warnings.finish(),
     })
 }

@@ -11,8 +11,8 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::attribute::AttributeDomain;
-use super::mesh::MeshData;
-use super::mesh_file::{LoadedMesh, MeshError, Place, Warnings};
+use super::mesh::{HIERARCHY_BYTES, MeshData};
+use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings};
 use super::ply_attributes::Attributes;
 use super::ply_header::{Element, Format, Header, Kind, Scalar, parse_header};
 use super::ply_records::Records;
@@ -34,6 +34,7 @@ fn read_body(header: &Header, mut source: impl Source) -> Result<LoadedMesh, Mes
     let mut warnings = Warnings::default();
     let mut mesh = MeshData::default();
     let vertex_count = check_elements(header)?;
+    let mut memory = MeshMemory::reserve(0, String::new)?;
     for element in &header.elements {
         let smallest = element.smallest_record(header.format);
         // The last number of a text needs nothing after it.
@@ -48,6 +49,8 @@ fn read_body(header: &Header, mut source: impl Source) -> Result<LoadedMesh, Mes
                 ),
             });
         }
+        let needed = bytes_per_element(&element.name).saturating_mul(element.count);
+        memory.add(needed, || format!("{} elements `{}`", element.count, element.name))?;
         match element.name.as_str() {
             "vertex" => read_vertices(element, &mut source, &mut mesh)?,
             "face" => read_faces(element, &mut source, vertex_count, &mut mesh, &mut warnings)?,
@@ -70,9 +73,18 @@ fn read_body(header: &Header, mut source: impl Source) -> Result<LoadedMesh, Mes
     }
     complete_normals(&mut mesh, &mut warnings);
     Ok(LoadedMesh {
-        mesh,
+        mesh: memory.hold(mesh)?,
         warnings: warnings.finish(),
     })
+}
+
+/// Memory of one element in bytes: of a vertex its position, normal and texture coordinates, of a face one triangle.
+fn bytes_per_element(name: &str) -> u64 {
+    match name {
+        "vertex" => 32,
+        "face" => 12 + HIERARCHY_BYTES,
+        _ => 0,
+    }
 }
 
 /// Sees to it that the elements that matter are there once and hold what is needed; the number of vertices.

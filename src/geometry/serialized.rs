@@ -9,8 +9,8 @@ use std::io::Read;
 use flate2::bufread::ZlibDecoder;
 use glam::{Vec2, Vec3};
 
-use super::mesh::MeshData;
-use super::mesh_file::{LoadedMesh, MeshError, Place, Warnings};
+use super::mesh::{HIERARCHY_BYTES, MeshData};
+use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings};
 use super::vertex_normals::complete_normals;
 
 const MAGIC: u16 = 0x041c;
@@ -22,6 +22,12 @@ const HAS_NORMALS: u32 = 0x1;
 const HAS_TEXTURE_COORDINATES: u32 = 0x2;
 const HAS_COLORS: u32 = 0x8;
 const DOUBLE_PRECISION: u32 = 0x2000;
+
+/// Deflate packs at most so many bytes into one.
+const MOST_PER_BYTE: u64 = 1032;
+
+/// The longest name of a shape, in bytes.
+const LONGEST_NAME: usize = 1 << 16;
 
 /// Whether a file says of itself that it is one.
 pub fn is_serialized(bytes: &[u8]) -> bool {
@@ -113,6 +119,8 @@ fn offsets(bytes: &[u8], version: u16) -> Result<Vec<u64>, MeshError> {
 struct Unpacked<'a> {
     decoder: ZlibDecoder<&'a [u8]>,
     read: u64,
+    /// No more bytes than these can be there.
+    most: u64,
 }
 
 impl<'a> Unpacked<'a> {
@@ -120,6 +128,7 @@ impl<'a> Unpacked<'a> {
         Self {
             decoder: ZlibDecoder::new(packed),
             read: 0,
+            most: MOST_PER_BYTE.saturating_mul(packed.len() as u64),
         }
     }
 
@@ -167,7 +176,9 @@ impl<'a> Unpacked<'a> {
 
 fn read_shape(mut source: Unpacked, version: u16) -> Result<LoadedMesh, MeshError> {
     let flags = u32::from_le_bytes(source.array()?);
-    while version == 4 && source.array::<1>()? != [0] {}
+    if version == 4 {
+        skip_name(&mut source)?;
+    }
     let vertices = u64::from_le_bytes(source.array()?);
     let triangles = u64::from_le_bytes(source.array()?);
     for (what, count) in [
@@ -186,6 +197,7 @@ fn read_shape(mut source: Unpacked, version: u16) -> Result<LoadedMesh, MeshErro
     }
 
     let is_double = flags & DOUBLE_PRECISION != 0;
+    let memory = reserve(&source, flags, vertices, triangles)?;
     let mut mesh = MeshData::default();
     let place = source.place();
     mesh.positions = source
@@ -233,7 +245,45 @@ fn read_shape(mut source: Unpacked, version: u16) -> Result<LoadedMesh, MeshErro
     let mut warnings = Warnings::default();
     complete_normals(&mut mesh, &mut warnings);
     Ok(LoadedMesh {
-        mesh,
+        mesh: memory.hold(mesh)?,
         warnings: warnings.finish(),
+    })
+}
+
+fn skip_name(source: &mut Unpacked) -> Result<(), MeshError> {
+    let place = source.place();
+    for _ in 0..LONGEST_NAME {
+        if source.array::<1>()? == [0] {
+            return Ok(());
+        }
+    }
+    let found = "a longer one";
+    Err(MeshError::syntax(
+        place,
+        format!("a name of at most {LONGEST_NAME} bytes"),
+        found,
+    ))
+}
+
+/// Reserves what the counts promise, before anything of it is unpacked.
+fn reserve(source: &Unpacked, flags: u32, vertices: u64, triangles: u64) -> Result<MeshMemory, MeshError> {
+    let width = if flags & DOUBLE_PRECISION != 0 { 8 } else { 4 };
+    let numbers = |flag: u32, count: u64| if flags & flag != 0 { count } else { 0 };
+    let per_vertex = 3 + numbers(HAS_NORMALS, 3) + numbers(HAS_TEXTURE_COORDINATES, 2) + numbers(HAS_COLORS, 3);
+    // The counts are 32 bits wide, so nothing below overflows.
+    let promised = vertices * per_vertex * width + triangles * 12;
+    if promised > source.most {
+        return Err(MeshError::Truncated {
+            place: source.place(),
+            promised: "its counts promise more than can be packed into it".into(),
+        });
+    }
+    // Normals are always there in the end.
+    let arrays = vertices * 4 * (6 + numbers(HAS_TEXTURE_COORDINATES, 2)) + triangles * 12;
+    // One list of the file is in memory while it is converted; the acceleration structure comes later.
+    let unpacked = (vertices * 3 * width).max(triangles * 12);
+    let more = unpacked.max(triangles * HIERARCHY_BYTES);
+    MeshMemory::reserve(arrays + more, || {
+        format!("{vertices} vertices and {triangles} triangles")
     })
 }

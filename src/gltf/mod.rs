@@ -17,6 +17,7 @@ mod uri;
 use std::borrow::Cow;
 
 use self::schema::Root;
+use crate::memory::{self, Held, Shortage};
 
 /// Reads a file by its name, relative to the glTF file.
 pub type ReadFile<'a> = dyn FnMut(&str) -> std::io::Result<Vec<u8>> + 'a;
@@ -59,6 +60,8 @@ pub enum GltfError {
     Reach { reach: f32, limit: f32 },
     #[error("the URI `{uri}` {what}")]
     Uri { uri: String, what: &'static str },
+    #[error("the buffers and meshes need {0}")]
+    Memory(Shortage),
     #[error("{name}: {source}")]
     File { name: String, source: std::io::Error },
     /// A part that cannot be written.
@@ -95,7 +98,15 @@ pub struct Gltf {
     buffers: Vec<Vec<u8>>,
     /// How many elements of meshes no buffer holds.
     zeros: usize,
+    /// For the buffers and the mesh that is being made of them.
+    _memory: Held,
 }
+
+/// A buffer, a mesh that is made of it, and the file of that mesh.
+const COPIES: u64 = 3;
+
+/// Bytes of memory for an element of a mesh that no buffer holds, in the mesh and in its file.
+const ZERO_BYTES: u64 = 64;
 
 impl Gltf {
     /// Whether bytes are a glTF file of one kind or the other, rather than XML.
@@ -139,7 +150,15 @@ impl Gltf {
             buffers.push(content);
         }
         let zeros = accessor::count_zeros(&root);
-        Ok(Self { root, buffers, zeros })
+        let held = buffers.iter().map(|buffer| buffer.len() as u64).sum::<u64>();
+        let needed = (COPIES * held).saturating_add(ZERO_BYTES.saturating_mul(zeros as u64));
+        let memory = memory::reserve(needed).map_err(GltfError::Memory)?.into();
+        Ok(Self {
+            root,
+            buffers,
+            zeros,
+            _memory: memory,
+        })
     }
 
     fn get<'a, T>(&self, what: &'static str, list: &'a [T], index: usize) -> Result<&'a T, GltfError> {

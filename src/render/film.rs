@@ -11,6 +11,9 @@ use crate::color::{Rgb, luminance};
 /// A film of a size this many times smaller than memory was taken for gives that back.
 const TOO_MUCH: usize = 16;
 
+/// Pictures of the film's size that are in memory at once while it is denoised and saved: the colour before and after, albedo and normals.
+const COPIES: usize = 4;
+
 /// The pixels of a tile lie together, row by row in rows of [`TILE`], for samples come tile by tile; at the right and lower edge some are
 /// no pixels of the picture.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -59,6 +62,17 @@ impl Film {
         self.counts.clear();
         self.counts.resize(pixels, 0);
         std::mem::replace(&mut self.previews, vec![None; tiles])
+    }
+
+    /// Memory that a film of this size needs in bytes, with the copies that are made to show and to save it.
+    pub fn memory_bytes(width: u32, height: u32, layer_count: usize) -> u64 {
+        let pixel = size_of::<PixelSum>()
+            + size_of::<u32>()
+            + size_of::<Option<FirstHit>>()
+            + layer_count * size_of::<Rgb>()
+            + COPIES * size_of::<Rgb>();
+        let rounded = |side: u32| u64::from(side.next_multiple_of(TILE));
+        rounded(width) * rounded(height) * pixel as u64
     }
 
     pub fn width(&self) -> u32 {

@@ -8,13 +8,14 @@ use std::io::Cursor;
 use exr::meta::MetaData;
 use exr::prelude::*;
 
-use super::image::{Image, Samples, Transfer};
-use super::image_file::{ImageFileError, check_size};
+use super::image::{ENVIRONMENT_BYTES, Image, Samples, Transfer};
+use super::image_file::{ImageFileError, Promise, hold};
+use crate::memory::Reservation;
 
 pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 pub(super) fn load_exr(bytes: &[u8]) -> std::result::Result<Image, ImageFileError> {
-    check_headers(bytes)?;
+    let memory = reserve(bytes)?;
     let file = read()
         .no_deep_data()
         .largest_resolution_level()
@@ -38,18 +39,19 @@ pub(super) fn load_exr(bytes: &[u8]) -> std::result::Result<Image, ImageFileErro
         Color::Grey(channel) => interleave(&[channel]),
     };
     let channels = if matches!(color, Color::Grey(_)) { 1 } else { 3 };
-    Image::new(
-        size.width() as u32,
-        size.height() as u32,
-        channels,
-        samples,
-        Transfer::Linear,
-    )
-    .ok_or(ImageFileError::Empty)
+    let (width, height) = (size.width() as u32, size.height() as u32);
+    let image = Image::new(width, height, channels, samples, Transfer::Linear);
+    hold(image.ok_or(ImageFileError::Empty)?, memory)
 }
 
-/// Before pixels are read: whether what the headers promise can be.
-fn check_headers(bytes: &[u8]) -> std::result::Result<(), ImageFileError> {
+/// Reserves, before pixels are read, what the headers promise: all layers are read before the colour is taken from one of them.
+fn reserve(bytes: &[u8]) -> std::result::Result<Reservation, ImageFileError> {
+    let mut all = Promise {
+        width: 0,
+        height: 0,
+        decoded_bytes: 0,
+        memory_bytes: 0,
+    };
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(refused)?;
     for header in &meta.headers {
         if header.deep {
@@ -61,13 +63,22 @@ fn check_headers(bytes: &[u8]) -> std::result::Result<(), ImageFileError> {
         }
         let Vec2(width, height) = header.layer_size;
         let (width, height) = (width as u64, height as u64);
-        let promised = width
-            .saturating_mul(height)
-            .saturating_mul(header.channels.bytes_per_pixel as u64);
-        check_size(width, height, promised, bytes.len())?;
+        if width == 0 || height == 0 {
+            return Err(ImageFileError::Empty);
+        }
+        let pixels = width.saturating_mul(height);
+        let promised = pixels.saturating_mul(header.channels.bytes_per_pixel as u64);
+        (all.width, all.height) = (all.width.max(width), all.height.max(height));
+        all.decoded_bytes = all.decoded_bytes.saturating_add(promised);
+        // The colour of one layer is taken out while all layers are still there.
+        let color = pixels.saturating_mul(COLOR_BYTES + ENVIRONMENT_BYTES);
+        all.memory_bytes = all.memory_bytes.saturating_add(promised).saturating_add(color);
     }
-    Ok(())
+    all.reserve(bytes.len())
 }
+
+/// Bytes per pixel of a colour of floats.
+const COLOR_BYTES: u64 = 12;
 
 fn refused(error: Error) -> ImageFileError {
     match error {

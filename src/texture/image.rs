@@ -8,6 +8,7 @@ use exr::prelude::f16;
 use glam::DVec3;
 
 use crate::color::{Rgb, linear_from_srgb, linear_from_srgb8};
+use crate::memory::{Held, Reservation};
 
 /// Samples row by row from the top left, the channels of a pixel side by side. Integers stand for [0, 1].
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +38,9 @@ pub enum Transfer {
     Srgb,
 }
 
+/// Bytes per pixel of the tables by which an environment is sampled. Nearly all pictures of floats are environments.
+pub(super) const ENVIRONMENT_BYTES: u64 = 8;
+
 /// A picture of one channel (grey) or three (Rec. 709), at least one pixel large.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
@@ -47,6 +51,7 @@ pub struct Image {
     transfer: Transfer,
     /// Of the linear and of the raw values, once asked for.
     means: [OnceLock<Rgb>; 2],
+    memory: Held,
 }
 
 impl Image {
@@ -73,7 +78,26 @@ impl Image {
             samples,
             transfer,
             means: Default::default(),
+            memory: Held::default(),
         })
+    }
+
+    /// The same picture, which keeps what is reserved for it.
+    pub(super) fn holding(mut self, memory: Reservation) -> Self {
+        self.memory = memory.into();
+        self
+    }
+
+    /// Memory of the samples in bytes, and of the tables that an environment makes of floats.
+    pub(super) fn memory_bytes(&self) -> u64 {
+        let count = self.samples.len() as u64;
+        let pixels = count / self.channels as u64;
+        match &self.samples {
+            Samples::U8(_) => count,
+            Samples::U16(_) => 2 * count,
+            Samples::F16(_) => 2 * count + ENVIRONMENT_BYTES * pixels,
+            Samples::F32(_) => 4 * count + ENVIRONMENT_BYTES * pixels,
+        }
     }
 
     /// One pixel of one linear value.
@@ -85,6 +109,7 @@ impl Image {
             samples: Samples::F32(vec![value]),
             transfer: Transfer::Linear,
             means: Default::default(),
+            memory: Held::default(),
         }
     }
 

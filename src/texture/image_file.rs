@@ -6,11 +6,12 @@
 use std::io::Cursor;
 
 use ::image::codecs::hdr::HdrDecoder;
-use ::image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use ::image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use thiserror::Error;
 
-use super::image::{Image, Samples, Transfer};
+use super::image::{ENVIRONMENT_BYTES, Image, Samples, Transfer};
 use super::{exr_file, pfm_file};
+use crate::memory::{self, Reservation, Shortage};
 
 /// Why bytes are no picture. The file's name is the caller's to add.
 #[derive(Debug, Error)]
@@ -21,6 +22,12 @@ pub enum ImageFileError {
     UnsupportedFormat(String),
     #[error("a picture of {width} x {height} pixels is promised, which is more than a file of {bytes} bytes can hold")]
     TooLarge { width: u64, height: u64, bytes: usize },
+    #[error("{width} x {height} pixels need {shortage}")]
+    Memory {
+        width: u64,
+        height: u64,
+        shortage: Shortage,
+    },
     #[error("the picture has no pixels")]
     Empty,
     #[error("the picture is damaged: {0}")]
@@ -30,9 +37,6 @@ pub enum ImageFileError {
     #[error("{0}; save the EXR picture with ZIP compression and full resolution, without depth samples")]
     UnsupportedExr(String),
 }
-
-/// No picture takes more memory, in bytes: 24,000 x 12,000 pixels of three floats.
-const LARGEST: u64 = 4 << 30;
 
 /// No format packs more bytes of a picture into one: DWAB needs two bytes for a constant block of 64 halves, and deflate packs 1032
 /// of those into one.
@@ -64,34 +68,73 @@ pub fn load_image(bytes: &[u8]) -> Result<Image, ImageFileError> {
     }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
-    limits.max_alloc = Some(LARGEST);
+    limits.max_alloc = Some(memory::budget().limit());
     reader.limits(limits);
     decode(reader.into_decoder().map_err(damaged)?, bytes.len())
 }
 
 fn decode(decoder: impl ImageDecoder, file_bytes: usize) -> Result<Image, ImageFileError> {
     let (width, height) = decoder.dimensions();
-    check_size(width.into(), height.into(), decoder.total_bytes(), file_bytes)?;
-    without_alpha(DynamicImage::from_decoder(decoder).map_err(damaged)?)
+    let has_floats = matches!(decoder.color_type(), ColorType::Rgb32F | ColorType::Rgba32F);
+    let environment = if has_floats { ENVIRONMENT_BYTES } else { 0 };
+    let pixels = u64::from(width) * u64::from(height);
+    let size = Promise {
+        width: width.into(),
+        height: height.into(),
+        decoded_bytes: decoder.total_bytes(),
+        memory_bytes: decoder.total_bytes().saturating_add(environment.saturating_mul(pixels)),
+    };
+    let memory = size.reserve(file_bytes)?;
+    let image = without_alpha(DynamicImage::from_decoder(decoder).map_err(damaged)?)?;
+    hold(image, memory)
 }
 
 fn damaged(error: ::image::ImageError) -> ImageFileError {
     ImageFileError::Damaged(error.to_string())
 }
 
-/// Refuses what does not fit into memory, or cannot come from so short a file.
-pub(super) fn check_size(width: u64, height: u64, decoded_bytes: u64, file_bytes: usize) -> Result<(), ImageFileError> {
-    if width == 0 || height == 0 {
-        return Err(ImageFileError::Empty);
-    }
-    if decoded_bytes > LARGEST.min(MOST_PER_BYTE.saturating_mul(file_bytes as u64)) {
-        return Err(ImageFileError::TooLarge {
+/// What the header of a picture promises.
+pub(super) struct Promise {
+    /// In pixels.
+    pub width: u64,
+    pub height: u64,
+    /// Bytes that the file must hold, before compression.
+    pub decoded_bytes: u64,
+    /// Bytes of memory that decoding takes at most, and the picture afterwards.
+    pub memory_bytes: u64,
+}
+
+impl Promise {
+    /// Refuses what cannot come from so short a file, and what does not fit into the budget.
+    pub fn reserve(&self, file_bytes: usize) -> Result<Reservation, ImageFileError> {
+        let (width, height) = (self.width, self.height);
+        if width == 0 || height == 0 {
+            return Err(ImageFileError::Empty);
+        }
+        if self.decoded_bytes > MOST_PER_BYTE.saturating_mul(file_bytes as u64) {
+            return Err(ImageFileError::TooLarge {
+                width,
+                height,
+                bytes: file_bytes,
+            });
+        }
+        memory::reserve(self.memory_bytes).map_err(|shortage| ImageFileError::Memory {
             width,
             height,
-            bytes: file_bytes,
-        });
+            shortage,
+        })
     }
-    Ok(())
+}
+
+/// The picture with what is reserved for it, from now on only for the samples that are left.
+pub(super) fn hold(image: Image, mut memory: Reservation) -> Result<Image, ImageFileError> {
+    let bytes = image.memory_bytes().min(memory.bytes());
+    memory.resize(bytes).map_err(|shortage| ImageFileError::Memory {
+        width: image.width().into(),
+        height: image.height().into(),
+        shortage,
+    })?;
+    Ok(image.holding(memory))
 }
 
 /// TGA begins with no magic number: whether the first 18 bytes make sense as its header.

@@ -1,7 +1,7 @@
 //! Reads portable float maps: one or three channels of 32-bit floats, rows from the bottom up (Debevec, "PFM: Portable FloatMap").
 
-use super::image::{Image, Samples, Transfer};
-use super::image_file::{ImageFileError, check_size};
+use super::image::{ENVIRONMENT_BYTES, Image, Samples, Transfer};
+use super::image_file::{ImageFileError, Promise, hold};
 
 /// `bytes` begin with `PF` (colour) or `Pf` (grey). The scale's sign names the byte order; its size multiplies the samples, as in Mitsuba.
 pub(super) fn load_pfm(bytes: &[u8]) -> Result<Image, ImageFileError> {
@@ -27,7 +27,14 @@ pub(super) fn load_pfm(bytes: &[u8]) -> Result<Image, ImageFileError> {
     let body = rest.get(1..).unwrap_or_default();
     let row = u64::from(width) * channels as u64 * 4;
     let wanted = row.saturating_mul(height.into());
-    check_size(width.into(), height.into(), wanted, bytes.len())?;
+    let pixels = u64::from(width) * u64::from(height);
+    let promise = Promise {
+        width: width.into(),
+        height: height.into(),
+        decoded_bytes: wanted,
+        memory_bytes: wanted.saturating_add(pixels.saturating_mul(ENVIRONMENT_BYTES)),
+    };
+    let memory = promise.reserve(bytes.len())?;
     if (body.len() as u64) < wanted {
         return Err(damaged("the file ends before the last pixel"));
     }
@@ -40,7 +47,8 @@ pub(super) fn load_pfm(bytes: &[u8]) -> Result<Image, ImageFileError> {
     };
     let rows = body[..wanted as usize].rchunks_exact(row as usize);
     let samples = rows.flat_map(|row| row.as_chunks::<4>().0).map(number).collect();
-    Image::new(width, height, channels, Samples::F32(samples), Transfer::Linear).ok_or(ImageFileError::Empty)
+    let image = Image::new(width, height, channels, Samples::F32(samples), Transfer::Linear);
+    hold(image.ok_or(ImageFileError::Empty)?, memory)
 }
 
 #[cfg(test)]

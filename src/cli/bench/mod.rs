@@ -13,7 +13,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Subcommand};
 
-use super::{ThreadArgs, parse, report};
+use super::{MemoryArgs, ThreadArgs, parse, report};
 use results::Results;
 
 #[derive(Args)]
@@ -64,6 +64,8 @@ struct CommonArgs {
     rounds: u32,
     #[command(flatten)]
     threads: ThreadArgs,
+    #[command(flatten)]
+    memory: MemoryArgs,
     /// Write the results to this file; - is standard output, in place of the table
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -75,6 +77,10 @@ struct CommonArgs {
 type Error = Box<dyn std::error::Error>;
 
 pub fn run(args: BenchArgs) -> ExitCode {
+    match &args.subject {
+        None => args.renders.common.memory.apply(),
+        Some(Subject::Rays(args)) => args.common.memory.apply(),
+    }
     let outcome = match &args.subject {
         None => renders::Plan::new(&args.renders).and_then(|plan| {
             let planned = plan.subjects();

@@ -1,0 +1,209 @@
+//! One budget for the memory of loaded pictures and meshes and of the film, so that a file that promises too much is refused instead of
+//! ending the process.
+//!
+//! Readers reserve the bytes that they will need at most before they allocate them. The reservation is kept beside the data and released with it,
+//! so the pieces of a scene count together, and during a reload the old and the new data both count. Small data (entities, text, the window)
+//! is not counted; the default budget leaves a part of the machine's memory for it.
+
+mod machine;
+mod size;
+
+use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, LazyLock};
+
+pub use self::size::{Bytes, parse_size};
+
+/// The environment variable with the budget, such as `8GB`.
+pub const VARIABLE: &str = "SUNROOM_MEMORY";
+
+/// A number of bytes that reservations share.
+#[derive(Debug)]
+pub struct Budget {
+    limit: AtomicU64,
+    reserved: AtomicU64,
+}
+
+/// The budget of the process: `SUNROOM_MEMORY`, or else three quarters of the memory that the process may use.
+pub fn budget() -> &'static Budget {
+    static BUDGET: LazyLock<Budget> = LazyLock::new(|| {
+        let limit = budget_of_variable().and_then(Result::ok);
+        Budget::new(limit.unwrap_or_else(|| machine::memory_bytes() / 4 * 3))
+    });
+    &BUDGET
+}
+
+/// What `SUNROOM_MEMORY` says in bytes, or what is wrong with it; None if it is not set.
+pub fn budget_of_variable() -> Option<Result<u64, String>> {
+    let text = std::env::var_os(VARIABLE).filter(|text| !text.is_empty())?;
+    Some(parse_size(&text.to_string_lossy()))
+}
+
+/// Reserves from the budget of the process.
+pub fn reserve(bytes: u64) -> Result<Reservation, Shortage> {
+    budget().reserve(bytes)
+}
+
+impl Budget {
+    /// `limit` is in bytes.
+    pub const fn new(limit: u64) -> Self {
+        Self {
+            limit: AtomicU64::new(limit),
+            reserved: AtomicU64::new(0),
+        }
+    }
+
+    /// In bytes. What is reserved already stays so.
+    pub fn set_limit(&self, limit: u64) {
+        self.limit.store(limit, Ordering::Relaxed);
+    }
+
+    /// In bytes.
+    pub fn limit(&self) -> u64 {
+        self.limit.load(Ordering::Relaxed)
+    }
+
+    /// In bytes.
+    pub fn reserved(&self) -> u64 {
+        self.reserved.load(Ordering::Relaxed)
+    }
+
+    /// Takes `bytes` from the budget until the reservation is dropped.
+    pub fn reserve(&'static self, bytes: u64) -> Result<Reservation, Shortage> {
+        let mut reservation = Reservation { budget: self, bytes: 0 };
+        reservation.resize(bytes)?;
+        Ok(reservation)
+    }
+}
+
+/// A part of a budget; dropping it gives the part back.
+#[derive(Debug)]
+pub struct Reservation {
+    budget: &'static Budget,
+    bytes: u64,
+}
+
+impl Reservation {
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// After an error the reservation is as before.
+    pub fn resize(&mut self, bytes: u64) -> Result<(), Shortage> {
+        let limit = self.budget.limit();
+        let own = self.bytes;
+        let others = |reserved: u64| reserved.saturating_sub(own);
+        let fits = |reserved: u64| {
+            let sum = others(reserved).checked_add(bytes)?;
+            (bytes <= own || sum <= limit).then_some(sum)
+        };
+        match self
+            .budget
+            .reserved
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, fits)
+        {
+            Ok(_) => {
+                self.bytes = bytes;
+                Ok(())
+            }
+            Err(reserved) => Err(Shortage {
+                asked: bytes,
+                others: others(reserved),
+                limit,
+            }),
+        }
+    }
+}
+
+impl Drop for Reservation {
+    fn drop(&mut self) {
+        self.budget.reserved.fetch_sub(self.bytes, Ordering::Relaxed);
+    }
+}
+
+/// The reservation of a value that can be cloned. Clones of the value share one reservation, and comparing values leaves it out.
+#[derive(Clone, Debug, Default)]
+pub struct Held(Option<Arc<Reservation>>);
+
+impl From<Reservation> for Held {
+    fn from(reservation: Reservation) -> Self {
+        Self(Some(Arc::new(reservation)))
+    }
+}
+
+impl PartialEq for Held {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+/// Why bytes cannot be reserved. The message begins with the size, for a sentence such as "the picture needs ...".
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub struct Shortage {
+    /// In bytes, as all of these.
+    pub asked: u64,
+    /// Reserved for other data.
+    pub others: u64,
+    pub limit: u64,
+}
+
+impl fmt::Display for Shortage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [asked, others, limit] = [self.asked, self.others, self.limit].map(Bytes);
+        write!(f, "{asked} of memory")?;
+        match self.others {
+            0 => write!(f, ", and the budget is {limit}")?,
+            _ => write!(f, ", and of the budget of {limit} other data take {others}")?,
+        }
+        write!(f, "; `--memory SIZE` or {VARIABLE} sets another budget")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_count_together_until_they_are_dropped() {
+        static BUDGET: Budget = Budget::new(100);
+        let mut first = BUDGET.reserve(60).unwrap();
+        let shortage = BUDGET.reserve(50).unwrap_err();
+        assert_eq!((shortage.asked, shortage.others, shortage.limit), (50, 60, 100));
+        assert!(shortage.to_string().contains("50 B of memory"), "{shortage}");
+        let second = BUDGET.reserve(40).unwrap();
+        assert_eq!(first.resize(61).unwrap_err().others, 40);
+        first.resize(10).unwrap();
+        drop(second);
+        first.resize(100).unwrap();
+        assert!(first.resize(u64::MAX).is_err());
+        assert_eq!(BUDGET.reserved(), 100);
+        // Less is possible also beyond a limit that has become smaller.
+        BUDGET.set_limit(10);
+        first.resize(90).unwrap();
+        drop(first);
+        assert_eq!(BUDGET.reserved(), 0);
+    }
+
+    #[test]
+    fn threads_never_reserve_more_than_there_is() {
+        static BUDGET: Budget = Budget::new(1000);
+        std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..8)
+                .map(|_| {
+                    scope.spawn(|| {
+                        for _ in 0..1000 {
+                            if let Ok(held) = BUDGET.reserve(300) {
+                                assert!(BUDGET.reserved() <= 1000);
+                                drop(held);
+                            }
+                        }
+                    })
+                })
+                .collect();
+            threads
+                .into_iter()
+                .for_each(|thread| thread.join().expect("no assertion failed"));
+        });
+        assert_eq!(BUDGET.reserved(), 0);
+    }
+}
