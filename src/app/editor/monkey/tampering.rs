@@ -108,7 +108,7 @@ mod tests {
             text = with_or_without_ball(&text, &mut random);
             text = with_other_ending(&text, &mut random);
             assert!(
-                crate::document::parse_str(&text, "a.xml".as_ref(), &[])
+                crate::document::parse_str(&*text, "a.xml".as_ref(), &[])
                     .diagnostics
                     .list
                     .is_empty(),
