@@ -123,11 +123,15 @@ impl Drop for Reservation {
 
 /// The reservation of a value that can be cloned. Clones of the value share one reservation, and comparing values leaves it out.
 #[derive(Clone, Debug, Default)]
-pub struct Held(Option<Arc<Reservation>>);
+pub struct Held {
+    _reservation: Option<Arc<Reservation>>,
+}
 
 impl From<Reservation> for Held {
     fn from(reservation: Reservation) -> Self {
-        Self(Some(Arc::new(reservation)))
+        Self {
+            _reservation: Some(Arc::new(reservation)),
+        }
     }
 }
 

@@ -3,8 +3,6 @@
 //! A part lies under the hash of its content. So the meshes and pictures that a change of the file leaves as they are keep their names,
 //! and are not loaded again.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use super::parts_cache::CACHE;
@@ -85,6 +83,8 @@ fn into_document(taken: Result<Imported, GltfError>, path: &Path, sources: &[Pat
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
+
     use crate::files::FileError;
 
     #[test]
