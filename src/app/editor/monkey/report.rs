@@ -89,9 +89,10 @@ pub struct Bounds {
     pub longest_frame: Option<Duration>,
 }
 
-/// Memory at the start of rounds may grow by this share of it and this many kB from the second quarter of the run to the last.
+/// Memory at the start of rounds may grow by this share of it and this many kB from the second quarter of the run to the last. In a short run, or on a
+/// slow machine, caches that have a bound are still being filled: the pictures of 128 materials alone take some 25 MB.
 const MEMORY_SHARE: f64 = 0.05;
-const MEMORY_KB: u64 = 8 * 1024;
+const MEMORY_KB: u64 = 32 * 1024;
 /// Threads and files at the start of rounds may be so many more in the last quarter than ever in the first half. Pictures of materials are
 /// made on threads that come and go.
 const MORE_THREADS: u64 = 3;
@@ -370,7 +371,7 @@ mod tests {
         assert_eq!(holds(&flat, "threads"), Some(true));
         // 24 in the first half and 29 in the last quarter.
         assert_eq!(holds(&flat, "open files"), Some(false));
-        let rising = record(|number| 200_000 + number as u64 * 1000);
+        let rising = record(|number| 200_000 + number as u64 * 2000);
         assert_eq!(holds(&rising, "memory is flat"), Some(false));
         assert_eq!(holds(&Record::default(), "memory is flat"), None);
     }
