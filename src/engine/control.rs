@@ -14,6 +14,10 @@ pub struct RenderControl {
     /// Samples per pixel to stop at; None is the sensor film's own `sample_count`. Raising it continues the picture, lowering it keeps
     /// what is there.
     pub target_samples: Option<u32>,
+    /// Samples per pixel that the picture is to have exactly; None is no such demand. It takes the place of `target_samples`, and the limits
+    /// of time and noise do not count. A picture that has more samples, or that was not divided into the passes of an uninterrupted
+    /// render of so many samples, is begun anew: equal scenes give equal bits, whatever was rendered before and however fast.
+    pub exact_samples: Option<u32>,
     /// Seconds of rendering to stop at, pauses not counted; None is no limit. Like the samples it can be raised and lowered.
     pub time_limit: Option<f32>,
     /// [`RenderStatus::noise`](super::RenderStatus::noise) to stop at; None is no limit.
@@ -47,6 +51,7 @@ impl Default for RenderControl {
         Self {
             paused: false,
             target_samples: None,
+            exact_samples: None,
             time_limit: None,
             noise_target: None,
             region: None,

@@ -103,7 +103,9 @@ pub(super) fn dispatch_job(
     let current = job
         .as_ref()
         .is_some_and(|job| job.is_of(&demand.extracted.scene, &view, &demand.extracted.light_groups));
-    if !current || control.restart_requested {
+    let goal = Goal::new(&control, demand.extracted.sample_count);
+    let is_inexact = goal.is_exact && job.as_ref().is_some_and(|job| !job.can_end_exactly_at(goal.samples));
+    if !current || control.restart_requested || is_inexact {
         if control.restart_requested {
             control.restart_requested = false;
         }
@@ -134,7 +136,6 @@ pub(super) fn dispatch_job(
         status.last_restart = new.begun;
         *job = Some(new);
     }
-    let goal = Goal::new(&control, demand.extracted.sample_count);
     if let Some(job) = job {
         job.run(pool, &goal, Waker::new(&demand.wake_up));
         if !control.interactive && job.failure.is_none() {

@@ -9,6 +9,8 @@ use super::control::RenderControl;
 pub(super) struct Goal {
     /// Samples per pixel, at least 1.
     pub samples: u32,
+    /// Neither more nor fewer samples than that: see [`RenderControl::exact_samples`].
+    pub is_exact: bool,
     seconds: Option<f32>,
     noise: Option<f32>,
     /// As in [`RenderControl`].
@@ -29,10 +31,12 @@ const FEWEST_FOR_NOISE: u32 = 16;
 impl Goal {
     /// `sample_count`: of the film, where the control does not say.
     pub fn new(control: &RenderControl, sample_count: u32) -> Self {
+        let exact = control.exact_samples;
         Self {
-            samples: control.target_samples.unwrap_or(sample_count).max(1),
-            seconds: control.time_limit,
-            noise: control.noise_target,
+            samples: exact.or(control.target_samples).unwrap_or(sample_count).max(1),
+            is_exact: exact.is_some(),
+            seconds: control.time_limit.filter(|_| exact.is_none()),
+            noise: control.noise_target.filter(|_| exact.is_none()),
             region: control.region,
         }
     }
@@ -72,6 +76,14 @@ mod tests {
         assert_eq!(goal.reached(16, 1.0, Some(0.1)), Some(StopReason::Noise));
         // Too few to know.
         assert_eq!(goal.reached(15, 1.0, Some(0.0)), None);
+        // A demand for an exact number takes the place of all limits.
+        let exact = RenderControl {
+            exact_samples: Some(100),
+            ..control
+        };
+        let exact = Goal::new(&exact, 8);
+        assert_eq!(exact.reached(99, 1e9, Some(0.0)), None);
+        assert_eq!(exact.reached(100, 0.0, None), Some(StopReason::Samples));
         let film = Goal::new(&RenderControl::default(), 8);
         assert_eq!(film.reached(7, 1e9, Some(0.0)), None);
         assert_eq!(film.reached(8, 0.0, None), Some(StopReason::Samples));

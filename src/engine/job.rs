@@ -1,7 +1,7 @@
 //! One picture on its way: a scene and a view that stay as they are, and the samples made of them so far. Pausing and going on are
 //! done by ending the [`Run`] and starting another; the samples stay.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -14,7 +14,7 @@ use super::film::RenderFilm;
 use super::goal::{Goal, StopReason};
 use super::light_groups::LightGroup;
 use super::run::{Run, TileResult, Work};
-use super::schedule::{WorkItem, WorkQueue, sort_from_center, tiles_in};
+use super::schedule::{WorkItem, WorkQueue, pass_end, sort_from_center, tiles_in};
 use super::wake::Waker;
 use crate::render::noise::PictureNoise;
 use crate::render::scene::RenderScene;
@@ -76,6 +76,10 @@ pub(super) struct Job {
     active: Vec<usize>,
     /// Samples in the film per tile.
     done: Vec<u32>,
+    /// Samples at which a pass ended before its time, because they were the target then.
+    cuts: BTreeSet<u32>,
+    /// Exact numbers of samples that were asked for and reached.
+    stops: BTreeSet<u32>,
     /// Results that arrived before those of lower samples of the same tile, by tile and first sample.
     early: BTreeMap<(usize, u32), TileSamples>,
     beginning: Beginning,
@@ -113,6 +117,8 @@ impl Job {
             region: None,
             active: (0..order.len()).collect(),
             done: vec![0; order.len()],
+            cuts: BTreeSet::new(),
+            stops: BTreeSet::new(),
             early: BTreeMap::new(),
             preview_left: order.len(),
             beginning,
@@ -164,6 +170,18 @@ impl Job {
         goal.reached(self.least_samples(), self.seconds(), self.noise)
     }
 
+    /// Whether going on leads to a picture of exactly so many samples, summed up in the same passes as if nothing else had been asked for
+    /// before. Tiles outside of the region have the samples of an earlier exact picture, or none.
+    pub fn can_end_exactly_at(&self, samples: u32) -> bool {
+        let mut is_active = vec![false; self.tiles.len()];
+        self.active.iter().for_each(|&index| is_active[index] = true);
+        let is_as_asked = |(&done, is_active): (&u32, bool)| match is_active {
+            true => done <= samples,
+            false => done == 0 || self.stops.contains(&done),
+        };
+        self.done.iter().zip(is_active).all(is_as_asked) && self.cuts.range(..samples).next().is_none()
+    }
+
     /// Renders only there from now on; the samples of other tiles stay.
     fn set_region(&mut self, region: Option<Rect>) {
         if self.region != region {
@@ -184,6 +202,9 @@ impl Job {
     pub fn run(&mut self, pool: &ThreadPool, goal: &Goal, waker: Waker) {
         self.set_region(goal.region);
         let reached = self.reached(goal);
+        if goal.is_exact && reached.is_some() && !self.is_running() {
+            self.stops.insert(goal.samples);
+        }
         if matches!(reached, Some(StopReason::Time | StopReason::Noise)) {
             self.pause();
         }
@@ -314,6 +335,9 @@ impl Job {
             film.mark(samples.tile);
             self.noise_of_tiles.update(index, &film.film, samples.tile);
             self.done[index] = samples.samples.end;
+            if samples.samples.end != pass_end(samples.samples.start) {
+                self.cuts.insert(samples.samples.end);
+            }
             self.rays += samples.rays;
             self.invalid += u64::from(samples.invalid);
             self.samples += samples.samples.len() as u64 * samples.pixels.len() as u64;

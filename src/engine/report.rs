@@ -4,11 +4,13 @@ use bevy::prelude::*;
 
 use super::blas_cache::BlasCache;
 use super::control::RenderControl;
+use super::detect::Dirty;
 use super::dispatch::Renderer;
 use super::extract::Extracted;
 use super::goal::Goal;
 use super::job::Job;
 use super::status::{RenderState, RenderStatus};
+use crate::scene::{SceneState, SceneStatus};
 
 /// Messages shown at most; a scene of a thousand broken spheres has said it by then.
 const MOST_ERRORS: usize = 50;
@@ -19,6 +21,8 @@ pub(super) fn report_status(
     control: Res<RenderControl>,
     extracted: Res<Extracted>,
     cache: Res<BlasCache>,
+    dirty: Res<Dirty>,
+    scene: Res<SceneStatus>,
 ) {
     let job = renderer.job();
     let goal = Goal::new(&control, extracted.sample_count);
@@ -53,6 +57,11 @@ pub(super) fn report_status(
     } else {
         RenderState::Rendering
     };
+    status.is_up_to_date = !dirty.any()
+        && builds_running == 0
+        && extracted.meshes_loading == 0
+        && scene.files_loading() == 0
+        && scene.state != SceneState::Loading;
     status.samples = samples;
     status.target = goal.samples;
     status.stopped_by = reached;

@@ -11,6 +11,8 @@ use super::goal::StopReason;
 #[derive(Resource, Clone, Debug)]
 pub struct RenderStatus {
     pub state: RenderState,
+    /// Everything that the scene names is loaded, built and packed, so that the picture being made is that of the scene as it is.
+    pub is_up_to_date: bool,
     /// Samples per pixel that the whole picture, or the region that is rendered, has.
     pub samples: u32,
     /// Samples per pixel asked for.
@@ -50,6 +52,7 @@ impl Default for RenderStatus {
     fn default() -> Self {
         Self {
             state: RenderState::Idle,
+            is_up_to_date: false,
             samples: 0,
             target: 0,
             stopped_by: None,
