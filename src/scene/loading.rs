@@ -1,6 +1,6 @@
 //! Scene files: asked for, read by the asset server, turned into entities.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -14,6 +14,7 @@ use super::assets::{SceneAsset, SceneDefines, cause};
 use super::pictures::PicturePlaces;
 use super::read::settle;
 use super::spawn::ReloadSummary;
+use super::write::{KnownTexts, are_as_read};
 use super::{OpenScene, SceneDescription, SceneState, SceneStatus, spawn};
 use crate::document::source::unreadable;
 use crate::document::{Diagnostics, SourceFile};
@@ -32,6 +33,10 @@ pub struct SceneFile {
     pub(super) good_diagnostics: Arc<Diagnostics>,
     /// Into the same.
     picture_places: PicturePlaces,
+    /// It was written here, and nothing has been read of it since: what arrives may have been read before.
+    was_written: bool,
+    /// See [`Self::hold`].
+    is_held: bool,
 }
 
 /// A file that is to become the scene.
@@ -47,6 +52,15 @@ impl SceneFile {
     /// Whether there is a file whose changes become changes of the entities.
     pub fn is_followed(&self) -> bool {
         self.handle.is_some()
+    }
+
+    /// Whether what is read of this file stays aside for now: the user is being asked what is to become of its changes.
+    pub fn hold(&mut self, held: bool) {
+        self.is_held = held;
+    }
+
+    pub fn is_held(&self) -> bool {
+        self.is_held
     }
 
     /// What becomes of the file that the entities were read from is of no interest any more.
@@ -110,28 +124,39 @@ pub(super) fn open_scenes(
     });
 }
 
+/// What was read, or could not be, and has not been looked at yet.
+#[derive(Default)]
+pub(super) struct Readings {
+    arrived: HashSet<AssetId<SceneAsset>>,
+    failed: HashMap<AssetId<SceneAsset>, String>,
+}
+
 /// Runs alone: a scene touches everything.
 pub(super) fn apply_scenes(
     world: &mut World,
     mut arrived: Local<MessageCursor<AssetEvent<SceneAsset>>>,
     mut failed: Local<MessageCursor<AssetLoadFailedEvent<SceneAsset>>>,
+    mut readings: Local<Readings>,
 ) {
-    let arrivals: Vec<AssetId<SceneAsset>> = arrived
-        .read(world.resource::<Messages<AssetEvent<SceneAsset>>>())
-        .filter_map(|event| match event {
-            AssetEvent::Added { id } | AssetEvent::Modified { id } => Some(*id),
-            _ => None,
-        })
-        .collect();
-    let failures: HashMap<AssetId<SceneAsset>, String> = failed
-        .read(world.resource::<Messages<AssetLoadFailedEvent<SceneAsset>>>())
-        .map(|event| (event.id, cause(&event.error)))
-        .collect();
+    for event in arrived.read(world.resource::<Messages<AssetEvent<SceneAsset>>>()) {
+        if let AssetEvent::Added { id } | AssetEvent::Modified { id } = event {
+            readings.arrived.insert(*id);
+        }
+    }
+    for event in failed.read(world.resource::<Messages<AssetLoadFailedEvent<SceneAsset>>>()) {
+        readings.failed.insert(event.id, cause(&event.error));
+    }
     let file = world.resource::<SceneFile>();
     let asked = file.asked.as_ref().map(|asked| asked.handle.id());
     let own = file.handle.as_ref().map(Handle::id).filter(|own| Some(*own) != asked);
+    let held = own.filter(|_| file.is_held);
+    let mut now = std::mem::take(&mut *readings);
+    if let Some(held) = held {
+        readings.arrived.extend(now.arrived.take(&held));
+        readings.failed.extend(now.failed.remove_entry(&held));
+    }
     for id in own.into_iter().chain(asked) {
-        if let Some(cause) = failures.get(&id) {
+        if let Some(cause) = now.failed.get(&id) {
             fail(world, id, |path| {
                 let mut diagnostics = one_error(format!("the scene cannot be read: {cause}"));
                 diagnostics.sources.push(SourceFile {
@@ -142,9 +167,12 @@ pub(super) fn apply_scenes(
                 Arc::new(diagnostics)
             });
         }
-        if arrivals.contains(&id)
+        if now.arrived.contains(&id)
             && let Some(asset) = world.resource::<Assets<SceneAsset>>().get(id).cloned()
         {
+            if Some(id) == own && is_outdated(world, &asset) {
+                continue;
+            }
             if asset.diagnostics.has_errors() {
                 fail(world, id, |_| asset.diagnostics);
             } else {
@@ -152,6 +180,20 @@ pub(super) fn apply_scenes(
             }
         }
     }
+}
+
+/// Whether this was read of the scene's file before that was written here: it is read again then, for what was edited would seem to be taken
+/// back by the file.
+fn is_outdated(world: &mut World, asset: &SceneAsset) -> bool {
+    let file = world.resource::<SceneFile>();
+    let is_outdated = file.was_written && !are_as_read(&asset.diagnostics.sources);
+    if is_outdated {
+        let path = AssetPath::from_path_buf(file.path.clone());
+        world.resource::<AssetServer>().reload(path);
+    } else {
+        world.resource_mut::<SceneFile>().was_written = false;
+    }
+    is_outdated
 }
 
 /// The entities become what the file says.
@@ -165,11 +207,15 @@ fn take_in(world: &mut World, id: AssetId<SceneAsset>, asset: SceneAsset) {
     } else {
         spawn::update(world, &asset.description)
     };
+    if let Some(mut known) = world.get_resource_mut::<KnownTexts>() {
+        known.forget();
+    }
     let mut file = world.resource_mut::<SceneFile>();
     file.good_diagnostics = asset.diagnostics.clone();
     file.picture_places.clone_from(&asset.description.picture_places);
     if let Some(asked) = asked {
         (file.handle, file.path) = (Some(asked.handle), asked.path);
+        file.was_written = false;
     }
     let path = file.path.clone();
     let waits = file.asked.is_some();
@@ -186,6 +232,27 @@ fn take_in(world: &mut World, id: AssetId<SceneAsset>, asset: SceneAsset) {
     }
 }
 
+/// The same for what has just been read of the scene's own file without the asset server; edits stay as in a reload.
+pub(super) fn take_in_read(world: &mut World, scene: SceneDescription, diagnostics: Arc<Diagnostics>) {
+    let scene = Arc::new(scene);
+    let reload = spawn::update(world, &scene);
+    if let Some(mut known) = world.get_resource_mut::<KnownTexts>() {
+        known.forget();
+    }
+    if let Some(mut file) = world.get_resource_mut::<SceneFile>() {
+        file.good_diagnostics = diagnostics.clone();
+        file.picture_places.clone_from(&scene.picture_places);
+    }
+    if let Some(mut status) = world.get_resource_mut::<SceneStatus>() {
+        status.file_is_broken = false;
+        status.revision += 1;
+        status.fresh_load = false;
+        status.reload = reload;
+        status.state = SceneState::Ready;
+        status.diagnostics = diagnostics;
+    }
+}
+
 /// The entities are the scene of this file, which has just been written and read again.
 pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagnostics>, written: &SceneDescription) {
     let server = world.get_resource::<AssetServer>().cloned();
@@ -196,6 +263,7 @@ pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagn
             file.path = path.to_owned();
         }
         file.asked = None;
+        file.was_written = true;
         file.good_diagnostics = diagnostics.clone();
         file.picture_places.clone_from(&written.picture_places);
     }
@@ -212,6 +280,7 @@ pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagn
 pub fn new_scene(world: &mut World) {
     spawn::spawn_fresh(world, &Arc::new(SceneDescription::empty()));
     world.insert_resource(SceneFile::default());
+    world.insert_resource(KnownTexts::default());
     let mut status = world.resource_mut::<SceneStatus>();
     *status = SceneStatus {
         state: SceneState::Ready,

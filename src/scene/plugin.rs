@@ -59,6 +59,7 @@ impl Plugin for ScenePlugin {
             .init_resource::<SceneWatch>()
             .init_resource::<Pictures>()
             .init_resource::<SceneStatus>()
+            .init_resource::<write::KnownTexts>()
             .init_resource::<ActiveSensor>()
             .init_resource::<FreeView>()
             .init_resource::<AuthoredScene>()

@@ -153,8 +153,30 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
     if world.get_resource::<AuthoredScene>() != Some(&scene.remains) {
         world.insert_resource(scene.remains.clone());
     }
+    summary.replaced += usize::from(is_integrator_edited_twice(world, &scene.integrator));
     update_integrator(world, &scene.integrator);
     summary
+}
+
+/// How many things [`update`] would find edited on both sides, with the settings of the integrator as one of them. Nothing is changed.
+pub fn edited_twice(world: &World, scene: &SceneDescription) -> usize {
+    let none = FileBase::default();
+    let base = world.get_resource::<FileBase>().unwrap_or(&none);
+    let recognised = Recognised::new(&base.scene, scene);
+    let entities = recognised.entities(&base.entities, |known| match known {
+        Some(entity) if world.get_entity(entity).is_ok() => entity,
+        _ => Entity::PLACEHOLDER,
+    });
+    let mut summary = ReloadSummary::default();
+    for thing in Thing::all(scene) {
+        let entity = thing.entity(&entities);
+        let known = recognised.before(thing);
+        if let Some(known) = known.filter(|known| known.entity(&base.entities) == entity) {
+            let (theirs, ours) = (thing.state(scene, &entities), ObjectState::of(world, entity));
+            taken_over(base, known, &theirs, &ours, &mut summary);
+        }
+    }
+    summary.replaced + usize::from(is_integrator_edited_twice(world, &scene.integrator))
 }
 
 /// Renames what was called here as something new of the file is; how many things that are.
@@ -279,6 +301,24 @@ fn update_cameras(world: &mut World, of_file: &[Entity]) {
 /// The sensor of a scene that has none.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(super) struct StandInSensor;
+
+fn is_integrator_edited_twice(world: &World, theirs: &IntegratorSettings) -> bool {
+    let base = world.get_resource::<FileBase>().and_then(|base| base.integrator);
+    let ours = world.get_resource::<IntegratorSettings>().copied().unwrap_or_default();
+    let of_file = IntegratorSettings {
+        strategy: theirs.strategy,
+        schlick: theirs.schlick,
+        ..ours
+    };
+    base.is_some_and(|base| {
+        let before = IntegratorSettings {
+            strategy: theirs.strategy,
+            schlick: theirs.schlick,
+            ..base
+        };
+        before != *theirs && before != of_file && of_file != *theirs
+    })
+}
 
 /// The command line and the panels may have changed the settings; only what the file changed is taken over. What is not the file's
 /// business is kept.

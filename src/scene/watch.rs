@@ -51,6 +51,11 @@ struct Watcher {
 }
 
 impl SceneWatch {
+    /// Nothing is known to have changed that has not been read again.
+    pub fn is_idle(&self) -> bool {
+        self.waiting.is_empty() && self.on_their_way.is_empty()
+    }
+
     fn start(&mut self) {
         if self.watcher.is_some() || self.error.is_some() {
             return;

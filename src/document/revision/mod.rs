@@ -34,13 +34,15 @@ pub struct Destination<'d> {
     /// Where names lead as things are, and where once the main file is at `path`.
     pub find_before: FindFile<'d>,
     pub find_after: FindFile<'d>,
+    /// Whether an included file (absolute) holds something else now than what was read: it cannot stand for that in a main file elsewhere.
+    pub has_changed: &'d dyn Fn(&Path) -> bool,
 }
 
 /// The files to write, the main one last. `origin` is what was read; the spans of `now` point into it, and names of files without a span
 /// are relative to its folder.
 ///
 /// What changed in an included file is written there if the document stays where it was and the file is included once; otherwise its text
-/// takes the place of the `<include>`.
+/// takes the place of the `<include>`. So does the text of a file that others changed since, where the document goes elsewhere.
 pub fn revise(
     origin: &Document,
     now: &Document,
@@ -53,6 +55,7 @@ pub fn revise(
         sources: &sources,
         names: &names,
         in_place: settle(&origin.path) == destination.path,
+        has_changed: destination.has_changed,
         includes: origin.includes.iter().map(|one| (one.span, one.source)).collect(),
         times_read: HashMap::new(),
         objects: HashMap::new(),
@@ -172,6 +175,7 @@ struct Reviser<'r> {
     sources: &'r [Source<'r>],
     names: &'r FileNames<'r>,
     in_place: bool,
+    has_changed: &'r dyn Fn(&Path) -> bool,
     includes: HashMap<Span, SourceId>,
     /// How often each file is included.
     times_read: HashMap<SourceId, usize>,
@@ -313,7 +317,8 @@ impl<'r> Reviser<'r> {
         };
         let changes = self.content(pair, own_place)?;
         let may_be_written = self.in_place && self.times_read.get(&included) == Some(&1);
-        if changes.is_empty() || may_be_written {
+        let can_stay = changes.is_empty() && (self.in_place || !(self.has_changed)(self.names.path(included)));
+        if can_stay || may_be_written {
             if !changes.is_empty() {
                 let text = self.source(included).with(changes);
                 self.revised.insert(included.0 as usize, text);

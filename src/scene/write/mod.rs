@@ -2,8 +2,9 @@
 //!
 //! What nobody edited is written as it was read, parameters that were not understood included. Materials stay where they were declared:
 //! in place, or at the top level and referred to. The document still knows where each part of it was read, so that it can be written over the
-//! old text ([`save`]); without that it makes a new file ([`write_anew`]).
+//! old text ([`save()`]); without that it makes a new file ([`write_anew`]).
 
+mod changed;
 mod defaults;
 pub mod gather;
 pub mod lights;
@@ -12,6 +13,7 @@ mod parts;
 mod patch;
 mod portable;
 mod poses;
+mod save;
 mod spectra;
 mod steps;
 
@@ -19,66 +21,26 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use bevy::prelude::World;
 use smol_str::SmolStr;
 
+pub(in crate::scene) use self::changed::are_as_read;
+pub use self::changed::{KnownTexts, OnChange};
 use self::defaults::Defaults;
 use self::parts::Moves;
 use self::patch::Draft;
 pub use self::portable::Extensions;
-use super::assets::SceneDefines;
+pub use self::save::{SaveError, save, save_with};
 use super::assets::gltf_scene::is_called_gltf;
 use super::description::{DeclarationPlace, Identity, SceneDescription};
 use super::read::mesh_search::MeshSearch;
-use super::read::{self, settle};
-use super::{Authored, IntegratorSettings, loading, rebase};
+use super::read::settle;
+use super::{Authored, IntegratorSettings};
 use crate::document::revision::{Destination, move_files, revise};
-use crate::document::{self, Category, Child, Document, Object, Span};
+use crate::document::{self, Category, Child, Document, Object, SourceFile, Span};
 use crate::files::{self, LARGEST_DATA, write_atomically};
 
 /// Materials inside materials; deeper ones are written at the top level instead. More than reading allows.
 const DEEPEST: usize = 40;
-
-#[derive(Debug, thiserror::Error)]
-pub enum SaveError {
-    #[error(transparent)]
-    Write(#[from] document::WriteError),
-    #[error(
-        "{} is not of the format that is written: save the scene under another name, such as {}",
-        path.display(),
-        proposal.display()
-    )]
-    Foreign { path: PathBuf, proposal: PathBuf },
-    #[error("{}: {source}", path.display())]
-    File { path: PathBuf, source: std::io::Error },
-}
-
-/// Saves the entities: see [`save_description`]. From then on they are the scene of that file. A sentence if that file cannot be opened again:
-/// nothing is lost, but something in it needs mending.
-pub fn save(world: &mut World, path: &Path) -> Result<Option<String>, SaveError> {
-    let (scene, entities) = gather::describe_entities(world);
-    save_description(&scene, path)?;
-    let target = settle(path);
-    let defines = world.get_resource::<SceneDefines>().map(|all| {
-        let of_old = all.get(&home(&scene, &target));
-        all.set(target.clone(), of_old.clone());
-        of_old
-    });
-    let mut document = match document::load(&target, &defines.unwrap_or_default()) {
-        Ok(document) => document,
-        Err(error) => return Ok(Some(error.to_string())),
-    };
-    let written = read::read(&mut document);
-    let diagnostics = document.diagnostics;
-    let is_error = |diagnostic: &&document::Diagnostic| diagnostic.severity == document::Severity::Error;
-    if let Some(first) = diagnostics.list.iter().find(is_error) {
-        return Ok(Some(diagnostics.line(first)));
-    }
-    let written = Arc::new(written);
-    rebase::rebase(world, &scene, &entities, written.clone());
-    loading::follow_file(world, &target, diagnostics.into(), &written);
-    Ok(None)
-}
 
 /// Writes a scene over the text that it was read from: see [`files`]. Each file is replaced in one step.
 pub fn save_description(scene: &SceneDescription, path: &Path) -> Result<(), SaveError> {
@@ -224,8 +186,17 @@ fn with_destination<T>(
     let search_folders = &scene.remains.search_folders;
     let before = MeshSearch::new(folder(&home(scene, target)), search_folders);
     let after = after(folder(target), search_folders);
+    let origin = scene.remains.origin.as_ref();
+    let sources = origin.map_or(&[][..], |origin| &origin.diagnostics.sources);
+    let is_changed = |source: &SourceFile| !are_as_read(std::slice::from_ref(source));
+    let has_changed = |path: &Path| {
+        sources
+            .iter()
+            .any(|source| settle(&source.path) == path && is_changed(source))
+    };
     act(&Destination {
         path: target,
+        has_changed: &has_changed,
         find_before: &|name, folder| before.find_file(name, folder),
         find_after: &|name, folder| after.find_file(name, folder),
     })

@@ -1,0 +1,221 @@
+//! Files of a scene that somebody else has changed since they were read here. Saving looks for them before it writes, so that two windows
+//! (or a window and a text editor) on one file do not overwrite each other's work.
+//!
+//! Contents are compared, not times: a file that was written again with the same content has not changed. Among windows of this program the
+//! folder is locked from the comparison until the files are replaced; a text editor that writes in the very moment between the last
+//! comparison and the replacement cannot be noticed.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use bevy::prelude::*;
+
+use super::{SaveError, write_file};
+use crate::document::source::read_text;
+use crate::document::{self, Severity, SourceError, SourceFile};
+use crate::files::{FileError, FolderBusy, FolderLock, lock_folder};
+use crate::scene::assets::SceneDefines;
+use crate::scene::read::{self, settle};
+use crate::scene::{AuthoredScene, loading, spawn};
+
+/// How saving treats files that were changed by others since they were read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OnChange {
+    /// Takes their changes in first. It is an error if a thing was edited both there and here.
+    Refuse,
+    /// Takes their changes in first. Where a thing was edited on both sides the file's edit counts, as in a reload.
+    TakeIn,
+    /// Replaces the files by the scene as it is here. The changes of others are lost.
+    Overwrite,
+}
+
+/// Contents that files are known to have for another reason than that the scene was read from them: the program wrote them but could not read
+/// them again, or the scene was recovered and is to be saved there. None: there was no such file.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct KnownTexts(Vec<(PathBuf, Option<String>)>);
+
+impl KnownTexts {
+    /// Remembers what is in the file now, as far as it can be read.
+    pub fn note_present(&mut self, path: &Path) {
+        self.0 = vec![(settle(path), read_text(path).ok())];
+    }
+
+    pub(super) fn note_written(&mut self, files: Vec<(PathBuf, String)>) {
+        self.0 = files.into_iter().map(|(path, text)| (path, Some(text))).collect();
+    }
+
+    pub(in crate::scene) fn forget(&mut self) {
+        self.0.clear();
+    }
+}
+
+/// A file that saving may replace, with the contents it may have.
+pub(super) struct Expected {
+    path: PathBuf,
+    /// As it was read; None where the scene was not read from it.
+    read: Option<SourceFile>,
+    known: Vec<Option<String>>,
+}
+
+#[derive(Debug, PartialEq)]
+enum Found {
+    AsExpected,
+    Gone,
+    Changed,
+}
+
+/// The files that saving at `target` may replace without a loss only if they are as expected: those that the scene was read from, if it stays
+/// where it was.
+pub(super) fn expected_files(world: &World, target: &Path) -> Vec<Expected> {
+    let known = world.get_resource::<KnownTexts>().cloned().unwrap_or_default();
+    let known_of = |path: &Path| -> Vec<Option<String>> {
+        let of_path = known.0.iter().filter(|(known, _)| known == path);
+        of_path.map(|(_, text)| text.clone()).collect()
+    };
+    let origin = world
+        .get_resource::<AuthoredScene>()
+        .and_then(|scene| scene.origin.clone());
+    let origin = origin.filter(|origin| !origin.imported && settle(&origin.path) == target);
+    let Some(origin) = origin else {
+        let known = known_of(target);
+        let path = target.to_owned();
+        let read = None;
+        return match known.is_empty() {
+            true => Vec::new(),
+            false => vec![Expected { path, read, known }],
+        };
+    };
+    let sources = origin.diagnostics.sources.iter();
+    sources
+        .map(|source| {
+            let path = settle(&source.path);
+            let known = known_of(&path);
+            let read = Some(source.clone());
+            Expected { path, read, known }
+        })
+        .collect()
+}
+
+impl Expected {
+    /// An error for what is no file, which must not be replaced by one.
+    fn look(&self) -> Result<Found, SaveError> {
+        let text = match read_text(&self.path) {
+            Ok(text) => text,
+            Err(SourceError::Unreadable { source, .. }) if source.is_not_found() => return Ok(Found::Gone),
+            Err(error) if is_no_file(&error) => return Err(SaveError::NoFile(error)),
+            // It holds something else now.
+            Err(_) => return Ok(Found::Changed),
+        };
+        let is_as_read = self.read.as_ref().is_some_and(|source| is_text_of(source, &text));
+        let is_known = self.known.iter().any(|known| known.as_ref() == Some(&text));
+        Ok(match is_as_read || is_known {
+            true => Found::AsExpected,
+            false => Found::Changed,
+        })
+    }
+}
+
+fn is_no_file(error: &SourceError) -> bool {
+    let SourceError::Unreadable { source, .. } = error else {
+        return false;
+    };
+    matches!(source, FileError::Folder | FileError::NotRegular { .. })
+}
+
+fn is_text_of(source: &SourceFile, text: &str) -> bool {
+    let without_mark = text.strip_prefix('\u{feff}');
+    without_mark.is_some() == source.byte_order_mark && without_mark.unwrap_or(text) == &*source.text
+}
+
+/// Whether the files still hold what was read from them.
+pub(in crate::scene) fn are_as_read(sources: &[SourceFile]) -> bool {
+    let is_as_read = |source: &SourceFile| read_text(&source.path).is_ok_and(|text| is_text_of(source, &text));
+    sources.iter().all(is_as_read)
+}
+
+/// Takes in what others changed in the files of the scene that will be saved at `target`.
+pub(super) fn take_in_changes(world: &mut World, target: &Path, on_change: OnChange) -> Result<(), SaveError> {
+    let expected = expected_files(world, target);
+    let mut changed = Vec::new();
+    for file in &expected {
+        if file.look()? == Found::Changed {
+            changed.push(file);
+        }
+    }
+    let Some(first) = changed.first() else {
+        return Ok(());
+    };
+    let path = first.path.clone();
+    if first.read.is_none() {
+        let edited_twice = None;
+        return Err(SaveError::Changed { path, edited_twice });
+    }
+    let defines = world.get_resource::<SceneDefines>();
+    let defines = defines.map_or_else(Vec::new, |all| all.get(target));
+    let mut document = document::load(target, &defines).map_err(|error| SaveError::Broken {
+        path: path.clone(),
+        reason: error.to_string(),
+    })?;
+    let scene = read::read(&mut document);
+    let diagnostics = document.diagnostics;
+    let mut errors = diagnostics.list.iter();
+    if let Some(error) = errors.find(|diagnostic| diagnostic.severity == Severity::Error) {
+        let reason = diagnostics.line(error);
+        return Err(SaveError::Broken { path, reason });
+    }
+    let count = spawn::edited_twice(world, &scene);
+    if on_change == OnChange::Refuse && count > 0 {
+        let edited_twice = Some(count);
+        return Err(SaveError::Changed { path, edited_twice });
+    }
+    loading::take_in_read(world, scene, diagnostics.into());
+    Ok(())
+}
+
+/// Writes the files unless one of the expected ones has changed; returns what was written, or None. Of the expected files those that are gone
+/// come back, and with `overwrites` those that were changed become what they were.
+pub(super) fn replace_files(
+    expected: &[Expected],
+    files: Vec<(PathBuf, String)>,
+    overwrites: bool,
+) -> Result<Option<Vec<(PathBuf, String)>>, SaveError> {
+    let mut all = Vec::new();
+    for file in expected {
+        match file.look()? {
+            Found::AsExpected => continue,
+            Found::Changed if !overwrites => return Ok(None),
+            Found::Changed | Found::Gone => {}
+        }
+        let is_written = files.iter().any(|(path, _)| *path == file.path);
+        if let Some(source) = file.read.as_ref().filter(|_| !is_written) {
+            let mark = if source.byte_order_mark { "\u{feff}" } else { "" };
+            all.push((file.path.clone(), format!("{mark}{}", source.text)));
+        }
+    }
+    all.extend(files);
+    for (path, text) in &all {
+        write_file(path, text)?;
+    }
+    Ok(Some(all))
+}
+
+/// Another window needs a fraction of this for a save.
+const LONGEST_WAIT: Duration = Duration::from_secs(5);
+
+/// Locks the folders in which a save may write. Waits for other windows that are saving there, but not for ever: one of them may hang.
+pub(super) fn lock_folders(world: &World, target: &Path) -> Result<Vec<FolderLock>, SaveError> {
+    let origin = world.get_resource::<AuthoredScene>();
+    let origin = origin.and_then(|scene| scene.origin.as_ref());
+    let sources = origin.into_iter().flat_map(|origin| &origin.diagnostics.sources);
+    let files = sources.map(|source| settle(&source.path)).chain([target.to_owned()]);
+    // In one order everywhere, so that no two windows wait for each other.
+    let folders: BTreeSet<PathBuf> = files
+        .filter_map(|file| {
+            let file = file.canonicalize().unwrap_or(file);
+            Some(file.parent()?.to_owned())
+        })
+        .collect();
+    let lock = |folder: PathBuf| lock_folder(&folder, LONGEST_WAIT).map_err(|FolderBusy| SaveError::Locked { folder });
+    folders.into_iter().map(lock).collect()
+}

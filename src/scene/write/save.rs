@@ -1,0 +1,109 @@
+//! Saving what the entities are, and going on from there: the scene is that of the file from then on.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bevy::prelude::World;
+
+use super::changed::{KnownTexts, OnChange, expected_files, lock_folders, replace_files, take_in_changes};
+use super::gather::{self, Entities};
+use super::{copy_parts, home, plan};
+use crate::document::{self, SourceError};
+use crate::scene::assets::SceneDefines;
+use crate::scene::read::{self, settle};
+use crate::scene::{SceneDescription, loading, rebase};
+
+#[derive(Debug, thiserror::Error)]
+pub enum SaveError {
+    #[error(transparent)]
+    Write(#[from] document::WriteError),
+    #[error(
+        "{} is not of the format that is written: save the scene under another name, such as {}",
+        path.display(),
+        proposal.display()
+    )]
+    Foreign { path: PathBuf, proposal: PathBuf },
+    #[error("{}: {source}", path.display())]
+    File { path: PathBuf, source: std::io::Error },
+    /// Other things than files are not replaced.
+    #[error(transparent)]
+    NoFile(SourceError),
+    /// By others, since it was read. `edited_twice`: how many things were edited both there and here; None where that cannot be known.
+    #[error("{} was changed elsewhere{}", path.display(), also_edited(*edited_twice))]
+    Changed { path: PathBuf, edited_twice: Option<usize> },
+    #[error("{} was changed elsewhere and cannot be read as it is now: {reason}", path.display())]
+    Broken { path: PathBuf, reason: String },
+    #[error("another window has been saving in {} for seconds: try again", folder.display())]
+    Locked { folder: PathBuf },
+    #[error("{} is being changed elsewhere again and again", path.display())]
+    Restless { path: PathBuf },
+}
+
+fn also_edited(count: Option<usize>) -> String {
+    match count {
+        None => String::new(),
+        Some(1) => ", and one thing was edited both there and here".to_owned(),
+        Some(count) => format!(", and {count} things were edited both there and here"),
+    }
+}
+
+/// Files that change between reading and replacing them are read again so many times.
+const MOST_ATTEMPTS: usize = 5;
+
+/// As [`save_with`] and [`OnChange::Refuse`].
+pub fn save(world: &mut World, path: &Path) -> Result<Option<String>, SaveError> {
+    save_with(world, path, OnChange::Refuse)
+}
+
+/// Saves the entities: see [`save_description`]. From then on they are the scene of that file. What others changed in the files of the scene since
+/// they were read is treated as `on_change` says. A sentence if the file cannot be opened again: nothing is lost, but something in it
+/// needs mending.
+pub fn save_with(world: &mut World, path: &Path, on_change: OnChange) -> Result<Option<String>, SaveError> {
+    let target = settle(path);
+    let _locks = lock_folders(world, &target)?;
+    let overwrites = on_change == OnChange::Overwrite;
+    for _ in 0..MOST_ATTEMPTS {
+        if !overwrites {
+            take_in_changes(world, &target, on_change)?;
+        }
+        let (scene, entities) = gather::describe_entities(world);
+        let (files, moves) = plan(&scene, &target)?;
+        copy_parts(&moves)?;
+        if let Some(written) = replace_files(&expected_files(world, &target), files, overwrites)? {
+            return Ok(follow(world, &target, &scene, &entities, written));
+        }
+    }
+    Err(SaveError::Restless { path: target })
+}
+
+/// The entities are the scene of the file that was just written of them. The error is that it cannot be read again.
+fn follow(
+    world: &mut World,
+    target: &Path,
+    scene: &SceneDescription,
+    entities: &Entities,
+    written: Vec<(PathBuf, String)>,
+) -> Option<String> {
+    let mut known = world.get_resource_or_init::<KnownTexts>();
+    known.note_written(written);
+    let defines = world.get_resource::<SceneDefines>().map(|all| {
+        let of_old = all.get(&home(scene, target));
+        all.set(target.to_owned(), of_old.clone());
+        of_old
+    });
+    let mut document = match document::load(target, &defines.unwrap_or_default()) {
+        Ok(document) => document,
+        Err(error) => return Some(error.to_string()),
+    };
+    let read = read::read(&mut document);
+    let diagnostics = document.diagnostics;
+    let is_error = |diagnostic: &&document::Diagnostic| diagnostic.severity == document::Severity::Error;
+    if let Some(first) = diagnostics.list.iter().find(is_error) {
+        return Some(diagnostics.line(first));
+    }
+    let read = Arc::new(read);
+    rebase::rebase(world, scene, entities, read.clone());
+    world.resource_mut::<KnownTexts>().forget();
+    loading::follow_file(world, target, diagnostics.into(), &read);
+    None
+}
