@@ -8,8 +8,10 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
 use super::latency::{FrameTimes, LatencyProbe};
 use super::motion::Motion;
-use super::script::Script;
-use crate::engine::{RenderState, RenderStatus};
+use super::pacing::Pacing;
+use super::preview::Previews;
+use super::script::{Script, window_is_complete};
+use crate::engine::{RenderControl, RenderState, RenderStatus};
 use crate::files::write_atomically;
 use crate::scene::{SceneState, SceneStatus};
 
@@ -27,6 +29,8 @@ pub struct ExitDoor {
 enum Step {
     /// For the samples, or the measurement.
     Waiting,
+    /// For exactly so many samples.
+    Sampling(u32),
     /// The picture is ready; a few frames more, so that the panels show it too.
     Settling(u32),
     Capturing,
@@ -63,6 +67,8 @@ pub fn drive_exit_door(
     probe: Option<Res<LatencyProbe>>,
     script: Option<Res<Script>>,
     motion: Res<Motion>,
+    mut control: ResMut<RenderControl>,
+    (pacing, previews): (Res<Pacing>, Res<Previews>),
 ) {
     if door.exit && door.step != Step::Done && door.started.elapsed() > door.timeout {
         error!(
@@ -74,23 +80,42 @@ pub fn drive_exit_door(
         exit.write(AppExit::error());
         door.step = Step::Done;
     }
+    let is_scripted = script.is_some_and(|script| !script.is_done());
+    let waits = matches!(door.step, Step::Waiting | Step::Sampling(_));
+    // A script says itself which of its lines that was.
+    if door.exit && waits && scene.state == SceneState::Failed && !is_scripted {
+        error!("The scene could not be loaded");
+        exit.write(AppExit::error());
+        door.step = Step::Done;
+    }
     match door.step {
         Step::Waiting => {
-            // A script says itself which of its lines that was.
-            if door.exit && scene.state == SceneState::Failed && script.as_ref().is_none_or(|script| script.is_done()) {
-                error!("The scene could not be loaded");
-                exit.write(AppExit::error());
-                door.step = Step::Done;
+            if is_scripted || probe.is_some_and(|probe| !probe.done) {
                 return;
             }
-            let enough =
-                status.samples >= door.after_spp.max(1) || (status.state == RenderState::Done && status.samples > 0);
-            let is_scripted = script.is_some_and(|script| !script.is_done());
-            let settled = scene.files_loading() == 0
-                && motion.is_settled()
-                && !matches!(status.state, RenderState::Loading | RenderState::Building)
-                && scene.state != SceneState::Loading;
-            if enough && settled && !is_scripted && probe.is_none_or(|probe| probe.done) {
+            // A script may have waited for more.
+            let samples = door.after_spp.max(control.exact_samples.unwrap_or(1));
+            let exact = match (&door.screenshot, door.exit) {
+                (Some(_), _) => Some(samples),
+                // The program is about to end.
+                (None, true) => control.exact_samples,
+                (None, false) => None,
+            };
+            if control.exact_samples != exact {
+                control.exact_samples = exact;
+            }
+            door.step = Step::Sampling(samples);
+        }
+        Step::Sampling(samples) => {
+            let is_reached = match status.state {
+                RenderState::Done if door.screenshot.is_some() => status.samples >= samples,
+                RenderState::Done => status.samples > 0,
+                RenderState::Rendering => door.screenshot.is_none() && status.samples >= samples,
+                RenderState::Paused => status.samples >= door.after_spp,
+                _ => false,
+            };
+            let is_complete = door.screenshot.is_none() || window_is_complete(&pacing, &previews);
+            if is_reached && is_complete && status.is_up_to_date && motion.is_settled() {
                 door.step = Step::Settling(SETTLING_FRAMES);
             }
         }
@@ -100,9 +125,11 @@ pub fn drive_exit_door(
                 commands.spawn(Screenshot::primary_window()).observe(
                     move |captured: On<ScreenshotCaptured>,
                           mut door: ResMut<ExitDoor>,
+                          mut control: ResMut<RenderControl>,
                           mut exit: MessageWriter<AppExit>| {
                         let outcome = save_window(&captured.image, &path);
                         door.step = Step::Done;
+                        control.exact_samples = None;
                         match outcome {
                             Ok(()) => info!("Saved {}", path.display()),
                             Err(message) => {

@@ -78,6 +78,8 @@ pub struct Previews {
     work: Option<Work>,
     /// Its thread ended before its time: trying again would do no good.
     given_up: Option<Look>,
+    /// Every picture that is in sight is as good as it is to be.
+    are_done: bool,
 }
 
 /// Takes what has been rendered, and sees to it that the next picture that is wanted is.
@@ -114,6 +116,7 @@ pub fn update_previews(
     {
         previews.work = start(wanted.ball, wanted.look.clone(), quality, wake_up.clone());
     }
+    previews.are_done = previews.work.is_none() && previews.next(&wanted, true).is_none();
     previews.let_go(&current, &wanted);
     model.0.looks.balls = previews.shown();
     Ok(())
@@ -170,6 +173,11 @@ impl Quality {
 }
 
 impl Previews {
+    /// Nothing is being rendered, and nothing waits to be.
+    pub fn are_done(&self) -> bool {
+        self.are_done
+    }
+
     /// When it is looked at for the first time.
     fn load_library(&mut self, model: &Model, state: &EditorState) {
         if state.shelf.in_sight.is_empty() || self.presets.len() == model.presets.len() {

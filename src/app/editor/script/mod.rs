@@ -1,6 +1,8 @@
 //! The replay door: a file of named commands, one a line, done one after the other as a user would.
 //!
-//! A line begins when what the one before asked for is loaded. The first that fails ends the run.
+//! A line begins when everything that the one before asked for is loaded and in the picture. The first that fails ends the run. After
+//! `wait N` the picture has exactly N samples per pixel and keeps that number until the next `wait`; lines that save or measure it wait for that
+//! again if the scene was changed in between. What a script saves therefore does not depend on the speed of the machine.
 
 pub mod assign;
 pub mod parse;
@@ -14,13 +16,17 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
 use super::command::Command;
 use super::commands;
+use super::denoiser::Denoiser;
 use super::exit_door::{ExitDoor, save_window};
+use super::model::DenoiserState;
+use super::pacing::Pacing;
+use super::preview::Previews;
 use super::state::EditorState;
 use crate::document::Severity;
-use crate::engine::{RenderState, RenderStatus};
+use crate::engine::{RenderControl, RenderState, RenderStatus};
 use crate::files::{self, FileError, LARGEST_NOTE};
 use crate::scene::{SceneState, SceneStatus};
-use parse::Step;
+use parse::{Step, Wait};
 
 /// Frames after which what a command has led to has begun: it is applied in one, noticed in the next.
 const FRAMES_TO_BEGIN: u32 = 3;
@@ -32,7 +38,9 @@ pub struct Script {
     lines: VecDeque<(usize, String)>,
     /// Frames since the last command.
     frames: u32,
-    samples_awaited: Option<u32>,
+    /// A line that was read and has to wait for something.
+    step: Option<Step>,
+    wait: Option<Wait>,
     screenshot_awaited: bool,
     failed: bool,
     /// The line that was begun last.
@@ -48,7 +56,8 @@ impl Script {
             path: path.to_owned(),
             lines: (1..).zip(text.lines().map(str::to_owned)).collect(),
             frames: 0,
-            samples_awaited: None,
+            step: None,
+            wait: None,
             screenshot_awaited: false,
             failed: false,
             number: 0,
@@ -59,7 +68,8 @@ impl Script {
     /// All lines are done, and their pictures saved; what the last one has led to may still be on its way.
     pub fn is_done(&self) -> bool {
         self.lines.is_empty()
-            && self.samples_awaited.is_none()
+            && self.step.is_none()
+            && self.wait.is_none()
             && !self.screenshot_awaited
             && self.frames >= FRAMES_TO_BEGIN
     }
@@ -97,33 +107,84 @@ fn is_ready(world: &World, script: &mut Script) -> Result<bool, String> {
         return Err(format!("the scene cannot be read{reason}"));
     }
     let status = world.resource::<RenderStatus>();
-    if let Some(samples) = script.samples_awaited {
-        match status.state {
-            RenderState::Loading | RenderState::Building => return Ok(false),
-            RenderState::Rendering if status.samples < samples => return Ok(false),
-            RenderState::Rendering | RenderState::Done => script.samples_awaited = None,
-            RenderState::Idle => return Err("there is no camera: no samples can be waited for".to_owned()),
-            RenderState::Paused => return Err("rendering is paused: no samples can be waited for".to_owned()),
-            RenderState::Failed => return Err("rendering has failed: no samples can be waited for".to_owned()),
-        }
+    if !status.is_up_to_date || world.resource::<Denoiser>().state() == DenoiserState::Running {
+        return Ok(false);
     }
+    let Some(wait) = script.wait else {
+        return Ok(true);
+    };
+    match (status.state, wait) {
+        (_, Wait::Samples(0)) => {}
+        (RenderState::Done, Wait::Samples(samples)) if status.samples < samples => return Ok(false),
+        (RenderState::Done, _) => {}
+        (RenderState::Loading | RenderState::Building | RenderState::Rendering, _) => return Ok(false),
+        (RenderState::Idle, _) => return Err("there is no camera: no samples can be waited for".to_owned()),
+        (RenderState::Paused, _) => return Err("rendering is paused: no samples can be waited for".to_owned()),
+        (RenderState::Failed, _) => return Err("rendering has failed: no samples can be waited for".to_owned()),
+    }
+    script.wait = None;
     Ok(true)
+}
+
+/// The exact number of samples that the picture was to have when it was last waited for, if it has another one since.
+fn lost_samples(world: &World) -> Option<u32> {
+    let status = world.resource::<RenderStatus>();
+    let wanted = world.resource::<RenderControl>().exact_samples?;
+    let rests = matches!(status.state, RenderState::Done | RenderState::Paused);
+    (!rests || status.samples != wanted).then_some(wanted)
+}
+
+/// Whether all that belongs into a picture of the window is in it: previews of materials come last.
+pub fn window_is_complete(pacing: &Pacing, previews: &Previews) -> bool {
+    pacing.rests() && previews.are_done()
 }
 
 impl Script {
     fn next(&mut self, world: &mut World) {
-        while let Some((number, text)) = self.lines.pop_front() {
-            let outcome = match parse::line(world, &text) {
-                Ok(None) => continue,
-                Ok(Some(step)) => self.begin(world, step),
-                Err(error) => Err(error),
-            };
-            self.number = number;
-            if let Err(error) = outcome {
-                self.fail(world, &error);
-            }
+        let step = match self.step.take() {
+            Some(step) => step,
+            None => match self.read_line(world) {
+                Some(Ok(step)) => step,
+                Some(Err(error)) => return self.fail(world, &error),
+                None => return,
+            },
+        };
+        let shows_picture = match &step {
+            Step::Do(command) => command.keeps_picture(),
+            Step::Screenshot(_) => true,
+            Step::Wait(_) => false,
+        };
+        if shows_picture && let Some(samples) = lost_samples(world) {
+            self.wait = Some(Wait::Samples(samples));
+            self.step = Some(step);
             return;
         }
+        let is_complete = window_is_complete(world.resource::<Pacing>(), world.resource::<Previews>());
+        if matches!(step, Step::Screenshot(_)) && !is_complete {
+            self.step = Some(step);
+            return;
+        }
+        if let Err(error) = self.begin(world, step) {
+            self.fail(world, &error);
+        }
+    }
+
+    /// The next line that says something; None after the last one.
+    fn read_line(&mut self, world: &mut World) -> Option<Result<Step, String>> {
+        while let Some((number, text)) = self.lines.pop_front() {
+            match parse::line(world, &text) {
+                Ok(None) => {}
+                Ok(Some(step)) => {
+                    self.number = number;
+                    return Some(Ok(step));
+                }
+                Err(error) => {
+                    self.number = number;
+                    return Some(Err(error));
+                }
+            }
+        }
+        None
     }
 
     fn fail(&mut self, world: &mut World, error: &str) {
@@ -133,6 +194,7 @@ impl Script {
             eprintln!("error: {}: no picture was written", picture.display());
         }
         self.lines.clear();
+        (self.step, self.wait) = (None, None);
         self.failed = true;
         world.write_message(AppExit::error());
     }
@@ -145,7 +207,15 @@ impl Script {
                 self.opens = matches!(command, Command::OpenScene(_));
                 commands::apply_now(world, command)?;
             }
-            Step::WaitForSamples(samples) => self.samples_awaited = Some(samples),
+            Step::Wait(wait) => {
+                let mut control = world.resource_mut::<RenderControl>();
+                control.exact_samples = match wait {
+                    Wait::Samples(0) => control.exact_samples,
+                    Wait::Samples(samples) => Some(samples),
+                    Wait::Done => None,
+                };
+                self.wait = Some(wait);
+            }
             Step::Screenshot(path) => {
                 self.screenshot_awaited = true;
                 world.spawn(Screenshot::primary_window()).observe(

@@ -29,10 +29,18 @@ use crate::scene::{AreaLight, DocumentOrder, Emitter, Film, Material, SceneId, S
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
     Do(Command),
-    /// Until the picture has so many samples per pixel, and everything is loaded.
-    WaitForSamples(u32),
+    Wait(Wait),
     /// The whole window, as PNG.
     Screenshot(PathBuf),
+}
+
+/// What a line waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wait {
+    /// The picture of the scene as it is has exactly so many samples per pixel, and gets no more; 0: everything is loaded.
+    Samples(u32),
+    /// The picture has reached one of its own limits.
+    Done,
 }
 
 /// What there is beside the actions; for messages and the README.
@@ -77,7 +85,7 @@ pub const VERBS: [(&str, &str); 39] = [
     ("keep-lights-apart", "on|off"),
     ("mix", "none | LIGHT STRENGTH [R,G,B]"),
     ("compare", "off | wipe FRACTION | difference"),
-    ("wait", "SAMPLES"),
+    ("wait", "SAMPLES|done"),
     ("screenshot", "FILE"),
 ];
 
@@ -255,7 +263,8 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             rendering::mix(world.resource::<LightMix>(), light, gain)?
         }
         ("compare", view) => Command::SetCompareView(rendering::compare_view(view)?),
-        ("wait", [samples]) => return Ok(Step::WaitForSamples(count(samples)?)),
+        ("wait", ["done"]) => return Ok(Step::Wait(Wait::Done)),
+        ("wait", [samples]) => return Ok(Step::Wait(Wait::Samples(count(samples)?))),
         ("screenshot", [path]) => return Ok(Step::Screenshot(path.into())),
         _ if VERBS.iter().any(|(name, _)| *name == verb) => return Err(format!("`{verb}` takes other words")),
         _ if actions::find(verb).is_some() => return Err(format!("`{verb}` takes no words behind it")),
@@ -302,23 +311,33 @@ fn count(text: &str) -> Result<u32, String> {
     u32::try_from(parse_integer(text)?).map_err(|_| format!("expected a whole number from 0 on, found `{text}`"))
 }
 
-/// Ids first, then names; of several the first in the file.
+/// Ids first, then names. Several things of one name are an error: a wrong one would be changed without a word.
 fn named(world: &mut World, name: &str) -> Result<Entity, String> {
     let mut things = world.query::<(&DocumentOrder, Entity, Option<&SceneId>, Option<&Name>)>();
-    let mut found: Vec<_> = things
-        .iter(world)
-        .filter_map(|(order, entity, id, called)| {
-            let is_id = id.is_some_and(|id| id.0 == name);
-            let is_name = called.is_some_and(|called| called.as_str() == name);
-            (is_id || is_name).then_some((!is_id, *order, entity))
-        })
-        .collect();
-    found.sort();
-    if let Some((.., entity)) = found.first() {
-        return Ok(*entity);
+    let (mut by_id, mut by_name) = (Vec::new(), Vec::new());
+    for (_, entity, id, called) in things.iter(world) {
+        if id.is_some_and(|id| id.0 == name) {
+            by_id.push(entity);
+        } else if called.is_some_and(|called| called.as_str() == name) {
+            by_name.push(entity);
+        }
+    }
+    match by_id.as_slice() {
+        [] => {}
+        [entity] => return Ok(*entity),
+        several => return Err(ambiguous(name, several.len())),
+    }
+    match by_name.as_slice() {
+        [] => {}
+        [entity] => return Ok(*entity),
+        several => return Err(ambiguous(name, several.len())),
     }
     let names = crate::scene::insert::names(world);
     Err(unknown("thing", name, names.iter().map(String::as_str)))
+}
+
+fn ambiguous(name: &str, count: usize) -> String {
+    format!("there are {count} things called \"{name}\": give the one that is meant an id of its own")
 }
 
 fn all_named(world: &mut World, names: &[&str]) -> Result<Vec<Entity>, String> {
