@@ -2,6 +2,8 @@
 #![cfg(feature = "window")]
 
 use std::fmt::Write;
+use std::path::Path;
+use std::sync::Arc;
 
 use bevy::prelude::*;
 use sunroom::app::editor::command::Command;
@@ -15,7 +17,7 @@ use sunroom::app::editor::script::parse::{self, Step};
 use sunroom::app::editor::selection::Selection;
 use sunroom::app::editor::state::{CommandQueue, EditorState};
 use sunroom::engine::{CurrentScene, LightGroup, RenderControl, RenderFilm};
-use sunroom::scene::write::gather;
+use sunroom::scene::write::{self, gather};
 use sunroom::scene::*;
 
 /// A world that has what edits need, and nothing that draws.
@@ -67,6 +69,11 @@ fn assert_same(one: &Snapshot, other: &Snapshot) {
     assert_eq!(one.difference(other), None);
 }
 
+/// The lines of a step, up to the first that cannot be done: the others were meant for what that one would have selected.
+fn say_all(world: &mut World, step: &[String]) -> bool {
+    step.iter().all(|line| say(world, line))
+}
+
 #[test]
 fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -76,7 +83,7 @@ fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
     let mut random = Random::new(0x5eed_1234_9abc_def1);
     // What a replay would have to do, and what could be done again, each a step of the history.
     let (mut done, mut undone): (Vec<Vec<String>>, Vec<Vec<String>>) = (Vec::new(), Vec::new());
-    let mut refused = 0;
+    let (mut refused, mut forgotten) = (0, 0);
     for number in 0..10_000 {
         match random.below(4) {
             0 if world.resource::<History>().len().0 > 0 => {
@@ -93,9 +100,7 @@ fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
                 };
                 world.resource_mut::<EditorState>().interaction += 1;
                 let before = world.resource::<History>().last_step();
-                for line in &step {
-                    refused += usize::from(!say(&mut world, line));
-                }
+                refused += usize::from(!say_all(&mut world, &step));
                 // What changes nothing is no step.
                 if world.resource::<History>().last_step() != before {
                     done.push(step);
@@ -104,18 +109,17 @@ fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
             }
         }
         let known = world.resource::<History>().len();
-        assert!(
-            known.0 == done.len().min(1000) || done.len() > 1000,
-            "step {number}: {known:?}"
-        );
+        // The oldest of more than a thousand can be undone no more.
+        forgotten = forgotten.max(done.len().saturating_sub(1000));
+        assert_eq!(known.0, done.len() - forgotten, "step {number}");
         assert_eq!(known.1, undone.len(), "step {number}");
     }
     let edited = state(&mut world);
 
     let mut replayed = self::world();
-    for line in done.iter().flatten() {
+    for step in &done {
         replayed.resource_mut::<EditorState>().interaction += 1;
-        say(&mut replayed, line);
+        say_all(&mut replayed, step);
     }
     assert_same(&state(&mut replayed), &edited);
 
@@ -402,4 +406,275 @@ fn a_monkey_leaves_the_editor_whole_and_does_the_same_again() {
     assert_eq!(differs, None);
     let (_, other) = play(40, 6, folder.path());
     assert!(!first.starts_with(&other));
+}
+
+/// A world with the scene of this file, as a window of its own has it.
+fn window_on(path: &Path) -> World {
+    let mut world = world();
+    spawn::spawn_fresh(&mut world, &Arc::new(read_scene(path)));
+    world.resource_mut::<SceneStatus>().path = Some(path.to_owned());
+    world
+}
+
+fn read_scene(path: &Path) -> SceneDescription {
+    let mut document = sunroom::document::load(path, &[]).expect("a scene");
+    sunroom::scene::read::read(&mut document)
+}
+
+fn text_of(path: &Path) -> String {
+    std::fs::read_to_string(path).expect("a file")
+}
+
+/// x of each shape in the file, in its order.
+fn places(path: &Path) -> Vec<f32> {
+    let shapes = read_scene(path).shapes;
+    shapes.iter().map(|shape| shape.to_world.translation.x).collect()
+}
+
+fn is_asked(world: &World) -> bool {
+    world.resource::<EditorState>().save_question.is_some()
+}
+
+fn save(world: &mut World) {
+    apply(world, Command::Save).expect("saved or asked");
+}
+
+const TWO: &str = "<scene version='3.0.0'>\n  <!-- two balls -->\n  <sensor type='perspective' id='eye'/>\n  \
+    <shape type='sphere' id='a'/>\n  <shape type='sphere' id='b'/>\n</scene>\n";
+
+#[test]
+fn two_windows_keep_what_each_saved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.xml");
+    std::fs::write(&path, TWO).expect("a file");
+    let (mut one, mut other) = (window_on(&path), window_on(&path));
+    say(&mut one, "set a position 1,0,0");
+    save(&mut one);
+    // The other has not heard of it.
+    say(&mut other, "set b position 2,0,0");
+    save(&mut other);
+    assert!(!is_asked(&other) && other.resource::<History>().is_saved());
+    assert_eq!(places(&path), [1.0, 2.0]);
+    assert!(text_of(&path).contains("<!-- two balls -->"));
+    // What was taken in is in the other window too, and belongs to the file: it is not an edit of that window.
+    let summary = other.resource::<SceneStatus>().reload;
+    assert_eq!((summary.changed, summary.replaced), (1, 0));
+    let before = text_of(&path);
+    save(&mut other);
+    assert_eq!(text_of(&path), before);
+    assert!(say(&mut other, "undo") && !say(&mut other, "undo"));
+    save(&mut other);
+    assert_eq!(places(&path), [1.0, 0.0]);
+}
+
+/// Whatever the order in which they come to write.
+#[test]
+fn windows_that_save_at_the_same_moment_lose_nothing() {
+    const WINDOWS: usize = 4;
+    const SAVES: usize = 12;
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.xml");
+    let balls: String = (0..WINDOWS)
+        .map(|ball| format!("  <shape type='sphere' id='ball-{ball}'/>\n"))
+        .collect();
+    std::fs::write(
+        &path,
+        format!("<scene version='3.0.0'>\n  <sensor type='perspective'/>\n{balls}</scene>\n"),
+    )
+    .expect("a file");
+    let worlds: Vec<World> = (0..WINDOWS).map(|_| window_on(&path)).collect();
+    let path = &path;
+    std::thread::scope(|scope| {
+        for (ball, mut world) in worlds.into_iter().enumerate() {
+            scope.spawn(move || {
+                for place in 1..=SAVES {
+                    assert!(say(&mut world, &format!("set ball-{ball} position {place},{ball},0")));
+                    // An error is that the others have been saving for too long, as may be on a busy machine.
+                    while let Err(error) = apply(&mut world, Command::Save) {
+                        assert!(error.contains("try again"), "{error}");
+                    }
+                    assert!(!is_asked(&world), "ball {ball}, save {place}");
+                }
+            });
+        }
+    });
+    assert_eq!(places(path), [SAVES as f32; WINDOWS]);
+}
+
+#[test]
+fn what_both_windows_changed_is_asked_about() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.xml");
+    let conflict = || {
+        std::fs::write(&path, TWO).expect("a file");
+        let (mut one, mut other) = (window_on(&path), window_on(&path));
+        say(&mut one, "set a position 1,0,0");
+        save(&mut one);
+        say(&mut other, "set a position 5,0,0");
+        say(&mut other, "set b position 2,0,0");
+        save(&mut other);
+        assert!(is_asked(&other) && !other.resource::<History>().is_saved());
+        assert_eq!(places(&path), [1.0, 0.0], "nothing is written before it is answered");
+        other.resource_mut::<EditorState>().save_question = None;
+        other
+    };
+    for (words, expected) in [("merge", [1.0, 2.0]), ("overwrite", [5.0, 2.0])] {
+        let mut other = conflict();
+        assert!(say(&mut other, &format!("save-to {} {words}", path.display())));
+        assert!(!is_asked(&other) && other.resource::<History>().is_saved());
+        assert_eq!(places(&path), expected, "{words}");
+    }
+    // Under another name nothing is in the way, and the file stays.
+    let mut other = conflict();
+    let elsewhere = folder.path().join("other.xml");
+    assert!(say(&mut other, &format!("save-to {}", elsewhere.display())));
+    assert_eq!((places(&path), places(&elsewhere)), (vec![1.0, 0.0], vec![5.0, 2.0]));
+    save(&mut other);
+    assert!(!is_asked(&other));
+}
+
+#[test]
+fn a_file_written_anew_with_the_same_content_is_no_change() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.xml");
+    std::fs::write(&path, format!("\u{feff}{TWO}")).expect("a file");
+    let mut world = window_on(&path);
+    say(&mut world, "set a position 1,0,0");
+    std::fs::write(&path, format!("\u{feff}{TWO}")).expect("a file");
+    save(&mut world);
+    assert_eq!(world.resource::<SceneStatus>().revision, 0, "nothing was read again");
+    // A comment is a change, which loses nothing.
+    let commented = text_of(&path).replace("two balls", "both balls");
+    std::fs::write(&path, &commented).expect("a file");
+    say(&mut world, "set b position 2,0,0");
+    save(&mut world);
+    assert!(text_of(&path).starts_with('\u{feff}') && text_of(&path).contains("both balls"));
+    assert_eq!(places(&path), [1.0, 2.0]);
+}
+
+#[test]
+fn changes_of_included_files_are_noticed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.xml");
+    let part = folder.path().join("part.xml");
+    let with_include = TWO.replace("<shape type='sphere' id='b'/>", "<include filename='part.xml'/>");
+    let part_text = "<scene version='3.0.0'>\n  <shape type='sphere' id='b'/>\n</scene>\n";
+    let windows = || {
+        std::fs::write(&path, &with_include).expect("a file");
+        std::fs::write(&part, part_text).expect("a file");
+        let (mut one, other) = (window_on(&path), window_on(&path));
+        say(&mut one, "set b position 2,0,0");
+        save(&mut one);
+        assert_eq!(text_of(&path), with_include);
+        other
+    };
+    let mut other = windows();
+    say(&mut other, "set a position 1,0,0");
+    save(&mut other);
+    assert!(!is_asked(&other));
+    assert_eq!(places(&path), [1.0, 2.0]);
+
+    let mut other = windows();
+    say(&mut other, "set b position 7,0,0");
+    save(&mut other);
+    assert!(is_asked(&other));
+    assert!(say(&mut other, &format!("save-to {} merge", path.display())));
+    assert_eq!(places(&path), [0.0, 2.0]);
+
+    // Overwriting makes all files what the window has, also those that were not edited in it.
+    let mut other = windows();
+    say(&mut other, "set a position 1,0,0");
+    assert!(say(&mut other, &format!("save-to {} overwrite", path.display())));
+    assert_eq!((places(&path), text_of(&part).as_str()), (vec![1.0, 0.0], part_text));
+
+    // Elsewhere the file that was changed would be included as it is now: its old text goes along.
+    let mut other = windows();
+    say(&mut other, "set a position 1,0,0");
+    let elsewhere = folder.path().join("other.xml");
+    assert!(say(&mut other, &format!("save-to {}", elsewhere.display())));
+    assert_eq!(places(&elsewhere), [1.0, 0.0]);
+
+    // A part that is gone comes back with the scene.
+    let mut other = windows();
+    std::fs::remove_file(&part).expect("a file");
+    std::fs::remove_file(&path).expect("a file");
+    say(&mut other, "set a position 1,0,0");
+    save(&mut other);
+    assert_eq!((is_asked(&other), places(&path)), (false, vec![1.0, 0.0]));
+}
+
+#[test]
+fn a_file_that_was_broken_or_replaced_elsewhere_is_not_lost() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.xml");
+    std::fs::write(&path, TWO).expect("a file");
+    let mut world = window_on(&path);
+    say(&mut world, "set a position 1,0,0");
+    for broken in ["<scene version='3.0.0'><shape", "\u{89}PNG\r\n", ""] {
+        std::fs::write(&path, broken).expect("a file");
+        save(&mut world);
+        assert!(is_asked(&world), "{broken}");
+        assert_eq!(text_of(&path), broken);
+        assert!(say(&mut world, &format!("save-to {} merge", path.display())) && is_asked(&world));
+        assert_eq!(text_of(&path), broken, "it cannot be merged");
+        world.resource_mut::<EditorState>().save_question = None;
+    }
+    assert!(say(&mut world, &format!("save-to {} overwrite", path.display())));
+    assert_eq!(places(&path), [1.0, 0.0]);
+    // A folder by its name is in the way, whatever is asked for.
+    std::fs::remove_file(&path).expect("a file");
+    std::fs::create_dir(&path).expect("a folder");
+    for words in ["", " merge", " overwrite"] {
+        assert!(
+            !say(&mut world, &format!("save-to {}{words}", path.display())),
+            "{words}"
+        );
+        assert!(path.is_dir() && !is_asked(&world));
+    }
+}
+
+#[test]
+fn a_recovered_scene_does_not_overwrite_what_was_changed_since() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, aside) = (folder.path().join("scene.xml"), folder.path().join("aside.xml"));
+    for file in [&path, &aside] {
+        std::fs::write(file, TWO).expect("a file");
+    }
+    let mut world = window_on(&aside);
+    world.resource_mut::<SceneStatus>().path = Some(path.clone());
+    world.init_resource::<write::KnownTexts>();
+    world.resource_mut::<write::KnownTexts>().note_present(&path);
+    say(&mut world, "set a position 1,0,0");
+    std::fs::write(&path, TWO.replace("two", "three")).expect("a file");
+    save(&mut world);
+    assert!(is_asked(&world));
+    // It is taken back: nothing is in the way any more.
+    std::fs::write(&path, TWO).expect("a file");
+    world.resource_mut::<EditorState>().save_question = None;
+    save(&mut world);
+    assert!(!is_asked(&world));
+    assert_eq!(places(&path), [1.0, 0.0]);
+}
+
+#[test]
+fn a_name_that_several_things_have_is_none() {
+    let mut world = world();
+    for order in 0..3 {
+        let shape = ShapeKind::Sphere {
+            center: Vec3::ZERO,
+            radius: 1.0,
+        };
+        let shape = Shape {
+            kind: shape,
+            ..Shape::default()
+        };
+        world.spawn((DocumentOrder(order), Name::new("sphere"), shape, ToWorld::default()));
+    }
+    let error = parse::line(&mut world, "set sphere radius 2").expect_err("three of them");
+    assert!(error.contains("3 things called \"sphere\""), "{error}");
+    // An id wins over names.
+    let mut shapes = world.query_filtered::<Entity, With<Shape>>();
+    let first = shapes.iter(&world).next().expect("a shape");
+    world.entity_mut(first).insert(SceneId("sphere".to_owned()));
+    assert!(say(&mut world, "set sphere radius 2"));
 }

@@ -13,7 +13,7 @@ use editor_support::context;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::actions::ACTIONS;
-use sunroom::app::editor::command::Command;
+use sunroom::app::editor::command::{Command, FileDialogKind};
 use sunroom::app::editor::guard::{Guard, Unsaved};
 use sunroom::app::editor::layout::Panel;
 use sunroom::app::editor::model::{Item, Model, Outline};
@@ -22,10 +22,13 @@ use sunroom::app::editor::panels::preferences::preferences;
 use sunroom::app::editor::preferences::{Preferences, ThemeChoice};
 use sunroom::app::editor::recovery::Offer;
 use sunroom::app::editor::recovery_question;
+use sunroom::app::editor::save_question::{self, SaveQuestion};
 use sunroom::app::editor::selection::{Extend, Selection};
 use sunroom::app::editor::shell::ShellCommand;
 use sunroom::app::editor::shortcuts::shortcuts;
+use sunroom::app::editor::state::EditorState;
 use sunroom::app::editor::toasts::{Toasts, Tone, Topic};
+use sunroom::scene::write::{OnChange, SaveError};
 
 /// What is shown, what came of it, and whether it is still there.
 struct Shown<T> {
@@ -326,4 +329,65 @@ fn an_error_stays_shows_its_line_and_leads_to_the_messages() {
     harness.get_all_by_label("×").next().expect("a button").click();
     harness.run_steps(3);
     assert_eq!(harness.state().it.texts().collect::<Vec<_>>(), ["box.xml is broken"]);
+}
+
+/// A window that asks how to save a file that others changed.
+fn changed_file(edited_twice: Option<usize>) -> Harness<'static, Shown<EditorState>> {
+    let path = PathBuf::from("/there/box.xml");
+    let error = SaveError::Changed {
+        path: path.clone(),
+        edited_twice,
+    };
+    let state = EditorState {
+        save_question: SaveQuestion::about(&error, &path),
+        ..EditorState::default()
+    };
+    show(state, |egui, shown| {
+        save_question::show(egui, &mut shown.it, &mut shown.commands);
+    })
+}
+
+#[test]
+fn a_file_that_others_changed_is_asked_about_once() {
+    let save = |on_change| Command::SaveChanged("/there/box.xml".into(), on_change);
+    for (button, expected) in [
+        ("Merge and save", vec![save(OnChange::TakeIn)]),
+        ("Overwrite", vec![save(OnChange::Overwrite)]),
+        ("Cancel", Vec::new()),
+    ] {
+        let mut harness = changed_file(Some(2));
+        assert!(
+            harness
+                .query_by_label_contains("2 things were edited both there and here")
+                .is_some()
+        );
+        click(&mut harness, button);
+        assert_eq!(harness.state().commands, expected, "{button}");
+        assert_eq!(harness.state().it.save_question, None, "{button}");
+    }
+    let mut harness = changed_file(Some(1));
+    press(&mut harness, Key::Enter);
+    assert!(
+        harness.state().it.save_question.is_some(),
+        "only a button says what is meant"
+    );
+    press(&mut harness, Key::Escape);
+    assert_eq!(
+        (harness.state().commands.len(), &harness.state().it.save_question),
+        (0, &None)
+    );
+    // Without knowing what was read nothing can be merged.
+    assert!(changed_file(None).query_by_label("Merge and save").is_none());
+}
+
+#[test]
+fn while_another_name_is_chosen_the_question_is_not_over() {
+    let mut harness = changed_file(Some(1));
+    click(&mut harness, "Save as...");
+    let state = &harness.state().it;
+    assert_eq!(state.dialog, Some(FileDialogKind::SaveScene));
+    assert!(state.save_question.is_some() && harness.query_by_label("Overwrite").is_none());
+    harness.state_mut().it.dialog = None;
+    harness.run_steps(2);
+    assert_eq!(harness.state().it.save_question, None);
 }

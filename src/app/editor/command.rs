@@ -20,6 +20,7 @@ use super::presets::Preset;
 use super::selection::Extend;
 use super::shell::ShellCommand;
 use super::tool::Tool;
+use crate::scene::write::OnChange;
 use crate::scene::{
     AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, Material, SamplerSettings, Sensor, Shape, SquarePath,
 };
@@ -37,6 +38,8 @@ pub enum Command {
     Save,
     /// The scene is that file from then on.
     SaveScene(PathBuf),
+    /// The same where others changed the file since it was read.
+    SaveChanged(PathBuf, OnChange),
     /// The picture as shown for PNG, the linear radiance for EXR and HDR.
     SaveImage(PathBuf),
     /// Adds what a file holds: a mesh, a scene, a glTF, or a picture as environment.
@@ -284,6 +287,7 @@ impl Command {
             | Self::RevertScene
             | Self::Save
             | Self::SaveScene(_)
+            | Self::SaveChanged(..)
             | Self::SaveImage(_)
             | Self::ShowDialog(_)
             | Self::Quit
@@ -392,7 +396,7 @@ impl Command {
     pub fn is_about_file(&self) -> bool {
         matches!(
             self,
-            Self::Save | Self::SaveScene(_) | Self::SaveImage(_) | Self::Import(_)
+            Self::Save | Self::SaveScene(_) | Self::SaveChanged(..) | Self::SaveImage(_) | Self::Import(_)
         )
     }
 

@@ -55,6 +55,7 @@ mod preview;
 mod quiet;
 pub mod recovery;
 pub mod recovery_question;
+pub mod save_question;
 mod scene_watch;
 pub mod screen;
 pub mod script;
@@ -183,6 +184,7 @@ impl Plugin for EditorPlugin {
                     .chain()
                     .after(SceneSystems::Follow),
             )
+            .add_systems(PreUpdate, scene_watch::hold_reloads.before(SceneSystems::Apply))
             .add_systems(PreUpdate, typing::order_keys.before(InputSystems))
             .add_systems(
                 PreUpdate,

@@ -14,7 +14,7 @@ use super::preferences::Preferences;
 use super::state::EditorState;
 use super::toasts::{Tone, Topic};
 use crate::files::{self, LARGEST_NOTE, write_atomically};
-use crate::scene::write::{gather, save_description};
+use crate::scene::write::{KnownTexts, gather, save_description};
 use crate::scene::{OpenScene, SceneDescription, SceneFile, SceneState, SceneStatus};
 
 const SCENE: &str = "scene.xml";
@@ -183,6 +183,7 @@ pub fn follow_scene(
     mut file: ResMut<SceneFile>,
     mut history: ResMut<History>,
     mut state: ResMut<EditorState>,
+    mut known: ResMut<KnownTexts>,
     mut started: Local<bool>,
 ) {
     let recovery = recovery.bypass_change_detection();
@@ -214,6 +215,10 @@ pub fn follow_scene(
     match recovery.returning.take() {
         Some((offer, aside)) => {
             file.leave();
+            // What others change there from now on must not be written over without a word.
+            if let Some(scene) = &offer.note.scene {
+                known.note_present(scene);
+            }
             status.path = offer.note.scene;
             history.note_unsaved();
             recovery.mine.push(aside);

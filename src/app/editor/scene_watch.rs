@@ -17,7 +17,15 @@ use super::state::EditorState;
 use super::toasts::{Tone, Topic};
 use crate::document::Severity;
 use crate::engine::{CurrentScene, RenderControl};
-use crate::scene::{ActiveSensor, FileReadAgain, FreeView, SceneState, SceneStatus, ToWorld, find_camera};
+use crate::scene::{ActiveSensor, FileReadAgain, FreeView, SceneFile, SceneState, SceneStatus, ToWorld, find_camera};
+
+/// What is read of the scene's file waits while the user is asked what is to become of its changes.
+pub fn hold_reloads(state: Res<EditorState>, mut file: ResMut<SceneFile>) {
+    let is_asked = state.save_question.is_some();
+    if file.is_held() != is_asked {
+        file.hold(is_asked);
+    }
+}
 
 /// Messages about loading; a freshly opened scene also decides what is up.
 pub fn follow_scene(
@@ -58,6 +66,7 @@ pub fn follow_scene(
             *free_view = FreeView::default();
             history.clear();
             // All of the scene before.
+            state.save_question = None;
             state.bookmarks = Default::default();
             (*mix, *film_lights) = Default::default();
             paths.wanted = None;

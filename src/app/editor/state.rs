@@ -13,6 +13,7 @@ use super::palette::Palette;
 use super::panels::inspector::InspectorState;
 use super::panels::library::LibraryState;
 use super::panels::outliner::OutlinerState;
+use super::save_question::SaveQuestion;
 use super::shell::Sheet;
 use super::stored_views::StoredViews;
 use super::toasts::{Toasts, Tone, Topic};
@@ -36,6 +37,8 @@ pub struct EditorState {
     pub inspector: InspectorState,
     pub viewport: ViewportState,
     pub dialog: Option<FileDialogKind>,
+    /// How to save a file that others changed.
+    pub save_question: Option<SaveQuestion>,
     /// Counts drags, typings and clicks: edits of one kind within one of them are one step of the history.
     pub interaction: u64,
     pub tool: Tool,
@@ -68,6 +71,7 @@ impl Default for EditorState {
             inspector: InspectorState::default(),
             viewport: ViewportState::default(),
             dialog: None,
+            save_question: None,
             interaction: 0,
             tool: Tool::default(),
             safe_frame: false,

@@ -32,6 +32,7 @@ use super::picture::Picture;
 use super::preferences::{Preferences, PreferencesFile};
 use super::recovery::Recovery;
 use super::recovery_question;
+use super::save_question;
 use super::selection::Selection;
 use super::sheet::{self, SheetModel};
 use super::state::{CommandQueue, EditorState};
@@ -206,8 +207,11 @@ pub fn show_window(
     state.shelf.in_sight.clear();
     let layout = &mut *shell.layout;
     // A question or a sheet that closes in this frame still had its keys.
-    let is_free =
-        state.dialog.is_none() && state.sheet.is_none() && shell.recovery.offer.is_none() && !shell.guard.is_asking();
+    let is_free = state.dialog.is_none()
+        && state.save_question.is_none()
+        && state.sheet.is_none()
+        && shell.recovery.offer.is_none()
+        && !shell.guard.is_asking();
     let action_context = ActionContext {
         display: state.display,
         overlay: state.overlay,
@@ -310,6 +314,7 @@ pub fn show_window(
     };
     sheet::show(&context, model, sheets, state, commands);
     recovery_question::question(&context, &mut shell.recovery.offer, commands);
+    save_question::show(&context, state, commands);
     if shell.dropped.hovering > 0 {
         dropping::hint(&context, state.viewport_place);
     }
@@ -322,7 +327,7 @@ pub fn show_window(
     let unsaved = Unsaved {
         name: &file.map_or("the scene".into(), |name| name.to_string_lossy()),
         edits: model.status.unsaved,
-        dialog_open: state.dialog.is_some(),
+        dialog_open: state.dialog.is_some() || state.save_question.is_some(),
     };
     shell.guard.hold(commands, unsaved.edits);
     shell.guard.show(&context, unsaved, commands);

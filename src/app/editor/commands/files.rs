@@ -5,14 +5,16 @@ use std::path::{Path, PathBuf};
 use bevy::prelude::*;
 
 use super::finished;
-use crate::app::editor::command::FileDialogKind;
+use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::history::History;
 use crate::app::editor::options::SceneDefines;
+use crate::app::editor::save_question::SaveQuestion;
 use crate::app::editor::selection::Selection;
 use crate::app::editor::state::EditorState;
 use crate::document;
 use crate::engine::{RenderState, RenderStatus};
 use crate::render::image_io::{FileFormat, write_image, write_png};
+use crate::scene::write::OnChange;
 use crate::scene::{self, OpenScene, Placements, SceneFile, SceneState, SceneStatus, insert, write};
 
 /// Where texts of the clipboard stand: files in them are named in full.
@@ -65,35 +67,46 @@ pub fn save(world: &mut World) -> Result<(), String> {
     if status.state == SceneState::Loading {
         return Err("A scene is still being read.".to_owned());
     }
-    // One that is gone is written anew.
-    let is_broken = status.file_is_broken && status.path.as_ref().is_some_and(|path| path.exists());
     match status.path.clone() {
-        Some(path) if !is_broken => save_scene(world, &path),
-        path => {
-            if let Some(path) = path {
-                // Somebody is writing it in a text editor.
-                let text = format!(
-                    "{} was changed elsewhere and is broken as it is now: choose another name",
-                    path.display()
-                );
-                world.resource_mut::<EditorState>().refuse(text);
-            }
+        Some(path) => save_scene(world, &path, OnChange::Refuse),
+        None => {
             world.resource_mut::<EditorState>().dialog = Some(FileDialogKind::SaveScene);
             Ok(())
         }
     }
 }
 
-pub fn save_scene(world: &mut World, path: &Path) -> Result<(), String> {
+/// Asks the user where others have changed the file so that saving would lose something.
+pub fn save_scene(world: &mut World, path: &Path, on_change: OnChange) -> Result<(), String> {
     if world.resource::<SceneStatus>().state == SceneState::Loading {
         return Err("A scene is still being read.".to_owned());
     }
-    let trouble = write::save(world, path).map_err(|error| error.to_string())?;
+    let trouble = match write::save_with(world, path, on_change) {
+        Ok(trouble) => trouble,
+        Err(error) => {
+            let question = SaveQuestion::about(&error, path).ok_or_else(|| error.to_string())?;
+            world.resource_mut::<EditorState>().save_question = Some(question);
+            return Ok(());
+        }
+    };
     world.resource_mut::<History>().note_saved();
     world.resource_mut::<EditorState>().say(match trouble {
         None => format!("Saved {}", path.display()),
         Some(trouble) => format!("Saved, but it cannot be opened again as it is: {trouble}"),
     });
+    Ok(())
+}
+
+/// What the last command would ask the user, taken back, as an error for those who cannot answer.
+pub fn unanswered(world: &mut World, command: &Command) -> Result<(), String> {
+    let mut state = world.resource_mut::<EditorState>();
+    if let Some(question) = state.save_question.take() {
+        return Err(question.refusal());
+    }
+    if *command == Command::Save && state.dialog == Some(FileDialogKind::SaveScene) {
+        state.dialog = None;
+        return Err("The scene has no file yet: name one with `save-to FILE`.".to_owned());
+    }
     Ok(())
 }
 

@@ -37,6 +37,7 @@ use super::state::{CommandQueue, EditorState};
 use super::toasts::Topic;
 use super::tool::Tool;
 use crate::engine::{CurrentScene, InputStamp, RenderControl, RenderFilm, WakeUp};
+use crate::scene::write::OnChange;
 use crate::scene::{
     ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, Sensor, Shape, ToWorld,
 };
@@ -83,10 +84,11 @@ fn keep_for_later(world: &mut World, commands: Vec<Command>) -> Vec<Command> {
     now
 }
 
-/// As a command of this frame, but the error is handed back.
+/// As a command of this frame, but the error is handed back, and so is a question that there is nobody to answer.
 pub fn apply_now(world: &mut World, command: Command) -> Result<(), String> {
     note_input(world, command.restarts_picture());
-    apply(world, command)
+    apply(world, command.clone())?;
+    files::unanswered(world, &command)
 }
 
 fn note_input(world: &mut World, restarts: bool) {
@@ -155,7 +157,8 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
         Command::ReloadScene => files::reload_scene(world)?,
         Command::RevertScene => files::revert_scene(world)?,
         Command::Save => files::save(world)?,
-        Command::SaveScene(path) => files::save_scene(world, &path)?,
+        Command::SaveScene(path) => files::save_scene(world, &path, OnChange::Refuse)?,
+        Command::SaveChanged(path, on_change) => files::save_scene(world, &path, on_change)?,
         Command::SaveImage(path) => files::save_image(world, &path)?,
         Command::ShowDialog(kind) => world.resource_mut::<EditorState>().dialog = Some(kind),
         Command::Quit => {

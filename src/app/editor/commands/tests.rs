@@ -10,7 +10,8 @@ use crate::app::editor::material_tree::MaterialTree;
 use crate::color::Rgb;
 use crate::engine::ViewMode;
 use crate::scene::{
-    AreaLight, FirstNested, FreeView, Material, Parameter, SceneId, ShapeKind, SquarePath, ToWorld, UsesMaterial,
+    AreaLight, FirstNested, FreeView, Material, Parameter, SceneId, SceneStatus, ShapeKind, SquarePath, ToWorld,
+    UsesMaterial, spawn,
 };
 
 fn world() -> World {
@@ -459,4 +460,51 @@ fn what_comes_back_does_not_share_an_id() {
     let ids = [one, two].map(|material| world.get::<SceneId>(material).cloned());
     assert!(ids[0].is_some() && ids[0] != ids[1], "{ids:?}");
     assert_eq!(ids[1], Some(id()));
+}
+
+/// Scripts get an error where the window would ask.
+#[test]
+fn a_question_that_nobody_can_answer_is_an_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.xml");
+    let text = "<scene version='3.0.0'><sensor type='perspective'/><shape type='sphere' id='a'/></scene>";
+    std::fs::write(&path, text).expect("a file");
+    let mut world = world();
+    world.init_resource::<SceneStatus>();
+    let error = apply_now(&mut world, Command::Save).expect_err("there is no file");
+    assert!(error.contains("save-to FILE"), "{error}");
+    assert_eq!(world.resource::<EditorState>().dialog, None);
+
+    let mut document = crate::document::load(&path, &[]).expect("a scene");
+    let scene = std::sync::Arc::new(crate::scene::read::read(&mut document));
+    spawn::spawn_fresh(&mut world, &scene);
+    world.resource_mut::<SceneStatus>().path = Some(path.clone());
+    let mut shapes = world.query_filtered::<Entity, With<Shape>>();
+    let ball = shapes.single(&world).expect("a ball");
+    let moved = Command::Transform(vec![(ball, Affine3A::from_translation(Vec3::X))]);
+    apply_now(&mut world, moved).expect("it can be moved");
+    let theirs = text.replace("id='a'/>", "id='a'><float name='radius' value='2'/></shape>");
+    std::fs::write(&path, &theirs).expect("a file");
+    // Another parameter of the same thing: both stay.
+    apply_now(&mut world, Command::Save).expect("merged");
+    let merged = std::fs::read_to_string(&path).expect("a file");
+    assert!(merged.contains("radius") && merged.contains("translate"), "{merged}");
+
+    let smaller = Shape {
+        kind: ShapeKind::Sphere {
+            center: Vec3::ZERO,
+            radius: 0.5,
+        },
+        flip_normals: false,
+    };
+    apply_now(&mut world, Command::SetShape(ball, smaller)).expect("it can be changed");
+    let theirs = merged.replace("value='2'", "value='3'");
+    std::fs::write(&path, &theirs).expect("a file");
+    let error = apply_now(&mut world, Command::Save).expect_err("both changed the radius");
+    assert!(
+        error.contains("one thing was edited both") && error.contains("merge"),
+        "{error}"
+    );
+    assert!(world.resource::<EditorState>().save_question.is_none());
+    assert_eq!(std::fs::read_to_string(&path).expect("a file"), theirs);
 }

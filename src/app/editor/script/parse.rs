@@ -23,6 +23,7 @@ use crate::document::value::{parse_float, parse_integer, parse_vec3};
 use crate::engine::RenderControl;
 use crate::render::tonemap::ToneMap;
 use crate::render::white_balance::WhiteBalance;
+use crate::scene::write::OnChange;
 use crate::scene::{AreaLight, DocumentOrder, Emitter, Film, Material, SceneId, Sensor, Shape, ToWorld, UsesMaterial};
 
 /// What a line asks for.
@@ -46,7 +47,7 @@ pub enum Wait {
 /// What there is beside the actions; for messages and the README.
 pub const VERBS: [(&str, &str); 39] = [
     ("open", "FILE"),
-    ("save-to", "FILE"),
+    ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
     ("import-file", "FILE"),
     ("select", "NAME..."),
@@ -138,6 +139,8 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
     let command = match (verb, arguments) {
         ("open", [path]) => Command::OpenScene(path.into()),
         ("save-to", [path]) => Command::SaveScene(path.into()),
+        ("save-to", [path, "merge"]) => Command::SaveChanged(path.into(), OnChange::TakeIn),
+        ("save-to", [path, "overwrite"]) => Command::SaveChanged(path.into(), OnChange::Overwrite),
         ("save-image-to", [path]) => Command::SaveImage(path.into()),
         ("import-file", [path]) => Command::Import(path.into()),
         ("select", names) => Command::Select(all_named(world, names)?, Extend::Replace),
