@@ -26,6 +26,7 @@ mod inspection;
 pub mod keys;
 mod latency;
 pub mod layout;
+mod leaving;
 pub mod light_mix;
 pub mod looks;
 pub mod material_drop;
@@ -142,7 +143,10 @@ impl Plugin for EditorPlugin {
             .insert_resource(pacing::Pacing::new(options.undrawn))
             .insert_resource(denoiser::Denoiser::new())
             .insert_resource(SceneDefines(options.defines.clone()))
-            .insert_resource(WantedCamera(options.camera.clone()))
+            .insert_resource(WantedCamera {
+                name: options.camera.clone(),
+                is_required: !options.is_attended(),
+            })
             .insert_resource(exit_door::ExitDoor::new(
                 options.screenshot.clone(),
                 options.after_spp,
@@ -188,7 +192,7 @@ impl Plugin for EditorPlugin {
             .add_systems(PreUpdate, typing::order_keys.before(InputSystems))
             .add_systems(
                 PreUpdate,
-                quiet::drop_repeated_modifiers
+                (quiet::drop_repeated_modifiers, leaving::note_pointer_gone)
                     .after(EguiPreUpdateSet::ProcessInput)
                     .before(EguiPreUpdateSet::BeginPass),
             )

@@ -71,4 +71,8 @@ pub struct SceneDefines(pub Vec<(String, String)>);
 
 /// A camera that is asked for, until a scene is there.
 #[derive(Resource, Clone, Debug, Default)]
-pub struct WantedCamera(pub Option<String>);
+pub struct WantedCamera {
+    pub name: Option<String>,
+    /// Without it the program ends with an error: nobody is there to choose another.
+    pub is_required: bool,
+}

@@ -163,17 +163,25 @@ pub fn gone(path: &Path) -> String {
 
 /// Whether somebody asked for a camera, and there is a scene to look for it in.
 pub fn camera_is_wanted(wanted: Res<WantedCamera>, status: Res<SceneStatus>) -> bool {
-    wanted.0.is_some() && status.revision > 0
+    wanted.name.is_some() && status.revision > 0
 }
 
 /// Looks through the camera that was asked for.
 pub fn choose_camera(world: &mut World) {
-    let Some(wanted) = world.resource_mut::<WantedCamera>().0.take() else {
+    let mut wanted = world.resource_mut::<WantedCamera>();
+    let (name, is_required) = (wanted.name.take(), wanted.is_required);
+    let Some(name) = name else {
         return;
     };
-    match find_camera(world, &wanted) {
+    match find_camera(world, &name) {
         Ok(camera) => world.insert_resource(ActiveSensor(Some(camera))),
-        Err(error) => world.resource_mut::<EditorState>().say(error.to_string()),
+        Err(error) => {
+            let mut state = world.resource_mut::<EditorState>();
+            state.complain(Topic::Other, error.to_string(), None);
+            if is_required {
+                world.write_message(AppExit::error());
+            }
+        }
     }
 }
 
@@ -217,3 +225,41 @@ const NEW_SCENE: f32 = 5.0;
 
 /// A subject is about as large as it is far, and there is something around it.
 const SIZE_PER_DISTANCE: f32 = 2.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{DocumentOrder, SceneId, Sensor};
+
+    #[test]
+    fn a_camera_that_is_not_there_is_an_error() {
+        for (name, is_required, is_error, ends) in [
+            ("top", true, false, false),
+            ("tpo", false, true, false),
+            ("tpo", true, true, true),
+        ] {
+            let mut world = World::new();
+            world.init_resource::<EditorState>();
+            world.init_resource::<Messages<AppExit>>();
+            world.spawn((
+                DocumentOrder(0),
+                SceneId("top".to_owned()),
+                Name::new("top"),
+                Sensor::default(),
+            ));
+            world.insert_resource(WantedCamera {
+                name: Some(name.to_owned()),
+                is_required,
+            });
+            choose_camera(&mut world);
+            let texts: Vec<String> = world
+                .resource::<EditorState>()
+                .toasts
+                .texts()
+                .map(str::to_owned)
+                .collect();
+            assert_eq!(texts.iter().any(|text| text.contains("tpo")), is_error, "{texts:?}");
+            assert_eq!(!world.resource::<Messages<AppExit>>().is_empty(), ends);
+        }
+    }
+}

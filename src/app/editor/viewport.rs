@@ -186,6 +186,7 @@ fn act(
             .follow(ui, response, screen, model, rest.pointer, pose, commands);
     } else {
         state.pointer.let_go(ui);
+        state.pointer.hovered = None;
     }
     let fly = ui.input(|input| {
         let modifiers = input.modifiers;
