@@ -314,7 +314,7 @@ impl Open {
     }
 
     fn until(&mut self, what: &str, done: impl Fn(&World) -> bool) {
-        let deadline = Instant::now() + Duration::from_secs(20);
+        let deadline = Instant::now() + Duration::from_secs(600);
         loop {
             self.app.update();
             if done(self.app.world()) {

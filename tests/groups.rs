@@ -268,7 +268,7 @@ fn open_serialized(folder: &Path, shapes: &[&str]) -> App {
 }
 
 fn update_until(app: &mut App, condition: impl Fn(&App) -> bool) {
-    let deadline = Instant::now() + Duration::from_secs(20);
+    let deadline = Instant::now() + Duration::from_secs(600);
     while !condition(app) {
         app.update();
         assert!(Instant::now() < deadline, "{:?}", app.world().resource::<SceneStatus>());

@@ -771,7 +771,7 @@ fn app_with(path: &Path) -> App {
         defines: Vec::new(),
         ..OpenScene::default()
     });
-    let deadline = Instant::now() + Duration::from_secs(20);
+    let deadline = Instant::now() + Duration::from_secs(600);
     loop {
         app.update();
         let status = app.world().resource::<SceneStatus>();

@@ -240,7 +240,7 @@ mod tests {
             Waker::new(&hook),
         );
         // All of them end without anybody collecting, for there is room. Somebody is woken while the second half is filled, and at the end.
-        let deadline = Instant::now() + Duration::from_secs(20);
+        let deadline = Instant::now() + Duration::from_secs(600);
         while run.results.len() < CAPACITY - 1 || woken.load(Ordering::Relaxed) < CAPACITY / 2 {
             assert!(Instant::now() < deadline, "{} results, {woken:?}", run.results.len());
             std::thread::yield_now();
@@ -272,7 +272,7 @@ mod tests {
         let run = start(&pool, 100_000, sample_work());
         let begin = Instant::now();
         while !run.results.is_full() {
-            assert!(begin.elapsed() < Duration::from_secs(10));
+            assert!(begin.elapsed() < Duration::from_secs(600));
             std::thread::yield_now();
         }
         drop(run);

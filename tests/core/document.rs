@@ -627,7 +627,8 @@ fn includes_cannot_go_round_or_on_for_ever() {
     let document = load(&folder.path().join("d0.xml"), &[]).unwrap();
     let said = document.diagnostics.to_string();
     assert!(said.contains("more than 10000 includes"), "{said}");
-    assert!(started.elapsed() < Duration::from_secs(60));
+    // All of it would take years.
+    assert!(started.elapsed() < Duration::from_secs(600));
 }
 
 #[test]
@@ -1077,8 +1078,8 @@ fn damaged_files_never_panic_or_hang() {
         }
         exercise(&String::from_utf8_lossy(&bytes));
     }
-    // Generous: a debug build on a loaded machine needs a few seconds.
-    assert!(started.elapsed() < Duration::from_secs(120));
+    // A debug build needs a few seconds; what hangs would never end.
+    assert!(started.elapsed() < Duration::from_secs(600));
 }
 
 /// A group, instances of it with a comment and another shape between them, and one whose size is a `$name`.

@@ -203,7 +203,8 @@ mod tests {
         assert!(toasts.wait().is_some_and(|wait| wait <= SHOWN - FADING));
         toasts.forget(Topic::SceneFile);
         assert_eq!(toasts.texts().collect::<Vec<_>>(), ["done"]);
-        if let Some(long_ago) = Instant::now().checked_sub(SHOWN - FADING / 2) {
+        // Long over, but not taken away yet.
+        if let Some(long_ago) = Instant::now().checked_sub(2 * SHOWN) {
             toasts.0[0].since = long_ago;
             assert_eq!(toasts.wait(), Some(FADE_STEP));
         }
