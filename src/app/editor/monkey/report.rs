@@ -348,7 +348,7 @@ mod tests {
             entities: 0,
             steps: number,
             longest_frame: Duration::ZERO,
-            at_start_of_round: number % 3 == 0,
+            at_start_of_round: number.is_multiple_of(3),
         };
         Record {
             marks: (0..=100).map(mark).collect(),
