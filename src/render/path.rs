@@ -123,7 +123,7 @@ impl Path {
 
         self.depth += 1;
         let depth = self.depth;
-        if depth >= settings.max_depth {
+        if depth >= settings.longest_path() {
             if !self.guided {
                 self.guide(scattering.albedo(), &slot, &point);
             }
@@ -159,7 +159,7 @@ impl Path {
                 };
                 if reflected != Rgb::ZERO {
                     let origin = offset_origin(point.position, point.error, point.geometric_normal, light.wi);
-                    let crossings = settings.max_depth - depth - 1;
+                    let crossings = settings.longest_path() - depth - 1;
                     let arriving = shadow_ray(scene, origin, light.wi, light.target, crossings, &mut self.result.rays);
                     sampled.arriving = Some(arriving);
                     sampled.contribution = reflected * arriving;
@@ -294,21 +294,26 @@ impl Path {
 
 /// The share of a light's radiance that arrives at `origin` from `target`, in the direction `wi`, through at most `crossings` surfaces
 /// that let it pass.
+///
+/// The ray follows one straight line. At each surface its origin moves to the far side of that surface. For a target that is a point the
+/// ray is then aimed again, which corrects the rounding of that move, but only if the target lies on the far side as well. Otherwise the
+/// target is at the surface itself, within rounding, and the ray has arrived. The distance to the target therefore falls at each crossing:
+/// with `r` from the surface to the target, `n` the normal to the far side and `d` the move, `|r - d n|^2 < |r|^2 - d^2` as `n . r > d`.
 pub(super) fn shadow_ray(
     scene: &RenderScene,
-    mut origin: Vec3,
+    origin: Vec3,
     wi: Vec3,
     target: Target,
     crossings: u32,
     rays: &mut u32,
 ) -> Rgb {
+    let mut shadow = match target {
+        Target::Point(target) => Ray::segment(origin, target),
+        Target::Infinity => Ray::new(origin, wi),
+    };
     let mut arriving = Rgb::ONE;
     for crossed in 0.. {
         *rays += 1;
-        let shadow = match target {
-            Target::Point(target) => Ray::segment(origin, target),
-            Target::Infinity => Ray::new(origin, wi),
-        };
         if !scene.materials.lets_through() {
             if scene.geometry.occluded(&shadow) {
                 return Rgb::ZERO;
@@ -327,7 +332,18 @@ pub(super) fn shadow_ray(
         if arriving == Rgb::ZERO {
             break;
         }
-        origin = offset_origin(point.position, point.error, point.geometric_normal, wi);
+        let normal = point.geometric_normal;
+        let beyond = offset_origin(point.position, point.error, normal, shadow.dir);
+        shadow = match target {
+            Target::Infinity => Ray::new(beyond, wi),
+            Target::Point(target) => {
+                let rest = Ray::segment(beyond, target);
+                if rest.dir.dot(normal) * shadow.dir.dot(normal) <= 0.0 {
+                    break;
+                }
+                rest
+            }
+        };
     }
     arriving
 }

@@ -31,15 +31,30 @@ pub enum Integrator {
     BvhSteps,
 }
 
+/// Bound on the segments of a path, and with it on the surfaces that a shadow ray passes, where the scene sets none.
+///
+/// It keeps a fault of the geometry from holding a thread for ever. Pictures do not depend on it: Russian roulette with its default depth
+/// lets a path of this length go on with a probability below 0.95^65000, and rays through dense foliage pass some hundreds of
+/// surfaces, so that the bound leaves two orders of magnitude.
+pub const LONGEST_PATH: u32 = 1 << 16;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathSettings {
-    /// Longest path in segments; `u32::MAX` is unbounded.
+    /// Longest path in segments. Values above [`LONGEST_PATH`], such as `u32::MAX` for an unbounded path, mean that bound.
     pub max_depth: u32,
     /// From this depth on Russian roulette may end a path; sixteen later where surfaces leave no choice of direction.
     pub rr_depth: u32,
     /// Emitters do not show themselves to the camera.
     pub hide_emitters: bool,
     pub strategy: Strategy,
+}
+
+impl PathSettings {
+    /// Longest path in segments, never above [`LONGEST_PATH`].
+    #[inline(always)]
+    pub fn longest_path(&self) -> u32 {
+        self.max_depth.min(LONGEST_PATH)
+    }
 }
 
 /// How light is looked for at a bounce.

@@ -1,19 +1,21 @@
 //! Pictures whose radiance is known: furnaces, closed forms, and the agreement of the three strategies.
 
 use std::f32::consts::PI;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use crate::support::{
     SceneBuilder, assert_close, camera, mean_luminance, render, square_mesh, square_of_three_triangles, view,
 };
 use glam::{Affine3A, Quat, Vec3};
-use sunroom::accel::Primitive;
+use sunroom::accel::{Blas, Primitive, SplitMethod};
 use sunroom::color::Rgb;
+use sunroom::geometry::primitives::unit_cube;
 use sunroom::light::LightSource;
 use sunroom::material::{Material, MaterialId};
 use sunroom::render::scene::RenderScene;
-use sunroom::render::tile::{render_tile, tiles};
-use sunroom::render::view::{Strategy, View};
+use sunroom::render::tile::{Tile, render_tile, tiles};
+use sunroom::render::view::{Integrator, LONGEST_PATH, Strategy, View};
 use sunroom::sampling::SequenceKind;
 use sunroom::shading::{
     Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microfacet, MicrofacetKind,
@@ -411,6 +413,57 @@ fn the_longest_path_is_respected() {
     assert!(at(4) > 1.02 * at(2), "light between floor and lamp adds up");
 }
 
+/// The rays of one sample of one pixel.
+fn rays_of(scene: &RenderScene, view: &View, x: u32, y: u32, sample: u32) -> u64 {
+    let pixel = Tile {
+        x,
+        y,
+        width: 1,
+        height: 1,
+    };
+    let result = render_tile(scene, view, pixel, sample..sample + 1, &AtomicBool::new(false));
+    result.expect("not cancelled").rays
+}
+
+/// Shadow rays towards the cube end a rounding before its faces, and now and then meet these faces all the same.
+#[test]
+fn shadow_rays_to_an_emitter_that_lets_light_pass_come_to_an_end() {
+    let mut scene = floor(diffuse(0.5));
+    let cube = Primitive::Mesh(Arc::new(Blas::build(Arc::new(unit_cube()), SplitMethod::Sah)));
+    scene.add(cube, placed(1.0, Vec3::Y), Material::Null, Some(Rgb::splat(3.0)));
+    let scene = scene.build();
+    let look = |size, strategy| {
+        let eye = camera(Vec3::new(2.0, 3.0, 4.0), Vec3::Y, 45.0);
+        view(eye, size, UNBOUNDED, strategy)
+    };
+    let fine = look(32, Strategy::Mis);
+    for (x, y) in (0..32).flat_map(|y| (0..32).map(move |x| (x, y))) {
+        for sample in 0..8 {
+            let rays = rays_of(&scene, &fine, x, y, sample);
+            assert!(rays < 1000, "pixel {x}, {y}, sample {sample}: {rays} rays");
+        }
+    }
+    let [by_bsdf, by_light, by_both] =
+        STRATEGIES.map(|strategy| mean_luminance(&render(&scene, &look(8, strategy), 512)));
+    assert_close("bsdf", (by_bsdf.0, by_bsdf.1.hypot(by_both.1)), by_both.0);
+    assert_close("light", (by_light.0, by_light.1.hypot(by_both.1)), by_both.0);
+}
+
+#[test]
+fn a_path_that_nothing_ends_is_cut() {
+    let mut scene = SceneBuilder::default();
+    scene
+        .add(Primitive::Sphere, Affine3A::IDENTITY, diffuse(1.0), None)
+        .flip_normals = true;
+    let scene = scene.build();
+    let mut view = view(camera(Vec3::ZERO, Vec3::X, 90.0), 1, UNBOUNDED, Strategy::Mis);
+    let Integrator::Path(settings) = &mut view.integrator else {
+        panic!("a path integrator");
+    };
+    settings.rr_depth = u32::MAX;
+    assert_eq!(rays_of(&scene, &view, 0, 0, 0), u64::from(LONGEST_PATH));
+}
+
 #[test]
 fn hidden_emitters_light_but_do_not_show() {
     let mut scene = floor(diffuse(0.5));
@@ -428,7 +481,7 @@ fn hidden_emitters_light_but_do_not_show() {
         Strategy::Mis,
     );
     check("seen", &scene, &up, 4, 1.0);
-    let sunroom::render::view::Integrator::Path(settings) = &mut up.integrator else {
+    let Integrator::Path(settings) = &mut up.integrator else {
         panic!("a path integrator");
     };
     settings.hide_emitters = true;

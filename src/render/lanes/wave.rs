@@ -290,7 +290,7 @@ impl<'a> Wave<'a> {
     ) {
         let (scene, settings) = (around.scene, around.settings);
         let depth = self.depth.as_array()[lane];
-        let is_last = depth + 1 >= settings.max_depth;
+        let is_last = depth + 1 >= settings.longest_path();
         self.homes[lane].path.result.rays += 1;
         if slot.light.is_some() || depth == 0 {
             let path = self.load(lane);
@@ -453,7 +453,7 @@ fn look_through(
     homes: &mut [Home; LANES],
 ) -> Vec3Lanes {
     for lane in each_lane(asked) {
-        let crossings = around.settings.max_depth - depth.as_array()[lane] - 1;
+        let crossings = around.settings.longest_path() - depth.as_array()[lane] - 1;
         let (origin, wi) = (origin.get(lane), light.wi.get(lane));
         let rays = &mut homes[lane].path.result.rays;
         let arriving = shadow_ray(around.scene, origin, wi, light.target(lane), crossings, rays);
