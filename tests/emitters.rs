@@ -12,9 +12,11 @@ use sunroom::document::{self, Diagnostics};
 use sunroom::engine::{CurrentScene, RenderControl};
 use sunroom::light::{LightId, LightReference, LightSample, SurfaceHit};
 use sunroom::material::Material as Packed;
+use sunroom::math::Ray;
 use sunroom::render::image_io::{ImageRgb, write_image};
 use sunroom::render::scene::RenderScene;
 use sunroom::render::tonemap::Display;
+use sunroom::sampling::{Sampler, SequenceKind};
 use sunroom::scene::read::read;
 use sunroom::scene::write::to_document;
 use sunroom::scene::*;
@@ -512,6 +514,7 @@ fn a_surface_shines_as_its_texture_says() {
         let hit = SurfaceHit {
             position: (2.0 * uv - Vec2::ONE).extend(0.0),
             normal: Vec3::Z,
+            shading_normal: Vec3::Z,
             primitive: 0,
             barycentric: Vec2::ZERO,
             uv,
@@ -606,5 +609,127 @@ fn lights_are_chosen_by_their_sampling_weight() {
             sample.wi.y.abs() < 1e-6 && (sample.pdf - expected).abs() < 1e-3,
             "{sample:?}"
         );
+    }
+}
+
+/// A square that faces +z as an OBJ or PLY file, with or without vertex normals.
+fn write_squares(folder: &Path) {
+    const CORNERS: [&str; 4] = ["-1 -1 0", "1 -1 0", "1 1 0", "-1 1 0"];
+    let vertices: String = CORNERS.map(|corner| format!("v {corner}\n")).concat();
+    std::fs::write(folder.join("plain.obj"), format!("{vertices}f 1 2 3\nf 1 3 4\n")).unwrap();
+    let with_normals = format!("{vertices}vn 0 0 1\nf 1//1 2//1 3//1\nf 1//1 3//1 4//1\n");
+    std::fs::write(folder.join("normals.obj"), with_normals).unwrap();
+    for (name, properties, normal) in [("plain", "x y z", ""), ("normals", "x y z nx ny nz", " 0 0 1")] {
+        let properties: String = properties
+            .split(' ')
+            .map(|it| format!("property float {it}\n"))
+            .collect();
+        let vertices: String = CORNERS.map(|corner| format!("{corner}{normal}\n")).concat();
+        let text = format!(
+            "ply\nformat ascii 1.0\nelement vertex 4\n{properties}element face 2\n\
+             property list uchar int vertex_indices\nend_header\n{vertices}3 0 1 2\n3 0 2 3\n"
+        );
+        std::fs::write(folder.join(format!("{name}.ply")), text).unwrap();
+    }
+}
+
+/// The side that shines, which is that of the shading normal, as Mitsuba 3.9.1 has it (`scalar_rgb`; `eval` and `sample_direction` of the
+/// `area` emitter agree but for mirrored cylinders, where the former counts). Per shape for a `to_world` that does nothing, mirrors x, and
+/// mirrors z: 1 is +z of a flat shape and the outside of a closed one. `flip_normals` turns all of them around. Spheres are the exception:
+/// those that a transform mirrors shine inwards there.
+#[test]
+fn mirrored_lights_shine_to_the_side_that_they_shine_to_in_mitsuba() {
+    const FLAT: bool = false;
+    const CLOSED: bool = true;
+    let mut table: Vec<(String, bool, [i32; 3])> = [
+        ("type='rectangle'>", FLAT, [1, 1, -1]),
+        ("type='disk'>", FLAT, [1, 1, -1]),
+        ("type='cube'>", CLOSED, [1, 1, 1]),
+        ("type='sphere'>", CLOSED, [1, 1, 1]),
+        (
+            "type='cylinder'><point name='p0' value='0 0 -1'/><point name='p1' value='0 0 1'/>",
+            CLOSED,
+            [1, 1, 1],
+        ),
+    ]
+    .map(|(shape, kind, sides)| (shape.to_owned(), kind, sides))
+    .into();
+    for plugin in ["obj", "ply"] {
+        for (file, face_normals, sides) in [
+            ("normals", false, [1, 1, -1]),
+            ("normals", true, [1, -1, 1]),
+            ("plain", false, [1, -1, 1]),
+            ("plain", true, [1, -1, 1]),
+        ] {
+            let shape = format!(
+                "type='{plugin}'><string name='filename' value='{file}.{plugin}'/>\
+                 <boolean name='face_normals' value='{face_normals}'/>"
+            );
+            table.push((shape, FLAT, sides));
+        }
+    }
+    let (mut body, mut cases) = (String::new(), Vec::new());
+    for (shape, is_closed, sides) in &table {
+        for (mirror, side) in ["1 1 1", "-1 1 1", "1 1 -1"].into_iter().zip(sides) {
+            for flips in [false, true] {
+                let place = Vec3::X * 10.0 * cases.len() as f32;
+                body += &format!(
+                    "<shape {shape}<transform name='to_world'><scale value='{mirror}'/><translate x='{}'/></transform>\
+                     <boolean name='flip_normals' value='{flips}'/>\
+                     <emitter type='area'/></shape>\n",
+                    place.x
+                );
+                let side = if flips { -side } else { *side };
+                cases.push((format!("{shape} {mirror} {flips}"), *is_closed, place, side));
+            }
+        }
+    }
+    let scene = Open::new(&body, write_squares).scene();
+    for (case, is_closed, place, side) in cases {
+        for seen_side in [1, -1] {
+            let (from, dir) = match (is_closed, seen_side) {
+                (CLOSED, 1) => (Vec3::new(0.1, 5.0, 0.2), Vec3::NEG_Y),
+                (CLOSED, _) => (Vec3::new(0.1, 0.0, 0.2), Vec3::Y),
+                (FLAT, _) => (Vec3::new(0.1, 0.2, 5.0 * seen_side as f32), Vec3::Z * -seen_side as f32),
+            };
+            let ray = Ray::new(place + from, dir);
+            let hit = scene
+                .geometry
+                .intersect(&ray)
+                .unwrap_or_else(|| panic!("{case}: no hit"));
+            let point = scene.geometry.surface(&ray, &hit);
+            let light = scene.slot(&hit).light.unwrap_or_else(|| panic!("{case}: no light"));
+            let on_light = SurfaceHit {
+                position: point.position,
+                normal: point.geometric_normal,
+                shading_normal: point.shading_normal,
+                primitive: hit.primitive,
+                barycentric: Vec2::new(hit.u, hit.v),
+                uv: point.uv,
+            };
+            let shines = side == seen_side;
+            let emitted = scene.lights.emitted(light, &on_light, -dir);
+            assert_eq!(emitted != Rgb::ZERO, shines, "{case}, from {seen_side}: emission");
+            assert_eq!(
+                point.shading_normal.dot(-dir) > 0.0,
+                shines,
+                "{case}, from {seen_side}: front"
+            );
+            // From outside the far inner side of a closed shape can be chosen, though the near one hides it.
+            if is_closed && seen_side == 1 && !shines {
+                continue;
+            }
+            let reference = LightReference {
+                position: ray.origin,
+                normal: None,
+            };
+            let chosen = (0..512u32).any(|index| {
+                let mut sampler = Sampler::new(SequenceKind::Sobol, UVec2::ZERO, index, 1);
+                let (u_choice, u) = (sampler.next_1d(), sampler.next_2d());
+                let sample = scene.lights.sample(&reference, u_choice, u);
+                sample.is_some_and(|(id, _)| id == light)
+            });
+            assert_eq!(chosen, shines, "{case}, from {seen_side}: sampling");
+        }
     }
 }

@@ -1,7 +1,8 @@
 //! The world-space surface at a hit.
 //!
 //! Conventions are Mitsuba 3's: a mesh's geometric normal is that of the transformed triangle (a mirroring transform turns it around),
-//! its vertex normals go by the inverse transpose and are not made to agree with it; the normals of other shapes go by the inverse transpose.
+//! the vertex normals of its file go by the inverse transpose and are not made to agree with it, and vertex normals that were computed
+//! from the triangles turn around with them; the normals of other shapes go by the inverse transpose.
 
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 
@@ -110,9 +111,9 @@ impl Instance {
         let geometric = self.geometric_normal(&local);
         let of_vertices = self
             .with_vertex_normals()
-            .and_then(|blas| self.vertex_normal(blas, hit));
+            .and_then(|blas| self.vertex_normal(blas.mesh(), hit.primitive, Vec2::new(hit.u, hit.v)));
         let shading = of_vertices.unwrap_or(geometric);
-        let side = if self.flip_normals { -1.0 } else { 1.0 };
+        let side = self.side();
         let parametrisation = match detail {
             Detail::Plain => Parametrisation::default(),
             Detail::Parametrised => self.parametrisation(hit, local.position, geometric),
@@ -132,12 +133,26 @@ impl Instance {
     #[inline(always)]
     pub(super) fn with_vertex_normals(&self) -> Option<&Blas> {
         match &self.primitive {
-            // A mirror turns the geometric normal around alone.
-            Primitive::Mesh(blas) if !self.face_normals && (self.mirrored || !blas.has_flat_normals) => {
-                (!blas.mesh().normals.is_empty()).then_some(blas)
+            Primitive::Mesh(blas) if !self.face_normals => {
+                // A mirror turns the geometric normal around, but not the normals of the file.
+                let may_differ = !blas.has_flat_normals || self.mirrored && !blas.mesh().has_computed_normals;
+                (may_differ && !blas.mesh().normals.is_empty()).then_some(blas)
             }
             _ => None,
         }
+    }
+
+    /// The unit shading normal in world space where rays meet the triangle of a mesh at the weights `barycentric` of its corners 1 and 2.
+    /// None where that is the geometric normal.
+    pub fn shading_normal(&self, triangle: u32, barycentric: Vec2) -> Option<Vec3> {
+        let mesh = self.with_vertex_normals()?.mesh();
+        Some(self.side() * self.vertex_normal(mesh, triangle, barycentric)?)
+    }
+
+    /// -1 where normals are flipped, else 1.
+    #[inline(always)]
+    fn side(&self) -> f32 {
+        if self.flip_normals { -1.0 } else { 1.0 }
     }
 
     /// Of a shape in the plane z = 0, but for its parametrisation.
@@ -222,21 +237,26 @@ impl Instance {
         (self.local_from_world.matrix3.transpose() * Vec3A::from(scale * local)).into()
     }
 
-    /// The interpolated vertex normal: each taken to the world and made unit first, as if the mesh had been stored transformed.
-    fn vertex_normal(&self, blas: &Blas, hit: &Hit) -> Option<Vec3> {
-        let mesh = blas.mesh();
-        let corners = mesh.triangles.get(hit.primitive as usize)?;
-        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+    /// The interpolated vertex normal: each taken to the world and made unit first, as if the mesh had been stored transformed. Not flipped.
+    fn vertex_normal(&self, mesh: &MeshData, triangle: u32, barycentric: Vec2) -> Option<Vec3> {
+        let corners = mesh.triangles.get(triangle as usize)?;
+        let Vec2 { x: u, y: v } = barycentric;
         let [a, b, c] = corners.map(|corner| mesh.normals.get(corner as usize).copied());
         let normals = [a?, b?, c?];
-        let mean = |[a, b, c]: [Vec3; 3]| weights[0] * a + weights[1] * b + weights[2] * c;
-        if self.similarity.is_some() {
+        let mean = |[a, b, c]: [Vec3; 3]| (1.0 - u - v) * a + u * b + v * c;
+        let normal = if self.similarity.is_some() {
             // They stay as long as each other.
-            return unit_or_none(self.world_normal(mean(normals)));
-        }
-        unit_or_none(mean(
-            normals.map(|normal| unit_or_none(self.world_normal(normal)).unwrap_or(Vec3::ZERO)),
-        ))
+            unit_or_none(self.world_normal(mean(normals)))?
+        } else {
+            unit_or_none(mean(
+                normals.map(|normal| unit_or_none(self.world_normal(normal)).unwrap_or(Vec3::ZERO)),
+            ))?
+        };
+        Some(if self.mirrored && mesh.has_computed_normals {
+            -normal
+        } else {
+            normal
+        })
     }
 
     /// The local error taken to the world, with the rounding of the way out and of a next ray's way back in.

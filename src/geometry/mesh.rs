@@ -20,6 +20,9 @@ pub struct MeshData {
     /// Unit shading normals per vertex, or empty. Loaders always fill them: where the file has none, they are computed, as Mitsuba does.
     /// A shape with `face_normals` ignores them.
     pub normals: Vec<Vec3>,
+    /// Whether the file has no normals and all of them were computed from the triangles. They then follow the order of the corners: a
+    /// mirroring transform turns them around with the triangles, as in Mitsuba, which computes them after the transform.
+    pub has_computed_normals: bool,
     /// As in the file. Mitsuba's `obj` shape flips v (`flip_tex_coords` is true there by default, false for `ply`): see
     /// [`MeshData::flip_tex_coords`].
     pub uvs: Vec<Vec2>,
@@ -119,6 +122,7 @@ impl MeshData {
     /// the crease between them remains.
     pub fn with_vertex_normals(mut self) -> Self {
         self.normals = angle_weighted_normals(&self.positions, &self.triangles);
+        self.has_computed_normals = true;
         self
     }
 

@@ -214,6 +214,7 @@ impl Statements {
         let computed = angle_weighted_normals(&mesh.positions, &mesh.triangles);
         if lacking == sources.len() {
             mesh.normals = computed;
+            mesh.has_computed_normals = true;
             return;
         }
         for (normal, computed) in mesh.normals.iter_mut().zip(computed) {

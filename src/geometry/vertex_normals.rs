@@ -153,6 +153,7 @@ fn largest(v: [f32x4; 3]) -> f32x4 {
 pub(super) fn complete_normals(mesh: &mut MeshData, warnings: &mut Warnings) {
     if mesh.normals.is_empty() {
         mesh.normals = angle_weighted_normals(&mesh.positions, &mesh.triangles);
+        mesh.has_computed_normals = true;
         return;
     }
     mesh.normals

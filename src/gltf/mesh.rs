@@ -126,6 +126,8 @@ impl Gltf {
         let are_unit = mesh.normals.iter().all(|normal| normal.try_normalize().is_some());
         if mesh.normals.is_empty() || !are_unit {
             mesh = mesh.with_vertex_normals();
+            // The file that is made of the mesh has them.
+            mesh.has_computed_normals = false;
         } else {
             mesh.normals.iter_mut().for_each(|normal| *normal = normal.normalize());
         }

@@ -54,7 +54,7 @@ pub struct LightId(pub u32);
 #[derive(Clone, Debug, PartialEq)]
 pub enum LightSource {
     /// The triangles of material slot `slot` of an instance (all of an analytic shape), emitting `radiance` (W/(m^2 sr)) from the
-    /// front, the side of the geometric normal.
+    /// front, the side of the shading normal.
     Surface {
         instance: u32,
         slot: u32,

@@ -13,7 +13,7 @@ use super::sphere::{EllipsoidLight, SphereLight};
 use super::texture_density::{self, mean_luminance};
 use super::triangle::TriangleLight;
 use super::{LightSample, Target};
-use crate::accel::{Blas, Primitive, Tlas};
+use crate::accel::{Blas, Instance, Primitive, Tlas};
 use crate::color::{Rgb, luminance};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::{cylinder, disk, rectangle, sphere};
@@ -27,6 +27,8 @@ pub struct SurfaceHit {
     pub position: Vec3,
     /// Unit geometric normal.
     pub normal: Vec3,
+    /// Unit shading normal, on the side that shines.
+    pub shading_normal: Vec3,
     /// The mesh's triangle; zero for other shapes.
     pub primitive: u32,
     /// Weights of the triangle's corners 1 and 2; zero for other shapes.
@@ -38,7 +40,7 @@ pub struct SurfaceHit {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SurfaceSample {
     pub position: Vec3,
-    /// Unit geometric normal, to the emitting side.
+    /// Unit normal of the surface, to the side of the reference point.
     pub normal: Vec3,
     /// Density per solid angle as seen from the reference point.
     pub pdf_solid_angle: f32,
@@ -53,6 +55,8 @@ pub(super) struct SurfaceLight {
     /// Of the whole instance.
     bounds: Aabb,
     mesh: Option<Arc<MeshData>>,
+    /// The shape in its place, if it is a mesh of which some triangles emit by their shading normals.
+    smooth: Option<Box<Instance>>,
     local_from_world: Affine3A,
     /// Bound on the rounding error of its points.
     error: f32,
@@ -115,7 +119,7 @@ impl SurfaceLight {
                 EmitterShape::Cylinder(CylinderLight::new(to_world, instance.local_from_world, side))
             }
             Primitive::Mesh(blas) => {
-                let triangles = TriangleLight::of_mesh(blas.mesh(), slot, &to_world, side);
+                let triangles = TriangleLight::of_mesh(instance, blas.mesh(), slot);
                 match radiance {
                     Parameter::Constant(_) => rectangle_of(blas, &to_world, &triangles),
                     Parameter::Texture(_) => None,
@@ -129,7 +133,12 @@ impl SurfaceLight {
             Primitive::Mesh(blas) => Some(blas.mesh().clone()),
             _ => None,
         };
+        let is_smooth = match &shape {
+            EmitterShape::Mesh(triangles) => triangles.iter().any(TriangleLight::emits_by_shading_normal),
+            _ => false,
+        };
         let mut light = Self {
+            smooth: is_smooth.then(|| Box::new(instance.clone())),
             radiance,
             brightness: vec![mean_luminance(textures, radiance)],
             shape,
@@ -183,7 +192,11 @@ impl SurfaceLight {
             EmitterShape::Cylinder(light) => (self.bounds, NormalCone::ALL, 0.25 * light.area()),
             EmitterShape::Mesh(triangles) => {
                 let triangle = &triangles[part as usize];
-                (triangle.bounds(), triangle.normals(), triangle.area())
+                (
+                    triangle.bounds(),
+                    triangle.normals(self.smooth.as_deref()),
+                    triangle.area(),
+                )
             }
         };
         LightBounds {
@@ -227,6 +240,7 @@ impl SurfaceLight {
                 let hit = SurfaceHit {
                     position: Vec3::ZERO,
                     normal: Vec3::Z,
+                    shading_normal: Vec3::Z,
                     primitive: triangle.primitive,
                     barycentric,
                     uv: mesh_uv(mesh, triangle.primitive, barycentric),
@@ -248,6 +262,7 @@ impl SurfaceLight {
         let mut hit = SurfaceHit {
             position: point.position,
             normal: point.normal,
+            shading_normal: point.normal,
             primitive: self.primitive(part),
             barycentric: Vec2::ZERO,
             uv: Vec2::ZERO,
@@ -272,6 +287,11 @@ impl SurfaceLight {
     /// A direction to a part; None where no light can come from (the back, the horizon).
     pub fn sample(&self, part: u32, reference: Vec3, u: Vec2, textures: &TextureTable) -> Option<LightSample> {
         let point = self.sample_point(part, reference, u)?;
+        if let (Some(instance), EmitterShape::Mesh(triangles)) = (&self.smooth, &self.shape)
+            && !triangles[part as usize].shines(instance, point.position, reference)
+        {
+            return None;
+        }
         // The shadow ray ends in front of the surface, not on it.
         let end = offset_origin(point.position, self.error, point.normal, reference - point.position);
         Some(LightSample {
@@ -328,7 +348,7 @@ fn rectangle_of(blas: &Blas, to_world: &Affine3A, triangles: &[TriangleLight]) -
     if !is_regular(a) || !is_regular(b) {
         return None;
     }
-    let (normal, other) = (a.normal()?, b.normal()?);
+    let (normal, other) = (a.emitting_normal()?, b.emitting_normal()?);
     let placed = (to_world.as_daffine3() * blas.local_from_square()?).as_affine3a();
     let [x, y] = [placed.matrix3.x_axis, placed.matrix3.y_axis].map(Vec3::from);
     let light = RectangleLight::new(Vec3::from(placed.translation) - x - y, 2.0 * x, 2.0 * y, normal);

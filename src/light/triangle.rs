@@ -1,9 +1,10 @@
 //! Triangles that emit: the parts of a mesh light.
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 use super::bounds::NormalCone;
 use super::surface::{SurfaceHit, SurfaceSample, solid_angle_pdf};
+use crate::accel::Instance;
 use crate::geometry::mesh::MeshData;
 use crate::math::Aabb;
 use crate::sampling::{SphericalTriangle, warp};
@@ -12,35 +13,61 @@ use crate::sampling::{SphericalTriangle, warp};
 pub(super) struct TriangleLight {
     /// World space.
     corners: [Vec3; 3],
-    /// 1 when it emits to the side from which the corners are seen counter-clockwise, else -1.
-    side: f32,
+    emission: Emission,
     /// Which triangle of the mesh it is.
     pub primitive: u32,
 }
 
+/// To which side of a triangle its light goes: that of the shading normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Emission {
+    /// The same side all over: 1 where the corners are seen counter-clockwise from, else -1.
+    OneSide(f32),
+    /// Vertex normals stand at an angle to the triangle. Seen from near its plane, either side can shine.
+    ByShadingNormal,
+}
+
+/// Sine of the angle between a vertex normal and the triangle's up to which they count as parallel: rounding of four decimal digits.
+const PARALLEL: f32 = 1e-4;
+
 impl TriangleLight {
     /// The triangles of one material slot, in the order of the mesh.
-    pub fn of_mesh(mesh: &MeshData, slot: u32, world_from_local: &Affine3A, side: f32) -> Vec<Self> {
+    pub fn of_mesh(instance: &Instance, mesh: &MeshData, slot: u32) -> Vec<Self> {
         let slot_of = |triangle: usize| mesh.material_of_triangle.get(triangle).copied().unwrap_or(0);
         (0..mesh.triangles.len())
             .filter(|&triangle| u32::from(slot_of(triangle)) == slot)
-            .map(|triangle| Self {
-                corners: mesh.corners(triangle).map(|p| world_from_local.transform_point3(p)),
-                side,
-                primitive: triangle as u32,
+            .map(|triangle| {
+                let primitive = triangle as u32;
+                let place = &instance.world_from_local;
+                let corners = mesh.corners(triangle).map(|p| place.transform_point3(p));
+                Self {
+                    corners,
+                    emission: Emission::of(instance, primitive, corners),
+                    primitive,
+                }
             })
             .collect()
     }
 
-    /// Perpendicular to the triangle on the emitting side, as long as twice its area.
+    /// Perpendicular to the triangle, on the emitting side if there is but one, as long as twice its area.
     fn scaled_normal(&self) -> Vec3 {
-        let [p0, p1, p2] = self.corners;
-        self.side * (p1 - p0).cross(p2 - p0)
+        match self.emission {
+            Emission::OneSide(side) => side * counter_clockwise_normal(self.corners),
+            Emission::ByShadingNormal => counter_clockwise_normal(self.corners),
+        }
     }
 
-    /// None for a degenerate triangle.
-    pub fn normal(&self) -> Option<Vec3> {
-        self.scaled_normal().try_normalize()
+    /// Unit vector to the emitting side. None for a degenerate triangle, and where either side can shine.
+    pub fn emitting_normal(&self) -> Option<Vec3> {
+        match self.emission {
+            Emission::OneSide(_) => self.scaled_normal().try_normalize(),
+            Emission::ByShadingNormal => None,
+        }
+    }
+
+    /// Whether a direction to the triangle finds light only where the shading normal says so.
+    pub fn emits_by_shading_normal(&self) -> bool {
+        self.emission == Emission::ByShadingNormal
     }
 
     pub fn area(&self) -> f32 {
@@ -51,16 +78,31 @@ impl TriangleLight {
         Aabb::from_points(self.corners)
     }
 
-    pub fn normals(&self) -> NormalCone {
-        self.normal().map_or(NormalCone::ALL, NormalCone::single)
+    /// A cone that holds the shading normals of the triangle, which is one of `smooth` if its light goes by them.
+    pub fn normals(&self, smooth: Option<&Instance>) -> NormalCone {
+        let (Emission::ByShadingNormal, Some(instance)) = (self.emission, smooth) else {
+            return self.emitting_normal().map_or(NormalCone::ALL, NormalCone::single);
+        };
+        let [a, b, c] = corner_normals(instance, self.primitive).map(|normal| normal.map(NormalCone::single));
+        match (a, b, c) {
+            (Some(a), Some(b), Some(c)) => {
+                let cone = a.union(b).union(c);
+                // Only a narrower cone holds what lies between the three.
+                if cone.cos_angle > 0.0 { cone } else { NormalCone::ALL }
+            }
+            _ => NormalCone::ALL,
+        }
     }
 
     /// Uniform in solid angle where the triangle looks large, else uniform in area.
     pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
         let [p0, p1, p2] = self.corners;
-        let normal = self.normal()?;
-        if (reference - p0).dot(normal) <= 0.0 {
-            return None;
+        let mut normal = self.scaled_normal().try_normalize()?;
+        let height = (reference - p0).dot(normal);
+        match self.emission {
+            Emission::OneSide(_) if height <= 0.0 => return None,
+            Emission::OneSide(_) => {}
+            Emission::ByShadingNormal => normal *= height.signum(),
         }
         if let Some(seen) = SphericalTriangle::new(self.corners, reference) {
             return Some(SurfaceSample {
@@ -74,10 +116,21 @@ impl TriangleLight {
         SurfaceSample::from_area(position, normal, 1.0 / self.area(), reference)
     }
 
+    /// Whether light goes from `position` on the triangle of `smooth` to `reference`, which [`Self::sample`] has found possible.
+    pub fn shines(&self, smooth: &Instance, position: Vec3, reference: Vec3) -> bool {
+        if self.emission != Emission::ByShadingNormal {
+            return true;
+        }
+        let normal = smooth
+            .shading_normal(self.primitive, self.barycentric(position))
+            .unwrap_or_else(|| flip(smooth) * counter_clockwise_normal(self.corners));
+        (reference - position).dot(normal) > 0.0
+    }
+
     /// Weights of the corners 1 and 2 at a point of the triangle.
     pub fn barycentric(&self, position: Vec3) -> Vec2 {
         let [p0, p1, p2] = self.corners;
-        let normal = (p1 - p0).cross(p2 - p0);
+        let normal = counter_clockwise_normal(self.corners);
         let weight = |a: Vec3, b: Vec3| a.cross(b).dot(normal) / normal.length_squared();
         Vec2::new(weight(position - p0, p2 - p0), weight(p1 - p0, position - p0))
     }
@@ -88,4 +141,37 @@ impl TriangleLight {
             None => solid_angle_pdf(1.0 / self.area(), hit.position, hit.normal, reference),
         }
     }
+}
+
+impl Emission {
+    fn of(instance: &Instance, triangle: u32, corners: [Vec3; 3]) -> Self {
+        let [Some(a), Some(b), Some(c)] = corner_normals(instance, triangle) else {
+            return Self::OneSide(flip(instance));
+        };
+        let Some(normal) = counter_clockwise_normal(corners).try_normalize() else {
+            return Self::OneSide(flip(instance));
+        };
+        let side = a.dot(normal).signum();
+        let is_like = |vertex: Vec3| vertex.dot(normal) * side > 0.0 && vertex.cross(normal).length() < PARALLEL;
+        if [a, b, c].into_iter().all(is_like) {
+            Self::OneSide(side)
+        } else {
+            Self::ByShadingNormal
+        }
+    }
+}
+
+/// -1 where the geometric normal is flipped, else 1.
+fn flip(instance: &Instance) -> f32 {
+    if instance.flip_normals { -1.0 } else { 1.0 }
+}
+
+/// The shading normals at the corners; None where the geometric normal takes their place.
+fn corner_normals(instance: &Instance, triangle: u32) -> [Option<Vec3>; 3] {
+    [Vec2::ZERO, Vec2::X, Vec2::Y].map(|corner| instance.shading_normal(triangle, corner))
+}
+
+/// As long as twice the area.
+fn counter_clockwise_normal([p0, p1, p2]: [Vec3; 3]) -> Vec3 {
+    (p1 - p0).cross(p2 - p0)
 }

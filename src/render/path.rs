@@ -264,6 +264,7 @@ impl Path {
             let on_light = SurfaceHit {
                 position: point.position,
                 normal: point.geometric_normal,
+                shading_normal: point.shading_normal,
                 primitive: hit.primitive,
                 barycentric: Vec2::new(hit.u, hit.v),
                 uv: point.uv,

@@ -1,10 +1,14 @@
 //! Every light's sampling against its density, and the density of a found direction against that of a sampled one.
 
+use std::sync::Arc;
+
 use crate::statistics;
 use crate::support::{SceneBuilder, all_around, square_mesh, square_of_three_triangles, triangle_mesh};
 use glam::{Affine3A, Quat, Vec2, Vec3};
-use sunroom::accel::Primitive;
+use sunroom::accel::{Blas, Primitive, SplitMethod};
 use sunroom::color::Rgb;
+use sunroom::geometry::mesh::MeshData;
+use sunroom::geometry::primitives::unit_cube;
 use sunroom::light::{LightId, LightReference, LightSource, LightTable, SurfaceHit, Target, WeightedSource};
 use sunroom::math::Ray;
 use sunroom::render::scene::RenderScene;
@@ -42,6 +46,24 @@ fn flock(side: u32) -> Primitive {
     }))
 }
 
+/// A triangle whose vertex normals lean by some 60 degrees, each another way.
+fn leaning_triangle(corners: [Vec3; 3]) -> Primitive {
+    let [a, b, c] = corners;
+    let up = (b - a).cross(c - a).normalize();
+    let lean = |to: Vec3| (up + 1.7 * to.normalize()).normalize();
+    let mesh = MeshData {
+        positions: corners.to_vec(),
+        normals: vec![lean(b - a), lean(c - a), lean(b - c)],
+        triangles: vec![[0, 1, 2]],
+        ..MeshData::default()
+    };
+    Primitive::Mesh(Arc::new(Blas::build(Arc::new(mesh), SplitMethod::Sah)))
+}
+
+fn cube() -> Primitive {
+    Primitive::Mesh(Arc::new(Blas::build(Arc::new(unit_cube()), SplitMethod::Sah)))
+}
+
 fn transform(scale: Vec3, axis: Vec3, angle: f32, translation: Vec3) -> Affine3A {
     Affine3A::from_scale_rotation_translation(scale, Quat::from_axis_angle(axis.normalize(), angle), translation)
 }
@@ -61,6 +83,7 @@ fn pdf(scene: &RenderScene, wi: Vec3) -> f32 {
     let on_light = SurfaceHit {
         position: point.position,
         normal: point.geometric_normal,
+        shading_normal: point.shading_normal,
         primitive: hit.primitive,
         barycentric: Vec2::new(hit.u, hit.v),
         uv: point.uv,
@@ -86,6 +109,12 @@ fn scenes() -> Vec<(&'static str, RenderScene)> {
         Vec3::new(-0.2, 1.3, 0.3),
     );
     let aslant = transform(Vec3::new(0.9, 0.4, 1.0), Vec3::X, 1.9, Vec3::new(0.4, 1.1, -0.7));
+    // Nearly edge-on, where the normals have light on both sides.
+    let slope = [
+        Vec3::new(-1.0, 0.5, 0.1),
+        Vec3::new(0.4, 0.6, 1.2),
+        Vec3::new(0.9, 0.9, -0.6),
+    ];
     let mut sky = SceneBuilder::default();
     sky.light(LightSource::Constant { radiance: Rgb::ONE });
     vec![
@@ -181,6 +210,30 @@ fn scenes() -> Vec<(&'static str, RenderScene)> {
                 Vec3::new(4.5, 0.05, 0.1),
                 Vec3::new(0.5, 0.1, -0.6),
             ]),
+        ),
+        (
+            "cube, mirrored",
+            emitter(cube(), skew(Vec3::new(-0.4, 0.2, 0.3)), false),
+        ),
+        (
+            "cube from inside, mirrored",
+            emitter(
+                cube(),
+                transform(Vec3::new(1.0, -1.3, 0.9), Vec3::X, 0.4, Vec3::new(0.1, 0.2, -0.3)),
+                true,
+            ),
+        ),
+        (
+            "leaning normals, from behind",
+            emitter(leaning_triangle(slope), Affine3A::IDENTITY, true),
+        ),
+        (
+            "leaning normals, mirrored and small",
+            emitter(
+                leaning_triangle(slope),
+                transform(Vec3::new(-0.1, 0.05, 0.1), Vec3::Z, 0.3, Vec3::new(0.1, 0.7, 0.5)),
+                true,
+            ),
         ),
         ("flock of triangles", emitter(flock(3), Affine3A::IDENTITY, false)),
         ("sky", sky.build()),

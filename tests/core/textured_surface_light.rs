@@ -163,6 +163,7 @@ fn found(scene: &RenderScene, wi: Vec3) -> Option<(Rgb, f32)> {
     let on_light = SurfaceHit {
         position: point.position,
         normal: point.geometric_normal,
+        shading_normal: point.shading_normal,
         primitive: hit.primitive,
         barycentric: Vec2::new(hit.u, hit.v),
         uv: point.uv,
