@@ -5,8 +5,8 @@ use glam::{Vec2, Vec3};
 
 use super::observer::{Bounce, MetEmitter, PathEnd, PathObserver, PathVertex, SampledLight};
 use super::scene::{RenderScene, SurfaceSlot};
-use super::view::{PathSettings, Strategy};
-use crate::accel::{Hit, SurfacePoint};
+use super::view::{LONGEST_PATH, PathSettings, Strategy};
+use crate::accel::{Detail, Hit, SurfacePoint};
 use crate::color::Rgb;
 use crate::light::{LightId, LightReference, LightSample, SurfaceHit, Target};
 use crate::material::Lobe;
@@ -60,8 +60,12 @@ pub(super) struct Path {
     pub arrival: Arrival,
     /// Whether the guides of the result are taken.
     pub guided: bool,
-    /// Surfaces met so far.
+    /// Surfaces met so far, without the hidden emitters that the camera ray has passed.
     pub depth: u32,
+    /// Distance from the camera to the origin of its ray, which hidden emitters have moved.
+    passed: f32,
+    /// Whether all surfaces met so far have let the camera ray pass straight on.
+    pub is_straight: bool,
     pub sampler: Sampler,
     /// So far.
     pub result: PathSample,
@@ -79,6 +83,7 @@ pub fn trace_path(
     let mut path = Path::new(ray, sampler);
     loop {
         let hit = scene.geometry.intersect(&path.ray);
+        let hit = path.behind_hidden_emitters(scene, settings, hit);
         if !path.advance(scene, settings, hit, observer) {
             return path.result;
         }
@@ -94,9 +99,44 @@ impl Path {
             arrival: Arrival::Only,
             guided: false,
             depth: 0,
+            passed: 0.0,
+            is_straight: true,
             sampler,
             result: PathSample::default(),
         }
+    }
+
+    /// What a camera ray meets behind the emitting shapes that the camera does not see, if `hit` is what it meets first. The ray then
+    /// starts behind the last of these shapes. As in Mitsuba 3.9, they count for no depth, whichever way they shine.
+    #[inline(always)]
+    pub fn behind_hidden_emitters(
+        &mut self,
+        scene: &RenderScene,
+        settings: &PathSettings,
+        hit: Option<Hit>,
+    ) -> Option<Hit> {
+        if settings.hide_emitters && self.depth == 0 {
+            self.pass_hidden_emitters(scene, hit)
+        } else {
+            hit
+        }
+    }
+
+    #[inline(never)]
+    fn pass_hidden_emitters(&mut self, scene: &RenderScene, mut hit: Option<Hit>) -> Option<Hit> {
+        for _ in 0..LONGEST_PATH {
+            let met = hit?;
+            if scene.slot(&met).light.is_none() {
+                break;
+            }
+            let point = scene.geometry.surface_in(&self.ray, &met, Detail::Plain);
+            self.ray.origin = offset_origin(point.position, point.error, point.geometric_normal, self.ray.dir);
+            self.ray.t_max -= met.t;
+            self.passed += met.t;
+            self.result.rays += 1;
+            hit = scene.geometry.intersect(&self.ray);
+        }
+        hit
     }
 
     /// Takes the path to `hit`, the nearest of its ray, and turns it to where it goes on. False if it ends.
@@ -179,6 +219,7 @@ impl Path {
             observer.ended(PathEnd::Absorbed);
             return false;
         }
+        self.is_straight &= sample.lobe == Lobe::Null;
         match sample.lobe {
             Lobe::Smooth => {
                 self.arrival = Arrival::Sampled {
@@ -218,7 +259,8 @@ impl Path {
     /// Leaves the scene.
     #[inline(always)]
     pub fn escape(&mut self, scene: &RenderScene, settings: &PathSettings, observer: &mut impl PathObserver) {
-        if self.depth > 0 || !settings.hide_emitters {
+        let is_hidden = settings.hide_emitters && self.is_straight;
+        if settings.max_depth > 0 && !is_hidden {
             for &light in scene.lights.infinite() {
                 let wi = self.ray.dir;
                 let (radiance, pdf) = match &self.arrival {
@@ -249,8 +291,10 @@ impl Path {
         observer: &mut impl PathObserver,
     ) {
         if self.depth == 0 {
-            self.result.depth = hit.t;
-            self.result.first_hit = Some(*hit);
+            let mut first = *hit;
+            first.t += self.passed;
+            self.result.depth = first.t;
+            self.result.first_hit = Some(first);
         }
         observer.vertex(&PathVertex {
             position: point.position,
@@ -259,7 +303,7 @@ impl Path {
             material: slot.material,
         });
         if let Some(light) = slot.light
-            && (self.depth > 0 || !settings.hide_emitters)
+            && settings.max_depth > 0
         {
             let on_light = SurfaceHit {
                 position: point.position,

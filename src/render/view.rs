@@ -40,11 +40,11 @@ pub const LONGEST_PATH: u32 = 1 << 16;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathSettings {
-    /// Longest path in segments. Values above [`LONGEST_PATH`], such as `u32::MAX` for an unbounded path, mean that bound.
+    /// Longest path in segments; 0 leaves the picture black. Values above [`LONGEST_PATH`], such as `u32::MAX` for an unbounded path, mean that bound.
     pub max_depth: u32,
     /// From this depth on Russian roulette may end a path; sixteen later where surfaces leave no choice of direction.
     pub rr_depth: u32,
-    /// Emitters do not show themselves to the camera.
+    /// The camera does not see emitters: its rays pass shapes that emit, and find nothing at infinity.
     pub hide_emitters: bool,
     pub strategy: Strategy,
 }

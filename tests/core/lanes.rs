@@ -313,7 +313,7 @@ fn pictures_are_those_of_paths_one_by_one() {
         }
         let endless = settings(u32::MAX, 1, false, Strategy::Mis);
         compare(what, scene, &look(endless, SequenceKind::Independent));
-        for (max_depth, hide_emitters) in [(2, true), (1, false)] {
+        for (max_depth, hide_emitters) in [(2, true), (8, true), (1, false), (0, false)] {
             let short = settings(max_depth, 5, hide_emitters, Strategy::Mis);
             compare(what, scene, &look(short, SequenceKind::Sobol));
         }

@@ -464,28 +464,73 @@ fn a_path_that_nothing_ends_is_cut() {
     assert_eq!(rays_of(&scene, &view, 0, 0, 0), u64::from(LONGEST_PATH));
 }
 
-#[test]
-fn hidden_emitters_light_but_do_not_show() {
+/// Two lamps above a floor, one facing down and one up, seen from above. Depths begin at the near plane, 1e-3 from the camera. The floor is 0.5 x 0.5 bright by the sky alone.
+fn lamps_before_the_floor(max_depth: u32, hide_emitters: bool) -> (f32, f32, f32) {
     let mut scene = floor(diffuse(0.5));
-    scene.add(
-        Primitive::Rectangle,
-        facing_down(1.0, 2.0),
-        diffuse(0.0),
-        Some(Rgb::ONE),
-    );
-    let scene = scene.build();
-    let mut up = view(
-        camera(Vec3::new(0.0, 1.0, 0.0), Vec3::Y * 2.0, 20.0),
-        4,
-        1,
-        Strategy::Mis,
-    );
-    check("seen", &scene, &up, 4, 1.0);
-    let Integrator::Path(settings) = &mut up.integrator else {
+    let lamp = Some(Rgb::ONE);
+    scene.add(Primitive::Rectangle, facing_down(1e-3, 1.0), diffuse(0.0), lamp);
+    let facing_up = Affine3A::from_translation(Vec3::Y * 1.5)
+        * Affine3A::from_rotation_x(-PI / 2.0)
+        * Affine3A::from_scale(Vec3::splat(1e-3));
+    scene.add(Primitive::Rectangle, facing_up, diffuse(0.0), lamp);
+    scene.light(LightSource::Constant {
+        radiance: Rgb::splat(0.5),
+    });
+    let mut view = view(camera(Vec3::Y * 2.0, Vec3::ZERO, 0.01), 4, max_depth, Strategy::Mis);
+    let Integrator::Path(settings) = &mut view.integrator else {
         panic!("a path integrator");
     };
-    settings.hide_emitters = true;
-    check("hidden", &scene, &up, 4, 0.0);
+    settings.hide_emitters = hide_emitters;
+    let film = render(&scene.build(), &view, 64);
+    let (mean, error) = mean_luminance(&film);
+    (mean, error, film.depth()[0])
+}
+
+#[test]
+fn hidden_emitters_light_but_do_not_show() {
+    let (seen, _, depth) = lamps_before_the_floor(2, false);
+    assert!(
+        (seen - 1.0).abs() < 1e-4 && (depth - 0.5).abs() < 2e-3,
+        "{seen} {depth}"
+    );
+    let (behind, error, depth) = lamps_before_the_floor(2, true);
+    // What the tiny lamps add and hide is less than the tolerance.
+    assert_close("the floor behind both", (behind, error + 1e-4), 0.25);
+    assert!((depth - 2.0).abs() < 2e-3, "{depth}");
+    let (too_short, _, _) = lamps_before_the_floor(1, true);
+    assert_eq!(too_short, 0.0, "the floor itself does not shine");
+}
+
+/// As in Mitsuba 3.9: the sky is hidden behind what lets the camera ray pass straight on, and seen in a mirror.
+#[test]
+fn a_hidden_sky_is_hidden_behind_panes_too() {
+    let through = |material: Material| {
+        let mut scene = SceneBuilder::default();
+        scene.add(Primitive::Rectangle, Affine3A::IDENTITY, material, None);
+        scene.light(LightSource::Constant { radiance: Rgb::ONE });
+        let mut view = view(camera(Vec3::Z * 2.0, Vec3::ZERO, 10.0), 4, 8, Strategy::Mis);
+        let Integrator::Path(settings) = &mut view.integrator else {
+            panic!("a path integrator");
+        };
+        settings.hide_emitters = true;
+        mean_luminance(&render(&scene.build(), &view, 4)).0
+    };
+    assert_eq!(through(Material::Null), 0.0);
+    assert_eq!(through(Bsdf::Conductor(Conductor { specular: perfect() }).into()), 1.0);
+}
+
+#[test]
+fn a_longest_path_of_nothing_is_black() {
+    let mut scene = SceneBuilder::default();
+    scene.add(Primitive::Sphere, Affine3A::IDENTITY, diffuse(0.5), Some(Rgb::ONE));
+    scene.light(LightSource::Constant { radiance: Rgb::ONE });
+    let scene = scene.build();
+    // The lamp in the middle, the sky around it.
+    let seen = |max_depth| {
+        let view = view(camera(Vec3::Z * 4.0, Vec3::ZERO, 60.0), 8, max_depth, Strategy::Mis);
+        mean_luminance(&render(&scene, &view, 4)).0
+    };
+    assert_eq!((seen(0), seen(1)), (0.0, 1.0));
 }
 
 #[test]

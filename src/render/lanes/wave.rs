@@ -209,11 +209,25 @@ impl<'a> Wave<'a> {
         };
         for lane in each_lane(asked) {
             self.hits[lane] = hits[lane];
-            if hits[lane].is_none() {
+            if around.settings.hide_emitters {
+                self.pass_hidden_emitters(lane, around);
+            }
+            if self.hits[lane].is_none() {
                 self.escape(lane, around, samples);
             }
         }
         self.traced = self.active;
+    }
+
+    /// As [`Path::behind_hidden_emitters`].
+    #[inline(never)]
+    fn pass_hidden_emitters(&mut self, lane: usize, around: &Surroundings) {
+        let hit = self.hits[lane];
+        let path = self.load(lane);
+        let behind = path.behind_hidden_emitters(around.scene, around.settings, hit);
+        let ray = path.ray;
+        self.rays.set(lane, &ray);
+        self.hits[lane] = behind;
     }
 
     /// Takes all paths to their next vertices and on from there.
@@ -390,6 +404,11 @@ impl<'a> Wave<'a> {
             }
         }
 
+        if settings.hide_emitters {
+            for lane in each_lane(lanes) {
+                self.homes[lane].path.is_straight = false;
+            }
+        }
         let u_lobe = match bsdf.transmitting() | other {
             0 => zero,
             _ => self.sampler.at_1d(at(2)),
