@@ -73,6 +73,9 @@ pub fn sampled_color(sampled: &SampledSpectrum, span: Span, role: Role, diagnost
     Value::Rgb(rgb)
 }
 
+/// How far the length of an axis may be from 1 without a warning: what three digits leave.
+const UNIT_AXIS: f32 = 1e-3;
+
 /// One step of a transform; None has been reported.
 pub fn read_transform_op(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<TransformOp> {
     match tag.name {
@@ -85,6 +88,13 @@ pub fn read_transform_op(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option
             if axis == Vec3::ZERO {
                 diagnostics.error(tag.span, "the axis of a rotation cannot be zero");
                 return None;
+            }
+            let length = axis.length();
+            if (length - 1.0).abs() > UNIT_AXIS {
+                diagnostics.warn(
+                    tag.span,
+                    format!("the axis of the rotation has the length {length}, not 1: it also scales, as in Mitsuba 3"),
+                );
             }
             Some(TransformOp::Rotate { axis, degrees })
         }

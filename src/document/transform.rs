@@ -6,7 +6,8 @@ use glam::{Affine3A, Mat3, Mat4, Quat, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TransformOp {
     Translate(Vec3),
-    /// Rotation by `degrees`, counter-clockwise seen against `axis` (any length but zero).
+    /// Rotation by `degrees`, counter-clockwise seen against `axis`. The axis may have any length but zero. If that is not 1, the step also
+    /// scales and shears, as in Mitsuba 3.
     Rotate {
         axis: Vec3,
         degrees: f32,
@@ -27,9 +28,7 @@ impl TransformOp {
     pub fn affine(&self) -> Affine3A {
         match *self {
             Self::Translate(by) => Affine3A::from_translation(by),
-            Self::Rotate { axis, degrees } => axis.try_normalize().map_or(Affine3A::IDENTITY, |axis| {
-                Affine3A::from_quat(Quat::from_axis_angle(axis, degrees.to_radians()))
-            }),
+            Self::Rotate { axis, degrees } => rotation(axis, degrees.to_radians()),
             Self::Scale(by) => Affine3A::from_scale(by),
             Self::Matrix(matrix) => Affine3A::from_mat4(matrix),
             Self::LookAt { origin, target, up } => {
@@ -56,5 +55,63 @@ impl TransformOp {
     /// All steps of a transform as one map.
     pub fn compose(ops: &[Self]) -> Affine3A {
         ops.iter().fold(Affine3A::IDENTITY, |so_far, op| op.affine() * so_far)
+    }
+}
+
+/// Squared lengths of an axis that differ from 1 by less than this are rounding of single precision, or of six digits.
+const UNIT: f32 = 1e-6;
+
+/// Rodrigues' formula, cos I + (1 - cos) a a^T + sin [a]x, with the axis as it is. Mitsuba 3 does not normalise the axis either (found by
+/// reading back the matrices of its shapes), so files that have such an axis show the same picture.
+fn rotation(axis: Vec3, angle: f32) -> Affine3A {
+    if axis == Vec3::ZERO {
+        return Affine3A::IDENTITY;
+    }
+    if (axis.length_squared() - 1.0).abs() < UNIT {
+        return Affine3A::from_quat(Quat::from_axis_angle(axis.normalize(), angle));
+    }
+    let (sin, cos) = angle.sin_cos();
+    let column = |unit: Vec3| cos * unit + (1.0 - cos) * axis.dot(unit) * axis + sin * axis.cross(unit);
+    Affine3A::from_mat3(Mat3::from_cols(column(Vec3::X), column(Vec3::Y), column(Vec3::Z)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Matrices of a shape's `to_world` in Mitsuba 3.9.1, row by row.
+    #[test]
+    fn axes_of_any_length_give_the_matrices_of_mitsuba() {
+        let cases = [
+            (
+                Vec3::Y,
+                30.0,
+                [0.866_025_4, 0.0, 0.5, 0.0, 1.0, 0.0, -0.5, 0.0, 0.866_025_4],
+            ),
+            (
+                2.0 * Vec3::Y,
+                30.0,
+                [0.866_025_4, 0.0, 1.0, 0.0, 1.401_923_9, 0.0, -1.0, 0.0, 0.866_025_4],
+            ),
+            (0.5 * Vec3::Y, 180.0, [-1.0, 0.0, 0.0, 0.0, -0.5, 0.0, 0.0, 0.0, -1.0]),
+            (
+                Vec3::new(1.0, 2.0, 3.0),
+                90.0,
+                [1.0, -1.0, 5.0, 5.0, 4.0, 5.0, 1.0, 7.0, 9.0],
+            ),
+        ];
+        for (axis, degrees, rows) in cases {
+            let found = TransformOp::Rotate { axis, degrees }.affine();
+            let expected = Mat3::from_cols_array(&rows).transpose();
+            assert!(
+                Mat3::from(found.matrix3).abs_diff_eq(expected, 2e-6),
+                "{axis} {degrees}: {found}"
+            );
+        }
+        let nowhere = TransformOp::Rotate {
+            axis: Vec3::ZERO,
+            degrees: 30.0,
+        };
+        assert_eq!(nowhere.affine(), Affine3A::IDENTITY);
     }
 }
