@@ -318,6 +318,20 @@ fn check_says_what_could_not_be_shown() {
 }
 
 #[test]
+fn a_far_clip_plane_before_the_scene_is_a_warning() {
+    let shop = Workshop::new();
+    let sensor = "<sensor type=\"perspective\">";
+    let scene = shop.scene(&SCENE.replace(sensor, &format!("{sensor}<float name=\"far_clip\" value=\"0.2\"/>")));
+    let checked = sunroom().arg("check").arg(&scene).output().expect("the program starts");
+    let rendered = render(&scene, &shop.path("a.png"), &[]);
+    for output in [checked, rendered] {
+        assert_code(&output, 0);
+        let said = stderr(&output);
+        assert!(said.contains("the far clip plane leaves the whole scene out"), "{said}");
+    }
+}
+
+#[test]
 fn a_misspelt_command_gets_a_suggestion() {
     for (arguments, code, meant) in [(&["rendr", "scene.xml"][..], 2, "render"), (&["bnech"], 1, "bench")] {
         let output = sunroom().args(arguments).output().expect("starts");

@@ -11,6 +11,7 @@ use bevy::prelude::*;
 
 use super::authored::{Authored, name_of};
 use super::blas_cache::{BlasCache, BuildPolicy, MeshKey};
+use super::clipping::clipping_warning;
 use super::control::{RenderControl, WakeUp};
 use super::current::CurrentScene;
 use super::detect::Dirty;
@@ -65,6 +66,8 @@ pub(super) struct Extracted {
     layers: LightGroups,
     environments: Environments,
     errors: Errors,
+    /// Of the view.
+    sensor_name: String,
 }
 
 /// What is wrong, by the step that found it, so that a step that is not repeated keeps its findings.
@@ -76,6 +79,8 @@ struct Errors {
     surfaces: Vec<String>,
     emitters: Vec<String>,
     view: Vec<String>,
+    /// Of the view and the geometry together.
+    clipping: Vec<String>,
 }
 
 impl Default for Extracted {
@@ -105,6 +110,7 @@ impl Default for Extracted {
             layers: LightGroups::default(),
             environments: Environments::default(),
             errors: Errors::default(),
+            sensor_name: String::new(),
         }
     }
 }
@@ -117,8 +123,11 @@ impl Extracted {
             surfaces,
             emitters,
             view,
+            clipping,
         } = &self.errors;
-        [view, instances, placements, surfaces, emitters].into_iter().flatten()
+        [view, clipping, instances, placements, surfaces, emitters]
+            .into_iter()
+            .flatten()
     }
 }
 
@@ -161,6 +170,7 @@ pub(super) fn extract_scene(
         extracted.update_view(&authored, &control);
     }
     extracted.update_layers(control.light_layers);
+    extracted.update_clipping();
     let same = Arc::ptr_eq(&old.geometry, &extracted.scene.geometry)
         && Arc::ptr_eq(&old.surfaces, &extracted.scene.surfaces)
         && Arc::ptr_eq(&old.materials, &extracted.scene.materials)
@@ -381,6 +391,18 @@ impl Extracted {
         }
     }
 
+    fn update_clipping(&mut self) {
+        self.errors.clipping.clear();
+        let view = self.view.as_ref();
+        if let Some(warning) = view.and_then(|view| clipping_warning(&self.scene.geometry, &view.camera)) {
+            let mut check = Checker {
+                name: &self.sensor_name,
+                errors: &mut self.errors.clipping,
+            };
+            check.report(warning);
+        }
+    }
+
     fn update_view(&mut self, authored: &Authored, control: &RenderControl) {
         self.errors.view.clear();
         // Without a sensor the last view stays: whoever replaces one sensor by another does not want a blank picture in between.
@@ -401,6 +423,7 @@ impl Extracted {
         let view = pack_view(sensor, film, pose, integrator, sampler, control, &mut check);
         if view.is_some() {
             self.view = view;
+            self.sensor_name = name;
         }
         self.sample_count = film.sample_count;
     }

@@ -4,6 +4,7 @@
 mod authored;
 mod blas_cache;
 pub mod blocking;
+mod clipping;
 mod collect;
 pub mod control;
 pub mod current;

@@ -7,8 +7,8 @@ use std::f32::consts::TAU;
 use glam::{Affine3A, Vec2, Vec3};
 
 use crate::accel::RayLanes;
-use crate::math::Ray;
 use crate::math::lanes::{Lanes, Vec3Lanes};
+use crate::math::{Aabb, Ray};
 use crate::sampling::warp;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -174,6 +174,19 @@ impl Camera {
             Projection::Perspective { .. } => on_plane.extend(1.0) * depth,
         };
         self.world_from_camera.transform_point3(p)
+    }
+
+    /// Distances of the near and the far clip plane along the view axis.
+    pub fn clip_distances(&self) -> (f32, f32) {
+        (self.near, self.far)
+    }
+
+    /// The least and the largest distance along the view axis that points of a box have; negative behind the camera.
+    pub fn depth_range(&self, bounds: &Aabb) -> (f32, f32) {
+        let forward = Vec3::from(self.world_from_camera.matrix3.z_axis);
+        let center = (bounds.center() - Vec3::from(self.world_from_camera.translation)).dot(forward);
+        let half = 0.5 * bounds.extent().dot(forward.abs());
+        (center - half, center + half)
     }
 
     /// Whether all rays are parallel.
