@@ -222,6 +222,11 @@ impl Builder<'_> {
             shape.id = Some(self.unique(name).into());
             if primitive.is_flat() {
                 shape = with(shape, "face_normals", Value::Boolean(true));
+                // Where a transform mirrors, the front is where the corners are seen clockwise from (glTF 2.0, section 3.7.4), and normals
+                // of faces turn around; vertex normals stay outside.
+                if map.as_daffine3().matrix3.determinant() < 0.0 {
+                    shape = with(shape, "flip_normals", Value::Boolean(true));
+                }
             }
             shape = with_world(shape, world);
             shape.children.push(Child::Reference {

@@ -549,3 +549,23 @@ fn broken_files_never_panic() {
         }
     }
 }
+
+/// Where a node mirrors its mesh, the front of a triangle is on the other side of its corners (section 3.7.4).
+#[test]
+fn flat_meshes_that_are_mirrored_keep_their_front() {
+    let mut parts = Parts::default();
+    let positions = parts.floats("VEC3", &SQUARE);
+    let normals = parts.floats("VEC3", &[0.0, 0.0, 1.0].repeat(SQUARE.len() / 3));
+    let text = parts.text(&format!(
+        r#""meshes": [{{"primitives": [{{"attributes": {{"POSITION": {positions}}}}}]}},
+            {{"primitives": [{{"attributes": {{"POSITION": {positions}, "NORMAL": {normals}}}}}]}}],
+        "nodes": [{{"mesh": 0}}, {{"mesh": 0, "scale": [-1, 1, 1]}}, {{"mesh": 1, "scale": [-1, 1, 1]}},
+            {{"mesh": 0, "scale": [-1, -1, 1]}}]"#
+    ));
+    let (imported, _) = import(&text);
+    let flips: Vec<bool> = of(&imported.root, Category::Shape)
+        .into_iter()
+        .map(|shape| shape.properties.iter().any(|property| property.name == "flip_normals"))
+        .collect();
+    assert_eq!(flips, [false, true, false, false]);
+}
