@@ -6,6 +6,9 @@ use std::sync::Arc;
 
 /// Messages beyond so many are only counted: a broken generator must not fill the memory with complaints.
 pub const MAX_STORED: usize = 1000;
+/// Suggestions and places of other things are looked for only for so many messages, because the search takes time in proportion to the
+/// file.
+const MAX_HELPED: usize = 100;
 
 /// Which file of a document (the main one and its includes); an index into [`Diagnostics::sources`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -93,6 +96,11 @@ impl Diagnostics {
     /// Further messages will only be counted: no need to think of suggestions any more.
     pub fn is_full(&self) -> bool {
         self.list.len() >= MAX_STORED
+    }
+
+    /// There are so many messages that the next one needs no help that is slow to find.
+    pub fn has_many(&self) -> bool {
+        self.list.len() >= MAX_HELPED
     }
 
     pub fn has_errors(&self) -> bool {

@@ -67,7 +67,7 @@ fn resolve_aliases<'a>(
 }
 
 fn report_unknown(id: &str, span: Span, ids: &HashMap<SmolStr, Span>, diagnostics: &mut Diagnostics) {
-    let help = match diagnostics.is_full() {
+    let help = match diagnostics.has_many() {
         true => None,
         false => did_you_mean(id, ids.keys().map(SmolStr::as_str)),
     };

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use smol_str::SmolStr;
 
-use super::{Category, Object, Property, TransformOp, Value};
+use super::{Category, Diagnostics, Object, Property, TransformOp, Value};
 
 /// `toWorld` -> `to_world`, `intIOR` -> `int_ior`; names in snake_case stay.
 pub fn snake_case(name: &str) -> SmolStr {
@@ -27,14 +27,23 @@ pub fn snake_case(name: &str) -> SmolStr {
     result.into()
 }
 
-/// Parameters of version 0.x that have another name, or another form, today.
-pub fn modernize(object: &mut Object) {
-    if object.category == Category::Bsdf && object.plugin == "diffuse" {
-        for property in &mut object.properties {
-            if property.name == OLD_REFLECTANCE {
-                property.name = REFLECTANCE;
-            }
-        }
+const OLD_REFLECTANCE: &str = "diffuse_reflectance";
+const REFLECTANCE: SmolStr = SmolStr::new_static("reflectance");
+
+/// Today's name of a parameter of `object` that has another name in version 0.x.
+pub fn rename(object: &Object, name: &mut SmolStr) {
+    if is_diffuse(object) && name.as_str() == OLD_REFLECTANCE {
+        *name = REFLECTANCE;
+    }
+}
+
+fn is_diffuse(object: &Object) -> bool {
+    object.category == Category::Bsdf && object.plugin == "diffuse"
+}
+
+/// Brings a finished object of version 0.x, whose properties have today's names, to today's form.
+pub fn modernize(object: &mut Object, diagnostics: &mut Diagnostics) {
+    if is_diffuse(object) {
         for child in &mut object.children {
             if child.name() == Some(OLD_REFLECTANCE) {
                 child.set_name(Some(REFLECTANCE));
@@ -42,15 +51,12 @@ pub fn modernize(object: &mut Object) {
         }
     }
     if object.category == Category::Texture {
-        texture_offset_and_scale(object);
+        texture_offset_and_scale(object, diagnostics);
     }
 }
 
-const OLD_REFLECTANCE: &str = "diffuse_reflectance";
-const REFLECTANCE: SmolStr = SmolStr::new_static("reflectance");
-
-/// `uoffset`, `voffset`, `uscale`, `vscale` as the transform `to_uv`.
-fn texture_offset_and_scale(object: &mut Object) {
+/// `uoffset`, `voffset`, `uscale`, `vscale` as the transform `to_uv`, which must not be given besides.
+fn texture_offset_and_scale(object: &mut Object, diagnostics: &mut Diagnostics) {
     let mut offset = Vec3::ZERO;
     let mut scale = Vec3::ONE;
     let mut span = None;
@@ -70,7 +76,11 @@ fn texture_offset_and_scale(object: &mut Object) {
         span.get_or_insert(property.span);
         false
     });
-    if let Some(span) = span {
+    let Some(span) = span else { return };
+    if object.properties.iter().any(|property| property.name == "to_uv") {
+        let message = "offset and scale of a texture are given both as `to_uv` and as numbers of their own";
+        diagnostics.error(span, message);
+    } else {
         object.properties.push(Property {
             name: "to_uv".into(),
             value: Value::Transform(vec![TransformOp::Translate(offset), TransformOp::Scale(scale)]),

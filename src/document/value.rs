@@ -98,12 +98,14 @@ pub fn parse_rgb(text: &str) -> Result<Vec3, String> {
 /// As [`parse_rgb`], but numbers are sRGB as well: the `<srgb>` of old files.
 pub fn parse_srgb(text: &str) -> Result<Vec3, String> {
     let color = parse_rgb(text)?;
-    let linear = |encoded: Vec3| encoded.map(linear_from_srgb);
-    Ok(if text.trim().starts_with('#') {
-        color
-    } else {
-        linear(color)
-    })
+    if text.trim().starts_with('#') {
+        return Ok(color);
+    }
+    let linear = color.map(linear_from_srgb);
+    match linear.is_finite() {
+        true => Ok(linear),
+        false => Err(format!("{} is too large for a colour", quote(text))),
+    }
 }
 
 fn parse_hex(digits: &str) -> Option<Vec3> {
@@ -168,6 +170,7 @@ mod tests {
         assert_eq!(parse_rgb("#808080"), Ok(Vec3::splat(linear_from_srgb(128.0 / 255.0))));
         assert_eq!(parse_srgb("#808080"), parse_rgb("#808080"));
         assert_eq!(parse_srgb("0.5"), Ok(Vec3::splat(linear_from_srgb(0.5))));
+        assert_eq!(parse_srgb("1e38").unwrap_err(), "`1e38` is too large for a colour");
         for bad in ["#ff", "#gggggg", "#ffééé", "1, 2", "1 2 3 4", "red"] {
             assert!(parse_rgb(bad).is_err(), "{bad}");
         }

@@ -276,6 +276,18 @@ fn references_lead_to_objects_defined_before_and_after() {
 /// Broken scenes (the body, from line 2 on) and all that is said of them.
 const BROKEN: &[(&str, &[&str])] = &[
     (
+        r#"<bsdf type="diffuse"><rgb name="reflectance" value="1"/><rgb name="diffuseReflectance" value="0"/></bsdf>"#,
+        &["2:57: error: `reflectance` is given twice in bsdf `diffuse`"],
+    ),
+    (
+        r#"<texture type="bitmap"><transform name="toUV"><scale value="2"/></transform><float name="uoffset" value="1"/></texture>"#,
+        &["2:77: error: offset and scale of a texture are given both as `to_uv` and as numbers of their own"],
+    ),
+    (
+        r#"<srgb name="a" value="0, 1e38, 0"/>"#,
+        &["2:23: error: `0, 1e38, 0` is too large for a colour"],
+    ),
+    (
         r#"<float name="a" value="1.5x"/> <integer name="b" value="2.0"/> <boolean name="c" value="yes"/>"#,
         &[
             "2:24: error: expected a number, found `1.5x`",

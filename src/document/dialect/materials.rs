@@ -195,7 +195,10 @@ impl Import<'_> {
             "shinyGold" => Recipe::Bsdf(two_sided(metal(Vec3::new(0.8, 0.6, 0.2), 1.0, span))),
             "emissive" => Recipe::Light(Vec3::ONE),
             _ => {
-                let help = did_you_mean(name, materials.0.keys().map(String::as_str));
+                let help = match self.diagnostics.has_many() {
+                    true => None,
+                    false => did_you_mean(name, materials.0.keys().map(String::as_str)),
+                };
                 let message = format!("there is no material {}: grey takes its place", quote(name));
                 self.diagnostics.push(Severity::Warning, Some(span), message, help);
                 Recipe::Bsdf(two_sided(diffuse(COLOR, span)))

@@ -11,7 +11,7 @@ mod objects;
 mod settings;
 mod tree;
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -58,6 +58,7 @@ pub fn import(source: SourceFile, defines: &[(String, String)]) -> Document {
                 radians: false,
                 root: Object::new(Category::Scene, ""),
                 ids: HashSet::new(),
+                next_numbers: HashMap::new(),
                 diagnostics: &mut diagnostics,
             };
             import.read_defines(defines);
@@ -86,6 +87,8 @@ struct Import<'i> {
     root: Object,
     /// Ids given so far.
     ids: HashSet<String>,
+    /// The number that the next thing of this name may get.
+    next_numbers: HashMap<String, u32>,
     diagnostics: &'i mut Diagnostics,
 }
 
@@ -154,12 +157,16 @@ impl Import<'_> {
     /// An id like `name` that nothing has yet; None for a thing without a name.
     fn free_id(&mut self, name: Option<String>) -> Option<String> {
         let name = name.filter(|name| !name.trim().is_empty())?;
-        let mut id = name.clone();
-        let mut number = 2;
-        while !self.ids.insert(id.clone()) {
-            id = format!("{name}-{number}");
-            number += 1;
+        if self.ids.insert(name.clone()) {
+            return Some(name);
         }
-        Some(id)
+        let number = self.next_numbers.entry(name.clone()).or_insert(2);
+        loop {
+            let id = format!("{name}-{number}");
+            *number += 1;
+            if self.ids.insert(id.clone()) {
+                return Some(id);
+            }
+        }
     }
 }

@@ -11,13 +11,16 @@ impl Import<'_> {
     pub fn number(&mut self, node: Node, attribute: &str) -> Option<f32> {
         let (text, span) = node.attribute(attribute)?;
         let (number, is_clean) = atof(&text);
+        let bounded = number.clamp(-LARGEST_NUMBER, LARGEST_NUMBER);
         if !is_clean {
             self.warn(
                 span,
-                format!("expected a number, found {}; it is read as {number}", quote(&text)),
+                format!("expected a number, found {}; it is read as {bounded}", quote(&text)),
             );
+        } else if bounded != number {
+            self.warn(span, format!("{} is too large; it is read as {bounded}", quote(&text)));
         }
-        Some(number)
+        Some(bounded)
     }
 
     /// `value` of the first element inside with one of these names.
@@ -44,11 +47,17 @@ impl Import<'_> {
     }
 }
 
+/// Products of three such numbers are finite.
+const LARGEST_NUMBER: f32 = 1e12;
+
+/// A longer text is looked at only so far, in bytes: the effort grows with the square of the length.
+const LONGEST_NUMBER: usize = 64;
+
 /// The number a text begins with, and whether that is all of it.
 fn atof(text: &str) -> (f32, bool) {
     let text = text.trim();
     let is_part = |c: char| c.is_ascii_digit() || matches!(c, '.' | '+' | '-' | 'e' | 'E');
-    let longest = text.find(|c| !is_part(c)).unwrap_or(text.len());
+    let longest = text.find(|c| !is_part(c)).unwrap_or(text.len()).min(LONGEST_NUMBER);
     let number = (1..=longest).rev().find_map(|length| {
         let number = text[..length].parse::<f32>().ok().filter(|number| number.is_finite());
         number.map(|number| (number, length == text.len()))

@@ -4,7 +4,7 @@ use smol_str::SmolStr;
 
 use super::{Frame, Names, Parser};
 use crate::document::links::Alias;
-use crate::document::naming::snake_case;
+use crate::document::naming::{rename, snake_case};
 use crate::document::property::{
     TRANSFORM_TAGS, VALUE_TAGS, read_spectrum, read_transform_op, read_value, sampled_color,
 };
@@ -84,10 +84,13 @@ impl Parser {
             return None;
         }
         if let Some(first) = self.ids.get(&id) {
-            let help = self
-                .diagnostics
-                .locate(*first)
-                .map(|(path, line, column)| format!("the first one is at {}:{line}:{column}", path.display()));
+            // Finding a place takes time in proportion to the file.
+            let place = match self.diagnostics.has_many() {
+                true => None,
+                false => self.diagnostics.locate(*first),
+            };
+            let help =
+                place.map(|(path, line, column)| format!("the first one is at {}:{line}:{column}", path.display()));
             let message = format!("the id {} is given twice", quote(&id));
             self.diagnostics.push(Severity::Error, Some(span), message, help);
             return None;
@@ -245,10 +248,11 @@ impl Parser {
         &mut self,
         object: &mut Object,
         names: &mut Names,
-        name: SmolStr,
+        mut name: SmolStr,
         value: Value,
         span: Span,
     ) {
+        rename(object, &mut name);
         if !names.contain(&name, &object.properties) {
             object.properties.push(Property { name, value, span });
         } else {

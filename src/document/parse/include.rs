@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use smol_str::SmolStr;
 
-use super::{MAX_INCLUDE_DEPTH, MAX_INCLUDES, Names, Parser};
+use super::{MAX_INCLUDE_DEPTH, MAX_INCLUDES, MAX_SEARCH_FOLDERS, Names, Parser};
 use crate::document::source::read_text;
 use crate::document::value::quote;
 use crate::document::{Category, Include, Object, Property, Severity, SourceId, Span};
@@ -16,6 +16,11 @@ impl Parser {
     }
 
     pub(super) fn add_search_folder(&mut self, folder: &str, span: Span) {
+        if self.search_folders.len() >= MAX_SEARCH_FOLDERS {
+            let message = format!("more than {MAX_SEARCH_FOLDERS} search folders");
+            self.diagnostics.error(span, message);
+            return;
+        }
         let joined = self.folder_of(span.source).join(folder);
         if !joined.is_dir() {
             let message = format!("the folder {} does not exist", quote(folder));

@@ -38,6 +38,8 @@ use super::{
 pub const MAX_DEPTH: usize = 256;
 /// Includes inside includes.
 const MAX_INCLUDE_DEPTH: usize = 15;
+/// Search folders of a document: each file that is named is looked for in all of them.
+const MAX_SEARCH_FOLDERS: usize = 100;
 /// Includes of a document, each counted as often as it is read.
 const MAX_INCLUDES: usize = 10_000;
 /// All tags of a document, each include counted each time: a million instances with a few steps each, and then some.
@@ -362,7 +364,7 @@ impl Parser {
         }
         match level.stack.pop() {
             Some(Frame::Object { mut object, .. }) => {
-                modernize(&mut object);
+                modernize(&mut object, &mut self.diagnostics);
                 object.properties = self.spare.properties.fitted(object.properties);
                 object.children = self.spare.children.fitted(object.children);
                 let is_top_level = level.stack.len() == 1;
