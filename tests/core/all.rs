@@ -37,6 +37,7 @@ mod document;
 mod environment;
 mod few_shapes;
 mod film;
+mod fuzz_corpus;
 mod generated_meshes;
 mod gltf;
 mod gltf_meshes;

@@ -1,0 +1,413 @@
+//! Every parser that reads foreign bytes, as a plain function of these bytes.
+//!
+//! The fuzz targets and the test that replays the corpus share this file, so that both do the same. An entry panics where the program
+//! breaks a promise: a panic of the parser itself, a mesh that contradicts its documentation, a document that changes when it is written.
+
+use std::io::{self, Write as _};
+use std::path::Path;
+
+use glam::{Mat4, Vec3};
+use sunroom_core::document::revision::{Destination, revise};
+use sunroom_core::document::source::decode;
+use sunroom_core::document::spectrum::{Role, SampledSpectrum};
+use sunroom_core::document::value::{
+    format_float, parse_boolean, parse_float, parse_floats, parse_integer, parse_rgb, parse_srgb, parse_vec3,
+    parse_vec3_or_splat,
+};
+use sunroom_core::document::{
+    Category, Child, Document, Object, Property, Span, TransformOp, Value, WriteError, parse_str, to_xml,
+};
+use sunroom_core::geometry::attribute::{AttributeDomain, AttributeValues};
+use sunroom_core::geometry::mesh::MeshData;
+use sunroom_core::geometry::obj::load_obj;
+use sunroom_core::geometry::ply::load_ply;
+use sunroom_core::geometry::serialized::SerializedFile;
+use sunroom_core::gltf::Gltf;
+use sunroom_core::gltf::files::take_apart;
+use sunroom_core::texture::load_image;
+
+/// Reads bytes as one kind of file.
+pub type Entry = fn(&[u8]);
+
+/// All entries by the names of their fuzz targets and of their folders in the corpus.
+pub const ENTRIES: [(&str, Entry); 18] = [
+    ("xml", xml),
+    ("dialect", xml),
+    ("numbers", numbers),
+    ("transforms", transforms),
+    ("obj", obj),
+    ("mtl", mtl),
+    ("ply", ply),
+    ("serialized", serialized),
+    ("serialized_shape", serialized_shape),
+    ("gltf", gltf),
+    ("png", png),
+    ("jpeg", jpeg),
+    ("bmp", bmp),
+    ("tga", tga),
+    ("pnm", pnm),
+    ("hdr", hdr),
+    ("exr", exr),
+    ("pfm", pfm),
+];
+
+/// No file has this name, and none has a name relative to its folder.
+const NOWHERE: &str = "/nowhere/scene.xml";
+
+/// A scene file, native or of the imported dialect. What is read without an error is the same after it was written and read again,
+/// and writing it over its own text changes nothing.
+pub fn xml(bytes: &[u8]) {
+    let path = Path::new(NOWHERE);
+    let text = match decode(bytes.to_vec(), path) {
+        Ok(text) => text,
+        Err(error) => {
+            let _ = error.to_string();
+            return;
+        }
+    };
+    let document = parse_str(text.as_str(), path, &[("size".to_owned(), "3".to_owned())]);
+    let diagnostics = &document.diagnostics;
+    // Layouting many messages would take most of the time.
+    if diagnostics.list.len() <= 3 {
+        diagnostics.render(false, 80);
+        let _ = diagnostics.to_string();
+    }
+    if diagnostics.has_errors() {
+        return;
+    }
+    assert_survives_writing(&document);
+    if !document.imported {
+        let destination = Destination {
+            path,
+            find_before: &|_, _| None,
+            find_after: &|_, _| None,
+        };
+        let files = revise(&document, &document, &destination).expect("nothing is written anew");
+        assert_eq!(files, [(path.to_owned(), text)], "written over itself");
+    }
+}
+
+/// Writes and reads again. A file may hold control characters, which are refused when they are to be written.
+fn assert_survives_writing(document: &Document) {
+    let text = match to_xml(document) {
+        Ok(text) => text,
+        Err(WriteError::NotXml { .. }) => return,
+        Err(error) => panic!("{error}"),
+    };
+    let again = parse_str(text.as_str(), &document.path, &[]);
+    assert!(!again.diagnostics.has_errors(), "{}\n{text}", again.diagnostics);
+    assert_eq!(without_spans(&again.root), without_spans(&document.root), "{text}");
+    assert_eq!(again.search_folders, document.search_folders, "{text}");
+}
+
+/// The tree without the places in the file.
+fn without_spans(object: &Object) -> Object {
+    let properties = object.properties.iter().map(|property| Property {
+        span: Span::default(),
+        ..property.clone()
+    });
+    let children = object.children.iter().map(|child| match child {
+        Child::Object(object) => without_spans(object).into(),
+        Child::Reference { name, id, .. } => Child::Reference {
+            name: name.clone(),
+            id: id.clone(),
+            span: Span::default(),
+        },
+    });
+    Object {
+        properties: properties.collect(),
+        children: children.collect(),
+        span: Span::default(),
+        ..object.clone()
+    }
+}
+
+/// The text of an attribute as each type of value, and the bytes as numbers to be printed. What is read is finite, and a number that
+/// is printed reads back exactly.
+pub fn numbers(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    if let Ok(number) = parse_float(&text) {
+        assert_reads_back(number);
+    }
+    let _ = (parse_integer(&text), parse_boolean(&text));
+    let triples = [parse_vec3, parse_vec3_or_splat, parse_rgb, parse_srgb].map(|parse| parse(&text));
+    for triple in triples.into_iter().flatten() {
+        assert!(triple.is_finite(), "{triple} from {text:?}");
+    }
+    if let Ok(numbers) = parse_floats(&text) {
+        numbers.into_iter().for_each(assert_reads_back);
+    }
+    let spectra = [SampledSpectrum::parse_list(&text), SampledSpectrum::parse_file(&text)];
+    for spectrum in spectra.into_iter().flatten() {
+        for role in [Role::Emission, Role::Reflectance, Role::Unbounded] {
+            let (color, _) = spectrum.to_rgb(role);
+            assert!(color.is_finite() && color.min_element() >= 0.0, "{color} from {text:?}");
+        }
+    }
+    let printed = bytes.as_chunks::<4>().0.iter().map(|four| f32::from_le_bytes(*four));
+    printed.filter(|number| number.is_finite()).for_each(assert_reads_back);
+}
+
+fn assert_reads_back(number: f32) {
+    let text = format_float(number);
+    assert_eq!(parse_float(&text).map(f32::to_bits), Ok(number.to_bits()), "{text}");
+}
+
+/// Steps of a transform made of the bytes: they survive writing, and the map is finite where the steps are of moderate size.
+pub fn transforms(bytes: &[u8]) {
+    let mut numbers = bytes[bytes.len().min(8)..]
+        .as_chunks::<4>()
+        .0
+        .iter()
+        .map(|four| f32::from_le_bytes(*four))
+        .map(|number| if number.is_finite() { number } else { 0.0 })
+        .fuse();
+    let mut number = || numbers.next().unwrap_or(1.0);
+    let mut steps = Vec::new();
+    for kind in &bytes[..bytes.len().min(8)] {
+        let mut triple = || Vec3::new(number(), number(), number());
+        steps.push(match kind % 5 {
+            0 => TransformOp::Translate(triple()),
+            1 => TransformOp::Scale(triple()),
+            2 => TransformOp::Rotate {
+                axis: triple(),
+                degrees: number(),
+            },
+            3 => {
+                let mut matrix = Mat4::from_cols_array(&std::array::from_fn(|_| number()));
+                for column in 0..4 {
+                    matrix.col_mut(column).w = if column == 3 { 1.0 } else { 0.0 };
+                }
+                TransformOp::Matrix(matrix)
+            }
+            _ => TransformOp::LookAt {
+                origin: triple(),
+                target: triple(),
+                // Zero counts as not given.
+                up: Some(triple()).filter(|&up| up != Vec3::ZERO).unwrap_or(Vec3::Y),
+            },
+        });
+    }
+    let is_moderate = |step: &TransformOp| {
+        let numbers = step.numbers();
+        numbers.iter().all(|number| number.abs() < 1e3)
+    };
+    let map = TransformOp::compose(&steps);
+    if steps.iter().all(is_moderate) {
+        assert!(map.is_finite(), "{map} of {steps:?}");
+    }
+    let shape = Object::new(Category::Shape, "cube").with("to_world", Value::Transform(steps.clone()));
+    let root = Object::new(Category::Scene, "").with_child(shape);
+    let text = to_xml(&Document::new(NOWHERE, root)).expect("all numbers are finite");
+    let again = parse_str(text.as_str(), Path::new(NOWHERE), &[]);
+    // A look along its own up direction and the like are errors.
+    if !again.diagnostics.has_errors() {
+        let read = again.root.objects().next().map(|shape| &shape.properties[0].value);
+        assert_eq!(read, Some(&Value::Transform(steps)), "{text}");
+    }
+}
+
+/// An OBJ file; what follows the first zero byte is the material library, whatever its name.
+pub fn obj(bytes: &[u8]) {
+    let (mesh, library) = halves(bytes);
+    if let Ok(loaded) = load_obj(mesh, &mut |_| Ok(library.to_vec())) {
+        assert_sound(&loaded.mesh);
+    }
+}
+
+/// A material library, used by a mesh of two triangles.
+pub fn mtl(bytes: &[u8]) {
+    let mesh = b"mtllib a/b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 3 2 1\n";
+    let loaded = load_obj(mesh, &mut |_| Ok(bytes.to_vec())).expect("a library is never an error");
+    assert_sound(&loaded.mesh);
+}
+
+pub fn ply(bytes: &[u8]) {
+    if let Ok(loaded) = load_ply(bytes) {
+        assert_sound(&loaded.mesh);
+    }
+}
+
+/// A file of the format `serialized`: its table and its first shapes.
+pub fn serialized(bytes: &[u8]) {
+    let Ok(file) = SerializedFile::open(bytes) else {
+        return;
+    };
+    for shape in 0..file.count().min(4) {
+        if let Ok(loaded) = file.load(shape) {
+            assert_sound(&loaded.mesh);
+        }
+    }
+}
+
+/// The content of one shape of such a file, which is packed here. The first byte chooses the version.
+pub fn serialized_shape(bytes: &[u8]) {
+    let Some((version, content)) = bytes.split_first() else {
+        return;
+    };
+    let version = 3 + u16::from(version % 2);
+    let mut file = [0x1c, 0x04, version as u8, 0].to_vec();
+    let mut packer = flate2::write::ZlibEncoder::new(&mut file, flate2::Compression::none());
+    packer.write_all(content).expect("memory can be written to");
+    packer.finish().expect("memory can be written to");
+    file.resize(file.len() + if version == 3 { 4 } else { 8 }, 0);
+    file.extend(1u32.to_le_bytes());
+    serialized(&file);
+}
+
+/// What the documentation of meshes promises of every mesh that was loaded.
+fn assert_sound(mesh: &MeshData) {
+    let vertices = mesh.positions.len();
+    assert!(mesh.positions.iter().all(|position| position.is_finite()));
+    assert!(!mesh.triangles.is_empty());
+    let mut corners = mesh.triangles.as_flattened().iter();
+    assert!(corners.all(|&corner| (corner as usize) < vertices));
+    assert_eq!(mesh.normals.len(), vertices);
+    let is_unit = |normal: &Vec3| (normal.length_squared() - 1.0).abs() < 1e-3;
+    assert!(mesh.normals.iter().all(is_unit), "{:?}", mesh.normals);
+    assert!(mesh.uvs.is_empty() || mesh.uvs.len() == vertices);
+    assert!(mesh.uvs.iter().all(|uv| uv.is_finite()), "{:?}", mesh.uvs);
+    assert!(mesh.material_of_triangle.is_empty() || mesh.material_of_triangle.len() == mesh.triangles.len());
+    let mut materials = mesh.material_of_triangle.iter();
+    assert!(materials.all(|&material| usize::from(material) < mesh.materials.len()));
+    for (place, attribute) in mesh.attributes.iter().enumerate() {
+        let name = &attribute.name;
+        assert!(mesh.attributes[..place].iter().all(|other| other.name != *name));
+        let elements = match attribute.domain {
+            AttributeDomain::Vertex => vertices,
+            AttributeDomain::Triangle => mesh.triangles.len(),
+        };
+        let values = match &attribute.values {
+            AttributeValues::Srgb8(values) => values.len(),
+            AttributeValues::F32(values) => {
+                assert!(values.iter().all(|value| value.is_finite()), "{name}: {values:?}");
+                values.len()
+            }
+        };
+        assert!(matches!(attribute.channels, 1 | 3));
+        assert_eq!(values, elements * attribute.channels, "{name}");
+    }
+    for triangle in 0..mesh.triangles.len().min(64) {
+        mesh.regular_corners(triangle);
+    }
+}
+
+/// A glTF file of either kind; what follows the first zero byte of a JSON one is every file that it names. Its meshes are sound, the
+/// meshes and pictures that are written for other programs can be read, and its scene survives writing.
+pub fn gltf(bytes: &[u8]) {
+    let (file, other) = match bytes.starts_with(b"glTF") {
+        true => (bytes, &b""[..]),
+        false => halves(bytes),
+    };
+    let mut read = |name: &str| match name.is_empty() {
+        true => Err(io::ErrorKind::NotFound.into()),
+        false => Ok(other.to_vec()),
+    };
+    let gltf = match Gltf::open(file, &mut read) {
+        Ok(gltf) => gltf,
+        Err(error) => {
+            let _ = error.to_string();
+            return;
+        }
+    };
+    for number in 0..gltf.mesh_count().min(16) {
+        if let Ok(loaded) = gltf.mesh(number) {
+            assert_sound(&loaded.mesh);
+        }
+    }
+    let mut keep = |name: &str, bytes: &[u8]| {
+        if name.ends_with(".ply") {
+            let loaded = load_ply(bytes).expect("a mesh that was written here");
+            assert_sound(&loaded.mesh);
+        }
+        Ok(name.to_owned())
+    };
+    let Ok(imported) = take_apart(&gltf, &mut keep, &mut read) else {
+        return;
+    };
+    assert_survives_writing(&Document::new(NOWHERE, imported.root));
+}
+
+/// The bytes before and after the first zero byte.
+fn halves(bytes: &[u8]) -> (&[u8], &[u8]) {
+    match bytes.iter().position(|&byte| byte == 0) {
+        Some(zero) => (&bytes[..zero], &bytes[zero + 1..]),
+        None => (bytes, b""),
+    }
+}
+
+/// The beginning of a PNG file.
+const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
+
+/// A PNG picture, with the checksums that its chunks should have: hardly any mutation would get past them.
+pub fn png(bytes: &[u8]) {
+    let mut file = beginning_with(PNG, bytes);
+    let mut at = PNG.len();
+    while let Some(length) = file.get(at..).and_then(|rest| rest.first_chunk::<4>()) {
+        let end = (at + 8).saturating_add(u32::from_be_bytes(*length) as usize);
+        let Some(covered) = file.get(at + 4..end) else { break };
+        let mut sum = flate2::Crc::new();
+        sum.update(covered);
+        let Some(place) = file.get_mut(end..end + 4) else { break };
+        place.copy_from_slice(&sum.sum().to_be_bytes());
+        at = end + 4;
+    }
+    picture(&file);
+}
+
+pub fn jpeg(bytes: &[u8]) {
+    picture(&beginning_with(b"\xff\xd8\xff", bytes));
+}
+
+pub fn bmp(bytes: &[u8]) {
+    picture(&beginning_with(b"BM", bytes));
+}
+
+/// A TGA picture: the format has no beginning of its own.
+pub fn tga(bytes: &[u8]) {
+    picture(bytes);
+}
+
+pub fn pnm(bytes: &[u8]) {
+    picture(&beginning_with(b"P", bytes));
+}
+
+pub fn hdr(bytes: &[u8]) {
+    picture(&beginning_with(b"#?", bytes));
+}
+
+pub fn exr(bytes: &[u8]) {
+    picture(&beginning_with(&[0x76, 0x2f, 0x31, 0x01], bytes));
+}
+
+pub fn pfm(bytes: &[u8]) {
+    let kind = if bytes.get(1) == Some(&b'f') { b"Pf" } else { b"PF" };
+    picture(&beginning_with(kind, bytes));
+}
+
+/// The bytes with the first ones replaced, so that they are read as the format that begins so.
+fn beginning_with(magic: &[u8], bytes: &[u8]) -> Vec<u8> {
+    let mut file = bytes.to_vec();
+    file.resize(file.len().max(magic.len()), 0);
+    file[..magic.len()].copy_from_slice(magic);
+    file
+}
+
+fn picture(bytes: &[u8]) {
+    let image = match load_image(bytes) {
+        Ok(image) => image,
+        Err(error) => {
+            let _ = error.to_string();
+            return;
+        }
+    };
+    let (width, height) = (image.width(), image.height());
+    assert!(width > 0 && height > 0);
+    assert!(matches!(image.channels(), 1 | 3));
+    for (x, y) in [(0, 0), (width - 1, 0), (0, height - 1), (width - 1, height - 1)] {
+        assert!(image.pixel(x, y).is_finite());
+    }
+    if u64::from(width) * u64::from(height) <= 1 << 14 {
+        assert!(image.mean(false).is_finite() && image.mean(true).is_finite());
+    }
+}

@@ -1,0 +1,57 @@
+//! What every fuzz target has in common: the entries, and limits that turn waste of memory into a crash.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+#[path = "../entries.rs"]
+pub mod entries;
+
+/// Bytes that a parser may hold at once.
+const MOST_MEMORY: usize = 1 << 30;
+
+/// Counts what is allocated. Memory that was taken but never touched is invisible to the limits of the fuzzer itself.
+struct Limited;
+
+static HELD: AtomicUsize = AtomicUsize::new(0);
+
+#[global_allocator]
+static ALLOCATOR: Limited = Limited;
+
+fn take(size: usize) {
+    let held = HELD.fetch_add(size, Relaxed) + size;
+    if held > MOST_MEMORY {
+        // An allocator must not panic; the fuzzer keeps the input when the process aborts.
+        eprintln!("{size} bytes more make {held} bytes in all");
+        std::process::abort();
+    }
+}
+
+// SAFETY: the system's allocator does everything; only sizes are counted here.
+unsafe impl GlobalAlloc for Limited {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        take(layout.size());
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        take(layout.size());
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
+        HELD.fetch_sub(layout.size(), Relaxed);
+        unsafe { System.dealloc(place, layout) }
+    }
+
+    unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        HELD.fetch_sub(layout.size(), Relaxed);
+        take(size);
+        unsafe { System.realloc(place, layout, size) }
+    }
+}
+
+/// To be called once: one thread does all work, so that no time is lost between threads.
+pub fn prepare() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+    pool.build_global().expect("there is no pool yet");
+}

@@ -1,0 +1,80 @@
+//! Replays the corpus of the fuzz targets, and seeded mutations of it: no parser breaks its promises. See `fuzz/README.md`.
+
+use std::path::Path;
+
+use crate::ROOT;
+
+#[path = "../../fuzz/entries.rs"]
+mod entries;
+#[path = "../../fuzz/replay.rs"]
+mod replay;
+
+use entries::{ENTRIES, Entry};
+use replay::{Input, files, mutations, run};
+
+/// Mutations of each entry's corpus.
+const MUTATIONS: usize = 1000;
+
+fn corpus(name: &str) -> Vec<Input> {
+    files(&Path::new(ROOT).join("tests/corpus").join(name))
+}
+
+fn for_each_entry(inputs: impl Fn(Vec<Input>) -> Vec<Input>) {
+    for (name, entry) in ENTRIES {
+        let corpus = corpus(name);
+        assert!(!corpus.is_empty(), "there is no corpus for {name}");
+        run(entry as Entry, inputs(corpus));
+    }
+}
+
+#[test]
+fn the_corpus_breaks_no_parser() {
+    for_each_entry(|corpus| corpus);
+}
+
+#[test]
+fn mutations_of_the_corpus_break_no_parser() {
+    for_each_entry(|corpus| mutations(&corpus, MUTATIONS, 19));
+}
+
+/// Files that are made to be slow: where the effort grew with the square of the length, each would take a quarter of an hour.
+#[test]
+fn large_files_take_time_in_proportion_to_their_length() {
+    let dialect = |materials: &str, objects: &str| {
+        format!("<Scene><Materials>{materials}</Materials><Objects>{objects}</Objects></Scene>").into_bytes()
+    };
+    let native = |body: &str| format!("<scene version='3.0.0'>{body}</scene>").into_bytes();
+    let many = |one: &dyn Fn(usize) -> String| (0..150_000).map(one).collect::<String>();
+    let digits = "9".repeat(3_000_000);
+    let inputs = [
+        (
+            "objects of one name",
+            dialect("", &many(&|_| "<Sphere name='a'/>".to_owned())),
+        ),
+        (
+            "materials that are not there",
+            dialect("", &many(&|i| format!("<Sphere material='material{i}'/>"))),
+        ),
+        (
+            "a number of many digits",
+            dialect("", &format!("<Sphere><Radius value='{digits}'/></Sphere>")),
+        ),
+        (
+            "a comment, then objects of one id",
+            native(&format!(
+                "<!--{digits}--><bsdf id='a' type='b'/>{}",
+                many(&|_| "<bsdf id='a' type='b'/>".to_owned())
+            )),
+        ),
+        (
+            "references to nothing",
+            native(&many(&|i| format!("<bsdf id='a{i}' type='b'/><ref id='b{i}'/>"))),
+        ),
+        (
+            "folders that are not there",
+            native(&many(&|i| format!("<path value='folder{i}'/>"))),
+        ),
+    ];
+    let inputs = inputs.map(|(name, bytes)| (name.to_owned(), bytes));
+    run(entries::xml, inputs.into());
+}
