@@ -1,6 +1,6 @@
 //! Every parser that reads foreign bytes, as a plain function of these bytes.
 //!
-//! The fuzz targets and the test that replays the corpus share this file, so that both do the same. An entry panics where the program
+//! The fuzz target and the test that replays the corpus share this file, so that both do the same. An entry panics where the program
 //! breaks a promise: a panic of the parser itself, a mesh that contradicts its documentation, a document that changes when it is written.
 
 use std::io::{self, Write as _};
