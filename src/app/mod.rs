@@ -5,6 +5,8 @@ mod allocator;
 #[cfg(feature = "window")]
 pub mod editor;
 pub mod headless;
+pub mod interrupt;
+pub mod terminal;
 pub mod threads;
 #[cfg(feature = "window")]
 pub mod windowed;

@@ -3,6 +3,7 @@
 use std::io::IsTerminal;
 use std::process::ExitCode;
 
+use bevy::app::TerminalCtrlCHandlerPlugin;
 use bevy::log::{BoxedFmtLayer, LogPlugin, tracing_subscriber};
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
@@ -14,6 +15,8 @@ use thiserror::Error;
 use super::allocator::keep_memory_low;
 use super::editor::EditorPlugin;
 pub use super::editor::options::WindowOptions;
+use super::interrupt::on_interrupt;
+use super::terminal::line;
 use super::threads::{run_systems_in_turn, worker_count};
 use crate::engine::{EnginePlugin, RenderControl};
 use crate::scene::{FileSourcePlugin, ScenePlugin, asset_plugin};
@@ -24,6 +27,8 @@ pub enum WindowError {
         "there is no display to open a window on (neither WAYLAND_DISPLAY nor DISPLAY is set); `sunroom render SCENE -o OUT.png` works without one"
     )]
     NoDisplay,
+    #[error("signals cannot be handled: {0}")]
+    Signals(#[from] ctrlc::Error),
 }
 
 /// Opens the window and returns when it is closed.
@@ -33,6 +38,7 @@ pub fn run(options: WindowOptions) -> Result<ExitCode, WindowError> {
     }
     keep_memory_low();
     explain_startup_panics();
+    on_interrupt(TerminalCtrlCHandlerPlugin::gracefully_exit)?;
     Ok(match windowed(options).run() {
         AppExit::Success => ExitCode::SUCCESS,
         AppExit::Error(code) => ExitCode::from(code.get()),
@@ -62,7 +68,7 @@ pub fn windowed(options: WindowOptions) -> App {
             // Of the libraries only what is wrong; a software driver and a window manager without sizes are not. Files that cannot be
             // read are reported by the scene, without the backtraces of the asset server.
             filter: "error,sunroom=info,bevy_asset::server=off".to_owned(),
-            fmt_layer: |_| colorless_log(),
+            fmt_layer: |_| Some(log_layer()),
             ..default()
         })
         .set(RenderPlugin {
@@ -88,10 +94,15 @@ pub fn windowed(options: WindowOptions) -> App {
     app
 }
 
-/// What writes the log where it goes into a file or another program: codes for colours would be so much noise there. None on a terminal.
-fn colorless_log() -> Option<BoxedFmtLayer> {
-    let layer = || tracing_subscriber::fmt::Layer::default().with_writer(std::io::stderr);
-    (!std::io::stderr().is_terminal()).then(|| Box::new(layer().with_ansi(false)) as BoxedFmtLayer)
+/// Writes the log to standard error, with colours only on a terminal. A closed standard error is ignored: the default would report it
+/// there, which fails again and ends the program.
+fn log_layer() -> BoxedFmtLayer {
+    let layer = tracing_subscriber::fmt::Layer::default().with_writer(std::io::stderr);
+    let layer = match std::io::stderr().is_terminal() {
+        true => layer,
+        false => layer.with_ansi(false),
+    };
+    Box::new(layer.log_internal_errors(false))
 }
 
 /// Drivers leave functions to be called when the process ends. One that is unloaded before, with the last of what it has made, would be
@@ -118,7 +129,9 @@ fn explain_startup_panics() {
         let Some((_, reason)) = reason else {
             return default_hook(panic);
         };
-        eprintln!("error: {reason}; `sunroom render SCENE -o OUT.png` works without a window\n  ({message})");
+        line(format_args!(
+            "error: {reason}; `sunroom render SCENE -o OUT.png` works without a window\n  ({message})"
+        ));
         std::process::exit(1);
     }));
 }

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use sunroom::app::editor::monkey::{Monkey, run_windowless};
 use sunroom::app::windowed::{self, WindowOptions};
 
-use super::{EditArgs, report};
+use super::{EditArgs, outputs, report};
 
 /// What opens when nothing is asked for.
 const FIRST_SCENE: &str = "scenes/cornell-box.xml";
@@ -17,6 +17,9 @@ pub fn run(args: EditArgs) -> ExitCode {
     if let Some(scene) = all.into_iter().find(|scene| !scene.is_file()) {
         let help = super::misspelt_command().map_or(String::new(), |help| format!(" ({help})"));
         return report::error(format_args!("{}: there is no such file{help}", scene.display()));
+    }
+    if let Some(Err(error)) = args.screenshot.as_deref().map(outputs::check_text) {
+        return report::error(error);
     }
     let scene = args.scene.or_else(first_scene);
     let monkey = args.monkey.options(scene.as_ref());

@@ -1,14 +1,17 @@
 //! The command line: what it accepts, and which part of the program answers.
 //!
-//! Results for machines go to standard output, everything for people to standard error. Exit codes: 0 done, 1 the scene or a file was
-//! at fault, 2 wrong usage (clap's), 130 interrupted after writing the partial picture.
+//! Results for machines go to standard output, everything for people to standard error. Exit codes: 0 done; 1 the scene or a file was
+//! at fault, or the picture has pixels without a sample; 2 wrong usage (clap's); 130 interrupted, and the picture with the samples so far is
+//! written.
 
 mod bench;
 mod check;
 mod convert;
 #[cfg(feature = "window")]
 mod edit;
+mod ending;
 mod monkey;
+mod outputs;
 mod parse;
 mod progress;
 mod render;

@@ -1,4 +1,4 @@
-//! How far a render has come: a bar on a terminal, a line per tenth elsewhere, nothing when quiet.
+//! How far a render has come: a bar on a terminal; elsewhere a line when every pixel has a sample and one for each tenth; nothing when quiet.
 
 use std::io::IsTerminal;
 use std::time::Duration;
@@ -17,8 +17,8 @@ pub struct Progress {
 enum Form {
     Quiet,
     Bar(ProgressBar),
-    /// The tenths that have been reported.
-    Lines(u32),
+    /// The tenths that have been reported; None before the first line.
+    Lines(Option<u32>),
 }
 
 /// Steps of the bar.
@@ -35,7 +35,7 @@ impl Progress {
             }
             Form::Bar(bar)
         } else {
-            Form::Lines(0)
+            Form::Lines(None)
         };
         Self { form, time }
     }
@@ -57,8 +57,10 @@ impl Progress {
             }
             Form::Lines(reported) => {
                 let tenths = (10.0 * done) as u32;
-                if tenths > *reported {
-                    *reported = tenths;
+                // The line about the first samples also tells when an interrupt leaves a whole picture.
+                let is_first = reported.is_none() && status.samples > 0;
+                if is_first || tenths > reported.unwrap_or(0) {
+                    *reported = Some(tenths);
                     let left = status.seconds * (1.0 / done - 1.0);
                     let percent = 10 * tenths;
                     report::line(format_args!(

@@ -1,7 +1,6 @@
 //! `sunroom render`: from a scene file to image files.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,11 +9,12 @@ use std::time::{Duration, Instant};
 use bevy::prelude::*;
 use clap::{Args, ValueEnum};
 use sunroom::app::headless::headless;
-use sunroom::engine::{Limits, Outcome, RenderControl, RenderFilm, RenderStatus};
+use sunroom::app::interrupt::on_interrupt;
+use sunroom::engine::{Limits, RenderControl, RenderFilm, RenderStatus};
 use sunroom::engine::{load_to_completion, render_to_completion};
-use sunroom::render::denoise::{DenoiseInput, DenoiseQuality, denoise};
+use sunroom::render::denoise::{DenoiseError, DenoiseInput, DenoiseQuality, denoise};
 use sunroom::render::film::Film;
-use sunroom::render::image_io::{FileFormat, ImageRgb, encode, write_image};
+use sunroom::render::image_io::ImageRgb;
 use sunroom::render::tonemap::{Display, ToneMap};
 use sunroom::scene::{
     AccelMethod, ActiveSensor, Crop, IntegratorSettings, OpenScene, SamplerSettings, SceneStatus, Sequence, find_camera,
@@ -22,9 +22,10 @@ use sunroom::scene::{
 use sunroom::scene::{Film as SensorFilm, Strategy};
 
 use super::check::report_scene;
+use super::ending::{Ending, INTERRUPTED};
 use super::progress::Progress;
 use super::stats::{Bvh, Stats, StatsFormat, milliseconds, peak_memory_bytes};
-use super::{MemoryArgs, SceneArgs, ThreadArgs, parse, report};
+use super::{MemoryArgs, SceneArgs, ThreadArgs, outputs, parse, report};
 
 #[derive(Args)]
 pub struct RenderArgs {
@@ -122,9 +123,6 @@ enum ToneMapName {
     Agx,
 }
 
-/// Interrupted by the user, as shells have it: 128 + SIGINT.
-const INTERRUPTED: u8 = 130;
-
 pub fn run(args: RenderArgs) -> ExitCode {
     args.memory.apply();
     match render(&args) {
@@ -136,7 +134,10 @@ pub fn run(args: RenderArgs) -> ExitCode {
 type Error = Box<dyn std::error::Error>;
 
 fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
-    check_outputs(&args.output)?;
+    outputs::check_pictures(&args.output)?;
+    if args.denoise && !cfg!(feature = "denoise") {
+        return Err(DenoiseError::NotBuilt.into());
+    }
     let cancel = cancel_on_interrupt()?;
     let begin = Instant::now();
     let mut app = headless(
@@ -164,29 +165,30 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
         return Ok(ExitCode::FAILURE);
     }
     if !loaded? {
-        return Ok(ExitCode::from(INTERRUPTED));
+        return Err("interrupted while the scene was being loaded: nothing is written".into());
     }
     let load_ms = milliseconds(begin.elapsed());
     apply_overrides(app.world_mut(), args)?;
 
     let mut progress = Progress::new(args.quiet, args.time);
-    let outcome = render_to_completion(&mut app, &limits, |status| progress.update(status));
+    let rendered = render_to_completion(&mut app, &limits, |status| progress.update(status));
     progress.finish();
-    let outcome = outcome?;
 
     let film = &app.world().resource::<RenderFilm>().film;
+    let ending = Ending::new(rendered, film)?;
     let threads = app.world().resource::<RenderControl>().threads.get();
     let denoising = Instant::now();
-    let pixels = if args.denoise {
-        denoised(film, threads)?
-    } else {
-        film.radiance()
+    let denoised = match args.denoise && ending.is_whole() {
+        true => Some(denoised(film, threads)),
+        false => None,
     };
-    let denoise_ms = if args.denoise {
-        milliseconds(denoising.elapsed())
-    } else {
-        0.0
+    let (pixels, denoise_ms, denoise_failure) = match denoised {
+        Some(Ok(pixels)) => (pixels, milliseconds(denoising.elapsed()), None),
+        // The noisy picture is better than none.
+        Some(Err(error)) => (film.radiance(), 0.0, Some(error)),
+        None => (film.radiance(), 0.0, None),
     };
+    let is_denoised = args.denoise && ending.is_whole() && denoise_failure.is_none();
     let image = ImageRgb {
         width: film.width(),
         height: film.height(),
@@ -203,16 +205,12 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
         },
         ..Display::default()
     };
-    for path in &args.output {
-        write_output(path, &image, &display)?;
-    }
+    let all_written = outputs::write_pictures(&args.output, &image, &display);
 
     let status = app.world().resource::<RenderStatus>();
-    if outcome == Outcome::Cancelled && !args.quiet {
-        report::line(format_args!(
-            "interrupted, written with {} samples per pixel",
-            status.samples
-        ));
+    ending.report(status.samples, args.quiet, args.denoise);
+    if let Some(error) = &denoise_failure {
+        report::error(format_args!("{error}; the picture is not denoised"));
     }
     for error in &status.errors {
         report::line(format_args!("warning: {error}"));
@@ -231,7 +229,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
             spp: status.samples,
             seed: app.world().resource::<SamplerSettings>().seed,
             threads,
-            denoised: args.denoise,
+            denoised: is_denoised,
             triangles: status.triangles,
             load_ms,
             bvh: Bvh::of(status),
@@ -248,41 +246,19 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
             StatsFormat::Text => stats.text(),
             StatsFormat::Json => serde_json::to_string_pretty(&stats)?,
         };
-        print(format!("{text}\n").as_bytes())?;
+        outputs::print(format!("{text}\n").as_bytes())?;
     }
-    Ok(match outcome {
-        Outcome::Complete | Outcome::TimeUp => ExitCode::SUCCESS,
-        Outcome::Cancelled => ExitCode::from(INTERRUPTED),
+    Ok(match all_written && denoise_failure.is_none() {
+        true => ending.exit_code(),
+        false => ExitCode::FAILURE,
     })
 }
 
-/// Refuses before the render what would fail after it.
-fn check_outputs(outputs: &[PathBuf]) -> Result<(), Error> {
-    for path in outputs.iter().filter(|path| !is_stdout(path)) {
-        FileFormat::from_path(path)?;
-        check_folder(path)?;
-    }
-    Ok(())
-}
-
-/// An error if a file cannot be there.
-pub fn check_folder(path: &Path) -> Result<(), Error> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    match folder.filter(|folder| !folder.is_dir()) {
-        Some(folder) => Err(format!("there is no folder {} to write {} to", folder.display(), path.display()).into()),
-        None => Ok(()),
-    }
-}
-
-pub fn is_stdout(path: &Path) -> bool {
-    path == Path::new("-")
-}
-
 /// The first interrupt asks for an orderly end, the second one ends the process.
-fn cancel_on_interrupt() -> Result<Arc<AtomicBool>, ctrlc::Error> {
+fn cancel_on_interrupt() -> Result<Arc<AtomicBool>, Error> {
     let cancel = Arc::new(AtomicBool::new(false));
     let flag = cancel.clone();
-    ctrlc::set_handler(move || {
+    on_interrupt(move || {
         if flag.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(INTERRUPTED));
         }
@@ -367,21 +343,4 @@ fn denoised(film: &Film, threads: usize) -> Result<Vec<sunroom::color::Rgb>, Err
         },
         &AtomicBool::new(false),
     )?)
-}
-
-fn write_output(path: &Path, image: &ImageRgb, display: &Display) -> Result<(), Error> {
-    if is_stdout(path) {
-        print(&encode(image, FileFormat::Png, display)?)?;
-    } else {
-        write_image(path, image, display)?;
-    }
-    Ok(())
-}
-
-/// To standard output; that nobody reads it any more is no error.
-pub fn print(bytes: &[u8]) -> std::io::Result<()> {
-    match std::io::stdout().write_all(bytes) {
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        result => result,
-    }
 }

@@ -1,7 +1,7 @@
 //! What the program says to people, on standard error.
 
 use std::fmt::Display;
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use sunroom::document::{Diagnostics, Severity};
@@ -15,10 +15,7 @@ pub fn error(message: impl Display) -> ExitCode {
     ExitCode::FAILURE
 }
 
-/// Prints one line. A closed standard error is nobody's fault.
-pub fn line(message: impl Display) {
-    let _ = writeln!(std::io::stderr(), "{message}");
-}
+pub use sunroom::app::terminal::line;
 
 /// Prints the messages about a scene with the lines they speak of.
 pub fn diagnostics(diagnostics: &Diagnostics) {

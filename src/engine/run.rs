@@ -102,22 +102,31 @@ impl Drop for Run {
 }
 
 impl Shared {
+    /// A panic anywhere in the work, or in what is called when results are there, ends the run with a message: beyond this function it would
+    /// end the program.
     fn work_until_done(&self, results: Sender<TileResult>) {
+        if let Err(payload) = catch_unwind(AssertUnwindSafe(|| self.work_on_queue(&results))) {
+            self.cancel.store(true, Ordering::Relaxed);
+            // Waits until there is room or the run is dropped: without this message the job would be begun again.
+            let _ = results.send(TileResult::Failed(text_of_panic(payload.as_ref())));
+        }
+        drop(results);
+        if self.workers_left.fetch_sub(1, Ordering::AcqRel) == 1 {
+            // The event loop also looks by itself after a while.
+            let _ = catch_unwind(AssertUnwindSafe(|| self.waker.wake_now()));
+        }
+    }
+
+    fn work_on_queue(&self, results: &Sender<TileResult>) {
         while !self.cancel.load(Ordering::Relaxed) {
             let Some(item) = self.queue.claim() else {
                 break;
             };
-            let result = catch_unwind(AssertUnwindSafe(|| (self.work)(&item, &self.cancel)));
-            let result = match result {
-                Ok(Some(result)) => result,
-                Ok(None) => break,
-                Err(payload) => {
-                    self.cancel.store(true, Ordering::Relaxed);
-                    TileResult::Failed(text_of_panic(payload.as_ref()))
-                }
+            let Some(result) = (self.work)(&item, &self.cancel) else {
+                break;
             };
             self.first_result.get_or_init(Instant::now);
-            if !self.deliver(&results, result) {
+            if !self.deliver(results, result) {
                 break;
             }
             match item {
@@ -128,10 +137,6 @@ impl Shared {
                 _ if results.len() >= self.many => self.waker.wake_now(),
                 _ => self.waker.wake_sometimes(),
             }
-        }
-        drop(results);
-        if self.workers_left.fetch_sub(1, Ordering::AcqRel) == 1 {
-            self.waker.wake_now();
         }
     }
 
@@ -264,6 +269,25 @@ mod tests {
         assert_eq!(results.len(), 8, "{results:?}");
         let failed = |result: &TileResult| matches!(result, TileResult::Failed(text) if text == "number seven");
         assert!(results.iter().any(failed), "{results:?}");
+    }
+
+    #[test]
+    fn a_panic_of_the_hook_ends_the_run_too() {
+        let hook = WakeUp(Some(Arc::new(|| panic!("the hook"))));
+        let items: Vec<_> = (0..10 * CAPACITY).map(|index| (index, 0)).collect();
+        let pool = pool();
+        let run = Run::start(
+            &pool,
+            WorkQueue::new(&items, 1, &[], 1),
+            0,
+            sample_work(),
+            Waker::new(&hook),
+        );
+        // The hook is called when half of the room is taken.
+        let mut results = run.results.iter();
+        assert!(results.any(|result| matches!(result, TileResult::Failed(text) if text == "the hook")));
+        // The threads are as good as before.
+        assert_eq!(pool.broadcast(|_| 1).iter().sum::<i32>(), 3);
     }
 
     #[test]

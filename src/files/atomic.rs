@@ -1,33 +1,208 @@
-//! Replaces files as a whole or not at all.
+//! Replaces files as a whole or not at all, and removes what killed programs leave behind.
+//!
+//! The new content is written to a temporary file beside the target, which is then renamed. A program that is killed in between leaves the
+//! temporary file. Every writer therefore holds a lock on its temporary file, and a later write into the same folder removes those that
+//! are old and not locked. The lock makes that safe for two programs that write into one folder at the same time; `O_TMPFILE` would not
+//! help, for a file without a name cannot replace one, and not every system and file system has it.
 
-use std::io::{self, Write as _};
-use std::path::Path;
+use std::collections::HashSet;
+use std::fs::{self, DirEntry, File};
+use std::io::{self, ErrorKind, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
-/// Replaces a file's content in one step: readers see the old content or the new, never half of it, and after a failure the old one is
-/// there. A symbolic link stays one, an old file keeps its permissions.
+use tempfile::NamedTempFile;
+
+const PREFIX: &str = ".sunroom-";
+const SUFFIX: &str = ".part";
+
+/// Temporary files younger than this are never removed, since another program may have made one and not locked it yet. That takes
+/// microseconds; an hour allows for a suspended program and for the clock of a file server.
+const LEFTOVER_AGE: Duration = Duration::from_secs(3600);
+
+/// Replaces a file's content in one step: readers see the old content or the new, never half of it, and after a failure the old content is
+/// there. A symbolic link stays one, an old file keeps its permissions. Folders, devices and pipes are refused.
+///
+/// The first write of a process into a folder also removes the temporary files that killed programs have left there.
 pub fn write_atomically(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
-    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let folder = match target.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    // Otherwise the message would be about the name of a file that is not the user's.
-    if !folder.is_dir() {
-        let message = format!("there is no folder {}", folder.display());
-        return Err(io::Error::new(io::ErrorKind::NotFound, message));
-    }
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".sunroom-").suffix(".part");
-    // As an ordinary new file would be: temporary ones are for their owner only.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    // By its kind: the full message names the temporary file.
-    let mut file = builder.tempfile_in(folder).map_err(|error| error.kind())?;
-    if let Ok(old) = std::fs::metadata(&target) {
+    let target = Target::new(path)?;
+    let mut file = target.temporary_file()?;
+    if let Ok(old) = fs::metadata(&target.path) {
         file.as_file().set_permissions(old.permissions())?;
     }
-    file.write_all(content.as_ref())?;
+    // Not through `file` itself: its errors name the temporary file, which the user does not know.
+    file.as_file_mut().write_all(content.as_ref())?;
     file.as_file().sync_all()?;
-    file.persist(&target).map_err(|error| error.error)?;
+    file.persist(&target.path).map_err(|error| error.error)?;
+    remove_leftovers_once(target.folder());
     Ok(())
+}
+
+/// Whether [`write_atomically`] can replace this file, as far as that can be known before there is something to write. The error is the one
+/// that the write would have.
+pub fn check_writable(path: &Path) -> io::Result<()> {
+    Target::new(path)?.temporary_file().map(drop)
+}
+
+/// A file to be replaced. Links are followed.
+struct Target {
+    path: PathBuf,
+}
+
+impl Target {
+    /// An error if nothing can be written there whatever the permissions are.
+    fn new(path: &Path) -> io::Result<Self> {
+        let target = Self {
+            path: path.canonicalize().unwrap_or_else(|_| path.to_owned()),
+        };
+        let folder = target.folder();
+        if !folder.is_dir() {
+            let message = format!("there is no folder {}", folder.display());
+            return Err(io::Error::new(ErrorKind::NotFound, message));
+        }
+        // A rename would replace the device node itself by a file.
+        match fs::metadata(&target.path) {
+            Ok(about) if about.is_dir() => Err(io::Error::new(ErrorKind::IsADirectory, "it is a folder")),
+            Ok(about) if !about.is_file() => {
+                let message = "it is a device or a pipe, not a file";
+                Err(io::Error::new(ErrorKind::InvalidInput, message))
+            }
+            _ => Ok(target),
+        }
+    }
+
+    fn folder(&self) -> &Path {
+        match self.path.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        }
+    }
+
+    /// An empty file beside the target, locked; it is removed when it is dropped.
+    fn temporary_file(&self) -> io::Result<NamedTempFile> {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(PREFIX).suffix(SUFFIX);
+        // The permissions of an ordinary new file: by default only the owner may read temporary files.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        // Only the kind of the error: its full message names the temporary file.
+        let file = builder.tempfile_in(self.folder()).map_err(|error| error.kind())?;
+        // Where files cannot be locked the program writes without, and leftovers stay.
+        let _ = file.as_file().try_lock();
+        Ok(file)
+    }
+}
+
+/// Removes leftovers unless this process has done so before: a folder with many files takes long to list.
+fn remove_leftovers_once(folder: &Path) {
+    static SEEN: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
+    let mut seen = SEEN.lock().unwrap_or_else(PoisonError::into_inner);
+    if seen.get_or_insert_default().insert(folder.to_owned()) {
+        drop(seen);
+        remove_leftovers(folder);
+    }
+}
+
+/// Removes the temporary files of programs that run no more. What cannot be listed, locked or removed stays.
+fn remove_leftovers(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        if is_old_temporary_file(&entry) {
+            let file = File::options().read(true).write(true).open(entry.path());
+            // The lock is held until the file is gone, so that no two programs remove it.
+            if let Ok(file) = file
+                && file.try_lock().is_ok()
+            {
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+    }
+}
+
+fn is_old_temporary_file(entry: &DirEntry) -> bool {
+    let name = entry.file_name();
+    let name = name.as_encoded_bytes();
+    let is_ours = name.starts_with(PREFIX.as_bytes()) && name.ends_with(SUFFIX.as_bytes());
+    // The metadata of an entry are those of a link itself.
+    let about = entry.metadata().ok().filter(|about| is_ours && about.is_file());
+    let modified = about.and_then(|about| about.modified().ok());
+    let age = modified.and_then(|time| time.elapsed().ok());
+    age.is_some_and(|age| age >= LEFTOVER_AGE)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::SystemTime;
+
+    use super::*;
+
+    fn file(folder: &Path, name: &str, age: Duration) -> PathBuf {
+        let path = folder.join(name);
+        let file = File::create(&path).expect("a temporary folder");
+        file.set_modified(SystemTime::now() - age).expect("times can be set");
+        path
+    }
+
+    #[test]
+    fn a_write_removes_what_killed_programs_left() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let file = |name, age| file(folder.path(), name, age);
+        let left = file(".sunroom-aaaaaa.part", 2 * LEFTOVER_AGE);
+        let young = file(".sunroom-bbbbbb.part", LEFTOVER_AGE / 2);
+        let locked = file(".sunroom-cccccc.part", 2 * LEFTOVER_AGE);
+        let writer = File::open(&locked).expect("it was just made");
+        writer.lock().expect("nobody else has it");
+        let foreign = ["sunroom-a.part", ".sunroom-a", "notes.part"].map(|name| file(name, 10 * LEFTOVER_AGE));
+        let nested = folder.path().join(".sunroom-folder.part");
+        fs::create_dir(&nested).expect("a temporary folder");
+        write_atomically(&folder.path().join("a.txt"), "new").expect("it can be written");
+        assert!(!left.exists());
+        for kept in foreign.iter().chain([&young, &locked, &nested]) {
+            assert!(kept.exists(), "{}", kept.display());
+        }
+    }
+
+    #[test]
+    fn a_file_that_is_being_written_is_locked() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let target = Target::new(&folder.path().join("a.txt")).expect("a new file");
+        let being_written = target.temporary_file().expect("it can be made");
+        being_written
+            .as_file()
+            .set_modified(SystemTime::now() - 2 * LEFTOVER_AGE)
+            .expect("times can be set");
+        remove_leftovers(folder.path());
+        assert!(being_written.path().exists());
+        // The same file, left by a program that was killed.
+        let (closed, path) = being_written.keep().expect("it can be kept");
+        drop(closed);
+        remove_leftovers(folder.path());
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn a_check_leaves_nothing_and_finds_what_a_write_would() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.txt");
+        check_writable(&path).expect("it can be written");
+        assert_eq!(fs::read_dir(folder.path()).expect("it is there").count(), 0);
+        fs::create_dir(&path).expect("a temporary folder");
+        for refused in [&path, &folder.path().join("absent/a.txt")] {
+            let [checked, written] =
+                [check_writable(refused), write_atomically(refused, "")].map(|result| result.unwrap_err().to_string());
+            assert_eq!(checked, written);
+        }
+    }
+
+    /// As root a rename would put a file in the place of the device.
+    #[cfg(unix)]
+    #[test]
+    fn devices_stay_devices() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let link = folder.path().join("a.png");
+        std::os::unix::fs::symlink("/dev/null", &link).expect("a temporary folder");
+        let message = write_atomically(&link, "picture").unwrap_err().to_string();
+        assert_eq!(message, "it is a device or a pipe, not a file");
+        assert!(!Path::new("/dev/null").is_file());
+    }
 }

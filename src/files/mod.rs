@@ -6,6 +6,6 @@ mod atomic;
 mod locking;
 mod reading;
 
-pub use self::atomic::write_atomically;
+pub use self::atomic::{check_writable, write_atomically};
 pub use self::locking::{FolderBusy, FolderLock, lock_folder};
 pub use self::reading::{FileError, LARGEST_DATA, LARGEST_NOTE, check, open, read, read_text};

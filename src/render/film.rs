@@ -170,6 +170,13 @@ impl Film {
         rows.filter_map(least).min().unwrap_or(0)
     }
 
+    /// How many pixels have no sample yet.
+    pub fn pixels_without_samples(&self) -> usize {
+        let tiles = tiles(self.width, self.height).into_iter();
+        let counts = tiles.flat_map(|tile| self.rows(tile).flat_map(|(_, counts)| counts));
+        counts.filter(|&&count| count == 0).count()
+    }
+
     /// The mean over a pixel's samples, or its preview; None when there is nothing to show yet.
     pub fn pixel(&self, x: u32, y: u32) -> Option<PixelSum> {
         let index = self.index(x, y);

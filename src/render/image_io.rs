@@ -3,7 +3,7 @@
 //! A file is complete or not there: it is written beside its place under another name and then renamed. What a picture
 //! looks like on a display is decided in [`super::tonemap`]; standard output is the caller's business, see [`encode`]. What reads pictures is [`crate::texture::load_image`].
 
-use std::io::Cursor;
+use std::io::{Cursor, Write as _};
 use std::path::{Path, PathBuf};
 
 use image::codecs::hdr::HdrEncoder;
@@ -71,6 +71,27 @@ pub enum ImageIoError {
 pub fn write_image(path: &Path, image: &ImageRgb, display: &Display) -> Result<(), ImageIoError> {
     let bytes = encode(image, FileFormat::from_path(path)?, display)?;
     write(path, &bytes)
+}
+
+/// Writes the picture as EXR to a new file in the system's folder for temporary files and returns the file's name: for a picture whose own
+/// place cannot be written.
+pub fn write_to_temporary_folder(image: &ImageRgb) -> Result<PathBuf, ImageIoError> {
+    let bytes = encode(image, FileFormat::Exr, &Display::default())?;
+    let folder = std::env::temp_dir();
+    let failed = |source: std::io::Error| ImageIoError::Write {
+        path: folder.clone(),
+        source,
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix("sunroom-").suffix(".exr");
+    // Only the kind of the error: its full message names a file that is not there.
+    let mut file = builder
+        .tempfile_in(&folder)
+        .map_err(|error| failed(error.kind().into()))?;
+    file.as_file_mut().write_all(&bytes).map_err(failed)?;
+    file.as_file().sync_all().map_err(failed)?;
+    let (_, path) = file.keep().map_err(|error| failed(error.error))?;
+    Ok(path)
 }
 
 /// Writes bytes that are for the display already, three a pixel, as PNG.
@@ -233,6 +254,19 @@ mod tests {
     }
 
     #[test]
+    fn a_picture_without_a_place_is_kept_whole_in_the_temporary_folder() {
+        let [first, second] = [(); 2].map(|()| write_to_temporary_folder(&picture()).expect("there is such a folder"));
+        for path in [&first, &second] {
+            assert_eq!(path.parent(), Some(&*std::env::temp_dir()));
+            assert_eq!(read_image(path), picture());
+        }
+        assert_ne!(first, second);
+        for path in [first, second] {
+            fs::remove_file(path).expect("it was just made");
+        }
+    }
+
+    #[test]
     fn unknown_extensions_name_the_known_ones() {
         for name in ["a.bmp", "a", ".exr", "a.exr.txt"] {
             let error = write_image(Path::new(name), &picture(), &Display::default()).unwrap_err();
@@ -262,7 +296,8 @@ mod tests {
 
         let taken = folder.path().join("taken.png");
         fs::create_dir(&taken).unwrap();
-        write(&taken);
+        let text = write(&taken);
+        assert!(text.ends_with("taken.png: it is a folder"), "{text}");
     }
 
     /// Permissions do not bind an administrator; the folder of processes binds everyone.

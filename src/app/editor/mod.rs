@@ -57,7 +57,7 @@ mod quiet;
 pub mod recovery;
 pub mod recovery_question;
 pub mod save_question;
-mod scene_watch;
+pub mod scene_watch;
 pub mod screen;
 pub mod script;
 pub mod selection;
@@ -80,6 +80,7 @@ use bevy::input::InputSystems;
 use bevy::prelude::*;
 use bevy_egui::{EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet, EguiPrimaryContextPass};
 
+use crate::app::terminal;
 use crate::engine::EngineSystems;
 use crate::scene::{OpenScene, SceneSystems};
 use monkey::Monkey;
@@ -285,7 +286,7 @@ impl Plugin for EditorPlugin {
                     );
                 }
                 Err(error) => {
-                    eprintln!("error: {}: {error}", path.display());
+                    terminal::line(format_args!("error: {}: {error}", path.display()));
                     app.add_systems(Startup, |mut exit: MessageWriter<AppExit>| {
                         exit.write(AppExit::error());
                     });

@@ -20,6 +20,7 @@ use crate::scene::{OpenScene, SceneDescription, SceneFile, SceneState, SceneStat
 const SCENE: &str = "scene.xml";
 const NOTE: &str = "about.json";
 const LOCK: &str = "lock";
+const FRAGMENT_AGE: Duration = Duration::from_secs(3600);
 
 /// What is known of edits that were written aside.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -128,18 +129,18 @@ fn hash(bytes: &[u8]) -> u64 {
     })
 }
 
-/// The note comes last: without it there is nothing to offer.
+/// The note comes first: as soon as the scene is there, it is offered.
 fn write_aside(folder: &Path, scene: &SceneDescription, path: Option<PathBuf>) -> Result<(), String> {
     let described = |error: std::io::Error| format!("{}: {error}", folder.display());
     std::fs::create_dir_all(folder).map_err(described)?;
-    save_description(scene, &folder.join(SCENE)).map_err(|error| error.to_string())?;
     let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let note = Note {
         scene: path,
         time: since_1970.as_secs(),
     };
     let text = serde_json::to_vec_pretty(&note).map_err(|error| error.to_string())?;
-    write_atomically(&folder.join(NOTE), text).map_err(described)
+    write_atomically(&folder.join(NOTE), text).map_err(described)?;
+    save_description(scene, &folder.join(SCENE)).map_err(|error| error.to_string())
 }
 
 /// Only a folder that is one of ours.
@@ -161,6 +162,21 @@ fn find(all: &Path, is_meant: impl Fn(&Note) -> bool) -> Option<Offer> {
     offers
         .filter(|offer| is_meant(&offer.note) && offer.folder.join(SCENE).is_file() && !is_in_use(&offer.folder))
         .max_by_key(|offer| offer.note.time)
+}
+
+/// Removes folders that a program left which was killed before its first copy was complete. Young ones stay: their program may just have made
+/// them and not locked them yet.
+fn remove_fragments(all: &Path) {
+    for entry in std::fs::read_dir(all).into_iter().flatten().flatten() {
+        let folder = entry.path();
+        let made = std::fs::metadata(folder.join(LOCK)).and_then(|about| about.modified());
+        let age = made.ok().and_then(|time| time.elapsed().ok());
+        let is_old = age.is_some_and(|age| age > FRAGMENT_AGE);
+        if is_old && !folder.join(SCENE).exists() && !is_in_use(&folder) {
+            // What cannot be removed now is removed another time.
+            let _ = std::fs::remove_dir_all(folder);
+        }
+    }
 }
 
 /// Of this scene, or else, once in a run, of one that was never saved: no file brings it back.
@@ -191,6 +207,9 @@ pub fn follow_scene(
     let Some(all) = recovery.folder.clone() else {
         return;
     };
+    if is_first {
+        remove_fragments(&all);
+    }
     if is_first && status.subject().is_none() {
         recovery.offer = find(&all, |_| true);
     }
@@ -228,20 +247,27 @@ pub fn follow_scene(
     }
 }
 
-/// Decides when to write, and removes what is of no use any more.
+/// Decides when to write, and removes what is of no use any more. A run that ends without the user having been asked, such as by a signal,
+/// writes at once.
 pub fn plan_autosave(
     mut recovery: ResMut<Recovery>,
     mut state: ResMut<EditorState>,
     history: Res<History>,
     status: Res<SceneStatus>,
     preferences: Res<Preferences>,
+    mut exits: MessageReader<AppExit>,
 ) {
     let recovery = recovery.bypass_change_detection();
     recovery.is_due = false;
     if recovery.folder.is_none() {
         return;
     }
-    if let Some(outcome) = recovery.task.as_mut().and_then(check_ready) {
+    let breaks_off = exits.read().any(AppExit::is_error);
+    let outcome = match breaks_off {
+        true => recovery.task.take().map(block_on),
+        false => recovery.task.as_mut().and_then(check_ready),
+    };
+    if let Some(outcome) = outcome {
         recovery.task = None;
         if let Err(error) = outcome {
             let text = format!("The edits could not be written aside: {error}");
@@ -260,7 +286,7 @@ pub fn plan_autosave(
     }
     let since = *recovery.since.get_or_insert_with(Instant::now);
     let interval = Duration::from_secs(preferences.autosave_seconds.into());
-    let is_over = !interval.is_zero() && since.elapsed() >= interval;
+    let is_over = breaks_off || !interval.is_zero() && since.elapsed() >= interval;
     recovery.is_due = is_over && recovery.returning.is_none() && status.state != SceneState::Loading;
 }
 
@@ -286,10 +312,18 @@ pub fn autosave(world: &mut World) {
     debug!("described the scene in {:.2} ms", 1e3 * started.elapsed().as_secs_f32());
 }
 
-/// After a good end nothing is left over.
+/// After a good end nothing is left over. Otherwise the program waits for what is being written.
 pub fn clean_up(mut exits: MessageReader<AppExit>, mut recovery: ResMut<Recovery>) {
-    if exits.read().any(AppExit::is_success) {
+    let Some(exit) = exits.read().last() else {
+        return;
+    };
+    if exit.is_success() {
         recovery.forget();
+    } else if let Some(task) = recovery.task.take() {
+        match block_on(task) {
+            Ok(()) => info!("The unsaved edits are kept and will be offered when the scene is opened again"),
+            Err(error) => error!("The unsaved edits could not be written aside: {error}"),
+        }
     }
 }
 

@@ -112,15 +112,15 @@ fn compared(
         }
         None => None,
     };
-    let is_machine_only = common.json.as_deref().is_some_and(super::render::is_stdout);
+    let is_machine_only = common.json.as_deref().is_some_and(super::outputs::is_stdout);
     if let Some(path) = common.json.as_deref().filter(|_| !is_machine_only) {
-        super::render::check_folder(path)?;
+        super::outputs::check_text(path)?;
     }
     let results = measure()?;
     if !is_machine_only {
-        super::render::print(results.table().as_bytes())?;
+        super::outputs::print(results.table().as_bytes())?;
         if let Some(earlier) = &earlier {
-            super::render::print(compare::table(&results, earlier).as_bytes())?;
+            super::outputs::print(compare::table(&results, earlier).as_bytes())?;
         }
     }
     if let Some(path) = &common.json {

@@ -101,8 +101,8 @@ impl Results {
     /// Replaces the file in one step.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         let text = serde_json::to_string_pretty(self)? + "\n";
-        if super::super::render::is_stdout(path) {
-            super::super::render::print(text.as_bytes())?;
+        if super::super::outputs::is_stdout(path) {
+            super::super::outputs::print(text.as_bytes())?;
         } else {
             files::write_atomically(path, text).map_err(|error| format!("{}: {error}", path.display()))?;
         }

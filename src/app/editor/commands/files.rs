@@ -13,7 +13,7 @@ use crate::app::editor::selection::Selection;
 use crate::app::editor::state::EditorState;
 use crate::document;
 use crate::engine::{RenderState, RenderStatus};
-use crate::render::image_io::{FileFormat, write_image, write_png};
+use crate::render::image_io::{FileFormat, ImageIoError, write_image, write_png, write_to_temporary_folder};
 use crate::scene::write::OnChange;
 use crate::scene::{self, OpenScene, Placements, SceneFile, SceneState, SceneStatus, insert, write};
 
@@ -134,6 +134,16 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), String> {
         .resource_mut::<EditorState>()
         .say(format!("Saved {}", path.display()));
     Ok(())
+}
+
+/// Keeps the picture in a temporary file, where its own place could not be written and the program is about to end. Says in words where it is;
+/// None if there is no picture.
+pub fn keep_image(world: &World) -> Option<String> {
+    match write_to_temporary_folder(&finished::picture(world)) {
+        Ok(place) => Some(format!("the picture is kept in {}", place.display())),
+        Err(ImageIoError::WrongSize { .. }) => None,
+        Err(error) => Some(format!("the picture could not be kept elsewhere: {error}")),
+    }
 }
 
 /// The selection as XML text, handed to the clipboard by the window.

@@ -42,6 +42,7 @@ use crate::scene::{
     ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, Sensor, Shape, ToWorld,
 };
 pub use adding::{ENVIRONMENTS, extension};
+pub use files::keep_image;
 pub use several::rounding;
 pub use view::{camera_pose, view_pose};
 

@@ -22,6 +22,7 @@ use super::model::DenoiserState;
 use super::pacing::Pacing;
 use super::preview::Previews;
 use super::state::EditorState;
+use crate::app::terminal;
 use crate::document::Severity;
 use crate::engine::{RenderControl, RenderState, RenderStatus};
 use crate::files::{self, FileError, LARGEST_NOTE};
@@ -188,10 +189,10 @@ impl Script {
     }
 
     fn fail(&mut self, world: &mut World, error: &str) {
-        eprintln!("error: {}:{}: {error}", self.path.display(), self.number);
+        terminal::line(format_args!("error: {}:{}: {error}", self.path.display(), self.number));
         let door = world.get_resource_mut::<ExitDoor>();
         if let Some(picture) = door.and_then(|mut door| door.give_up()) {
-            eprintln!("error: {}: no picture was written", picture.display());
+            terminal::line(format_args!("error: {}: no picture was written", picture.display()));
         }
         self.lines.clear();
         (self.step, self.wait) = (None, None);
@@ -205,7 +206,14 @@ impl Script {
             Step::Do(command) => {
                 world.resource_mut::<EditorState>().interaction += 1;
                 self.opens = matches!(command, Command::OpenScene(_));
-                commands::apply_now(world, command)?;
+                let saves_image = matches!(command, Command::SaveImage(_));
+                commands::apply_now(world, command).map_err(|error| {
+                    // The program ends with the script, and its samples with it.
+                    match saves_image.then(|| commands::keep_image(world)).flatten() {
+                        Some(kept) => format!("{error}; {kept}"),
+                        None => error,
+                    }
+                })?;
             }
             Step::Wait(wait) => {
                 let mut control = world.resource_mut::<RenderControl>();
@@ -225,7 +233,7 @@ impl Script {
                         script.screenshot_awaited = false;
                         if let Err(message) = save_window(&captured.image, &path) {
                             let (file, line) = (script.path.display(), script.number);
-                            eprintln!("error: {file}:{line}: {message}");
+                            terminal::line(format_args!("error: {file}:{line}: {message}"));
                             exit.write(AppExit::error());
                         }
                     },

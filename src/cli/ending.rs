@@ -1,0 +1,148 @@
+//! How a render ended, as words for the user and as an exit code.
+
+use std::fmt;
+use std::process::ExitCode;
+
+use sunroom::engine::{Outcome, RenderError};
+use sunroom::render::film::Film;
+
+use super::report;
+
+/// Interrupted by the user; shells use 128 + SIGINT.
+pub const INTERRUPTED: u8 = 130;
+
+/// The end of a render whose film has at least some samples.
+pub struct Ending {
+    /// None: the picture is complete, or the time that the user gave it is over.
+    broken_off_by: Option<Reason>,
+    pixels: usize,
+    pixels_without_samples: usize,
+}
+
+enum Reason {
+    Interrupt,
+    /// The time was up before every pixel had a sample.
+    Time,
+    /// A fault of the program.
+    Fault(RenderError),
+}
+
+impl Ending {
+    /// An error if there is nothing to write: without any sample the picture would be black, and replace an earlier one.
+    pub fn new(rendered: Result<Outcome, RenderError>, film: &Film) -> Result<Self, String> {
+        let mut ending = Self {
+            broken_off_by: None,
+            pixels: film.width() as usize * film.height() as usize,
+            pixels_without_samples: film.pixels_without_samples(),
+        };
+        ending.broken_off_by = match rendered {
+            Ok(Outcome::Cancelled) => Some(Reason::Interrupt),
+            Ok(Outcome::TimeUp) if !ending.is_whole() => Some(Reason::Time),
+            Ok(Outcome::TimeUp | Outcome::Complete) => None,
+            Err(error @ RenderError::Failed(_)) => Some(Reason::Fault(error)),
+            Err(error) => return Err(error.to_string()),
+        };
+        match &ending.broken_off_by {
+            Some(reason) if ending.pixels_without_samples == ending.pixels => {
+                Err(format!("{reason}; no pixel has a sample yet, and nothing is written"))
+            }
+            _ => Ok(ending),
+        }
+    }
+
+    /// Whether every pixel has a sample.
+    pub fn is_whole(&self) -> bool {
+        self.pixels > 0 && self.pixels_without_samples == 0
+    }
+
+    /// Says why the render was broken off, if it was. `samples`: of every pixel; `denoise`: the user asked for a picture without noise.
+    pub fn report(&self, samples: u32, quiet: bool, denoise: bool) {
+        let Some(reason) = &self.broken_off_by else {
+            return;
+        };
+        if !self.is_whole() {
+            let (missing, all) = (self.pixels_without_samples, self.pixels);
+            let more = if denoise {
+                ", and the picture is not denoised"
+            } else {
+                ""
+            };
+            report::error(format_args!(
+                "{reason}; {missing} of {all} pixels have no sample and are black{more}"
+            ));
+            return;
+        }
+        let message = format!("{reason}; the picture has {samples} samples per pixel");
+        match reason {
+            Reason::Interrupt if quiet => {}
+            Reason::Interrupt => report::line(message),
+            Reason::Time | Reason::Fault(_) => drop(report::error(message)),
+        }
+    }
+
+    pub fn exit_code(&self) -> ExitCode {
+        match self.broken_off_by {
+            None => ExitCode::SUCCESS,
+            Some(Reason::Interrupt) if self.is_whole() => ExitCode::from(INTERRUPTED),
+            Some(_) => ExitCode::FAILURE,
+        }
+    }
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Interrupt => f.write_str("interrupted"),
+            Self::Time => f.write_str("the time was up"),
+            Self::Fault(error) => error.fmt(f),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use sunroom::render::tile::{PixelSum, TileSamples, tiles};
+
+    use super::*;
+
+    /// A film of 2 x 2 tiles of which the first `count` have a sample.
+    fn film(count: usize) -> Film {
+        let mut film = Film::new(64, 64);
+        for tile in tiles(64, 64).into_iter().take(count) {
+            film.add(&TileSamples {
+                tile,
+                samples: 0..1,
+                pixels: vec![PixelSum::default(); (tile.width * tile.height) as usize],
+                layers: Vec::new(),
+                first_hits: Vec::new(),
+                rays: 0,
+                invalid: 0,
+            });
+        }
+        film
+    }
+
+    #[test]
+    fn only_a_picture_with_a_sample_of_every_pixel_is_a_success() {
+        let failed = || Err(RenderError::Failed("a worker panicked".to_owned()));
+        let success = format!("{:?}", ExitCode::SUCCESS);
+        let [failure, interrupted] = [1, INTERRUPTED].map(|code| format!("{:?}", ExitCode::from(code)));
+        for (tiles, rendered, expected) in [
+            (4, Ok(Outcome::Complete), Some(&success)),
+            (4, Ok(Outcome::TimeUp), Some(&success)),
+            (4, Ok(Outcome::Cancelled), Some(&interrupted)),
+            (4, failed(), Some(&failure)),
+            (3, Ok(Outcome::TimeUp), Some(&failure)),
+            (3, Ok(Outcome::Cancelled), Some(&failure)),
+            (3, failed(), Some(&failure)),
+            (0, Ok(Outcome::TimeUp), None),
+            (0, Ok(Outcome::Cancelled), None),
+            (0, failed(), None),
+            (0, Err(RenderError::NoSensor), None),
+        ] {
+            let what = format!("{tiles} tiles, {rendered:?}");
+            let code = Ending::new(rendered, &film(tiles)).map(|ending| format!("{:?}", ending.exit_code()));
+            assert_eq!(code.ok().as_ref(), expected, "{what}");
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Where results go: image files, standard output, and a temporary file for a picture that can be written nowhere else.
+
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use sunroom::files::check_writable;
+use sunroom::render::image_io::{FileFormat, ImageIoError, ImageRgb, encode, write_image, write_to_temporary_folder};
+use sunroom::render::tonemap::Display;
+
+use super::report;
+
+/// `-` among the outputs.
+pub fn is_stdout(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// Tries the outputs of a picture before it is rendered. A disk that becomes full cannot be foreseen.
+pub fn check_pictures(outputs: &[PathBuf]) -> Result<(), ImageIoError> {
+    for path in outputs.iter().filter(|path| !is_stdout(path)) {
+        FileFormat::from_path(path)?;
+        check_writable(path).map_err(|source| ImageIoError::Write {
+            path: path.clone(),
+            source,
+        })?;
+    }
+    Ok(())
+}
+
+/// Tries the file that a text will be written to.
+pub fn check_text(path: &Path) -> Result<(), String> {
+    check_writable(path).map_err(|error| format!("cannot write {}: {error}", path.display()))
+}
+
+/// Writes the picture to all outputs and reports those that fail. If nothing could be written, the picture goes to a temporary file, which is
+/// reported too. Returns whether every output has the picture.
+pub fn write_pictures(outputs: &[PathBuf], image: &ImageRgb, display: &Display) -> bool {
+    let failures = outputs.iter().filter_map(|path| write(path, image, display).err());
+    let failed = failures.map(report::error).count();
+    if failed == outputs.len() {
+        match write_to_temporary_folder(image) {
+            Ok(place) => report::line(format_args!("the picture is kept in {}", place.display())),
+            Err(error) => report::line(format_args!("the picture could not be kept elsewhere: {error}")),
+        }
+    }
+    failed == 0
+}
+
+fn write(path: &Path, image: &ImageRgb, display: &Display) -> Result<(), ImageIoError> {
+    if !is_stdout(path) {
+        return write_image(path, image, display);
+    }
+    let bytes = encode(image, FileFormat::Png, display)?;
+    // A reader that went away does not have the picture.
+    let mut output = io::stdout().lock();
+    let written = output.write_all(&bytes).and_then(|()| output.flush());
+    written.map_err(|source| ImageIoError::Write {
+        path: "standard output".into(),
+        source,
+    })
+}
+
+/// Prints a text to standard output; that nobody reads it any more is no error.
+pub fn print(text: &[u8]) -> io::Result<()> {
+    let mut output = io::stdout().lock();
+    match output.write_all(text).and_then(|()| output.flush()) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        result => result,
+    }
+}

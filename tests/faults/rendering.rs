@@ -1,0 +1,193 @@
+//! `sunroom render` whose outputs cannot be written, and that ends before its time.
+
+use std::process::Stdio;
+
+use crate::program::{OLD, Running, Workshop, picture, with_mounts};
+use crate::table::{Row, section};
+
+section! { "Rendering"
+    output_is_a_folder:
+        "An output is a folder.",
+        "Before rendering: `error: cannot write …a.png: it is a folder`, exit code 1.",
+        "Nothing new.";
+    output_is_a_device:
+        "An output is a link to a device.",
+        "Before rendering: `error: cannot write …a.png: it is a device or a pipe, not a file`, exit code 1.",
+        "Nothing new; the device is still one, also where root could have replaced it.";
+    output_has_no_folder:
+        "The folder of an output does not exist.",
+        "Before rendering: `error: cannot write …a.png: there is no folder …`, exit code 1.",
+        "Nothing new.";
+    output_is_read_only:
+        "The folder of an output is read-only.",
+        "Before rendering: `error: cannot write …a.png: read-only filesystem`, exit code 1.",
+        "Nothing new.";
+    one_of_two_outputs_fails:
+        "The folder of the first of two outputs goes away during the render.",
+        "`error: cannot write …a.png: there is no folder …`, exit code 1.",
+        "The second output has the picture.";
+    no_output_can_be_written:
+        "The folder of the only output goes away during the render.",
+        "`error: cannot write …a.png: there is no folder …`, `the picture is kept in ….exr`, exit code 1.",
+        "The picture as EXR in the folder for temporary files.";
+    disk_is_full:
+        "The disk of the only output becomes full while the picture is written.",
+        "`error: cannot write …a.exr: No space left on device`, `the picture is kept in ….exr`, exit code 1.",
+        "The older file of that name, no temporary file beside it, and the picture as EXR in the folder for temporary files.";
+    all_disks_are_full:
+        "No file can grow beyond a page: neither the output nor a temporary file.",
+        "`error: cannot write …a.exr: File too large`, `the picture could not be kept elsewhere: …File too large`, exit code 1.",
+        "The older file of that name and no temporary file. The picture is lost.";
+    standard_output_is_full:
+        "Standard output, the only output, goes to a full disk.",
+        "`error: cannot write standard output: No space left on device`, `the picture is kept in ….exr`, exit code 1.",
+        "The picture as EXR in the folder for temporary files.";
+    picture_pipe_is_closed:
+        "The program that reads the picture from standard output ends early.",
+        "`error: cannot write standard output: Broken pipe`, `the picture is kept in ….exr`, exit code 1.",
+        "The picture as EXR in the folder for temporary files.";
+    figures_pipe_is_closed:
+        "The program that reads the figures of `--stats` ends early.",
+        "Nothing, exit code 0.",
+        "The picture.";
+    messages_pipe_is_closed:
+        "The program that reads the messages ends early.",
+        "Nothing, exit code 0.",
+        "The picture.";
+}
+
+const ENDLESS: [&str; 2] = ["--spp", "100000000"];
+
+fn output_is_a_folder(row: &Row) {
+    let shop = Workshop::new();
+    std::fs::create_dir(shop.path("a.png")).expect("a temporary folder");
+    row.holds(&shop.run(&[], &["render", "scene.xml", "-o", "b.png", "-o", "a.png"]));
+    assert_eq!(shop.names("."), ["a.png", "scene.xml", "tmp"]);
+    assert!(shop.names("a.png").is_empty() && shop.names("tmp").is_empty());
+}
+
+fn output_is_a_device(row: &Row) {
+    let shop = Workshop::new();
+    std::os::unix::fs::symlink("/dev/full", shop.path("a.png")).expect("a temporary folder");
+    row.holds(&shop.run(&[], &["render", "scene.xml", "-o", "a.png"]));
+    assert_eq!(shop.names("."), ["a.png", "scene.xml", "tmp"]);
+    assert!(!std::path::Path::new("/dev/full").is_file());
+}
+
+fn output_has_no_folder(row: &Row) {
+    let shop = Workshop::new();
+    row.holds(&shop.run(&[], &["render", "scene.xml", "-o", "b.png", "-o", "absent/a.png"]));
+    assert_eq!(shop.names("."), ["scene.xml", "tmp"]);
+}
+
+fn output_is_read_only(row: &Row) {
+    let shop = Workshop::new();
+    std::fs::create_dir(shop.path("closed")).expect("a temporary folder");
+    // Permissions do not bind root; a mount does.
+    let Some(before) = with_mounts("mount --bind closed closed && mount -o remount,ro,bind closed") else {
+        return;
+    };
+    let before: Vec<&str> = before.iter().map(String::as_str).collect();
+    row.holds(&shop.run(&before, &["render", "scene.xml", "-o", "closed/a.png"]));
+    assert_eq!(shop.names("."), ["closed", "scene.xml", "tmp"]);
+    assert!(shop.names("closed").is_empty());
+}
+
+/// Starts an endless render, removes the folder of an output after the first samples, and interrupts it.
+fn without_folder_at_the_end(row: &Row, shop: &Workshop, more: &[&str]) {
+    std::fs::create_dir(shop.path("gone")).expect("a temporary folder");
+    let arguments = [&["render", "scene.xml", "-o", "gone/a.png"], &ENDLESS[..], more].concat();
+    let mut running = Running::start(&mut shop.command(&[], &arguments));
+    running.until_progress();
+    std::fs::remove_dir_all(shop.path("gone")).expect("it is there");
+    running.send("INT");
+    row.holds(&running.end());
+}
+
+fn one_of_two_outputs_fails(row: &Row) {
+    let shop = Workshop::new();
+    without_folder_at_the_end(row, &shop, &["-o", "b.png"]);
+    assert_eq!(picture(&shop.path("b.png")).dimensions(), (64, 48));
+    assert!(shop.names("tmp").is_empty());
+}
+
+fn no_output_can_be_written(row: &Row) {
+    let shop = Workshop::new();
+    without_folder_at_the_end(row, &shop, &[]);
+    assert_eq!(shop.kept_picture().dimensions(), (64, 48));
+    assert_eq!(shop.names("."), ["scene.xml", "tmp"]);
+}
+
+fn disk_is_full(row: &Row) {
+    let shop = Workshop::new();
+    std::fs::create_dir(shop.path("full")).expect("a temporary folder");
+    // The old file is copied back, for the mount ends with the program.
+    let mount = "mount -t tmpfs -o size=8k none full && printf 'an older picture' > full/a.exr";
+    let copy = "trap 'cp -a full seen' EXIT";
+    let Some(mut before) = with_mounts(mount) else {
+        return;
+    };
+    let script = before.last_mut().expect("it has words");
+    *script = format!("{mount} && {copy}; \"$0\" \"$@\"");
+    let before: Vec<&str> = before.iter().map(String::as_str).collect();
+    row.holds(&shop.run(
+        &before,
+        &["render", "scene.xml", "-o", "full/a.exr", "--size", "120x90"],
+    ));
+    assert_eq!(shop.names("seen"), ["a.exr"]);
+    assert_eq!(std::fs::read(shop.path("seen/a.exr")).expect("it was copied"), OLD);
+    assert_eq!(shop.kept_picture().dimensions(), (120, 90));
+}
+
+/// With a limit for the length of files, beyond which a write is an error.
+pub const SHORT_FILES: [&str; 4] = ["env", "--ignore-signal=XFSZ", "prlimit", "--fsize=4096"];
+
+fn all_disks_are_full(row: &Row) {
+    let shop = Workshop::new();
+    shop.write("a.exr", OLD);
+    row.holds(&shop.run(&SHORT_FILES, &["render", "scene.xml", "-o", "a.exr"]));
+    assert_eq!(shop.names("."), ["a.exr", "scene.xml", "tmp"]);
+    assert_eq!(std::fs::read(shop.path("a.exr")).expect("it is there"), OLD);
+    assert!(shop.names("tmp").is_empty());
+}
+
+fn standard_output_is_full(row: &Row) {
+    let shop = Workshop::new();
+    let full = std::fs::File::options()
+        .write(true)
+        .open("/dev/full")
+        .expect("Linux has it");
+    let mut command = shop.command(&[], &["render", "scene.xml", "-o", "-"]);
+    row.holds(&Running::start(command.stdout(full)).end());
+    shop.kept_picture();
+}
+
+/// The writing end of a pipe that has no reader.
+fn closed_pipe() -> Stdio {
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    writer.into()
+}
+
+fn picture_pipe_is_closed(row: &Row) {
+    let shop = Workshop::new();
+    let mut command = shop.command(&[], &["render", "scene.xml", "-o", "-"]);
+    row.holds(&Running::start(command.stdout(closed_pipe())).end());
+    shop.kept_picture();
+}
+
+fn figures_pipe_is_closed(row: &Row) {
+    let shop = Workshop::new();
+    let mut command = shop.command(&[], &["render", "scene.xml", "-o", "a.png", "--stats=json"]);
+    let output = Running::start(command.stdout(closed_pipe())).end();
+    row.holds(&output);
+    assert!(!String::from_utf8_lossy(&output.stderr).contains("error"));
+    picture(&shop.path("a.png"));
+}
+
+fn messages_pipe_is_closed(row: &Row) {
+    let shop = Workshop::new();
+    let mut command = shop.command(&[], &["render", "scene.xml", "-o", "a.png"]);
+    row.holds(&command.stderr(closed_pipe()).output().expect("the program starts"));
+    picture(&shop.path("a.png"));
+}
