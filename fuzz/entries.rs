@@ -81,6 +81,7 @@ pub fn xml(bytes: &[u8]) {
             path,
             find_before: &|_, _| None,
             find_after: &|_, _| None,
+            has_changed: &|_| false,
         };
         let files = revise(&document, &document, &destination).expect("nothing is written anew");
         assert_eq!(files, [(path.to_owned(), text)], "written over itself");

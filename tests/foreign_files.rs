@@ -95,9 +95,12 @@ fn run(folder: &Path, arguments: &[&str]) -> Outcome {
     let Some(status) = status else {
         panic!("{arguments:?} did not end\n{stderr}");
     };
+    // Reports are broken into lines at a width that names of temporary folders may reach.
+    let words = stderr.replace('│', " ");
+    let words: Vec<&str> = words.split_whitespace().collect();
     Outcome {
         code: status.code(),
-        stderr,
+        stderr: words.join(" "),
     }
 }
 
@@ -343,4 +346,198 @@ mod memory {
         assert_eq!(outcome.code, Some(2), "{}", outcome.stderr);
         assert!(outcome.stderr.contains("such as 8GB"), "{}", outcome.stderr);
     }
+}
+
+mod untrusted {
+    use super::*;
+
+    const SECRET: &str = "s3cret";
+    const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const INSIDE: &str = "<bsdf type='diffuse' id='inside'/>";
+
+    /// A folder `scene` with a scene, and files beside that folder that the scene must not read.
+    fn shop() -> Workshop {
+        let shop = Workshop::new();
+        for folder in ["scene", "outside"] {
+            shop.write(&format!("{folder}/mesh.obj"), OBJ);
+            shop.write(
+                &format!("{folder}/include.xml"),
+                format!("<scene version='3.0.0'>{INSIDE}</scene>"),
+            );
+            shop.write(
+                &format!("{folder}/picture.pfm"),
+                b"PF\n1 1\n-1\n\0\0\0\0\0\0\0\0\0\0\0\0",
+            );
+            shop.write(&format!("{folder}/values.spd"), "400 0.5\n700 0.5\n");
+            shop.write(&format!("{folder}/library.mtl"), "newmtl m\nKd 1 0 0\n");
+            shop.write(
+                &format!("{folder}/positions.bin"),
+                TRIANGLE.map(f32::to_le_bytes).concat(),
+            );
+        }
+        shop.write("outside/secret.xml", format!("{SECRET} <scene>"));
+        shop.write(
+            "outside/broken.xml",
+            format!("<scene version='3.0.0'>\n  <nonsense/> <!-- {SECRET} -->\n</scene>"),
+        );
+        shop
+    }
+
+    const TRIANGLE: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+
+    fn gltf(uri: &str) -> String {
+        format!(
+            r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"uri":"{uri}","byteLength":36}}],
+            "bufferViews":[{{"buffer":0,"byteLength":36}}],"accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],"nodes":[{{"mesh":0}}],"scenes":[{{"nodes":[0]}}],"scene":0}}"#
+        )
+    }
+
+    /// For each kind of reference the content of a scene that has it; `NAME` stands for the file.
+    const KINDS: [(&str, &str, &str); 7] = [
+        ("include", "include.xml", "<include filename='NAME'/>"),
+        (
+            "mesh",
+            "mesh.obj",
+            "<shape type='obj'><string name='filename' value='NAME'/></shape>",
+        ),
+        (
+            "texture",
+            "picture.pfm",
+            "<shape type='sphere'><bsdf type='diffuse'><texture name='reflectance' type='bitmap'>
+             <string name='filename' value='NAME'/></texture></bsdf></shape>",
+        ),
+        (
+            "sky",
+            "picture.pfm",
+            "<emitter type='envmap'><string name='filename' value='NAME'/></emitter>",
+        ),
+        (
+            "spectrum",
+            "values.spd",
+            "<shape type='sphere'><bsdf type='diffuse'><spectrum name='reflectance' filename='NAME'/></bsdf></shape>",
+        ),
+        (
+            "library",
+            "library.mtl",
+            "<shape type='obj'><string name='filename' value='uses.obj'/></shape>",
+        ),
+        ("glTF buffer", "positions.bin", ""),
+    ];
+
+    /// Checks a scene in the folder `scene` that refers to `name`.
+    fn check(shop: &Workshop, kind: &str, content: &str, name: &str, arguments: &[&str]) -> Outcome {
+        shop.write("scene/uses.obj", format!("mtllib {name}\nusemtl m\n{OBJ}"));
+        let scene = match kind {
+            "glTF buffer" => shop.write("scene/scene.gltf", gltf(name)),
+            _ => shop.scene("scene/scene.xml", &content.replace("NAME", name)),
+        };
+        let scene = scene.to_string_lossy();
+        run(
+            shop.folder.path(),
+            &[&["check", "--strict", &scene], arguments].concat(),
+        )
+    }
+
+    #[test]
+    fn nothing_outside_the_scenes_folder_is_read() {
+        let shop = shop();
+        for (kind, file, content) in KINDS {
+            let absolute = shop.path("outside").join(file);
+            let link = shop.path("scene/link");
+            let _ = std::fs::remove_file(&link);
+            #[cfg(unix)]
+            std::os::unix::fs::symlink(&absolute, &link).expect("a link");
+            #[cfg(not(unix))]
+            std::fs::write(&link, "").expect("a writable folder");
+            let mut names = vec![
+                format!("../outside/{file}"),
+                format!("../scene/../outside/{file}"),
+                "../outside/nothing".to_owned(),
+            ];
+            // URIs and the names in OBJ files are relative.
+            if !matches!(kind, "glTF buffer" | "library") {
+                names.push(absolute.to_string_lossy().into_owned());
+            }
+            if cfg!(unix) {
+                names.push("link".to_owned());
+            }
+            for name in names {
+                let outcome = check(&shop, kind, content, &name, &["--untrusted"]);
+                assert_eq!(outcome.code, Some(1), "{kind} {name}: {}", outcome.stderr);
+                assert!(
+                    outcome.stderr.contains("outside the scene's folder"),
+                    "{kind} {name}: {}",
+                    outcome.stderr
+                );
+            }
+            let inside = check(&shop, kind, content, file, &["--untrusted"]);
+            assert_eq!(inside.code, Some(0), "{kind}: {}", inside.stderr);
+            let trusted = check(&shop, kind, content, &format!("../outside/{file}"), &[]);
+            assert_eq!(trusted.code, Some(0), "{kind}: {}", trusted.stderr);
+        }
+    }
+
+    #[test]
+    fn search_folders_must_lie_inside() {
+        let shop = shop();
+        let content = "<path value='../outside'/><shape type='obj'><string name='filename' value='mesh.obj'/></shape>";
+        let outcome = check(&shop, "path", content, "", &["--untrusted"]);
+        assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+        assert!(
+            outcome.stderr.contains("outside the scene's folder"),
+            "{}",
+            outcome.stderr
+        );
+        assert_eq!(check(&shop, "path", content, "", &[]).code, Some(0));
+    }
+
+    #[test]
+    fn render_and_convert_know_the_option() {
+        let shop = shop();
+        shop.scene("scene/scene.xml", "<include filename='../outside/include.xml'/>");
+        for arguments in [
+            &["render", "scene/scene.xml", "--spp", "1", "-o", "out.png"][..],
+            &["convert", "scene/scene.xml", "out.xml"],
+        ] {
+            let outcome = run(shop.folder.path(), &[arguments, &["--untrusted"]].concat());
+            assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+            assert!(
+                outcome.stderr.contains("outside the scene's folder"),
+                "{}",
+                outcome.stderr
+            );
+            let outcome = run(shop.folder.path(), arguments);
+            assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        }
+    }
+
+    #[test]
+    fn lines_of_foreign_files_are_not_shown() {
+        let shop = shop();
+        for (name, found) in [("secret.xml", "is not XML"), ("broken.xml", "broken.xml:2:")] {
+            let content = format!("<include filename='../outside/{name}'/>");
+            let outcome = check(&shop, "include", &content, "", &[]);
+            assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+            assert!(outcome.stderr.contains(found), "{name}: {}", outcome.stderr);
+            assert!(!outcome.stderr.contains(SECRET), "{name}: {}", outcome.stderr);
+        }
+    }
+}
+
+/// A scene that names its files relative to itself is converted to another folder without the names of the folders around both.
+#[test]
+fn converted_scenes_have_no_absolute_paths_that_nobody_gave() {
+    let shop = Workshop::new();
+    shop.write("from/lib/mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let shape = "<shape type='obj'><string name='filename' value='mesh.obj'/></shape>";
+    shop.scene("from/scene.xml", &format!("<path value='lib'/>{shape}"));
+    std::fs::create_dir(shop.path("to")).expect("a writable folder");
+    let outcome = run(shop.folder.path(), &["convert", "from/scene.xml", "to/scene.xml"]);
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    let text = std::fs::read_to_string(shop.path("to/scene.xml")).expect("it was written");
+    assert!(text.contains("../from/lib"), "{text}");
+    assert!(!text.contains(&*shop.folder.path().to_string_lossy()), "{text}");
+    let outcome = run(shop.folder.path(), &["check", "--strict", "to/scene.xml"]);
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
 }

@@ -28,6 +28,8 @@ use sunroom::app::editor::shell::ShellCommand;
 use sunroom::app::editor::shortcuts::shortcuts;
 use sunroom::app::editor::state::EditorState;
 use sunroom::app::editor::toasts::{Toasts, Tone, Topic};
+use sunroom::app::editor::trust::Question;
+use sunroom::app::editor::trust_question;
 use sunroom::scene::write::{OnChange, SaveError};
 
 /// What is shown, what came of it, and whether it is still there.
@@ -278,6 +280,28 @@ fn recovery_is_offered_once() {
         assert_eq!(harness.state().it.is_none(), later == Key::Escape);
         assert_eq!(harness.state().commands, []);
     }
+}
+
+#[test]
+fn files_outside_the_scenes_folder_are_asked_about() {
+    let asked = Question {
+        files: (0..8).map(|number| format!("/elsewhere/{number}.png").into()).collect(),
+    };
+    let ask = || {
+        show(Some(asked.clone()), |egui, shown| {
+            trust_question::question(egui, &mut shown.it, &mut shown.commands);
+        })
+    };
+    let mut harness = ask();
+    assert!(harness.query_by_label("/elsewhere/0.png").is_some());
+    assert!(harness.query_by_label("... and 2 more").is_some());
+    click(&mut harness, "Read them");
+    let allowed = Command::Shell(ShellCommand::AllowFiles(asked.clone()));
+    assert_eq!(harness.state().commands, [allowed]);
+    assert_eq!(harness.state().it, None);
+    let mut harness = ask();
+    click(&mut harness, "Leave them out");
+    assert_eq!((harness.state().it.as_ref(), harness.state().commands.len()), (None, 0));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use sunroom::app::headless::headless;
 use sunroom::engine::{Limits, RenderStatus, load_to_completion};
 use sunroom::scene::{AreaLight, Emitter, OpenScene, SceneStatus, Shape, cameras};
 
-use super::{DefineArgs, MemoryArgs, report};
+use super::{DefineArgs, MemoryArgs, TrustArgs, report};
 
 #[derive(Args)]
 pub struct CheckArgs {
@@ -20,6 +20,8 @@ pub struct CheckArgs {
     defines: DefineArgs,
     #[command(flatten)]
     memory: MemoryArgs,
+    #[command(flatten)]
+    trust: TrustArgs,
     /// Treat warnings as errors
     #[arg(long)]
     strict: bool,
@@ -45,6 +47,7 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
         },
         Some(1),
     );
+    app.insert_resource(args.trust.trust());
     let loaded = load_to_completion(&mut app, &Limits::default());
     let shown = scene.display();
     let status = app.world().resource::<SceneStatus>();

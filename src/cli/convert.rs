@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use sunroom::document::paths::settle;
 use sunroom::scene::assets::scene_asset::load_document;
 use sunroom::scene::mesh_check::check_meshes;
 use sunroom::scene::read;
 use sunroom::scene::write::{self, Extensions};
 
-use super::{MemoryArgs, SceneArgs, report};
+use super::{MemoryArgs, SceneArgs, TrustArgs, report};
 
 #[derive(Args)]
 pub struct ConvertArgs {
@@ -20,6 +21,8 @@ pub struct ConvertArgs {
     output: PathBuf,
     #[command(flatten)]
     memory: MemoryArgs,
+    #[command(flatten)]
+    trust: TrustArgs,
     /// Write nothing that Mitsuba does not know: of fuzzy `metal` the nearest `roughconductor`
     #[arg(long)]
     portable: bool,
@@ -30,13 +33,14 @@ pub struct ConvertArgs {
 
 pub fn run(args: ConvertArgs) -> ExitCode {
     args.memory.apply();
-    let mut document = match load_document(&args.scene.scene, &args.scene.defines.defines) {
+    let access = args.trust.trust().access(&settle(&args.scene.scene));
+    let mut document = match load_document(&args.scene.scene, &args.scene.defines.defines, access) {
         Ok(document) => document,
         Err(error) => return report::error(error),
     };
     let scene = read::read(&mut document);
     if !document.diagnostics.has_errors() {
-        check_meshes(&scene, &mut document.diagnostics);
+        check_meshes(&scene, &document.access, &mut document.diagnostics);
     }
     report::diagnostics(&document.diagnostics);
     if !report::acceptable(&document.diagnostics, args.strict) {

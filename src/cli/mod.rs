@@ -25,6 +25,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use sunroom::document::suggest::did_you_mean;
 use sunroom::memory;
+use sunroom::scene::Trust;
 
 /// A small level editor whose viewport is a path tracer.
 #[derive(Parser)]
@@ -57,6 +58,22 @@ struct SceneArgs {
     scene: PathBuf,
     #[command(flatten)]
     defines: DefineArgs,
+}
+
+#[derive(Args)]
+struct TrustArgs {
+    /// Read nothing outside the scene's own folder, whatever the scene names and wherever its links lead
+    #[arg(long)]
+    untrusted: bool,
+}
+
+impl TrustArgs {
+    fn trust(&self) -> Trust {
+        match self.untrusted {
+            true => Trust::Folders(Vec::new()),
+            false => Trust::Everything,
+        }
+    }
 }
 
 #[derive(Args)]

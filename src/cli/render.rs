@@ -25,7 +25,7 @@ use super::check::report_scene;
 use super::ending::{Ending, INTERRUPTED};
 use super::progress::Progress;
 use super::stats::{Bvh, Stats, StatsFormat, milliseconds, peak_memory_bytes};
-use super::{MemoryArgs, SceneArgs, ThreadArgs, outputs, parse, report};
+use super::{MemoryArgs, SceneArgs, ThreadArgs, TrustArgs, outputs, parse, report};
 
 #[derive(Args)]
 pub struct RenderArgs {
@@ -56,6 +56,8 @@ pub struct RenderArgs {
     threads: ThreadArgs,
     #[command(flatten)]
     memory: MemoryArgs,
+    #[command(flatten)]
+    trust: TrustArgs,
     /// Seed of the random numbers; the same seed gives the same picture on any number of threads
     #[arg(long)]
     seed: Option<u32>,
@@ -148,6 +150,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
         },
         args.threads.threads,
     );
+    app.insert_resource(args.trust.trust());
     app.insert_resource(match args.accel {
         Accel::Linear => AccelMethod::Linear,
         Accel::Median => AccelMethod::Median,

@@ -30,7 +30,7 @@ pub use crowd::Crowd;
 pub use diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile, SourceId, Span};
 pub use index::Index;
 pub use object::{Category, Child, Document, Include, Object, Property, Value};
-pub use parse::{load, parse_str};
+pub use parse::{load, parse_str, parse_within};
 pub use reader::Reader;
 pub use source::SourceError;
 pub use transform::TransformOp;

@@ -8,6 +8,7 @@ use smol_str::SmolStr;
 
 use super::parse::file_candidates;
 use super::{Crowd, Diagnostics, SourceId, Span, TransformOp};
+use crate::files::Access;
 
 /// The kind of plugin a tag declares; the tag's name is the kind's name in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -248,6 +249,8 @@ pub struct Document {
     pub includes: Vec<Include>,
     /// Made from a file of another format: spans tell where things come from, but there is no such text.
     pub imported: bool,
+    /// Which files the scene may read.
+    pub access: Access,
     pub diagnostics: Diagnostics,
 }
 
@@ -261,6 +264,7 @@ impl Document {
             search_folders: Vec::new(),
             includes: Vec::new(),
             imported: false,
+            access: Access::everywhere(),
             diagnostics: Diagnostics::default(),
         }
     }
@@ -276,6 +280,8 @@ impl Document {
 
     /// The first of [`Self::file_candidates`] that is a file.
     pub fn find_file(&self, name: &str, span: Span) -> Option<PathBuf> {
-        self.file_candidates(name, span).into_iter().find(|path| path.is_file())
+        let candidates = self.file_candidates(name, span).into_iter();
+        let mut permitted = candidates.filter(|path| self.access.permits(path));
+        permitted.find(|path| path.is_file())
     }
 }

@@ -2,17 +2,24 @@
 
 use std::path::{Component, Path, PathBuf};
 
-/// `path` as seen from `folder`, with `/` between folders; absolute when they have only the root in common. Both are absolute.
+/// `path` as seen from `folder`, with `/` between folders. Both are absolute. The result is absolute only for another drive, and for a
+/// folder that is a root, as that of the clipboard.
 pub fn file_name(path: &Path, folder: &Path) -> String {
+    let root = |path: &Path| {
+        let parts = path.components();
+        parts
+            .take_while(|part| !matches!(part, Component::Normal(_)))
+            .collect::<PathBuf>()
+    };
+    if root(path) != root(folder) || folder.file_name().is_none() {
+        return path.to_string_lossy().into_owned();
+    }
     let common = path
         .components()
         .zip(folder.components())
         .take_while(|(a, b)| a == b)
         .filter(|(part, _)| matches!(part, Component::Normal(_)))
         .count();
-    if common == 0 {
-        return path.to_string_lossy().into_owned();
-    }
     let names = |path: &Path| -> Vec<PathBuf> {
         let normal = path.components().filter(|part| matches!(part, Component::Normal(_)));
         normal.map(|part| PathBuf::from(part.as_os_str())).collect()
@@ -42,6 +49,8 @@ mod tests {
         let name = |path: &str, folder: &str| file_name(Path::new(path), Path::new(folder));
         assert_eq!(name("/a/b/c.obj", "/a/b"), "c.obj");
         assert_eq!(name("/a/models/c.obj", "/a/scenes"), "../models/c.obj");
-        assert_eq!(name("/x/c.obj", "/a/scenes"), "/x/c.obj");
+        assert_eq!(name("/x/c.obj", "/a/scenes"), "../../x/c.obj");
+        assert_eq!(name("/x/c.obj", "/"), "/x/c.obj");
+        assert_eq!(name("c.obj", "/a"), "c.obj");
     }
 }

@@ -7,7 +7,7 @@ use miette::{
     SpanContents, ThemeCharacters, ThemeStyles,
 };
 
-use super::{Diagnostic, Diagnostics, Severity, SourceFile};
+use super::{Diagnostic, Diagnostics, Severity, SourceFile, SourceId};
 
 /// So many messages are shown; of the rest only the number is said.
 const MAX_SHOWN: usize = 50;
@@ -90,10 +90,11 @@ impl Diagnostics {
         text
     }
 
-    /// The line of the file that a message speaks of, after its number, and marks under the place; None for one without a place.
+    /// The line of the file that a message speaks of, after its number, and marks under the place; None for one without a place or in a
+    /// foreign file.
     pub fn excerpt(&self, diagnostic: &Diagnostic) -> Option<String> {
         let span = diagnostic.span?;
-        let source = self.source(span.source)?;
+        let source = self.source(span.source).filter(|_| !self.is_foreign(span.source))?;
         let excerpt = Excerpt::new(source, span.start as usize, span.end as usize);
         let (line, _) = source.line_column(excerpt.mark.offset());
         let text = excerpt.text.replace('\t', " ");
@@ -128,6 +129,15 @@ impl Diagnostics {
         (total > MAX_SHOWN).then(|| format!("... and {} more ({} in all)", total - MAX_SHOWN, self.summary()))
     }
 
+    /// Whether a file lies outside the folder of the main file. A scene may include any file, so the lines of such a file are not shown.
+    fn is_foreign(&self, id: SourceId) -> bool {
+        let path = |id| self.source(id).and_then(|source| source.path.canonicalize().ok());
+        match (path(SourceId(0)), path(id)) {
+            (Some(main), Some(path)) => !main.parent().is_some_and(|folder| path.starts_with(folder)),
+            _ => false,
+        }
+    }
+
     fn main_path(&self) -> Option<String> {
         self.sources.first().map(|source| source.path.display().to_string())
     }
@@ -158,14 +168,16 @@ struct Excerpt<'a> {
 impl<'a> Report<'a> {
     fn new(all: &'a Diagnostics, diagnostic: &'a Diagnostic) -> Self {
         let place = diagnostic.span.and_then(|span| {
-            let source = all.source(span.source)?;
+            let source = all.source(span.source).filter(|_| !all.is_foreign(span.source))?;
             Some(Excerpt::new(source, span.start as usize, span.end as usize))
         });
         let mut message = one_line(&diagnostic.message);
-        if place.is_none()
-            && let Some(path) = all.main_path()
-        {
-            message = format!("{path}: {message}");
+        if place.is_none() {
+            let at = diagnostic.span.and_then(|span| all.locate(span));
+            let at = at.map(|(path, line, column)| format!("{}:{line}:{column}", path.display()));
+            if let Some(at) = at.or_else(|| all.main_path()) {
+                message = format!("{at}: {message}");
+            }
         }
         Self {
             diagnostic,

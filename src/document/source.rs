@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::files::{self, FileError};
+use crate::files::{Access, FileError};
 
 /// Larger files are no scene descriptions; spans are 32 bits wide.
 pub const MAX_FILE_BYTES: u64 = 256 << 20;
@@ -26,7 +26,14 @@ pub enum SourceError {
 
 /// The text of a file, with its byte order mark if it has one.
 pub fn read_text(path: &Path) -> Result<String, SourceError> {
-    let bytes = files::read(path, MAX_FILE_BYTES).map_err(|source| unreadable(path, source))?;
+    read_text_within(path, &Access::everywhere())
+}
+
+/// As [`read_text`], for a file that a scene names.
+pub fn read_text_within(path: &Path, access: &Access) -> Result<String, SourceError> {
+    let bytes = access
+        .read(path, MAX_FILE_BYTES)
+        .map_err(|source| unreadable(path, source))?;
     decode(bytes, path)
 }
 

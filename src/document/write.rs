@@ -4,9 +4,11 @@
 //! that was relative to an include or to another folder has to be made so by the caller before.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use glam::Vec3;
 
+use super::paths::{file_name, settle};
 use super::revision::Layout;
 use super::value::format_float;
 use super::{Category, Child, Document, Object, Property, TransformOp, Value};
@@ -25,10 +27,15 @@ pub enum WriteError {
 pub fn to_xml(document: &Document) -> Result<String, WriteError> {
     let layout = Layout::default();
     let mut writer = Writer::new("", &layout);
+    let home = settle(&document.path);
+    let home = home.parent().unwrap_or(Path::new("/"));
     let search_folders = document
         .search_folders
         .iter()
-        .map(|folder| folder.display().to_string());
+        .map(|folder| match folder.canonicalize() {
+            Ok(folder) => file_name(&folder, home),
+            Err(_) => folder.display().to_string(),
+        });
     let root = document.unpacked().root;
     writer.object(&root, &search_folders.collect::<Vec<_>>())?;
     Ok(writer.text)

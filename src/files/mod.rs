@@ -1,11 +1,15 @@
 //! The one door for files: [`read()`] opens the files that the user or a scene names, [`write_atomically`] replaces files as a whole.
 //!
+//! What a scene names is opened through its [`Access`], which may be limited to some folders.
+//!
 //! No other module opens a file for reading (`tests/layering.rs` holds that), so that no device, pipe or endless file is read anywhere.
 
+mod access;
 mod atomic;
 mod locking;
 mod reading;
 
+pub use self::access::Access;
 pub use self::atomic::{check_writable, write_atomically};
 pub use self::locking::{FolderBusy, FolderLock, lock_folder};
 pub use self::reading::{FileError, LARGEST_DATA, LARGEST_NOTE, check, open, read, read_text};

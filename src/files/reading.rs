@@ -26,6 +26,9 @@ pub enum FileError {
     TooLarge { limit: u64 },
     #[error("is not UTF-8 text")]
     NotUtf8,
+    /// Refused by an [`Access`](super::Access).
+    #[error("lies outside the scene's folder, and an untrusted scene may not read it")]
+    Outside,
 }
 
 impl FileError {

@@ -15,7 +15,7 @@ use super::pictures::PicturePlaces;
 use super::read::settle;
 use super::spawn::ReloadSummary;
 use super::write::{KnownTexts, are_as_read};
-use super::{OpenScene, SceneDescription, SceneState, SceneStatus, spawn};
+use super::{OpenScene, SceneAccess, SceneDescription, SceneState, SceneStatus, Trust, spawn};
 use crate::document::source::unreadable;
 use crate::document::{Diagnostics, SourceFile};
 use crate::files;
@@ -83,6 +83,8 @@ pub(super) fn open_scenes(
     mut file: ResMut<SceneFile>,
     mut status: ResMut<SceneStatus>,
     defines: Res<SceneDefines>,
+    trust: Res<Trust>,
+    access: Res<SceneAccess>,
     server: Res<AssetServer>,
 ) {
     // Of several in one frame the last one counts.
@@ -103,6 +105,7 @@ pub(super) fn open_scenes(
         return;
     }
     defines.set(path.clone(), request.defines.clone());
+    access.set(trust.access(&path));
     let asset_path = AssetPath::from_path_buf(path.clone());
     let known = file.asked.as_ref().filter(|asked| asked.path == path);
     let known = known.map(|asked| asked.handle.clone());
@@ -256,6 +259,9 @@ pub(super) fn take_in_read(world: &mut World, scene: SceneDescription, diagnosti
 /// The entities are the scene of this file, which has just been written and read again.
 pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagnostics>, written: &SceneDescription) {
     let server = world.get_resource::<AssetServer>().cloned();
+    if let (Some(access), Some(folder)) = (world.get_resource::<SceneAccess>(), path.parent()) {
+        access.allow(folder);
+    }
     if let Some(mut file) = world.get_resource_mut::<SceneFile>() {
         if file.path != path {
             let asset_path = AssetPath::from_path_buf(path.to_owned());

@@ -6,10 +6,11 @@ use super::assets::parts_cache::is_part;
 use super::assets::triangle_mesh::{MeshShape, load_mesh};
 use super::{SceneDescription, ShapeKind};
 use crate::document::{Diagnostics, Severity, Span};
+use crate::files::Access;
 
 /// Reads each mesh file that a shape names, and reports what is wrong with it at the first shape that names it: an error for a mesh that cannot be
 /// read, a warning for what was left out of it. Files that are not there have been reported when the scene was read.
-pub fn check_meshes(scene: &SceneDescription, diagnostics: &mut Diagnostics) {
+pub fn check_meshes(scene: &SceneDescription, access: &Access, diagnostics: &mut Diagnostics) {
     let mut read: HashMap<_, Result<Vec<Vec<String>>, String>> = HashMap::new();
     let mut reported = HashSet::new();
     for shape in &scene.shapes {
@@ -23,7 +24,7 @@ pub fn check_meshes(scene: &SceneDescription, diagnostics: &mut Diagnostics) {
         let is_first = !read.contains_key(&mesh.path);
         let shapes = read.entry(&mesh.path).or_insert_with(|| {
             let warnings = |shape: MeshShape| shape.warnings;
-            let loaded = load_mesh(&mesh.path).map_err(|error| error.to_string())?;
+            let loaded = load_mesh(&mesh.path, access).map_err(|error| error.to_string())?;
             Ok(loaded.shapes.into_iter().map(warnings).collect())
         });
         let mut report = |severity, property: &str, what: &str| {

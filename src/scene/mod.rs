@@ -2,6 +2,7 @@
 //!
 //! Every shape, material, emitter and sensor is one entity. What they refer to are relationships, settings are resources.
 
+pub mod access;
 pub mod aperture;
 pub mod assets;
 pub mod authored;
@@ -37,6 +38,7 @@ pub mod texture;
 pub mod watch;
 pub mod write;
 
+pub use access::{SceneAccess, Trust};
 pub use assets::{FileSourcePlugin, MeshHandle, MeshShape, TextureMap, TriangleMesh};
 pub use authored::{Authored, AuthoredScene, DeclaredIn, Declares};
 pub use description::SceneDescription;

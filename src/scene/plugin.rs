@@ -44,17 +44,20 @@ pub enum SceneSystems {
 impl Plugin for ScenePlugin {
     fn build(&self, app: &mut App) {
         let defines = SceneDefines::default();
+        let access = app.world_mut().get_resource_or_init::<SceneAccess>().clone();
         app.init_asset::<TriangleMesh>()
             .init_asset::<TextureMap>()
             .init_asset::<SceneAsset>()
-            .register_asset_loader(MeshLoader)
-            .register_asset_loader(TextureMapLoader)
+            .register_asset_loader(MeshLoader { access: access.clone() })
+            .register_asset_loader(TextureMapLoader { access: access.clone() })
             .register_asset_loader(SceneLoader {
                 defines: defines.clone(),
+                access,
             })
             .add_message::<OpenScene>()
             .add_message::<FileReadAgain>()
             .insert_resource(defines)
+            .init_resource::<Trust>()
             .init_resource::<SceneFile>()
             .init_resource::<SceneWatch>()
             .init_resource::<Pictures>()

@@ -71,6 +71,8 @@ mod style;
 pub mod toasts;
 pub mod tool;
 pub mod toolbar;
+pub mod trust;
+pub mod trust_question;
 mod typing;
 mod ui;
 pub mod viewport;
@@ -117,11 +119,18 @@ impl Plugin for EditorPlugin {
         if let Some(problem) = &preferences_file.problem {
             state.complain(Topic::Other, problem, None);
         }
+        // Nobody could answer the question.
+        let (trusted_folders, trust) = match options.is_attended() {
+            true => trust::TrustedFolders::open(folder.as_deref()),
+            false => Default::default(),
+        };
         app.add_plugins(EguiPlugin::default())
             .insert_resource(state)
             .insert_resource(preferences.layout())
             .insert_resource(preferences)
             .insert_resource(preferences_file)
+            .insert_resource(trusted_folders)
+            .insert_resource(trust)
             .insert_resource(recovery::Recovery::new(folder.as_deref()))
             .insert_resource(stored_views::ViewsFile::new(folder.as_deref()))
             .insert_resource(flight::Flights::new(options.is_attended() || options.monkey.is_some()))
@@ -181,6 +190,7 @@ impl Plugin for EditorPlugin {
                     scene_watch::choose_camera.run_if(scene_watch::camera_is_wanted),
                     scene_watch::follow_scene,
                     scene_watch::follow_files,
+                    trust::follow_access,
                     recovery::follow_scene,
                     stored_views::follow_views,
                     preferences::note_scene,

@@ -15,7 +15,7 @@ use super::state::EditorState;
 use super::toasts::{Tone, Topic};
 use crate::files::{self, LARGEST_NOTE, write_atomically};
 use crate::scene::write::{KnownTexts, gather, save_description};
-use crate::scene::{OpenScene, SceneDescription, SceneFile, SceneState, SceneStatus};
+use crate::scene::{OpenScene, SceneDescription, SceneFile, SceneState, SceneStatus, Trust};
 
 const SCENE: &str = "scene.xml";
 const NOTE: &str = "about.json";
@@ -331,6 +331,12 @@ pub fn clean_up(mut exits: MessageReader<AppExit>, mut recovery: ResMut<Recovery
 pub fn recover(world: &mut World, offer: Offer) -> Result<(), String> {
     let path = offer.folder.join(SCENE);
     let aside = Aside::claim(&offer.folder).ok_or(IN_USE)?;
+    // The names in it are those of the scene's own files.
+    if let Some(folder) = offer.note.scene.as_deref().and_then(Path::parent)
+        && let Trust::Folders(folders) = &mut *world.resource_mut::<Trust>()
+    {
+        folders.push(folder.to_owned());
+    }
     world.resource_mut::<Recovery>().returning = Some((offer, aside));
     world.write_message(OpenScene {
         path,

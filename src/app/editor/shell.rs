@@ -8,6 +8,7 @@ use super::palette::Palette;
 use super::preferences::Preferences;
 use super::recovery::{self, Offer};
 use super::state::EditorState;
+use super::trust::{self, Question};
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum ShellCommand {
@@ -22,6 +23,8 @@ pub enum ShellCommand {
     /// Opens what was written aside before a crash.
     Recover(Offer),
     DiscardRecovery(Offer),
+    /// Lets scenes read the folders of these files.
+    AllowFiles(Question),
 }
 
 /// What lies over the window until it is closed.
@@ -46,6 +49,7 @@ pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), String> {
         ShellCommand::SetPreferences(preferences) => world.insert_resource(preferences.within_range()),
         ShellCommand::Recover(offer) => recovery::recover(world, offer)?,
         ShellCommand::DiscardRecovery(offer) => recovery::discard(&offer)?,
+        ShellCommand::AllowFiles(question) => trust::allow(world, &question),
     }
     Ok(())
 }

@@ -36,6 +36,8 @@ use super::save_question;
 use super::selection::Selection;
 use super::sheet::{self, SheetModel};
 use super::state::{CommandQueue, EditorState};
+use super::trust::TrustedFolders;
+use super::trust_question;
 use super::viewport::{PICTURE, ViewportModel, viewport};
 use crate::accel::Tlas;
 use crate::engine::{CurrentScene, RenderFilm};
@@ -170,6 +172,7 @@ pub struct Shell<'w, 's> {
     preferences: Res<'w, Preferences>,
     preferences_file: Res<'w, PreferencesFile>,
     recovery: ResMut<'w, Recovery>,
+    trusted: ResMut<'w, TrustedFolders>,
     dropped: ResMut<'w, DroppedFiles>,
     clipboard: ResMut<'w, EguiClipboard>,
     mouse: Res<'w, AccumulatedMouseMotion>,
@@ -211,6 +214,7 @@ pub fn show_window(
         && state.save_question.is_none()
         && state.sheet.is_none()
         && shell.recovery.offer.is_none()
+        && shell.trusted.question.is_none()
         && !shell.guard.is_asking();
     let action_context = ActionContext {
         display: state.display,
@@ -315,6 +319,10 @@ pub fn show_window(
     sheet::show(&context, model, sheets, state, commands);
     recovery_question::question(&context, &mut shell.recovery.offer, commands);
     save_question::show(&context, state, commands);
+    // One question at a time.
+    if shell.recovery.offer.is_none() {
+        trust_question::question(&context, &mut shell.trusted.question, commands);
+    }
     if shell.dropped.hovering > 0 {
         dropping::hint(&context, state.viewport_place);
     }

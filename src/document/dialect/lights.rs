@@ -119,7 +119,7 @@ impl Import<'_> {
             return false;
         };
         let folder = self.folder();
-        let Some(path) = find_file(&name, &folder) else {
+        let Some(path) = find_file(&name, &folder, self.access) else {
             self.warn(span, format!("`{name}` is not found: the sky stays"));
             return false;
         };

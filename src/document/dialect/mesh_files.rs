@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::Import;
 use crate::document::paths::settle;
 use crate::document::source::MAX_FILE_BYTES;
-use crate::files;
+use crate::files::Access;
 
 /// A search by file name looks at so many files.
 const MOST_FILES: usize = 5000;
@@ -23,7 +23,7 @@ impl Import<'_> {
 
 /// Beside the scene, in the `assets` folders above it and above where the program was started, then anywhere below these by its file name
 /// alone: an absolute name is often one of its author's machine.
-pub fn find_file(name: &str, folder: &Path) -> Option<PathBuf> {
+pub fn find_file(name: &str, folder: &Path, access: &Access) -> Option<PathBuf> {
     let name = Path::new(name.trim());
     if name.as_os_str().is_empty() {
         return None;
@@ -32,7 +32,7 @@ pub fn find_file(name: &str, folder: &Path) -> Option<PathBuf> {
     let above = folder.ancestors().chain(started_in.ancestors());
     let assets = above
         .map(|folder| folder.join("assets"))
-        .filter(|folder| folder.is_dir());
+        .filter(|folder| folder.is_dir() && access.permits(folder));
     let mut folders = vec![folder.to_owned()];
     for folder in assets {
         if !folders.contains(&folder) {
@@ -43,8 +43,8 @@ pub fn find_file(name: &str, folder: &Path) -> Option<PathBuf> {
     let direct = folders
         .iter()
         .map(|folder| folder.join(name))
-        .find(|path| path.is_file());
-    let path = direct.or_else(|| search(name, &folders))?;
+        .find(|path| path.is_file() && access.permits(path));
+    let path = direct.or_else(|| search(name, &folders).filter(|path| access.permits(path)))?;
     Some(settle(&path))
 }
 
@@ -81,8 +81,8 @@ fn search(name: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
 }
 
 /// Whether an OBJ uses materials of a library that is there.
-pub fn has_own_materials(path: &Path) -> bool {
-    let Ok(file) = files::open(path, MAX_FILE_BYTES) else {
+pub fn has_own_materials(path: &Path, access: &Access) -> bool {
+    let Ok(file) = access.open(path, MAX_FILE_BYTES) else {
         return false;
     };
     let folder = path.parent().unwrap_or(Path::new(""));

@@ -23,6 +23,7 @@ use self::tree::{Node, Tree};
 use super::suggest::did_you_mean;
 use super::value::quote;
 use super::{Category, Diagnostics, Document, Object, Severity, SourceFile, SourceId, Span};
+use crate::files::Access;
 
 const ROOTS: [&str; 2] = ["ItemContainer", "Scene"];
 
@@ -42,7 +43,7 @@ pub fn is_dialect(text: &str) -> bool {
 }
 
 /// The document of a scene of this dialect; `source` is its text without a byte order mark.
-pub fn import(source: SourceFile, defines: &[(String, String)]) -> Document {
+pub fn import(source: SourceFile, defines: &[(String, String)], access: Access) -> Document {
     let path = source.path.clone();
     let text = source.text.clone();
     let mut diagnostics = Diagnostics::default();
@@ -55,6 +56,7 @@ pub fn import(source: SourceFile, defines: &[(String, String)]) -> Document {
         Ok(tree) => {
             let mut import = Import {
                 path: &path,
+                access: &access,
                 radians: false,
                 root: Object::new(Category::Scene, ""),
                 ids: HashSet::new(),
@@ -75,6 +77,7 @@ pub fn import(source: SourceFile, defines: &[(String, String)]) -> Document {
             diagnostics.error(span, format!("broken XML: {message}"));
         }
     }
+    document.access = access;
     document.diagnostics = diagnostics;
     document
 }
@@ -82,6 +85,7 @@ pub fn import(source: SourceFile, defines: &[(String, String)]) -> Document {
 /// A native scene while it grows.
 struct Import<'i> {
     path: &'i Path,
+    access: &'i Access,
     /// What the numbers of rotations are; degrees otherwise.
     radians: bool,
     root: Object,

@@ -94,7 +94,7 @@ impl Import<'_> {
             Value::String(name) if property.name == "filename" => Some(name),
             _ => None,
         });
-        shape.plugin == "obj" && name.is_some_and(|name| has_own_materials(&self.folder().join(name)))
+        shape.plugin == "obj" && name.is_some_and(|name| has_own_materials(&self.folder().join(name), self.access))
     }
 
     /// Round and upright, whatever its `Scale` and `Rotation`.
@@ -163,7 +163,7 @@ impl Import<'_> {
             return None;
         };
         let folder = self.folder();
-        let Some(path) = find_file(&name, &folder) else {
+        let Some(path) = find_file(&name, &folder, self.access) else {
             self.warn(
                 span,
                 format!("mesh not found: {}; the object is left out", quote(&name)),

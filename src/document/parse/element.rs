@@ -8,7 +8,7 @@ use crate::document::naming::{rename, snake_case};
 use crate::document::property::{
     TRANSFORM_TAGS, VALUE_TAGS, read_spectrum, read_transform_op, read_value, sampled_color,
 };
-use crate::document::source::read_text;
+use crate::document::source::read_text_within;
 use crate::document::spectrum::{Role, SampledSpectrum};
 use crate::document::suggest::did_you_mean;
 use crate::document::tag::Tag;
@@ -228,10 +228,12 @@ impl Parser {
         let role = Role::of(category, name);
         if let Some((file, span)) = tag.take("filename") {
             let path = self.find_file(&file, span)?;
-            let sampled = read_text(&path).map_err(|error| error.to_string()).and_then(|text| {
-                SampledSpectrum::parse_file(text.trim_start_matches('\u{feff}'))
-                    .map_err(|what| format!("{file}: {what}"))
-            });
+            let sampled = read_text_within(&path, &self.access)
+                .map_err(|error| error.to_string())
+                .and_then(|text| {
+                    SampledSpectrum::parse_file(text.trim_start_matches('\u{feff}'))
+                        .map_err(|what| format!("{file}: {what}"))
+                });
             return match sampled {
                 Ok(sampled) => Some(sampled_color(&sampled, span, role, &mut self.diagnostics)),
                 Err(message) => {

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use smol_str::SmolStr;
 
 use super::{MAX_INCLUDE_DEPTH, MAX_INCLUDES, MAX_SEARCH_FOLDERS, Names, Parser};
-use crate::document::source::read_text;
+use crate::document::source::read_text_within;
 use crate::document::value::quote;
 use crate::document::{Category, Include, Object, Property, Severity, SourceId, Span};
+use crate::files::FileError;
 
 impl Parser {
     fn folder_of(&self, source: SourceId) -> PathBuf {
@@ -22,6 +23,11 @@ impl Parser {
             return;
         }
         let joined = self.folder_of(span.source).join(folder);
+        if !self.access.permits(&joined) {
+            let message = format!("the folder {} {}", quote(folder), FileError::Outside);
+            self.diagnostics.error(span, message);
+            return;
+        }
         if !joined.is_dir() {
             let message = format!("the folder {} does not exist", quote(folder));
             let help = format!("looked for {}", joined.display());
@@ -37,11 +43,17 @@ impl Parser {
 
     /// A file named at `span`; one that is not there has been reported.
     pub(super) fn find_file(&mut self, name: &str, span: Span) -> Option<PathBuf> {
-        let candidates = file_candidates(
+        let all = file_candidates(
             name,
             &[self.folder_of(span.source), self.folder_of(SourceId(0))],
             &self.search_folders,
         );
+        let candidates: Vec<PathBuf> = all.into_iter().filter(|path| self.access.permits(path)).collect();
+        if candidates.is_empty() {
+            let message = format!("the file {} {}", quote(name), FileError::Outside);
+            self.diagnostics.error(span, message);
+            return None;
+        }
         let found = candidates.iter().find(|path| path.is_file());
         // A device or a pipe is found as well: reading it says what it is.
         let found = found.or_else(|| candidates.iter().find(|path| path.exists() && !path.is_dir()));
@@ -103,7 +115,12 @@ impl Parser {
         }
         let source = match self.files.get(&key) {
             Some(source) => *source,
-            None => match read_text(&path) {
+            None => match read_text_within(&path, &self.access) {
+                Ok(text) if !is_markup(&text) => {
+                    let message = format!("the file {} is not XML: it does not begin with a tag", quote(file));
+                    self.diagnostics.error(span, message);
+                    return;
+                }
                 Ok(text) => {
                     let source = self.add_source(path, text.into());
                     self.files.insert(key.clone(), source);
@@ -133,6 +150,12 @@ impl Parser {
             None => {}
         }
     }
+}
+
+/// Whether a text begins with a tag, or is empty. The parser would quote anything else.
+fn is_markup(text: &str) -> bool {
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    text.is_empty() || text.starts_with('<')
 }
 
 pub(super) fn canonical(path: &Path) -> PathBuf {

@@ -33,6 +33,7 @@ use super::{
     Category, Child, Crowd, Diagnostics, Document, Include, Object, Severity, SourceFile, SourceId, Span, TransformOp,
     Value,
 };
+use crate::files::Access;
 
 /// Tags inside tags, references and includes counted in. Real scenes stay below ten.
 pub const MAX_DEPTH: usize = 256;
@@ -56,7 +57,13 @@ pub fn load(path: &Path, defines: &[(String, String)]) -> Result<Document, Sourc
 
 /// As [`load`], for text that is in memory, where it stays; relative paths in it start from `path`'s folder.
 pub fn parse_str(text: impl Into<Arc<str>>, path: &Path, defines: &[(String, String)]) -> Document {
+    parse_within(text, path, defines, Access::everywhere())
+}
+
+/// As [`parse_str`], for a scene that may read only some files.
+pub fn parse_within(text: impl Into<Arc<str>>, path: &Path, defines: &[(String, String)], access: Access) -> Document {
     let mut parser = Parser {
+        access,
         defines: Defines::new(defines),
         ..Parser::default()
     };
@@ -71,7 +78,7 @@ pub fn parse_str(text: impl Into<Arc<str>>, path: &Path, defines: &[(String, Str
         if let Some(file) = parser.diagnostics.source(source)
             && dialect::is_dialect(&file.text)
         {
-            return dialect::import(file.clone(), defines);
+            return dialect::import(file.clone(), defines, parser.access);
         }
         parser.open_files.push((canonical(path), None));
         parser.parse_source(source, 0)
@@ -146,6 +153,7 @@ struct Level {
 
 #[derive(Default)]
 struct Parser {
+    access: Access,
     diagnostics: Diagnostics,
     defines: Defines,
     search_folders: Vec<PathBuf>,
@@ -192,6 +200,7 @@ impl Parser {
             search_folders: self.search_folders,
             includes: self.includes,
             imported: false,
+            access: self.access,
             diagnostics: self.diagnostics,
         }
     }

@@ -13,21 +13,29 @@ use bevy::asset::io::{
 use bevy::prelude::*;
 
 use crate::files::{self, FileError, LARGEST_DATA};
+use crate::scene::SceneAccess;
 
 /// Makes files the asset server's default source. It must be added before [`AssetPlugin`].
 pub struct FileSourcePlugin;
 
 impl Plugin for FileSourcePlugin {
     fn build(&self, app: &mut App) {
-        let source = AssetSourceBuilder::new(|| Box::new(FileSource));
+        let access = app.world_mut().get_resource_or_init::<SceneAccess>().clone();
+        let source = AssetSourceBuilder::new(move || Box::new(FileSource { access: access.clone() }));
         app.register_asset_source(AssetSourceId::Default, source);
     }
 }
 
-struct FileSource;
+struct FileSource {
+    access: SceneAccess,
+}
 
 impl AssetReader for FileSource {
     async fn read<'a>(&'a self, path: &'a Path) -> Result<impl Reader + 'a, AssetReaderError> {
+        // What a scene may not read is refused by the loaders, whether it exists or not.
+        if !self.access.get().covers(path) {
+            return Ok(VecReader::new(Vec::new()));
+        }
         match files::check(path, LARGEST_DATA) {
             Ok(()) => Ok(VecReader::new(Vec::new())),
             Err(FileError::Io(error)) if error.kind() == std::io::ErrorKind::NotFound => Err(not_found(path)),

@@ -5,10 +5,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::parts_cache::CACHE;
+use super::parts_cache::{CACHE, allow_parts};
 use crate::document::source::MAX_FILE_BYTES;
 use crate::document::{Category, Diagnostics, Document, Object, Severity, SourceFile};
-use crate::files;
+use crate::files::Access;
 use crate::gltf::files::take_apart;
 use crate::gltf::scene::Imported;
 use crate::gltf::{Gltf, GltfError};
@@ -36,7 +36,7 @@ pub fn largest(path: &Path) -> u64 {
 }
 
 /// The scene in a file of these bytes. The files it is read from are the diagnostics' sources, without their text.
-pub fn import(bytes: &[u8], path: &Path) -> Document {
+pub fn import(bytes: &[u8], path: &Path, access: Access) -> Document {
     let mut sources = vec![path.to_owned()];
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut read = |name: &str| {
@@ -44,14 +44,19 @@ pub fn import(bytes: &[u8], path: &Path) -> Document {
         if !sources.contains(&file) {
             sources.push(file.clone());
         }
-        Ok(files::read(&file, MAX_GLTF_BYTES)?)
+        Ok(access.read(&file, MAX_GLTF_BYTES)?)
     };
     let taken = Gltf::open(bytes, &mut read).and_then(|gltf| {
         let mut keep = |name: &str, bytes: &[u8]| CACHE.keep(name, bytes);
         take_apart(&gltf, &mut keep, &mut read)
     });
     CACHE.tidy();
-    into_document(taken, path, &sources)
+    let mut access = access;
+    allow_parts(|folder| access.allow(&folder));
+    Document {
+        access,
+        ..into_document(taken, path, &sources)
+    }
 }
 
 fn into_document(taken: Result<Imported, GltfError>, path: &Path, sources: &[PathBuf]) -> Document {
@@ -85,7 +90,7 @@ mod tests {
     use super::*;
     use std::fs;
 
-    use crate::files::FileError;
+    use crate::files::{self, FileError};
 
     #[test]
     fn models_may_be_larger_than_text() {

@@ -262,6 +262,11 @@ pub fn is_part(path: &Path) -> bool {
     cache_folders().any(|folder| path.starts_with(folder))
 }
 
+/// Permits the folders where parts of glTF files are kept.
+pub fn allow_parts(allow: impl FnMut(PathBuf)) {
+    cache_folders().for_each(allow);
+}
+
 /// Where parts may be kept, best place first, absolute.
 fn cache_folders() -> impl Iterator<Item = PathBuf> {
     let folder = |variable: &str| std::env::var_os(variable).map(PathBuf::from);

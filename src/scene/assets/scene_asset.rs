@@ -9,11 +9,12 @@ use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 
 use super::gltf_scene::{import, is_gltf, largest};
+use super::parts_cache::allow_parts;
 use crate::document::source::unreadable;
 use crate::document::{self, Diagnostics, Document, Severity, SourceError};
-use crate::files;
+use crate::files::{self, Access};
 use crate::scene::SceneDescription;
-use crate::scene::read;
+use crate::scene::{SceneAccess, read};
 
 /// Loads also when the file is broken: the diagnostics say how, and nothing else should be believed then.
 #[derive(Asset, TypePath, Clone, Debug)]
@@ -44,6 +45,7 @@ impl SceneDefines {
 #[derive(TypePath)]
 pub struct SceneLoader {
     pub defines: SceneDefines,
+    pub access: SceneAccess,
 }
 
 impl AssetLoader for SceneLoader {
@@ -59,7 +61,15 @@ impl AssetLoader for SceneLoader {
     ) -> Result<SceneAsset, std::io::Error> {
         let path = context.path().path().to_owned();
         let bytes = files::read(&path, largest(&path))?;
-        Ok(read_scene(bytes, &path, &self.defines.get(&path)))
+        if is_gltf(&bytes, &path) {
+            allow_parts(|folder| self.access.allow(&folder));
+        }
+        Ok(read_scene_within(
+            bytes,
+            &path,
+            &self.defines.get(&path),
+            self.access.get(),
+        ))
     }
 
     fn extensions(&self) -> &[&str] {
@@ -69,7 +79,11 @@ impl AssetLoader for SceneLoader {
 
 /// `path`: of the file the bytes are from.
 pub fn read_scene(bytes: Vec<u8>, path: &Path, defines: &[(String, String)]) -> SceneAsset {
-    let mut document = match parse(bytes, path, defines) {
+    read_scene_within(bytes, path, defines, Access::everywhere())
+}
+
+fn read_scene_within(bytes: Vec<u8>, path: &Path, defines: &[(String, String)], access: Access) -> SceneAsset {
+    let mut document = match parse(bytes, path, defines, access) {
         Ok(document) => document,
         Err(error) => return failed(path, &error),
     };
@@ -81,17 +95,17 @@ pub fn read_scene(bytes: Vec<u8>, path: &Path, defines: &[(String, String)]) -> 
 }
 
 /// A scene file of any kind. As for [`document::load`], what is wrong with its content is in the document's diagnostics.
-pub fn load_document(path: &Path, defines: &[(String, String)]) -> Result<Document, SourceError> {
+pub fn load_document(path: &Path, defines: &[(String, String)], access: Access) -> Result<Document, SourceError> {
     let bytes = files::read(path, largest(path)).map_err(|source| unreadable(path, source))?;
-    parse(bytes, path, defines)
+    parse(bytes, path, defines, access)
 }
 
-fn parse(bytes: Vec<u8>, path: &Path, defines: &[(String, String)]) -> Result<Document, SourceError> {
+fn parse(bytes: Vec<u8>, path: &Path, defines: &[(String, String)], access: Access) -> Result<Document, SourceError> {
     if is_gltf(&bytes, path) {
-        return Ok(import(&bytes, path));
+        return Ok(import(&bytes, path, access));
     }
     let text = document::source::decode(bytes, path)?;
-    Ok(document::parse_str(text, path, defines))
+    Ok(document::parse_within(text, path, defines, access))
 }
 
 fn failed(path: &Path, error: &SourceError) -> SceneAsset {

@@ -6,7 +6,8 @@ use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 
-use crate::files::{self, FileError, LARGEST_DATA};
+use crate::files::{FileError, LARGEST_DATA};
+use crate::scene::SceneAccess;
 use crate::texture::{Image, ImageFileError, load_image};
 
 /// `image` is a new `Arc` after each reload.
@@ -19,7 +20,9 @@ pub struct TextureMap {
 
 /// Reads every kind of picture; which it is, the content says.
 #[derive(Default, TypePath)]
-pub struct TextureMapLoader;
+pub struct TextureMapLoader {
+    pub access: SceneAccess,
+}
 
 #[derive(Debug, thiserror::Error)]
 pub enum TextureMapError {
@@ -40,7 +43,7 @@ impl AssetLoader for TextureMapLoader {
         _settings: &(),
         context: &mut LoadContext<'_>,
     ) -> Result<TextureMap, TextureMapError> {
-        let bytes = files::read(context.path().path(), LARGEST_DATA)?;
+        let bytes = self.access.get().read(context.path().path(), LARGEST_DATA)?;
         let image = Arc::new(load_image(&bytes)?);
         Ok(TextureMap {
             negative_pixels: image.negative_pixels(),

@@ -9,11 +9,12 @@ use bevy::prelude::*;
 use rayon::prelude::*;
 
 use crate::document::paths::settle;
-use crate::files::{self, LARGEST_DATA, LARGEST_NOTE};
+use crate::files::{Access, FileError, LARGEST_DATA, LARGEST_NOTE};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::mesh_file::{LoadedMesh, MeshError};
 use crate::geometry::serialized::{self, SerializedFile};
 use crate::geometry::{obj, ply};
+use crate::scene::SceneAccess;
 
 /// What a mesh file holds, all of it, whichever of its shapes are used.
 #[derive(Asset, TypePath, Clone, Debug)]
@@ -47,12 +48,14 @@ pub struct MeshHandle(pub Handle<TriangleMesh>);
 
 /// Reads OBJ, PLY and serialized files; which it is, the content says.
 #[derive(Default, TypePath)]
-pub struct MeshLoader;
+pub struct MeshLoader {
+    pub access: SceneAccess,
+}
 
 #[derive(Debug, thiserror::Error)]
 pub enum MeshLoadError {
     #[error(transparent)]
-    File(#[from] files::FileError),
+    File(#[from] FileError),
     #[error(transparent)]
     Mesh(#[from] MeshError),
 }
@@ -69,8 +72,8 @@ impl AssetLoader for MeshLoader {
         context: &mut LoadContext<'_>,
     ) -> Result<TriangleMesh, MeshLoadError> {
         let path = context.path().path().to_owned();
-        let bytes = files::read(&path, LARGEST_DATA)?;
-        read_any_mesh(&bytes, &path)
+        let access = self.access.get();
+        load_mesh(&path, &access)
     }
 
     fn extensions(&self) -> &[&str] {
@@ -87,14 +90,11 @@ impl From<LoadedMesh> for MeshShape {
     }
 }
 
-/// A whole mesh file of any kind, read from the disk.
-pub fn load_mesh(path: &Path) -> Result<TriangleMesh, MeshLoadError> {
-    read_any_mesh(&files::read(path, LARGEST_DATA)?, path)
-}
-
-fn read_any_mesh(bytes: &[u8], path: &Path) -> Result<TriangleMesh, MeshLoadError> {
+/// A whole mesh file of any kind, read from the disk as far as `access` permits.
+pub fn load_mesh(path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadError> {
+    let bytes = &access.read(path, LARGEST_DATA)?;
     if !serialized::is_serialized(bytes) {
-        return read_mesh(bytes, path);
+        return read_mesh(bytes, path, access);
     }
     let file = SerializedFile::open(bytes)?;
     let load = |shape| file.load(shape).map(MeshShape::from);
@@ -106,9 +106,9 @@ fn read_any_mesh(bytes: &[u8], path: &Path) -> Result<TriangleMesh, MeshLoadErro
     })
 }
 
-/// Of an OBJ or PLY file. `path`: of the file the bytes are from; material libraries are looked for beside it, and the names of their
-/// pictures become absolute.
-pub fn read_mesh(bytes: &[u8], path: &Path) -> Result<TriangleMesh, MeshLoadError> {
+/// Of an OBJ or PLY file. `path`: of the file the bytes are from; material libraries are looked for beside it, as far as `access` permits, and
+/// the names of their pictures become absolute.
+pub fn read_mesh(bytes: &[u8], path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut dependencies = Vec::new();
     let mut loaded = if bytes.starts_with(b"ply") {
@@ -117,7 +117,7 @@ pub fn read_mesh(bytes: &[u8], path: &Path) -> Result<TriangleMesh, MeshLoadErro
         let mut loaded = obj::load_obj(bytes, &mut |name| {
             let library = folder.join(name);
             dependencies.push(library.clone());
-            Ok(files::read(&library, LARGEST_NOTE)?)
+            Ok(access.read(&library, LARGEST_NOTE)?)
         })?;
         loaded.mesh.flip_tex_coords();
         loaded

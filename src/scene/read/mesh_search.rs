@@ -7,6 +7,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use super::settle;
+use crate::files::Access;
 
 /// Several folders, separated as in `$PATH`.
 pub const ASSETS_VARIABLE: &str = "SUNROOM_ASSETS";
@@ -17,12 +18,13 @@ pub struct MeshSearch {
     scene_folder: PathBuf,
     search_folders: Vec<PathBuf>,
     asset_folders: Vec<PathBuf>,
+    access: Access,
 }
 
 /// What a search came to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Found {
-    /// The file, absolute.
+    /// The file, absolute; also one that the scene may not read, if it can be nowhere else.
     At(PathBuf),
     /// The places looked at, never empty.
     Nowhere(Vec<PathBuf>),
@@ -41,7 +43,13 @@ impl MeshSearch {
             scene_folder: scene_folder.to_owned(),
             search_folders: search_folders.iter().rev().cloned().collect(),
             asset_folders,
+            access: Access::everywhere(),
         }
+    }
+
+    /// Looks only at files that may be read.
+    pub fn within(self, access: Access) -> Self {
+        Self { access, ..self }
     }
 
     /// Only the places that every reader of the format looks at.
@@ -75,6 +83,11 @@ impl MeshSearch {
                     add(assets.join(file));
                 }
             }
+        }
+        let first = places.first().cloned().unwrap_or_default();
+        places.retain(|path| self.access.permits(path));
+        if places.is_empty() {
+            return Found::At(first);
         }
         // A device or a pipe is found as well: reading it says what it is.
         let found = places.iter().find(|path| path.is_file());

@@ -131,7 +131,7 @@ impl<'a> SceneReader<'a> {
         let path = settle(&document.path);
         let folder = path.parent().unwrap_or(Path::new("/")).to_owned();
         let (places, crowd_orders) = places(document);
-        let meshes = MeshSearch::new(&folder, &document.search_folders);
+        let meshes = MeshSearch::new(&folder, &document.search_folders).within(document.access.clone());
         Self {
             root: &document.root,
             index: document.index(),

@@ -18,7 +18,7 @@ use crate::scene::assets::scene_asset::load_document;
 use crate::scene::insert::{free_name, insert, names, next_order};
 use crate::scene::{
     ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, MeshFile, MeshFormat, SceneDescription,
-    SceneId, Sensor, Shape, ShapeKind, SquarePath, ToWorld, read,
+    SceneId, Sensor, Shape, ShapeKind, SquarePath, ToWorld, Trust, read,
 };
 
 /// Height of a light above what it shines on, and of what is flat above what it lies on, in half sizes.
@@ -235,7 +235,9 @@ pub fn import(edit: &mut Edit, path: &Path) -> Result<(), String> {
         "serialized" => add_mesh(edit, path, MeshFormat::Serialized),
         picture if ENVIRONMENTS.contains(&picture) => set_environment(edit, path),
         "xml" | "gltf" | "glb" => {
-            let mut document = load_document(&path, &[]).map_err(|error| error.to_string())?;
+            let trust = edit.world.get_resource::<Trust>().cloned().unwrap_or_default();
+            let access = trust.access(&path);
+            let mut document = load_document(&path, &[], access).map_err(|error| error.to_string())?;
             let scene = read::read(&mut document);
             insert_all(edit, without_cameras(scene), &document.diagnostics)?;
         }

@@ -10,6 +10,7 @@ use super::{adding, materials, mixing, placing, several, view};
 use crate::app::editor::command::{Command, Direction};
 use crate::app::editor::history::Edit;
 use crate::app::editor::selection::{Extend, Selection};
+use crate::app::editor::trust;
 use crate::scene::insert::{free_name, names, next_order};
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DeclaredIn, Declares, DocumentOrder, Emitter, FirstNested, FirstNestedIn,
@@ -21,7 +22,10 @@ use crate::scene::{
 /// The error is a sentence for the user; the caller takes back what was done before it.
 pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
     match command {
-        Command::Import(path) => adding::import(edit, &path)?,
+        Command::Import(path) => {
+            trust::allow_chosen(edit.world, &path);
+            adding::import(edit, &path)?;
+        }
         Command::Paste(text) => adding::paste(edit, &text)?,
         Command::Add(addition) => adding::add(edit, addition)?,
         Command::Delete => delete_selection(edit)?,
@@ -80,7 +84,10 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
             parameter,
             place,
             path,
-        } => set_picture(edit, owner, parameter, place, path),
+        } => {
+            trust::allow_chosen(edit.world, &path);
+            set_picture(edit, owner, parameter, place, path);
+        }
         Command::UseMaterial { shapes, material } => {
             if let Some(material) = material {
                 need::<Material>(edit, material)?;

@@ -1,0 +1,181 @@
+//! Which folders the files of a scene may lie in: every folder, or for an untrusted scene only its own and those that the user has allowed.
+
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::path::{Component, Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::reading::{self, FileError};
+
+/// Refused files are remembered up to this number; a scene can name any number of them.
+const MOST_REFUSED: usize = 1000;
+
+/// A permission to read files. Clones share the list of the files that were refused.
+#[derive(Clone, Debug, Default)]
+pub struct Access {
+    /// Canonical; None if every file may be read.
+    folders: Option<Vec<PathBuf>>,
+    refused: Arc<Mutex<BTreeSet<PathBuf>>>,
+}
+
+impl Access {
+    /// Every file may be read.
+    pub fn everywhere() -> Self {
+        Self::default()
+    }
+
+    /// Only files in these folders, and below them, may be read.
+    pub fn within(folders: impl IntoIterator<Item = PathBuf>) -> Self {
+        Self {
+            folders: Some(folders.into_iter().map(|folder| canonical(&folder)).collect()),
+            ..Self::default()
+        }
+    }
+
+    /// Permits this folder as well.
+    pub fn allow(&mut self, folder: &Path) {
+        if let Some(folders) = &mut self.folders {
+            let folder = canonical(folder);
+            if !folders.contains(&folder) {
+                folders.push(folder);
+            }
+        }
+    }
+
+    /// Whether a file or a folder may be looked at, after following its links. One that does not exist is judged by its name. A refused one is
+    /// remembered.
+    pub fn permits(&self, path: &Path) -> bool {
+        let permitted = self.covers(path);
+        if !permitted {
+            let mut refused = self.refused.lock().unwrap_or_else(PoisonError::into_inner);
+            if refused.len() < MOST_REFUSED {
+                refused.insert(path.to_owned());
+            }
+        }
+        permitted
+    }
+
+    /// As [`Self::permits`], but nothing is remembered.
+    pub fn covers(&self, path: &Path) -> bool {
+        let Some(folders) = &self.folders else {
+            return true;
+        };
+        resolved(path).is_some_and(|path| folders.iter().any(|folder| path.starts_with(folder)))
+    }
+
+    /// The files that were refused so far, in alphabetical order.
+    pub fn refused(&self) -> Vec<PathBuf> {
+        let refused = self.refused.lock().unwrap_or_else(PoisonError::into_inner);
+        refused.iter().cloned().collect()
+    }
+
+    /// As [`reading::check`].
+    pub fn check(&self, path: &Path, limit: u64) -> Result<(), FileError> {
+        reading::check(self.permitted(path)?, limit)
+    }
+
+    /// As [`reading::open`].
+    pub fn open(&self, path: &Path, limit: u64) -> Result<File, FileError> {
+        reading::open(self.permitted(path)?, limit)
+    }
+
+    /// As [`reading::read`].
+    pub fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
+        reading::read(self.permitted(path)?, limit)
+    }
+
+    fn permitted<'p>(&self, path: &'p Path) -> Result<&'p Path, FileError> {
+        match self.permits(path) {
+            true => Ok(path),
+            false => Err(FileError::Outside),
+        }
+    }
+}
+
+/// Two permissions are the same if they are for the same folders.
+impl PartialEq for Access {
+    fn eq(&self, other: &Self) -> bool {
+        self.folders == other.folders
+    }
+}
+
+fn canonical(folder: &Path) -> PathBuf {
+    resolved(folder).unwrap_or_else(|| folder.to_owned())
+}
+
+/// Absolute and without links. The part of the path that does not exist stays as it is; None if that part leads upwards.
+fn resolved(path: &Path) -> Option<PathBuf> {
+    let absolute = std::path::absolute(path).or_else(|_| std::env::current_dir()).ok()?;
+    let (existing, canonical) = absolute
+        .ancestors()
+        .find_map(|part| Some((part, part.canonicalize().ok()?)))?;
+    let rest = absolute.strip_prefix(existing).ok()?;
+    let is_plain = rest.components().all(|part| matches!(part, Component::Normal(_)));
+    // Joining nothing would add a separator.
+    match rest.as_os_str().is_empty() {
+        true => Some(canonical),
+        false => is_plain.then(|| canonical.join(rest)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn only_what_lies_in_the_folders_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::create_dir_all(path("scene/inside")).unwrap();
+        fs::create_dir_all(path("scene-beside")).unwrap();
+        for name in ["scene/a", "scene/inside/b", "scene-beside/c", "d"] {
+            fs::write(path(name), name).unwrap();
+        }
+        let mut access = Access::within([path("scene")]);
+        for name in ["scene/a", "scene/inside/b", "scene/inside/../a", "scene/../scene/a"] {
+            access.read(&path(name), 100).expect(name);
+        }
+        for name in [
+            "d",
+            "scene/../d",
+            "scene-beside/c",
+            "scene/inside/../../d",
+            "nowhere",
+            "scene/no/../../../d",
+        ] {
+            let error = access.read(&path(name), 100).expect_err(name);
+            assert!(matches!(error, FileError::Outside), "{name}: {error}");
+        }
+        // What is not there is judged by its name.
+        assert!(access.read(&path("scene/nothing"), 100).unwrap_err().is_not_found());
+        assert_eq!(access.clone().refused().len(), 6);
+        access.allow(&path("scene-beside"));
+        access.read(&path("scene-beside/c"), 100).unwrap();
+        Access::everywhere().read(&path("d"), 100).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_count_where_they_lead() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::create_dir_all(path("scene")).unwrap();
+        fs::create_dir_all(path("other")).unwrap();
+        for name in ["scene/a", "other/b"] {
+            fs::write(path(name), name).unwrap();
+        }
+        symlink(path("other/b"), path("scene/file-link")).unwrap();
+        symlink(path("other"), path("scene/folder-link")).unwrap();
+        symlink(path("scene/a"), path("scene/inner-link")).unwrap();
+        symlink(path("scene"), path("way-in")).unwrap();
+        let access = Access::within([path("way-in")]);
+        for name in ["scene/file-link", "scene/folder-link/b", "scene/folder-link/nothing"] {
+            assert!(!access.permits(&path(name)), "{name}");
+        }
+        for name in ["scene/a", "scene/inner-link", "way-in/a"] {
+            assert!(access.permits(&path(name)), "{name}");
+        }
+    }
+}
