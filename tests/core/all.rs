@@ -32,6 +32,7 @@ mod bsdf_delta;
 mod bsdf_plastic;
 mod bsdf_principled;
 mod bsdf_rough;
+#[cfg(feature = "denoise")]
 mod denoise;
 mod document;
 mod environment;
