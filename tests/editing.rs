@@ -133,7 +133,8 @@ fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
         done.len(),
         edited.things()
     );
-    assert!(steps > 500 && edited.things() > 20 && refused < 2000);
+    // Names that several things have are refused, so the steps that took effect are counted.
+    assert!(steps > 500 && edited.things() > 20 && done.len() > 1500);
 }
 
 #[test]

@@ -137,6 +137,7 @@ impl Open {
                 && status.is_complete()
                 && !status.has_errors()
                 && status.picture_problems.is_empty()
+                && status.damaged_pictures.is_empty()
                 && (!is_scene || status.revision > old)
         });
         self.nothing_is_lost();
@@ -207,5 +208,5 @@ fn mesh_is_truncated(row: &Row) {
 }
 
 fn picture_is_truncated(row: &Row) {
-    truncated(row, 2, |status| status.picture_problems.join("\n"));
+    truncated(row, 2, |status| status.damaged_pictures.join("\n"));
 }

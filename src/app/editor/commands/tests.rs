@@ -487,7 +487,7 @@ fn a_question_that_nobody_can_answer_is_an_error() {
     std::fs::write(&path, &theirs).expect("a file");
     // Another parameter of the same thing: both stay.
     apply_now(&mut world, Command::Save).expect("merged");
-    let merged = std::fs::read_to_string(&path).expect("a file");
+    let merged = crate::files::read_text(&path, crate::files::LARGEST_NOTE).expect("a file");
     assert!(merged.contains("radius") && merged.contains("translate"), "{merged}");
 
     let smaller = Shape {
@@ -506,5 +506,8 @@ fn a_question_that_nobody_can_answer_is_an_error() {
         "{error}"
     );
     assert!(world.resource::<EditorState>().save_question.is_none());
-    assert_eq!(std::fs::read_to_string(&path).expect("a file"), theirs);
+    assert_eq!(
+        crate::files::read_text(&path, crate::files::LARGEST_NOTE).expect("a file"),
+        theirs
+    );
 }
