@@ -26,7 +26,7 @@ const GROUP: &str = "<bsdf type='diffuse' id='red'><rgb name='reflectance' value
 
 fn place(i: usize) -> String {
     format!(
-        "<transform name='to_world'><rotate x='1' y='2' angle='{}'/><scale value='1,2,0.5'/><translate x='{}' z='{}'/></transform>",
+        "<transform name='to_world'><rotate x='0.6' y='0.8' angle='{}'/><scale value='1,2,0.5'/><translate x='{}' z='{}'/></transform>",
         37 * i,
         3 * (i % 40),
         4 * (i / 40)
