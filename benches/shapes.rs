@@ -10,7 +10,7 @@ use std::process::Command;
 
 /// Shapes of the tables with one entity for each shape.
 const COUNTS: [u32; 3] = [10_000, 100_000, 300_000];
-/// Of the table with instances of one group.
+/// An entry of the table with instances of one group.
 const INSTANCES: [u32; 3] = [10_000, 100_000, 1_000_000];
 
 /// The elements of a scene with so many shapes.

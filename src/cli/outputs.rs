@@ -59,7 +59,7 @@ fn write(path: &Path, image: &ImageRgb, display: &Display) -> Result<(), ImageIo
     })
 }
 
-/// Prints a text to standard output; that nobody reads it any more is no error.
+/// Prints a text to standard output. A closed pipe is no error.
 pub fn print(text: &[u8]) -> io::Result<()> {
     let mut output = io::stdout().lock();
     match output.write_all(text).and_then(|()| output.flush()) {

@@ -1,6 +1,6 @@
 //! Very many instances of one group in a row, kept as places in space and a range of the text in place of a tree.
 //!
-//! A tree of a million instances takes more than half a gigabyte, and nobody edits them one by one. The parser therefore packs them while it
+//! A tree of a million instances takes more than half a gigabyte, although they are not edited one by one. The parser therefore packs them while it
 //! reads ([`Packer`]); who writes the scene has the tree made again ([`Document::unpacked`]).
 
 use std::collections::HashSet;

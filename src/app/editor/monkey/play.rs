@@ -42,7 +42,7 @@ pub fn play(world: &mut World) {
         monkey.editing = Span::default();
         monkey.step(world);
         monkey.own_work += whole.elapsed() - monkey.editing;
-        // The window goes on drawing as if somebody were at work.
+        // The window goes on drawing as it does while it is used.
         world.resource_mut::<Pacing>().note_commands(false);
     }
     world.insert_resource(monkey);
