@@ -73,6 +73,6 @@ pub struct SceneDefines(pub Vec<(String, String)>);
 #[derive(Resource, Clone, Debug, Default)]
 pub struct WantedCamera {
     pub name: Option<String>,
-    /// Without it the program ends with an error: nobody is there to choose another.
+    /// The program ends with an error if the camera does not exist, because no user is there to choose another.
     pub is_required: bool,
 }

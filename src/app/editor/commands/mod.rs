@@ -85,7 +85,7 @@ fn keep_for_later(world: &mut World, commands: Vec<Command>) -> Vec<Command> {
     now
 }
 
-/// As a command of this frame, but the error is handed back, and so is a question that there is nobody to answer.
+/// Applies a command in this frame and returns its error. A question to the user is returned as an error as well.
 pub fn apply_now(world: &mut World, command: Command) -> Result<(), String> {
     note_input(world, command.restarts_picture());
     apply(world, command.clone())?;

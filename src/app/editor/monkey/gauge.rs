@@ -41,7 +41,7 @@ pub struct ThreadTimes {
 }
 
 impl ThreadTimes {
-    /// Of the calling thread.
+    /// Reads the figures of the calling thread.
     pub fn read() -> Self {
         // Nanoseconds on a core, nanoseconds waiting for one, number of turns (Linux, Documentation/scheduler/sched-stats.rst).
         let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
