@@ -96,7 +96,10 @@ impl Gltf {
             None => Vec::new(),
         };
         let uvs: Vec<Vec2> = match per_vertex(&format!("TEXCOORD_{}", self.uv_set(primitive)))? {
-            Some(accessor) => into_vectors(self.vectors::<2>(accessor, "VEC2", used)?),
+            Some(accessor) => {
+                let uvs = self.vectors::<2>(accessor, "VEC2", used)?;
+                uvs.into_iter().map(|uv| Vec2::from(finite(uv))).collect()
+            }
             None => Vec::new(),
         };
         let mut attributes = Vec::new();
@@ -110,7 +113,7 @@ impl Gltf {
                 channels: 3,
                 values: AttributeValues::F32(
                     colors
-                        .flat_map(|color| (Vec3::from(color) * factor).to_array())
+                        .flat_map(|color| finite((Vec3::from(color) * factor).to_array()))
                         .collect(),
                 ),
             });
@@ -155,6 +158,14 @@ impl Gltf {
 
 fn into_vectors<const N: usize, V: From<[f32; N]>>(numbers: Vec<[f32; N]>) -> Vec<V> {
     numbers.into_iter().map(V::from).collect()
+}
+
+/// Zeros for texture coordinates and colours that are not finite, as in meshes of all other formats.
+fn finite<const N: usize>(numbers: [f32; N]) -> [f32; N] {
+    match numbers.iter().all(|number| number.is_finite()) {
+        true => numbers,
+        false => [0.0; N],
+    }
 }
 
 /// The vertices that triangles stand on, ascending.

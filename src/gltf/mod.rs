@@ -133,6 +133,9 @@ impl Gltf {
         if let Some(name) = root.extensions_required.iter().find(|name| !is_supported(name)) {
             return Err(GltfError::Extension(name.clone()));
         }
+        let zeros = accessor::count_zeros(&root);
+        let mut needed = ZERO_BYTES.saturating_mul(zeros as u64);
+        let mut memory = memory::reserve(needed).map_err(GltfError::Memory)?;
         let mut buffers = Vec::with_capacity(root.buffers.len());
         for (index, buffer) in root.buffers.iter().enumerate() {
             let content = match (&buffer.uri, binary) {
@@ -140,6 +143,9 @@ impl Gltf {
                 (None, Some(binary)) if index == 0 => binary.to_vec(),
                 (None, _) => Vec::new(),
             };
+            // One file may be named many times.
+            needed = needed.saturating_add(COPIES * content.len() as u64);
+            memory.resize(needed).map_err(GltfError::Memory)?;
             if content.len() < buffer.byte_length {
                 return Err(GltfError::Buffer {
                     index,
@@ -149,15 +155,11 @@ impl Gltf {
             }
             buffers.push(content);
         }
-        let zeros = accessor::count_zeros(&root);
-        let held = buffers.iter().map(|buffer| buffer.len() as u64).sum::<u64>();
-        let needed = (COPIES * held).saturating_add(ZERO_BYTES.saturating_mul(zeros as u64));
-        let memory = memory::reserve(needed).map_err(GltfError::Memory)?.into();
         Ok(Self {
             root,
             buffers,
             zeros,
-            _memory: memory,
+            _memory: memory.into(),
         })
     }
 

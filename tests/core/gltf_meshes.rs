@@ -3,6 +3,8 @@
 use glam::{Vec2, Vec3};
 use sunroom::geometry::attribute::AttributeValues;
 use sunroom::geometry::mesh::MeshData;
+use sunroom::gltf::{Gltf, GltfError};
+use sunroom::memory;
 
 use crate::gltf_support::{Parts, SQUARE, open};
 
@@ -196,6 +198,36 @@ fn elements_without_bytes_have_a_limit_for_all_together() {
     assert_eq!(zeros(2236).expect("few enough").mesh.positions.len(), 30000);
     let error = zeros(2237).expect_err("too many").to_string();
     assert!(error.contains("without a buffer"), "{error}");
+}
+
+/// The pages are never touched: only what is promised is tested.
+#[test]
+fn one_file_that_is_many_buffers_is_refused_before_they_are_all_read() {
+    let buffers = [r#"{"byteLength": 1, "uri": "a"}"#; 10].join(",");
+    let text = format!(r#"{{"asset": {{"version": "2.0"}}, "buffers": [{buffers}]}}"#);
+    let half = memory::budget().limit() / 2;
+    let mut reads = 0;
+    let outcome = Gltf::open(text.as_bytes(), &mut |_| {
+        reads += 1;
+        Ok(vec![0; half as usize])
+    });
+    assert!(matches!(outcome, Err(GltfError::Memory(_))), "{outcome:?}");
+    assert_eq!(reads, 1);
+}
+
+#[test]
+fn texture_coordinates_and_colours_that_are_not_finite_are_zero() {
+    let mesh = square(|parts| {
+        let uvs = parts.floats("VEC2", &[0.0, 1.0, f32::NAN, 1.0, f32::INFINITY, 0.0, 1.0, 1.0]);
+        let mut colors = [0.5; 12];
+        (colors[3], colors[8]) = (f32::NEG_INFINITY, f32::NAN);
+        let colors = parts.floats("VEC3", &colors);
+        format!(r#", "TEXCOORD_0": {uvs}, "COLOR_0": {colors}"#)
+    });
+    assert_eq!(mesh.uvs, [Vec2::Y, Vec2::ZERO, Vec2::ZERO, Vec2::ONE]);
+    let [half, zero] = [[0.5; 3], [0.0; 3]];
+    let expected = AttributeValues::F32([half, zero, zero, half].concat());
+    assert_eq!(mesh.attributes[0].values, expected);
 }
 
 #[test]
