@@ -6,6 +6,8 @@ use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
+use crate::split_mix::Random;
+
 /// An input that takes longer counts as endless. The slowest one needs a thousandth of this on an idle machine.
 const LONGEST: Duration = Duration::from_secs(100);
 
@@ -72,26 +74,7 @@ fn excerpt(bytes: &[u8]) -> String {
     bytes[..bytes.len().min(4000)].escape_ascii().to_string()
 }
 
-/// Numbers that look random, the same in every run: splitmix64 (Steele, Lea, Flood 2014).
-pub struct Random(pub u64);
-
 impl Random {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub fn below(&mut self, end: usize) -> usize {
-        (self.next() % end.max(1) as u64) as usize
-    }
-
-    pub fn one_of<'a, T>(&mut self, list: &'a [T]) -> &'a T {
-        &list[self.below(list.len())]
-    }
-
     /// Changes the bytes at one place.
     fn mutate(&mut self, bytes: &mut Vec<u8>, others: &[Input]) {
         if bytes.is_empty() {

@@ -4,15 +4,10 @@
 use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
-use sunroom_fuzz::entries::{ENTRIES, Entry};
+use sunroom_fuzz::chosen;
+use sunroom_fuzz::entries::ENTRIES;
+use sunroom_fuzz::entries::Entry;
 
-static ENTRY: LazyLock<Entry> = LazyLock::new(|| {
-    let wanted = std::env::var("PARSER").unwrap_or_default();
-    let known = ENTRIES.map(|(name, _)| name).join(", ");
-    let found = ENTRIES.iter().find(|(name, _)| *name == wanted);
-    found
-        .unwrap_or_else(|| panic!("PARSER is `{wanted}`, not one of {known}"))
-        .1
-});
+static ENTRY: LazyLock<Entry> = LazyLock::new(|| chosen(&ENTRIES));
 
 fuzz_target!(init: sunroom_fuzz::prepare(), |bytes: &[u8]| ENTRY(bytes));

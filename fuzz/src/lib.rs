@@ -3,11 +3,17 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
+use entries::Entry;
+
 #[path = "../entries.rs"]
 pub mod entries;
 
-/// Bytes that a parser may hold at once.
-const MOST_MEMORY: usize = 1 << 30;
+/// The program's memory budget in bytes, as `--memory` sets it: so small that inputs which promise too much meet it, and that what stays
+/// within it is quick.
+const BUDGET: u64 = 32 << 20;
+
+/// Bytes that a parser may hold at once. What is beyond the budget was not reserved before it was allocated.
+const MOST_MEMORY: usize = 256 << 20;
 
 /// Counts what is allocated. Memory that was taken but never touched is invisible to the limits of the fuzzer itself.
 struct Limited;
@@ -50,8 +56,19 @@ unsafe impl GlobalAlloc for Limited {
     }
 }
 
-/// To be called once: one thread does all work, so that no time is lost between threads.
+/// The entry that the variable `PARSER` names.
+pub fn chosen(entries: &[(&str, Entry)]) -> Entry {
+    let wanted = std::env::var("PARSER").unwrap_or_default();
+    let found = entries.iter().find(|(name, _)| *name == wanted);
+    let known: Vec<&str> = entries.iter().map(|(name, _)| *name).collect();
+    found
+        .unwrap_or_else(|| panic!("PARSER is `{wanted}`, not one of {}", known.join(", ")))
+        .1
+}
+
+/// To be called once. Sets the memory budget; and one thread does all work, so that no time is lost between threads.
 pub fn prepare() {
+    sunroom_core::memory::budget().set_limit(BUDGET);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
     pool.build_global().expect("there is no pool yet");
 }

@@ -18,6 +18,8 @@ mod principled_figures;
 mod random;
 #[path = "accel_support/shared_data.rs"]
 mod shared_data;
+#[path = "../support/split_mix.rs"]
+mod split_mix;
 mod statistics;
 #[path = "../support/mod.rs"]
 mod support;

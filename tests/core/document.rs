@@ -11,6 +11,9 @@ use sunroom::document::{
 };
 use sunroom::files::write_atomically;
 
+use crate::fuzz_corpus::entries::without_spans;
+use crate::split_mix::Random;
+
 fn parse(text: &str) -> Document {
     parse_str(text, Path::new("scene.xml"), &[])
 }
@@ -779,28 +782,6 @@ fn readers_check_types_and_ranges_and_report_what_nobody_read() {
     assert_eq!(diagnostics.list[0].severity, Severity::Error);
 }
 
-/// The tree without the places.
-fn without_spans(object: &Object) -> Object {
-    let properties = object.properties.iter().map(|property| Property {
-        span: Span::default(),
-        ..property.clone()
-    });
-    let children = object.children.iter().map(|child| match child {
-        Child::Object(object) => without_spans(object).into(),
-        Child::Reference { name, id, .. } => Child::Reference {
-            name: name.clone(),
-            id: id.clone(),
-            span: Span::default(),
-        },
-    });
-    Object {
-        properties: properties.collect(),
-        children: children.collect(),
-        span: Span::default(),
-        ..object.clone()
-    }
-}
-
 fn assert_round_trip(document: &Document, what: &str) {
     let text = to_xml(document).unwrap();
     let again = parse_str(&*text, &document.path, &[]);
@@ -836,30 +817,16 @@ fn shared_scenes_parse_and_survive_writing() {
     }
 }
 
-/// Numbers for made-up scenes and damage: splitmix64 (Steele, Lea, Flood 2014).
-struct Random(u64);
-
+/// Parts of made-up scenes.
 impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() % end as u64) as usize
-    }
-
     /// Any finite number, of any size.
-    fn float(&mut self) -> f32 {
+    fn finite_float(&mut self) -> f32 {
         let number = f32::from_bits(self.next() as u32);
         if number.is_finite() { number } else { 0.0 }
     }
 
     fn vec3(&mut self) -> Vec3 {
-        Vec3::new(self.float(), self.float(), self.float())
+        Vec3::new(self.finite_float(), self.finite_float(), self.finite_float())
     }
 
     fn text(&mut self) -> String {
@@ -874,12 +841,12 @@ impl Random {
 
     fn value(&mut self) -> Value {
         match self.below(9) {
-            0 => Value::Float(self.float()),
+            0 => Value::Float(self.finite_float()),
             1 => Value::Integer(self.next() as i64),
             2 => Value::Boolean(self.below(2) == 0),
             3 => Value::String(self.text()),
             4 => Value::Rgb(self.vec3()),
-            5 => Value::Spectrum(self.float()),
+            5 => Value::Spectrum(self.finite_float()),
             6 => Value::Point(self.vec3()),
             7 => Value::Vector(self.vec3()),
             _ => Value::Transform((0..self.below(5)).map(|_| self.transform_op()).collect()),
@@ -891,11 +858,11 @@ impl Random {
             0 => TransformOp::Translate(self.vec3()),
             1 => TransformOp::Scale(self.vec3()),
             2 => TransformOp::Rotate {
-                axis: Vec3::new(1.0, self.float(), self.float()),
-                degrees: self.float(),
+                axis: Vec3::new(1.0, self.finite_float(), self.finite_float()),
+                degrees: self.finite_float(),
             },
             3 => {
-                let mut numbers: [f32; 16] = std::array::from_fn(|_| self.float());
+                let mut numbers: [f32; 16] = std::array::from_fn(|_| self.finite_float());
                 for (i, last) in [0.0, 0.0, 0.0, 1.0].into_iter().enumerate() {
                     numbers[4 * i + 3] = last;
                 }

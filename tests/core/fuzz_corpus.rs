@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::ROOT;
 
 #[path = "../../fuzz/entries.rs"]
-mod entries;
+pub mod entries;
 #[path = "../../fuzz/replay.rs"]
 mod replay;
 
