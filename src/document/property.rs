@@ -6,6 +6,7 @@ use glam::{Mat4, Vec3};
 
 use super::spectrum::{CLAMPED, Role, SampledSpectrum};
 use super::tag::Tag;
+use super::transform::{direction, left_of};
 use super::value::{self, quote};
 use super::{Diagnostics, Span, TransformOp, Value};
 
@@ -166,7 +167,7 @@ fn look_at(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<TransformOp> 
     };
     let (origin, target, up) = (corner(origin), corner(target), corner(up));
     let (origin, target) = (origin?, target?);
-    let Some(forward) = (target - origin).try_normalize() else {
+    let Some(forward) = direction(origin, target) else {
         diagnostics.error(
             tag.span,
             "`target` is where `origin` is: there is no direction to look in",
@@ -175,10 +176,10 @@ fn look_at(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option<TransformOp> 
     };
     let up = match up {
         None if up_given => return None,
-        None | Some(Vec3::ZERO) => any_up(forward),
+        None | Some(Vec3::ZERO) => any_up(forward.as_vec3()),
         Some(up) => up,
     };
-    if up.cross(forward).try_normalize().is_none() {
+    if left_of(forward, up).is_none() {
         diagnostics.error(tag.span, "`up` points along the direction from `origin` to `target`");
         return None;
     }

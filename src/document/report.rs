@@ -133,8 +133,10 @@ impl Diagnostics {
     fn is_foreign(&self, id: SourceId) -> bool {
         let path = |id| self.source(id).and_then(|source| source.path.canonicalize().ok());
         match (path(SourceId(0)), path(id)) {
+            _ if id == SourceId(0) => false,
             (Some(main), Some(path)) => !main.parent().is_some_and(|folder| path.starts_with(folder)),
-            _ => false,
+            // A file that is gone by now.
+            _ => true,
         }
     }
 

@@ -1,6 +1,6 @@
 //! The steps of a `<transform>`, kept as the file gives them so that a saved file reads like the loaded one.
 
-use glam::{Affine3A, Mat3, Mat4, Quat, Vec3};
+use glam::{Affine3A, DMat3, DVec3, Mat3, Mat4, Quat, Vec3};
 
 /// One child of a `<transform>`; they apply in document order, the first one nearest to the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,12 +32,10 @@ impl TransformOp {
             Self::Scale(by) => Affine3A::from_scale(by),
             Self::Matrix(matrix) => Affine3A::from_mat4(matrix),
             Self::LookAt { origin, target, up } => {
-                let forward = (target - origin).try_normalize().unwrap_or(Vec3::Z);
-                let left = up
-                    .cross(forward)
-                    .try_normalize()
-                    .unwrap_or_else(|| forward.any_orthonormal_vector());
-                Affine3A::from_mat3_translation(Mat3::from_cols(left, forward.cross(left), forward), origin)
+                let forward = direction(origin, target).unwrap_or(DVec3::Z);
+                let left = left_of(forward, up).unwrap_or_else(|| forward.any_orthonormal_vector());
+                let axes = DMat3::from_cols(left, forward.cross(left), forward).as_mat3();
+                Affine3A::from_mat3_translation(axes, origin)
             }
         }
     }
@@ -56,6 +54,17 @@ impl TransformOp {
     pub fn compose(ops: &[Self]) -> Affine3A {
         ops.iter().fold(Affine3A::IDENTITY, |so_far, op| op.affine() * so_far)
     }
+}
+
+/// The direction from `origin` to `target`, of length 1; None if they are the same point. Double precision holds the square of every length
+/// that single precision has.
+pub fn direction(origin: Vec3, target: Vec3) -> Option<DVec3> {
+    (target.as_dvec3() - origin.as_dvec3()).try_normalize()
+}
+
+/// The direction to the left of a camera that looks along `forward`, of length 1; None if `up` is zero or along `forward`.
+pub fn left_of(forward: DVec3, up: Vec3) -> Option<DVec3> {
+    up.as_dvec3().try_normalize()?.cross(forward).try_normalize()
 }
 
 /// Squared lengths of an axis that differ from 1 by less than this are rounding of single precision, or of six digits.
@@ -113,5 +122,26 @@ mod tests {
             degrees: 30.0,
         };
         assert_eq!(nowhere.affine(), Affine3A::IDENTITY);
+    }
+
+    #[test]
+    fn a_look_over_any_distance_has_the_same_axes() {
+        let (to, up) = (Vec3::new(1.0, -2.0, 3.0), Vec3::new(0.25, 1.0, 0.5));
+        let axes = |distance: f32, upwards: f32| {
+            let step = TransformOp::LookAt {
+                origin: Vec3::ZERO,
+                target: distance * to,
+                up: upwards * up,
+            };
+            Mat3::from(step.affine().matrix3)
+        };
+        let expected = axes(1.0, 1.0);
+        assert!(expected.z_axis.abs_diff_eq(to.normalize(), 1e-6), "{expected}");
+        for size in [1e-44f32, 1e-38, 1e-20, 1e20, 1e38] {
+            // The smallest numbers have but few digits.
+            let tolerance = if size < 1e-40 { 0.2 } else { 1e-6 };
+            assert!(axes(size, 1.0).abs_diff_eq(expected, tolerance), "{size}");
+            assert!(axes(1.0, size).abs_diff_eq(expected, tolerance), "{size}");
+        }
     }
 }

@@ -179,6 +179,23 @@ fn a_look_at_without_up_gets_one() {
 }
 
 #[test]
+fn a_look_at_over_the_smallest_distances_has_a_direction() {
+    for distance in ["1e-38", "1e-44"] {
+        let document = good(&format!(
+            r#"<sensor type="perspective"><transform name="to_world"><lookat origin="0,0,0" target="{distance},0,0" up="0,1,0"/></transform></sensor>"#
+        ));
+        let Value::Transform(ops) = value(&document, "to_world") else {
+            panic!("no transform");
+        };
+        assert_eq!(
+            TransformOp::compose(ops).transform_vector3(Vec3::Z),
+            Vec3::X,
+            "{distance}"
+        );
+    }
+}
+
+#[test]
 fn old_names_are_read_as_new_ones() {
     let document = good(
         r#"<bsdf type="diffuse">
@@ -687,6 +704,34 @@ fn files_that_are_no_text_are_refused() {
     assert_eq!((line, column), (2, 3));
     fs::write(&path, format!("\u{feff}{}", scene(""))).unwrap();
     assert_eq!(load(&path, &[]).unwrap().diagnostics.to_string(), "");
+}
+
+#[test]
+fn lines_of_files_elsewhere_are_not_shown_even_when_the_scene_is_gone() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    for name in ["scenes", "private"] {
+        std::fs::create_dir(path(name)).expect("a temporary folder");
+    }
+    let text = "<scene version='3.0.0'>\n<nonsense/> <!-- secret -->\n</scene>";
+    std::fs::write(path("private/part.xml"), text).expect("a temporary folder");
+    let scene = path("scenes/scene.xml");
+    std::fs::write(
+        &scene,
+        "<scene version='3.0.0'><include filename='../private/part.xml'/></scene>",
+    )
+    .expect("writable");
+    let document = load(&scene, &[]).expect("there is text");
+    for is_gone in [false, true] {
+        if is_gone {
+            std::fs::remove_file(&scene).expect("it is there");
+        }
+        let report = document.diagnostics.render(false, 1000);
+        assert!(
+            report.contains("part.xml:2:1") && !report.contains("secret"),
+            "{report}"
+        );
+    }
 }
 
 #[test]

@@ -1,9 +1,10 @@
 //! `<Config>` and `<Camera>`: the film, the number of samples, the depth, and where one looks from.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::Import;
 use super::tree::Node;
+use crate::document::transform::direction;
 use crate::document::{Category, Object, TransformOp, Value};
 
 const WIDTH: f32 = 800.0;
@@ -107,14 +108,14 @@ impl Import<'_> {
                 }
             }
         }
-        if (target - origin).try_normalize().is_none() {
+        let forward = direction(origin, target).unwrap_or_else(|| {
             self.warn(span, "the camera looks at where it stands: it looks along -z instead");
             target = origin - Vec3::Z;
-        }
-        let forward = (target - origin).normalize_or(Vec3::NEG_Z);
-        if up.normalize_or_zero().cross(forward).length() < 1e-6 {
+            DVec3::NEG_Z
+        });
+        if up.as_dvec3().normalize_or_zero().cross(forward).length() < 1e-6 {
             self.warn(span, "`Up` is along the view: another one is taken");
-            up = forward.any_orthonormal_vector();
+            up = forward.any_orthonormal_vector().as_vec3();
         }
         sensor
             .at(span)
