@@ -5,6 +5,7 @@
 //! their pose at rest.
 
 mod accessor;
+mod camera;
 pub mod files;
 mod material;
 mod mesh;

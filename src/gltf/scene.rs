@@ -10,7 +10,7 @@ use glam::{Affine3A, Mat4, Vec3};
 
 use super::mesh::VERTEX_COLOR;
 use super::picture::Picture;
-use super::schema::{Camera, Light, Node, Primitive};
+use super::schema::{Light, Node, Primitive};
 use super::{Gltf, GltfError, is_supported};
 use crate::document::write::check_finite;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
@@ -33,22 +33,6 @@ pub struct Imported {
     pub warnings: Vec<String>,
 }
 
-/// Rows of a picture whose camera says nothing of pixels, and its shape if it says nothing of that.
-const ROWS: f32 = 720.0;
-const ASPECT: f32 = 16.0 / 9.0;
-/// Of a camera that sees to infinity, in multiples of its nearest distance.
-const FARTHEST: f32 = 1e7;
-const SAMPLES: i64 = 64;
-/// Where the camera stands if the file has none, seen from the middle of things.
-const VIEWPOINT: Vec3 = Vec3::new(0.5, 0.4, 1.0);
-const VIEW_DEGREES: f32 = 40.0;
-/// A camera is placed for scenes whose coordinates are at most this large. Products of three lengths still fit into single precision.
-const FARTHEST_REACH: f32 = 1e12;
-/// The radius that such a camera frames is at least this share of the largest coordinate, 80 times the rounding of single precision,
-const SMALLEST_SHARE: f32 = 1e-5;
-/// and at least this long, so that its cube is far above the smallest positive number.
-const SMALLEST_RADIUS: f32 = 1e-9;
-
 pub(super) struct Builder<'a> {
     pub gltf: &'a Gltf,
     references: &'a mut dyn References,
@@ -67,14 +51,14 @@ pub(super) struct Builder<'a> {
     ids: HashSet<String>,
     /// By name the number that the next thing of this name may get.
     next_numbers: HashMap<String, u32>,
-    sensors: Vec<Object>,
+    pub(super) sensors: Vec<Object>,
     /// The ids of bsdfs by material and whether meshes bring the colours.
     materials: BTreeMap<(Option<usize>, bool), String>,
     bsdfs: Vec<Object>,
     emitters: Vec<Object>,
-    shapes: Vec<Object>,
+    pub(super) shapes: Vec<Object>,
     has_area_light: bool,
-    bounds: Aabb,
+    pub(super) bounds: Aabb,
 }
 
 /// What there is to know of a mesh wherever it stands.
@@ -281,40 +265,6 @@ impl Builder<'_> {
         id
     }
 
-    fn camera(&mut self, camera: &Camera, id: String, world: Mat4) {
-        // Cameras of the file look along -z with +x to the right.
-        let pose = world * Mat4::from_rotation_y(PI);
-        let sensor = |plugin: &str, near: f32, far: f32| {
-            let sensor = with_float(object(Category::Sensor, plugin), "near_clip", near);
-            with_float(sensor, "far_clip", far)
-        };
-        let (sensor, pose, aspect) = match (&camera.perspective, &camera.orthographic) {
-            (Some(lens), _) => {
-                let near = lens.znear.max(f32::MIN_POSITIVE);
-                let far = lens.zfar.unwrap_or(FARTHEST * near);
-                let sensor = with_float(sensor("perspective", near, far), "fov", lens.yfov.to_degrees());
-                let sensor = with(sensor, "fov_axis", Value::String("y".into()));
-                (sensor, pose, lens.aspect_ratio.unwrap_or(ASPECT))
-            }
-            (None, Some(lens)) => {
-                let scale = Mat4::from_scale(Vec3::new(lens.xmag.abs(), lens.xmag.abs(), 1.0));
-                let near = lens.znear.max(f32::MIN_POSITIVE);
-                (
-                    sensor("orthographic", near, lens.zfar),
-                    pose * scale,
-                    (lens.xmag / lens.ymag).abs(),
-                )
-            }
-            (None, None) => {
-                self.warn(format!("the camera `{id}` has no projection: it is left out"));
-                return;
-            }
-        };
-        let sensor = with_film(with_world(sensor, pose), aspect);
-        let id = Some(id.into());
-        self.sensors.push(Object { id, ..sensor });
-    }
-
     fn light(&mut self, light: &Light, name: &str, world: Mat4) {
         let power = self.possible_light(Vec3::from(light.color) * light.intensity, &format!("light `{name}`"));
         let emitter = |plugin: &str| object(Category::Emitter, plugin);
@@ -402,30 +352,6 @@ impl Builder<'_> {
             warnings: self.warnings,
         })
     }
-
-    /// A camera that sees everything there is. An error if single precision cannot hold its distance from things.
-    fn overview(&mut self) -> Result<Object, GltfError> {
-        if self.shapes.is_empty() {
-            self.warn("the scene has no triangles".to_owned());
-            return Ok(overview(Vec3::ZERO, 1.0));
-        }
-        let reach = self.bounds.min.abs().max(self.bounds.max.abs()).max_element();
-        // Not a number is no reach either.
-        if reach.is_nan() || reach > FARTHEST_REACH {
-            return Err(GltfError::Reach {
-                reach,
-                limit: FARTHEST_REACH,
-            });
-        }
-        let radius = 0.5 * self.bounds.extent().length();
-        let least = (SMALLEST_SHARE * reach).max(SMALLEST_RADIUS);
-        if radius < least {
-            self.warn(format!(
-                "the scene has an extent of {radius:e}, too small for a camera to frame: the camera frames {least:e}"
-            ));
-        }
-        Ok(overview(self.bounds.center(), radius.max(least)))
-    }
 }
 
 /// An error if a number of the scene is too large for single precision.
@@ -437,38 +363,6 @@ fn check_numbers(object: &Object) -> Result<(), GltfError> {
         })?;
     }
     object.objects().try_for_each(check_numbers)
-}
-
-/// A camera that sees a sphere.
-fn overview(center: Vec3, radius: f32) -> Object {
-    let distance = radius / (0.5 * VIEW_DEGREES.to_radians()).sin();
-    let look = TransformOp::LookAt {
-        origin: center + distance * VIEWPOINT.normalize(),
-        target: center,
-        up: Vec3::Y,
-    };
-    let sensor = with_float(object(Category::Sensor, "perspective"), "fov", VIEW_DEGREES);
-    let sensor = with(sensor, "fov_axis", Value::String("smaller".into()));
-    let sensor = with_float(sensor, "near_clip", 1e-3 * distance);
-    let sensor = with_float(sensor, "far_clip", 1e3 * distance);
-    with_film(with(sensor, "to_world", Value::Transform(vec![look])), ASPECT)
-}
-
-fn with_film(sensor: Object, aspect: f32) -> Object {
-    let aspect = if aspect.is_finite() && aspect > 0.0 {
-        aspect
-    } else {
-        ASPECT
-    };
-    let pixels = |side: f32| Value::Integer(side.round().clamp(1.0, 16.0 * ROWS) as i64);
-    let film = with(object(Category::Film, "hdrfilm"), "width", pixels(ROWS * aspect));
-    let film = with(film, "height", pixels(ROWS));
-    let sampler = with(
-        object(Category::Sampler, "independent"),
-        "sample_count",
-        Value::Integer(SAMPLES),
-    );
-    with_child(with_child(sensor, film), sampler)
 }
 
 pub(super) fn object(category: Category, plugin: &str) -> Object {
@@ -497,7 +391,7 @@ pub(super) fn with_child(mut object: Object, child: Object) -> Object {
     object
 }
 
-fn with_world(object: Object, world: Mat4) -> Object {
+pub(super) fn with_world(object: Object, world: Mat4) -> Object {
     if world == Mat4::IDENTITY {
         return object;
     }

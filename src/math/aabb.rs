@@ -2,6 +2,11 @@
 
 use glam::{Affine3A, Vec3};
 
+/// A radius that a camera frames is at least this share of the largest coordinate, 80 times the rounding of single precision,
+const SMALLEST_SHARE: f32 = 1e-5;
+/// and at least this long, so that its cube is far above the smallest positive number.
+const SMALLEST_RADIUS: f32 = 1e-9;
+
 /// An axis-aligned box; [`Aabb::EMPTY`] (min > max) holds nothing and is the identity of union.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
@@ -56,6 +61,32 @@ impl Aabb {
         0.5 * self.min + 0.5 * self.max
     }
 
+    /// Half the diagonal; zero for the empty box.
+    pub fn radius(&self) -> f32 {
+        let extent = self.extent();
+        let largest = extent.max_element();
+        // Squares of very small and very large lengths are beyond single precision.
+        match largest > 0.0 && largest.is_finite() {
+            true => 0.5 * largest * (extent / largest).length(),
+            false => 0.5 * largest,
+        }
+    }
+
+    /// The radius around the centre that a camera frames to show this box: [`Self::radius`]. Where single precision cannot resolve that it is
+    /// at least 1, so that a point is not looked at from within itself.
+    pub fn framed_radius(&self) -> f32 {
+        let reach = self.min.abs().max(self.max.abs()).max_element();
+        let least = if self.is_empty() {
+            SMALLEST_RADIUS
+        } else {
+            (SMALLEST_SHARE * reach).max(SMALLEST_RADIUS)
+        };
+        match self.radius() {
+            radius if radius < least => least.max(1.0),
+            radius => radius,
+        }
+    }
+
     /// Half the surface area, the measure of the surface area heuristic (only ratios matter there).
     pub fn half_area(&self) -> f32 {
         let e = self.extent();
@@ -84,5 +115,34 @@ impl Aabb {
 
     pub fn contains(&self, other: &Self) -> bool {
         other.is_empty() || (self.min.cmple(other.min).all() && self.max.cmpge(other.max).all())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_camera_cannot_resolve_is_framed_with_a_radius_of_one() {
+        let framed = |corner: f32, extent: f32| {
+            let corner = Vec3::splat(corner);
+            Aabb::from_points([corner, corner + extent * Vec3::X]).framed_radius()
+        };
+        for (corner, extent, expected) in [
+            (0.0, 0.0, 1.0),
+            (7.0, 0.0, 1.0),
+            (0.0, 1e-30, 1.0),
+            (0.0, 1e-6, 0.5e-6),
+            (0.0, 1e30, 0.5e30),
+            (1e6, 0.25, 10.0),
+            (1e6, 30.0, 15.0),
+        ] {
+            let found = framed(corner, extent);
+            assert!(
+                (found - expected).abs() <= 1e-6 * expected,
+                "{corner} {extent}: {found}"
+            );
+        }
+        assert_eq!((Aabb::EMPTY.framed_radius(), Aabb::EMPTY.radius()), (1.0, 0.0));
     }
 }
