@@ -28,7 +28,11 @@ const RULES: &[(&str, &[&str], bool)] = &[
     ("medium", BELOW_SHADING, false),
     ("render", &["KERNEL", "files"], false),
     ("document", &["math", "color", "files"], false),
-    ("gltf", &["math", "color", "memory", "geometry", "document"], false),
+    (
+        "gltf",
+        &["math", "color", "memory", "geometry", "texture", "document"],
+        false,
+    ),
     ("scene", &["math", "color", "files", "document"], true),
     (
         "scene/assets",

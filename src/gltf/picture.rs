@@ -1,13 +1,11 @@
 //! Pictures as the scene format needs them, made from those of the file: one channel, a factor applied, an alpha cut off, normals turned.
 //! The format has no textures that are products of others, and neither metals nor roughness share a picture there.
 
-use std::io::Cursor;
-
-use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageFormat, ImageReader, Luma, Rgb};
+use image::{DynamicImage, ImageBuffer, Luma, Rgb};
 
 use super::{Gltf, GltfError, ReadFile};
 use crate::color::{linear_from_srgb, srgb_from_linear};
-use crate::memory::{self, Reservation};
+use crate::texture::decode_picture;
 
 /// A picture that materials of the file use. Two that are equal are one.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +60,8 @@ impl Gltf {
                 extension,
             });
         }
-        let (image, _memory) = decoded(&bytes, format).map_err(bad)?;
+        let (image, _memory) =
+            decode_picture(&bytes, format, CONVERTED_BYTES).map_err(|error| bad(error.to_string()))?;
         let made = make(&image, picture.made);
         let (format, extension) = match made {
             DynamicImage::ImageRgb32F(_) => (image::ImageFormat::OpenExr, "exr"),
@@ -80,19 +79,6 @@ impl Gltf {
 
 /// Bytes per pixel for the four floats that a picture is converted to, and for the three that it becomes.
 const CONVERTED_BYTES: u64 = 28;
-
-/// The picture, and what is reserved for it and its conversion.
-fn decoded(bytes: &[u8], format: ImageFormat) -> Result<(DynamicImage, Reservation), String> {
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    reader.no_limits();
-    let decoder = reader.into_decoder().map_err(|error| error.to_string())?;
-    let (width, height) = decoder.dimensions();
-    let converted = (u64::from(width) * u64::from(height)).saturating_mul(CONVERTED_BYTES);
-    let memory = memory::reserve(decoder.total_bytes().saturating_add(converted))
-        .map_err(|shortage| format!("{width} x {height} pixels need {shortage}"))?;
-    let image = DynamicImage::from_decoder(decoder).map_err(|error| error.to_string())?;
-    Ok((image, memory))
-}
 
 fn make(image: &DynamicImage, made: Made) -> DynamicImage {
     let unit = |share: f32| (share.clamp(0.0, 1.0) * 65535.0).round() as u16;

@@ -66,27 +66,49 @@ pub fn load_image(bytes: &[u8]) -> Result<Image, ImageFileError> {
         let name = format.extensions_str().first().copied().unwrap_or("?");
         return Err(ImageFileError::UnsupportedFormat(name.to_uppercase()));
     }
+    decode(limited_decoder(bytes, format)?, bytes.len())
+}
+
+/// Decodes a whole file of this format, one of those with integers. What is reserved with it are its samples and `more_bytes` for each pixel.
+pub fn decode_picture(
+    bytes: &[u8],
+    format: ImageFormat,
+    more_bytes: u64,
+) -> Result<(DynamicImage, Reservation), ImageFileError> {
+    decode_reserved(limited_decoder(bytes, format)?, bytes.len(), more_bytes)
+}
+
+/// A decoder that takes no more memory for itself than the whole budget.
+fn limited_decoder(bytes: &[u8], format: ImageFormat) -> Result<impl ImageDecoder, ImageFileError> {
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
     limits.max_alloc = Some(memory::budget().limit());
     reader.limits(limits);
-    decode(reader.into_decoder().map_err(damaged)?, bytes.len())
+    reader.into_decoder().map_err(damaged)
 }
 
 fn decode(decoder: impl ImageDecoder, file_bytes: usize) -> Result<Image, ImageFileError> {
-    let (width, height) = decoder.dimensions();
     let has_floats = matches!(decoder.color_type(), ColorType::Rgb32F | ColorType::Rgba32F);
     let environment = if has_floats { ENVIRONMENT_BYTES } else { 0 };
+    let (picture, memory) = decode_reserved(decoder, file_bytes, environment)?;
+    hold(without_alpha(picture)?, memory)
+}
+
+fn decode_reserved(
+    decoder: impl ImageDecoder,
+    file_bytes: usize,
+    more_bytes: u64,
+) -> Result<(DynamicImage, Reservation), ImageFileError> {
+    let (width, height) = decoder.dimensions();
     let pixels = u64::from(width) * u64::from(height);
     let size = Promise {
         width: width.into(),
         height: height.into(),
         decoded_bytes: decoder.total_bytes(),
-        memory_bytes: decoder.total_bytes().saturating_add(environment.saturating_mul(pixels)),
+        memory_bytes: decoder.total_bytes().saturating_add(more_bytes.saturating_mul(pixels)),
     };
     let memory = size.reserve(file_bytes)?;
-    let image = without_alpha(DynamicImage::from_decoder(decoder).map_err(damaged)?)?;
-    hold(image, memory)
+    Ok((DynamicImage::from_decoder(decoder).map_err(damaged)?, memory))
 }
 
 fn damaged(error: ::image::ImageError) -> ImageFileError {

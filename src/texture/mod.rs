@@ -19,7 +19,7 @@ use crate::geometry::mesh::MeshData;
 pub use bitmap::{Bitmap, Filter, Wrap};
 pub use checkerboard::Checkerboard;
 pub use image::{Image, Samples, Transfer};
-pub use image_file::{ImageFileError, load_image};
+pub use image_file::{ImageFileError, decode_picture, load_image};
 pub use mesh_attribute::MeshAttribute;
 
 /// An index into a [`TextureTable`].

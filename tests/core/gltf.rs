@@ -270,6 +270,14 @@ fn a_scene_of_no_extent_is_framed_and_one_beyond_all_numbers_is_refused_for_that
         let pose = world(of(&imported.root, Category::Sensor)[0]);
         assert!(pose.is_finite(), "{corner} {scale}: {pose}");
         let toward = Vec3::splat(corner) + 0.5 * scale * Vec3::new(1.0, 1.0, 0.0) - Vec3::from(pose.translation);
+        if corner == 0.0 && scale < 1.0 {
+            // A sphere of radius 1 fills a field of view of 40 degrees.
+            let distance = 1.0 / 20f32.to_radians().sin();
+            assert!(
+                (toward.length() / distance - 1.0).abs() < 1e-5,
+                "{corner} {scale}: {pose}"
+            );
+        }
         let toward = (toward / toward.abs().max_element()).normalize();
         assert!(
             pose.transform_vector3(Vec3::Z).dot(toward) > 0.99,
@@ -473,6 +481,31 @@ fn of_pictures_that_cannot_be_read_the_factors_stay() {
         let area = inside(of(&imported.root, Category::Shape)[0], "area");
         assert_eq!(value(area, "radiance"), &Value::Rgb(Vec3::new(1.0, 2.0, 3.0)));
     }
+}
+
+#[test]
+fn a_picture_that_promises_more_than_its_bytes_can_hold_takes_no_memory() {
+    let material = r#"{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1], "baseColorTexture": {"index": 0}}}"#;
+    let (mut parts, rest) = textured_quad(material);
+    // The first chunk: length, name, width, height, five more bytes, checksum.
+    let mut bomb = png();
+    for side in [16, 20] {
+        bomb[side..side + 4].copy_from_slice(&20_000u32.to_be_bytes());
+    }
+    let mut checksum = flate2::Crc::new();
+    checksum.update(&bomb[12..29]);
+    bomb[29..33].copy_from_slice(&checksum.sum().to_be_bytes());
+    let image = parts.view(&bomb, "");
+    let rest = rest.replacen(
+        r#""images": [{"bufferView": 2"#,
+        &format!(r#""images": [{{"bufferView": {image}"#),
+        1,
+    );
+    let (imported, _) = import(&parts.text(&rest));
+    let [warning] = &imported.warnings[..] else {
+        panic!("{:?}", imported.warnings)
+    };
+    assert!(warning.contains("20000 x 20000 pixels is promised"), "{warning}");
 }
 
 #[test]
