@@ -3,8 +3,7 @@
 
 use wide::{f32x4, i32x4};
 
-use super::sets::{Bounds, Reference, Set};
-use super::spatial::Plane;
+use super::sets::{Bounds, Plane, Reference, Set};
 
 const MAX_BINS: usize = 16;
 

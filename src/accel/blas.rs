@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use super::affine_mesh::AffineMesh;
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
+use super::hit::{Hit, MeshHit};
 use super::memory::{CACHE, Table};
 use super::packet::{LANES, TrianglePacket};
 use super::spatial::cut_triangle;
-use super::tlas::Hit;
 use super::traverse::Steps;
 use crate::geometry::mesh::MeshData;
 use crate::geometry::triangle::{TriangleRay, is_regular};
@@ -36,18 +36,6 @@ pub struct Blas {
     pub(super) has_flat_normals: bool,
     /// If it is the image of a square or a cube.
     pub(super) affine: Option<AffineMesh>,
-}
-
-/// A hit of a mesh; `u`, `v` are the barycentric weights of the triangle's corners 1 and 2.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeshHit {
-    pub t: f32,
-    /// Index into the mesh's triangles.
-    pub triangle: u32,
-    pub u: f32,
-    pub v: f32,
-    /// The triangle's number in the order of the leaves, with empty places between some.
-    pub slot: u32,
 }
 
 impl Blas {

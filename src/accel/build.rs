@@ -7,8 +7,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::binning::{Bins, Boundary, Grid};
-use super::collapse::{BinaryTree, Branch, Costs, collapse};
-use super::node::Node;
+use super::collapse::{BinaryTree, Branch, Costs, Tree, collapse};
 use super::sets::{Bounds, Reference, Set};
 use super::spatial::{Cut, SpatialBins, divide};
 use crate::math::Aabb;
@@ -24,27 +23,6 @@ pub enum SplitMethod {
     #[default]
     Sah,
 }
-
-pub(super) struct Tree {
-    pub nodes: Vec<Node>,
-    pub order: Vec<u32>,
-    /// Levels of nodes.
-    pub depth: usize,
-}
-
-impl Tree {
-    /// A root without children.
-    pub fn childless() -> Self {
-        Self {
-            nodes: vec![Node::EMPTY],
-            order: Vec::new(),
-            depth: 1,
-        }
-    }
-}
-
-/// Fills a leaf up to its size.
-pub(super) const NO_PRIMITIVE: u32 = u32::MAX;
 
 /// From this depth of the binary tree on sets are halved by count, which ends within [`MAX_DEPTH`] for any u32 number of primitives.
 const MEDIAN_DEPTH: usize = 64;

@@ -8,13 +8,14 @@ use std::ops::Range;
 
 use arrayvec::ArrayVec;
 
-use super::blas::{Blas, MeshHit};
+use super::blas::Blas;
 use super::bvh::Bvh;
+use super::hit::{Hit, MeshHit};
 use super::instance::Primitive;
 use super::node::{Child, Node, REACH, WIDTH, reach};
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::SlabLanes;
-use super::tlas::{Hit, Item, Tlas};
+use super::tlas::{Item, Tlas};
 use super::traverse::{STACK, Steps};
 use crate::geometry::triangle::TriangleRay;
 use crate::math::Ray;
@@ -92,7 +93,7 @@ impl Tlas {
     pub fn intersect_bundle(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let active = active & rays.usable();
         if let Some(few) = &self.few {
-            let hits = few.closest::<true>(self, rays, active);
+            let hits = few.closest::<true>(self.shapes(), rays, active);
             self.prefetch_normals(&hits);
             return hits;
         }
@@ -135,7 +136,7 @@ impl Tlas {
     pub fn occluded_bundle(&self, rays: &RayLanes, active: u32) -> u32 {
         let active = active & rays.usable();
         if let Some(few) = &self.few {
-            return few.any::<true>(self, rays, active);
+            return few.any::<true>(self.shapes(), rays, active);
         }
         self.bvh.walk_bundle::<true>(rays, active, |range, asked, _| {
             let numbers = self.bvh.order()[range].iter();

@@ -5,7 +5,8 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::build::{MAX_DEPTH, NO_PRIMITIVE, SplitMethod, Tree, build};
+use super::build::{MAX_DEPTH, SplitMethod, build};
+use super::collapse::{NO_PRIMITIVE, Tree};
 use super::node::{Child, MAX_LEAF, Node, WIDTH};
 use super::spatial::Cut;
 use crate::math::Aabb;

@@ -9,10 +9,31 @@ use std::ops::Range;
 use arrayvec::ArrayVec;
 use rayon::prelude::*;
 
-use super::build::{NO_PRIMITIVE, Tree};
 use super::node::{Child, Node, WIDTH};
 use super::sets::Set;
 use crate::math::Aabb;
+
+/// The wide tree: nodes, the first of which is the root, and the primitives in the order of the leaves.
+pub(super) struct Tree {
+    pub nodes: Vec<Node>,
+    pub order: Vec<u32>,
+    /// Levels of nodes.
+    pub depth: usize,
+}
+
+impl Tree {
+    /// A root without children.
+    pub fn childless() -> Self {
+        Self {
+            nodes: vec![Node::EMPTY],
+            order: Vec::new(),
+            depth: 1,
+        }
+    }
+}
+
+/// Fills a leaf up to its size.
+pub(super) const NO_PRIMITIVE: u32 = u32::MAX;
 
 /// What is made wide.
 #[derive(Default)]

@@ -9,12 +9,12 @@ use glam::{Vec2, Vec3};
 
 use super::affine_mesh::{AffineMesh, Face};
 use super::blas::Blas;
+use super::hit::Hit;
 use super::instance::{Instance, Primitive};
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::{SlabLanes, cube, local_to, rectangle, sphere};
 use super::shape_packet::ShapePacket;
 use super::tiny_mesh::TinyMesh;
-use super::tlas::{Hit, Tlas};
 use super::traverse::Steps;
 use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
@@ -23,6 +23,13 @@ use crate::math::{Aabb, Ray};
 /// Above these the hierarchy wins: of shapes that are alone, and of packets.
 const MOST_SHAPES: usize = 24;
 const MOST_PACKETS: usize = 64;
+
+/// The shapes that [`FewShapes`] was made of.
+#[derive(Clone, Copy)]
+pub(super) struct Shapes<'a> {
+    pub instances: &'a [Instance],
+    pub packets: &'a [ShapePacket],
+}
 
 /// The shapes of a scene that has few, the cheap ones first.
 #[derive(Clone, Debug)]
@@ -70,7 +77,8 @@ struct Nearest {
 
 impl FewShapes {
     /// None if they are too many, even with those in `packets` taken together.
-    pub fn new(instances: &[Instance], packets: &[ShapePacket]) -> Option<Self> {
+    pub fn new(scene: Shapes) -> Option<Self> {
+        let Shapes { instances, packets } = scene;
         let mut alone = vec![true; instances.len()];
         let mut shapes = Vec::new();
         if instances.len() > MOST_SHAPES {
@@ -94,7 +102,7 @@ impl FewShapes {
     }
 
     /// Of the lanes in `active`. With `COHERENT` rays go through meshes as a bundle.
-    pub fn closest<const COHERENT: bool>(&self, scene: &Tlas, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
+    pub fn closest<const COHERENT: bool>(&self, scene: Shapes, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let mut nearest = Nearest {
             t: rays.t_max,
             u: Lanes::ZERO,
@@ -150,7 +158,7 @@ impl FewShapes {
                         None => {}
                     }
                 }
-                Kind::Packets => nearest.ask_packets(active, number, scene.packets(), rays),
+                Kind::Packets => nearest.ask_packets(active, number, scene.packets, rays),
                 Kind::Other => nearest.ask(active, number, shape, scene, rays),
             }
         }
@@ -178,7 +186,7 @@ impl FewShapes {
     }
 
     /// A bit for each of the lanes in `active` whose ray meets anything.
-    pub fn any<const COHERENT: bool>(&self, scene: &Tlas, rays: &RayLanes, active: u32) -> u32 {
+    pub fn any<const COHERENT: bool>(&self, scene: Shapes, rays: &RayLanes, active: u32) -> u32 {
         let mut hit = 0;
         for shape in &self.shapes {
             let left = active & !hit;
@@ -212,7 +220,7 @@ impl FewShapes {
                             None => 0,
                         }
                     }
-                    Kind::Packets => any_of_packets(left, scene.packets(), rays),
+                    Kind::Packets => any_of_packets(left, scene.packets, rays),
                     Kind::Other => rays.those(left, |ray| shape.instance(scene).occluded(ray)),
                 };
         }
@@ -263,11 +271,11 @@ impl FewShape {
         local_to(rays, &self.rows, self.place)
     }
 
-    fn instance<'a>(&self, scene: &'a Tlas) -> &'a Instance {
-        &scene.instances()[self.instance as usize]
+    fn instance<'a>(&self, scene: Shapes<'a>) -> &'a Instance {
+        &scene.instances[self.instance as usize]
     }
 
-    fn mesh<'a>(&self, scene: &'a Tlas) -> Option<&'a Blas> {
+    fn mesh<'a>(&self, scene: Shapes<'a>) -> Option<&'a Blas> {
         match &self.instance(scene).primitive {
             Primitive::Mesh(blas) => Some(blas),
             _ => None,
@@ -297,7 +305,7 @@ impl Nearest {
 
     /// The rays of the lanes `asked` ask the shape one by one.
     #[inline(always)]
-    fn ask(&mut self, asked: u32, number: Lanes, shape: &FewShape, scene: &Tlas, rays: &RayLanes) {
+    fn ask(&mut self, asked: u32, number: Lanes, shape: &FewShape, scene: Shapes, rays: &RayLanes) {
         let instance = shape.instance(scene);
         for lane in each_lane(asked) {
             let ray = self.shortened(lane, rays);

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use glam::{Affine3A, DAffine3, DMat3, Mat3A, Vec3, Vec3A};
 
 use super::blas::Blas;
+use super::hit::Hit;
 use super::ray_lanes::RayLanes;
+use super::rounding::Rounding;
 use super::shape_lanes::local_to;
-use super::surface::Rounding;
-use super::tlas::Hit;
 use super::traverse::Steps;
 use crate::geometry::local::LocalHit;
 use crate::geometry::{cylinder, disk, rectangle, sphere};

@@ -9,9 +9,10 @@ use wide::f32x8;
 
 use super::memory::prefetch;
 use super::ray_lanes::RayLanes;
+use super::rounding::{EXIT_SCALE, LEAST_MARGIN};
 use super::shape_lanes::inverse_within;
 use crate::math::lanes::{Lanes, Vec3Lanes};
-use crate::math::{Aabb, Ray, gamma};
+use crate::math::{Aabb, Ray};
 
 pub(super) const WIDTH: usize = 8;
 
@@ -142,9 +143,6 @@ impl Node {
     }
 }
 
-/// Widens the exit distance by the rounding of both distances.
-pub(super) const EXIT_SCALE: f32 = 1.0 + 2.0 * gamma(3);
-
 /// How far a box may begin that holds something as near as `t_max`, whatever the rounding of both. With less it would depend on the order of
 /// the walk which of two triangles is found where they meet.
 #[inline(always)]
@@ -217,6 +215,3 @@ impl RaySlabLanes {
         }
     }
 }
-
-/// Times the largest inverse this is 3e20, farther than any hit that f32 could resolve.
-pub(super) const LEAST_MARGIN: f32 = 1e-18;

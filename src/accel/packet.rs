@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use wide::f32x8;
 
-use super::blas::MeshHit;
+use super::hit::MeshHit;
 use super::memory::prefetch;
 use crate::geometry::triangle::TriangleRay;
 

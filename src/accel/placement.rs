@@ -4,7 +4,7 @@
 
 use glam::{Affine3A, DAffine3, DMat3, Mat3, Vec3, Vec3A};
 
-use super::surface::SurfacePoint;
+use super::hit::SurfacePoint;
 use crate::math::{Aabb, Ray, gamma};
 
 /// Where a group stands.

@@ -172,3 +172,10 @@ impl Set {
         set
     }
 }
+
+/// A plane across an axis.
+#[derive(Clone, Copy)]
+pub(super) struct Plane {
+    pub axis: usize,
+    pub at: f32,
+}

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::node::{EXIT_SCALE, LEAST_MARGIN};
 use super::ray_lanes::RayLanes;
+use super::rounding::{EXIT_SCALE, LEAST_MARGIN};
 use crate::math::Aabb;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, copy_sign};
 

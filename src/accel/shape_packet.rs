@@ -6,12 +6,13 @@ use std::ops::Range;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
-use super::build::{NO_PRIMITIVE, SplitMethod};
+use super::build::SplitMethod;
 use super::bvh::Bvh;
+use super::collapse::NO_PRIMITIVE;
+use super::hit::Hit;
 use super::instance::{Instance, Primitive};
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::{in_rectangle, local, plane, round, sphere};
-use super::tlas::Hit;
 use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};

@@ -4,18 +4,12 @@
 use glam::Vec3;
 
 use super::binning::{Bins, Grid};
-use super::sets::{Bounds, Reference, Set};
+use super::sets::{Bounds, Plane, Reference, Set};
 use crate::math::Aabb;
 
 /// Boxes around the two sides of a primitive's part within a box: those before and behind a plane across an axis. A side without anything
 /// is empty.
 pub(super) type Cut<'a> = dyn Fn(u32, &Aabb, Plane) -> [Aabb; 2] + Sync + 'a;
-
-#[derive(Clone, Copy)]
-pub(super) struct Plane {
-    pub axis: usize,
-    pub at: f32,
-}
 
 /// Planes that are tried on each axis, and one.
 const BINS: usize = 16;

@@ -4,48 +4,17 @@
 //! the vertex normals of its file go by the inverse transpose and are not made to agree with it, and vertex normals that were computed
 //! from the triangles turn around with them; the normals of other shapes go by the inverse transpose.
 
-use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
+use glam::{Affine3A, Vec2, Vec3, Vec3A};
 
 use super::blas::Blas;
+use super::hit::{Detail, Hit, SurfacePoint};
 use super::instance::{Instance, Primitive};
 use super::memory::prefetch;
-use super::tlas::{Hit, Tlas};
+use super::tlas::Tlas;
 use crate::geometry::local::{LocalSurface, Parametrisation};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::{cylinder, disk, rectangle, sphere, triangle};
-use crate::math::{Aabb, Frame, Ray, gamma};
-
-/// Where a ray met a surface, in world space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfacePoint {
-    pub position: Vec3,
-    /// Bound, per coordinate, on how far `position` may lie off the surface as rays see it; what `math::offset_origin` wants.
-    pub error: f32,
-    /// Unit length.
-    pub geometric_normal: Vec3,
-    /// Unit length; may lie on the other side than the geometric one.
-    pub shading_normal: Vec3,
-    /// Zero, as the derivatives, with [`Detail::Plain`].
-    pub uv: Vec2,
-    /// How `position` moves with u and with v (Mitsuba 3's parametrisation; world lengths). Zero at the poles of spheres (`dp_du`) and the
-    /// centres of disks; any two tangents where a mesh's texture coordinates are degenerate. Normals that are flipped do not change them.
-    pub dp_du: Vec3,
-    pub dp_dv: Vec3,
-}
-
-/// How much of a [`SurfacePoint`] is wanted: what depends on texture coordinates can cost as much as all the rest.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Detail {
-    Plain,
-    Parametrised,
-}
-
-impl SurfacePoint {
-    /// Around the shading normal with s along `dp_du`, the frame that anisotropic scattering and normal maps refer to.
-    pub fn shading_frame(&self) -> Frame {
-        Frame::from_normal_and_tangent(self.shading_normal, self.dp_du)
-    }
-}
+use crate::math::Ray;
 
 impl Tlas {
     /// The mesh that was hit, if it was one; `hit.primitive` is the triangle, `hit.u`, `hit.v` the weights of its corners 1 and 2.
@@ -266,39 +235,6 @@ impl Instance {
             + self.rounding.of_translation;
         error.max_element()
     }
-}
-
-/// What bounds the rounding of an instance's transforms, per coordinate, in world units.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Rounding {
-    /// From the local error, as it arrives in the world.
-    of_error: Mat3A,
-    /// From the magnitudes of the local position.
-    of_position: Mat3A,
-    of_translation: Vec3A,
-}
-
-impl Rounding {
-    pub fn new(world_from_local: &Affine3A, local_from_world: &Affine3A) -> Self {
-        let out = absolute(&world_from_local.matrix3);
-        let back = absolute(&local_from_world.matrix3);
-        Self {
-            of_error: out,
-            of_position: out * (back * out) * gamma(8) + out * gamma(4),
-            of_translation: gamma(2) * world_from_local.translation.abs(),
-        }
-    }
-
-    /// For a shape within `bounds` that rays meet as a whole, in a space of its own: its size counts wherever the hit is.
-    pub fn of_whole(mut self, world_from_local: &Affine3A, bounds: &Aabb) -> Self {
-        let reach = bounds.min.abs().max(bounds.max.abs());
-        self.of_translation += gamma(6) * (absolute(&world_from_local.matrix3) * Vec3A::from(reach));
-        self
-    }
-}
-
-fn absolute(matrix: &Mat3A) -> Mat3A {
-    Mat3A::from_cols(matrix.x_axis.abs(), matrix.y_axis.abs(), matrix.z_axis.abs())
 }
 
 /// The bits of 2 to the power of -127.

@@ -5,17 +5,17 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::blas::{Blas, MeshHit};
+use super::blas::Blas;
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
-use super::few::FewShapes;
+use super::few::{FewShapes, Shapes};
+use super::hit::Hit;
 use super::instance::{Instance, Primitive};
 use super::memory::CACHE;
 use super::placement::Placement;
 use super::ray_lanes::RayLanes;
 use super::shape_packet::ShapePacket;
 use super::traverse::Steps;
-use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, each_lane};
 use crate::math::{Aabb, Ray};
 
@@ -47,55 +47,6 @@ pub(super) enum Item<'a> {
     Packet(&'a ShapePacket),
 }
 
-/// A hit in the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
-    /// Parameter of the world ray.
-    pub t: f32,
-    /// Index into [`Tlas::instances`], or beyond them into [`Tlas::placements`].
-    pub instance: u32,
-    /// Index into the instances of the group that is placed there; zero if it is none.
-    pub member: u32,
-    /// The mesh's triangle; zero for other shapes.
-    pub primitive: u32,
-    /// As in [`crate::geometry::local::LocalHit`].
-    pub u: f32,
-    pub v: f32,
-    /// Of a mesh's triangle as in [`MeshHit`], else [`Hit::NO_SLOT`].
-    pub(super) slot: u32,
-}
-
-impl Hit {
-    pub(super) const NO_SLOT: u32 = u32::MAX;
-
-    /// With a shape that is no mesh.
-    #[inline(always)]
-    pub(super) fn of_shape(instance: u32, hit: LocalHit) -> Self {
-        Self {
-            t: hit.t,
-            instance,
-            member: 0,
-            primitive: 0,
-            u: hit.u,
-            v: hit.v,
-            slot: Self::NO_SLOT,
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn of_mesh(instance: u32, hit: MeshHit) -> Self {
-        Self {
-            t: hit.t,
-            instance,
-            member: 0,
-            primitive: hit.triangle,
-            u: hit.u,
-            v: hit.v,
-            slot: hit.slot,
-        }
-    }
-}
-
 impl Tlas {
     /// Of shapes alone.
     pub fn build(instances: Vec<Instance>, method: SplitMethod) -> Self {
@@ -121,7 +72,12 @@ impl Tlas {
         let packets = ShapePacket::gather(&instances, method);
         let few = placements
             .is_empty()
-            .then(|| FewShapes::new(&instances, &packets))
+            .then(|| {
+                FewShapes::new(Shapes {
+                    instances: &instances,
+                    packets: &packets,
+                })
+            })
             .flatten();
         let has_vertex_normals = groups.iter().any(|group| group.has_vertex_normals)
             || instances.iter().any(|shape| shape.with_vertex_normals().is_some());
@@ -153,8 +109,11 @@ impl Tlas {
         &self.placements
     }
 
-    pub(super) fn packets(&self) -> &[ShapePacket] {
-        &self.packets
+    pub(super) fn shapes(&self) -> Shapes<'_> {
+        Shapes {
+            instances: &self.instances,
+            packets: &self.packets,
+        }
     }
 
     pub fn bvh(&self) -> &Bvh {
@@ -364,7 +323,7 @@ impl Tlas {
     pub fn intersect_lanes(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let active = active & rays.usable();
         let hits = if let Some(few) = &self.few {
-            few.closest::<false>(self, rays, active)
+            few.closest::<false>(self.shapes(), rays, active)
         } else if self.is_large {
             self.intersect_many(&rays.rays(), active)
         } else {
@@ -382,7 +341,7 @@ impl Tlas {
     pub fn occluded_lanes(&self, rays: &RayLanes, active: u32) -> u32 {
         let active = active & rays.usable();
         if let Some(few) = &self.few {
-            return few.any::<false>(self, rays, active);
+            return few.any::<false>(self.shapes(), rays, active);
         }
         if self.is_large {
             return self.occluded_many(&rays.rays(), active);

@@ -4,7 +4,8 @@ use arrayvec::ArrayVec;
 use wide::f32x8;
 
 use super::{OUTWARD, Place, Progress, Stack, Walk, members, take_turns};
-use crate::accel::blas::{Blas, MeshHit};
+use crate::accel::blas::Blas;
+use crate::accel::hit::MeshHit;
 use crate::accel::node::{Child, Node, RaySlabLanes, RaySlabs, WIDTH};
 use crate::accel::packet::TrianglePacket;
 use crate::accel::ray_lanes::RayLanes;

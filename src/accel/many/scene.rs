@@ -4,11 +4,12 @@ use arrayvec::ArrayVec;
 
 use super::{Place, Progress, Stack, Walk, members, take_turns};
 use crate::accel::bvh::Bvh;
+use crate::accel::hit::Hit;
 use crate::accel::instance::Primitive;
 use crate::accel::node::{Child, RaySlabs};
 use crate::accel::packet::TrianglePacket;
 use crate::accel::shape_packet::ShapePacket;
-use crate::accel::tlas::{Hit, Item, Tlas};
+use crate::accel::tlas::{Item, Tlas};
 use crate::geometry::triangle::TriangleRay;
 use crate::math::Ray;
 

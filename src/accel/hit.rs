@@ -1,0 +1,99 @@
+//! What the hierarchies answer: what a ray hits, and the surface there.
+
+use glam::{Vec2, Vec3};
+
+use crate::geometry::local::LocalHit;
+use crate::math::Frame;
+
+/// A hit in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Parameter of the world ray.
+    pub t: f32,
+    /// Index into [`super::Tlas::instances`], or beyond them into [`super::Tlas::placements`].
+    pub instance: u32,
+    /// Index into the instances of the group that is placed there; zero if it is none.
+    pub member: u32,
+    /// The mesh's triangle; zero for other shapes.
+    pub primitive: u32,
+    /// As in [`crate::geometry::local::LocalHit`].
+    pub u: f32,
+    pub v: f32,
+    /// Of a mesh's triangle as in [`MeshHit`], else [`Hit::NO_SLOT`].
+    pub(super) slot: u32,
+}
+
+impl Hit {
+    pub(super) const NO_SLOT: u32 = u32::MAX;
+
+    /// With a shape that is no mesh.
+    #[inline(always)]
+    pub(super) fn of_shape(instance: u32, hit: LocalHit) -> Self {
+        Self {
+            t: hit.t,
+            instance,
+            member: 0,
+            primitive: 0,
+            u: hit.u,
+            v: hit.v,
+            slot: Self::NO_SLOT,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn of_mesh(instance: u32, hit: MeshHit) -> Self {
+        Self {
+            t: hit.t,
+            instance,
+            member: 0,
+            primitive: hit.triangle,
+            u: hit.u,
+            v: hit.v,
+            slot: hit.slot,
+        }
+    }
+}
+
+/// A hit of a mesh; `u`, `v` are the barycentric weights of the triangle's corners 1 and 2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshHit {
+    pub t: f32,
+    /// Index into the mesh's triangles.
+    pub triangle: u32,
+    pub u: f32,
+    pub v: f32,
+    /// The triangle's number in the order of the leaves, with empty places between some.
+    pub slot: u32,
+}
+
+/// Where a ray met a surface, in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    pub position: Vec3,
+    /// Bound, per coordinate, on how far `position` may lie off the surface as rays see it; what `math::offset_origin` wants.
+    pub error: f32,
+    /// Unit length.
+    pub geometric_normal: Vec3,
+    /// Unit length; may lie on the other side than the geometric one.
+    pub shading_normal: Vec3,
+    /// Zero, as the derivatives, with [`Detail::Plain`].
+    pub uv: Vec2,
+    /// How `position` moves with u and with v (Mitsuba 3's parametrisation; world lengths). Zero at the poles of spheres (`dp_du`) and the
+    /// centres of disks; any two tangents where a mesh's texture coordinates are degenerate. Normals that are flipped do not change them.
+    pub dp_du: Vec3,
+    pub dp_dv: Vec3,
+}
+
+/// How much of a [`SurfacePoint`] is wanted: what depends on texture coordinates can cost as much as all the rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Detail {
+    Plain,
+    Parametrised,
+}
+
+impl SurfacePoint {
+    /// Around the shading normal with s along `dp_du`, the frame that anisotropic scattering and normal maps refer to.
+    pub fn shading_frame(&self) -> Frame {
+        Frame::from_normal_and_tangent(self.shading_normal, self.dp_du)
+    }
+}
