@@ -6,10 +6,11 @@
 use glam::{Vec2, Vec3};
 
 use super::bounds::LightBounds;
+use super::hit::SurfaceHit;
 use super::point::PointLight;
 use super::projector::ProjectorLight;
 use super::spot::SpotLight;
-use super::surface::{SurfaceHit, SurfaceLight};
+use super::surface::SurfaceLight;
 use super::{LightReference, LightSample};
 use crate::color::Rgb;
 use crate::texture::TextureTable;

@@ -5,9 +5,6 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
-use super::finite::FiniteLight;
-use super::infinite::InfiniteLight;
-use super::table::{LightTable, Only};
 use crate::color::Rgb;
 use crate::math::lanes::{FrameLanes, Lanes, Vec3Lanes, offset_origins};
 use crate::sampling::lanes::{RectangleLanes, cosine_hemisphere};
@@ -44,18 +41,7 @@ pub enum SoleLight {
     Constant(Rgb),
 }
 
-impl SoleLight {
-    /// None if the scene has other lights, or another.
-    pub fn of(lights: &LightTable) -> Option<Self> {
-        match lights.only()? {
-            Only::Finite(FiniteLight::Surface(light)) => light.sole_rectangle().map(Self::Rectangle),
-            Only::Infinite(InfiniteLight::Constant(light)) => Some(Self::Constant(light.radiance)),
-            _ => None,
-        }
-    }
-}
-
-/// Directions to a constant light by their cosine with the unit vectors `normal`, as [`LightTable::sample`] gives them, and their
+/// Directions to a constant light by their cosine with the unit vectors `normal`, as [`super::LightTable::sample`] gives them, and their
 /// densities; zero where there is none.
 #[inline(always)]
 pub fn sample_constant(normal: Vec3Lanes, u: [Lanes; 2]) -> (Vec3Lanes, Lanes) {
@@ -65,7 +51,7 @@ pub fn sample_constant(normal: Vec3Lanes, u: [Lanes; 2]) -> (Vec3Lanes, Lanes) {
 }
 
 impl SoleRectangle {
-    /// As [`LightTable::sample`] from the positions `reference`.
+    /// As [`super::LightTable::sample`] from the positions `reference`.
     #[inline(always)]
     pub fn sample(&self, reference: Vec3Lanes, u: [Lanes; 2]) -> RectangleLightSampleLanes {
         let zero = Lanes::ZERO;

@@ -15,6 +15,7 @@ mod cylinder;
 mod directional;
 mod environment;
 mod finite;
+mod hit;
 mod hosek_wilkie;
 mod infinite;
 pub mod lanes;
@@ -39,11 +40,11 @@ use crate::color::Rgb;
 use crate::texture::Parameter;
 
 pub use environment::EnvironmentMap;
+pub use hit::SurfaceHit;
 pub use hosek_wilkie::Atmosphere;
 pub use projector::Projector;
 pub use spot::Spot;
 pub use sun_position::PlaceAndTime;
-pub use surface::SurfaceHit;
 pub use table::LightTable;
 
 /// Index of a light in its [`LightTable`], the order of the sources it was built from.

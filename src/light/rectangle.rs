@@ -2,8 +2,8 @@
 
 use glam::{Vec2, Vec3};
 
+use super::hit::{SurfaceHit, SurfaceSample, solid_angle_pdf};
 use super::lanes::SoleRectangle;
-use super::surface::{SurfaceHit, SurfaceSample, solid_angle_pdf};
 use crate::color::Rgb;
 use crate::math::Aabb;
 use crate::sampling::lanes::RectangleLanes;

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 
-use super::surface::{SurfaceHit, SurfaceSample, solid_angle_pdf};
+use super::hit::{SurfaceHit, SurfaceSample, solid_angle_pdf};
 use crate::math::Frame;
 use crate::sampling::warp;
 

@@ -10,6 +10,7 @@ use super::directional::DirectionalLight;
 use super::environment::EnvironmentLight;
 use super::finite::FiniteLight;
 use super::infinite::InfiniteLight;
+use super::lanes::SoleLight;
 use super::point::PointLight;
 use super::projector::ProjectorLight;
 use super::spot::SpotLight;
@@ -134,11 +135,17 @@ impl LightTable {
         })
     }
 
-    /// The only light there is, if there is but one, of one part.
-    pub(super) fn only(&self) -> Option<Only<'_>> {
+    /// The scene's only light, if there is one alone and it can be sampled in lanes.
+    pub fn sole(&self) -> Option<SoleLight> {
+        if !self.choice.is_certain() {
+            return None;
+        }
         match (&self.finite[..], &self.infinite[..]) {
-            ([finite], []) if self.choice.is_certain() => Some(Only::Finite(&finite.light)),
-            ([], [(_, light)]) if self.choice.is_certain() => Some(Only::Infinite(light)),
+            ([finite], []) => match &finite.light {
+                FiniteLight::Surface(light) => light.sole_rectangle().map(SoleLight::Rectangle),
+                _ => None,
+            },
+            ([], [(_, InfiniteLight::Constant(light))]) => Some(SoleLight::Constant(light.radiance)),
             _ => None,
         }
     }
@@ -225,12 +232,6 @@ impl LightTable {
             Place::Finite(_) | Place::Nowhere => None,
         }
     }
-}
-
-/// A table's only light.
-pub(super) enum Only<'a> {
-    Finite(&'a FiniteLight),
-    Infinite(&'a InfiniteLight),
 }
 
 /// A light made from its source.

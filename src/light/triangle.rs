@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::bounds::NormalCone;
-use super::surface::{SurfaceHit, SurfaceSample, solid_angle_pdf};
+use super::hit::{SurfaceHit, SurfaceSample, solid_angle_pdf};
 use crate::accel::Instance;
 use crate::geometry::mesh::MeshData;
 use crate::math::Aabb;

@@ -6,8 +6,8 @@
 
 use glam::Vec3;
 
-use super::node::Node;
-use super::{Content, LightTree, Place};
+use super::node::{Content, Node};
+use super::{LightTree, Place};
 use crate::light::bounds::LightBounds;
 use crate::math::Aabb;
 
@@ -27,47 +27,50 @@ const DEEPEST_SPLIT: u32 = 64;
 /// Sets below this size are not worth another thread.
 const SMALLEST_TASK: usize = 8192;
 
-pub(super) fn build(emitters: &[Option<LightBounds>]) -> Option<LightTree> {
-    let shining = emitters.iter().zip(0..);
-    let mut items: Vec<Item> = shining
-        .filter_map(|(light, emitter)| {
-            let light = (*light)?;
-            Some(Item { light, emitter })
-        })
-        .collect();
-    // Intensities become shares of the whole, so that their sums stay in range and none of them vanishes.
-    let total: f64 = items.iter().map(|item| f64::from(item.light.intensity)).sum();
-    for item in &mut items {
-        let share = f64::from(item.light.intensity) / total;
-        item.light.intensity = (share as f32).max(f32::MIN_POSITIVE);
-    }
-    let mut pairs = vec![[Node::EMPTY; 2]; items.len().checked_sub(1)?];
-    let mut parents = vec![Place::default(); pairs.len()];
-    let mut leaves = vec![None; emitters.len()];
-    let only = match items[..] {
-        [item] => Some(item.emitter),
-        _ => None,
-    };
-    match only {
-        Some(emitter) => leaves[emitter as usize] = Some(Place::default()),
-        None => {
-            split(&mut items, &mut pairs, 0, 0);
+impl LightTree {
+    /// The tree over the emitters that have bounds. None if none has.
+    pub(in crate::light) fn build(emitters: &[Option<LightBounds>]) -> Option<Self> {
+        let shining = emitters.iter().zip(0..);
+        let mut items: Vec<Item> = shining
+            .filter_map(|(light, emitter)| {
+                let light = (*light)?;
+                Some(Item { light, emitter })
+            })
+            .collect();
+        // Intensities become shares of the whole, so that their sums stay in range and none of them vanishes.
+        let total: f64 = items.iter().map(|item| f64::from(item.light.intensity)).sum();
+        for item in &mut items {
+            let share = f64::from(item.light.intensity) / total;
+            item.light.intensity = (share as f32).max(f32::MIN_POSITIVE);
         }
-    }
-    for (nodes, pair) in pairs.iter().zip(0..) {
-        for (side, node) in nodes.iter().enumerate() {
-            match node.content() {
-                Content::Emitter(emitter) => leaves[emitter as usize] = Some(Place::new(pair, side)),
-                Content::Pair(child) => parents[child as usize] = Place::new(pair, side),
+        let mut pairs = vec![[Node::EMPTY; 2]; items.len().checked_sub(1)?];
+        let mut parents = vec![Place::default(); pairs.len()];
+        let mut leaves = vec![None; emitters.len()];
+        let only = match items[..] {
+            [item] => Some(item.emitter),
+            _ => None,
+        };
+        match only {
+            Some(emitter) => leaves[emitter as usize] = Some(Place::default()),
+            None => {
+                split(&mut items, &mut pairs, 0, 0);
             }
         }
+        for (nodes, pair) in pairs.iter().zip(0..) {
+            for (side, node) in nodes.iter().enumerate() {
+                match node.content() {
+                    Content::Emitter(emitter) => leaves[emitter as usize] = Some(Place::new(pair, side)),
+                    Content::Pair(child) => parents[child as usize] = Place::new(pair, side),
+                }
+            }
+        }
+        Some(Self {
+            pairs,
+            parents,
+            leaves,
+            only,
+        })
     }
-    Some(LightTree {
-        pairs,
-        parents,
-        leaves,
-        only,
-    })
 }
 
 /// Fills `pairs`, one fewer than `items` and the first of them numbered `first_pair`, with the tree over two items or more.

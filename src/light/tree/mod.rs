@@ -7,9 +7,8 @@
 mod build;
 mod node;
 
-use self::node::Node;
+use self::node::{Content, Node};
 use super::LightReference;
-use super::bounds::LightBounds;
 
 #[derive(Clone, Debug)]
 pub(super) struct LightTree {
@@ -41,19 +40,7 @@ impl Place {
     }
 }
 
-/// What a node stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Content {
-    Emitter(u32),
-    Pair(u32),
-}
-
 impl LightTree {
-    /// Over the emitters that have bounds. None if none has.
-    pub fn build(emitters: &[Option<LightBounds>]) -> Option<Self> {
-        build::build(emitters)
-    }
-
     /// The emitter, if there is but one.
     pub fn only(&self) -> Option<u32> {
         self.only

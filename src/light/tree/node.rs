@@ -2,9 +2,15 @@
 
 use glam::{I16Vec2, U16Vec2, Vec2, Vec3};
 
-use super::Content;
 use crate::light::LightReference;
 use crate::light::bounds::{LightBounds, NormalCone};
+
+/// What a node stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Content {
+    Emitter(u32),
+    Pair(u32),
+}
 
 /// The emitters below as a ball of points with normals in a cone.
 #[derive(Clone, Copy, Debug)]

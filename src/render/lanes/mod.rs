@@ -52,7 +52,7 @@ pub(super) fn trace(
         scene,
         view,
         settings,
-        sole_light: SoleLight::of(&scene.lights),
+        sole_light: scene.lights.sole(),
     };
     let mut samples = vec![(PathSample::default(), 0.0); jobs.len()];
     let mut paths = Paths::new(view, jobs);
