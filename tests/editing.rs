@@ -658,6 +658,50 @@ fn a_recovered_scene_does_not_overwrite_what_was_changed_since() {
 }
 
 #[test]
+fn instances_that_come_back_after_a_save_are_written_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.xml");
+    let instances = |group: &str, count: usize| -> String {
+        let at = |x: usize| format!("<transform name='to_world'><translate x='{x}'/></transform>");
+        (1..=count)
+            .map(|x| format!("<shape type='instance'><ref id='{group}'/>{}</shape>\n", at(x)))
+            .collect()
+    };
+    let group = |id: &str| format!("<shape type='shapegroup' id='{id}'><shape type='sphere'/></shape>\n");
+    let text = format!(
+        "<scene version='3.0.0'>\n<sensor type='perspective'/>\n{}{}{}{}</scene>\n",
+        group("few"),
+        group("many"),
+        instances("few", 1100),
+        instances("many", 1200)
+    );
+    std::fs::write(&path, &text).expect("a file");
+    let counts = || -> Vec<(Option<String>, usize)> {
+        let scene = read_scene(&path);
+        let crowds = scene.shapes.iter().filter_map(|shape| {
+            let group = scene.groups[shape.instance_of?].identity.id.clone();
+            Some((group, shape.placements.as_ref()?.places.len()))
+        });
+        crowds.collect()
+    };
+    let both = counts();
+    assert_eq!(both, [(Some("few".into()), 1100), (Some("many".into()), 1200)]);
+    let mut world = window_on(&path);
+    assert!(say(&mut world, "select \"1100 instances\"") && say(&mut world, "delete"));
+    save(&mut world);
+    assert_eq!(counts(), both[1..]);
+    assert!(say(&mut world, "undo"));
+    save(&mut world);
+    let mut again = counts();
+    again.sort();
+    assert_eq!(again, both);
+    let scene = read_scene(&path);
+    let first = scene.shapes.iter().find_map(|shape| shape.placements.as_ref());
+    let place = first.expect("instances").places[77].translation;
+    assert_eq!(place, Vec3::new(78.0, 0.0, 0.0).into());
+}
+
+#[test]
 fn a_name_that_several_things_have_is_none() {
     let mut world = world();
     for order in 0..3 {

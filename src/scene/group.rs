@@ -33,17 +33,15 @@ pub struct InstanceOf(pub Entity);
 #[relationship_target(relationship = InstanceOf)]
 pub struct Instances(Vec<Entity>);
 
-/// Very many instances as one: in place of `ToWorld`, which is not asked then. Saved as they were read.
+/// Very many instances as one, in place of `ToWorld`. They are saved with the text that they were read from, as long as the file has it.
 #[derive(Component, Clone, Debug)]
 pub struct Placements {
     /// World from group; shared with the document.
     pub places: Arc<[Affine3A]>,
-    /// The index of the crowd in the document that it was read from.
-    pub crowd: usize,
 }
 
 impl PartialEq for Placements {
     fn eq(&self, other: &Self) -> bool {
-        self.crowd == other.crowd && (Arc::ptr_eq(&self.places, &other.places) || self.places == other.places)
+        Arc::ptr_eq(&self.places, &other.places) || self.places == other.places
     }
 }

@@ -34,13 +34,9 @@ macro_rules! object_state {
                 $(write_component(world, entity, &self.$field);)*
             }
 
-            /// Three states into one: what `theirs` changed since `base` is taken over, what they left alone stays as `ours` has it.
-            pub fn merged(base: &Self, theirs: &Self, ours: &Self) -> Merged {
-                Self::merged_since(base, theirs, base, ours)
-            }
-
-            /// The same where our side began as `start`, which may be written otherwise than `base` and mean the same.
-            pub fn merged_since(base: &Self, theirs: &Self, start: &Self, ours: &Self) -> Merged {
+            /// Three states into one: what `theirs` changed since `base` is taken over, what they left alone stays as `ours` has it. Our side
+            /// began as `start`, which may be written otherwise than `base` and mean the same.
+            pub fn merged(base: &Self, theirs: &Self, start: &Self, ours: &Self) -> Merged {
                 let mut merged = Merged {
                     state: ours.clone(),
                     ..Merged::default()
@@ -200,10 +196,12 @@ mod tests {
             to_world: Some(ToWorld(bevy::math::Affine3A::from_translation(Vec3::X * x))),
             ..ObjectState::default()
         };
-        let merged = ObjectState::merged(&state(1.0, 0.0), &state(2.0, 0.0), &state(1.0, 5.0));
-        assert_eq!(merged.state, state(2.0, 5.0));
-        assert!(merged.kept && !merged.replaced);
-        let both = ObjectState::merged(&state(1.0, 0.0), &state(2.0, 0.0), &state(3.0, 0.0));
+        let start = state(1.0, 0.0);
+        let merged = |ours| ObjectState::merged(&start, &state(2.0, 0.0), &start, ours);
+        let one = merged(&state(1.0, 5.0));
+        assert_eq!(one.state, state(2.0, 5.0));
+        assert!(one.kept && !one.replaced);
+        let both = merged(&state(3.0, 0.0));
         assert_eq!(both.state, state(2.0, 0.0));
         assert!(both.replaced && !both.kept);
     }

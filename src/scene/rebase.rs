@@ -64,7 +64,7 @@ pub(super) fn rebase(world: &mut World, scene: &SceneDescription, entities: &Ent
         {
             world.entity_mut(entity).insert((id.clone(), Name::new(id.0.clone())));
         }
-        // They stand elsewhere in this text.
+        // The memory of their places is shared with the new document.
         if let Some(placements) = state
             .placements
             .clone()

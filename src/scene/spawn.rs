@@ -253,7 +253,7 @@ fn taken_over(
         locked: ours.locked,
         ..base.state_then(known).unordered()
     };
-    let merged = ObjectState::merged_since(&before, &new, &marks, &ours.unordered());
+    let merged = ObjectState::merged(&before, &new, &marks, &ours.unordered());
     summary.kept += usize::from(merged.kept && before != new);
     summary.replaced += usize::from(merged.replaced);
     summary.changed += usize::from(merged.state != ours.unordered() && !merged.replaced);

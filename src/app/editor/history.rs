@@ -13,7 +13,7 @@ use super::selection::Selection;
 use crate::scene::insert::{free_name, names};
 use crate::scene::{
     AccelMethod, ActiveSensor, Authored, DocumentOrder, FreeView, IntegratorSettings, ObjectChange, ObjectState,
-    SamplerSettings, SceneId, Side,
+    Placements, SamplerSettings, SceneId, Side,
 };
 
 /// Older entries are forgotten above this number of steps.
@@ -235,7 +235,8 @@ pub fn despawn_forgotten(world: &mut World) {
     for entity in gone {
         let is_needed = named.contains(&entity)
             || ObjectState::is_in_scene(world, entity)
-            || world.get::<Authored>(entity).is_some();
+            || world.get::<Authored>(entity).is_some()
+            || world.get::<Placements>(entity).is_some();
         if !is_needed && let Ok(entity) = world.get_entity_mut(entity) {
             entity.despawn();
         }

@@ -101,7 +101,6 @@ impl<'a> SceneReader<'a> {
                 instance_of: group,
                 placements: Some(Placements {
                     places: crowd.places.clone(),
-                    crowd: self.crowds_read,
                 }),
             });
             self.crowds_read += 1;

@@ -21,6 +21,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use bevy::math::Affine3A;
 use smol_str::SmolStr;
 
 pub(in crate::scene) use self::changed::are_as_read;
@@ -31,12 +32,12 @@ use self::patch::Draft;
 pub use self::portable::Extensions;
 pub use self::save::{SaveError, save, save_with};
 use super::assets::gltf_scene::is_called_gltf;
-use super::description::{DeclarationPlace, Identity, SceneDescription};
+use super::description::{DeclarationPlace, Identity, SceneDescription, ShapeDescription};
 use super::read::mesh_search::MeshSearch;
 use super::read::settle;
 use super::{Authored, IntegratorSettings};
 use crate::document::revision::{Destination, move_files, revise};
-use crate::document::{self, Category, Child, Document, Object, SourceFile, Span};
+use crate::document::{self, Category, Child, Crowd, Document, Object, SourceFile, Span};
 use crate::files::{self, LARGEST_DATA, write_atomically};
 
 /// Materials inside materials; deeper ones are written at the top level instead. More than reading allows.
@@ -317,15 +318,12 @@ impl<'s> Writer<'s> {
         for (index, group) in scene.groups.iter().enumerate() {
             parts.push((group.identity.order, self.group(index).into()));
         }
+        let origin = scene.remains.origin.as_ref();
+        let mut unwritten: Vec<&Crowd> = origin.map_or(Vec::new(), |origin| origin.crowds.iter().collect());
         for (index, shape) in scene.shapes.iter().enumerate() {
             if let Some(placements) = &shape.placements {
-                let origin = scene.remains.origin.as_ref();
-                let instances = origin.and_then(|origin| {
-                    let crowd = origin.crowds.get(placements.crowd)?;
-                    Some(crowd.children(&origin.diagnostics))
-                });
-                let instances = instances.into_iter().flatten();
-                parts.extend(instances.map(|instance| (shape.identity.order, instance)));
+                let instances = self.crowd(shape, &placements.places, &mut unwritten);
+                parts.extend(instances.into_iter().map(|instance| (shape.identity.order, instance)));
             } else if shape.member_of.is_none() {
                 parts.push((shape.identity.order, self.shape(index).into()));
             }
@@ -344,19 +342,34 @@ impl<'s> Writer<'s> {
         root
     }
 
+    /// The instances of a crowd as they stand in the file, or made anew if no crowd of the file that is still `unwritten` is this one.
+    fn crowd(&self, shape: &ShapeDescription, places: &[Affine3A], unwritten: &mut Vec<&Crowd>) -> Vec<Child> {
+        let Some(group) = shape.instance_of else {
+            return Vec::new();
+        };
+        let id = self.scene.groups[group].identity.id.as_deref();
+        let is_this = |crowd: &&Crowd| id == Some(crowd.group.as_str()) && *places == *crowd.places;
+        if let Some(index) = unwritten.iter().position(is_this)
+            && let Some(origin) = &self.scene.remains.origin
+        {
+            return unwritten.remove(index).children(&origin.diagnostics);
+        }
+        let instance = |place: &Affine3A| {
+            let current = objects::shape(&shape.shape, place, None, self.folder);
+            let group = id.map(reference).into_iter().collect();
+            Draft::new(None, current).set_nested(Category::Shape, group).into()
+        };
+        places.iter().map(instance).collect()
+    }
+
     fn shape(&self, index: usize) -> Object {
         let shape = &self.scene.shapes[index];
         let current = objects::shape(&shape.shape, &shape.to_world, shape.area_light.as_ref(), self.folder);
         let draft = self.draft(shape.identity.authored.as_ref(), current);
         let mut object = match shape.instance_of {
             Some(group) => {
-                let id = self.scene.groups[group].identity.id.clone();
-                let reference = id.map(|id| Child::Reference {
-                    name: None,
-                    id: id.into(),
-                    span: Span::default(),
-                });
-                draft.set_nested(Category::Shape, reference.into_iter().collect())
+                let id = self.scene.groups[group].identity.id.as_deref();
+                draft.set_nested(Category::Shape, id.map(reference).into_iter().collect())
             }
             None => {
                 let bsdf = self.nested(DeclarationPlace::Shape(index), &[shape.material]);
@@ -422,14 +435,18 @@ impl<'s> Writer<'s> {
                 declared.push(material);
                 children.push(self.material(material).into());
             } else if let Some(id) = &self.ids[material] {
-                children.push(Child::Reference {
-                    name: None,
-                    id: id.into(),
-                    span: Span::default(),
-                });
+                children.push(reference(id));
             }
         }
         children
+    }
+}
+
+fn reference(id: &str) -> Child {
+    Child::Reference {
+        name: None,
+        id: id.into(),
+        span: Span::default(),
     }
 }
 
