@@ -266,6 +266,22 @@ mod memory {
         assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
     }
 
+    /// Their content is not read, or the process would need all of it in memory.
+    #[test]
+    fn files_longer_than_the_budget_are_refused() {
+        let shop = Workshop::new();
+        let folder = shop.folder.path();
+        let mesh = |name: &str| format!("<shape type='ply'><string name='filename' value='{name}'/></shape>");
+        for (name, content) in [("hole.png", texture("hole.png")), ("hole.ply", mesh("hole.ply"))] {
+            let file = std::fs::File::create(folder.join(name)).expect("a file");
+            file.set_len(30 << 30).expect("a file with a hole");
+            shop.scene("scene.xml", &content);
+            let outcome = run(folder, &["check", "--memory", "20MiB", "scene.xml"]);
+            assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+            assert!(outcome.stderr.contains("is larger than 20 MiB"), "{}", outcome.stderr);
+        }
+    }
+
     #[test]
     fn pictures_that_fit_one_by_one_must_also_fit_together() {
         let shop = Workshop::new();

@@ -22,7 +22,7 @@ pub enum FileError {
     #[error("is {kind}, not a file")]
     NotRegular { kind: &'static str },
     /// `limit` is in bytes.
-    #[error("is larger than {} MiB, which no file of its kind should be", limit >> 20)]
+    #[error("is larger than {} MiB, the most that is read of such a file", limit >> 20)]
     TooLarge { limit: u64 },
     #[error("is not UTF-8 text")]
     NotUtf8,

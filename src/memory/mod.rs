@@ -13,6 +13,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock};
 
 pub use self::size::{Bytes, parse_size};
+use crate::files::LARGEST_DATA;
 
 /// The environment variable with the budget, such as `8GB`.
 pub const VARIABLE: &str = "SUNROOM_MEMORY";
@@ -37,6 +38,11 @@ pub fn budget() -> &'static Budget {
 pub fn budget_of_variable() -> Option<Result<u64, String>> {
     let text = std::env::var_os(VARIABLE).filter(|text| !text.is_empty())?;
     Some(parse_size(&text.to_string_lossy()))
+}
+
+/// The longest mesh or picture file that is read, in bytes: its content lies in memory before the size of what it holds is known.
+pub fn largest_data_file() -> u64 {
+    LARGEST_DATA.min(budget().limit())
 }
 
 /// Reserves from the budget of the process.

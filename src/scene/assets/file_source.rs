@@ -12,7 +12,8 @@ use bevy::asset::io::{
 };
 use bevy::prelude::*;
 
-use crate::files::{self, FileError, LARGEST_DATA};
+use crate::files::{self, FileError};
+use crate::memory;
 use crate::scene::SceneAccess;
 
 /// Makes files the asset server's default source. It must be added before [`AssetPlugin`].
@@ -36,7 +37,7 @@ impl AssetReader for FileSource {
         if !self.access.get().covers(path) {
             return Ok(VecReader::new(Vec::new()));
         }
-        match files::check(path, LARGEST_DATA) {
+        match files::check(path, memory::largest_data_file()) {
             Ok(()) => Ok(VecReader::new(Vec::new())),
             Err(FileError::Io(error)) if error.kind() == std::io::ErrorKind::NotFound => Err(not_found(path)),
             Err(error) => Err(AssetReaderError::Io(Arc::new(error.into()))),

@@ -6,7 +6,8 @@ use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 
-use crate::files::{FileError, LARGEST_DATA};
+use crate::files::FileError;
+use crate::memory;
 use crate::scene::SceneAccess;
 use crate::texture::{Image, ImageFileError, load_image};
 
@@ -43,7 +44,10 @@ impl AssetLoader for TextureMapLoader {
         _settings: &(),
         context: &mut LoadContext<'_>,
     ) -> Result<TextureMap, TextureMapError> {
-        let bytes = self.access.get().read(context.path().path(), LARGEST_DATA)?;
+        let bytes = self
+            .access
+            .get()
+            .read(context.path().path(), memory::largest_data_file())?;
         let image = Arc::new(load_image(&bytes)?);
         Ok(TextureMap {
             negative_pixels: image.negative_pixels(),

@@ -9,11 +9,12 @@ use bevy::prelude::*;
 use rayon::prelude::*;
 
 use crate::document::paths::settle;
-use crate::files::{Access, FileError, LARGEST_DATA, LARGEST_NOTE};
+use crate::files::{Access, FileError, LARGEST_NOTE};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::mesh_file::{LoadedMesh, MeshError};
 use crate::geometry::serialized::{self, SerializedFile};
 use crate::geometry::{obj, ply};
+use crate::memory;
 use crate::scene::SceneAccess;
 
 /// What a mesh file holds, all of it, whichever of its shapes are used.
@@ -92,7 +93,7 @@ impl From<LoadedMesh> for MeshShape {
 
 /// A whole mesh file of any kind, read from the disk as far as `access` permits.
 pub fn load_mesh(path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadError> {
-    let bytes = &access.read(path, LARGEST_DATA)?;
+    let bytes = &access.read(path, memory::largest_data_file())?;
     if !serialized::is_serialized(bytes) {
         return read_mesh(bytes, path, access);
     }
