@@ -441,7 +441,7 @@ fn what_is_wrong_with_a_spectrum_is_said_at_its_place() {
         ),
         (
             "type='irregular'><string name='wavelengths' value='400, 500'/>\n<string name='values' value='1'/>",
-            "3: error: there are 2 wavelengths, but 1 values",
+            "3: error: the number of wavelengths is 2, but the number of values is 1",
         ),
         (
             "type='irregular'><string name='wavelengths' value='500, 400'/>\n<string name='values' value='1, 2'/>",

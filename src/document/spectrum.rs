@@ -96,7 +96,9 @@ impl SampledSpectrum {
         let (wavelengths, values) = (parse_numbers(wavelengths)?, parse_numbers(values)?);
         if wavelengths.len() != values.len() {
             let (expected, found) = (wavelengths.len(), values.len());
-            return Err(format!("there are {expected} wavelengths, but {found} values"));
+            return Err(format!(
+                "the number of wavelengths is {expected}, but the number of values is {found}"
+            ));
         }
         Self::new(wavelengths.into_iter().zip(values).collect())
     }
