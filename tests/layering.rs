@@ -36,7 +36,9 @@ const RULES: &[(&str, &[&str], bool)] = &[
     ("scene", &["math", "color", "files", "document"], true),
     (
         "scene/assets",
-        &["math", "color", "files", "document", "geometry", "gltf", "texture"],
+        &[
+            "math", "color", "files", "memory", "document", "geometry", "gltf", "texture",
+        ],
         true,
     ),
     ("engine", &["KERNEL", "document", "scene"], true),
@@ -193,8 +195,11 @@ fn sources_keep_the_directions() {
 }
 
 /// How a file can be opened for reading past `crate::files`, each with what may follow it all the same.
-const OPENINGS: [(&str, &[&str]); 4] = [
+const OPENINGS: [(&str, &[&str]); 6] = [
     ("File::open", &[]),
+    // Appending alone reads nothing.
+    ("File::options()", &[".create(true).append(true)"]),
+    ("ImageReader::open", &[]),
     ("fs::read", &["_dir", "_link"]),
     ("OpenOptions", &[]),
     ("image::open", &[]),
@@ -245,6 +250,8 @@ fn openings_of_files_are_found() {
         "    texts.map(fs::read_to_string)",
         "let file = OpenOptions::new().read(true).open(path);",
         "let picture = image::open(path)?;",
+        "let picture = ImageReader::open(path)?.decode()?;",
+        "let file = File::options().read(true).open(path)?;",
     ] {
         assert_eq!(openings("scene/mod.rs", line).len(), 1, "{line}");
         assert!(openings("files/reading.rs", line).is_empty(), "{line}");
@@ -252,6 +259,13 @@ fn openings_of_files_are_found() {
     assert!(openings("scene/mod.rs", "SerializedFile::open(&bytes)?").is_empty());
     let entries = "for entry in fs::read_dir(folder)? { fs::read_link(entry)?; } // not fs::read";
     assert!(openings("scene/mod.rs", entries).is_empty());
+    assert!(
+        openings(
+            "scene/mod.rs",
+            "File::options().create(true).append(true).open(marker)?"
+        )
+        .is_empty()
+    );
 }
 
 #[test]
