@@ -197,7 +197,7 @@ mod tests {
             ..ObjectState::default()
         };
         let start = state(1.0, 0.0);
-        let merged = |ours| ObjectState::merged(&start, &state(2.0, 0.0), &start, ours);
+        let merged = |ours: &ObjectState| ObjectState::merged(&start, &state(2.0, 0.0), &start, ours);
         let one = merged(&state(1.0, 5.0));
         assert_eq!(one.state, state(2.0, 5.0));
         assert!(one.kept && !one.replaced);
