@@ -278,10 +278,8 @@ impl Document {
         file_candidates(name, &folders, &self.search_folders)
     }
 
-    /// The first of [`Self::file_candidates`] that is a file.
+    /// The first of [`Self::file_candidates`] where there is a file that the scene may read.
     pub fn find_file(&self, name: &str, span: Span) -> Option<PathBuf> {
-        let candidates = self.file_candidates(name, span).into_iter();
-        let mut permitted = candidates.filter(|path| self.access.permits(path));
-        permitted.find(|path| path.is_file())
+        self.access.find(&self.file_candidates(name, span)).cloned()
     }
 }

@@ -32,27 +32,43 @@ impl Access {
         }
     }
 
-    /// Permits this folder as well.
+    /// Permits this folder as well; what was refused in it counts as refused no more. A file in place of a folder stands for itself.
     pub fn allow(&mut self, folder: &Path) {
         if let Some(folders) = &mut self.folders {
             let folder = canonical(folder);
             if !folders.contains(&folder) {
                 folders.push(folder);
             }
+            let mut refused = self.refused.lock().unwrap_or_else(PoisonError::into_inner);
+            refused.retain(|path| !self.covers(path));
         }
     }
 
-    /// Whether a file or a folder may be looked at, after following its links. One that does not exist is judged by its name. A refused one is
-    /// remembered.
+    /// Whether a file or a folder may be looked at, after following its links. One that does not exist is judged by its name. A refused one that
+    /// exists is remembered.
     pub fn permits(&self, path: &Path) -> bool {
         let permitted = self.covers(path);
-        if !permitted {
+        if !permitted && path.exists() {
             let mut refused = self.refused.lock().unwrap_or_else(PoisonError::into_inner);
             if refused.len() < MOST_REFUSED {
                 refused.insert(path.to_owned());
             }
         }
         permitted
+    }
+
+    /// The first of these places where there is a file that may be read. A device or a pipe is found where there is no file: reading it says
+    /// what it is. If there is neither, a file in one of the places that are refused is remembered; the result does not depend on it.
+    pub fn find<'p>(&self, places: &'p [PathBuf]) -> Option<&'p PathBuf> {
+        let permitted = || places.iter().filter(|path| self.covers(path));
+        let found = permitted().find(|path| path.is_file());
+        let found = found.or_else(|| permitted().find(|path| path.exists() && !path.is_dir()));
+        if found.is_none()
+            && let Some(wanted) = places.iter().find(|path| path.is_file())
+        {
+            self.permits(wanted);
+        }
+        found
     }
 
     /// As [`Self::permits`], but nothing is remembered.
@@ -63,7 +79,7 @@ impl Access {
         resolved(path).is_some_and(|path| folders.iter().any(|folder| path.starts_with(folder)))
     }
 
-    /// The files that were refused so far, in alphabetical order.
+    /// The files and folders that were refused so far and exist, in alphabetical order.
     pub fn refused(&self) -> Vec<PathBuf> {
         let refused = self.refused.lock().unwrap_or_else(PoisonError::into_inner);
         refused.iter().cloned().collect()
@@ -149,10 +165,34 @@ mod tests {
         }
         // What is not there is judged by its name.
         assert!(access.read(&path("scene/nothing"), 100).unwrap_err().is_not_found());
-        assert_eq!(access.clone().refused().len(), 6);
+        // Of what is not there nothing is remembered.
+        let refused = ["d", "scene/../d", "scene-beside/c", "scene/inside/../../d"];
+        let sorted = |names: &[&str]| names.iter().map(|name| path(name)).collect::<BTreeSet<PathBuf>>();
+        assert_eq!(BTreeSet::from_iter(access.clone().refused()), sorted(&refused));
         access.allow(&path("scene-beside"));
         access.read(&path("scene-beside/c"), 100).unwrap();
+        access.allow(&path("d"));
+        access.read(&path("d"), 100).unwrap();
+        assert_eq!(access.refused(), [] as [PathBuf; 0]);
         Access::everywhere().read(&path("d"), 100).unwrap();
+    }
+
+    #[test]
+    fn a_file_that_may_be_read_wins_and_only_what_is_missed_is_remembered() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        for name in ["outside", "scene", "beside"] {
+            fs::create_dir(path(name)).unwrap();
+        }
+        let places = ["outside/a", "scene/a", "beside/a"].map(path);
+        let access = Access::within([path("scene")]);
+        assert_eq!((access.find(&places), access.refused()), (None, vec![]));
+        fs::write(path("beside/a"), "").unwrap();
+        assert_eq!((access.find(&places), access.refused()), (None, vec![path("beside/a")]));
+        let access = Access::within([path("scene")]);
+        fs::write(path("outside/a"), "").unwrap();
+        fs::write(path("scene/a"), "").unwrap();
+        assert_eq!((access.find(&places), access.refused()), (Some(&places[1]), vec![]));
     }
 
     #[cfg(unix)]

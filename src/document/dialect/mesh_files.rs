@@ -32,7 +32,7 @@ pub fn find_file(name: &str, folder: &Path, access: &Access) -> Option<PathBuf> 
     let above = folder.ancestors().chain(started_in.ancestors());
     let assets = above
         .map(|folder| folder.join("assets"))
-        .filter(|folder| folder.is_dir() && access.permits(folder));
+        .filter(|folder| folder.is_dir());
     let mut folders = vec![folder.to_owned()];
     for folder in assets {
         if !folders.contains(&folder) {
@@ -40,16 +40,19 @@ pub fn find_file(name: &str, folder: &Path, access: &Access) -> Option<PathBuf> 
         }
     }
     // Joining an absolute name gives that name.
-    let direct = folders
-        .iter()
-        .map(|folder| folder.join(name))
-        .find(|path| path.is_file() && access.permits(path));
-    let path = direct.or_else(|| search(name, &folders).filter(|path| access.permits(path)))?;
-    Some(settle(&path))
+    let places: Vec<PathBuf> = folders.iter().map(|folder| folder.join(name)).collect();
+    let direct = places.iter().find(|path| access.covers(path) && path.is_file());
+    folders.retain(|folder| access.covers(folder));
+    let found = direct.cloned().or_else(|| search(name, &folders, access));
+    if found.is_none() {
+        // For what it remembers.
+        access.find(&places);
+    }
+    Some(settle(&found?))
 }
 
-/// The nearest file of this name in or below the folders.
-fn search(name: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
+/// The nearest file of this name in or below the folders that may be read.
+fn search(name: &Path, folders: &[PathBuf], access: &Access) -> Option<PathBuf> {
     let wanted = name.file_name()?;
     let mut seen = 0;
     for folder in folders {
@@ -71,7 +74,7 @@ fn search(name: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
                 }
                 if path.is_dir() {
                     waiting.push_back(path);
-                } else if path.file_name() == Some(wanted) {
+                } else if path.file_name() == Some(wanted) && access.covers(&path) {
                     return Some(path);
                 }
             }
@@ -92,7 +95,8 @@ pub fn has_own_materials(path: &Path, access: &Access) -> bool {
         let line = String::from_utf8_lossy(&line);
         let line = line.trim();
         if let Some(names) = line.strip_prefix("mtllib") {
-            has_library |= folder.join(names.trim()).is_file();
+            let library = folder.join(names.trim());
+            has_library |= access.covers(&library) && library.is_file();
         }
         uses_one |= line.strip_prefix("usemtl").is_some_and(|name| !name.trim().is_empty());
         if has_library && uses_one {

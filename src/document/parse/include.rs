@@ -48,25 +48,19 @@ impl Parser {
             &[self.folder_of(span.source), self.folder_of(SourceId(0))],
             &self.search_folders,
         );
-        let candidates: Vec<PathBuf> = all.into_iter().filter(|path| self.access.permits(path)).collect();
-        if candidates.is_empty() {
-            let message = format!("the file {} {}", quote(name), FileError::Outside);
-            self.diagnostics.error(span, message);
-            return None;
-        }
-        let found = candidates.iter().find(|path| path.is_file());
-        // A device or a pipe is found as well: reading it says what it is.
-        let found = found.or_else(|| candidates.iter().find(|path| path.exists() && !path.is_dir()));
-        let found = found.cloned();
+        let found = self.access.find(&all).cloned();
         if found.is_none() {
-            let looked: Vec<_> = candidates
-                .iter()
-                .take(4)
-                .map(|path| path.display().to_string())
-                .collect();
-            let message = format!("the file {} does not exist", quote(name));
-            let help = format!("looked for {}", looked.join(", "));
-            self.diagnostics.push(Severity::Error, Some(span), message, Some(help));
+            let permitted = all.iter().filter(|path| self.access.covers(path));
+            let looked: Vec<_> = permitted.take(4).map(|path| path.display().to_string()).collect();
+            let (what, help) = match looked[..] {
+                [] => (FileError::Outside.to_string(), None),
+                _ => (
+                    "does not exist".to_owned(),
+                    Some(format!("looked for {}", looked.join(", "))),
+                ),
+            };
+            let message = format!("the file {} {what}", quote(name));
+            self.diagnostics.push(Severity::Error, Some(span), message, help);
         }
         found
     }

@@ -84,16 +84,14 @@ impl MeshSearch {
                 }
             }
         }
-        let first = places.first().cloned().unwrap_or_default();
-        places.retain(|path| self.access.permits(path));
-        if places.is_empty() {
-            return Found::At(first);
+        if let Some(found) = self.access.find(&places) {
+            return Found::At(found.clone());
         }
-        // A device or a pipe is found as well: reading it says what it is.
-        let found = places.iter().find(|path| path.is_file());
-        match found.or_else(|| places.iter().find(|path| path.exists() && !path.is_dir())) {
-            Some(path) => Found::At(path.clone()),
-            None => Found::Nowhere(places),
+        let first = places.first().cloned().unwrap_or_default();
+        places.retain(|path| self.access.covers(path));
+        match places.is_empty() {
+            true => Found::At(first),
+            false => Found::Nowhere(places),
         }
     }
 }
@@ -168,5 +166,28 @@ mod tests {
         std::fs::create_dir(scenes.join("models")).unwrap();
         std::fs::write(scenes.join("models/a.ply"), "").unwrap();
         assert_eq!(found("models/a.ply"), settle(&scenes.join("models/a.ply")));
+    }
+    #[test]
+    fn a_mesh_beside_an_untrusted_scene_is_enough() {
+        let root = tempfile::tempdir().unwrap();
+        let path = |name: &str| root.path().join(name);
+        for name in ["scenes", "assets"] {
+            std::fs::create_dir(path(name)).unwrap();
+            std::fs::write(path(name).join("a.ply"), "").unwrap();
+        }
+        std::fs::write(path("assets/b.ply"), "").unwrap();
+        let access = Access::within([path("scenes")]);
+        let search = MeshSearch::new(&path("scenes"), &[]).within(access.clone());
+        let beside = settle(&path("scenes/a.ply"));
+        assert_eq!(search.find("a.ply", &path("scenes")), Found::At(beside));
+        assert_eq!(access.refused(), [] as [PathBuf; 0]);
+        // The same for one that is elsewhere as for one that is nowhere, but it is remembered.
+        for name in ["b.ply", "c.ply"] {
+            let places = vec![settle(&path("scenes").join(name))];
+            assert_eq!(search.find(name, &path("scenes")), Found::Nowhere(places));
+        }
+        assert_eq!(access.refused(), [settle(&path("assets/b.ply"))]);
+        let first = settle(&path("assets/c.ply"));
+        assert_eq!(search.find("../assets/c.ply", &path("scenes")), Found::At(first));
     }
 }
