@@ -105,7 +105,7 @@ pub(super) fn open_scenes(
         return;
     }
     defines.set(path.clone(), request.defines.clone());
-    access.set(trust.access(&path));
+    access.ask(path.clone(), trust.access(&path));
     let asset_path = AssetPath::from_path_buf(path.clone());
     let known = file.asked.as_ref().filter(|asked| asked.path == path);
     let known = known.map(|asked| asked.handle.clone());
@@ -203,6 +203,9 @@ fn is_outdated(world: &mut World, asset: &SceneAsset) -> bool {
 fn take_in(world: &mut World, id: AssetId<SceneAsset>, asset: SceneAsset) {
     let is_asked = |asked: &mut Asked| asked.handle.id() == id;
     let asked = world.resource_mut::<SceneFile>().asked.take_if(is_asked);
+    if asked.is_some() {
+        world.resource::<SceneAccess>().take_over();
+    }
     let fresh = asked.as_ref().is_some_and(|asked| !asked.keeps_edits);
     let reload = if fresh {
         spawn::spawn_fresh(world, &asset.description);
@@ -284,6 +287,9 @@ pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagn
 
 /// An empty scene of no file, in place of what was there: a camera that looks at the origin, and a grey sky.
 pub fn new_scene(world: &mut World) {
+    if let (Some(access), Some(trust)) = (world.get_resource::<SceneAccess>(), world.get_resource::<Trust>()) {
+        access.set(trust.access(Path::new("")));
+    }
     spawn::spawn_fresh(world, &Arc::new(SceneDescription::empty()));
     world.insert_resource(SceneFile::default());
     world.insert_resource(KnownTexts::default());

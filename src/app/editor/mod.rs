@@ -77,6 +77,8 @@ mod typing;
 mod ui;
 pub mod viewport;
 
+use std::path::Path;
+
 use bevy::asset::AssetEventSystems;
 use bevy::input::InputSystems;
 use bevy::prelude::*;
@@ -84,7 +86,7 @@ use bevy_egui::{EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet, EguiPrimaryCont
 
 use crate::app::terminal;
 use crate::engine::EngineSystems;
-use crate::scene::{OpenScene, SceneSystems};
+use crate::scene::{OpenScene, SceneAccess, SceneSystems};
 use monkey::Monkey;
 use options::{SceneDefines, WantedCamera, WindowOptions};
 use preferences::PreferencesFile;
@@ -124,6 +126,8 @@ impl Plugin for EditorPlugin {
             true => trust::TrustedFolders::open(folder.as_deref()),
             false => Default::default(),
         };
+        let access = app.world_mut().get_resource_or_init::<SceneAccess>();
+        access.set(trust.access(Path::new("")));
         app.add_plugins(EguiPlugin::default())
             .insert_resource(state)
             .insert_resource(preferences.layout())

@@ -68,7 +68,7 @@ impl AssetLoader for SceneLoader {
             bytes,
             &path,
             &self.defines.get(&path),
-            self.access.get(),
+            self.access.of_scene(&path),
         ))
     }
 
