@@ -286,8 +286,10 @@ pub fn plan_autosave(
     }
     let since = *recovery.since.get_or_insert_with(Instant::now);
     let interval = Duration::from_secs(preferences.autosave_seconds.into());
-    let is_over = breaks_off || !interval.is_zero() && since.elapsed() >= interval;
-    recovery.is_due = is_over && recovery.returning.is_none() && status.state != SceneState::Loading;
+    let is_over = !interval.is_zero() && since.elapsed() >= interval;
+    // Another scene may be about to take the place of this one, whose edits would be of no use then; but until it has, they are all there is.
+    let is_staying = recovery.returning.is_none() && status.state != SceneState::Loading;
+    recovery.is_due = breaks_off || is_over && is_staying;
 }
 
 pub fn is_due(recovery: Res<Recovery>) -> bool {
@@ -390,6 +392,30 @@ mod tests {
         assert_eq!(discard(&offer), Ok(()));
         assert_eq!(find(&all, |_| true), None);
         assert!(!folder.exists());
+    }
+
+    #[test]
+    fn a_run_that_breaks_off_while_a_scene_is_read_keeps_the_edits_of_the_one_before() {
+        use bevy::ecs::system::RunSystemOnce;
+        let home = tempfile::tempdir().expect("a temporary folder");
+        let mut world = World::new();
+        world.insert_resource(Recovery::new(Some(home.path())));
+        world.init_resource::<EditorState>();
+        world.init_resource::<History>();
+        world.init_resource::<Preferences>();
+        world.init_resource::<Messages<AppExit>>();
+        world.insert_resource(SceneStatus {
+            state: SceneState::Loading,
+            ..SceneStatus::default()
+        });
+        world.resource_mut::<History>().note_unsaved();
+        let mut plan = || {
+            world.run_system_once(plan_autosave).expect("it runs");
+            let is_due = world.resource::<Recovery>().is_due;
+            world.write_message(AppExit::error());
+            is_due
+        };
+        assert_eq!([plan(), plan()], [false, true]);
     }
 
     /// Numbers of processes come again.
