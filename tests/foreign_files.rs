@@ -58,12 +58,19 @@ struct Outcome {
 /// Runs the program in `folder`. A run that does not end fails the test.
 #[track_caller]
 fn run(folder: &Path, arguments: &[&str]) -> Outcome {
+    run_with(folder, arguments, &[])
+}
+
+/// As [`run`], with these variables of the environment besides.
+#[track_caller]
+fn run_with(folder: &Path, arguments: &[&str], variables: &[(&str, &Path)]) -> Outcome {
     let mut child = Command::new(env!("CARGO_BIN_EXE_sunroom"))
         .args(arguments)
         .current_dir(folder)
         // No test may read or fill the user's own folders.
         .env("XDG_CACHE_HOME", folder)
         .env("SUNROOM_CONFIG", folder)
+        .envs(variables.iter().copied())
         .env_remove("SUNROOM_MEMORY")
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY")
@@ -492,6 +499,27 @@ mod untrusted {
             let trusted = check(&shop, kind, content, &format!("../outside/{file}"), &[]);
             assert_eq!(trusted.code, Some(0), "{kind}: {}", trusted.stderr);
         }
+    }
+
+    /// The cache for parts of glTF files may be read, but not what somebody else has put in a place where it could be.
+    #[cfg(unix)]
+    #[test]
+    fn a_link_in_the_place_of_a_cache_permits_nothing() {
+        let shop = shop();
+        std::fs::create_dir_all(shop.path("tmp/sunroom")).expect("a writable folder");
+        std::os::unix::fs::symlink("/", shop.path("tmp/sunroom/gltf")).expect("a link");
+        let scene = shop.write("scene/scene.gltf", gltf("../outside/positions.bin"));
+        let outcome = run_with(
+            shop.folder.path(),
+            &["check", "--untrusted", &scene.to_string_lossy()],
+            &[("TMPDIR", &shop.path("tmp"))],
+        );
+        assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+        assert!(
+            outcome.stderr.contains("outside the scene's folder"),
+            "{}",
+            outcome.stderr
+        );
     }
 
     #[test]

@@ -141,7 +141,7 @@ pub fn allow_chosen(world: &World, file: &Path) {
     if let (Some(access), Some(folder)) = (world.get_resource::<SceneAccess>(), settle(file).parent()) {
         access.allow(folder);
         if is_called_gltf(file) {
-            allow_parts(|folder| access.allow(&folder));
+            allow_parts(|folder| access.allow(folder));
         }
     }
 }

@@ -52,7 +52,7 @@ pub fn import(bytes: &[u8], path: &Path, access: Access) -> Document {
     });
     CACHE.tidy();
     let mut access = access;
-    allow_parts(|folder| access.allow(&folder));
+    allow_parts(|folder| access.allow(folder));
     Document {
         access,
         ..into_document(taken, path, &sources)

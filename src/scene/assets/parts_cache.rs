@@ -262,9 +262,11 @@ pub fn is_part(path: &Path) -> bool {
     cache_folders().any(|folder| path.starts_with(folder))
 }
 
-/// Permits the folders where parts of glTF files are kept.
-pub fn allow_parts(allow: impl FnMut(PathBuf)) {
-    cache_folders().for_each(allow);
+/// Permits the folder where this program keeps parts of glTF files. Other folders of such a name may be links that somebody has put there.
+pub fn allow_parts(allow: impl FnOnce(&Path)) {
+    if let Some(folder) = &CACHE.folder {
+        allow(folder);
+    }
 }
 
 /// Where parts may be kept, best place first, absolute.

@@ -62,7 +62,7 @@ impl AssetLoader for SceneLoader {
         let path = context.path().path().to_owned();
         let bytes = files::read(&path, largest(&path))?;
         if is_gltf(&bytes, &path) {
-            allow_parts(|folder| self.access.allow(&folder));
+            allow_parts(|folder| self.access.allow(folder));
         }
         Ok(read_scene_within(
             bytes,
