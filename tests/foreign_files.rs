@@ -501,6 +501,32 @@ mod untrusted {
         }
     }
 
+    /// Nobody learns from a run whether there is such a file. Grey takes the place of a picture, as of one that is not there.
+    #[test]
+    fn what_is_refused_counts_the_same_whether_it_exists_or_not() {
+        let shop = shop();
+        for (kind, file, content) in KINDS {
+            if matches!(kind, "library" | "glTF buffer") {
+                continue;
+            }
+            let codes = [file, "nothing"].map(|name| {
+                let scene = shop.scene(
+                    "scene/scene.xml",
+                    &content.replace("NAME", &format!("../outside/{name}")),
+                );
+                let outcome = run(shop.folder.path(), &["check", "--untrusted", &scene.to_string_lossy()]);
+                assert!(
+                    outcome.stderr.contains("outside the scene's folder"),
+                    "{}",
+                    outcome.stderr
+                );
+                outcome.code
+            });
+            let is_picture = matches!(kind, "texture" | "sky");
+            assert_eq!(codes, [Some(i32::from(!is_picture)); 2], "{kind}");
+        }
+    }
+
     /// The cache for parts of glTF files may be read, but not what somebody else has put in a place where it could be.
     #[cfg(unix)]
     #[test]

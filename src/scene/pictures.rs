@@ -7,7 +7,7 @@ use bevy::asset::{AssetLoadFailedEvent, AssetPath, LoadState};
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use super::assets::cause;
+use super::assets::{cause, is_refused_picture};
 use super::loading::SceneFile;
 use super::{AreaLight, Emitter, Material, MeshHandle, Parameter, SceneStatus, TextureMap, TriangleMesh, UsesMaterial};
 use crate::document::Span;
@@ -128,7 +128,8 @@ pub(super) fn report_pictures(
     for (path, handle) in &pictures.0 {
         let say = |what: String| format!("{}picture {}: {what}", file.place_of_picture(path), path.display());
         match server.load_state(handle) {
-            LoadState::Failed(error) => match path.exists() {
+            // For a scene that may not read it, it is as if there were no such picture.
+            LoadState::Failed(error) => match path.exists() && !is_refused_picture(&error) {
                 true => damaged.push(say(cause(&error))),
                 false => missing.push(say(cause(&error))),
             },

@@ -20,6 +20,8 @@ pub use triangle_mesh::{MeshHandle, MeshLoader, MeshShape, TriangleMesh};
 use texture_map::TextureMapError;
 use triangle_mesh::MeshLoadError;
 
+use crate::files::FileError;
+
 /// The cause of a failed load, without what the asset server wraps around it.
 pub fn cause(error: &AssetLoadError) -> String {
     match error {
@@ -28,6 +30,15 @@ pub fn cause(error: &AssetLoadError) -> String {
         AssetLoadError::AssetReaderError(bevy::asset::io::AssetReaderError::Io(error)) => error.to_string(),
         other => other.to_string(),
     }
+}
+
+/// Whether a picture was not read because the scene may not read it, whatever there is under its name.
+pub fn is_refused_picture(error: &AssetLoadError) -> bool {
+    let AssetLoadError::AssetLoaderError(error) = error else {
+        return false;
+    };
+    let error = error.error().downcast_ref();
+    matches!(error, Some(TextureMapError::File(FileError::Outside)))
 }
 
 /// What a loader says. Bevy's own text would go on with a backtrace wherever the environment asks for them.
