@@ -583,15 +583,40 @@ mod untrusted {
     }
 
     #[test]
-    fn lines_of_foreign_files_are_not_shown() {
+    fn text_of_foreign_files_is_not_shown() {
         let shop = shop();
-        for (name, found) in [("secret.xml", "is not XML"), ("broken.xml", "broken.xml:2:")] {
-            let content = format!("<include filename='../outside/{name}'/>");
-            let outcome = check(&shop, "include", &content, "", &[]);
+        shop.write("outside/secret.spd", format!("{SECRET}:x:0:0\n"));
+        shop.write("outside/secret.obj", format!("v {SECRET} 0 0\n"));
+        shop.write("outside/secret.ply", format!("ply\n{SECRET}\n"));
+        shop.write("outside/odd.obj", format!("{OBJ}{SECRET}`{SECRET} 1\n"));
+        shop.write("outside/secret.mtl", format!("newmtl m\nKd {SECRET}\n"));
+        for (kind, name, found) in [
+            ("include", "secret.xml", "is not XML"),
+            ("include", "broken.xml", "broken.xml:2:"),
+            ("spectrum", "secret.spd", "expected lines of a wavelength and a value"),
+            ("mesh", "secret.obj", "line 1: expected three coordinates"),
+            ("mesh", "secret.ply", "line 2: expected a statement of a PLY header"),
+            ("mesh", "odd.obj", "line 5: the statement … is ignored"),
+            ("library", "secret.mtl", "line 2: … is not understood"),
+        ] {
+            let (_, _, content) = KINDS.into_iter().find(|row| row.0 == kind).expect("it is a kind");
+            let name = format!("../outside/{name}");
+            let outcome = check(&shop, kind, content, &name, &[]);
             assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
             assert!(outcome.stderr.contains(found), "{name}: {}", outcome.stderr);
             assert!(!outcome.stderr.contains(SECRET), "{name}: {}", outcome.stderr);
+            if kind == "mesh" {
+                let scene = shop.path("scene/scene.xml");
+                let convert = ["convert", "--strict", &scene.to_string_lossy(), "out.xml"];
+                let outcome = run(shop.folder.path(), &convert);
+                assert!(outcome.stderr.contains(found), "{name}: {}", outcome.stderr);
+                assert!(!outcome.stderr.contains(SECRET), "{name}: {}", outcome.stderr);
+            }
         }
+        // Beside the scene it helps.
+        shop.write("scene/secret.obj", format!("v {SECRET} 0 0\n"));
+        let outcome = check(&shop, "mesh", KINDS[1].2, "secret.obj", &[]);
+        assert!(outcome.stderr.contains(SECRET), "{}", outcome.stderr);
     }
 }
 

@@ -1,6 +1,7 @@
 //! How diagnostics are shown: one line each, or as a report with the line of the file and a caret.
 
 use std::fmt::{self, Display};
+use std::path::Path;
 
 use miette::{
     GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan,
@@ -8,6 +9,7 @@ use miette::{
 };
 
 use super::{Diagnostic, Diagnostics, Severity, SourceFile, SourceId};
+use crate::files::Access;
 
 /// So many messages are shown; of the rest only the number is said.
 const MAX_SHOWN: usize = 50;
@@ -129,15 +131,15 @@ impl Diagnostics {
         (total > MAX_SHOWN).then(|| format!("... and {} more ({} in all)", total - MAX_SHOWN, self.summary()))
     }
 
-    /// Whether a file lies outside the folder of the main file. A scene may include any file, so the lines of such a file are not shown.
     fn is_foreign(&self, id: SourceId) -> bool {
-        let path = |id| self.source(id).and_then(|source| source.path.canonicalize().ok());
-        match (path(SourceId(0)), path(id)) {
-            _ if id == SourceId(0) => false,
-            (Some(main), Some(path)) => !main.parent().is_some_and(|folder| path.starts_with(folder)),
-            // A file that is gone by now.
-            _ => true,
-        }
+        let source = self.source(id).filter(|_| id != SourceId(0));
+        source.is_some_and(|source| self.is_outside(&source.path))
+    }
+
+    /// Whether a file lies outside the folder of the main file. A scene may name any file, so no text of such a file is shown.
+    pub(in crate::document) fn is_outside(&self, path: &Path) -> bool {
+        let folder = self.sources.first().and_then(|main| main.path.parent());
+        !Access::within(folder.map(Path::to_owned)).covers(path)
     }
 
     fn main_path(&self) -> Option<String> {

@@ -15,6 +15,8 @@ const MOST_REFUSED: usize = 1000;
 pub struct Access {
     /// Canonical; None if every file may be read.
     folders: Option<Vec<PathBuf>>,
+    /// The scene's own folder, canonical.
+    own: Option<PathBuf>,
     refused: Arc<Mutex<BTreeSet<PathBuf>>>,
 }
 
@@ -30,6 +32,23 @@ impl Access {
             folders: Some(folders.into_iter().map(|folder| canonical(&folder)).collect()),
             ..Self::default()
         }
+    }
+
+    /// The same for a scene in this folder.
+    pub fn of_scene_in(self, folder: &Path) -> Self {
+        Self {
+            own: Some(canonical(folder)),
+            ..self
+        }
+    }
+
+    /// Whether messages may show text of a file. Not of one outside the scene's folder: whoever sends a message on need not know what a scene
+    /// names.
+    pub fn may_quote(&self, path: &Path) -> bool {
+        let Some(own) = &self.own else {
+            return true;
+        };
+        resolved(path).is_some_and(|path| path.starts_with(own))
     }
 
     /// Permits this folder as well; what was refused in it counts as refused no more. A file in place of a folder stands for itself.
@@ -171,6 +190,10 @@ mod tests {
         assert_eq!(BTreeSet::from_iter(access.clone().refused()), sorted(&refused));
         access.allow(&path("scene-beside"));
         access.read(&path("scene-beside/c"), 100).unwrap();
+        let access_of_scene = access.clone().of_scene_in(&path("scene"));
+        for (name, may_quote) in [("scene/a", true), ("scene-beside/c", false), ("d", false)] {
+            assert_eq!(access_of_scene.may_quote(&path(name)), may_quote, "{name}");
+        }
         access.allow(&path("d"));
         access.read(&path("d"), 100).unwrap();
         assert_eq!(access.refused(), [] as [PathBuf; 0]);

@@ -13,6 +13,19 @@ pub struct LoadedMesh {
     pub warnings: Vec<String>,
 }
 
+impl LoadedMesh {
+    /// The same with warnings that show no text of the file.
+    pub fn without_quotes(mut self) -> Self {
+        for warning in &mut self.warnings {
+            // Quoted text may hold the quotation mark itself.
+            if let (Some(start), Some(end)) = (warning.find('`'), warning.rfind('`')) {
+                warning.replace_range(start..=end, "…");
+            }
+        }
+        self
+    }
+}
+
 /// A place in a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
@@ -100,6 +113,14 @@ impl MeshMemory {
 }
 
 impl MeshError {
+    /// The same without text of the file.
+    pub fn without_quotes(self) -> Self {
+        match self {
+            Self::Syntax { place, expected, .. } => Self::syntax(place, expected, "something else"),
+            other => other,
+        }
+    }
+
     pub(super) fn syntax(place: Place, expected: impl Into<String>, found: impl Into<String>) -> Self {
         Self::Syntax {
             place,

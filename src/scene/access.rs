@@ -21,9 +21,13 @@ impl Trust {
     /// For a scene in this file. An empty path stands for a scene without a file, which has no folder of its own.
     pub fn access(&self, scene: &Path) -> Access {
         let own = scene.parent();
-        match self {
+        let access = match self {
             Self::Everything => Access::everywhere(),
             Self::Folders(folders) => Access::within(folders.iter().cloned().chain(own.map(Path::to_owned))),
+        };
+        match own {
+            Some(own) => access.of_scene_in(own),
+            None => access,
         }
     }
 }

@@ -231,8 +231,14 @@ impl Parser {
             let sampled = read_text_within(&path, &self.access)
                 .map_err(|error| error.to_string())
                 .and_then(|text| {
-                    SampledSpectrum::parse_file(text.trim_start_matches('\u{feff}'))
-                        .map_err(|what| format!("{file}: {what}"))
+                    let parsed = SampledSpectrum::parse_file(text.trim_start_matches('\u{feff}'));
+                    parsed.map_err(|what| match self.diagnostics.is_outside(&path) {
+                        // The message quotes the file.
+                        true => format!(
+                            "{file}: expected lines of a wavelength and a value, with wavelengths that increase"
+                        ),
+                        false => format!("{file}: {what}"),
+                    })
                 });
             return match sampled {
                 Ok(sampled) => Some(sampled_color(&sampled, span, role, &mut self.diagnostics)),

@@ -112,16 +112,24 @@ pub fn load_mesh(path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadE
 pub fn read_mesh(bytes: &[u8], path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut dependencies = Vec::new();
-    let mut loaded = if bytes.starts_with(b"ply") {
-        ply::load_ply(bytes)?
+    let mut may_quote = access.may_quote(path);
+    let loaded = if bytes.starts_with(b"ply") {
+        ply::load_ply(bytes)
     } else {
-        let mut loaded = obj::load_obj(bytes, &mut |name| {
+        let loaded = obj::load_obj(bytes, &mut |name| {
             let library = folder.join(name);
+            may_quote &= access.may_quote(&library);
             dependencies.push(library.clone());
             Ok(access.read(&library, LARGEST_NOTE)?)
-        })?;
-        loaded.mesh.flip_tex_coords();
-        loaded
+        });
+        loaded.map(|mut loaded| {
+            loaded.mesh.flip_tex_coords();
+            loaded
+        })
+    };
+    let mut loaded = match may_quote {
+        true => loaded?,
+        false => loaded.map_err(MeshError::without_quotes)?.without_quotes(),
     };
     for map in loaded
         .mesh
