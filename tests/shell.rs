@@ -286,6 +286,7 @@ fn recovery_is_offered_once() {
 fn files_outside_the_scenes_folder_are_asked_about() {
     let asked = Question {
         files: (0..8).map(|number| format!("/elsewhere/{number}.png").into()).collect(),
+        folders: vec!["/elsewhere".into()],
     };
     let ask = || {
         show(Some(asked.clone()), |egui, shown| {
@@ -295,6 +296,7 @@ fn files_outside_the_scenes_folder_are_asked_about() {
     let mut harness = ask();
     assert!(harness.query_by_label("/elsewhere/0.png").is_some());
     assert!(harness.query_by_label("... and 2 more").is_some());
+    assert!(harness.query_by_label("/elsewhere").is_some());
     click(&mut harness, "Read them");
     let allowed = Command::Shell(ShellCommand::AllowFiles(asked.clone()));
     assert_eq!(harness.state().commands, [allowed]);

@@ -12,7 +12,7 @@ use crate::files::{LARGEST_NOTE, read, write_atomically};
 use crate::scene::assets::gltf_scene::is_called_gltf;
 use crate::scene::assets::parts_cache::allow_parts;
 use crate::scene::read::mesh_search::ASSETS_VARIABLE;
-use crate::scene::{OpenScene, SceneAccess, SceneState, SceneStatus, Trust};
+use crate::scene::{OpenScene, SceneAccess, SceneFile, SceneState, SceneStatus, Trust};
 
 const FILE: &str = "trusted-folders.json";
 /// The folders that were allowed first are forgotten beyond this number.
@@ -24,27 +24,36 @@ pub struct TrustedFolders {
     /// None: nothing is remembered.
     path: Option<PathBuf>,
     pub question: Option<Question>,
+    /// A scene that could not be read before its files were allowed. To be opened, unless that would lose edits.
+    pub opens: Option<PathBuf>,
     /// The refused files that the user has been asked about.
     asked: Vec<PathBuf>,
 }
 
-/// Files outside the scene's folder that it names.
+/// Files and folders outside the scene's folder that it names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Question {
     pub files: Vec<PathBuf>,
+    /// What would be allowed, with all that is below.
+    pub folders: Vec<PathBuf>,
 }
 
 impl Question {
-    /// The folders of the files, each once.
-    pub fn folders(&self) -> Vec<PathBuf> {
-        let folder = |file: &PathBuf| settle(file).parent().map(Path::to_owned);
-        let mut folders: Vec<PathBuf> = self.files.iter().filter_map(folder).collect();
-        // A link is allowed with the folder that it leads to.
-        let targets = self.files.iter().filter_map(|file| file.canonicalize().ok());
-        folders.extend(targets.filter_map(|file| file.parent().map(Path::to_owned)));
+    /// None without files.
+    pub fn about(files: Vec<PathBuf>) -> Option<Self> {
+        let mut folders: Vec<PathBuf> = files.iter().filter_map(|file| folder_of(file)).collect();
         folders.sort();
-        folders.dedup();
-        folders
+        folders.dedup_by(|folder, before| folder.starts_with(before));
+        (!files.is_empty()).then_some(Self { files, folders })
+    }
+}
+
+/// The folder that has to be allowed for a file, which is where its links lead; for a folder that one itself. None for what is not there.
+fn folder_of(file: &Path) -> Option<PathBuf> {
+    let target = file.canonicalize().ok()?;
+    match target.is_dir() {
+        true => Some(target),
+        false => target.parent().map(Path::to_owned),
     }
 }
 
@@ -62,7 +71,7 @@ impl TrustedFolders {
 
     /// Others may have written to the file meanwhile.
     fn remember(&self, folders: &[PathBuf]) -> std::io::Result<()> {
-        let Some(path) = &self.path else {
+        let Some(path) = self.path.as_ref().filter(|_| !folders.is_empty()) else {
             return Ok(());
         };
         let mut all = remembered(path);
@@ -95,54 +104,96 @@ fn asset_folders() -> Vec<PathBuf> {
     named.chain(own).collect()
 }
 
-/// Asks when the open scene was refused other files than before.
+/// Asks when a scene was refused files that the user has not been asked about.
 pub fn follow_access(access: Res<SceneAccess>, mut trusted: ResMut<TrustedFolders>) {
-    let refused = access.get().refused();
-    if refused != trusted.asked {
-        trusted.question = (!refused.is_empty()).then(|| Question { files: refused.clone() });
-        trusted.asked = refused;
+    let refused = access.refused();
+    if refused == trusted.asked {
+        return;
     }
+    let open = trusted.question.take().map_or(Vec::new(), |question| question.files);
+    let is_meant = |file: &&PathBuf| open.contains(file) || !trusted.asked.contains(file);
+    trusted.question = Question::about(refused.iter().filter(is_meant).cloned().collect());
+    trusted.asked = refused;
 }
 
-/// Allows the folders of the files from now on, remembers them, and reads the files.
+/// Allows the folders from now on, remembers them, and reads the files. Edits of the open scene stay.
 pub fn allow(world: &mut World, question: &Question) {
-    let folders = question.folders();
-    if let Trust::Folders(all) = &mut *world.resource_mut::<Trust>() {
-        all.extend(folders.iter().cloned());
-    }
-    if let Err(error) = world.resource::<TrustedFolders>().remember(&folders) {
-        let message = format!("The folders cannot be remembered: {error}");
-        world
-            .resource_mut::<EditorState>()
-            .complain(Topic::Other, &message, None);
-    }
+    let status = world.resource::<SceneStatus>();
+    let (own, loads) = (status.path.clone(), status.state == SceneState::Loading);
+    let other = status.asked.clone().filter(|asked| Some(asked) != own.as_ref());
+    // That another scene could not be read has these files as its cause only if it names them.
     let access = world.resource::<SceneAccess>();
-    folders.iter().for_each(|folder| access.allow(folder));
+    let names_them = |scene: &PathBuf| {
+        let refused = access.of_scene(scene).refused();
+        refused.iter().any(|file| question.files.contains(file))
+    };
+    let opens = other.clone().filter(names_them);
+    allow_folders(world, &question.folders);
     let server = world.resource::<AssetServer>();
     for file in &question.files {
         server.reload(bevy::asset::AssetPath::from_path_buf(file.clone()));
     }
-    // Includes and search folders count when the scene itself is read; so does the place where a file was found.
-    let status = world.resource::<SceneStatus>();
-    let has_failed = status.state == SceneState::Failed;
-    let asked = status.asked.clone().filter(|_| has_failed);
-    if let Some(path) = asked.or_else(|| status.path.clone()) {
+    if opens.is_some() {
+        world.resource_mut::<TrustedFolders>().opens = opens;
+        return;
+    }
+    // Includes and search folders count when the scene itself is read; so does the place where a file was found. A scene that was recovered is in
+    // no file: reading the one that it was in would lose it.
+    let is_followed = world.resource::<SceneFile>().is_followed();
+    let is_awaited = loads && other.is_some();
+    if let Some(path) = own.filter(|_| is_followed && !is_awaited) {
         let defines = world.resource::<super::options::SceneDefines>().0.clone();
         world.write_message(OpenScene {
             path,
             defines,
-            keeps_edits: !has_failed,
+            keeps_edits: true,
         });
     }
 }
 
-/// Lets the open scene read a file that the user has chosen, and its neighbours.
-pub fn allow_chosen(world: &World, file: &Path) {
-    if let (Some(access), Some(folder)) = (world.get_resource::<SceneAccess>(), settle(file).parent()) {
-        access.allow(folder);
-        if is_called_gltf(file) {
-            allow_parts(|folder| access.allow(folder));
-        }
+/// Lets scenes read a file that the user has chosen, with its neighbours if it may name some of them.
+pub fn allow_chosen(world: &mut World, file: &Path) {
+    let (Some(access), Some(trust)) = (world.get_resource::<SceneAccess>(), world.get_resource::<Trust>()) else {
+        return;
+    };
+    if is_called_gltf(file) {
+        allow_parts(|folder| access.allow(folder));
+    }
+    let file = settle(file);
+    let Ok(target) = file.canonicalize() else {
+        return;
+    };
+    let wanted = match has_neighbours(&file) {
+        true => [&file, &target]
+            .map(|file| file.parent().unwrap_or(file).to_owned())
+            .to_vec(),
+        false => vec![target],
+    };
+    let scene = world.resource::<SceneStatus>().path.clone().unwrap_or_default();
+    let known = trust.access(&scene);
+    let new: Vec<PathBuf> = wanted.into_iter().filter(|path| !known.covers(path)).collect();
+    allow_folders(world, &new);
+}
+
+/// Whether files of this kind name others, which lie beside them.
+fn has_neighbours(file: &Path) -> bool {
+    let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
+    ["obj", "xml", "gltf", "glb"].iter().any(|known| extension == *known)
+}
+
+/// Lets this and all scenes read these folders and files from now on.
+fn allow_folders(world: &mut World, folders: &[PathBuf]) {
+    match &mut *world.resource_mut::<Trust>() {
+        Trust::Everything => return,
+        Trust::Folders(all) => all.extend(folders.iter().cloned()),
+    }
+    let access = world.resource::<SceneAccess>();
+    folders.iter().for_each(|folder| access.allow(folder));
+    if let Err(error) = world.resource::<TrustedFolders>().remember(folders) {
+        let message = format!("The folders cannot be remembered: {error}");
+        world
+            .resource_mut::<EditorState>()
+            .complain(Topic::Other, &message, None);
     }
 }
 

@@ -23,8 +23,8 @@ pub fn question(context: &egui::Context, question: &mut Option<Question>, comman
         ui.add_space(4.0);
         ui.label("The scene names files that it may not read:");
         list(ui, &asked.files);
-        ui.label("If it may, every scene may read all files in these folders from now on:");
-        list(ui, &asked.folders());
+        ui.label("If it may, every scene may read all files in these folders, and below them, from now on:");
+        list(ui, &asked.folders);
         ui.add_space(8.0);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let allow = ui.button("Read them");
@@ -34,7 +34,7 @@ pub fn question(context: &egui::Context, question: &mut Option<Question>, comman
             }
             let refuse = ui
                 .button("Leave them out")
-                .on_hover_text("Show the scene without them (Esc)");
+                .on_hover_text("Read nothing outside the scene's folder (Esc)");
             if refuse.clicked() {
                 ui.close();
             }

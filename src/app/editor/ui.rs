@@ -328,6 +328,7 @@ pub fn show_window(
     }
     let is_untouched = model.status.scene.is_none() && !model.status.unsaved;
     commands.extend(shell.dropped.commands(is_untouched));
+    commands.extend(shell.trusted.opens.take().map(Command::OpenScene));
     if std::mem::take(&mut state.closes) {
         commands.push(Command::Quit);
     }

@@ -23,8 +23,8 @@ use crate::scene::{
 pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
     match command {
         Command::Import(path) => {
-            trust::allow_chosen(edit.world, &path);
             adding::import(edit, &path)?;
+            trust::allow_chosen(edit.world, &path);
         }
         Command::Paste(text) => adding::paste(edit, &text)?,
         Command::Add(addition) => adding::add(edit, addition)?,
