@@ -17,7 +17,7 @@ use sunroom::app::editor::shell::ShellCommand;
 use sunroom::app::editor::state::{CommandQueue, EditorState};
 use sunroom::app::editor::trust::{Question, TrustedFolders, follow_access};
 use sunroom::engine::{CurrentScene, RenderControl, RenderFilm};
-use sunroom::scene::write;
+use sunroom::scene::write::{self, SaveError};
 use sunroom::scene::*;
 use tempfile::TempDir;
 
@@ -391,6 +391,32 @@ fn chosen_files_are_not_asked_about_when_the_scene_is_read_again() {
     ] {
         assert_eq!(access.covers(&window.path(name)), is_allowed, "{name}");
     }
+}
+
+#[test]
+fn saving_and_pasting_read_nothing_outside() {
+    let mut window = Window::new(&[("scene/a.xml", &scene("")), ("outside/more.xml", MORE)]);
+    window.write("outside/values.spd", "400 0.5\n700 0.5\n");
+    window.open("scene/a.xml", false);
+    window.move_ball();
+    let spectrum = window.path("outside/values.spd");
+    let spectrum = format!(
+        "<bsdf type='diffuse'><spectrum name='reflectance' filename='{}'/></bsdf>",
+        spectrum.display()
+    );
+    let said = window.apply(Command::Paste(spectrum)).expect_err("it is refused");
+    assert!(said.contains("outside the scene's folder"), "{said}");
+    window.app.update();
+    assert_eq!(window.question().folders, [window.path("outside")]);
+    // The watch might be first: what it reads waits.
+    window.app.world_mut().resource_mut::<SceneFile>().hold(true);
+    window.write("scene/a.xml", &scene("<include filename='../outside/more.xml'/>"));
+    let path = window.path("scene/a.xml");
+    match write::save(window.app.world_mut(), &path) {
+        Err(SaveError::Broken { reason, .. }) => assert!(reason.contains("outside the scene's folder"), "{reason}"),
+        other => panic!("{other:?}"),
+    }
+    assert_eq!(window.by_id("more"), None);
 }
 
 /// Scenes that have no file, as that of a window without one, may read no more than others.

@@ -13,11 +13,12 @@ use bevy::prelude::*;
 
 use super::{SaveError, write_file};
 use crate::document::source::read_text;
-use crate::document::{self, Severity, SourceError, SourceFile};
-use crate::files::{FileError, FolderBusy, FolderLock, lock_folder};
+use crate::document::{Severity, SourceError, SourceFile};
+use crate::files::{Access, FileError, FolderBusy, FolderLock, lock_folder};
 use crate::scene::assets::SceneDefines;
+use crate::scene::assets::scene_asset::load_document;
 use crate::scene::read::{self, settle};
-use crate::scene::{AuthoredScene, loading, spawn};
+use crate::scene::{AuthoredScene, SceneAccess, loading, spawn};
 
 /// How saving treats files that were changed by others since they were read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,6 +135,16 @@ pub(in crate::scene) fn are_as_read(sources: &[SourceFile]) -> bool {
     sources.iter().all(is_as_read)
 }
 
+/// What the scene may read once it is saved at `target`.
+pub(super) fn access(world: &World, target: &Path) -> Access {
+    let access = world.get_resource::<SceneAccess>();
+    let mut access = access.map(SceneAccess::get).unwrap_or_default();
+    if let Some(folder) = target.parent() {
+        access.allow(folder);
+    }
+    access
+}
+
 /// Takes in what others changed in the files of the scene that will be saved at `target`.
 pub(super) fn take_in_changes(world: &mut World, target: &Path, on_change: OnChange) -> Result<(), SaveError> {
     let expected = expected_files(world, target);
@@ -153,7 +164,8 @@ pub(super) fn take_in_changes(world: &mut World, target: &Path, on_change: OnCha
     }
     let defines = world.get_resource::<SceneDefines>();
     let defines = defines.map_or_else(Vec::new, |all| all.get(target));
-    let mut document = document::load(target, &defines).map_err(|error| SaveError::Broken {
+    let access = access(world, target);
+    let mut document = load_document(target, &defines, access).map_err(|error| SaveError::Broken {
         path: path.clone(),
         reason: error.to_string(),
     })?;

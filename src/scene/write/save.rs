@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use bevy::prelude::World;
 
-use super::changed::{KnownTexts, OnChange, expected_files, lock_folders, replace_files, take_in_changes};
+use super::changed::{KnownTexts, OnChange, access, expected_files, lock_folders, replace_files, take_in_changes};
 use super::gather::{self, Entities};
 use super::{copy_parts, home, plan};
 use crate::document::{self, SourceError};
 use crate::scene::assets::SceneDefines;
+use crate::scene::assets::scene_asset::load_document;
 use crate::scene::read::{self, settle};
 use crate::scene::{SceneDescription, loading, rebase};
 
@@ -91,7 +92,8 @@ fn follow(
         all.set(target.to_owned(), of_old.clone());
         of_old
     });
-    let mut document = match document::load(target, &defines.unwrap_or_default()) {
+    let access = access(world, target);
+    let mut document = match load_document(target, &defines.unwrap_or_default(), access) {
         Ok(document) => document,
         Err(error) => return Some(error.to_string()),
     };

@@ -13,12 +13,12 @@ use crate::app::editor::addition::{Addition, AdditionKind};
 use crate::app::editor::history::Edit;
 use crate::app::editor::state::EditorState;
 use crate::color::Rgb;
-use crate::document::{Diagnostics, Severity, parse_str};
+use crate::document::{Diagnostics, Severity, parse_within};
 use crate::scene::assets::scene_asset::load_document;
 use crate::scene::insert::{free_name, insert, names, next_order};
 use crate::scene::{
-    ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, MeshFile, MeshFormat, SceneDescription,
-    SceneId, Sensor, Shape, ShapeKind, SquarePath, ToWorld, Trust, read,
+    ActiveSensor, AreaLight, DocumentOrder, Emitter, EmitterKind, Film, MeshFile, MeshFormat, SceneAccess,
+    SceneDescription, SceneId, Sensor, Shape, ShapeKind, SquarePath, ToWorld, Trust, read,
 };
 
 /// Height of a light above what it shines on, and of what is flat above what it lies on, in half sizes.
@@ -347,7 +347,9 @@ pub fn paste(edit: &mut Edit, text: &str) -> Result<(), String> {
     } else {
         format!("<scene version=\"3.0.0\">{text}</scene>")
     };
-    let mut document = parse_str(&*text, Path::new(CLIPBOARD), &[]);
+    // Whoever copies a text need not know which files it names.
+    let access = edit.world.get_resource::<SceneAccess>().map(SceneAccess::get);
+    let mut document = parse_within(&*text, Path::new(CLIPBOARD), &[], access.unwrap_or_default());
     let scene = read::read(&mut document);
     insert_all(edit, scene, &document.diagnostics)
 }
