@@ -246,7 +246,12 @@ fn build(
 ) -> Result<BuiltMesh, String> {
     let begin = Instant::now();
     if upside_down {
-        Arc::make_mut(&mut data).flip_tex_coords();
+        let flipped = data.with_flipped_tex_coords();
+        let flipped = flipped.map_err(|shortage| {
+            let triangles = data.triangles.len();
+            format!("{triangles} triangles with flipped texture coordinates need {shortage}")
+        });
+        data = Arc::new(flipped?);
     }
     let slots = data
         .material_of_triangle

@@ -7,7 +7,7 @@ use super::mtl_map::MtlMaps;
 use super::triangle::is_regular;
 use super::vertex_normals::angle_weighted_normals;
 use crate::math::Aabb;
-use crate::memory::Held;
+use crate::memory::{self, Held, Shortage};
 
 /// An indexed triangle mesh in its own local space, as it was loaded.
 ///
@@ -124,6 +124,14 @@ impl MeshData {
         self.normals = angle_weighted_normals(&self.positions, &self.triangles);
         self.has_computed_normals = true;
         self
+    }
+
+    /// A copy whose texture coordinates are upside down, with memory of its own for itself and its acceleration structure.
+    pub fn with_flipped_tex_coords(&self) -> Result<Self, Shortage> {
+        let memory = memory::reserve(self.memory_bytes())?.into();
+        let mut copy = Self { memory, ..self.clone() };
+        copy.flip_tex_coords();
+        Ok(copy)
     }
 
     /// Turns every texture coordinate upside down: v becomes 1 - v.

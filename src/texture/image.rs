@@ -8,7 +8,8 @@ use exr::prelude::f16;
 use glam::DVec3;
 
 use crate::color::{Rgb, linear_from_srgb, linear_from_srgb8};
-use crate::memory::{Held, Reservation};
+use crate::memory::{self, Held, Reservation, Shortage};
+use crate::sampling::PiecewiseBilinear2d;
 
 /// Samples row by row from the top left, the channels of a pixel side by side. Integers stand for [0, 1].
 #[derive(Clone, Debug, PartialEq)]
@@ -38,8 +39,9 @@ pub enum Transfer {
     Srgb,
 }
 
-/// Bytes per pixel of the tables by which an environment is sampled. Nearly all pictures of floats are environments.
-pub(super) const ENVIRONMENT_BYTES: u64 = 8;
+/// Bytes per pixel of the tables by which an environment is sampled. Nearly all pictures of floats are environments, so that these bytes are
+/// reserved together with such a picture; those for other pictures are reserved when the tables are made.
+pub(super) const ENVIRONMENT_BYTES: u64 = PiecewiseBilinear2d::BYTES_PER_NODE;
 
 /// A picture of one channel (grey) or three (Rec. 709), at least one pixel large.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,6 +99,17 @@ impl Image {
             Samples::U16(_) => 2 * count,
             Samples::F16(_) => 2 * count + ENVIRONMENT_BYTES * pixels,
             Samples::F32(_) => 4 * count + ENVIRONMENT_BYTES * pixels,
+        }
+    }
+
+    /// Reserves memory for the tables by which the picture is sampled as an environment, unless it is a part of the picture's own.
+    pub fn reserve_environment(&self) -> Result<Held, Shortage> {
+        match &self.samples {
+            Samples::F16(_) | Samples::F32(_) => Ok(self.memory.clone()),
+            Samples::U8(_) | Samples::U16(_) => {
+                let pixels = u64::from(self.width) * u64::from(self.height);
+                memory::reserve(ENVIRONMENT_BYTES.saturating_mul(pixels)).map(Held::from)
+            }
         }
     }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::light::EnvironmentMap;
+use crate::memory::{Held, Shortage};
 use crate::texture::Image;
 
 #[derive(Default)]
@@ -13,6 +14,8 @@ struct Known {
     compensated: bool,
     map: Arc<EnvironmentMap>,
     in_use: bool,
+    /// For the density.
+    _memory: Held,
 }
 
 impl Environments {
@@ -20,21 +23,23 @@ impl Environments {
         self.0.iter_mut().for_each(|known| known.in_use = false);
     }
 
-    /// The same for the same picture.
-    pub fn get(&mut self, image: &Arc<Image>, compensated: bool) -> Arc<EnvironmentMap> {
+    /// The same for the same picture. An error if its density does not fit into the memory budget.
+    pub fn get(&mut self, image: &Arc<Image>, compensated: bool) -> Result<Arc<EnvironmentMap>, Shortage> {
         let is_it = |known: &&mut Known| Arc::ptr_eq(&known.image, image) && known.compensated == compensated;
         if let Some(known) = self.0.iter_mut().find(is_it) {
             known.in_use = true;
-            return known.map.clone();
+            return Ok(known.map.clone());
         }
+        let memory = image.reserve_environment()?;
         let map = Arc::new(EnvironmentMap::new(image.clone(), compensated));
         self.0.push(Known {
             image: image.clone(),
             compensated,
             map: map.clone(),
             in_use: true,
+            _memory: memory,
         });
-        map
+        Ok(map)
     }
 
     /// Forgets those that nobody asked for since [`Self::begin_use`].
@@ -51,14 +56,15 @@ mod tests {
     fn a_density_lives_as_long_as_it_is_used() {
         let (grey, white) = (Arc::new(Image::uniform(0.5)), Arc::new(Image::uniform(1.0)));
         let mut all = Environments::default();
+        let get = |all: &mut Environments, image, compensated| all.get(image, compensated).expect("there is room");
         all.begin_use();
-        let first = all.get(&grey, true);
-        assert!(Arc::ptr_eq(&first, &all.get(&grey, true)));
-        assert!(!Arc::ptr_eq(&first, &all.get(&grey, false)));
-        assert!(!Arc::ptr_eq(&first, &all.get(&white, true)));
+        let first = get(&mut all, &grey, true);
+        assert!(Arc::ptr_eq(&first, &get(&mut all, &grey, true)));
+        assert!(!Arc::ptr_eq(&first, &get(&mut all, &grey, false)));
+        assert!(!Arc::ptr_eq(&first, &get(&mut all, &white, true)));
         all.end_use();
         all.begin_use();
-        assert!(Arc::ptr_eq(&first, &all.get(&grey, true)));
+        assert!(Arc::ptr_eq(&first, &get(&mut all, &grey, true)));
         all.end_use();
         assert_eq!(all.0.len(), 1);
     }

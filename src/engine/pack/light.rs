@@ -74,8 +74,14 @@ pub(in crate::engine) fn pack_emitter(
             mis_compensation,
         } => {
             let image = context.textures.picture(picture)?;
+            let map = context.environments.get(&image, *mis_compensation);
+            let left_out = |shortage| {
+                check.report(format_args!(
+                    "sampling its picture needs {shortage}; the light is left out"
+                ))
+            };
             LightSource::Environment {
-                map: context.environments.get(&image, *mis_compensation),
+                map: map.map_err(left_out).ok()?,
                 world_from_local: turning(to_world, check)?,
                 scale: check.number("scale", *scale, 0.0, BRIGHTEST, 1.0),
             }
