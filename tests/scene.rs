@@ -278,6 +278,12 @@ fn what_is_not_supported_gets_a_stand_in_and_a_warning_with_its_line() {
     let (scene, diagnostics) = describe("");
     assert!(scene.sensors.is_empty());
     assert_eq!(diagnostics.warning_count(), 1, "{diagnostics}");
+    // A sensor that cannot be read is not missing as well.
+    for sensor in ["<sensor typ='perspective'/>", "<sensor type='perspective' id=/>"] {
+        let (_, diagnostics) = describe(sensor);
+        assert!(diagnostics.has_errors(), "{diagnostics}");
+        assert!(!diagnostics.to_string().contains("no sensor"), "{diagnostics}");
+    }
 }
 
 #[test]
@@ -856,6 +862,27 @@ fn a_scene_without_a_sensor_is_framed() {
     }
     let status = world.resource::<SceneStatus>();
     assert_eq!(status.diagnostics.warning_count(), 1);
+}
+
+#[test]
+fn a_scene_of_tiny_extent_fills_the_view_as_well() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("scene.xml");
+    for radius in [1e-6f32, 1.0, 1e6] {
+        let text = format!(
+            "<scene version='3.0.0'><shape type='sphere'><float name='radius' value='{radius}'/></shape></scene>"
+        );
+        std::fs::write(&path, text).expect("a temporary folder");
+        let mut app = app_with(&path);
+        app.update();
+        let world = app.world();
+        let active = world.resource::<ActiveSensor>().0.expect("a camera");
+        let pose = world.get::<ToWorld>(active).expect("it stands somewhere").0;
+        let distance = pose.translation.length();
+        assert!((2.0..6.0).contains(&(distance / radius)), "{radius}: {distance}");
+        let sensor = world.get::<Sensor>(active).expect("a camera");
+        assert!(sensor.near_clip < distance - radius && sensor.far_clip > distance + radius);
+    }
 }
 
 #[test]

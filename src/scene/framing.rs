@@ -47,14 +47,17 @@ pub(super) fn frame_scene(
     let corners = shapes.iter().filter_map(|(shape, to_world, mesh)| {
         world_bounds(shape, &to_world.0, mesh.and_then(|handle| meshes.get(&handle.0)))
     });
-    let bounds = Aabb::from_points(corners.flat_map(|bounds| [bounds.min, bounds.max]));
-    let (center, extent) = if !bounds.is_empty() {
-        (bounds.center(), bounds.extent())
-    } else {
-        (Vec3::ZERO, Vec3::ONE)
-    };
+    let mut bounds = Aabb::from_points(corners.flat_map(|bounds| [bounds.min, bounds.max]));
+    if bounds.is_empty() {
+        bounds = Aabb::from_points([Vec3::splat(-0.5), Vec3::splat(0.5)]);
+    }
+    let (center, extent, radius) = (bounds.center(), bounds.extent(), bounds.framed_radius());
     for (entity, mut sensor, mut to_world) in &mut waiting {
-        let half = 0.5 * extent.x.max(extent.y).max(1e-3);
+        let half = match bounds.radius() < radius {
+            // There is nothing to see; the camera stands where a larger thing would be seen.
+            true => radius,
+            false => (0.5 * extent.x.max(extent.y)).max(1e-3 * radius),
+        };
         let distance = half / (0.5 * sensor.fov.to_radians()).tan() + 0.5 * extent.z;
         to_world.0 = Affine3A::from_translation(center - 1.1 * distance * Vec3::Z);
         sensor.near_clip = 1e-3 * distance;

@@ -159,7 +159,7 @@ pub fn framing(world_from_camera: Affine3A, bounds: &Aabb, half_fov: f32) -> Opt
         return None;
     }
     let rotation = orthonormal(&world_from_camera.matrix3);
-    let radius = (0.5 * bounds.extent().length()).max(f32::MIN_POSITIVE);
+    let radius = bounds.framed_radius();
     let distance = radius / half_fov.clamp(0.01, 1.5).sin();
     let translation = Vec3A::from(bounds.center()) - rotation.z_axis * distance;
     let pose = Affine3A {
@@ -171,7 +171,7 @@ pub fn framing(world_from_camera: Affine3A, bounds: &Aabb, half_fov: f32) -> Opt
 
 /// As [`framing`] for an orthographic camera, whose scale is its extent; `aspect` is the picture's width over its height.
 pub fn framing_parallel(world_from_camera: Affine3A, bounds: &Aabb, aspect: f32) -> Option<Affine3A> {
-    let radius = (0.5 * bounds.extent().length()).max(f32::MIN_POSITIVE);
+    let radius = bounds.framed_radius();
     // From twice the radius away nothing of the sphere is behind the camera.
     let pose = framing(world_from_camera, bounds, 30f32.to_radians())?;
     let pose = pose * Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.0) * radius * aspect.max(1.0) + Vec3::Z);

@@ -197,7 +197,8 @@ impl<'a> SceneReader<'a> {
             reader.children(category);
         }
         reader.finish();
-        if self.description.sensors.is_empty() {
+        // After an error the scene is not shown, and its sensor may be what could not be read.
+        if self.description.sensors.is_empty() && !self.diagnostics.has_errors() {
             let message = "the scene has no sensor: one that sees everything takes its place".to_owned();
             self.diagnostics.push(Severity::Warning, Some(root.span), message, None);
         }
