@@ -68,7 +68,7 @@ pub fn chosen(entries: &[(&str, Entry)]) -> Entry {
 
 /// To be called once. Sets the memory budget; and one thread does all work, so that no time is lost between threads.
 pub fn prepare() {
-    sunroom_core::memory::budget().set_limit(BUDGET);
+    sunroom_core::memory::budget().name_limit(BUDGET);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
     pool.build_global().expect("there is no pool yet");
 }

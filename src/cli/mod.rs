@@ -100,7 +100,7 @@ struct MemoryArgs {
 impl MemoryArgs {
     fn apply(&self) {
         if let Some(bytes) = self.memory {
-            memory::budget().set_limit(bytes);
+            memory::budget().name_limit(bytes);
         }
     }
 }

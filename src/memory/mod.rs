@@ -9,7 +9,7 @@ mod machine;
 mod size;
 
 use std::fmt;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock};
 
 pub use self::size::{Bytes, parse_size};
@@ -23,15 +23,25 @@ pub const VARIABLE: &str = "SUNROOM_MEMORY";
 pub struct Budget {
     limit: AtomicU64,
     reserved: AtomicU64,
+    /// The limit is what the command line or the variable says, which counts before preferences.
+    is_named: AtomicBool,
 }
 
-/// The budget of the process: `SUNROOM_MEMORY`, or else three quarters of the memory that the process may use.
+/// The budget of the process: `SUNROOM_MEMORY`, or else [`default_limit`].
 pub fn budget() -> &'static Budget {
     static BUDGET: LazyLock<Budget> = LazyLock::new(|| {
-        let limit = budget_of_variable().and_then(Result::ok);
-        Budget::new(limit.unwrap_or_else(|| machine::memory_bytes() / 4 * 3))
+        let budget = Budget::new(default_limit());
+        if let Some(Ok(limit)) = budget_of_variable() {
+            budget.name_limit(limit);
+        }
+        budget
     });
     &BUDGET
+}
+
+/// Three quarters of the memory that the process may use, in bytes.
+pub fn default_limit() -> u64 {
+    machine::memory_bytes() / 4 * 3
 }
 
 /// What `SUNROOM_MEMORY` says in bytes, or what is wrong with it; None if it is not set.
@@ -56,12 +66,21 @@ impl Budget {
         Self {
             limit: AtomicU64::new(limit),
             reserved: AtomicU64::new(0),
+            is_named: AtomicBool::new(false),
         }
     }
 
-    /// In bytes. What is reserved already stays so.
-    pub fn set_limit(&self, limit: u64) {
+    /// Sets the limit in bytes as the user says it for this run. What is reserved already stays so.
+    pub fn name_limit(&self, limit: u64) {
+        self.is_named.store(true, Ordering::Relaxed);
         self.limit.store(limit, Ordering::Relaxed);
+    }
+
+    /// Sets the limit in bytes as the user prefers it, unless another was named for this run.
+    pub fn prefer_limit(&self, limit: u64) {
+        if !self.is_named.load(Ordering::Relaxed) {
+            self.limit.store(limit, Ordering::Relaxed);
+        }
     }
 
     /// In bytes.
@@ -188,10 +207,20 @@ mod tests {
         assert!(first.resize(u64::MAX).is_err());
         assert_eq!(BUDGET.reserved(), 100);
         // Less is possible also beyond a limit that has become smaller.
-        BUDGET.set_limit(10);
+        BUDGET.name_limit(10);
         first.resize(90).unwrap();
         drop(first);
         assert_eq!(BUDGET.reserved(), 0);
+    }
+
+    #[test]
+    fn a_limit_that_was_named_counts_before_a_preferred_one() {
+        let budget = Budget::new(100);
+        budget.prefer_limit(50);
+        assert_eq!(budget.limit(), 50);
+        budget.name_limit(70);
+        budget.prefer_limit(60);
+        assert_eq!(budget.limit(), 70);
     }
 
     #[test]

@@ -86,6 +86,7 @@ use bevy_egui::{EguiPlugin, EguiPostUpdateSet, EguiPreUpdateSet, EguiPrimaryCont
 
 use crate::app::terminal;
 use crate::engine::EngineSystems;
+use crate::memory;
 use crate::scene::{OpenScene, SceneAccess, SceneSystems};
 use monkey::Monkey;
 use options::{SceneDefines, WantedCamera, WindowOptions};
@@ -118,6 +119,7 @@ impl Plugin for EditorPlugin {
         let mut state = state::EditorState::default();
         state.navigation.set_speed(preferences.speed);
         state.gizmo.steps = preferences.steps;
+        memory::budget().prefer_limit(preferences.memory_limit());
         if let Some(problem) = &preferences_file.problem {
             state.complain(Topic::Other, problem, None);
         }

@@ -15,6 +15,7 @@ use super::layout::Layout;
 use super::navigation::SPEED_RANGE;
 use super::state::EditorState;
 use crate::files::{self, LARGEST_NOTE, write_atomically};
+use crate::memory;
 use crate::scene::{SceneState, SceneStatus};
 
 /// Of the file's format.
@@ -53,6 +54,8 @@ pub struct Preferences {
     pub moving_scale: f32,
     /// The view jumps to where it goes.
     pub reduced_motion: bool,
+    /// The budget for pictures, meshes and the film in GiB; 0 is the default share of the machine's memory.
+    pub memory_gib: u32,
     /// Scenes, absolute, the newest first.
     pub recent_files: Vec<PathBuf>,
     /// See [`Layout::to_json`].
@@ -72,6 +75,7 @@ impl Default for Preferences {
             steps: Steps::default(),
             moving_scale: 0.5,
             reduced_motion: false,
+            memory_gib: 0,
             recent_files: Vec::new(),
             layout: Value::Null,
             unknown: Map::new(),
@@ -81,11 +85,20 @@ impl Default for Preferences {
 
 pub const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
 pub const LONGEST_AUTOSAVE: u32 = 3600;
+pub const MOST_MEMORY_GIB: u32 = 4096;
 pub const MOVING_SCALES: std::ops::RangeInclusive<f32> = 0.25..=1.0;
 
 impl Preferences {
     pub fn layout(&self) -> Layout {
         Layout::from_json(&self.layout).unwrap_or_default()
+    }
+
+    /// The memory budget in bytes.
+    pub fn memory_limit(&self) -> u64 {
+        match self.memory_gib {
+            0 => memory::default_limit(),
+            gib => u64::from(gib) << 30,
+        }
     }
 
     /// To the top of the list. Names that JSON cannot hold are left out.
@@ -104,6 +117,7 @@ impl Preferences {
         self.steps = self.steps.within_range();
         self.moving_scale = self.moving_scale.clamp(*MOVING_SCALES.start(), *MOVING_SCALES.end());
         self.autosave_seconds = self.autosave_seconds.min(LONGEST_AUTOSAVE);
+        self.memory_gib = self.memory_gib.min(MOST_MEMORY_GIB);
         self.recent_files.truncate(MOST_RECENT_FILES);
         self
     }
@@ -272,12 +286,15 @@ mod tests {
             steps,
             moving_scale: 0.25,
             reduced_motion: true,
+            memory_gib: 3,
             ..preferences
         };
         changed.note_recent(Path::new("/a.xml"));
         file.store(changed.clone());
         let (file, back) = PreferencesFile::open(Some(folder.path()));
         assert_eq!((back.clone(), file.problem), (changed, None));
+        assert_eq!(back.memory_limit(), 3 << 30);
+        assert_eq!(Preferences::default().memory_limit(), memory::default_limit());
         assert!(!back.layout().has(Panel::History) && back.layout().has(Panel::Render));
         let text = std::fs::read_to_string(folder.path().join(FILE)).expect("just written");
         assert!(text.contains("of tomorrow"), "{text}");
@@ -286,7 +303,7 @@ mod tests {
     #[test]
     fn numbers_that_no_control_could_set_are_mended() {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let text = r#"{"steps": {"length": -2.0, "degrees": 1e9, "factor": 0.0}, "moving_scale": 0.0}"#;
+        let text = r#"{"steps": {"length": -2.0, "degrees": 1e9, "factor": 0.0}, "moving_scale": 0.0, "memory_gib": 4000000000}"#;
         written(folder.path(), text);
         let (_, preferences) = PreferencesFile::open(Some(folder.path()));
         let Steps {
@@ -296,6 +313,7 @@ mod tests {
         } = preferences.steps;
         assert_eq!((length, degrees, factor), (None, 180.0, 0.001));
         assert_eq!(preferences.moving_scale, 0.25);
+        assert_eq!(preferences.memory_gib, MOST_MEMORY_GIB);
     }
 
     #[test]

@@ -9,6 +9,7 @@ use super::preferences::Preferences;
 use super::recovery::{self, Offer};
 use super::state::EditorState;
 use super::trust::{self, Question};
+use crate::memory;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum ShellCommand {
@@ -46,7 +47,11 @@ pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), String> {
             state.sheet = Some(sheet);
             state.palette = Palette::default();
         }
-        ShellCommand::SetPreferences(preferences) => world.insert_resource(preferences.within_range()),
+        ShellCommand::SetPreferences(preferences) => {
+            let preferences = preferences.within_range();
+            memory::budget().prefer_limit(preferences.memory_limit());
+            world.insert_resource(preferences);
+        }
         ShellCommand::Recover(offer) => recovery::recover(world, offer)?,
         ShellCommand::DiscardRecovery(offer) => recovery::discard(&offer)?,
         ShellCommand::AllowFiles(question) => trust::allow(world, &question),

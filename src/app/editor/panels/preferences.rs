@@ -3,7 +3,9 @@
 use bevy_egui::egui::{self, DragValue, Grid, Slider, Ui};
 
 use super::super::command::Command;
-use super::super::preferences::{LONGEST_AUTOSAVE, MOVING_SCALES, Preferences, ThemeChoice, UI_SCALES};
+use super::super::preferences::{
+    LONGEST_AUTOSAVE, MOST_MEMORY_GIB, MOVING_SCALES, Preferences, ThemeChoice, UI_SCALES,
+};
 use super::super::shell::ShellCommand;
 
 /// `problem`: what is wrong with the file that they are kept in.
@@ -74,6 +76,20 @@ pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, comm
                 });
             ui.add(time).labelled_by(label.id).on_hover_text(
                 "Unsaved edits are written aside so often, to be recovered after a crash. The scene's file is left alone.",
+            );
+            ui.end_row();
+
+            let label = ui.label("Memory");
+            let budget = DragValue::new(&mut edited.memory_gib)
+                .range(0..=MOST_MEMORY_GIB)
+                .custom_formatter(|gib, _| match gib as u32 {
+                    0 => "three quarters of the machine's".to_owned(),
+                    gib => format!("{gib} GiB"),
+                })
+                .custom_parser(|text| text.trim_end_matches([' ', 'G', 'i', 'B']).parse().ok());
+            ui.add(budget).labelled_by(label.id).on_hover_text(
+                "For pictures, meshes and the film; 0 is three quarters of the machine's memory. What needs more is refused, and read again with \
+                 F5. --memory and SUNROOM_MEMORY count before it",
             );
             ui.end_row();
 
