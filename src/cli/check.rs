@@ -39,6 +39,13 @@ pub fn run(args: CheckArgs) -> ExitCode {
 
 /// Reports on one scene; false if it has errors.
 fn check(scene: &Path, args: &CheckArgs) -> bool {
+    let trust = match args.trust.trust(scene) {
+        Ok(trust) => trust,
+        Err(error) => {
+            report::error(error);
+            return false;
+        }
+    };
     let mut app = headless(
         OpenScene {
             path: scene.to_owned(),
@@ -47,7 +54,7 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
         },
         Some(1),
     );
-    app.insert_resource(args.trust.trust());
+    app.insert_resource(trust);
     let loaded = load_to_completion(&mut app, &Limits::default());
     let shown = scene.display();
     let status = app.world().resource::<SceneStatus>();

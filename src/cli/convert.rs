@@ -33,7 +33,10 @@ pub struct ConvertArgs {
 
 pub fn run(args: ConvertArgs) -> ExitCode {
     args.memory.apply();
-    let access = args.trust.trust().access(&settle(&args.scene.scene));
+    let access = match args.trust.trust(&args.scene.scene) {
+        Ok(trust) => trust.access(&settle(&args.scene.scene)),
+        Err(error) => return report::error(error),
+    };
     let mut document = match load_document(&args.scene.scene, &args.scene.defines.defines, access) {
         Ok(document) => document,
         Err(error) => return report::error(error),

@@ -18,12 +18,14 @@ mod render;
 mod report;
 mod stats;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
+use sunroom::document::paths::settle;
 use sunroom::document::suggest::did_you_mean;
+use sunroom::files::FileError;
 use sunroom::memory;
 use sunroom::scene::Trust;
 
@@ -68,10 +70,17 @@ struct TrustArgs {
 }
 
 impl TrustArgs {
-    fn trust(&self) -> Trust {
-        match self.untrusted {
-            true => Trust::Folders(Vec::new()),
-            false => Trust::Everything,
+    /// What the scene in this file may read. An error if the file itself is a link that leads out of its folder: messages quote the lines of a
+    /// scene, which would be those of a file that it may not read.
+    fn trust(&self, scene: &Path) -> Result<Trust, String> {
+        if !self.untrusted {
+            return Ok(Trust::Everything);
+        }
+        let trust = Trust::Folders(Vec::new());
+        let path = settle(scene);
+        match trust.access(&path).covers(&path) {
+            true => Ok(trust),
+            false => Err(format!("{}: {}", scene.display(), FileError::Outside)),
         }
     }
 }

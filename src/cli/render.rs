@@ -140,6 +140,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
     if args.denoise && !cfg!(feature = "denoise") {
         return Err(DenoiseError::NotBuilt.into());
     }
+    let trust = args.trust.trust(&args.scene.scene)?;
     let cancel = cancel_on_interrupt()?;
     let begin = Instant::now();
     let mut app = headless(
@@ -150,7 +151,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
         },
         args.threads.threads,
     );
-    app.insert_resource(args.trust.trust());
+    app.insert_resource(trust);
     app.insert_resource(match args.accel {
         Accel::Linear => AccelMethod::Linear,
         Accel::Median => AccelMethod::Median,
