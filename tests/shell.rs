@@ -287,6 +287,7 @@ fn files_outside_the_scenes_folder_are_asked_about() {
     let asked = Question {
         files: (0..8).map(|number| format!("/elsewhere/{number}.png").into()).collect(),
         folders: vec!["/elsewhere".into()],
+        import: None,
     };
     let ask = || {
         show(Some(asked.clone()), |egui, shown| {
@@ -304,6 +305,18 @@ fn files_outside_the_scenes_folder_are_asked_about() {
     let mut harness = ask();
     click(&mut harness, "Leave them out");
     assert_eq!((harness.state().it.as_ref(), harness.state().commands.len()), (None, 0));
+    let imported = Question {
+        import: Some("/downloads/chair.xml".into()),
+        ..asked
+    };
+    let harness = show(Some(imported), |egui, shown| {
+        trust_question::question(egui, &mut shown.it, &mut shown.commands);
+    });
+    assert!(
+        harness
+            .query_by_label("chair.xml names files that it may not read:")
+            .is_some()
+    );
 }
 
 #[test]
@@ -324,6 +337,24 @@ fn preferences_are_said_when_they_change_and_only_then() {
         }
         other => panic!("{other:?}"),
     }
+    harness.state_mut().commands.clear();
+    let memory = harness.get_by_role_and_label(egui::accesskit::Role::SpinButton, "Memory");
+    let start = memory.rect().center();
+    harness.hover_at(start);
+    harness.run_steps(1);
+    harness.drag_at(start);
+    harness.run_steps(1);
+    harness.hover_at(start + egui::vec2(40.0, 0.0));
+    harness.run_steps(1);
+    match harness.state().commands.last() {
+        Some(Command::Shell(ShellCommand::SetPreferences(changed))) => {
+            let gib = changed.memory_gib;
+            assert!(gib > 0 && changed.memory_limit() == u64::from(gib) << 30, "{gib}");
+        }
+        other => panic!("{other:?}"),
+    }
+    harness.drop_at(start + egui::vec2(40.0, 0.0));
+    harness.run_steps(2);
     click(&mut harness, "Reset layout");
     assert_eq!(
         harness.state().commands.last(),

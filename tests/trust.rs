@@ -192,7 +192,8 @@ fn edits_stay_when_an_include_is_allowed() {
         window.question(),
         Question {
             files: vec![window.path("scene/../outside/more.xml")],
-            folders: vec![window.path("outside")]
+            folders: vec![window.path("outside")],
+            import: None,
         }
     );
     window.allow();

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
-use super::state::EditorState;
+use super::command::Command;
+use super::state::{CommandQueue, EditorState};
 use super::toasts::Topic;
 use crate::document::paths::settle;
 use crate::files::{LARGEST_NOTE, read, write_atomically};
@@ -30,12 +31,14 @@ pub struct TrustedFolders {
     asked: Vec<PathBuf>,
 }
 
-/// Files and folders outside the scene's folder that it names.
+/// Files and folders outside a scene's folder that it names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Question {
     pub files: Vec<PathBuf>,
     /// What would be allowed, with all that is below.
     pub folders: Vec<PathBuf>,
+    /// The scene file that was to be imported and names them; None if the open scene does, or one that was to be opened.
+    pub import: Option<PathBuf>,
 }
 
 impl Question {
@@ -44,7 +47,11 @@ impl Question {
         let mut folders: Vec<PathBuf> = files.iter().filter_map(|file| folder_of(file)).collect();
         folders.sort();
         folders.dedup_by(|folder, before| folder.starts_with(before));
-        (!files.is_empty()).then_some(Self { files, folders })
+        (!files.is_empty()).then_some(Self {
+            files,
+            folders,
+            import: None,
+        })
     }
 }
 
@@ -107,7 +114,11 @@ fn asset_folders() -> Vec<PathBuf> {
 /// Asks when a scene was refused files that the user has not been asked about.
 pub fn follow_access(access: Res<SceneAccess>, mut trusted: ResMut<TrustedFolders>) {
     let refused = access.refused();
-    if refused == trusted.asked {
+    let is_about_import = trusted
+        .question
+        .as_ref()
+        .is_some_and(|question| question.import.is_some());
+    if refused == trusted.asked || is_about_import {
         return;
     }
     let open = trusted.question.take().map_or(Vec::new(), |question| question.files);
@@ -116,8 +127,25 @@ pub fn follow_access(access: Res<SceneAccess>, mut trusted: ResMut<TrustedFolder
     trusted.asked = refused;
 }
 
-/// Allows the folders from now on, remembers them, and reads the files. Edits of the open scene stay.
+/// Asks about the files that a scene names which could not be imported without them.
+pub fn ask_about_import(world: &mut World, import: &Path, files: Vec<PathBuf>) {
+    if let Some(mut trusted) = world.get_resource_mut::<TrustedFolders>() {
+        let question = Question::about(files);
+        trusted.question = question.map(|question| Question {
+            import: Some(import.to_owned()),
+            ..question
+        });
+    }
+}
+
+/// Allows the folders from now on, remembers them, and reads the files, or imports again what names them. Edits of the open scene stay.
 pub fn allow(world: &mut World, question: &Question) {
+    if let Some(path) = &question.import {
+        allow_folders(world, &question.folders);
+        let again = Command::Import(path.clone());
+        world.resource_mut::<CommandQueue>().0.push(again);
+        return;
+    }
     let status = world.resource::<SceneStatus>();
     let (own, loads) = (status.path.clone(), status.state == SceneState::Loading);
     let other = status.asked.clone().filter(|asked| Some(asked) != own.as_ref());
@@ -169,7 +197,8 @@ pub fn allow_chosen(world: &mut World, file: &Path) {
             .to_vec(),
         false => vec![target],
     };
-    let scene = world.resource::<SceneStatus>().path.clone().unwrap_or_default();
+    let status = world.get_resource::<SceneStatus>();
+    let scene = status.and_then(|status| status.path.clone()).unwrap_or_default();
     let known = trust.access(&scene);
     let new: Vec<PathBuf> = wanted.into_iter().filter(|path| !known.covers(path)).collect();
     allow_folders(world, &new);

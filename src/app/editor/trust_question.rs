@@ -1,6 +1,6 @@
 //! The question whether a scene may read files outside its folder.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use bevy_egui::egui::{self, Id, Modal};
 
@@ -21,7 +21,9 @@ pub fn question(context: &egui::Context, question: &mut Option<Question>, comman
         ui.set_width(460.0);
         ui.heading("Read files outside the scene's folder?");
         ui.add_space(4.0);
-        ui.label("The scene names files that it may not read:");
+        let name = asked.import.as_deref().and_then(Path::file_name);
+        let subject = name.map_or("The scene".into(), |name| name.to_string_lossy());
+        ui.label(format!("{subject} names files that it may not read:"));
         list(ui, &asked.files);
         ui.label("If it may, every scene may read all files in these folders, and below them, from now on:");
         list(ui, &asked.folders);
@@ -32,9 +34,10 @@ pub fn question(context: &egui::Context, question: &mut Option<Question>, comman
             if allow.clicked() {
                 answer = Some(ShellCommand::AllowFiles(asked.clone()));
             }
-            let refuse = ui
-                .button("Leave them out")
-                .on_hover_text("Read nothing outside the scene's folder (Esc)");
+            let refuse = ui.button("Leave them out").on_hover_text(match asked.import {
+                None => "Read nothing outside the scene's folder (Esc)",
+                Some(_) => "Import nothing (Esc)",
+            });
             if refuse.clicked() {
                 ui.close();
             }

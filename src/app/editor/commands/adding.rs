@@ -12,6 +12,7 @@ use super::{projection, view};
 use crate::app::editor::addition::{Addition, AdditionKind};
 use crate::app::editor::history::Edit;
 use crate::app::editor::state::EditorState;
+use crate::app::editor::trust;
 use crate::color::Rgb;
 use crate::document::{Diagnostics, Severity, parse_within};
 use crate::scene::assets::scene_asset::load_document;
@@ -239,6 +240,10 @@ pub fn import(edit: &mut Edit, path: &Path) -> Result<(), String> {
             let access = trust.access(&path);
             let mut document = load_document(&path, &[], access).map_err(|error| error.to_string())?;
             let scene = read::read(&mut document);
+            let refused = document.access.refused();
+            if document.diagnostics.has_errors() && !refused.is_empty() {
+                trust::ask_about_import(edit.world, &path, refused);
+            }
             insert_all(edit, without_cameras(scene), &document.diagnostics)?;
         }
         _ => {

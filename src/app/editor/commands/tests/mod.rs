@@ -1,5 +1,8 @@
 //! Commands on a world without a window.
 
+mod files;
+mod materials;
+
 use std::path::{Path, PathBuf};
 
 use bevy::math::Affine3A;
@@ -10,8 +13,7 @@ use crate::app::editor::material_tree::MaterialTree;
 use crate::color::Rgb;
 use crate::engine::ViewMode;
 use crate::scene::{
-    AreaLight, FirstNested, FreeView, Material, Parameter, SceneId, SceneStatus, ShapeKind, SquarePath, ToWorld,
-    UsesMaterial, spawn,
+    AreaLight, FirstNested, FreeView, Material, Parameter, SceneId, ShapeKind, SquarePath, ToWorld, UsesMaterial,
 };
 
 fn world() -> World {
@@ -60,23 +62,6 @@ fn saying_what_is_so_changes_nothing() {
             .get_ref::<Material>()
             .is_some_and(|m| m.is_changed())
     );
-}
-
-#[test]
-fn a_new_material_belongs_to_its_shape() {
-    let mut world = world();
-    let shape = world.spawn(crate::scene::Shape::default()).id();
-    say(&mut world, Command::GiveMaterial { shape });
-    let used = world.get::<UsesMaterial>(shape).map(|uses| uses.0);
-    assert!(used.is_some_and(|material| world.get::<Material>(material).is_some()));
-    say(
-        &mut world,
-        Command::UseMaterial {
-            shapes: vec![shape],
-            material: None,
-        },
-    );
-    assert!(world.get::<UsesMaterial>(shape).is_none());
 }
 
 #[test]
@@ -173,20 +158,6 @@ fn a_drag_is_one_step_and_comes_back() {
     say(&mut world, Command::GoTo(0));
     assert!(!ObjectState::of(&world, ball).is_there());
     assert!(world.resource::<Selection>().is_empty());
-}
-
-#[test]
-fn a_deleted_material_comes_back_to_its_shapes() {
-    let mut world = world();
-    let ball = add(&mut world, AdditionKind::Sphere);
-    say(&mut world, Command::GiveMaterial { shape: ball });
-    let material = world.get::<UsesMaterial>(ball).map(|uses| uses.0).expect("a material");
-    say(&mut world, Command::Select(vec![material], Extend::Replace));
-    say(&mut world, Command::Delete);
-    assert!(world.get::<UsesMaterial>(ball).is_none() && world.get::<Material>(material).is_none());
-    say(&mut world, Command::Undo);
-    assert_eq!(world.get::<UsesMaterial>(ball).map(|uses| uses.0), Some(material));
-    assert!(world.get::<Material>(material).is_some());
 }
 
 #[test]
@@ -347,57 +318,6 @@ fn an_edit_of_one_is_made_to_all_that_is_selected() {
 }
 
 #[test]
-fn materials_within_others_are_edited_together() {
-    let mut world = world();
-    let shapes = [0; 2].map(|_| add(&mut world, AdditionKind::Cube));
-    let tree = MaterialTree::from(Material::default()).wrapped("twosided");
-    let inner = shapes.map(|shape| {
-        let targets = vec![shape];
-        let tree = Box::new(tree.clone());
-        say(&mut world, Command::BuildMaterial { targets, tree });
-        let whole = world.get::<UsesMaterial>(shape).expect("a material").0;
-        world.get::<FirstNested>(whole).expect("a material inside").0
-    });
-    say(&mut world, Command::Select(shapes.to_vec(), Extend::Replace));
-    let glass = Material::of_plugin("plastic").expect("a plugin");
-    let edit = Command::SetMaterial(inner[0], Box::new(glass.clone()));
-    say(&mut world, Command::OnSelection(Box::new(edit)));
-    assert_eq!(
-        inner.map(|inner| world.get::<Material>(inner) == Some(&glass)),
-        [true; 2]
-    );
-}
-
-#[test]
-fn what_refracts_does_not_come_inside_of_two_sides() {
-    let mut world = world();
-    let ball = add(&mut world, AdditionKind::Sphere);
-    let build = |target, tree: MaterialTree| Command::BuildMaterial {
-        targets: vec![target],
-        tree: Box::new(tree),
-    };
-    let grey = MaterialTree::from(Material::default());
-    say(&mut world, build(ball, grey.wrapped("twosided")));
-    let outer = world.get::<UsesMaterial>(ball).expect("a material").0;
-    let inner = world.get::<FirstNested>(outer).expect("a material inside").0;
-    let glass = Material::of_plugin("dielectric").expect("a plugin");
-    let wrong = [
-        build(inner, glass.clone().into()),
-        Command::SetMaterial(inner, Box::new(glass.clone())),
-        build(ball, MaterialTree::from(glass.clone()).wrapped("twosided")),
-    ];
-    for command in wrong {
-        let steps = world.resource::<History>().len();
-        let error = apply(&mut world, command).expect_err("no file could hold it");
-        assert!(error.contains("two sides already"), "{error}");
-        assert_eq!(world.get::<Material>(inner), Some(&Material::default()));
-        assert_eq!(world.resource::<History>().len(), steps);
-    }
-    say(&mut world, build(ball, glass.clone().into()));
-    assert_eq!(world.get::<Material>(outer), Some(&glass));
-}
-
-#[test]
 fn what_can_never_come_back_is_despawned() {
     let mut world = world();
     let kept = add(&mut world, AdditionKind::Cube);
@@ -460,54 +380,4 @@ fn what_comes_back_does_not_share_an_id() {
     let ids = [one, two].map(|material| world.get::<SceneId>(material).cloned());
     assert!(ids[0].is_some() && ids[0] != ids[1], "{ids:?}");
     assert_eq!(ids[1], Some(id()));
-}
-
-/// Scripts get an error where the window would ask.
-#[test]
-fn a_question_that_nobody_can_answer_is_an_error() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("scene.xml");
-    let text = "<scene version='3.0.0'><sensor type='perspective'/><shape type='sphere' id='a'/></scene>";
-    std::fs::write(&path, text).expect("a file");
-    let mut world = world();
-    world.init_resource::<SceneStatus>();
-    let error = apply_now(&mut world, Command::Save).expect_err("there is no file");
-    assert!(error.contains("save-to FILE"), "{error}");
-    assert_eq!(world.resource::<EditorState>().dialog, None);
-
-    let mut document = crate::document::load(&path, &[]).expect("a scene");
-    let scene = std::sync::Arc::new(crate::scene::read::read(&mut document));
-    spawn::spawn_fresh(&mut world, &scene);
-    world.resource_mut::<SceneStatus>().path = Some(path.clone());
-    let mut shapes = world.query_filtered::<Entity, With<Shape>>();
-    let ball = shapes.single(&world).expect("a ball");
-    let moved = Command::Transform(vec![(ball, Affine3A::from_translation(Vec3::X))]);
-    apply_now(&mut world, moved).expect("it can be moved");
-    let theirs = text.replace("id='a'/>", "id='a'><float name='radius' value='2'/></shape>");
-    std::fs::write(&path, &theirs).expect("a file");
-    // Another parameter of the same thing: both stay.
-    apply_now(&mut world, Command::Save).expect("merged");
-    let merged = crate::files::read_text(&path, crate::files::LARGEST_NOTE).expect("a file");
-    assert!(merged.contains("radius") && merged.contains("translate"), "{merged}");
-
-    let smaller = Shape {
-        kind: ShapeKind::Sphere {
-            center: Vec3::ZERO,
-            radius: 0.5,
-        },
-        flip_normals: false,
-    };
-    apply_now(&mut world, Command::SetShape(ball, smaller)).expect("it can be changed");
-    let theirs = merged.replace("value='2'", "value='3'");
-    std::fs::write(&path, &theirs).expect("a file");
-    let error = apply_now(&mut world, Command::Save).expect_err("both changed the radius");
-    assert!(
-        error.contains("one thing was edited both") && error.contains("merge"),
-        "{error}"
-    );
-    assert!(world.resource::<EditorState>().save_question.is_none());
-    assert_eq!(
-        crate::files::read_text(&path, crate::files::LARGEST_NOTE).expect("a file"),
-        theirs
-    );
 }

@@ -1,0 +1,95 @@
+//! Commands about files.
+
+use super::*;
+use crate::app::editor::trust::{Question, TrustedFolders};
+use crate::files::{LARGEST_NOTE, read_text};
+use crate::scene::{SceneAccess, SceneStatus, Trust, spawn};
+
+/// Scripts get an error where the window would ask.
+#[test]
+fn a_question_that_nobody_can_answer_is_an_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.xml");
+    let text = "<scene version='3.0.0'><sensor type='perspective'/><shape type='sphere' id='a'/></scene>";
+    std::fs::write(&path, text).expect("a file");
+    let mut world = world();
+    world.init_resource::<SceneStatus>();
+    let error = apply_now(&mut world, Command::Save).expect_err("there is no file");
+    assert!(error.contains("save-to FILE"), "{error}");
+    assert_eq!(world.resource::<EditorState>().dialog, None);
+
+    let mut document = crate::document::load(&path, &[]).expect("a scene");
+    let scene = std::sync::Arc::new(crate::scene::read::read(&mut document));
+    spawn::spawn_fresh(&mut world, &scene);
+    world.resource_mut::<SceneStatus>().path = Some(path.clone());
+    let mut shapes = world.query_filtered::<Entity, With<Shape>>();
+    let ball = shapes.single(&world).expect("a ball");
+    let moved = Command::Transform(vec![(ball, Affine3A::from_translation(Vec3::X))]);
+    apply_now(&mut world, moved).expect("it can be moved");
+    let theirs = text.replace("id='a'/>", "id='a'><float name='radius' value='2'/></shape>");
+    std::fs::write(&path, &theirs).expect("a file");
+    // Another parameter of the same thing: both stay.
+    apply_now(&mut world, Command::Save).expect("merged");
+    let merged = read_text(&path, LARGEST_NOTE).expect("a file");
+    assert!(merged.contains("radius") && merged.contains("translate"), "{merged}");
+
+    let smaller = Shape {
+        kind: ShapeKind::Sphere {
+            center: Vec3::ZERO,
+            radius: 0.5,
+        },
+        flip_normals: false,
+    };
+    apply_now(&mut world, Command::SetShape(ball, smaller)).expect("it can be changed");
+    let theirs = merged.replace("value='2'", "value='3'");
+    std::fs::write(&path, &theirs).expect("a file");
+    let error = apply_now(&mut world, Command::Save).expect_err("both changed the radius");
+    assert!(
+        error.contains("one thing was edited both") && error.contains("merge"),
+        "{error}"
+    );
+    assert!(world.resource::<EditorState>().save_question.is_none());
+    assert_eq!(read_text(&path, LARGEST_NOTE).expect("a file"), theirs);
+}
+
+/// A scene that cannot be imported without files outside its folder is asked about, as when it is opened.
+#[test]
+fn an_import_of_files_outside_the_scenes_folder_is_asked_about() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        std::fs::write(&path, text).expect("a file");
+        path.canonicalize().expect("it is there")
+    };
+    let outside = file(
+        "outside/part.xml",
+        "<scene version='3.0.0'><shape type='sphere' id='part'/></scene>",
+    );
+    let scene = file(
+        "downloads/chair.xml",
+        "<scene version='3.0.0'><include filename='../outside/part.xml'/></scene>",
+    );
+    let mut world = world();
+    world.insert_resource(Trust::Folders(Vec::new()));
+    world.init_resource::<SceneAccess>();
+    world.init_resource::<TrustedFolders>();
+    let error = apply(&mut world, Command::Import(scene.clone())).expect_err("it may not be read");
+    assert!(error.contains("part.xml") && error.contains("outside"), "{error}");
+    let question = world.resource::<TrustedFolders>().question.clone();
+    let Some(Question { files, import, .. }) = &question else {
+        panic!("nothing is asked");
+    };
+    assert_eq!(import.as_ref(), Some(&scene));
+    let named: Vec<_> = files
+        .iter()
+        .map(|path| path.canonicalize().expect("it is there"))
+        .collect();
+    assert_eq!(named, [outside]);
+    assert_eq!(world.query::<&Shape>().iter(&world).count(), 0);
+
+    let answer = Command::Shell(shell::ShellCommand::AllowFiles(question.expect("there is one")));
+    say(&mut world, answer);
+    apply_commands(&mut world);
+    assert_eq!(world.query::<&Shape>().iter(&world).count(), 1);
+}

@@ -1,0 +1,85 @@
+//! Commands about materials.
+
+use super::*;
+
+#[test]
+fn a_new_material_belongs_to_its_shape() {
+    let mut world = world();
+    let shape = world.spawn(crate::scene::Shape::default()).id();
+    say(&mut world, Command::GiveMaterial { shape });
+    let used = world.get::<UsesMaterial>(shape).map(|uses| uses.0);
+    assert!(used.is_some_and(|material| world.get::<Material>(material).is_some()));
+    say(
+        &mut world,
+        Command::UseMaterial {
+            shapes: vec![shape],
+            material: None,
+        },
+    );
+    assert!(world.get::<UsesMaterial>(shape).is_none());
+}
+
+#[test]
+fn a_deleted_material_comes_back_to_its_shapes() {
+    let mut world = world();
+    let ball = add(&mut world, AdditionKind::Sphere);
+    say(&mut world, Command::GiveMaterial { shape: ball });
+    let material = world.get::<UsesMaterial>(ball).map(|uses| uses.0).expect("a material");
+    say(&mut world, Command::Select(vec![material], Extend::Replace));
+    say(&mut world, Command::Delete);
+    assert!(world.get::<UsesMaterial>(ball).is_none() && world.get::<Material>(material).is_none());
+    say(&mut world, Command::Undo);
+    assert_eq!(world.get::<UsesMaterial>(ball).map(|uses| uses.0), Some(material));
+    assert!(world.get::<Material>(material).is_some());
+}
+
+#[test]
+fn materials_within_others_are_edited_together() {
+    let mut world = world();
+    let shapes = [0; 2].map(|_| add(&mut world, AdditionKind::Cube));
+    let tree = MaterialTree::from(Material::default()).wrapped("twosided");
+    let inner = shapes.map(|shape| {
+        let targets = vec![shape];
+        let tree = Box::new(tree.clone());
+        say(&mut world, Command::BuildMaterial { targets, tree });
+        let whole = world.get::<UsesMaterial>(shape).expect("a material").0;
+        world.get::<FirstNested>(whole).expect("a material inside").0
+    });
+    say(&mut world, Command::Select(shapes.to_vec(), Extend::Replace));
+    let glass = Material::of_plugin("plastic").expect("a plugin");
+    let edit = Command::SetMaterial(inner[0], Box::new(glass.clone()));
+    say(&mut world, Command::OnSelection(Box::new(edit)));
+    assert_eq!(
+        inner.map(|inner| world.get::<Material>(inner) == Some(&glass)),
+        [true; 2]
+    );
+}
+
+#[test]
+fn what_refracts_does_not_come_inside_of_two_sides() {
+    let mut world = world();
+    let ball = add(&mut world, AdditionKind::Sphere);
+    let build = |target, tree: MaterialTree| Command::BuildMaterial {
+        targets: vec![target],
+        tree: Box::new(tree),
+    };
+    let grey = MaterialTree::from(Material::default());
+    say(&mut world, build(ball, grey.wrapped("twosided")));
+    let outer = world.get::<UsesMaterial>(ball).expect("a material").0;
+    let inner = world.get::<FirstNested>(outer).expect("a material inside").0;
+    let glass = Material::of_plugin("dielectric").expect("a plugin");
+    let wrong = [
+        build(inner, glass.clone().into()),
+        Command::SetMaterial(inner, Box::new(glass.clone())),
+        build(ball, MaterialTree::from(glass.clone()).wrapped("twosided")),
+    ];
+    for command in wrong {
+        let steps = world.resource::<History>().len();
+        let error = apply(&mut world, command).expect_err("no file could hold it");
+        assert!(error.contains("two sides already"), "{error}");
+        assert_eq!(world.get::<Material>(inner), Some(&Material::default()));
+        assert_eq!(world.resource::<History>().len(), steps);
+    }
+    say(&mut world, build(ball, glass.clone().into()));
+    assert_eq!(world.get::<Material>(outer), Some(&glass));
+}
