@@ -254,6 +254,35 @@ fn a_material_turns_into_another_kind() {
 }
 
 #[test]
+fn what_refracts_is_not_offered_for_one_of_two_sides() {
+    for place in [MaterialPlace::Front, MaterialPlace::Back, MaterialPlace::Inside] {
+        let mut inspected = with_material(Material::default());
+        inspected.materials[0].place = place;
+        let mut harness = inspect(inspected);
+        harness.state_mut().given.presets = std::sync::Arc::new(presets::load().0);
+        harness.run_steps(2);
+        let is_offered = place == MaterialPlace::Inside;
+        click(&mut harness, "Presets");
+        assert_eq!(
+            harness.query_by_label_contains("Glass").is_some(),
+            is_offered,
+            "{place:?}"
+        );
+        assert!(harness.query_by_label_contains("Metal").is_some(), "{place:?}");
+        click(&mut harness, "Presets");
+        click(&mut harness, "Type");
+        for plugin in ["dielectric", "rough dielectric", "thin dielectric"] {
+            assert_eq!(
+                harness.query_by_label(plugin).is_some(),
+                is_offered,
+                "{place:?} {plugin}"
+            );
+        }
+        assert!(harness.query_by_label("plastic").is_some(), "{place:?}");
+    }
+}
+
+#[test]
 fn a_shape_takes_another_material_or_a_new_one() {
     let shape = Inspected {
         shape: Some(Shape::default()),

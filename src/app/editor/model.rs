@@ -9,6 +9,7 @@ use bevy::prelude::{Entity, Rect};
 use super::compare::{CompareView, Measured};
 use super::light_mix::LightMix;
 use super::looks::Looks;
+use super::material_tree::can_wrap;
 use super::mixed::Mixed;
 use super::presets::Preset;
 use super::selection::Selection;
@@ -85,6 +86,16 @@ pub enum MaterialPlace {
     Second,
     /// Of one that takes a single one.
     Inside,
+}
+
+impl MaterialPlace {
+    /// Whether a scene file may have this material there: a two-sided one takes nothing that refracts.
+    pub fn takes(self, material: &Material) -> bool {
+        match self {
+            Self::Front | Self::Back => can_wrap("twosided", material),
+            Self::Whole | Self::First | Self::Second | Self::Inside => true,
+        }
+    }
 }
 
 /// What a mesh file brings along.

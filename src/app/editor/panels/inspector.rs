@@ -5,7 +5,7 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
 use super::super::command::{Command, FileDialogKind};
-use super::super::model::{Inspected, InspectedMesh, Model};
+use super::super::model::{Inspected, InspectedMesh, MaterialPlace, Model};
 use super::material::Edit;
 use super::material_header::{material_header, presets};
 use super::transform::Freedom;
@@ -266,7 +266,7 @@ fn material_rows(ui: &mut Ui, inspected: &Inspected, model: &Model, commands: &m
                 });
             }
             if inspected.materials.is_empty() {
-                presets(ui, inspected.entity, true, model, commands);
+                presets(ui, inspected.entity, MaterialPlace::Whole, model, commands);
             }
         });
     }
@@ -274,7 +274,9 @@ fn material_rows(ui: &mut Ui, inspected: &Inspected, model: &Model, commands: &m
         ui.push_id(entry.entity, |ui| {
             material_header(ui, entry, model, commands);
             let mut edited = entry.material.clone();
-            let edit = fields::compared(ui, &entry.mixed, |ui| material::material(ui, &mut edited, &model.looks));
+            let edit = fields::compared(ui, &entry.mixed, |ui| {
+                material::material(ui, &mut edited, entry.place, &model.looks)
+            });
             if edit.changed {
                 commands.push(Command::SetMaterial(entry.entity, Box::new(edited)));
             }

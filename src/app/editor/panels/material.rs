@@ -6,6 +6,7 @@ use bevy::math::Vec3;
 use bevy_egui::egui::Ui;
 
 use super::super::looks::Looks;
+use super::super::model::MaterialPlace;
 use super::conversion::turned_into;
 use super::fields::{self, Caption};
 use super::texture_slot::{PlainValue, Slot};
@@ -50,7 +51,8 @@ pub struct Edit {
     pub wants_picture: Option<(&'static str, SquarePath)>,
 }
 
-pub fn material(ui: &mut Ui, material: &mut Material, looks: &Looks) -> Edit {
+/// `place`: what the material is within another.
+pub fn material(ui: &mut Ui, material: &mut Material, place: MaterialPlace, looks: &Looks) -> Edit {
     let plugin = material.plugin();
     let mut wanted = plugin;
     // What has others inside keeps its kind here.
@@ -58,8 +60,8 @@ pub fn material(ui: &mut Ui, material: &mut Material, looks: &Looks) -> Edit {
         fields::note(ui, "Type", kind_name(material));
     } else {
         let plugins = Material::PLUGINS.iter().filter(|plugin| {
-            let nested = Material::of_plugin(plugin).map_or(0, |material| *material.nested_count().end());
-            nested == 0
+            let is_offered = |other: Material| *other.nested_count().end() == 0 && place.takes(&other);
+            **plugin == material.plugin() || Material::of_plugin(plugin).is_some_and(is_offered)
         });
         let options: Vec<_> = plugins.map(|&plugin| (plugin, in_words(&KINDS, plugin))).collect();
         fields::choice(ui, "Type", &mut wanted, &options);

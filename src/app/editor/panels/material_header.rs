@@ -30,7 +30,7 @@ pub fn material_header(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, co
                 ui.weak(format!("on {} shapes", entry.users));
             }
             ui.horizontal(|ui| {
-                presets(ui, entry.entity, entry.place == MaterialPlace::Whole, model, commands);
+                presets(ui, entry.entity, entry.place, model, commands);
                 ui.menu_button("Layers", |ui| layers(ui, entry, model, commands))
                     .response
                     .on_hover_text("What is around this material, or inside of it");
@@ -51,26 +51,28 @@ fn title(entry: &InspectedMaterial) -> String {
     }
 }
 
-/// The library. What is chosen goes to the material or the shape; if it is `whole`, to everything that is selected.
-pub fn presets(ui: &mut Ui, target: Entity, whole: bool, model: &Model, commands: &mut Vec<Command>) {
-    ui.menu_button("Presets", |ui| preset_menu(ui, target, whole, model, commands))
+/// The materials of the library that `place` takes. What is chosen goes to the material or the shape; if that is the whole, to everything that is
+/// selected.
+pub fn presets(ui: &mut Ui, target: Entity, place: MaterialPlace, model: &Model, commands: &mut Vec<Command>) {
+    ui.menu_button("Presets", |ui| preset_menu(ui, target, place, model, commands))
         .response
         .on_hover_text("Materials of the library");
 }
 
-fn preset_menu(ui: &mut Ui, target: Entity, whole: bool, model: &Model, commands: &mut Vec<Command>) {
+fn preset_menu(ui: &mut Ui, target: Entity, place: MaterialPlace, model: &Model, commands: &mut Vec<Command>) {
+    let offered = || model.presets.iter().filter(|preset| place.takes(&preset.tree.material));
     let mut groups: Vec<&str> = Vec::new();
-    for preset in model.presets.iter() {
+    for preset in offered() {
         if !groups.contains(&preset.group.as_str()) {
             groups.push(&preset.group);
         }
     }
     for group in groups {
         ui.menu_button(group, |ui| {
-            for preset in model.presets.iter().filter(|preset| preset.group == group) {
+            for preset in offered().filter(|preset| preset.group == group) {
                 if ui.button(&preset.name).clicked() {
                     commands.push(Command::BuildMaterial {
-                        targets: targets(target, whole, model),
+                        targets: targets(target, place == MaterialPlace::Whole, model),
                         tree: Box::new(preset.tree.clone()),
                     });
                 }
