@@ -333,13 +333,10 @@ fn notices(scene: &SceneStatus, engine_errors: &[String], preferences: &Preferen
             .iter()
             .map(|diagnostic| notice(diagnostics, diagnostic)),
     );
-    let pictures = [
-        &scene.picture_problems,
-        &scene.damaged_pictures,
-        &scene.picture_warnings,
-    ];
-    notices.extend(pictures.into_iter().flatten().map(|problem| plain(true, problem)));
-    notices.extend(scene.mesh_warnings.iter().map(|warning| plain(false, warning)));
+    let pictures = scene.picture_problems.iter().chain(&scene.damaged_pictures);
+    notices.extend(pictures.map(|problem| plain(true, problem)));
+    let warnings = scene.picture_warnings.iter().chain(&scene.mesh_warnings);
+    notices.extend(warnings.map(|warning| plain(false, warning)));
     notices.extend(
         scene
             .files_gone
@@ -364,5 +361,29 @@ fn notice(all: &Diagnostics, diagnostic: &Diagnostic) -> Notice {
         text: diagnostic.message.clone(),
         help: diagnostic.help.clone(),
         excerpt: all.excerpt(diagnostic),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_of_a_picture_is_a_warning_and_what_is_not_an_error() {
+        let scene = SceneStatus {
+            damaged_pictures: vec!["damaged".to_owned()],
+            picture_problems: vec!["missing".to_owned()],
+            picture_warnings: vec!["negative".to_owned()],
+            mesh_warnings: vec!["duplicates".to_owned()],
+            ..SceneStatus::default()
+        };
+        let (preferences, _) = PreferencesFile::open(None);
+        let notices = notices(&scene, &[], &preferences);
+        let of_kind = |is_error| {
+            let all = notices.iter().filter(move |notice| notice.is_error == is_error);
+            all.map(|notice| notice.text.as_str()).collect::<Vec<_>>()
+        };
+        assert_eq!(of_kind(true), ["missing", "damaged"]);
+        assert_eq!(of_kind(false), ["negative", "duplicates"]);
     }
 }

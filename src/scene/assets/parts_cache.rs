@@ -80,7 +80,8 @@ impl PartsCache {
         if !holds(&path, bytes)? {
             // The new file takes the place of a link, not of the file that the link leads to.
             let mut file = NamedTempFile::new_in(&folder)?;
-            file.write_all(bytes)?;
+            // Not through `file` itself: its errors name the temporary file, which the user does not know.
+            file.as_file_mut().write_all(bytes)?;
             file.persist(&path).map_err(|error| error.error)?;
         }
         mark(&folder)?;
@@ -94,7 +95,7 @@ impl PartsCache {
 
     fn tidy_down_to(&self, most_bytes: u64) {
         let Some(cache) = &self.folder else { return };
-        let in_use = used_by_programs(cache);
+        let Ok(in_use) = used_by_programs(cache) else { return };
         let mut parts = parts(cache);
         parts.sort_by_key(|part| part.used);
         let mut total: u64 = parts.iter().map(|part| part.bytes).sum();
@@ -225,16 +226,20 @@ fn part(folder: PathBuf) -> io::Result<Option<Part>> {
     Ok(used.map(|used| Part { folder, bytes, used }))
 }
 
-/// The parts in the lists of all programs that run. The list of a program that has ended is removed.
-fn used_by_programs(cache: &Path) -> HashSet<String> {
+/// The parts in the lists of all programs that run. The list of a program that has ended is removed. An error if a list is there that cannot be
+/// read, or is longer than [`LARGEST_NOTE`], which is four million parts: any part may be in use then.
+fn used_by_programs(cache: &Path) -> io::Result<HashSet<String>> {
     let mut hashes = HashSet::new();
     for entry in fs::read_dir(cache).into_iter().flatten().flatten() {
         let is_list = entry.file_name().to_str().is_some_and(|name| name.starts_with(LIST));
         if !is_list || !entry.file_type().is_ok_and(|kind| kind.is_file()) {
             continue;
         }
-        let Ok(mut list) = files::open(&entry.path(), LARGEST_NOTE) else {
-            continue;
+        let mut list = match files::open(&entry.path(), LARGEST_NOTE) {
+            Ok(list) => list,
+            // Another program has removed it meanwhile.
+            Err(error) if error.is_not_found() => continue,
+            Err(error) => return Err(error.into()),
         };
         if list.try_lock_shared().is_ok() {
             // Its program has ended, or has not locked it yet: a new list is left alone for a while.
@@ -244,11 +249,10 @@ fn used_by_programs(cache: &Path) -> HashSet<String> {
             }
         }
         let mut text = String::new();
-        if list.read_to_string(&mut text).is_ok() {
-            hashes.extend(text.lines().map(str::to_owned));
-        }
+        list.read_to_string(&mut text)?;
+        hashes.extend(text.lines().map(str::to_owned));
     }
-    hashes
+    Ok(hashes)
 }
 
 /// Whether a folder is called as [`PartsCache::keep`] calls them. Others are not ours.
@@ -337,7 +341,7 @@ mod tests {
             }
         }
         // The first look removes them.
-        used_by_programs(folder);
+        used_by_programs(folder).expect("all can be read");
     }
 
     #[test]
@@ -362,6 +366,23 @@ mod tests {
         cache.tidy_down_to(0);
         let left: Vec<bool> = parts.iter().map(|part| part.exists()).collect();
         assert_eq!(left, [true, true, false, false, false]);
+    }
+
+    #[test]
+    fn while_a_list_is_too_long_to_be_read_nothing_is_removed() {
+        let (folder, cache) = cache();
+        let old = keep(folder.path(), b"old", 31);
+        cleared_lists(folder.path());
+        let list = folder.path().join(format!("{LIST}long"));
+        // Without content, which takes no place on the disk.
+        let file = File::create(&list).expect("a temporary folder");
+        file.lock().expect("no program else has it");
+        file.set_len(LARGEST_NOTE + 1).expect("it can be longer");
+        cache.tidy_down_to(0);
+        assert!(old.is_file());
+        fs::remove_file(list).expect("it is there");
+        cache.tidy_down_to(0);
+        assert!(!old.exists());
     }
 
     #[test]
