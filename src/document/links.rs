@@ -191,7 +191,7 @@ impl<'a> Walk<'a, '_> {
     }
 }
 
-/// Nothing has an empty id. The references stay in place, so that nobody misses what they stood for and reports that as well.
+/// Gives the references at `cut` the empty id, which no object has. If they were removed, the parts that need them would be reported as well.
 fn disconnect(object: &mut Object, cut: &HashSet<Span>) {
     for child in &mut object.children {
         match child {

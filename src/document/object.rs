@@ -249,7 +249,7 @@ pub struct Document {
     pub includes: Vec<Include>,
     /// Made from a file of another format: spans tell where things come from, but there is no such text.
     pub imported: bool,
-    /// Which files the scene may read.
+    /// Permits the files that the scene may read.
     pub access: Access,
     pub diagnostics: Diagnostics,
 }

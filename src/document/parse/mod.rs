@@ -55,12 +55,12 @@ pub fn load(path: &Path, defines: &[(String, String)]) -> Result<Document, Sourc
     Ok(parse_str(text, path, defines))
 }
 
-/// As [`load`], for text that is in memory, where it stays; relative paths in it start from `path`'s folder.
+/// Reads a scene whose text is in memory; relative paths in it start from the folder of `path`. Every file may be read.
 pub fn parse_str(text: impl Into<Arc<str>>, path: &Path, defines: &[(String, String)]) -> Document {
     parse_within(text, path, defines, Access::everywhere())
 }
 
-/// As [`parse_str`], for a scene that may read only some files.
+/// Reads a scene as [`parse_str`] does, but of the files that it names only those that `access` permits.
 pub fn parse_within(text: impl Into<Arc<str>>, path: &Path, defines: &[(String, String)], access: Access) -> Document {
     let mut parser = Parser {
         access,
@@ -147,7 +147,7 @@ struct Level {
     /// How many tags deep inside something that is skipped.
     skipping: usize,
     root: Option<Object>,
-    /// Of the main file.
+    /// Packs the many objects of the main file; None in other files.
     packer: Option<Packer>,
 }
 

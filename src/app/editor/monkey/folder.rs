@@ -17,7 +17,7 @@ pub struct Folder {
 /// A scene that the monkey edits in place of the user's.
 pub struct SceneCopy {
     pub path: PathBuf,
-    /// As it was first written.
+    /// The text of the scene when it was first written.
     text: String,
 }
 

@@ -11,7 +11,7 @@ use super::gauge::Gauge;
 #[derive(Clone, Copy, Debug)]
 pub struct Mark {
     pub at: Duration,
-    /// Of the whole run, 0 to 1.
+    /// The share of the run that was done, 0 to 1.
     pub progress: f32,
     pub gauge: Gauge,
     pub entities: usize,
