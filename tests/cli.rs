@@ -1,11 +1,13 @@
 //! The program as a user of the command line meets it: exit codes, files, figures.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod program_support;
 
+use std::path::Path;
+use std::process::Output;
+
+use program_support::{Workshop, sunroom};
 use sunroom::render::image_io::ImageRgb;
 use sunroom::texture::load_image;
-use tempfile::TempDir;
 
 /// A floor under a square lamp, 40 x 30 pixels.
 const SCENE: &str = r#"<scene version="3.0.0">
@@ -26,37 +28,6 @@ const SCENE: &str = r#"<scene version="3.0.0">
   </shape>
 </scene>
 "#;
-
-struct Workshop {
-    folder: TempDir,
-}
-
-impl Workshop {
-    fn new() -> Self {
-        Self {
-            folder: tempfile::tempdir().expect("a temporary folder"),
-        }
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    fn scene(&self, text: &str) -> PathBuf {
-        let path = self.path("scene.xml");
-        std::fs::write(&path, text).expect("the folder can be written to");
-        path
-    }
-}
-
-fn sunroom() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_sunroom"));
-    command
-        .env_remove("DISPLAY")
-        .env_remove("WAYLAND_DISPLAY")
-        .env_remove("WAYLAND_SOCKET");
-    command
-}
 
 fn render(scene: &Path, output: &Path, more: &[&str]) -> Output {
     let mut command = sunroom();
@@ -238,7 +209,7 @@ fn what_cannot_be_is_refused_before_it_takes_all_memory() {
         "{}",
         stderr(&output)
     );
-    let output = render(shop.folder.path(), &out, &[]);
+    let output = render(shop.folder(), &out, &[]);
     assert_code(&output, 1);
     assert!(stderr(&output).contains("is a folder"), "{}", stderr(&output));
     if cfg!(unix) {
@@ -510,7 +481,7 @@ fn a_broken_mesh_is_an_error_wherever_the_scene_is_read() {
         vec!["render", "scene.xml", "-o", "a.png"],
     ] {
         let output = sunroom()
-            .current_dir(shop.folder.path())
+            .current_dir(shop.folder())
             .args(&args)
             .output()
             .expect("starts");

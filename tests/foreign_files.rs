@@ -1,42 +1,22 @@
 //! Drives the program over scenes whose files are no ordinary files. Each run must end with a message that names the file.
 
+mod program_support;
+
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use tempfile::TempDir;
+use program_support::{Workshop, sunroom};
 
 /// Far longer than any of these runs takes on a busy machine; only a run that never ends takes so long.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-struct Workshop {
-    folder: TempDir,
-}
-
-impl Workshop {
-    fn new() -> Self {
-        Self {
-            folder: tempfile::tempdir().expect("a temporary folder"),
-        }
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
-        let path = self.path(name);
-        std::fs::create_dir_all(path.parent().expect("inside the folder")).expect("a writable folder");
-        std::fs::write(&path, content).expect("a writable folder");
-        path
-    }
-
-    /// A scene with a camera, a light and `content`.
-    fn scene(&self, name: &str, content: &str) -> PathBuf {
-        let text = format!(
-            "<scene version='3.0.0'>
+/// A scene with a camera, a light and `content`.
+fn write_scene(shop: &Workshop, name: &str, content: &str) -> PathBuf {
+    let text = format!(
+        "<scene version='3.0.0'>
   <sensor type='perspective'>
     <transform name='to_world'><lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform>
     <film type='hdrfilm'><integer name='width' value='8'/><integer name='height' value='8'/></film>
@@ -45,9 +25,8 @@ impl Workshop {
   <shape type='sphere'/>
   {content}
 </scene>"
-        );
-        self.write(name, text)
-    }
+    );
+    shop.write(name, text)
 }
 
 struct Outcome {
@@ -64,7 +43,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Outcome {
 /// As [`run`], with these variables of the environment besides.
 #[track_caller]
 fn run_with(folder: &Path, arguments: &[&str], variables: &[(&str, &Path)]) -> Outcome {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_sunroom"))
+    let mut child = sunroom()
         .args(arguments)
         .current_dir(folder)
         // No test may read or fill the user's own folders.
@@ -72,9 +51,6 @@ fn run_with(folder: &Path, arguments: &[&str], variables: &[(&str, &Path)]) -> O
         .env("SUNROOM_CONFIG", folder)
         .envs(variables.iter().copied())
         .env_remove("SUNROOM_MEMORY")
-        .env_remove("DISPLAY")
-        .env_remove("WAYLAND_DISPLAY")
-        .env_remove("WAYLAND_SOCKET")
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
@@ -159,17 +135,17 @@ mod devices {
                 let content = content.replace("\"name\"", &format!("\"{name}\""));
                 let scene = match kind {
                     "glTF" => shop.write("scene.gltf", content),
-                    _ => shop.scene("scene.xml", &content),
+                    _ => write_scene(&shop, "scene.xml", &content),
                 };
-                let outcome = run(shop.folder.path(), &["check", "--strict", &scene.to_string_lossy()]);
+                let outcome = run(shop.folder(), &["check", "--strict", &scene.to_string_lossy()]);
                 assert_eq!(outcome.code, Some(1), "{kind} {name}: {}", outcome.stderr);
                 let said = &outcome.stderr;
                 assert!(said.contains(found), "{kind} {name}: {said}");
             }
         }
         // A material library that cannot be read is a warning.
-        shop.scene("scene.xml", &obj.replace("name'/>", "uses-pipe.obj'/>"));
-        let outcome = run(shop.folder.path(), &["check", "scene.xml"]);
+        write_scene(&shop, "scene.xml", &obj.replace("name'/>", "uses-pipe.obj'/>"));
+        let outcome = run(shop.folder(), &["check", "scene.xml"]);
         assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
         assert!(outcome.stderr.contains("is a pipe"), "{}", outcome.stderr);
     }
@@ -179,7 +155,7 @@ mod devices {
         let shop = Workshop::new();
         make_pipe(&shop.path("pipe"));
         shop.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-        let scene = shop.scene("scene.xml", "");
+        let scene = write_scene(&shop, "scene.xml", "");
         let scene = scene.to_string_lossy();
         for name in ["pipe", "/dev/zero"] {
             for arguments in [
@@ -189,7 +165,7 @@ mod devices {
                 &["bench", &scene, "--against", name],
                 &["bench", "rays", "--mesh", "mesh.obj", "--rays", name],
             ] {
-                let outcome = run(shop.folder.path(), arguments);
+                let outcome = run(shop.folder(), arguments);
                 assert_eq!(outcome.code, Some(1), "{arguments:?}: {}", outcome.stderr);
                 let said = &outcome.stderr;
                 let found = ["is a pipe", "is a device"].iter().any(|found| said.contains(found));
@@ -244,7 +220,7 @@ mod memory {
     #[test]
     fn files_that_unpack_to_more_than_the_budget_are_refused() {
         let shop = Workshop::new();
-        let folder = shop.folder.path();
+        let folder = shop.folder();
         shop.write("bomb.png", png(5000));
         shop.write("bomb.serialized", serialized(1_000_000));
         let mesh = "<shape type='serialized'><string name='filename' value='bomb.serialized'/></shape>";
@@ -261,14 +237,14 @@ mod memory {
                 ],
             ),
         ] {
-            shop.scene("scene.xml", &content);
+            write_scene(&shop, "scene.xml", &content);
             let outcome = run(folder, &["check", "--strict", "--memory", "20MB", "scene.xml"]);
             assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
             for found in found {
                 assert!(outcome.stderr.contains(found), "{}", outcome.stderr);
             }
         }
-        shop.scene("scene.xml", &texture("bomb.png"));
+        write_scene(&shop, "scene.xml", &texture("bomb.png"));
         let outcome = run(folder, &["check", "--strict", "--memory", "30MB", "scene.xml"]);
         assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
     }
@@ -277,12 +253,12 @@ mod memory {
     #[test]
     fn files_longer_than_the_budget_are_refused() {
         let shop = Workshop::new();
-        let folder = shop.folder.path();
+        let folder = shop.folder();
         let mesh = |name: &str| format!("<shape type='ply'><string name='filename' value='{name}'/></shape>");
         for (name, content) in [("hole.png", texture("hole.png")), ("hole.ply", mesh("hole.ply"))] {
             let file = std::fs::File::create(folder.join(name)).expect("a file");
             file.set_len(30 << 30).expect("a file with a hole");
-            shop.scene("scene.xml", &content);
+            write_scene(&shop, "scene.xml", &content);
             let outcome = run(folder, &["check", "--memory", "20MiB", "scene.xml"]);
             assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
             assert!(outcome.stderr.contains("is larger than 20 MiB"), "{}", outcome.stderr);
@@ -292,12 +268,12 @@ mod memory {
     #[test]
     fn pictures_that_fit_one_by_one_must_also_fit_together() {
         let shop = Workshop::new();
-        let folder = shop.folder.path();
+        let folder = shop.folder();
         for name in ["a.png", "b.png", "c.png"] {
             shop.write(name, png(3000));
         }
         let all = ["a.png", "b.png", "c.png"].map(texture).concat();
-        shop.scene("scene.xml", &all);
+        write_scene(&shop, "scene.xml", &all);
         let outcome = run(folder, &["check", "--strict", "--memory", "20MB", "scene.xml"]);
         assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
         let refused = outcome.stderr.matches("3000 x 3000 pixels need 9.0 MB").count();
@@ -310,8 +286,8 @@ mod memory {
     #[test]
     fn a_film_larger_than_the_budget_is_refused() {
         let shop = Workshop::new();
-        let folder = shop.folder.path();
-        shop.scene("scene.xml", "");
+        let folder = shop.folder();
+        write_scene(&shop, "scene.xml", "");
         let arguments = [
             "render",
             "scene.xml",
@@ -337,6 +313,64 @@ mod memory {
         assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
     }
 
+    /// Pictures of integers are rarely environments, so that the tables for sampling one are counted when it is used as one.
+    #[test]
+    fn what_sampling_an_environment_takes_counts() {
+        let shop = Workshop::new();
+        shop.write("sky.png", png(1000));
+        write_scene(
+            &shop,
+            "scene.xml",
+            "<emitter type='envmap'><string name='filename' value='sky.png'/></emitter>",
+        );
+        let check = |memory| run(shop.folder(), &["check", "--strict", "--memory", memory, "scene.xml"]);
+        let refused = check("8MB");
+        assert_eq!(refused.code, Some(1), "{}", refused.stderr);
+        assert!(
+            refused.stderr.contains("sampling its picture needs 10.0 MB"),
+            "{}",
+            refused.stderr
+        );
+        let enough = check("30MB");
+        assert_eq!(enough.code, Some(0), "{}", enough.stderr);
+    }
+
+    /// A mesh that is shown with its texture coordinates as in its file and flipped is there twice.
+    #[test]
+    fn a_copy_of_a_mesh_with_flipped_texture_coordinates_counts() {
+        const TRIANGLES: usize = 20_000;
+        let shop = Workshop::new();
+        let vertices = "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n";
+        let mut mesh = format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float u\n\
+             property float v\nelement face {TRIANGLES}\nproperty list uchar int vertex_indices\nend_header\n{vertices}"
+        );
+        mesh += &"3 0 1 2\n".repeat(TRIANGLES);
+        shop.write("mesh.ply", mesh);
+        let shape = |flipped| {
+            format!(
+                "<shape type='ply'><string name='filename' value='mesh.ply'/>
+                 <boolean name='flip_tex_coords' value='{flipped}'/></shape>"
+            )
+        };
+        let both = shape(false) + &shape(true);
+        let check = |memory| run(shop.folder(), &["check", "--strict", "--memory", memory, "scene.xml"]);
+        write_scene(&shop, "scene.xml", &both);
+        let refused = check("3MB");
+        assert_eq!(refused.code, Some(1), "{}", refused.stderr);
+        assert!(
+            refused
+                .stderr
+                .contains("20000 triangles with flipped texture coordinates need"),
+            "{}",
+            refused.stderr
+        );
+        assert_eq!(check("30MB").code, Some(0));
+        write_scene(&shop, "scene.xml", &shape(false));
+        let once = check("3MB");
+        assert_eq!(once.code, Some(0), "{}", once.stderr);
+    }
+
     #[test]
     fn pictures_of_gltf_files_count_with_their_conversion() {
         let shop = Workshop::new();
@@ -349,10 +383,7 @@ mod memory {
             "materials":[{"pbrMetallicRoughness":{"metallicRoughnessTexture":{"index":0}}}],
             "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0}"#,
         );
-        let outcome = run(
-            shop.folder.path(),
-            &["check", "--strict", "--memory", "20MB", "scene.gltf"],
-        );
+        let outcome = run(shop.folder(), &["check", "--strict", "--memory", "20MB", "scene.gltf"]);
         assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
         assert!(
             outcome.stderr.contains("1000 x 1000 pixels need 29.0 MB"),
@@ -364,8 +395,8 @@ mod memory {
     #[test]
     fn a_budget_that_is_no_size_is_wrong_usage() {
         let shop = Workshop::new();
-        shop.scene("scene.xml", "");
-        let outcome = run(shop.folder.path(), &["check", "--memory", "8", "scene.xml"]);
+        write_scene(&shop, "scene.xml", "");
+        let outcome = run(shop.folder(), &["check", "--memory", "8", "scene.xml"]);
         assert_eq!(outcome.code, Some(2), "{}", outcome.stderr);
         assert!(outcome.stderr.contains("such as 8GB"), "{}", outcome.stderr);
     }
@@ -453,13 +484,10 @@ mod untrusted {
         shop.write("scene/uses.obj", format!("mtllib {name}\nusemtl m\n{OBJ}"));
         let scene = match kind {
             "glTF buffer" => shop.write("scene/scene.gltf", gltf(name)),
-            _ => shop.scene("scene/scene.xml", &content.replace("NAME", name)),
+            _ => write_scene(shop, "scene/scene.xml", &content.replace("NAME", name)),
         };
         let scene = scene.to_string_lossy();
-        run(
-            shop.folder.path(),
-            &[&["check", "--strict", &scene], arguments].concat(),
-        )
+        run(shop.folder(), &[&["check", "--strict", &scene], arguments].concat())
     }
 
     #[test]
@@ -510,11 +538,12 @@ mod untrusted {
                 continue;
             }
             let codes = [file, "nothing"].map(|name| {
-                let scene = shop.scene(
+                let scene = write_scene(
+                    &shop,
                     "scene/scene.xml",
                     &content.replace("NAME", &format!("../outside/{name}")),
                 );
-                let outcome = run(shop.folder.path(), &["check", "--untrusted", &scene.to_string_lossy()]);
+                let outcome = run(shop.folder(), &["check", "--untrusted", &scene.to_string_lossy()]);
                 assert!(
                     outcome.stderr.contains("outside the scene's folder"),
                     "{}",
@@ -536,7 +565,7 @@ mod untrusted {
         std::os::unix::fs::symlink("/", shop.path("tmp/sunroom/gltf")).expect("a link");
         let scene = shop.write("scene/scene.gltf", gltf("../outside/positions.bin"));
         let outcome = run_with(
-            shop.folder.path(),
+            shop.folder(),
             &["check", "--untrusted", &scene.to_string_lossy()],
             &[("TMPDIR", &shop.path("tmp"))],
         );
@@ -565,21 +594,52 @@ mod untrusted {
     #[test]
     fn render_and_convert_know_the_option() {
         let shop = shop();
-        shop.scene("scene/scene.xml", "<include filename='../outside/include.xml'/>");
+        write_scene(&shop, "scene/scene.xml", "<include filename='../outside/include.xml'/>");
         for arguments in [
             &["render", "scene/scene.xml", "--spp", "1", "-o", "out.png"][..],
             &["convert", "scene/scene.xml", "out.xml"],
         ] {
-            let outcome = run(shop.folder.path(), &[arguments, &["--untrusted"]].concat());
+            let outcome = run(shop.folder(), &[arguments, &["--untrusted"]].concat());
             assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
             assert!(
                 outcome.stderr.contains("outside the scene's folder"),
                 "{}",
                 outcome.stderr
             );
-            let outcome = run(shop.folder.path(), arguments);
+            let outcome = run(shop.folder(), arguments);
             assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
         }
+    }
+
+    /// Messages quote the lines of the scene's own file, which must not be one that lies elsewhere.
+    #[cfg(unix)]
+    #[test]
+    fn a_scene_that_is_a_link_to_a_file_elsewhere_is_not_read() {
+        let shop = shop();
+        let link = shop.path("scene/link.xml");
+        for name in ["secret.xml", "broken.xml"] {
+            let _ = std::fs::remove_file(&link);
+            std::os::unix::fs::symlink(shop.path("outside").join(name), &link).expect("a link");
+            for arguments in [
+                &["check", "scene/link.xml"][..],
+                &["render", "scene/link.xml", "-o", "out.png"],
+                &["convert", "scene/link.xml", "out.xml"],
+            ] {
+                let outcome = run(shop.folder(), &[arguments, &["--untrusted"]].concat());
+                let said = &outcome.stderr;
+                assert_eq!(outcome.code, Some(1), "{said}");
+                assert!(said.contains("link.xml: lies outside the scene's folder"), "{said}");
+                assert!(!said.contains(SECRET), "{said}");
+            }
+            let trusted = run(shop.folder(), &["check", "scene/link.xml"]);
+            assert!(trusted.stderr.contains(SECRET), "{}", trusted.stderr);
+        }
+        // A link within the folder is no way out.
+        let _ = std::fs::remove_file(&link);
+        write_scene(&shop, "scene/scene.xml", "");
+        std::os::unix::fs::symlink(shop.path("scene/scene.xml"), &link).expect("a link");
+        let inside = run(shop.folder(), &["check", "scene/link.xml", "--untrusted"]);
+        assert_eq!(inside.code, Some(0), "{}", inside.stderr);
     }
 
     #[test]
@@ -608,7 +668,7 @@ mod untrusted {
             if kind == "mesh" {
                 let scene = shop.path("scene/scene.xml");
                 let convert = ["convert", "--strict", &scene.to_string_lossy(), "out.xml"];
-                let outcome = run(shop.folder.path(), &convert);
+                let outcome = run(shop.folder(), &convert);
                 assert!(outcome.stderr.contains(found), "{name}: {}", outcome.stderr);
                 assert!(!outcome.stderr.contains(SECRET), "{name}: {}", outcome.stderr);
             }
@@ -626,13 +686,13 @@ fn converted_scenes_have_no_absolute_paths_that_nobody_gave() {
     let shop = Workshop::new();
     shop.write("from/lib/mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     let shape = "<shape type='obj'><string name='filename' value='mesh.obj'/></shape>";
-    shop.scene("from/scene.xml", &format!("<path value='lib'/>{shape}"));
+    write_scene(&shop, "from/scene.xml", &format!("<path value='lib'/>{shape}"));
     std::fs::create_dir(shop.path("to")).expect("a writable folder");
-    let outcome = run(shop.folder.path(), &["convert", "from/scene.xml", "to/scene.xml"]);
+    let outcome = run(shop.folder(), &["convert", "from/scene.xml", "to/scene.xml"]);
     assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
     let text = std::fs::read_to_string(shop.path("to/scene.xml")).expect("it was written");
     assert!(text.contains("../from/lib"), "{text}");
-    assert!(!text.contains(&*shop.folder.path().to_string_lossy()), "{text}");
-    let outcome = run(shop.folder.path(), &["check", "--strict", "to/scene.xml"]);
+    assert!(!text.contains(&*shop.folder().to_string_lossy()), "{text}");
+    let outcome = run(shop.folder(), &["check", "--strict", "to/scene.xml"]);
     assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
 }

@@ -2,50 +2,14 @@
 //! Skipped, with a word, where Xvfb or Mesa's software Vulkan is not installed.
 #![cfg(all(feature = "window", target_os = "linux"))]
 
-use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+mod window_support;
+
+use std::path::Path;
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use image::{Rgb, RgbImage};
-
-/// Ends the process with the test, however that ends.
-struct Running(Child);
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-/// The X server and the name of its display; None if it is not installed.
-fn virtual_display() -> Option<(Running, String)> {
-    let mut server = Command::new("Xvfb")
-        .args(["-displayfd", "1", "-screen", "0", "1280x720x24", "-nolisten", "tcp"])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .ok()?;
-    let output = server.stdout.take();
-    let server = Running(server);
-    let mut number = String::new();
-    BufReader::new(output?).read_line(&mut number).ok()?;
-    let number: u32 = number.trim().parse().ok()?;
-    Some((server, format!(":{number}")))
-}
-
-fn software_vulkan() -> Option<PathBuf> {
-    let folders = ["/usr/share/vulkan/icd.d", "/usr/local/share/vulkan/icd.d"];
-    let files = folders
-        .iter()
-        .filter_map(|folder| std::fs::read_dir(folder).ok())
-        .flatten();
-    files.filter_map(|entry| Some(entry.ok()?.path())).find(|path| {
-        path.file_name()
-            .is_some_and(|name| name.to_string_lossy().starts_with("lvp_icd"))
-    })
-}
+use window_support::{Display, Ended};
 
 fn editor(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sunroom"));
@@ -67,7 +31,7 @@ const HANG: Duration = Duration::from_secs(3600);
 
 /// Waits for the end, or kills it when it hangs.
 fn outcome(command: &mut Command) -> Option<i32> {
-    let mut running = Running(command.spawn().expect("the program was built with this test"));
+    let mut running = Ended(command.spawn().expect("the program was built with this test"));
     let started = Instant::now();
     while started.elapsed() < HANG {
         if let Some(status) = running.0.try_wait().expect("a child can be waited for") {
@@ -93,13 +57,9 @@ fn without_a_display_it_says_so_and_names_the_way_out() {
 
 #[test]
 fn the_window_shows_the_scene_between_its_panels() {
-    let (Some(driver), Some((_server, display))) = (software_vulkan(), virtual_display()) else {
-        println!("skipped: needs Xvfb and Mesa's software Vulkan driver");
-        return;
-    };
+    let Some(display) = Display::open() else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
     let shot = folder.path().join("window.png");
-    let runtime = folder.path().to_string_lossy().into_owned();
     let mut command = editor(&[
         "scenes/cornell-box.xml",
         "--screenshot",
@@ -108,28 +68,16 @@ fn the_window_shows_the_scene_between_its_panels() {
         "4",
         "--exit",
     ]);
-    show_at(&mut command, &display, &driver, &runtime);
+    display.show(&mut command, folder.path());
     assert_eq!(outcome(&mut command), Some(0));
     check(&shot);
-}
-
-fn show_at(command: &mut Command, display: &str, driver: &Path, runtime: &str) {
-    command
-        .env("DISPLAY", display)
-        .env("XDG_RUNTIME_DIR", runtime)
-        .env("WGPU_BACKEND", "vulkan")
-        .env("VK_ICD_FILENAMES", driver)
-        .env("VK_DRIVER_FILES", driver);
 }
 
 /// Thirty edits from an empty scene on, undone and redone: the file is the same to the byte, the picture to the bit, and the command line
 /// renders the same room.
 #[test]
 fn a_room_is_built_undone_and_redone() {
-    let (Some(driver), Some((_server, display))) = (software_vulkan(), virtual_display()) else {
-        println!("skipped: needs Xvfb and Mesa's software Vulkan driver");
-        return;
-    };
+    let Some(display) = Display::open() else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     let room = include_str!("scripts/room.txt");
@@ -148,7 +96,7 @@ fn a_room_is_built_undone_and_redone() {
     );
     std::fs::write(file("script.txt"), format!("{room}\n{ending}")).expect("a script");
     let mut command = editor(&["scenes/cornell-box.xml", "--script", &file("script.txt"), "--exit"]);
-    show_at(&mut command, &display, &driver, &file(""));
+    display.show(&mut command, folder.path());
     assert_eq!(outcome(&mut command), Some(0));
 
     let bytes = |name: &str| std::fs::read(file(name)).expect(name);
