@@ -225,8 +225,8 @@ const GLTF: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nod
   "bufferViews": [{"buffer": 0, "byteLength": 288}],
   "buffers": [{"byteLength": 288, "uri": "data.bin"}]}"#;
 
-fn part_of_gltf_is_half_written(_: &Row) {
-    let shop = Workshop::new();
+/// Writes `a.gltf` and its buffer.
+pub fn gltf(shop: &Workshop) {
     shop.write("a.gltf", GLTF);
     let corners = [[0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]].repeat(8);
     let bytes: Vec<u8> = corners
@@ -235,6 +235,11 @@ fn part_of_gltf_is_half_written(_: &Row) {
         .flat_map(|number| number.to_le_bytes())
         .collect();
     shop.write("data.bin", bytes);
+}
+
+fn part_of_gltf_is_half_written(_: &Row) {
+    let shop = Workshop::new();
+    gltf(&shop);
     let check = ["check", "a.gltf"];
     is_killed(&shop.run(&KILLED, &check));
     let output = shop.run(&[], &check);

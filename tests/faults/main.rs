@@ -2,7 +2,10 @@
 //! table; a test fails when the page differs.
 #![cfg(all(feature = "window", target_os = "linux"))]
 
+mod cache;
+mod denoiser;
 mod killed;
+mod memory;
 mod panics;
 mod program;
 mod reloading;
@@ -16,12 +19,15 @@ mod window_support;
 
 use table::Section;
 
-const SECTIONS: [&Section; 7] = [
+const SECTIONS: [&Section; 10] = [
     &rendering::SECTION,
     &stopping::SECTION,
     &saving::SECTION,
     &killed::SECTION,
     &reloading::SECTION,
+    &memory::SECTION,
+    &cache::SECTION,
+    &denoiser::SECTION,
     &panics::SECTION,
     &window::SECTION,
 ];

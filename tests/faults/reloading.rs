@@ -45,7 +45,9 @@ section! { "Files of an open scene"
 }
 
 const SCENE: &str = r#"<scene version="3.0.0">
-  <sensor type="perspective"/>
+  <sensor type="perspective">
+    <film type="hdrfilm"><integer name="width" value="64"/><integer name="height" value="64"/></film>
+  </sensor>
   <shape type="ply"><string name="filename" value="mesh.ply"/>
     <bsdf type="diffuse"><texture type="bitmap" name="reflectance"><string name="filename" value="picture.png"/></texture></bsdf>
   </shape>
@@ -60,15 +62,15 @@ property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2
 const FILES: [&str; 3] = ["scene.xml", "mesh.ply", "picture.png"];
 
 /// A scene of three files, open and watched.
-struct Open {
-    app: App,
+pub struct Open {
+    pub app: App,
     shop: Workshop,
     /// The files as they were.
-    content: [Vec<u8>; 3],
+    pub content: [Vec<u8>; 3],
 }
 
 impl Open {
-    fn new() -> Self {
+    pub fn new() -> Self {
         let shop = Workshop::new();
         shop.write("scene.xml", SCENE);
         shop.write("mesh.ply", MESH);
@@ -87,16 +89,21 @@ impl Open {
         open
     }
 
-    fn status(&self) -> &SceneStatus {
+    pub fn status(&self) -> &SceneStatus {
         self.app.world().resource::<SceneStatus>()
     }
 
     #[track_caller]
-    fn until(&mut self, what: &str, is_so: impl Fn(&SceneStatus) -> bool) {
+    pub fn until(&mut self, what: &str, is_so: impl Fn(&SceneStatus) -> bool) {
+        self.until_app(what, |open| is_so(open.status()));
+    }
+
+    #[track_caller]
+    pub fn until_app(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) {
         let begin = Instant::now();
         loop {
             self.app.update();
-            if is_so(self.status()) {
+            if is_so(self) {
                 return;
             }
             assert!(begin.elapsed() < DEADLINE, "{what}: {:?}", self.status());
@@ -106,7 +113,7 @@ impl Open {
 
     /// Fails unless the scene is as it was read first.
     #[track_caller]
-    fn nothing_is_lost(&mut self) {
+    pub fn nothing_is_lost(&mut self) {
         let world = self.app.world_mut();
         let mut shapes = world.query::<(&Shape, &MeshHandle)>();
         let (_, mesh) = shapes.single(world).expect("one shape");
@@ -119,18 +126,22 @@ impl Open {
         assert_eq!(maps.iter().count(), 1);
     }
 
+    /// Gives the file other content in one step, so that no half of it is read.
+    pub fn replace(&self, index: usize, content: &[u8]) {
+        std::fs::write(self.shop.path("new"), content).expect("a temporary folder");
+        std::fs::rename(self.shop.path("new"), self.shop.path(FILES[index])).expect("a file or nothing is there");
+    }
+
     /// The file is there again with other content: it is read.
     #[track_caller]
-    fn is_read_again(&mut self, index: usize) {
+    pub fn is_read_again(&mut self, index: usize) {
         let mut content = self.content[index].clone();
         if FILES[index] != "picture.png" {
             // In the formats of text that changes nothing.
             content.push(b'\n');
         }
         let old = self.status().revision;
-        // In one step, so that no half of it is read.
-        std::fs::write(self.shop.path("new"), content).expect("a temporary folder");
-        std::fs::rename(self.shop.path("new"), self.shop.path(FILES[index])).expect("nothing is there");
+        self.replace(index, &content);
         let is_scene = index == 0;
         self.until("the file is back", |status| {
             status.files_gone.is_empty()

@@ -32,7 +32,8 @@ impl Row {
     /// Fails unless the program said what the row promises, and ended as it promises.
     #[track_caller]
     pub fn holds(&self, output: &Output) {
-        let said = String::from_utf8_lossy(&output.stderr);
+        // Reports are broken into lines.
+        let said = String::from_utf8_lossy(&output.stderr).replace("\n  │ ", " ");
         self.is_said_in(&said);
         let promised = self.seen.split("xit code ").nth(1);
         let digits = |text: &str| text.chars().take_while(char::is_ascii_digit).collect::<String>();

@@ -35,6 +35,14 @@ section! { "The window"
         "SIGTERM while there are unsaved edits.",
         "`The unsaved edits are kept and will be offered when the scene is opened again`, exit code 130.",
         "The scene as it was, and a recovery copy with the edits.";
+    interrupt_with_edits:
+        "SIGINT (Ctrl+C in the terminal) while there are unsaved edits.",
+        "`The unsaved edits are kept and will be offered when the scene is opened again`, exit code 130.",
+        "The scene as it was, and a recovery copy with the edits.";
+    hang_up_with_edits:
+        "SIGHUP while there are unsaved edits, such as a terminal that is closed.",
+        "`The unsaved edits are kept and will be offered when the scene is opened again`, exit code 130.",
+        "The scene as it was, and a recovery copy with the edits.";
     killed_with_edits:
         "SIGKILL while there are unsaved edits.",
         "Nothing; the next window offers the last recovery copy.",
@@ -54,7 +62,9 @@ section! { "The window"
 }
 
 pub fn edit(shop: &Workshop, arguments: &[&str]) -> Command {
-    let mut command = shop.command(&[], &[&["edit", "scene.xml", "--threads", "1"], arguments].concat());
+    // The test itself may run where some signals are ignored.
+    let before = ["env", "--default-signal"];
+    let mut command = shop.command(&before, &[&["edit", "scene.xml", "--threads", "1"], arguments].concat());
     command.env("SUNROOM_CONFIG", shop.path("config"));
     command
 }
@@ -135,13 +145,25 @@ fn edit_is_only_in_the_copy(shop: &Workshop) {
     assert_eq!(scene, SCENE);
 }
 
-fn termination_with_edits(row: &Row) {
+fn ended_with_edits_by(row: &Row, signal: &str) {
     let Some(display) = Display::open() else { return };
     let shop = Workshop::new();
     let running = window_with_an_edit(&shop, &display, 3600);
-    running.send("TERM");
+    running.send(signal);
     row.holds(&running.end());
     edit_is_only_in_the_copy(&shop);
+}
+
+fn termination_with_edits(row: &Row) {
+    ended_with_edits_by(row, "TERM");
+}
+
+fn interrupt_with_edits(row: &Row) {
+    ended_with_edits_by(row, "INT");
+}
+
+fn hang_up_with_edits(row: &Row) {
+    ended_with_edits_by(row, "HUP");
 }
 
 fn killed_with_edits(_: &Row) {
