@@ -163,7 +163,7 @@ impl Blas {
         Ok(())
     }
 
-    /// The nearest hit with 0 < t < t_max; `ray` is in local space.
+    /// The nearest hit with t_min < t < t_max; `ray` is in local space.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<MeshHit> {
         self.closest::<false>(ray, &mut Steps::default())
@@ -194,7 +194,7 @@ impl Blas {
         nearest.hit
     }
 
-    /// Whether anything is hit with 0 < t < t_max.
+    /// Whether anything is hit with t_min < t < t_max.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
         if self.afar_within.contains_point(ray.origin) {

@@ -135,7 +135,7 @@ impl FewShapes {
                     // The weights are divided once, for the triangle that is left.
                     let mut sum = Lanes::ONE;
                     mesh.each_hit(&local, |t, weights, triangle| {
-                        let met = near & t.simd_lt(nearest.t) & t.simd_gt(Lanes::ZERO) & weights.inside;
+                        let met = near & t.simd_lt(nearest.t) & t.simd_gt(rays.t_min) & weights.inside;
                         let triangle = Lanes::splat(triangle as f32);
                         sum = met.select(weights.sum, sum);
                         nearest.take(met, [t, weights.u, weights.v, number, triangle]);
@@ -206,7 +206,7 @@ impl FewShapes {
                         }
                         let mut met = Lanes::ZERO;
                         mesh.each_hit(&local, |t, weights, _| {
-                            met |= near & t.simd_lt(rays.t_max) & t.simd_gt(Lanes::ZERO) & weights.inside;
+                            met |= near & t.simd_lt(rays.t_max) & t.simd_gt(rays.t_min) & weights.inside;
                             left & !met.to_bitmask() == 0
                         });
                         met.to_bitmask()

@@ -92,6 +92,7 @@ impl Instance {
         Ray {
             origin: (*linear * (Vec3A::from(ray.origin) - self.world_from_local.translation)).into(),
             dir: (*linear * Vec3A::from(ray.dir)).into(),
+            t_min: ray.t_min,
             t_max: ray.t_max,
         }
     }

@@ -43,7 +43,7 @@ impl TrianglePacket {
         [corner(0), corner(1), corner(2)]
     }
 
-    /// Ray parameters, weights, and a bit for each lane whose triangle is met within 0 < t <= t_max.
+    /// Ray parameters, weights, and a bit for each lane whose triangle is met within t_min < t <= t_max.
     #[inline(always)]
     fn test(&self, ray: &TriangleRay, t_max: f32) -> (Lanes, [Lanes; 3], u32) {
         let [x, y, z] = ray.axes.map(|axis| &self.corners[axis]);
@@ -58,7 +58,8 @@ impl TrianglePacket {
         let [t_numerator, determinant] = ray.plane(corners, Lanes::splat);
         let t = t_numerator / determinant;
         // A degenerate triangle gives t = 0 / 0, which no comparison lets through; one that is seen from its edge may have no weights.
-        let hits = inside & (u + v + w).simd_ne(zero) & t.simd_gt(zero) & t.simd_le(Lanes::splat(t_max));
+        let hits =
+            inside & (u + v + w).simd_ne(zero) & t.simd_gt(Lanes::splat(ray.t_min)) & t.simd_le(Lanes::splat(t_max));
         (t, weights, hits.to_bitmask())
     }
 

@@ -45,6 +45,7 @@ impl Placement {
         Ray {
             origin: self.group_from_world * (ray.origin - self.origin),
             dir: self.group_from_world * ray.dir,
+            t_min: ray.t_min,
             t_max: ray.t_max,
         }
     }

@@ -8,6 +8,7 @@ use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane};
 pub struct RayLanes {
     pub origin: Vec3Lanes,
     pub dir: Vec3Lanes,
+    pub t_min: Lanes,
     pub t_max: Lanes,
 }
 
@@ -16,6 +17,7 @@ impl RayLanes {
     pub const NOWHERE: Self = Self {
         origin: Vec3Lanes::ZERO,
         dir: Vec3Lanes::ZERO,
+        t_min: Lanes::ZERO,
         t_max: Lanes::ZERO,
     };
 
@@ -34,6 +36,7 @@ impl RayLanes {
         Self {
             origin: Vec3Lanes::splat(ray.origin),
             dir: Vec3Lanes::splat(ray.dir),
+            t_min: Lanes::splat(ray.t_min),
             t_max: Lanes::splat(ray.t_max),
         }
     }
@@ -48,6 +51,7 @@ impl RayLanes {
     pub fn set(&mut self, lane: usize, ray: &Ray) {
         self.origin.set(lane, ray.origin);
         self.dir.set(lane, ray.dir);
+        self.t_min.as_mut_array()[lane] = ray.t_min;
         self.t_max.as_mut_array()[lane] = ray.t_max;
     }
 
@@ -56,6 +60,7 @@ impl RayLanes {
         Ray {
             origin: self.origin.get(lane),
             dir: self.dir.get(lane),
+            t_min: self.t_min.as_array()[lane],
             t_max: self.t_max.as_array()[lane],
         }
     }

@@ -26,6 +26,7 @@ pub(super) fn local(rays: &RayLanes, rows: &[Vec3Lanes; 3], places: Vec3Lanes) -
     RayLanes {
         origin: turned(rays.origin - places),
         dir: turned(rays.dir),
+        t_min: rays.t_min,
         t_max: rays.t_max,
     }
 }
@@ -43,7 +44,7 @@ pub(super) fn local_to(rays: &RayLanes, rows: &[Vec3; 3], place: Vec3) -> RayLan
 pub(super) fn plane(ray: &RayLanes, t_max: Lanes) -> (Lanes, Lanes, Lanes, Lanes) {
     let t = -ray.origin.z / ray.dir.z;
     let (x, y) = (t.mul_add(ray.dir.x, ray.origin.x), t.mul_add(ray.dir.y, ray.origin.y));
-    (t, x, y, t.simd_gt(Lanes::ZERO) & t.simd_lt(t_max))
+    (t, x, y, t.simd_gt(ray.t_min) & t.simd_lt(t_max))
 }
 
 /// As [`crate::geometry::rectangle::intersect`]: t, u, v, and whether it is met before `t_max`.
@@ -83,13 +84,13 @@ pub(super) fn round(ray: &RayLanes, squared_radius: Lanes, t_max: Lanes) -> (Lan
     let q = -(b + copy_sign(root, b));
     let (first, second) = (q / a, c / q);
     let (near, far) = (first.fast_min(second), first.fast_max(second));
-    let inside = |t: Lanes| t.simd_gt(zero) & t.simd_lt(t_max);
+    let inside = |t: Lanes| t.simd_gt(ray.t_min) & t.simd_lt(t_max);
     let near_counts = inside(near);
     let met = ahead & (near_counts | inside(far));
     (near_counts.select(near, far), met)
 }
 
-/// The cube [-1, 1]³ from outside or from within, by the slab method. What is on one side of a face is never taken for the other.
+/// The cube [-1, 1]³, by the slab method, from within where `t_min` is in it. What is on one side of a face is never taken for the other.
 #[inline(always)]
 pub(super) fn cube(ray: &RayLanes, t_max: Lanes) -> CubeLanes {
     let (zero, largest) = (Lanes::ZERO, Lanes::splat(f32::MAX));
@@ -106,9 +107,9 @@ pub(super) fn cube(ray: &RayLanes, t_max: Lanes) -> CubeLanes {
     );
     let enter = x.0.fast_max(y.0).fast_max(z.0);
     let leave = x.1.fast_min(y.1).fast_min(z.1);
-    let from_within = enter.simd_le(zero);
+    let from_within = enter.simd_le(ray.t_min);
     let t = from_within.select(leave, enter);
-    let met = enter.simd_le(leave) & t.simd_gt(zero) & t.simd_lt(t_max);
+    let met = enter.simd_le(leave) & t.simd_gt(ray.t_min) & t.simd_lt(t_max);
 
     let at = ray.origin.plus_scaled(t, ray.dir);
     let on_x = from_within.select(x.1, x.0).simd_eq(t);

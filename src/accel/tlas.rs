@@ -264,7 +264,7 @@ impl Tlas {
         self.bvh.validate(&self.item_bounds())
     }
 
-    /// The nearest hit with 0 < t < t_max.
+    /// The nearest hit with t_min < t < t_max.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         self.closest::<false>(ray, &mut Steps::default())
     }
@@ -349,7 +349,7 @@ impl Tlas {
         rays.those(active, |ray| self.occluded(ray))
     }
 
-    /// Whether anything is hit with 0 < t < t_max.
+    /// Whether anything is hit with t_min < t < t_max.
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.bvh.any(ray, |range| {
             self.bvh.order()[range].iter().any(|&number| match self.item(number) {

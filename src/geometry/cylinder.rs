@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 use super::local::{LocalHit, LocalSurface, Parametrisation};
 use crate::math::{Ray, gamma};
 
-/// The nearer of the two crossings that has 0 < t < t_max and lies between the ends. Both sides are met.
+/// The nearer of the two crossings that has t_min < t < t_max and lies between the ends. Both sides are met.
 pub fn intersect(ray: &Ray) -> Option<LocalHit> {
     let (origin, dir) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
     let (o, d) = (origin.truncate(), dir.truncate());
@@ -29,7 +29,7 @@ pub fn intersect(ray: &Ray) -> Option<LocalHit> {
     };
     let met = |&t: &f64| {
         let z = origin.z + t * dir.z;
-        t as f32 > 0.0 && (t as f32) < ray.t_max && (0.0..=1.0).contains(&z)
+        t as f32 > ray.t_min && (t as f32) < ray.t_max && (0.0..=1.0).contains(&z)
     };
     let t = [near, far].into_iter().find(met)? as f32;
     Some(LocalHit { t, u: 0.0, v: 0.0 })

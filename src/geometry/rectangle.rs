@@ -9,7 +9,7 @@ use crate::math::Ray;
 pub fn intersect(ray: &Ray) -> Option<LocalHit> {
     let t = -ray.origin.z / ray.dir.z;
     let (u, v) = (ray.origin.x + t * ray.dir.x, ray.origin.y + t * ray.dir.y);
-    (t > 0.0 && t < ray.t_max && u.abs() <= 1.0 && v.abs() <= 1.0).then_some(LocalHit { t, u, v })
+    (t > ray.t_min && t < ray.t_max && u.abs() <= 1.0 && v.abs() <= 1.0).then_some(LocalHit { t, u, v })
 }
 
 /// The surface at local (x, y).

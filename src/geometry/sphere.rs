@@ -10,7 +10,7 @@ use glam::{DVec3, Vec2, Vec3};
 use super::local::{LocalHit, LocalSurface, Parametrisation};
 use crate::math::{Ray, gamma};
 
-/// The nearest of the two crossings with 0 < t < t_max.
+/// The nearest of the two crossings with t_min < t < t_max.
 pub fn intersect(ray: &Ray) -> Option<LocalHit> {
     let (origin, dir) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
     let a = dir.length_squared();
@@ -27,7 +27,7 @@ pub fn intersect(ray: &Ray) -> Option<LocalHit> {
     } else {
         (second, first)
     };
-    let inside = |t: f32| t > 0.0 && t < ray.t_max;
+    let inside = |t: f32| t > ray.t_min && t < ray.t_max;
     let t = [near as f32, far as f32].into_iter().find(|&t| inside(t))?;
     Some(LocalHit { t, u: 0.0, v: 0.0 })
 }

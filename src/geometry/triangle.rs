@@ -34,6 +34,7 @@ pub(crate) struct TriangleRay {
     dir: [f32; 3],
     /// How much of each of the first two axes goes with the third.
     shear: [f32; 2],
+    pub t_min: f32,
 }
 
 impl TriangleRay {
@@ -53,6 +54,7 @@ impl TriangleRay {
             origin: turned(ray.origin),
             dir,
             shear: [dir[0] / dir[2], dir[1] / dir[2]],
+            t_min: ray.t_min,
         }
     }
 
@@ -121,7 +123,7 @@ pub fn intersect(ray: &Ray, corners: [Vec3; 3], faces: Faces) -> Option<LocalHit
     let inside = w0.min(w1).min(w2) >= 0.0 || w0.max(w1).max(w2) <= 0.0;
     let t = t_numerator / determinant;
     let turned_away = faces == Faces::FrontOnly && determinant >= 0.0;
-    let met = inside && t > 0.0 && t < ray.t_max && !turned_away;
+    let met = inside && t > ray.t_min && t < ray.t_max && !turned_away;
     let sum = w0 + w1 + w2;
     (met && sum != 0.0).then(|| LocalHit {
         t,

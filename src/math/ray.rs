@@ -2,13 +2,15 @@
 
 use glam::Vec3;
 
-/// The half-line `origin + t dir` for `0 < t < t_max`.
+/// The part `t_min < t < t_max` of the line `origin + t dir`.
 ///
 /// `dir` need not be of unit length: a ray taken into an instance's local space keeps its `t`, so that hits compare across instances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     pub origin: Vec3,
     pub dir: Vec3,
+    /// At least 0.
+    pub t_min: f32,
     pub t_max: f32,
 }
 
@@ -18,6 +20,7 @@ impl Ray {
         Self {
             origin,
             dir,
+            t_min: 0.0,
             t_max: f32::INFINITY,
         }
     }
@@ -27,6 +30,7 @@ impl Ray {
         Self {
             origin: a,
             dir: b - a,
+            t_min: 0.0,
             t_max: 1.0,
         }
     }

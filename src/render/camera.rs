@@ -105,14 +105,17 @@ impl Camera {
 
     /// The ray through `film`, (0, 0) at the top left and (1, 1) at the bottom right of the picture; `u_lens` in [0, 1)^2.
     ///
-    /// Its direction has unit length; it begins at the near plane and ends at the far plane.
+    /// Its direction has unit length. Its origin is the pinhole, or lies on the lens or in the plane of an orthographic camera; it runs from
+    /// the near plane to the far plane. The near plane is a `t_min`, for rounding would move an origin there aside, by more the farther the
+    /// camera is from the world's origin.
     pub fn ray(&self, film: Vec2, u_lens: Vec2) -> Ray {
         let on_plane = self.corner + film * self.diagonal;
         let (origin, toward) = match self.projection {
             Projection::Orthographic => (on_plane.extend(0.0), Vec3::Z),
             Projection::Perspective { lens: None } => (Vec3::ZERO, on_plane.extend(1.0)),
             Projection::Perspective { lens: Some(lens) } => {
-                let origin = lens.sample(u_lens).extend(0.0);
+                // Aimed from where it will begin, all that passes the lens meets in the plane of focus.
+                let origin = self.rounded(lens.sample(u_lens));
                 (origin, lens.focus_distance * on_plane.extend(1.0) - origin)
             }
         };
@@ -120,12 +123,18 @@ impl Camera {
         // Distance along the ray per distance along the view axis.
         let stretch = 1.0 / dir.z;
         Ray {
-            origin: self
-                .world_from_camera
-                .transform_point3(origin + self.near * stretch * dir),
+            origin: self.world_from_camera.transform_point3(origin),
             dir: self.world_from_camera.transform_vector3(dir),
-            t_max: (self.far - self.near) * stretch,
+            t_min: ((self.near - origin.z) * stretch).max(0.0),
+            t_max: (self.far - origin.z) * stretch,
         }
+    }
+
+    /// A point of the plane z = 0 of camera space, after rounding in world space.
+    fn rounded(&self, point: Vec2) -> Vec3 {
+        let place = self.world_from_camera.translation;
+        let rounded = self.world_from_camera.transform_point3a(point.extend(0.0).into()) - place;
+        (self.world_from_camera.matrix3.transpose() * rounded).into()
     }
 
     /// [`Self::ray`] of sixteen points of the film, (x, y) of each. None unless all rays go through one point.
@@ -147,11 +156,11 @@ impl Camera {
         ];
         let [x_axis, y_axis, z_axis] = columns.map(|column| Vec3Lanes::splat(column.into()));
         let toward = z_axis.plus_scaled(x, x_axis).plus_scaled(y, y_axis);
-        let eye = Vec3Lanes::splat(self.world_from_camera.translation.into());
         Some(RayLanes {
-            origin: eye.plus_scaled(Lanes::splat(self.near), toward),
+            origin: Vec3Lanes::splat(self.world_from_camera.translation.into()),
             dir: toward * scale,
-            t_max: Lanes::splat(self.far - self.near) * stretch,
+            t_min: Lanes::splat(self.near) * stretch,
+            t_max: Lanes::splat(self.far) * stretch,
         })
     }
 
@@ -222,14 +231,14 @@ mod tests {
         let at_one = ray.dir / ray.dir.z;
         assert!(at_one.abs_diff_eq(Vec3::new(1.0, 0.5, 1.0), 1e-6), "{at_one}");
         let ray = orthographic().ray(Vec2::ZERO, Vec2::splat(0.5));
-        assert_eq!((ray.origin, ray.dir), (Vec3::new(3.0, 1.5, 0.5), Vec3::Z));
+        assert_eq!((ray.origin, ray.dir), (Vec3::new(3.0, 1.5, 0.0), Vec3::Z));
     }
 
     #[test]
     fn rays_run_from_the_near_to_the_far_plane() {
         for camera in [camera(None), camera(Some(lens(5))), orthographic()] {
             let ray = camera.ray(Vec2::new(0.1, 0.8), Vec2::splat(0.5));
-            assert!((ray.origin.z - 0.5).abs() < 1e-6);
+            assert!((ray.at(ray.t_min).z - 0.5).abs() < 1e-6);
             assert!((ray.at(ray.t_max).z - 10.0).abs() < 1e-5);
         }
     }

@@ -252,7 +252,7 @@ impl Film {
         self.means(|mean| mean.normal)
     }
 
-    /// Mean distance to the first surface.
+    /// Mean distance from the camera to the first surface.
     pub fn depth(&self) -> Vec<f32> {
         self.means(|mean| mean.depth)
     }

@@ -131,6 +131,7 @@ impl Path {
             }
             let point = scene.geometry.surface_in(&self.ray, &met, Detail::Plain);
             self.ray.origin = offset_origin(point.position, point.error, point.geometric_normal, self.ray.dir);
+            self.ray.t_min = 0.0;
             self.ray.t_max -= met.t;
             self.passed += met.t;
             self.result.rays += 1;

@@ -105,6 +105,7 @@ fn rays(count: usize, mesh: &MeshData, random: &mut Random) -> Vec<Ray> {
             }
             2 => ray.t_max = random.unit(),
             3 => ray.dir *= 1e-3,
+            4 => ray.t_min = random.unit(),
             _ => {}
         }
         rays.push(ray);
@@ -363,7 +364,10 @@ fn rays_that_are_no_rays_hit_nothing() {
         (zero, one, f32::NAN),
         (zero, one, -1.0),
     ] {
-        let ray = Ray { origin, dir, t_max };
+        let ray = Ray {
+            t_max,
+            ..Ray::new(origin, dir)
+        };
         assert_eq!(blas.intersect(&ray), None, "{ray:?}");
         assert!(!blas.occluded(&ray), "{ray:?}");
     }

@@ -31,7 +31,7 @@ fn shapes(count: usize, size: f32, random: &mut Random) -> Vec<Instance> {
         .collect()
 }
 
-/// Through the middle and past it, some short, along axes, or no rays at all.
+/// Through the middle and past it, some short, some that begin later, along axes, or no rays at all.
 fn ray(random: &mut Random) -> Ray {
     let origin = 3.0 * random.in_cube();
     let mut ray = Ray::new(origin, random.in_cube() - origin);
@@ -42,6 +42,7 @@ fn ray(random: &mut Random) -> Ray {
         3 if random.unit() < 0.2 => ray.dir = Vec3::ZERO,
         4 if random.unit() < 0.2 => ray.origin.x = f32::NAN,
         5 if random.unit() < 0.2 => ray.t_max = 0.0,
+        6 => ray.t_min = 0.9,
         _ => {}
     }
     ray

@@ -38,6 +38,7 @@ mod bsdf_rough;
 mod denoise;
 mod document;
 mod environment;
+mod far_from_origin;
 mod few_shapes;
 mod film;
 mod fuzz_corpus;

@@ -108,7 +108,7 @@ fn crowd(is_round: bool) -> [Tlas; 2] {
     [SplitMethod::Sah, SplitMethod::Linear].map(|method| Tlas::build(instances.clone(), method))
 }
 
-/// Rays from within and without, some of them along axes, some short.
+/// Rays from within and without, some of them along axes, some short, some that begin later.
 fn ray(k: usize) -> Ray {
     let mut dir = direction(2 * k + 5);
     if k.is_multiple_of(7) {
@@ -117,6 +117,7 @@ fn ray(k: usize) -> Ray {
     Ray {
         origin: 6.0 * numbers(k) - Vec3::splat(3.0),
         dir: dir * [1.0, 0.2, 3.0][k % 3],
+        t_min: if k.is_multiple_of(3) { 0.8 } else { 0.0 },
         t_max: if k.is_multiple_of(5) { 1.0 } else { f32::INFINITY },
     }
 }
@@ -316,7 +317,10 @@ fn what_is_no_ray_meets_nothing() {
             let shape = Instance::new(kind.clone(), Affine3A::IDENTITY).expect("an invertible transform");
             let scene = Tlas::build(vec![shape; copies], SplitMethod::Sah);
             let within = Vec3::new(-0.5, 0.0, 0.1);
-            let ray = |origin, dir, t_max| Ray { origin, dir, t_max };
+            let ray = |origin, dir, t_max| Ray {
+                t_max,
+                ..Ray::new(origin, dir)
+            };
             let endless = f32::INFINITY;
             let none = [
                 ray(within, Vec3::NAN, endless),

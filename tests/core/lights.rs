@@ -224,6 +224,14 @@ fn scenes() -> Vec<(&'static str, RenderScene)> {
             ),
         ),
         (
+            "leaning normals, from the front",
+            emitter(
+                leaning_triangle([slope[0], slope[2], slope[1]]),
+                Affine3A::IDENTITY,
+                false,
+            ),
+        ),
+        (
             "leaning normals, from behind",
             emitter(leaning_triangle(slope), Affine3A::IDENTITY, true),
         ),

@@ -49,6 +49,7 @@ pub fn surface(current: &CurrentScene, ray: &Ray, is_passed: impl Fn(Entity) -> 
     for _ in 0..MOST_PASSED {
         let rest = Ray {
             origin: ray.at(passed),
+            t_min: (ray.t_min - passed).max(0.0),
             t_max: ray.t_max - passed,
             ..*ray
         };

@@ -120,6 +120,7 @@ impl<'a> Wave<'a> {
         let vector = |to: &mut Vec3Lanes, from: &Vec3Lanes| to.set(lane, from.get(theirs));
         vector(&mut self.rays.origin, &other.rays.origin);
         vector(&mut self.rays.dir, &other.rays.dir);
+        number(&mut self.rays.t_min, &other.rays.t_min);
         number(&mut self.rays.t_max, &other.rays.t_max);
         vector(&mut self.throughput, &other.throughput);
         number(&mut self.eta_squared, &other.eta_squared);
@@ -379,6 +380,7 @@ impl<'a> Wave<'a> {
             let shadows = RayLanes {
                 origin,
                 dir: Vec3Lanes::select(is_infinite, light.wi, light.target - origin),
+                t_min: zero,
                 t_max: is_infinite.select(Lanes::splat(f32::INFINITY), Lanes::ONE),
             };
             let occluded = match company {
@@ -437,6 +439,7 @@ impl<'a> Wave<'a> {
             self.rays.origin,
         );
         self.rays.dir = Vec3Lanes::select(here, wi, self.rays.dir);
+        self.rays.t_min = here.select(zero, self.rays.t_min);
         self.rays.t_max = here.select(Lanes::splat(f32::INFINITY), self.rays.t_max);
         let is_scattered = lanes_of(scattered);
         self.arrival_pdf = here.select(is_scattered.select(sample.pdf, -Lanes::ONE), self.arrival_pdf);
