@@ -128,7 +128,7 @@ fn instances(count: u32) -> String {
         let angle = 180.0 * turn;
         writeln!(
             text,
-            r#"<shape type="instance"><ref id="group"/><transform name="to_world"><scale value="{size:.6}"/><rotate x="{y:.4}" y="{z:.4}" z="{x:.4}" angle="{angle:.4}"/><translate x="{x:.6}" y="{y:.6}" z="{z:.6}"/></transform></shape>"#
+            r#"<shape type="instance"><ref id="group"/><transform name="to_world"><scale value="{size:.6}"/><rotate y="1" angle="{angle:.4}"/><translate x="{x:.6}" y="{y:.6}" z="{z:.6}"/></transform></shape>"#
         )
     });
     group.to_owned() + &instances

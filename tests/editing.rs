@@ -698,7 +698,7 @@ fn instances_that_come_back_after_a_save_are_written_again() {
     let scene = read_scene(&path);
     let first = scene.shapes.iter().find_map(|shape| shape.placements.as_ref());
     let place = first.expect("instances").places[77].translation;
-    assert_eq!(place, Vec3::new(78.0, 0.0, 0.0).into());
+    assert_eq!(place, Vec3::new(78.0, 0.0, 0.0));
 }
 
 #[test]

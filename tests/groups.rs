@@ -8,8 +8,10 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
+use sunroom::app::headless::{headless, render_only};
+use sunroom::color::Rgb;
 use sunroom::document;
-use sunroom::engine::{CurrentScene, EnginePlugin, RenderControl};
+use sunroom::engine::{CurrentScene, EnginePlugin, Limits, RenderControl, RenderFilm, render_to_completion};
 use sunroom::math::Ray;
 use sunroom::render::scene::RenderScene;
 use sunroom::scene::read::read;
@@ -337,4 +339,60 @@ fn a_serialized_file_whose_first_shape_nobody_uses_is_read_again() {
     assert!(is_about(&app, 2.0), "{:?}", widths(&app));
     write(5.0);
     update_until(&mut app, |app| is_about(app, 5.0));
+}
+
+/// What became of a scene file: the picture, the messages with the lines that they speak of, how many entities know what the file said of them,
+/// and the length of the texts that are kept.
+fn rendered(path: &Path, make: fn(OpenScene, Option<i32>) -> App) -> (Vec<Rgb>, String, usize, usize) {
+    let open = OpenScene {
+        path: path.to_owned(),
+        ..OpenScene::default()
+    };
+    let mut app = make(open, Some(1));
+    app.world_mut().resource_mut::<RenderControl>().film_size_override = Some(UVec2::new(24, 16));
+    let limits = Limits {
+        samples: Some(2),
+        ..Limits::default()
+    };
+    render_to_completion(&mut app, &limits, |_| {}).expect("a picture");
+    let authored = app.world_mut().query::<&Authored>().iter(app.world()).count();
+    let status = app.world().resource::<SceneStatus>();
+    let kept = status.diagnostics.sources.iter().map(|source| source.text.len()).sum();
+    let messages = status.diagnostics.render(false, 80) + &status.picture_problems.concat();
+    let picture = app.world().resource::<RenderFilm>().film.radiance();
+    (picture, messages, authored, kept)
+}
+
+#[test]
+fn a_scene_that_is_only_rendered_keeps_nothing_of_its_file_but_what_messages_need() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("scene.xml");
+    let camera = "<sensor type='perspective'><transform name='to_world'><lookat origin='9,6,-12' target='9,0,9' up='0,1,0'/></transform></sensor>";
+    let instances: String = (0..2000).map(instance).collect();
+    let texture = "<shape type='sphere'><bsdf type='diffuse'><texture type='bitmap' name='reflectance'><string name='filename' value='gone.png'/></texture></bsdf></shape>";
+    for (what, more, is_clean) in [
+        (
+            "nothing to say",
+            "<shape type='disk'><bsdf type='plastic'/></shape>",
+            true,
+        ),
+        (
+            "a warning",
+            "<shape type='disk'><float name='unknown' value='1'/></shape>",
+            false,
+        ),
+        ("a missing picture", texture, false),
+    ] {
+        let before = format!("<scene version='3.0.0'>{camera}<emitter type='constant'/>{GROUP}{more}");
+        let text = format!("{before}\n{instances}</scene>");
+        std::fs::write(&path, &text).expect("writable");
+        let (picture, messages, authored, kept) = rendered(&path, headless);
+        assert!(authored > 5 && kept == text.len(), "{what}: {authored} {kept}");
+        let alone = rendered(&path, render_only);
+        assert_eq!((&alone.0, &alone.1), (&picture, &messages), "{what}");
+        assert_eq!(messages.is_empty(), is_clean, "{what}: {messages}");
+        // Of the text the lines up to the last place that is spoken of, here the disk's or the picture's.
+        let needed = if is_clean { 0 } else { before.len() };
+        assert_eq!((alone.2, alone.3), (0, needed), "{what}");
+    }
 }

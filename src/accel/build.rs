@@ -88,6 +88,7 @@ pub(super) fn build(
         let spare = all.len.min(u32::MAX as usize - all.len);
         builder.grow(&mut references, &all, 0, spare, &mut tree);
     }
+    drop(references);
     collapse(&tree, leaf_size)
 }
 

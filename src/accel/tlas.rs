@@ -3,8 +3,6 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::blas::Blas;
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
@@ -92,7 +90,9 @@ impl Tlas {
             is_large: false,
             has_vertex_normals,
         };
-        tlas.bvh = Bvh::build(&tlas.item_bounds(), method, LEAF_SIZE);
+        let in_packet = tlas.in_packet();
+        let bounds = |number: usize| tlas.item_bounds(number, &in_packet);
+        tlas.bvh = Bvh::over(tlas.item_count(), bounds, None, method, LEAF_SIZE);
         tlas.is_large = tlas.bytes() > CACHE;
         tlas
     }
@@ -157,22 +157,27 @@ impl Tlas {
         placement.world_bounds(&flat.map_or(Aabb::EMPTY, |group| group.bounds()))
     }
 
-    /// Of the hierarchy's items; empty for what is in a packet.
-    fn item_bounds(&self) -> Vec<Aabb> {
-        let shapes = self.instances.par_iter().map(Instance::world_bounds);
-        let placed = self
-            .placements
-            .par_iter()
-            .map(|placement| self.placed_bounds(placement));
-        let mut bounds: Vec<Aabb> = shapes.chain(placed).collect();
-        for packet in &self.packets {
-            packet
-                .members()
-                .iter()
-                .for_each(|&member| bounds[member as usize] = Aabb::EMPTY);
-            bounds.push(packet.bounds);
+    /// Whether each instance is in a packet.
+    fn in_packet(&self) -> Vec<bool> {
+        let mut in_packet = vec![false; self.instances.len()];
+        for &member in self.packets.iter().flat_map(ShapePacket::members) {
+            in_packet[member as usize] = true;
         }
-        bounds
+        in_packet
+    }
+
+    fn item_count(&self) -> usize {
+        self.instances.len() + self.placements.len() + self.packets.len()
+    }
+
+    /// Of one of the hierarchy's items; empty for what is in a packet.
+    fn item_bounds(&self, number: usize, in_packet: &[bool]) -> Aabb {
+        match self.item(number as u32) {
+            Item::Shape(_) if in_packet[number] => Aabb::EMPTY,
+            Item::Shape(shape) => shape.world_bounds(),
+            Item::Placement(placement) => self.placed_bounds(placement),
+            Item::Packet(packet) => packet.bounds,
+        }
     }
 
     #[inline(always)]
@@ -261,7 +266,11 @@ impl Tlas {
 
     /// [`Bvh::validate`] against the bounds of instances, placements and packets.
     pub fn validate(&self) -> Result<(), String> {
-        self.bvh.validate(&self.item_bounds())
+        let in_packet = self.in_packet();
+        let bounds: Vec<Aabb> = (0..self.item_count())
+            .map(|number| self.item_bounds(number, &in_packet))
+            .collect();
+        self.bvh.validate(&bounds)
     }
 
     /// The nearest hit with t_min < t < t_max.

@@ -2,9 +2,11 @@
 
 use bevy::prelude::*;
 
+use super::allocator::{give_back, keep_memory_low};
 use super::threads::{run_systems_in_turn, worker_count};
 use crate::engine::{EnginePlugin, RenderControl};
-use crate::scene::{FileSourcePlugin, OpenScene, ScenePlugin, asset_plugin};
+use crate::scene::assets::SceneAsset;
+use crate::scene::{FileSourcePlugin, KeepSource, OpenScene, ScenePlugin, SceneSystems, asset_plugin};
 
 /// An app that will load `scene` and render it; see [`crate::engine::render_to_completion`]. `threads` as in [`worker_count`].
 pub fn headless(scene: OpenScene, threads: Option<i32>) -> App {
@@ -18,4 +20,28 @@ pub fn headless(scene: OpenScene, threads: Option<i32>) -> App {
     run_systems_in_turn(&mut app);
     app.world_mut().write_message(scene);
     app
+}
+
+/// As [`headless`], for a scene that is rendered and neither edited nor written: what these need of its file is not kept, and changes of the
+/// file are left alone.
+pub fn render_only(scene: OpenScene, threads: Option<i32>) -> App {
+    keep_memory_low();
+    let mut app = headless(scene, threads);
+    app.world().resource::<KeepSource>().set(false);
+    // After the tree of the file is gone, and after its description is.
+    app.add_systems(
+        PreUpdate,
+        (
+            give_back_after_reading.before(SceneSystems::Apply),
+            give_back_after_reading.after(SceneSystems::Apply),
+        ),
+    );
+    app
+}
+
+fn give_back_after_reading(mut read: MessageReader<AssetEvent<SceneAsset>>) {
+    let is_added = |event: &AssetEvent<SceneAsset>| matches!(event, AssetEvent::Added { .. });
+    if read.read().any(is_added) {
+        give_back();
+    }
 }

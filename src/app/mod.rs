@@ -1,6 +1,5 @@
 //! The application: drives the scene and the engine, with or without a window.
 
-#[cfg(feature = "window")]
 mod allocator;
 #[cfg(feature = "window")]
 pub mod editor;

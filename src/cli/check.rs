@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use bevy::prelude::World;
 use clap::Args;
-use sunroom::app::headless::headless;
+use sunroom::app::headless::render_only;
 use sunroom::engine::{Limits, RenderStatus, load_to_completion};
 use sunroom::scene::{AreaLight, Emitter, OpenScene, SceneStatus, Shape, cameras};
 
@@ -46,7 +46,7 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
             return false;
         }
     };
-    let mut app = headless(
+    let mut app = render_only(
         OpenScene {
             path: scene.to_owned(),
             defines: args.defines.defines.clone(),

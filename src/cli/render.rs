@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 use clap::{Args, ValueEnum};
-use sunroom::app::headless::headless;
+use sunroom::app::headless::render_only;
 use sunroom::app::interrupt::on_interrupt;
 use sunroom::engine::{Limits, RenderControl, RenderFilm, RenderStatus};
 use sunroom::engine::{load_to_completion, render_to_completion};
@@ -143,7 +143,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
     let trust = args.trust.trust(&args.scene.scene)?;
     let cancel = cancel_on_interrupt()?;
     let begin = Instant::now();
-    let mut app = headless(
+    let mut app = render_only(
         OpenScene {
             path: args.scene.scene.clone(),
             defines: args.scene.defines.defines.clone(),

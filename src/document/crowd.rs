@@ -7,7 +7,7 @@ use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::Affine3A;
+use glam::Affine3;
 use smol_str::SmolStr;
 
 use super::parse::parse_children;
@@ -24,7 +24,7 @@ pub struct Crowd {
     /// The id of the group.
     pub group: SmolStr,
     /// World from group.
-    pub places: Arc<[Affine3A]>,
+    pub places: Arc<Vec<Affine3>>,
     content: Content,
 }
 
@@ -77,7 +77,7 @@ pub(super) struct Packer {
 struct Open {
     position: usize,
     group: SmolStr,
-    places: Vec<Affine3A>,
+    places: Vec<Affine3>,
     source: SourceId,
     range: Range<u32>,
 }
@@ -97,7 +97,7 @@ impl Packer {
             && (crowd.position, crowd.source) == (before.len(), last.span().source)
             && crowd.group == *instance.group
         {
-            crowd.places.push(TransformOp::compose(instance.steps));
+            crowd.places.push(TransformOp::compose(instance.steps).into());
             crowd.range.end = end;
             children.pop();
             return;
@@ -121,7 +121,7 @@ impl Packer {
         let pack = |open: Open| Crowd {
             position: open.position,
             group: open.group,
-            places: open.places.into(),
+            places: Arc::new(open.places),
             content: Content::Text {
                 source: open.source,
                 range: open.range,
@@ -198,7 +198,7 @@ pub(super) fn pack_rest(root: &mut Object, crowds: Vec<Crowd>) -> Vec<Crowd> {
             packed.push(Crowd {
                 position: kept.len(),
                 group,
-                places: places(&run).into(),
+                places: Arc::new(places(&run)),
                 content: Content::Tree(run),
             });
         }
@@ -218,9 +218,11 @@ fn groups(root: &Object) -> HashSet<SmolStr> {
     groups.filter_map(|group| group.id.clone()).collect()
 }
 
-fn places(run: &[Child]) -> Vec<Affine3A> {
+fn places(run: &[Child]) -> Vec<Affine3> {
     let instances = run.iter().filter_map(BareInstance::of);
-    instances.map(|instance| TransformOp::compose(instance.steps)).collect()
+    instances
+        .map(|instance| TransformOp::compose(instance.steps).into())
+        .collect()
 }
 
 /// Puts the children of crowds, which are in the order of their positions, back where they stood.

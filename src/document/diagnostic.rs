@@ -26,8 +26,8 @@ pub struct Span {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceFile {
     pub path: PathBuf,
-    /// Without a byte order mark.
-    pub text: Arc<str>,
+    /// Without a byte order mark. In the memory that it was read into: scenes of 200 MB are not copied.
+    pub text: Arc<String>,
     /// Whether the file begins with one.
     pub byte_order_mark: bool,
 }
@@ -119,6 +119,26 @@ impl Diagnostics {
 
     pub fn source(&self, id: SourceId) -> Option<&SourceFile> {
         self.sources.get(id.0 as usize)
+    }
+
+    /// Shortens the texts to what the messages show and what it takes to locate `places`: the lines up to the last of these.
+    pub fn shorten_texts(&mut self, places: impl Iterator<Item = Span>) {
+        let mut needed = vec![None; self.sources.len()];
+        let of_messages = self.list.iter().filter_map(|message| message.span);
+        for span in of_messages.chain(places) {
+            if let Some(end) = needed.get_mut(span.source.0 as usize) {
+                *end = (*end).max(Some(span.end as usize));
+            }
+        }
+        for (source, end) in self.sources.iter_mut().zip(needed) {
+            let text = Arc::make_mut(&mut source.text);
+            let end = end.map_or(0, |end| {
+                let rest = text.floor_char_boundary(end);
+                text[rest..].find('\n').map_or(text.len(), |newline| rest + newline)
+            });
+            text.truncate(end);
+            text.shrink_to_fit();
+        }
     }
 
     /// File, line and column of a span's start; both count from 1, columns in characters.

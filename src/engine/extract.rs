@@ -212,7 +212,7 @@ impl Extracted {
                     entity,
                     name: name_of("shape", *order, id),
                     group,
-                    places: placements.map_or_else(|| Arc::from([to_world.0]), |many| many.places.clone()),
+                    places: placements.map_or_else(|| Arc::new(vec![to_world.0.into()]), |many| many.places.clone()),
                 });
                 continue;
             }

@@ -10,7 +10,7 @@ use bevy::math::{Affine3A, Vec3};
 use super::pictures::PicturePlaces;
 use super::{
     AreaLight, Authored, AuthoredScene, Emitter, EmitterKind, Film, IntegratorSettings, Material, Placements, Sensor,
-    Shape,
+    Shape, ShapeKind,
 };
 use crate::color::Rgb;
 use crate::document::Span;
@@ -40,6 +40,20 @@ pub struct SceneDescription {
 }
 
 impl SceneDescription {
+    /// The places in the scene file that messages about meshes and pictures may name.
+    pub(super) fn places_of_files(&self) -> impl Iterator<Item = Span> {
+        let meshes = self
+            .shapes
+            .iter()
+            .filter(|shape| matches!(shape.shape.kind, ShapeKind::Mesh(_)));
+        let objects = meshes.filter_map(|shape| Some(&shape.identity.authored.as_ref()?.object));
+        let of_meshes = objects.flat_map(|object| {
+            let properties = object.properties.iter().map(|property| property.span);
+            std::iter::once(object.span).chain(properties)
+        });
+        self.picture_places.values().copied().chain(of_meshes)
+    }
+
     /// What a new scene has: a camera that looks at the origin from some units away, and a grey sky.
     pub fn empty() -> Self {
         let identity = |name: &str, order| Identity {

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use bevy::math::Affine3A;
 use bevy::prelude::*;
+use glam::Affine3;
 
 use super::DocumentOrder;
 
@@ -37,7 +37,7 @@ pub struct Instances(Vec<Entity>);
 #[derive(Component, Clone, Debug)]
 pub struct Placements {
     /// World from group; shared with the document.
-    pub places: Arc<[Affine3A]>,
+    pub places: Arc<Vec<Affine3>>,
 }
 
 impl PartialEq for Placements {

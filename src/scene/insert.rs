@@ -135,13 +135,16 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
         }
         shapes.push(entity);
         // Of very many instances each stands for itself here.
-        let mut places = shape.placements.iter().flat_map(|many| many.places.iter());
+        let mut places = shape
+            .placements
+            .iter()
+            .flat_map(|many| many.places.iter().map(|&place| place.into()));
         if let Some(first) = places.next() {
-            world.entity_mut(entity).insert(ToWorld(*first));
+            world.entity_mut(entity).insert(ToWorld(first));
         }
         for place in places {
             let another = spawn(world, &shape.identity);
-            let parts = (shape.shape.clone(), ToWorld(*place));
+            let parts = (shape.shape.clone(), ToWorld(place));
             world.entity_mut(another).insert(parts);
             if let Some(group) = shape.instance_of {
                 world.entity_mut(another).insert(InstanceOf(groups[group]));

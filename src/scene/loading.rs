@@ -11,11 +11,12 @@ use bevy::prelude::*;
 use super::assets::gltf_scene::largest;
 use super::assets::scene_asset::one_error;
 use super::assets::{SceneAsset, SceneDefines, cause};
+use super::file_base::FileBase;
 use super::pictures::PicturePlaces;
 use super::read::settle;
 use super::spawn::ReloadSummary;
 use super::write::{KnownTexts, are_as_read};
-use super::{OpenScene, SceneAccess, SceneDescription, SceneState, SceneStatus, Trust, spawn};
+use super::{KeepSource, OpenScene, SceneAccess, SceneDescription, SceneState, SceneStatus, Trust, spawn};
 use crate::document::source::unreadable;
 use crate::document::{Diagnostics, SourceFile};
 use crate::files;
@@ -164,7 +165,7 @@ pub(super) fn apply_scenes(
                 let mut diagnostics = one_error(format!("the scene cannot be read: {cause}"));
                 diagnostics.sources.push(SourceFile {
                     path: path.to_owned(),
-                    text: Arc::from(""),
+                    text: Arc::default(),
                     byte_order_mark: false,
                 });
                 Arc::new(diagnostics)
@@ -225,6 +226,12 @@ fn take_in(world: &mut World, id: AssetId<SceneAsset>, asset: SceneAsset) {
     }
     let path = file.path.clone();
     let waits = file.asked.is_some();
+    if !world.resource::<KeepSource>().get() {
+        // The entities are all that is needed of it.
+        world.resource_mut::<SceneFile>().handle = None;
+        world.resource_mut::<Assets<SceneAsset>>().remove(id);
+        world.insert_resource(FileBase::default());
+    }
     let mut status = world.resource_mut::<SceneStatus>();
     status.path = Some(path);
     status.file_is_broken = false;

@@ -14,6 +14,7 @@ mod framing;
 pub mod group;
 pub mod identity;
 pub mod insert;
+pub mod keep_source;
 mod loading;
 pub mod material;
 pub mod mesh_check;
@@ -46,6 +47,7 @@ pub use emitter::{AreaLight, Emitter, EmitterKind, EmitterVisitor};
 pub use framing::{FrameWhenLoaded, world_bounds};
 pub use group::{InstanceOf, MemberOf, Placements, ShapeGroup};
 pub use identity::{DocumentOrder, Hidden, Locked, SceneId, ToWorld};
+pub use keep_source::KeepSource;
 pub use loading::{SceneFile, new_scene};
 pub use material::{
     ConductorIor, Distribution, FirstNested, FirstNestedIn, Ior, Material, MaterialUsers, Roughness, SecondNested,

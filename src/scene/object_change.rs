@@ -99,7 +99,7 @@ impl Part {
         match self {
             Self::Name(values) => sum(values, |name| name.as_str().len()),
             Self::SceneId(values) => sum(values, |id| id.0.len()),
-            Self::Placements(values) => sum(values, |placements| size_of_val(&*placements.places)),
+            Self::Placements(values) => sum(values, |placements| size_of_val(placements.places.as_slice())),
             Self::Shape(values) => sum(values, |shape| match &shape.kind {
                 ShapeKind::Mesh(mesh) => mesh.path.as_os_str().len(),
                 _ => 0,

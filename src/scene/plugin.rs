@@ -45,6 +45,7 @@ impl Plugin for ScenePlugin {
     fn build(&self, app: &mut App) {
         let defines = SceneDefines::default();
         let access = app.world_mut().get_resource_or_init::<SceneAccess>().clone();
+        let keep_source = app.world_mut().get_resource_or_init::<KeepSource>().clone();
         app.init_asset::<TriangleMesh>()
             .init_asset::<TextureMap>()
             .init_asset::<SceneAsset>()
@@ -53,6 +54,7 @@ impl Plugin for ScenePlugin {
             .register_asset_loader(SceneLoader {
                 defines: defines.clone(),
                 access,
+                keep_source,
             })
             .add_message::<OpenScene>()
             .add_message::<FileReadAgain>()

@@ -1142,7 +1142,7 @@ fn very_many_instances_are_packed_and_unpacked() {
         assert_eq!((crowd.position, crowd.group.as_str()), (1, "group"));
         assert_eq!(crowd.places.len(), count);
         let place = glam::Affine3A::from_translation(Vec3::X * 77.0) * glam::Affine3A::from_scale(Vec3::splat(0.5));
-        assert_eq!(crowd.places[77], place);
+        assert_eq!(crowd.places[77], place.into());
 
         // The tree is that of a text in which nothing is packed, for there a name makes the instances different.
         let named = crowded(count, size).replace("<ref id", "<ref name='group' id");

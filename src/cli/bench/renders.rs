@@ -5,7 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
-use sunroom::app::headless::headless;
+use sunroom::app::headless::render_only;
 use sunroom::color::Rgb;
 use sunroom::engine::{Limits, RenderFilm, RenderStatus, load_to_completion, render_to_completion};
 use sunroom::scene::{OpenScene, SamplerSettings, SceneStatus};
@@ -117,7 +117,7 @@ fn render(scene: &Path, seed: u32, args: &RenderBenchArgs) -> Result<Render, Err
         defines: Vec::new(),
         ..OpenScene::default()
     };
-    let mut app = headless(open, args.common.threads.threads);
+    let mut app = render_only(open, args.common.threads.threads);
     let limits = Limits {
         samples: Some(args.spp),
         ..Limits::default()

@@ -116,7 +116,7 @@ impl Parser {
                     return;
                 }
                 Ok(text) => {
-                    let source = self.add_source(path, text.into());
+                    let source = self.add_source(path, text);
                     self.files.insert(key.clone(), source);
                     source
                 }

@@ -35,6 +35,8 @@ use super::{
 };
 use crate::files::Access;
 
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
 /// Tags inside tags, references and includes counted in. Real scenes stay below ten.
 pub const MAX_DEPTH: usize = 256;
 /// Includes inside includes.
@@ -55,13 +57,13 @@ pub fn load(path: &Path, defines: &[(String, String)]) -> Result<Document, Sourc
     Ok(parse_str(text, path, defines))
 }
 
-/// Reads a scene whose text is in memory; relative paths in it start from the folder of `path`. Every file may be read.
-pub fn parse_str(text: impl Into<Arc<str>>, path: &Path, defines: &[(String, String)]) -> Document {
+/// Reads a scene whose text is in memory, where it stays; relative paths in it start from the folder of `path`. Every file may be read.
+pub fn parse_str(text: impl Into<String>, path: &Path, defines: &[(String, String)]) -> Document {
     parse_within(text, path, defines, Access::everywhere())
 }
 
 /// Reads a scene as [`parse_str`] does, but of the files that it names only those that `access` permits.
-pub fn parse_within(text: impl Into<Arc<str>>, path: &Path, defines: &[(String, String)], access: Access) -> Document {
+pub fn parse_within(text: impl Into<String>, path: &Path, defines: &[(String, String)], access: Access) -> Document {
     let mut parser = Parser {
         access,
         defines: Defines::new(defines),
@@ -140,7 +142,7 @@ impl Frame {
 /// One source's open tags.
 struct Level {
     source: SourceId,
-    text: Arc<str>,
+    text: Arc<String>,
     stack: Vec<Frame>,
     /// How deep the including tag is in its own file.
     base_depth: usize,
@@ -205,13 +207,16 @@ impl Parser {
         }
     }
 
-    fn add_source(&mut self, path: PathBuf, text: Arc<str>) -> SourceId {
+    fn add_source(&mut self, path: PathBuf, mut text: String) -> SourceId {
         let id = SourceId(u32::try_from(self.diagnostics.sources.len()).unwrap_or(u32::MAX));
-        let without_mark: Option<Arc<str>> = text.strip_prefix('\u{feff}').map(Arc::from);
+        let byte_order_mark = text.starts_with(BYTE_ORDER_MARK);
+        if byte_order_mark {
+            text.drain(..BYTE_ORDER_MARK.len_utf8());
+        }
         self.diagnostics.sources.push(SourceFile {
             path,
-            byte_order_mark: without_mark.is_some(),
-            text: without_mark.unwrap_or(text),
+            byte_order_mark,
+            text: Arc::new(text),
         });
         id
     }
@@ -404,7 +409,7 @@ impl Parser {
 
 impl Level {
     /// `base_depth`: zero for the main file, whose crowds are packed.
-    fn new(source: SourceId, text: Arc<str>, base_depth: usize) -> Self {
+    fn new(source: SourceId, text: Arc<String>, base_depth: usize) -> Self {
         Self {
             source,
             text,

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use bevy::math::Affine3A;
 use bevy::prelude::Entity;
+use glam::Affine3;
 use rayon::prelude::*;
 
 use super::Checker;
@@ -17,7 +17,7 @@ pub(in crate::engine) struct PlacedGroup {
     pub name: String,
     /// The place of the group among all groups.
     pub group: usize,
-    pub places: Arc<[Affine3A]>,
+    pub places: Arc<Vec<Affine3>>,
 }
 
 /// Shapes of the world or of one group: what becomes part of the hierarchy, and a record of each that stays.
@@ -89,7 +89,7 @@ impl Layout {
         for placed in &self.placed {
             let before = placements.len();
             let places = placed.places.par_iter();
-            placements.par_extend(places.filter_map(|place| Placement::new(placed.group as u32, place)));
+            placements.par_extend(places.filter_map(|&place| Placement::new(placed.group as u32, &place.into())));
             let left_out = placed.places.len() - (placements.len() - before);
             if left_out > 0 {
                 let name = &placed.name;

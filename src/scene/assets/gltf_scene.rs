@@ -63,7 +63,7 @@ fn into_document(taken: Result<Imported, GltfError>, path: &Path, sources: &[Pat
     let mut diagnostics = Diagnostics::default();
     diagnostics.sources.extend(sources.iter().map(|path| SourceFile {
         path: path.clone(),
-        text: "".into(),
+        text: Default::default(),
         byte_order_mark: false,
     }));
     let root = match taken {

@@ -14,7 +14,7 @@ use crate::document::source::unreadable;
 use crate::document::{self, Diagnostics, Document, Severity, SourceError};
 use crate::files::{self, Access};
 use crate::scene::SceneDescription;
-use crate::scene::{SceneAccess, read};
+use crate::scene::{KeepSource, SceneAccess, read};
 
 /// Loads also when the file is broken: the diagnostics say how, and nothing else should be believed then.
 #[derive(Asset, TypePath, Clone, Debug)]
@@ -46,6 +46,7 @@ impl SceneDefines {
 pub struct SceneLoader {
     pub defines: SceneDefines,
     pub access: SceneAccess,
+    pub keep_source: KeepSource,
 }
 
 impl AssetLoader for SceneLoader {
@@ -69,6 +70,7 @@ impl AssetLoader for SceneLoader {
             &path,
             &self.defines.get(&path),
             self.access.of_scene(&path),
+            self.keep_source.get(),
         ))
     }
 
@@ -79,15 +81,28 @@ impl AssetLoader for SceneLoader {
 
 /// `path`: of the file the bytes are from.
 pub fn read_scene(bytes: Vec<u8>, path: &Path, defines: &[(String, String)]) -> SceneAsset {
-    read_scene_within(bytes, path, defines, Access::everywhere())
+    read_scene_within(bytes, path, defines, Access::everywhere(), true)
 }
 
-fn read_scene_within(bytes: Vec<u8>, path: &Path, defines: &[(String, String)], access: Access) -> SceneAsset {
+fn read_scene_within(
+    bytes: Vec<u8>,
+    path: &Path,
+    defines: &[(String, String)],
+    access: Access,
+    keeps_source: bool,
+) -> SceneAsset {
     let mut document = match parse(bytes, path, defines, access) {
         Ok(document) => document,
         Err(error) => return failed(path, &error),
     };
-    let description = read::read(&mut document);
+    let description = if keeps_source {
+        read::read(&mut document)
+    } else {
+        read::read_meaning(&mut document)
+    };
+    if !keeps_source {
+        document.diagnostics.shorten_texts(description.places_of_files());
+    }
     SceneAsset {
         description: Arc::new(description),
         diagnostics: Arc::new(document.diagnostics),

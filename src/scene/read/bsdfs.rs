@@ -55,7 +55,7 @@ impl<'a> SceneReader<'a> {
             }
         }
 
-        let identity = self.identity(object, write::objects::material(&material, &self.folder));
+        let identity = self.identity(object, || write::objects::material(&material, &self.folder));
         let description = &mut self.description.materials[index];
         description.identity = identity;
         description.material = material;

@@ -33,7 +33,7 @@ impl<'a> SceneReader<'a> {
         let Some((emitter, to_world)) = read_parameters(reader, &mut self.pictures) else {
             return false;
         };
-        let as_read = write::lights::emitter(&emitter, &to_world, &self.folder);
+        let as_read = || write::lights::emitter(&emitter, &to_world, &self.folder);
         let identity = self.identity(object, as_read);
         self.description.emitters.push(EmitterDescription {
             identity,

@@ -9,7 +9,7 @@ impl<'a> SceneReader<'a> {
     /// Every group is known before anything that refers to it is read.
     pub(super) fn list_groups(&mut self) {
         for object in self.root.objects().filter(|object| object.is_group()) {
-            let identity = self.identity(object, Object::new(Category::Shape, "shapegroup"));
+            let identity = self.identity(object, || Object::new(Category::Shape, "shapegroup"));
             self.group_of.insert(address(object), self.description.groups.len());
             self.description.groups.push(GroupDescription { identity });
         }

@@ -33,10 +33,22 @@ use crate::document::{Category, Child, Crowd, Diagnostics, Document, Index, Obje
 
 /// Everything the document says; its diagnostics grow by what is wrong with it.
 pub fn read(document: &mut Document) -> SceneDescription {
-    let diagnostics = std::mem::take(&mut document.diagnostics);
     let mut origin = document.clone();
-    origin.diagnostics.sources.clone_from(&diagnostics.sources);
-    let mut scene = SceneReader::new(document, diagnostics);
+    origin.diagnostics = Diagnostics::default();
+    origin.diagnostics.sources.clone_from(&document.diagnostics.sources);
+    let mut description = read_as(document, true);
+    description.remains.origin = Some(Arc::new(origin));
+    description
+}
+
+/// As [`read`], for a scene that is not written again: what the file said is not kept, but for the places of file names.
+pub fn read_meaning(document: &mut Document) -> SceneDescription {
+    read_as(document, false)
+}
+
+fn read_as(document: &mut Document, keeps_source: bool) -> SceneDescription {
+    let diagnostics = std::mem::take(&mut document.diagnostics);
+    let mut scene = SceneReader::new(document, diagnostics, keeps_source);
     scene.read_root();
     let SceneReader {
         mut description,
@@ -45,7 +57,6 @@ pub fn read(document: &mut Document) -> SceneDescription {
         ..
     } = scene;
     description.picture_places = pictures.places;
-    description.remains.origin = Some(Arc::new(origin));
     sort_materials(&mut description);
     document.diagnostics = diagnostics;
     description
@@ -60,6 +71,8 @@ struct Place<'a> {
 
 /// The description while it grows.
 struct SceneReader<'a> {
+    /// Whether things keep what the file said of them.
+    keeps_source: bool,
     root: &'a Object,
     search_folders: &'a [PathBuf],
     index: Index<'a>,
@@ -126,13 +139,14 @@ fn places(document: &Document) -> (HashMap<usize, Place<'_>>, Vec<u32>) {
 }
 
 impl<'a> SceneReader<'a> {
-    fn new(document: &'a Document, diagnostics: Diagnostics) -> Self {
+    fn new(document: &'a Document, diagnostics: Diagnostics, keeps_source: bool) -> Self {
         let sources: Vec<PathBuf> = diagnostics.sources.iter().map(|file| settle(&file.path)).collect();
         let path = settle(&document.path);
         let folder = path.parent().unwrap_or(Path::new("/")).to_owned();
         let (places, crowd_orders) = places(document);
         let meshes = MeshSearch::new(&folder, &document.search_folders).within(document.access.clone());
         Self {
+            keeps_source,
             root: &document.root,
             index: document.index(),
             pictures: PictureSearch {
@@ -223,7 +237,9 @@ impl<'a> SceneReader<'a> {
     }
 
     /// What an object brings along whatever it is. `as_read` is what would be written for it.
-    fn identity(&self, object: &Object, as_read: Object) -> Identity {
+    fn identity(&self, object: &Object, as_read: impl FnOnce() -> Object) -> Identity {
+        // Messages about files name the places of their names.
+        let names_file = || object.properties.iter().any(|property| property.name == "filename");
         Identity {
             id: object.id.as_ref().map(SmolStr::to_string),
             name: match &object.id {
@@ -232,7 +248,7 @@ impl<'a> SceneReader<'a> {
             },
             order: self.order(object),
             span: object.span,
-            authored: Some(self.authored(object, as_read)),
+            authored: (self.keeps_source || names_file()).then(|| self.authored(object, as_read())),
         }
     }
 

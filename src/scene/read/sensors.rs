@@ -76,7 +76,7 @@ impl<'a> SceneReader<'a> {
             far_clip,
             principal_point_offset,
         };
-        let identity = self.identity(object, write::objects::sensor(&sensor, &read_film, &to_world));
+        let identity = self.identity(object, || write::objects::sensor(&sensor, &read_film, &to_world));
         self.description.sensors.push(SensorDescription {
             identity,
             sensor,

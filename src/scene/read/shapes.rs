@@ -155,7 +155,7 @@ impl<'a> SceneReader<'a> {
             self.forget_place(place);
             return false;
         };
-        let as_read = write::objects::shape(&shape, &to_world, area_light.as_ref(), &self.folder);
+        let as_read = || write::objects::shape(&shape, &to_world, area_light.as_ref(), &self.folder);
         let mut identity = self.identity(object, as_read);
         if identity.id.is_none()
             && let ShapeKind::Mesh(mesh) = &shape.kind

@@ -126,7 +126,7 @@ fn is_no_file(error: &SourceError) -> bool {
 
 fn is_text_of(source: &SourceFile, text: &str) -> bool {
     let without_mark = text.strip_prefix('\u{feff}');
-    without_mark.is_some() == source.byte_order_mark && without_mark.unwrap_or(text) == &*source.text
+    without_mark.is_some() == source.byte_order_mark && without_mark.unwrap_or(text) == source.text.as_str()
 }
 
 /// Whether the files still hold what was read from them.

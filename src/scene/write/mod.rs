@@ -21,7 +21,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use bevy::math::Affine3A;
+use glam::Affine3;
 use smol_str::SmolStr;
 
 pub(in crate::scene) use self::changed::are_as_read;
@@ -343,19 +343,19 @@ impl<'s> Writer<'s> {
     }
 
     /// The instances of a crowd as they stand in the file, or made anew if no crowd of the file that is still `unwritten` is this one.
-    fn crowd(&self, shape: &ShapeDescription, places: &[Affine3A], unwritten: &mut Vec<&Crowd>) -> Vec<Child> {
+    fn crowd(&self, shape: &ShapeDescription, places: &[Affine3], unwritten: &mut Vec<&Crowd>) -> Vec<Child> {
         let Some(group) = shape.instance_of else {
             return Vec::new();
         };
         let id = self.scene.groups[group].identity.id.as_deref();
-        let is_this = |crowd: &&Crowd| id == Some(crowd.group.as_str()) && *places == *crowd.places;
+        let is_this = |crowd: &&Crowd| id == Some(crowd.group.as_str()) && places == crowd.places.as_slice();
         if let Some(index) = unwritten.iter().position(is_this)
             && let Some(origin) = &self.scene.remains.origin
         {
             return unwritten.remove(index).children(&origin.diagnostics);
         }
-        let instance = |place: &Affine3A| {
-            let current = objects::shape(&shape.shape, place, None, self.folder);
+        let instance = |&place: &Affine3| {
+            let current = objects::shape(&shape.shape, &place.into(), None, self.folder);
             let group = id.map(reference).into_iter().collect();
             Draft::new(None, current).set_nested(Category::Shape, group).into()
         };
