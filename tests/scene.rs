@@ -1,6 +1,6 @@
 //! Scene files as descriptions and as entities: what is read, what is warned of, what is written back.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use bevy::math::Affine3A;
@@ -10,6 +10,11 @@ use sunroom::scene::description::DeclarationPlace;
 use sunroom::scene::read::read;
 use sunroom::scene::write::{gather, save_description, to_document};
 use sunroom::scene::*;
+
+#[path = "support/meaning.rs"]
+mod meaning;
+
+use meaning::meaning;
 
 fn describe_at(text: &str, path: &Path) -> (SceneDescription, Diagnostics) {
     let mut document = document::parse_str(text, path, &[]);
@@ -44,33 +49,6 @@ fn complaints(body: &str) -> Vec<String> {
 
 fn material(body: &str) -> Material {
     clean(body).materials[0].material.clone()
-}
-
-/// Without what the file looked like: two files that mean the same are equal.
-fn meaning(scene: &SceneDescription) -> SceneDescription {
-    let mut scene = scene.clone();
-    scene.remains = AuthoredScene::default();
-    scene.sources.clear();
-    scene.picture_places.clear();
-    scene.path = PathBuf::new();
-    let sensors = scene.sensors.iter_mut().map(|item| &mut item.identity);
-    let materials = scene.materials.iter_mut().map(|item| &mut item.identity);
-    let shapes = scene.shapes.iter_mut().map(|item| &mut item.identity);
-    let emitters = scene.emitters.iter_mut().map(|item| &mut item.identity);
-    let groups = scene.groups.iter_mut().map(|item| &mut item.identity);
-    let mut all: Vec<_> = sensors
-        .chain(materials)
-        .chain(shapes)
-        .chain(emitters)
-        .chain(groups)
-        .collect();
-    all.sort_by_key(|identity| identity.order);
-    for (rank, identity) in (0..).zip(all) {
-        identity.order = rank;
-        identity.span = Default::default();
-        identity.authored = None;
-    }
-    scene
 }
 
 #[test]

@@ -13,7 +13,7 @@ use super::selection::Selection;
 use crate::scene::insert::{free_name, names};
 use crate::scene::{
     AccelMethod, ActiveSensor, Authored, DocumentOrder, FreeView, IntegratorSettings, ObjectChange, ObjectState,
-    Placements, SamplerSettings, SceneId, Side,
+    Placements, SamplerSettings, SceneId, Side, ToWorld,
 };
 
 /// Older entries are forgotten above this number of steps.
@@ -319,6 +319,18 @@ impl<'w> Edit<'w> {
     fn note(&mut self, entity: Entity, before: ObjectState) {
         self.places.entry(entity).or_insert(self.before.len());
         self.before.push((entity, before));
+    }
+
+    /// An error if something stands so that no file could say it.
+    pub fn check_poses(&self) -> Result<(), String> {
+        let mut poses = self
+            .before
+            .iter()
+            .filter_map(|(entity, _)| self.world.get::<ToWorld>(*entity));
+        match poses.all(ToWorld::is_invertible) {
+            true => Ok(()),
+            false => Err("Nothing can be so far away, so large, so small or so flat.".to_owned()),
+        }
     }
 
     /// Writes a component if it differs; what is not in the scene stays out of it.

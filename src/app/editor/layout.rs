@@ -2,7 +2,7 @@
 
 use bevy::prelude::Resource;
 use bevy_egui::egui::{Pos2, Rect, Vec2, vec2};
-use egui_dock::{DockState, Node, NodeIndex, Split, Surface};
+use egui_dock::{DockState, Node, NodeIndex, NodePath, Split, Surface, SurfaceIndex, Tree};
 use serde::{Deserialize, Serialize};
 
 use super::panel_sizes::WantedSizes;
@@ -140,11 +140,25 @@ impl Layout {
 
     /// None if it is of no layout, or of one that cannot be shown.
     pub fn from_json(value: &serde_json::Value) -> Option<Self> {
-        let layout = Self(DockState::deserialize(value).ok()?, WantedSizes::default());
-        layout.is_sound().then_some(layout)
+        let mut layout = Self(DockState::deserialize(value).ok()?, WantedSizes::default());
+        layout.drop_unsound_focus();
+        // Numbers beyond single precision become infinite, which cannot be written again.
+        let can_be_kept = || DockState::<Panel>::deserialize(layout.to_json()).is_ok();
+        (layout.is_sound() && can_be_kept()).then_some(layout)
     }
 
-    /// Each panel is there at most once, the viewport is docked, and every split has two sides.
+    /// The focus may be on what is not there. That of the window as a whole is of no use in another run.
+    fn drop_unsound_focus(&mut self) {
+        const NOWHERE: NodeIndex = NodeIndex(usize::MAX);
+        for tree in self.0.iter_surfaces_mut().filter_map(Surface::node_tree_mut) {
+            tree.set_focused_node(tree.focused_leaf().unwrap_or(NOWHERE));
+        }
+        let surface = SurfaceIndex(usize::MAX);
+        self.0.set_focused_node_and_surface(NodePath { surface, node: NOWHERE });
+    }
+
+    /// Each panel is there at most once, the viewport is docked, every split has two sides and all else hangs on a split, and no surface is
+    /// without panels.
     fn is_sound(&self) -> bool {
         let mut surfaces = self.0.iter_surfaces();
         let is_main = matches!(surfaces.next(), Some(Surface::Main(_)));
@@ -152,8 +166,12 @@ impl Layout {
         let panels: Vec<Panel> = self.0.iter_all_tabs().map(|(_, panel)| *panel).collect();
         let is_once = |panel: &Panel| panels.iter().filter(|other| *other == panel).count() == 1;
         let trees = self.0.iter_surfaces().filter_map(Surface::node_tree);
+        let has_panels = |tree: &Tree<Panel>| tree.iter().any(Node::is_leaf);
         let splits = |nodes: &[&Node<Panel>]| {
+            let is_child = |place: usize| place == 0 || nodes[(place - 1) / 2].is_parent();
             nodes.iter().enumerate().all(|(place, node)| match node {
+                Node::Empty => true,
+                _ if !is_child(place) => false,
                 Node::Horizontal(split) | Node::Vertical(split) => {
                     let sides = [2 * place + 1, 2 * place + 2];
                     let has_both = sides
@@ -162,14 +180,15 @@ impl Layout {
                     has_both && (0.0..=1.0).contains(&split.fraction)
                 }
                 Node::Leaf(leaf) => leaf.active.0 < leaf.tabs.len(),
-                Node::Empty => true,
             })
         };
         is_main
             && others_float
             && panels.iter().all(is_once)
             && self.0.find_main_surface_tab(&Panel::Viewport).is_some()
-            && trees.into_iter().all(|tree| splits(&tree.iter().collect::<Vec<_>>()))
+            && trees
+                .into_iter()
+                .all(|tree| has_panels(tree) && splits(&tree.iter().collect::<Vec<_>>()))
     }
 }
 
@@ -224,6 +243,8 @@ mod tests {
         assert!(with("\"viewport\"]", "\"render\"]").is_none());
         assert!(with("\"fraction\":0.", "\"fraction\":7.").is_none());
         assert!(with("\"Horizontal\"", "\"Vertical\"").is_some());
+        let focus_on_nothing = with("\"focused_surface\":null", "\"focused_surface\":9");
+        assert_eq!(focus_on_nothing.and_then(|layout| layout.0.focused_leaf()), None);
         assert!(Layout::from_json(&serde_json::Value::Null).is_none());
     }
 }

@@ -10,7 +10,7 @@ use super::textures::{PictureSearch, read_texture};
 use crate::color::Rgb;
 use crate::document::spectrum::Role;
 use crate::document::{Category, Reader, Severity, TransformOp};
-use crate::scene::{Parameter, Texture};
+use crate::scene::{Parameter, Texture, ToWorld};
 
 /// Reads one kind of parameter. None where the file does not give it or what it gives is unusable; the latter has been reported.
 pub trait Parameters {
@@ -118,7 +118,7 @@ impl Parameters for Reader<'_, '_> {
             return Some(Affine3A::IDENTITY);
         };
         let map = TransformOp::compose(&steps);
-        if is_invertible(&map) {
+        if ToWorld(map).is_invertible() {
             return Some(map);
         }
         let owner = self.object().title();
@@ -144,18 +144,6 @@ pub fn report_left_out(reader: &mut Reader, is_known_elsewhere: bool, help: Opti
 
 fn is_negative(given: &Parameter<Rgb>) -> bool {
     matches!(given, Parameter::Constant(color) if color.min_element() < 0.0)
-}
-
-/// Whether the three axes still span a space, whatever their lengths. They do if the volume of the box along their directions is well
-/// above the rounding of single precision.
-fn is_invertible(map: &Affine3A) -> bool {
-    const LEAST_VOLUME: f32 = 1e-6;
-    let axes =
-        [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis].map(|axis| Vec3::from(axis).try_normalize());
-    let [Some(x), Some(y), Some(z)] = axes else {
-        return false;
-    };
-    map.is_finite() && map.inverse().is_finite() && x.cross(y).dot(z).abs() > LEAST_VOLUME
 }
 
 /// A frame whose +z is `direction` (not zero); which way its other axes turn does not matter, but is always the same.

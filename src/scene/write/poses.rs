@@ -63,8 +63,6 @@ pub fn as_steps(map: &Affine3A) -> Vec<TransformOp> {
         .to_cols_array()
         .iter()
         .fold(0.0f32, |most, element| most.max(element.abs()));
-    let is_same =
-        |steps: &[TransformOp], tolerance: f32| TransformOp::compose(steps).abs_diff_eq(*map, tolerance * largest);
     let short: Vec<TransformOp> = steps.iter().map(shortened).collect();
     let shorter = TransformOp::compose(&short);
     let linear = map
@@ -72,12 +70,16 @@ pub fn as_steps(map: &Affine3A) -> Vec<TransformOp> {
         .to_cols_array()
         .iter()
         .fold(0.0f32, |most, part| most.max(part.abs()));
+    let made = TransformOp::compose(&steps);
+    // What is small must not drown in how far away it is.
+    let is_same =
+        made.matrix3.abs_diff_eq(map.matrix3, RECOMPOSED * linear) && made.abs_diff_eq(*map, RECOMPOSED * largest);
     let moved = Vec3::from(shorter.translation - map.translation).abs();
     let is_short_enough = shorter.matrix3.abs_diff_eq(map.matrix3, SHORTENED * linear)
         && moved.cmple(SHORTENED * Vec3::from(map.translation).abs()).all();
     if is_short_enough {
         short
-    } else if is_same(&steps, RECOMPOSED) {
+    } else if is_same {
         steps
     } else {
         vec![TransformOp::Matrix(Mat4::from(*map))]
@@ -128,6 +130,9 @@ mod tests {
         assert!(as_steps(&Affine3A::IDENTITY).is_empty());
         let shear = Affine3A::from_mat3(Mat3::from_cols(Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Z));
         assert_eq!(as_steps(&shear), [TransformOp::Matrix(Mat4::from(shear))]);
+        // Also of something small that is far away.
+        let small = Affine3A::from_translation(Vec3::splat(100.0)) * shear * Affine3A::from_scale(Vec3::splat(1e-4));
+        assert_eq!(as_steps(&small), [TransformOp::Matrix(Mat4::from(small))]);
     }
 
     #[test]

@@ -116,7 +116,7 @@ fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), String>
     let verb = verb(world, &command);
     let interaction = world.resource::<EditorState>().interaction;
     let mut edit = Edit::begin(world);
-    match edits::apply(&mut edit, command) {
+    match edits::apply(&mut edit, command).and_then(|()| edit.check_poses()) {
         Ok(()) => {
             let title = edit.titled(verb, &targets);
             keep_what_is_there(edit.world);
