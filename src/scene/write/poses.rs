@@ -86,15 +86,16 @@ pub fn as_steps(map: &Affine3A) -> Vec<TransformOp> {
     }
 }
 
-/// A camera's pose as people write it; None if there is scale, shear or a mirror in it.
+/// A camera's pose as people write it; None if there is scale, shear or a mirror in it, or no target that single precision can hold.
 pub fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
     let rotation = Mat3::from(map.matrix3);
     let is_rigid = (rotation.transpose() * rotation).abs_diff_eq(Mat3::IDENTITY, 1e-4) && rotation.determinant() > 0.0;
     let origin = Vec3::from(map.translation);
     // Far enough that the direction does not drown in the rounding of the place.
-    let distance = origin.length().max(1.0);
-    is_rigid.then(|| {
-        let (target, up) = (origin + distance * rotation.z_axis, rotation.y_axis);
+    let distance = (origin.as_dvec3().length() as f32).max(1.0);
+    let target = origin + distance * rotation.z_axis;
+    (is_rigid && target.is_finite()).then(|| {
+        let up = rotation.y_axis;
         let plain = TransformOp::LookAt {
             origin: short(origin),
             target: short(target),
@@ -128,6 +129,10 @@ mod tests {
             assert!(TransformOp::compose(&steps).abs_diff_eq(map, 1e-3));
         }
         assert!(as_steps(&Affine3A::IDENTITY).is_empty());
+        // The square of the distance is beyond single precision, and then the target is as well.
+        let far = |x: f32| as_look_at(&Affine3A::from_translation(Vec3::X * x));
+        assert!(far(2e19).is_some_and(|look| look.affine().is_finite()));
+        assert!(far(f32::MAX).is_none_or(|look| look.affine().is_finite()));
         let shear = Affine3A::from_mat3(Mat3::from_cols(Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Z));
         assert_eq!(as_steps(&shear), [TransformOp::Matrix(Mat4::from(shear))]);
         // Also of something small that is far away.
