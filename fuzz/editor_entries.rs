@@ -379,7 +379,7 @@ pub fn views(bytes: &[u8]) {
     assert_eq!(views_after(folder.path(), |_| {}), stored);
 }
 
-/// Those of `/x.xml`, opened and acted on with the folder of settings at `home`.
+/// The stored views of the scene `/x.xml` after `act`, with the folder of settings at `home`.
 fn views_after(home: &Path, act: impl FnOnce(&mut World)) -> sunroom::app::editor::stored_views::StoredViews {
     let mut world = world();
     spawn_fresh(&mut world, &Arc::new(SceneDescription::empty()));

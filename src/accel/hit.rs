@@ -16,10 +16,10 @@ pub struct Hit {
     pub member: u32,
     /// The mesh's triangle; zero for other shapes.
     pub primitive: u32,
-    /// As in [`crate::geometry::local::LocalHit`].
+    /// `u` and `v` have the meaning that [`crate::geometry::local::LocalHit`] gives them.
     pub u: f32,
     pub v: f32,
-    /// Of a mesh's triangle as in [`MeshHit`], else [`Hit::NO_SLOT`].
+    /// The slot of a mesh's triangle, see [`MeshHit::slot`]; [`Hit::NO_SLOT`] for other shapes.
     pub(super) slot: u32,
 }
 

@@ -170,7 +170,7 @@ impl Tlas {
         self.instances.len() + self.placements.len() + self.packets.len()
     }
 
-    /// Of one of the hierarchy's items; empty for what is in a packet.
+    /// The world bounds of an item of the hierarchy. An instance that is in a packet has empty bounds.
     fn item_bounds(&self, number: usize, in_packet: &[bool]) -> Aabb {
         match self.item(number as u32) {
             Item::Shape(_) if in_packet[number] => Aabb::EMPTY,

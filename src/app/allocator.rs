@@ -1,4 +1,4 @@
-//! How the C library of Linux gives memory back to the system. The one place that has a say in it.
+//! How the C library of Linux gives memory back to the system. No other module sets it.
 #![allow(unsafe_code)]
 
 /// Larger pieces of memory go back to the system when they are freed, in bytes.

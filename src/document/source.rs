@@ -29,7 +29,7 @@ pub fn read_text(path: &Path) -> Result<String, SourceError> {
     read_text_within(path, &Access::everywhere())
 }
 
-/// As [`read_text`], for a file that a scene names.
+/// Reads a file that a scene names, as [`read_text`] does, if `access` permits it.
 pub fn read_text_within(path: &Path, access: &Access) -> Result<String, SourceError> {
     let bytes = access
         .read(path, MAX_FILE_BYTES)

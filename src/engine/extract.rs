@@ -66,7 +66,7 @@ pub(super) struct Extracted {
     layers: LightGroups,
     environments: Environments,
     errors: Errors,
-    /// Of the view.
+    /// The name of the sensor that the view is from.
     sensor_name: String,
 }
 
@@ -79,7 +79,7 @@ struct Errors {
     surfaces: Vec<String>,
     emitters: Vec<String>,
     view: Vec<String>,
-    /// Of the view and the geometry together.
+    /// Messages about clip planes, which depend on the view and on the geometry.
     clipping: Vec<String>,
 }
 

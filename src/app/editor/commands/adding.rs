@@ -352,7 +352,7 @@ pub fn paste(edit: &mut Edit, text: &str) -> Result<(), String> {
     } else {
         format!("<scene version=\"3.0.0\">{text}</scene>")
     };
-    // Whoever copies a text need not know which files it names.
+    // A text from elsewhere may name files that its reader does not know.
     let access = edit.world.get_resource::<SceneAccess>().map(SceneAccess::get);
     let mut document = parse_within(&*text, Path::new(CLIPBOARD), &[], access.unwrap_or_default());
     let scene = read::read(&mut document);
