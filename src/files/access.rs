@@ -1,4 +1,5 @@
-//! Which folders the files of a scene may lie in: every folder, or for an untrusted scene only its own and those that the user has allowed.
+//! The folders that a scene may read files from. A trusted scene may read every folder; an untrusted one reads only its own folder and the
+//! folders that the user has allowed.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -42,8 +43,8 @@ impl Access {
         }
     }
 
-    /// Whether messages may show text of a file. Not of one outside the scene's folder: whoever sends a message on need not know what a scene
-    /// names.
+    /// Whether messages may show text of a file. Text of a file outside the scene's folder is not shown: messages are passed on, and a scene may
+    /// name a private file.
     pub fn may_quote(&self, path: &Path) -> bool {
         let Some(own) = &self.own else {
             return true;
@@ -90,7 +91,7 @@ impl Access {
         found
     }
 
-    /// As [`Self::permits`], but nothing is remembered.
+    /// Gives the answer of [`Self::permits`], and remembers nothing.
     pub fn covers(&self, path: &Path) -> bool {
         let Some(folders) = &self.folders else {
             return true;
@@ -104,17 +105,17 @@ impl Access {
         refused.iter().cloned().collect()
     }
 
-    /// As [`reading::check`].
+    /// Does what [`reading::check`] does, if the file is permitted.
     pub fn check(&self, path: &Path, limit: u64) -> Result<(), FileError> {
         reading::check(self.permitted(path)?, limit)
     }
 
-    /// As [`reading::open`].
+    /// Opens a permitted file, as [`reading::open`] does.
     pub fn open(&self, path: &Path, limit: u64) -> Result<File, FileError> {
         reading::open(self.permitted(path)?, limit)
     }
 
-    /// As [`reading::read`].
+    /// Reads a permitted file, as [`reading::read`] does.
     pub fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
         reading::read(self.permitted(path)?, limit)
     }

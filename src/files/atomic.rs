@@ -194,7 +194,7 @@ mod tests {
         }
     }
 
-    /// As root a rename would put a file in the place of the device.
+    /// Root is allowed to replace a device by renaming a file; the writer must refuse before that.
     #[cfg(unix)]
     #[test]
     fn devices_stay_devices() {

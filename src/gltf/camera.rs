@@ -12,7 +12,7 @@ use crate::document::{Category, Object, TransformOp, Value};
 /// Rows of a picture whose camera says nothing of pixels, and its shape if it says nothing of that.
 const ROWS: f32 = 720.0;
 const ASPECT: f32 = 16.0 / 9.0;
-/// Of a camera that sees to infinity, in multiples of its nearest distance.
+/// The far plane of a camera that sees to infinity, in multiples of the distance of its near plane.
 const FARTHEST: f32 = 1e7;
 const SAMPLES: i64 = 64;
 /// Where the camera stands if the file has none, seen from the middle of things.

@@ -51,7 +51,7 @@ pub fn sample_constant(normal: Vec3Lanes, u: [Lanes; 2]) -> (Vec3Lanes, Lanes) {
 }
 
 impl SoleRectangle {
-    /// As [`super::LightTable::sample`] from the positions `reference`.
+    /// Samples directions to the light from the positions `reference`, as [`super::LightTable::sample`] does for one position.
     #[inline(always)]
     pub fn sample(&self, reference: Vec3Lanes, u: [Lanes; 2]) -> RectangleLightSampleLanes {
         let zero = Lanes::ZERO;
