@@ -11,30 +11,30 @@ use bevy::math::{Affine3A, Vec3A};
 use bevy::prelude::{Entity, With, World};
 use bevy_egui::egui::{self, pos2, vec2};
 use egui_dock::{DockArea, TabViewer};
+use sunroom::app::editor::automation::monkey::Snapshot;
+use sunroom::app::editor::automation::script::parse::{self, Step};
+use sunroom::app::editor::command::gizmo_settings::{DEGREES, FACTORS, LENGTHS};
+use sunroom::app::editor::command::panel::Panel;
+use sunroom::app::editor::command::preferences::{
+    LONGEST_AUTOSAVE, MOVING_SCALES, Preferences, SPEED_RANGE, UI_SCALES,
+};
 use sunroom::app::editor::command::{Command, Effect};
 use sunroom::app::editor::commands::apply;
-use sunroom::app::editor::gizmo::{DEGREES, FACTORS, LENGTHS};
-use sunroom::app::editor::history::History;
-use sunroom::app::editor::layout::{Layout, Panel};
-use sunroom::app::editor::light_mix::{FilmLights, LightMix};
-use sunroom::app::editor::monkey::Snapshot;
-use sunroom::app::editor::navigation::SPEED_RANGE;
-use sunroom::app::editor::preferences::{LONGEST_AUTOSAVE, MOVING_SCALES, Preferences, PreferencesFile, UI_SCALES};
-use sunroom::app::editor::recovery::{self, Recovery, discard, recover};
-use sunroom::app::editor::script::parse::{self, Step};
-use sunroom::app::editor::selection::Selection;
-use sunroom::app::editor::state::{CommandQueue, EditorState};
-use sunroom::app::editor::stored_views::{ViewsFile, follow_views};
-use sunroom::app::editor::trust::TrustedFolders;
+use sunroom::app::editor::commands::bare_world::bare_world;
+use sunroom::app::editor::session::history::History;
+use sunroom::app::editor::session::layout::Layout;
+use sunroom::app::editor::session::preferences::PreferencesFile;
+use sunroom::app::editor::session::recovery::{self, Recovery, discard, recover};
+use sunroom::app::editor::session::requests::Requests;
+use sunroom::app::editor::session::stored_views::{ViewsFile, follow_views};
+use sunroom::app::editor::session::trust::TrustedFolders;
+use sunroom::app::editor::session::view_settings::ViewSettings;
 use sunroom::document::{self, Diagnostics, WriteError};
-use sunroom::engine::{CurrentScene, RenderControl, RenderFilm};
 use sunroom::scene::read::read;
 use sunroom::scene::spawn::spawn_fresh;
 use sunroom::scene::write::gather::describe;
-use sunroom::scene::write::{KnownTexts, SaveError, save, save_description, to_document};
-use sunroom::scene::{
-    ActiveSensor, FreeView, OpenScene, SceneDescription, SceneFile, SceneState, SceneStatus, Shape, ToWorld, Trust,
-};
+use sunroom::scene::write::{SaveError, save, save_description, to_document};
+use sunroom::scene::{FreeView, OpenScene, SceneDescription, SceneState, SceneStatus, Shape, ToWorld, Trust};
 use tempfile::{TempDir, tempdir};
 
 use crate::meaning::meaning;
@@ -63,28 +63,6 @@ const BEGINNING: &str = r#"<scene version="3.0.0">
   <emitter type="point" id="bulb"/>
 </scene>"#;
 
-/// A world that has what edits need, and nothing that draws.
-fn world() -> World {
-    let mut world = World::new();
-    world.init_resource::<EditorState>();
-    world.init_resource::<CommandQueue>();
-    world.init_resource::<RenderControl>();
-    world.init_resource::<CurrentScene>();
-    world.init_resource::<ActiveSensor>();
-    world.init_resource::<FreeView>();
-    world.init_resource::<Selection>();
-    world.init_resource::<History>();
-    world.init_resource::<SceneStatus>();
-    world.init_resource::<SceneFile>();
-    world.init_resource::<KnownTexts>();
-    world.init_resource::<Trust>();
-    world.init_resource::<Messages<OpenScene>>();
-    world.init_resource::<LightMix>();
-    world.init_resource::<FilmLights>();
-    world.init_resource::<RenderFilm>();
-    world
-}
-
 /// The scene of a text, and what there is to say about it.
 fn scene_of(text: &str, path: &Path) -> (SceneDescription, Diagnostics) {
     let mut document = document::parse_str(text, path, &[]);
@@ -101,11 +79,11 @@ pub fn scripts(bytes: &[u8]) {
         Arc::new(scene)
     });
     let text = String::from_utf8_lossy(bytes);
-    let mut world = world();
+    let mut world = bare_world();
     spawn_fresh(&mut world, &SCENE);
     let before = Snapshot::of(&mut world);
     for line in text.lines() {
-        world.resource_mut::<EditorState>().interaction += 1;
+        world.resource_mut::<Requests>().interaction += 1;
         if let Ok(Some(Step::Do(command))) = parse::line(&mut world, line)
             && is_of_the_scene(&command)
         {
@@ -142,7 +120,7 @@ fn is_of_the_scene(command: &Command) -> bool {
 }
 
 /// A scene file that is opened, written aside as for recovery, saved over itself, edited and saved again: what is read again is what was
-/// written, and what nobody edited stays to the byte.
+/// written, and unedited parts stay the same to the byte.
 pub fn scenes(bytes: &[u8]) {
     let folder = tempdir().expect("a temporary folder");
     let path = folder.path().join("main.xml");
@@ -150,7 +128,7 @@ pub fn scenes(bytes: &[u8]) {
     let Some((scene, is_native)) = opened(&path) else {
         return;
     };
-    let mut world = world();
+    let mut world = bare_world();
     world.resource_mut::<SceneStatus>().path = Some(path.clone());
     spawn_fresh(&mut world, &Arc::new(scene.clone()));
     let described = describe(&mut world);
@@ -250,7 +228,7 @@ pub fn preferences(bytes: &[u8]) {
             assert!(SPEED_RANGE.contains(&known.speed) && known.autosave_seconds <= LONGEST_AUTOSAVE);
             assert!(DEGREES.contains(&known.steps.degrees) && FACTORS.contains(&known.steps.factor));
             assert!(known.steps.length.as_ref().is_none_or(is_kept));
-            show(known.layout());
+            show(Layout::remembered(&known));
         }
         Some(_) => {
             assert_eq!(known, Preferences::default());
@@ -333,7 +311,7 @@ pub fn recovery_notes(bytes: &[u8]) {
     fs::create_dir_all(&folder).expect("a temporary folder");
     fs::write(folder.join("about.json"), bytes).expect("a temporary folder");
     fs::write(&copy, "<scene version='3.0.0'/>").expect("a temporary folder");
-    let mut world = world();
+    let mut world = bare_world();
     world.insert_resource(Recovery::new(Some(home.path())));
     let follow = world.register_system(recovery::follow_scene);
     world.run_system(follow).expect("all resources are there");
@@ -380,8 +358,8 @@ pub fn views(bytes: &[u8]) {
 }
 
 /// The stored views of the scene `/x.xml` after `act`, with the folder of settings at `home`.
-fn views_after(home: &Path, act: impl FnOnce(&mut World)) -> sunroom::app::editor::stored_views::StoredViews {
-    let mut world = world();
+fn views_after(home: &Path, act: impl FnOnce(&mut World)) -> sunroom::app::editor::command::stored_view::StoredViews {
+    let mut world = bare_world();
     spawn_fresh(&mut world, &Arc::new(SceneDescription::empty()));
     world.insert_resource(ViewsFile::new(Some(home)));
     world.insert_resource(SceneStatus {
@@ -395,7 +373,7 @@ fn views_after(home: &Path, act: impl FnOnce(&mut World)) -> sunroom::app::edito
     world.run_system(follow).expect("all resources are there");
     act(&mut world);
     world.run_system(follow).expect("all resources are there");
-    world.resource::<EditorState>().bookmarks
+    world.resource::<ViewSettings>().bookmarks
 }
 
 /// The file of folders that scenes may read: each is named in full.

@@ -69,7 +69,7 @@ pub fn xml(bytes: &[u8]) {
     let diagnostics = &document.diagnostics;
     // Layouting many messages would take most of the time.
     if diagnostics.list.len() <= 3 {
-        diagnostics.render(false, 80);
+        diagnostics.render(false);
         let _ = diagnostics.to_string();
     }
     if diagnostics.has_errors() {

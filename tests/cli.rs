@@ -252,7 +252,18 @@ fn warnings_are_errors_when_strict() {
         "{}",
         stderr(&strict)
     );
-    assert_code(&render(&scene, &shop.path("a.png"), &["--strict"]), 1);
+    let rendered = render(&scene, &shop.path("a.png"), &["--strict"]);
+    let mut command = sunroom();
+    command
+        .arg("convert")
+        .arg("--strict")
+        .arg(&scene)
+        .arg(shop.path("copy.xml"));
+    for output in [rendered, command.output().expect("starts")] {
+        assert_code(&output, 1);
+        let said = stderr(&output);
+        assert!(said.ends_with("scene.xml: refused for its warnings\n"), "{said}");
+    }
     assert_code(&render(&scene, &shop.path("a.png"), &[]), 0);
 }
 
@@ -297,17 +308,80 @@ fn a_far_clip_plane_before_the_scene_is_a_warning() {
     for output in [checked, rendered] {
         assert_code(&output, 0);
         let said = stderr(&output);
-        assert!(said.contains("the far clip plane leaves the whole scene out"), "{said}");
+        assert_eq!(
+            said.matches("the far clip plane leaves the whole scene out").count(),
+            1,
+            "{said}"
+        );
+    }
+}
+
+/// `check` and `render` agree on what `--strict` refuses, also where only the engine sees it.
+#[test]
+fn what_the_engine_leaves_out_is_a_fault_where_warnings_are() {
+    let shop = Workshop::new();
+    let sensor = "<sensor type=\"perspective\">";
+    let clipped = SCENE.replace(sensor, &format!("{sensor}<float name=\"far_clip\" value=\"0.2\"/>"));
+    let two_sensors = clipped.replace(
+        "</scene>",
+        "<sensor type=\"perspective\" id=\"other\"><transform name=\"to_world\">
+        <lookat origin=\"0, 2, 0\" target=\"0, 0, 0\" up=\"0, 0, 1\"/></transform></sensor></scene>",
+    );
+    let flat = with(
+        "<shape type=\"cylinder\"><point name=\"p0\" value=\"1 1 1\"/><point name=\"p1\" value=\"1 1 1\"/></shape>",
+    );
+    let (scene, picture) = (shop.path("scene.xml"), shop.path("a.png"));
+    for (text, more, is_refused) in [
+        (&clipped, &[][..], true),
+        (&flat, &[], true),
+        (&two_sensors, &["--camera", "0"], true),
+        (&two_sensors, &["--camera", "other"], false),
+    ] {
+        shop.scene(text);
+        let arguments = [&["--spp", "1", "--size", "8x8", "-q"], more].concat();
+        let lenient = render(&scene, &picture, &arguments);
+        assert_code(&lenient, 0);
+        std::fs::remove_file(&picture).expect("it was written");
+        let strict = render(&scene, &picture, &[&arguments[..], &["--strict"]].concat());
+        assert_code(&strict, i32::from(is_refused));
+        let last = match is_refused {
+            true => format!("{}: refused for its warnings\n", scene.display()),
+            false => String::new(),
+        };
+        assert_eq!(stderr(&strict), stderr(&lenient) + &last, "{text}");
+        assert_eq!(
+            stderr(&strict).matches("warning: ").count(),
+            usize::from(is_refused),
+            "{}",
+            stderr(&strict)
+        );
+        assert_eq!(picture.exists(), !is_refused, "nothing is rendered");
+        if more.is_empty() {
+            let checked = sunroom()
+                .args(["check", "--strict"])
+                .arg(&scene)
+                .output()
+                .expect("starts");
+            assert_code(&checked, 1);
+            assert!(stderr(&checked).starts_with(&stderr(&strict)), "{}", stderr(&checked));
+        }
     }
 }
 
 #[test]
 fn a_misspelt_command_gets_a_suggestion() {
-    for (arguments, code, meant) in [(&["rendr", "scene.xml"][..], 2, "render"), (&["bnech"], 1, "bench")] {
+    let more = "did you mean `render`?";
+    for (arguments, help) in [
+        (&["rendr", "scene.xml"][..], more),
+        (&["rendr", "scene.xml", "-o", "a.png"], more),
+        (&["rendr"], more),
+        (&["frobnicate"], "the commands are edit, render, check, convert, bench"),
+    ] {
         let output = sunroom().args(arguments).output().expect("starts");
-        assert_code(&output, code);
-        let expected = format!("did you mean `{meant}`?");
-        assert!(stderr(&output).contains(&expected), "{}", stderr(&output));
+        assert_code(&output, 2);
+        let word = arguments[0];
+        let expected = format!("error: there is no command `{word}`, and no file of that name ({help})\n");
+        assert_eq!(stderr(&output), expected);
     }
 }
 
@@ -346,7 +420,7 @@ fn a_missing_mesh_is_named_with_its_place() {
 }
 
 #[test]
-fn a_broken_mesh_is_one_line_also_where_backtraces_are_wanted() {
+fn a_broken_mesh_is_one_message_also_where_backtraces_are_wanted() {
     let shop = Workshop::new();
     let mesh = r#"<shape type="ply"><string name="filename" value="broken.ply"/></shape></scene>"#;
     let scene = shop.scene(&SCENE.replace("</scene>", mesh));
@@ -358,7 +432,13 @@ fn a_broken_mesh_is_one_line_also_where_backtraces_are_wanted() {
         .expect("starts");
     assert_code(&output, 1);
     let text = stderr(&output);
-    assert!(text.contains("broken.ply") && text.lines().count() == 1, "{text}");
+    // The message, the line of the file in a frame, and the count of errors.
+    let lines: Vec<&str> = text.lines().collect();
+    assert!(
+        lines.len() == 6 && lines[0].contains("broken.ply: line 2: expected"),
+        "{text}"
+    );
+    assert!(lines[5].ends_with("scene.xml: 1 error"), "{text}");
 }
 
 #[test]
@@ -383,6 +463,22 @@ fn a_converted_scene_gives_the_same_picture() {
 }
 
 #[test]
+fn the_end_names_the_written_files_and_the_final_samples() {
+    let shop = Workshop::new();
+    let scene = shop.scene(SCENE);
+    let (exr, png) = (shop.path("a.exr"), shop.path("a.png"));
+    let also = png.to_str().expect("text");
+    let output = render(&scene, &exr, &["-o", also, "--spp", "7"]);
+    assert_code(&output, 0);
+    let said = stderr(&output);
+    let last: Vec<&str> = said.lines().rev().take(2).collect();
+    let expected = format!("the picture is in {}, {}", exr.display(), png.display());
+    assert_eq!(last[0], expected);
+    assert!(last[1].starts_with("100 %  7/7 spp"), "{said}");
+    assert_eq!(stderr(&render(&scene, &exr, &["-q", "--spp", "1"])), "");
+}
+
+#[test]
 fn a_time_limit_ends_the_render() {
     let shop = Workshop::new();
     let output = shop.path("a.exr");
@@ -397,10 +493,10 @@ fn a_time_limit_ends_the_render() {
 
 #[test]
 fn a_missing_file_opens_no_window() {
-    let output = sunroom().arg("frobnicate").output().expect("starts");
+    let output = sunroom().arg("absent.xml").output().expect("starts");
     assert_code(&output, 1);
     assert!(
-        stderr(&output).contains("frobnicate: there is no such file"),
+        stderr(&output).contains("absent.xml: there is no such file"),
         "{}",
         stderr(&output)
     );
@@ -540,11 +636,113 @@ fn a_damaged_picture_is_an_error_and_a_missing_one_a_warning() {
     std::fs::write(&floor, &bytes[..bytes.len() / 2]).expect("can be written");
     for output in [check(&[]), render(&scene, &picture, &["-q", "--spp", "1"])] {
         assert_code(&output, 1);
+        let said = stderr(&output);
+        let line = said.lines().find(|line| line.contains("p.png: the picture is damaged"));
+        assert!(line.is_some_and(|line| line.contains('×')), "{said}");
+        assert!(said.contains("scene.xml:17:"), "{said}");
+    }
+    let converted = sunroom()
+        .arg("convert")
+        .arg(&scene)
+        .arg(shop.path("b.xml"))
+        .output()
+        .expect("starts");
+    // One style, but that convert goes on.
+    let warning = stderr(&check(&[])).replace('×', "⚠");
+    assert_code(&converted, 0);
+    assert!(warning.contains(stderr(&converted).trim()), "{warning}");
+    // It is named also where there are more warnings than are kept.
+    let odd = "<bsdf type=\"odd\"/>\n".repeat(1100);
+    let text = std::fs::read_to_string(&scene).expect("can be read");
+    std::fs::write(&scene, text.replace("</scene>", &format!("{odd}</scene>"))).expect("can be written");
+    for output in [check(&[]), render(&scene, &picture, &["-q", "--spp", "1"])] {
+        assert_code(&output, 1);
+        let said = stderr(&output);
+        assert!(said.contains("p.png: the picture is damaged"), "{said}");
+        assert!(said.contains("1 error, 1100 warnings"), "{said}");
+    }
+}
+
+/// The decoder of JPEG files makes a picture of what there is.
+#[test]
+fn a_truncated_jpeg_is_an_error() {
+    let shop = Workshop::new();
+    let texture = "<texture type=\"bitmap\" name=\"reflectance\"><string name=\"filename\" value=\"p.jpg\"/></texture>";
+    let scene = shop.scene(&with(&format!(
+        "<shape type=\"sphere\"><bsdf type=\"diffuse\">{texture}</bsdf></shape>"
+    )));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image::RgbImage::from_fn(64, 64, |x, y| image::Rgb([4 * x as u8, 4 * y as u8, (x * y) as u8]))
+        .write_to(&mut bytes, image::ImageFormat::Jpeg)
+        .expect("can be written");
+    let bytes = bytes.into_inner();
+    let check = || {
+        sunroom()
+            .args(["check", "--strict"])
+            .arg(&scene)
+            .output()
+            .expect("starts")
+    };
+    for percent in [90, 50, 20] {
+        std::fs::write(shop.path("p.jpg"), &bytes[..bytes.len() * percent / 100]).expect("can be written");
+        let output = check();
+        assert_code(&output, 1);
         assert!(
-            stderr(&output).contains("error") && stderr(&output).contains("p.png"),
+            stderr(&output).contains("p.jpg: the picture is damaged"),
             "{}",
             stderr(&output)
         );
+    }
+    for rest in ["", "trailing bytes"] {
+        std::fs::write(shop.path("p.jpg"), [&bytes, rest.as_bytes()].concat()).expect("can be written");
+        assert_code(&check(), 0);
+    }
+}
+
+#[test]
+fn convert_warns_of_pictures_that_cannot_be_read() {
+    let shop = Workshop::new();
+    let texture = |name: &str| {
+        format!("<texture type=\"bitmap\" name=\"radiance\"><string name=\"filename\" value=\"{name}\"/></texture>")
+    };
+    let light = |name: &str| {
+        let texture = texture(name);
+        format!("<shape type=\"sphere\"><emitter type=\"area\">{texture}</emitter></shape>\n")
+    };
+    let names = ["missing.png", "cut.png", "dark.pfm", "good.pfm"];
+    let lights: String = names.map(light).concat();
+    let mesh = "<shape type=\"obj\"><string name=\"filename\" value=\"a.obj\"/></shape>";
+    let scene = shop.scene(&with(&format!("{lights}{mesh}")));
+    shop.write("cut.png", b"\x89PNG\r\n\x1a\n");
+    let pfm = |red: f32| [&b"PF\n1 1\n-1.0\n"[..], &red.to_le_bytes(), &[0; 8]].concat();
+    shop.write("dark.pfm", pfm(-1.0));
+    shop.write("good.pfm", pfm(1.0));
+    shop.write("a.obj", "mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    shop.write("a.mtl", "newmtl a\nmap_Kd lost.png\n");
+    let copy = shop.path("copy.xml");
+    let convert = |more: &[&str]| {
+        let mut command = sunroom();
+        command.arg("convert").arg(&scene).arg(&copy).args(more);
+        command.output().expect("starts")
+    };
+    let strict = convert(&["--strict"]);
+    assert_code(&strict, 1);
+    assert!(!copy.exists());
+    let lenient = convert(&[]);
+    assert_code(&lenient, 0);
+    assert!(copy.exists());
+    for output in [strict, lenient] {
+        let said = stderr(&output);
+        for expected in [
+            "missing.png: no such file",
+            "cut.png: the picture is damaged",
+            "dark.pfm: 1 pixel is negative",
+            "lost.png: no such file",
+            "scene.xml:17:",
+        ] {
+            assert!(said.contains(expected), "{expected}: {said}");
+        }
+        assert!(!said.contains("good.pfm"), "{said}");
     }
 }
 
@@ -569,7 +767,7 @@ fn negative_pixels_of_lights_are_counted_and_black() {
         let output = render(&scene, &shop.path("a.exr"), &["-q", "--spp", "4"]);
         assert_code(&output, 0);
         let said = stderr(&output);
-        assert!(said.contains("light.pfm: 1 pixels are negative"), "{said}");
+        assert!(said.contains("light.pfm: 1 pixel is negative"), "{said}");
         let least = image(&shop.path("a.exr"))
             .pixels
             .iter()
@@ -585,4 +783,54 @@ fn negative_pixels_of_lights_are_counted_and_black() {
         &render(&scene, &shop.path("a.exr"), &["-q", "--spp", "1", "--strict"]),
         0,
     );
+}
+
+/// The long options that stand in a text.
+fn options(text: &str) -> std::collections::BTreeSet<&str> {
+    let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '-');
+    words
+        .filter(|word| {
+            word.strip_prefix("--")
+                .is_some_and(|name| name.starts_with(char::is_alphabetic))
+        })
+        .collect()
+}
+
+#[test]
+fn the_page_about_the_command_line_has_the_options_of_the_program() {
+    let page = include_str!("../docs/command-line.md");
+    let mut help = String::new();
+    for command in ["", "edit", "render", "check", "convert", "bench", "bench rays"] {
+        let output = sunroom().args(command.split_whitespace()).arg("--help").output();
+        let output = output.expect("the program starts");
+        assert_code(&output, 0);
+        help += &String::from_utf8_lossy(&output.stdout);
+    }
+    // That of cargo, which starts the program.
+    let mut described = options(page);
+    assert!(described.remove("--release"), "{described:?}");
+    assert_eq!(described, options(&help));
+}
+
+#[test]
+fn the_page_about_the_format_has_every_bsdf_and_light_with_their_parameters() {
+    use sunroom::scene::encode::{lights, objects};
+    use sunroom::scene::{Emitter, Material};
+
+    let page = include_str!("../docs/scene-format.md");
+    let here = Path::new("/");
+    let materials = Material::PLUGINS.into_iter().filter_map(Material::of_plugin);
+    let materials = materials.map(|material| objects::material(&material, here));
+    let emitters = Emitter::PLUGINS.into_iter().filter_map(Emitter::of_plugin);
+    let emitters = emitters.map(|emitter| lights::emitter(&emitter, &glam::Affine3A::IDENTITY, here));
+    let mut count = 0;
+    for object in materials.chain(emitters) {
+        let parameters = object.properties.iter().map(|property| property.name.as_str());
+        for name in parameters.chain([object.plugin.as_str()]) {
+            assert!(page.contains(&format!("`{name}`")), "{}: {name}", object.title());
+            count += 1;
+        }
+    }
+    // Were nothing written, nothing would be looked for.
+    assert!(count > 80, "only {count} names");
 }

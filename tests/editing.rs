@@ -6,37 +6,20 @@ use std::path::Path;
 use std::sync::Arc;
 
 use bevy::prelude::*;
+use sunroom::app::editor::automation::monkey::edits::{PART, names, random_edit};
+use sunroom::app::editor::automation::monkey::random::Random;
+use sunroom::app::editor::automation::monkey::{Monkey, Snapshot, windowless};
+use sunroom::app::editor::automation::script::parse::{self, Step};
 use sunroom::app::editor::command::Command;
+use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::commands::apply;
-use sunroom::app::editor::history::History;
-use sunroom::app::editor::light_mix::{FilmLights, LightMix};
-use sunroom::app::editor::monkey::edits::{PART, names, random_edit};
-use sunroom::app::editor::monkey::random::Random;
-use sunroom::app::editor::monkey::{Length, Monkey, MonkeyOptions, Snapshot, windowless};
-use sunroom::app::editor::script::parse::{self, Step};
-use sunroom::app::editor::selection::Selection;
-use sunroom::app::editor::state::{CommandQueue, EditorState};
-use sunroom::engine::{CurrentScene, LightGroup, RenderControl, RenderFilm};
+use sunroom::app::editor::commands::bare_world::bare_world;
+use sunroom::app::editor::session::history::History;
+use sunroom::app::editor::session::options::{Length, MonkeyOptions};
+use sunroom::app::editor::session::requests::Requests;
+use sunroom::engine::{LightGroup, RenderFilm};
 use sunroom::scene::write::{self, gather};
 use sunroom::scene::*;
-
-/// A world that has what edits need, and nothing that draws.
-fn world() -> World {
-    let mut world = World::new();
-    world.init_resource::<EditorState>();
-    world.init_resource::<CommandQueue>();
-    world.init_resource::<RenderControl>();
-    world.init_resource::<CurrentScene>();
-    world.init_resource::<ActiveSensor>();
-    world.init_resource::<FreeView>();
-    world.init_resource::<Selection>();
-    world.init_resource::<History>();
-    world.init_resource::<SceneStatus>();
-    world.init_resource::<LightMix>();
-    world.init_resource::<FilmLights>();
-    world.init_resource::<RenderFilm>();
-    world
-}
 
 /// As the engine has them: every light in a layer of its own.
 fn keep_lights_apart(world: &mut World) {
@@ -79,7 +62,7 @@ fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("part.xml");
     std::fs::write(&file, PART).expect("a file");
-    let mut world = world();
+    let mut world = bare_world();
     let mut random = Random::new(0x5eed_1234_9abc_def1);
     // What a replay would have to do, and what could be done again, each a step of the history.
     let (mut done, mut undone): (Vec<Vec<String>>, Vec<Vec<String>>) = (Vec::new(), Vec::new());
@@ -98,7 +81,7 @@ fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
                 let Some(step) = random_edit(&mut world, &mut random, &file) else {
                     continue;
                 };
-                world.resource_mut::<EditorState>().interaction += 1;
+                world.resource_mut::<Requests>().interaction += 1;
                 let before = world.resource::<History>().last_step();
                 refused += usize::from(!say_all(&mut world, &step));
                 // What changes nothing is no step.
@@ -116,9 +99,9 @@ fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
     }
     let edited = state(&mut world);
 
-    let mut replayed = self::world();
+    let mut replayed = bare_world();
     for step in &done {
-        replayed.resource_mut::<EditorState>().interaction += 1;
+        replayed.resource_mut::<Requests>().interaction += 1;
         say_all(&mut replayed, step);
     }
     assert_same(&state(&mut replayed), &edited);
@@ -139,7 +122,7 @@ fn random_edits_with_undo_and_redo_are_as_a_replay_without() {
 
 #[test]
 fn several_edits_of_one_drag_are_one_step() {
-    let mut world = world();
+    let mut world = bare_world();
     say(&mut world, "add sphere at=0,0,0");
     let steps = |world: &World| world.resource::<History>().len().0;
     let before = state(&mut world);
@@ -156,7 +139,7 @@ fn several_edits_of_one_drag_are_one_step() {
 
 #[test]
 fn the_history_knows_what_is_saved() {
-    let mut world = world();
+    let mut world = bare_world();
     let is_saved = |world: &World| world.resource::<History>().is_saved();
     assert!(is_saved(&world));
     say(&mut world, "add sphere at=0,0,0");
@@ -177,7 +160,7 @@ fn the_history_knows_what_is_saved() {
 
 #[test]
 fn lines_that_cannot_be_done_say_why() {
-    let mut world = world();
+    let mut world = bare_world();
     say(&mut world, "add sphere at=0,0,0 name=ball");
     say(&mut world, "material-of ball");
     let cases = [
@@ -211,7 +194,7 @@ fn lines_that_cannot_be_done_say_why() {
 
 #[test]
 fn hiding_is_undone_but_is_no_change_of_the_file() {
-    let mut world = world();
+    let mut world = bare_world();
     say(&mut world, "add sphere at=0,0,0");
     world.resource_mut::<History>().note_saved();
     say(&mut world, "hide-thing sphere");
@@ -223,7 +206,7 @@ fn hiding_is_undone_but_is_no_change_of_the_file() {
 
 #[test]
 fn what_was_deleted_does_not_come_back_by_a_late_command() {
-    let mut world = world();
+    let mut world = bare_world();
     say(&mut world, "add sphere at=0,0,0");
     let ball = world.resource::<Selection>().active().expect("the ball");
     say(&mut world, "delete");
@@ -245,7 +228,7 @@ fn what_was_deleted_does_not_come_back_by_a_late_command() {
 
 #[test]
 fn a_material_deleted_inside_another_leaves_one_in_its_place() {
-    let mut world = world();
+    let mut world = bare_world();
     say(
         &mut world,
         "paste <shape type=\"cube\"><bsdf type=\"twosided\"><bsdf type=\"conductor\" id=\"inner\"/></bsdf></shape>",
@@ -264,7 +247,7 @@ fn a_material_deleted_inside_another_leaves_one_in_its_place() {
 
 #[test]
 fn what_was_inside_of_a_material_goes_when_it_becomes_another() {
-    let mut world = world();
+    let mut world = bare_world();
     let paste =
         "paste <shape type=\"cube\"><bsdf type=\"twosided\" id=\"clay\"><bsdf type=\"diffuse\"/></bsdf></shape>";
     assert!(say(&mut world, paste));
@@ -294,7 +277,7 @@ fn a_saved_scene_without_a_camera_of_its_own_keeps_the_one_it_got() {
         let mut document = sunroom::document::load(&path, &[]).expect("a scene");
         sunroom::scene::read::read(&mut document)
     };
-    let mut world = world();
+    let mut world = bare_world();
     spawn::spawn_fresh(&mut world, &read().into());
     let camera = world.resource::<ActiveSensor>().0.expect("a stand-in");
     assert_eq!(write::save(&mut world, &path).expect("saved"), None);
@@ -319,7 +302,7 @@ fn after_a_save_the_file_and_the_things_still_belong_together() {
         let mut document = sunroom::document::load(&path, &[]).expect("a scene");
         sunroom::scene::read::read(&mut document)
     };
-    let mut world = world();
+    let mut world = bare_world();
     spawn::spawn_fresh(&mut world, &read().into());
     // The material written inside of a is nobody's any more, and is not written.
     say(&mut world, "assign metal a");
@@ -411,7 +394,7 @@ fn a_monkey_leaves_the_editor_whole_and_does_the_same_again() {
 
 /// A world with the scene of this file, as a window of its own has it.
 fn window_on(path: &Path) -> World {
-    let mut world = world();
+    let mut world = bare_world();
     spawn::spawn_fresh(&mut world, &Arc::new(read_scene(path)));
     world.resource_mut::<SceneStatus>().path = Some(path.to_owned());
     world
@@ -433,7 +416,7 @@ fn places(path: &Path) -> Vec<f32> {
 }
 
 fn is_asked(world: &World) -> bool {
-    world.resource::<EditorState>().save_question.is_some()
+    world.resource::<Requests>().save_question.is_some()
 }
 
 fn save(world: &mut World) {
@@ -516,7 +499,7 @@ fn what_both_windows_changed_is_asked_about() {
         save(&mut other);
         assert!(is_asked(&other) && !other.resource::<History>().is_saved());
         assert_eq!(places(&path), [1.0, 0.0], "nothing is written before it is answered");
-        other.resource_mut::<EditorState>().save_question = None;
+        other.resource_mut::<Requests>().save_question = None;
         other
     };
     for (words, expected) in [("merge", [1.0, 2.0]), ("overwrite", [5.0, 2.0])] {
@@ -618,7 +601,7 @@ fn a_file_that_was_broken_or_replaced_elsewhere_is_not_lost() {
         assert_eq!(text_of(&path), broken);
         assert!(say(&mut world, &format!("save-to {} merge", path.display())) && is_asked(&world));
         assert_eq!(text_of(&path), broken, "it cannot be merged");
-        world.resource_mut::<EditorState>().save_question = None;
+        world.resource_mut::<Requests>().save_question = None;
     }
     assert!(say(&mut world, &format!("save-to {} overwrite", path.display())));
     assert_eq!(places(&path), [1.0, 0.0]);
@@ -651,7 +634,7 @@ fn a_recovered_scene_does_not_overwrite_what_was_changed_since() {
     assert!(is_asked(&world));
     // It is taken back: nothing is in the way any more.
     std::fs::write(&path, TWO).expect("a file");
-    world.resource_mut::<EditorState>().save_question = None;
+    world.resource_mut::<Requests>().save_question = None;
     save(&mut world);
     assert!(!is_asked(&world));
     assert_eq!(places(&path), [1.0, 0.0]);
@@ -703,7 +686,7 @@ fn instances_that_come_back_after_a_save_are_written_again() {
 
 #[test]
 fn a_name_that_several_things_have_is_none() {
-    let mut world = world();
+    let mut world = bare_world();
     for order in 0..3 {
         let shape = ShapeKind::Sphere {
             center: Vec3::ZERO,

@@ -724,8 +724,8 @@ fn mirrored_lights_shine_to_the_side_that_they_shine_to_in_mitsuba() {
                 normal: None,
             };
             let chosen = (0..512u32).any(|index| {
-                let mut sampler = Sampler::new(SequenceKind::Sobol, UVec2::ZERO, index, 1);
-                let (u_choice, u) = (sampler.next_1d(), sampler.next_2d());
+                let sampler = Sampler::new(SequenceKind::Sobol, UVec2::ZERO, index, 1);
+                let (u_choice, u) = (sampler.at_1d(0), sampler.at_2d(1));
                 let sample = scene.lights.sample(&reference, u_choice, u);
                 sample.is_some_and(|(id, _)| id == light)
             });

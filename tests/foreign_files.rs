@@ -104,7 +104,6 @@ mod devices {
         let shop = Workshop::new();
         make_pipe(&shop.path("pipe"));
         std::os::unix::fs::symlink("/dev/zero", shop.path("zero.png")).expect("a link");
-        shop.write("uses-pipe.obj", OBJ);
         let gltf = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"name","byteLength":36}],
             "bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
             "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0}"#;
@@ -144,10 +143,14 @@ mod devices {
             }
         }
         // A material library that cannot be read is a warning.
-        write_scene(&shop, "scene.xml", &obj.replace("name'/>", "uses-pipe.obj'/>"));
-        let outcome = run(shop.folder(), &["check", "scene.xml"]);
-        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
-        assert!(outcome.stderr.contains("is a pipe"), "{}", outcome.stderr);
+        for name in ["pipe", "zero.png"] {
+            shop.write("uses-library.obj", OBJ.replace("pipe", name));
+            write_scene(&shop, "scene.xml", &obj.replace("name'/>", "uses-library.obj'/>"));
+            let outcome = run(shop.folder(), &["check", "scene.xml"]);
+            assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+            let expected = format!("the material library `{name}` cannot be read: is a ");
+            assert!(outcome.stderr.contains(&expected), "{}", outcome.stderr);
+        }
     }
 
     #[test]
@@ -327,10 +330,21 @@ mod memory {
         let refused = check("8MB");
         assert_eq!(refused.code, Some(1), "{}", refused.stderr);
         assert!(
-            refused.stderr.contains("sampling its picture needs 10.0 MB"),
+            refused.stderr.trim_end().ends_with("scene.xml: 1 error"),
             "{}",
             refused.stderr
         );
+        let render = ["render", "scene.xml", "-o", "out.png", "--memory", "8MB"];
+        for outcome in [refused, run(shop.folder(), &render)] {
+            assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+            let said = &outcome.stderr;
+            assert!(
+                said.contains("error: scene.xml: emitter") && said.contains("--memory SIZE"),
+                "{said}"
+            );
+            assert!(said.contains("sky.png needs 10.0 MB"), "{said}");
+        }
+        assert!(!shop.path("out.png").exists());
         let enough = check("30MB");
         assert_eq!(enough.code, Some(0), "{}", enough.stderr);
     }
@@ -553,6 +567,118 @@ mod untrusted {
             });
             let is_picture = matches!(kind, "texture" | "sky");
             assert_eq!(codes, [Some(i32::from(!is_picture)); 2], "{kind}");
+        }
+    }
+
+    /// A run of the program with these arguments, with and without the file or folder `there`: what it said, and what it wrote to `out.xml`.
+    #[cfg(unix)]
+    fn with_and_without(
+        shop: &Workshop,
+        there: &str,
+        arguments: &[&str],
+    ) -> [(Option<i32>, String, Option<String>); 2] {
+        let (place, aside) = (shop.path(there), shop.path("aside"));
+        [true, false].map(|is_there| {
+            if !is_there {
+                std::fs::rename(&place, &aside).expect("it is there");
+            }
+            let _ = std::fs::remove_file(shop.path("out.xml"));
+            let outcome = run(shop.folder(), &[arguments, &["--untrusted"]].concat());
+            if !is_there {
+                std::fs::rename(&aside, &place).expect("it was moved");
+            }
+            let written = std::fs::read_to_string(shop.path("out.xml")).ok();
+            (outcome.code, outcome.stderr, written)
+        })
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_does_not_tell_whether_it_leads_to_a_file() {
+        use std::os::unix::fs::symlink;
+        let shop = shop();
+        for (kind, file, content) in KINDS {
+            let links = ["direct", "chain", "folder"].map(|name| shop.path("scene").join(name));
+            let targets = [
+                format!("../outside/{file}"),
+                "direct".to_owned(),
+                "../outside".to_owned(),
+            ];
+            for (link, target) in links.iter().zip(targets) {
+                let _ = std::fs::remove_file(link);
+                symlink(target, link).expect("a link");
+            }
+            for (name, there) in [
+                ("direct".to_owned(), format!("outside/{file}")),
+                ("chain".to_owned(), format!("outside/{file}")),
+                (format!("folder/{file}"), "outside".to_owned()),
+            ] {
+                // Writes the scene.
+                check(&shop, kind, content, &name, &["--untrusted"]);
+                let scene = match kind {
+                    "glTF buffer" => "scene/scene.gltf",
+                    _ => "scene/scene.xml",
+                };
+                let [with, without] = with_and_without(&shop, &there, &["check", scene]);
+                assert_eq!(with, without, "{kind} {name}");
+                assert!(
+                    with.1.contains("outside the scene's folder"),
+                    "{kind} {name}: {}",
+                    with.1
+                );
+            }
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_converted_scene_does_not_tell_whether_there_is_a_file() {
+        let shop = shop();
+        shop.write("assets/key.pfm", b"PF\n1 1\n-1\n\0\0\0\0\0\0\0\0\0\0\0\0");
+        let texture = KINDS[2].2;
+        for name in ["key.pfm", "../assets/key.pfm"] {
+            write_scene(&shop, "scene/scene.xml", &texture.replace("NAME", name));
+            let convert = ["convert", "scene/scene.xml", "out.xml"];
+            let [with, without] = with_and_without(&shop, "assets/key.pfm", &convert);
+            assert_eq!(with, without, "{name}");
+            assert_eq!(with.0, Some(0), "{}", with.1);
+            assert!(with.2.is_some(), "{}", with.1);
+        }
+    }
+
+    /// The folder `lnk` leads to may not be read off a message or a converted scene.
+    #[cfg(unix)]
+    #[test]
+    fn nobody_learns_where_a_link_outside_leads() {
+        let shop = shop();
+        std::fs::create_dir_all(shop.path("hidden/deep")).expect("a writable folder");
+        std::os::unix::fs::symlink(shop.path("hidden/deep"), shop.path("lnk")).expect("a link");
+        shop.write(
+            "scene/library.mtl",
+            "newmtl m\nKd 1 0 0\nmap_Kd ../lnk/../none/key.png\n",
+        );
+        shop.write("scene/uses.obj", format!("mtllib library.mtl\nusemtl m\n{OBJ}"));
+        let library = KINDS[5];
+        for (kind, _, content) in [KINDS[1], KINDS[2], KINDS[3], library] {
+            // The second has a place besides in which the scene may look.
+            for folders in ["", "<path value='.'/>"] {
+                let content = content.replace("NAME", "../lnk/../none/key.png");
+                write_scene(&shop, "scene/scene.xml", &format!("{folders}{content}"));
+                for arguments in [
+                    &["check", "scene/scene.xml"][..],
+                    &["convert", "scene/scene.xml", "out.xml"],
+                ] {
+                    let [with, without] = with_and_without(&shop, "lnk", arguments);
+                    assert_eq!(with, without, "{kind} {arguments:?}");
+                    assert!(
+                        with.1.contains("lnk/../none/key.png"),
+                        "{kind} {arguments:?}: {}",
+                        with.1
+                    );
+                    let text = with.1 + with.2.as_deref().unwrap_or_default();
+                    assert!(!text.contains("hidden"), "{kind} {arguments:?}: {text}");
+                }
+            }
         }
     }
 

@@ -7,10 +7,12 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use bevy::math::{Affine3A, Quat, Vec2, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{Key, Pos2, Rect, vec2};
-use sunroom::app::editor::gizmo::drag::{Change, Constraint, Drag, lowest_point};
-use sunroom::app::editor::gizmo::{Axes, Frame, GizmoSettings, Mode, Pivot, Steps, Target, frame};
-use sunroom::app::editor::panels::transform::Freedom;
-use sunroom::app::editor::screen::Screen;
+use sunroom::app::editor::camera::screen::Screen;
+use sunroom::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode, Pivot, Steps};
+use sunroom::app::editor::model::freedom::Freedom;
+use sunroom::app::editor::viewport::gizmo::constraint::Constraint;
+use sunroom::app::editor::viewport::gizmo::drag::{Change, Drag, lowest_point};
+use sunroom::app::editor::viewport::gizmo::{Frame, Target, frame};
 use sunroom::math::Aabb;
 use sunroom::render::camera::Camera;
 

@@ -108,6 +108,76 @@ fn a_binary_file_renders_as_the_scene_it_is_converted_to() {
     assert_eq!(image.pixel(1, 1), Vec3::ZERO);
 }
 
+/// A shining square over a floor, both alike at the left and at the right, seen from the front. `NORMAL` stands for what the square has besides
+/// positions, `PLACE` for where it stands, and `MORE` for more of its material.
+const LAMP: &str = r#"
+  "materials": [{"emissiveFactor": [1, 1, 1], "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}MORE},
+    {"pbrMetallicRoughness": {"metallicFactor": 0}}],
+  "meshes": [{"primitives": [{"attributes": {"POSITION": 0NORMAL}, "mode": 6, "material": 0}]},
+    {"primitives": [{"attributes": {"POSITION": 1}, "mode": 6, "material": 1}]}],
+  "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "aspectRatio": 1, "znear": 0.1}}],
+  "nodes": [{"mesh": 0, PLACE}, {"camera": 0, "translation": [0, 0.5, 4]},
+    {"mesh": 1, "rotation": [-0.70710678, 0, 0, 0.70710678], "translation": [-2, -0.2, 4]}]"#;
+
+impl Workshop {
+    /// The mean of the picture of a file. A render that does not come to an end fails.
+    fn mean(&self, file: &[u8]) -> Vec3 {
+        self.put("lamp.glb", file);
+        self.done(&[
+            "render", "lamp.glb", "-o", "lamp.exr", "--width", "32", "--spp", "32", "--time", "100s", "-q",
+        ]);
+        let image = sunroom::texture::load_image(&self.read("lamp.exr")).expect("a picture");
+        image.mean(false)
+    }
+}
+
+/// As glTF has it (section 3.7.4), lamps shine to the front also where a node mirrors them.
+#[test]
+fn mirrored_lamps_give_the_light_of_others() {
+    let shop = Workshop::new();
+    let mut parts = squares(4.0);
+    parts.floats("VEC3", &[0.0, 0.0, 1.0].repeat(4));
+    for normal in ["", r#", "NORMAL": 2"#] {
+        let [plain, mirrored, turned] = [[1, 1, 1], [-1, 1, 1], [-1, 1, -1]].map(|scale| {
+            let place = format!(r#""scale": {scale:?}"#);
+            let rest = LAMP.replace("NORMAL", normal).replace("PLACE", &place);
+            shop.mean(&parts.binary(&rest.replace("MORE", ""))).x
+        });
+        assert!(plain > 0.05, "{plain}");
+        assert!(
+            (mirrored / plain - 1.0).abs() < 0.02,
+            "{normal}: {mirrored}, not {plain}"
+        );
+        // It is turned around, and its back is dark.
+        assert!(turned < 0.2 * plain, "{normal}: {turned}");
+    }
+}
+
+/// Shadow rays end a rounding before the faces of such a lamp, meet them all the same now and then, and must not do so for ever.
+#[test]
+fn a_lamp_that_alpha_takes_away_ends_the_render() {
+    let shop = Workshop::new();
+    let mut parts = squares(4.0);
+    let corners: Vec<f32> = (0..8)
+        .flat_map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|side| side as f32))
+        .collect();
+    parts.floats("VEC3", &corners);
+    let faces = parts.view(
+        &[
+            0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5,
+        ],
+        "",
+    );
+    parts.accessor(faces, 5121, "SCALAR", 36, "");
+    let rest = LAMP
+        .replace(r#""POSITION": 0NORMAL}, "mode": 6"#, r#""POSITION": 2}, "indices": 3"#)
+        .replace("PLACE", r#""translation": [-0.5, 0, 0]"#)
+        .replace("MORE", r#", "alphaMode": "MASK", "alphaCutoff": 2"#);
+    let mean = shop.mean(&parts.binary(&rest));
+    // As in a file of the scene format, a lamp shines even where it lets all light pass.
+    assert!(mean.x > 0.05, "{mean}");
+}
+
 #[test]
 fn what_is_wrong_is_one_error_with_the_name_of_the_file() {
     let shop = Workshop::new();

@@ -358,7 +358,7 @@ fn rendered(path: &Path, make: fn(OpenScene, Option<i32>) -> App) -> (Vec<Rgb>, 
     let authored = app.world_mut().query::<&Authored>().iter(app.world()).count();
     let status = app.world().resource::<SceneStatus>();
     let kept = status.diagnostics.sources.iter().map(|source| source.text.len()).sum();
-    let messages = status.diagnostics.render(false, 80) + &status.picture_problems.concat();
+    let messages = status.all_diagnostics().render(false);
     let picture = app.world().resource::<RenderFilm>().film.radiance();
     (picture, messages, authored, kept)
 }

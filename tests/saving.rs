@@ -1,5 +1,6 @@
 //! Scenes written over the text they were read from: what nobody touched stays to the byte.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use bevy::math::{Affine3A, Vec3};
@@ -517,11 +518,51 @@ fn names_of_files_change_only_where_they_must() {
     save_description(&scene, &folder.path("other.xml")).unwrap();
     assert_eq!(folder.text("other.xml"), main);
     save_description(&scene, &folder.path("else/new.xml")).unwrap();
-    // The other `both.obj` is another file.
+    // The other `both.obj` is another file, and so would be a `no-such.png` there.
     let expected = main
         .replace("meshes/a.obj", "../meshes/a.obj")
-        .replace("'both.obj'", "'../both.obj'");
+        .replace("'both.obj'", "'../both.obj'")
+        .replace("no-such.png", "../no-such.png");
     assert_eq!(folder.text("else/new.xml"), expected);
+}
+
+#[test]
+fn a_missing_picture_is_looked_for_at_the_same_place_from_another_folder() {
+    let texture = |name: &str| {
+        format!(
+            "<bsdf type='diffuse'><texture type='bitmap' name='reflectance'><string name='filename' value='{name}'/></texture></bsdf>"
+        )
+    };
+    let names = [
+        ("a.png", "../old/a.png"),
+        ("absent/b.png", "../old/absent/b.png"),
+        ("../beside/c.png", "../beside/c.png"),
+        ("absent/../d.png", "../old/absent/../d.png"),
+        ("/absent/e.png", "/absent/e.png"),
+    ];
+    let body: String = names.iter().map(|(name, _)| texture(name)).collect();
+    // What is written has no place to be looked for.
+    let film = "<film type='hdrfilm'><string name='filename' value='out.exr'/></film>";
+    let folder = Folder::with(&[
+        (
+            "old/main.xml",
+            &format!("<scene version='3.0.0'><sensor type='perspective'>{film}</sensor>{body}</scene>"),
+        ),
+        ("new/a.png", ""),
+    ]);
+    let pictures = |scene: &SceneDescription| scene.picture_places.keys().cloned().collect::<BTreeSet<PathBuf>>();
+    let scene = folder.read("old/main.xml");
+    save_description(&scene, &folder.path("new/saved.xml")).unwrap();
+    write_anew(&scene, &folder.path("new/converted.xml"), Extensions::Keep).unwrap();
+    for (file, quote) in [("new/saved.xml", '\''), ("new/converted.xml", '"')] {
+        let text = folder.text(file);
+        assert!(text.contains(&format!("value={quote}out.exr{quote}")), "{text}");
+        for (_, expected) in names {
+            let value = format!("value={quote}{expected}{quote}");
+            assert!(text.contains(&value), "{value} in {text}");
+        }
+        assert_eq!(pictures(&folder.read(file)), pictures(&scene), "{file}");
+    }
 }
 
 #[test]
@@ -692,8 +733,10 @@ fn a_new_file_has_colours_for_spectra_that_need_wavelengths() {
     let text = "<scene version='3.0.0'><sensor type='perspective'/>
         <spectrum type='blackbody' id='hot'><float name='temperature' value='5000'/></spectrum>
         <emitter type='constant'><ref id='hot' name='radiance'/></emitter>
+        <emitter type='point'><spectrum type='d65' name='intensity'><float name='scale' value='0.5'/><ref id='hot'/></spectrum></emitter>
         <bsdf type='diffuse' id='a'><spectrum type='irregular' name='reflectance'><string name='wavelengths' value='400, 700'/><string name='values' value='0.1, 0.9'/></spectrum></bsdf>
-        <bsdf type='diffuse' id='b'><spectrum type='d65' name='reflectance'><float name='scale' value='0.5'/></spectrum></bsdf></scene>";
+        <bsdf type='diffuse' id='b'><spectrum type='d65' name='reflectance'><float name='scale' value='0.5'/></spectrum></bsdf>
+        <bsdf type='diffuse' id='c'><spectrum type='d65' name='reflectance'><spectrum type='irregular'><string name='wavelengths' value='400, 700'/><string name='values' value='2, 2'/></spectrum></spectrum></bsdf></scene>";
     std::fs::write(folder.path().join("old.xml"), text).unwrap();
     let old = describe(&folder.path().join("old.xml"));
     let target = folder.path().join("new.xml");
@@ -705,7 +748,9 @@ fn a_new_file_has_colours_for_spectra_that_need_wavelengths() {
     );
     assert!(written.contains("d65"), "{written}");
     let new = describe(&target);
-    assert_eq!(new.emitters[0].emitter, old.emitters[0].emitter);
+    for (new, old) in new.emitters.iter().zip(&old.emitters) {
+        assert_eq!(new.emitter, old.emitter, "{written}");
+    }
     let materials = |scene: &SceneDescription| scene.materials.iter().map(|it| it.material.clone()).collect::<Vec<_>>();
     assert_eq!(materials(&new), materials(&old));
 }

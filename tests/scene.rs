@@ -276,6 +276,8 @@ fn a_ring_of_references_is_one_error_that_names_both_lines() {
     for body in [
         "<bsdf type='twosided'><ref id='a'/></bsdf>",
         "<shape type='instance'><ref id='a'/></shape>",
+        "<bsdf type='bumpmap'><ref id='a'/><bsdf type='diffuse'/></bsdf>",
+        "<bsdf type='normalmap'><ref id='a' name='normalmap'/><bsdf type='diffuse'/></bsdf>",
     ] {
         let (_, diagnostics) = describe(&format!("{body}<sensor type='perspective'/>"));
         assert_eq!(diagnostics.list.len(), 1, "{diagnostics}");
@@ -336,6 +338,25 @@ fn spectra() -> Vec<(&'static str, Colors)> {
     ]
 }
 
+/// Spectra inside of a `d65` as rows of [`spectra`]. The first column is what renders of a constant emitter by Mitsuba's `scalar_spectral` show, whose
+/// `scalar_rgb` does not evaluate the spectra of wavelengths; there `scale` counts. The others, and the rows of `uniform` and `d65`, are what
+/// `scalar_rgb` shows, or makes of the same spectrum without the `d65`: reflectances are seen under D65 anyway.
+#[rustfmt::skip]
+fn spectra_inside_d65() -> Vec<(&'static str, Colors)> {
+    let all = |color| [Some(color); 3];
+    vec![
+        ("type='d65'><spectrum type='irregular'><string name='wavelengths' value='400,500,600,700'/><string name='values' value='0.1,0.2,0.9,0.4'/></spectrum>",
+            all([0.956, 0.4972, 0.1005])),
+        ("type='d65'><spectrum type='irregular'><string name='wavelengths' value='400,500,600,700'/><string name='values' value='0.1,0.2,0.9,0.4'/></spectrum><float name='scale' value='0.5'/>",
+            all([0.478, 0.2486, 0.05025])),
+        ("type='d65'><spectrum type='regular'><float name='wavelength_min' value='400'/><float name='wavelength_max' value='700'/><string name='values' value='0.1, 0.3, 0.9, 0.2'/></spectrum>",
+            all([0.8872, 0.5636, 0.1559])),
+        ("type='d65'><spectrum type='blackbody'><float name='temperature' value='5000'/></spectrum>", [Some([12_683.4, 12_719.7, 10_654.4]), None, None]),
+        ("type='d65'><spectrum type='uniform'><float name='value' value='0.4'/></spectrum>", all([0.4; 3])),
+        ("type='d65'><spectrum type='d65'><float name='scale' value='0.5'/></spectrum>", all([0.5; 3])),
+    ]
+}
+
 #[test]
 fn spectra_are_the_colours_that_mitsuba_gives_them() {
     let contexts = [
@@ -352,7 +373,7 @@ fn spectra_are_the_colours_that_mitsuba_gives_them() {
             "</spectrum></bsdf>",
         ),
     ];
-    for (inside, expected) in spectra() {
+    for (inside, expected) in spectra().into_iter().chain(spectra_inside_d65()) {
         for ((before, after), expected) in contexts.iter().zip(expected) {
             let body = format!("{before}{inside}{after}<sensor type='perspective'/>");
             let (scene, diagnostics) = describe(&body);

@@ -12,24 +12,27 @@ use bevy_egui::egui::{self, Context, Key};
 use editor_support::context;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::actions::ACTIONS;
+use sunroom::app::editor::automation::script::parse::VERBS;
+use sunroom::app::editor::command::addition::AdditionKind;
+use sunroom::app::editor::command::display::DisplayMode;
+use sunroom::app::editor::command::file_access::Question;
+use sunroom::app::editor::command::panel::Panel;
+use sunroom::app::editor::command::preferences::{Preferences, ThemeChoice};
+use sunroom::app::editor::command::recovery_offer::Offer;
+use sunroom::app::editor::command::selection::{Extend, Selection};
+use sunroom::app::editor::command::shell::ShellCommand;
 use sunroom::app::editor::command::{Command, FileDialogKind};
-use sunroom::app::editor::guard::{Guard, Unsaved};
-use sunroom::app::editor::layout::Panel;
+use sunroom::app::editor::input::actions::{ACTIONS, Group};
 use sunroom::app::editor::model::{Item, Model, Outline};
-use sunroom::app::editor::palette::Palette;
 use sunroom::app::editor::panels::preferences::preferences;
-use sunroom::app::editor::preferences::{Preferences, ThemeChoice};
-use sunroom::app::editor::recovery::Offer;
-use sunroom::app::editor::recovery_question;
-use sunroom::app::editor::save_question::{self, SaveQuestion};
-use sunroom::app::editor::selection::{Extend, Selection};
-use sunroom::app::editor::shell::ShellCommand;
-use sunroom::app::editor::shortcuts::shortcuts;
-use sunroom::app::editor::state::EditorState;
-use sunroom::app::editor::toasts::{Toasts, Tone, Topic};
-use sunroom::app::editor::trust::Question;
-use sunroom::app::editor::trust_question;
+use sunroom::app::editor::session::requests::Requests;
+use sunroom::app::editor::session::save_question::SaveQuestion;
+use sunroom::app::editor::session::toasts::{Toasts, Tone, Topic};
+use sunroom::app::editor::window::guard::{Guard, Unsaved};
+use sunroom::app::editor::window::palette::Palette;
+use sunroom::app::editor::window::shortcuts::shortcuts;
+use sunroom::app::editor::window::{recovery_question, save_question, toasts, trust_question};
+use sunroom::render::tonemap::ToneMap;
 use sunroom::scene::write::{OnChange, SaveError};
 
 /// What is shown, what came of it, and whether it is still there.
@@ -285,10 +288,15 @@ fn recovery_is_offered_once() {
 #[test]
 fn files_outside_the_scenes_folder_are_asked_about() {
     let asked = Question {
-        files: (0..8).map(|number| format!("/elsewhere/{number}.png").into()).collect(),
+        files: (0..8)
+            .map(|number| format!("/elsewhere/a/../{number}.png").into())
+            .collect(),
+        shown: (0..8).map(|number| format!("/elsewhere/{number}.png").into()).collect(),
         folders: vec!["/elsewhere".into()],
+        is_needed: false,
         import: None,
     };
+    let needed = "The scene cannot be shown without them: if they are left out, the last one stays.";
     let ask = || {
         show(Some(asked.clone()), |egui, shown| {
             trust_question::question(egui, &mut shown.it, &mut shown.commands);
@@ -298,6 +306,7 @@ fn files_outside_the_scenes_folder_are_asked_about() {
     assert!(harness.query_by_label("/elsewhere/0.png").is_some());
     assert!(harness.query_by_label("... and 2 more").is_some());
     assert!(harness.query_by_label("/elsewhere").is_some());
+    assert!(harness.query_by_label(needed).is_none());
     click(&mut harness, "Read them");
     let allowed = Command::Shell(ShellCommand::AllowFiles(asked.clone()));
     assert_eq!(harness.state().commands, [allowed]);
@@ -305,6 +314,14 @@ fn files_outside_the_scenes_folder_are_asked_about() {
     let mut harness = ask();
     click(&mut harness, "Leave them out");
     assert_eq!((harness.state().it.as_ref(), harness.state().commands.len()), (None, 0));
+    let without_them = Question {
+        is_needed: true,
+        ..asked.clone()
+    };
+    let harness = show(Some(without_them), |egui, shown| {
+        trust_question::question(egui, &mut shown.it, &mut shown.commands);
+    });
+    assert!(harness.query_by_label(needed).is_some());
     let imported = Question {
         import: Some("/downloads/chair.xml".into()),
         ..asked
@@ -319,6 +336,49 @@ fn files_outside_the_scenes_folder_are_asked_about() {
     );
 }
 
+/// `docs/scripts.md` has the tables of the program.
+#[test]
+fn the_page_about_scripts_lists_what_the_program_accepts() {
+    let page = include_str!("../docs/scripts.md");
+    let rows: Vec<Vec<String>> = page
+        .lines()
+        .filter(|line| line.starts_with("| `"))
+        .map(|line| {
+            let cells = line.trim_matches('|').replace("\\|", "\u{0}");
+            cells.split('|').map(|cell| cell.trim().replace('\u{0}', "|")).collect()
+        })
+        .collect();
+    let (verbs, actions) = rows.split_at(VERBS.len());
+    for (row, (name, usage)) in verbs.iter().zip(VERBS) {
+        assert_eq!(row[..2], [format!("`{name}`"), usage.to_owned()]);
+        assert!(row[2].ends_with('.'), "{row:?}");
+    }
+    let listed = actions.iter().map(|row| (row[0].clone(), row[1].clone()));
+    let known = ACTIONS.iter().map(|action| {
+        let group = Group::ALL.iter().find(|(group, _)| *group == action.group);
+        let (_, group) = group.expect("every group has a name");
+        (format!("`{}`", action.name), format!("{group}: {}", action.label))
+    });
+    assert_eq!(listed.collect::<Vec<_>>(), known.collect::<Vec<_>>());
+    let list = |names: Vec<String>| {
+        names
+            .iter()
+            .map(|name| format!("`{name}`"))
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let kinds = AdditionKind::all().map(|kind| kind.name().to_owned());
+    let modes = DisplayMode::ALL.map(|(_, name)| name.to_lowercase().replace(' ', "-"));
+    let maps = ToneMap::ALL.map(|map| map.name().to_owned());
+    for (verb, names) in [
+        ("`add` knows the kinds", list(kinds.collect())),
+        ("`show` knows the modes", list(modes.to_vec())),
+        ("`tone-map` knows", list(maps.to_vec())),
+    ] {
+        assert!(page.contains(&format!("{verb} {names}.")), "{verb} {names}");
+    }
+}
+
 #[test]
 fn preferences_are_said_when_they_change_and_only_then() {
     let mut harness = show(Preferences::default(), |egui, shown| {
@@ -331,8 +391,10 @@ fn preferences_are_said_when_they_change_and_only_then() {
     click(&mut harness, "Light");
     match harness.state().commands.first() {
         Some(Command::Shell(ShellCommand::SetPreferences(changed))) => {
-            let mut expected = Preferences::default();
-            expected.theme = ThemeChoice::Light;
+            let expected = Preferences {
+                theme: ThemeChoice::Light,
+                ..Preferences::default()
+            };
             assert_eq!(**changed, expected);
         }
         other => panic!("{other:?}"),
@@ -374,7 +436,7 @@ fn an_error_stays_shows_its_line_and_leads_to_the_messages() {
     );
     toasts.add(Tone::Note, Topic::Other, "Saved".into(), None);
     let mut harness = show(toasts, |egui, shown| {
-        shown.it.show(egui, egui.content_rect(), &mut shown.commands);
+        toasts::show(&mut shown.it, egui, egui.content_rect(), &mut shown.commands);
     });
     assert!(harness.query_by_label(line).is_some());
     click(&mut harness, "Messages");
@@ -389,17 +451,17 @@ fn an_error_stays_shows_its_line_and_leads_to_the_messages() {
 }
 
 /// A window that asks how to save a file that others changed.
-fn changed_file(edited_twice: Option<usize>) -> Harness<'static, Shown<EditorState>> {
+fn changed_file(edited_twice: Option<usize>) -> Harness<'static, Shown<Requests>> {
     let path = PathBuf::from("/there/box.xml");
     let error = SaveError::Changed {
         path: path.clone(),
         edited_twice,
     };
-    let state = EditorState {
+    let requests = Requests {
         save_question: SaveQuestion::about(&error, &path),
-        ..EditorState::default()
+        ..Requests::default()
     };
-    show(state, |egui, shown| {
+    show(requests, |egui, shown| {
         save_question::show(egui, &mut shown.it, &mut shown.commands);
     })
 }

@@ -7,15 +7,21 @@ use std::time::{Duration, Instant};
 use bevy::math::{Affine3A, Vec3A};
 use bevy::prelude::*;
 use sunroom::app::editor::command::Command;
+use sunroom::app::editor::command::file_access::Question;
+use sunroom::app::editor::command::light_mix::{FilmLights, LightMix};
+use sunroom::app::editor::command::recovery_offer::{Note, Offer};
+use sunroom::app::editor::command::selection::Selection;
+use sunroom::app::editor::command::shell::ShellCommand;
 use sunroom::app::editor::commands::apply;
-use sunroom::app::editor::history::History;
-use sunroom::app::editor::light_mix::{FilmLights, LightMix};
-use sunroom::app::editor::options;
-use sunroom::app::editor::recovery::{self, Note, Offer, Recovery};
-use sunroom::app::editor::selection::Selection;
-use sunroom::app::editor::shell::ShellCommand;
-use sunroom::app::editor::state::{CommandQueue, EditorState};
-use sunroom::app::editor::trust::{Question, TrustedFolders, follow_access};
+use sunroom::app::editor::commands::scene_watch;
+use sunroom::app::editor::picture::paths::PathInspector;
+use sunroom::app::editor::session::history::History;
+use sunroom::app::editor::session::options;
+use sunroom::app::editor::session::recovery::{self, Recovery};
+use sunroom::app::editor::session::requests::{CommandQueue, Requests};
+use sunroom::app::editor::session::toasts::Toasts;
+use sunroom::app::editor::session::trust::{TrustedFolders, follow_access};
+use sunroom::app::editor::session::view_settings::ViewSettings;
 use sunroom::engine::{CurrentScene, RenderControl, RenderFilm};
 use sunroom::scene::write::{self, SaveError};
 use sunroom::scene::*;
@@ -49,7 +55,9 @@ impl Window {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, FileSourcePlugin, asset_plugin(), ScenePlugin))
-            .init_resource::<EditorState>()
+            .init_resource::<ViewSettings>()
+            .init_resource::<Requests>()
+            .init_resource::<Toasts>()
             .init_resource::<CommandQueue>()
             .init_resource::<RenderControl>()
             .init_resource::<CurrentScene>()
@@ -59,9 +67,10 @@ impl Window {
             .init_resource::<FilmLights>()
             .init_resource::<RenderFilm>()
             .insert_resource(options::SceneDefines(Vec::new()))
+            .init_resource::<PathInspector>()
             .add_systems(
                 PreUpdate,
-                (follow_access, recovery::follow_scene)
+                (follow_access, recovery::follow_scene, scene_watch::follow_scene)
                     .chain()
                     .after(SceneSystems::Follow),
             );
@@ -192,7 +201,9 @@ fn edits_stay_when_an_include_is_allowed() {
         window.question(),
         Question {
             files: vec![window.path("scene/../outside/more.xml")],
+            shown: vec![window.path("outside/more.xml")],
             folders: vec![window.path("outside")],
+            is_needed: true,
             import: None,
         }
     );
@@ -291,7 +302,7 @@ fn the_open_scene_may_read_its_files_after_another_could_not_be_read() {
     });
     assert!(window.by_id("more").is_some());
     let problems = &window.status().damaged_pictures;
-    assert!(!problems[0].contains("outside"), "{problems:?}");
+    assert!(!problems[0].message.contains("outside"), "{problems:?}");
     assert_eq!(window.trusted().question, None);
 }
 
@@ -347,6 +358,42 @@ fn only_what_is_needed_is_allowed() {
 }
 
 #[test]
+fn what_was_allowed_and_read_is_said() {
+    let mut window = Window::new(&[
+        ("scene/a.xml", &mesh("../scene/../outside/mesh.obj")),
+        ("outside/mesh.obj", MESH),
+    ]);
+    window.open("scene/a.xml", false);
+    let question = window.question();
+    assert!(!question.is_needed);
+    assert_eq!(question.shown, [window.path("outside/mesh.obj")]);
+    window.allow();
+    window.until("the mesh", |world| world.resource::<SceneStatus>().revision == 2);
+    window.app.update();
+    let said: Vec<&str> = window.app.world().resource::<Toasts>().texts().collect();
+    assert!(said.contains(&"Read mesh.obj"), "{said:?}");
+    assert!(!said.iter().any(|text| text.contains("nothing new")), "{said:?}");
+}
+
+#[test]
+fn the_question_tells_of_a_scene_that_cannot_be_shown_without_the_files() {
+    let part = "<scene version='3.0.0'><bsdf type='diffuse' id='red'/></scene>";
+    let mut window = Window::new(&[
+        (
+            "scene/b.xml",
+            &scene("<include filename='deep/../../outside/part.xml'/>"),
+        ),
+        ("scene/deep/file", ""),
+        ("outside/part.xml", part),
+    ]);
+    window.open("scene/b.xml", false);
+    window.app.update();
+    let question = window.question();
+    assert!(question.is_needed);
+    assert_eq!(question.shown, [window.path("outside/part.xml")]);
+}
+
+#[test]
 fn who_leaves_a_file_out_is_asked_about_others_only() {
     let mut window = Window::new(&[
         ("scene/a.xml", &mesh("../outside/mesh.obj")),
@@ -379,7 +426,10 @@ fn chosen_files_are_not_asked_about_when_the_scene_is_read_again() {
     window.open("scene/a.xml", false);
     assert!(window.has_mesh());
     let problems = &window.status().damaged_pictures;
-    assert!(problems.len() == 1 && !problems[0].contains("outside"), "{problems:?}");
+    assert!(
+        problems.len() == 1 && !problems[0].message.contains("outside"),
+        "{problems:?}"
+    );
     assert_eq!(window.trusted().question, None);
     // The next run knows them as well: the mesh with what may lie beside it, of the picture nothing else.
     let (_, trust) = TrustedFolders::open(Some(&window.path("settings")));

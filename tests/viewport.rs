@@ -8,21 +8,24 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
 use editor_support::{context, presses};
 use egui_kittest::Harness;
-use sunroom::app::editor::actions::ActionContext;
+use sunroom::app::editor::camera::navigation::Navigation;
+use sunroom::app::editor::camera::screen::Screen;
+use sunroom::app::editor::command::axis_view::AxisView;
+use sunroom::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
+use sunroom::app::editor::command::selection::{Extend, Selection};
 use sunroom::app::editor::command::{Command, Direction};
-use sunroom::app::editor::gizmo::interaction::GizmoModel;
-use sunroom::app::editor::gizmo::{Axes, GizmoSettings, Mode, Target};
-use sunroom::app::editor::icons::{Icon, IconKind};
-use sunroom::app::editor::keys::Press;
+use sunroom::app::editor::input::actions::ActionContext;
+use sunroom::app::editor::input::press::Press;
 use sunroom::app::editor::model::Outline;
-use sunroom::app::editor::navigation::Navigation;
-use sunroom::app::editor::orbit::AxisView;
-use sunroom::app::editor::outline::SelectionOutline;
-use sunroom::app::editor::overlay::BoxList;
-use sunroom::app::editor::panels::transform::Freedom;
-use sunroom::app::editor::screen::Screen;
-use sunroom::app::editor::selection::{Extend, Selection};
-use sunroom::app::editor::viewport::{ViewportModel, ViewportState, viewport};
+use sunroom::app::editor::model::freedom::Freedom;
+use sunroom::app::editor::picture::outline::SelectionOutline;
+use sunroom::app::editor::picture::overlay::BoxList;
+use sunroom::app::editor::viewport::gizmo::Target;
+use sunroom::app::editor::viewport::gizmo::interaction::GizmoModel;
+use sunroom::app::editor::viewport::icons::{Icon, IconKind};
+use sunroom::app::editor::viewport::model::ViewportModel;
+use sunroom::app::editor::viewport::state::ViewportState;
+use sunroom::app::editor::viewport::viewport;
 use sunroom::engine::CurrentScene;
 use sunroom::math::Aabb;
 use sunroom::render::camera::Camera;
@@ -376,7 +379,7 @@ fn digits_of_the_numpad_are_views_along_axes() {
         numpad: true,
     };
     let selection = Selection::default();
-    let commands = sunroom::app::editor::keys::shortcuts(&[press], &context(&selection));
+    let commands = sunroom::app::editor::input::keys::shortcuts(&[press], &context(&selection));
     assert_eq!(commands, [Command::LookAlong(AxisView::Top)]);
 }
 

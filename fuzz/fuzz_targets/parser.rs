@@ -1,13 +1,15 @@
-//! Fuzzes the parser that the variable `PARSER` names: one of `ENTRIES`.
+//! Fuzzes the kernel's parser that the variable `PARSER` names: one of `ENTRIES`.
 #![no_main]
 
 use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
-use sunroom_fuzz::chosen;
-use sunroom_fuzz::entries::ENTRIES;
-use sunroom_fuzz::entries::Entry;
 
-static ENTRY: LazyLock<Entry> = LazyLock::new(|| chosen(&ENTRIES));
+#[path = "../common.rs"]
+mod common;
+#[path = "../entries.rs"]
+mod entries;
 
-fuzz_target!(init: sunroom_fuzz::prepare(), |bytes: &[u8]| ENTRY(bytes));
+static ENTRY: LazyLock<entries::Entry> = LazyLock::new(|| common::chosen(&entries::ENTRIES));
+
+fuzz_target!(init: common::prepare(), |bytes: &[u8]| ENTRY(bytes));

@@ -1,7 +1,7 @@
 //! Sixteen rays, one per lane.
 
-use crate::math::Ray;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane};
+use crate::math::{PerLane, Ray};
 
 /// Rays in lanes, as [`Ray`].
 #[derive(Clone, Copy, Debug)]
@@ -10,6 +10,25 @@ pub struct RayLanes {
     pub dir: Vec3Lanes,
     pub t_min: Lanes,
     pub t_max: Lanes,
+}
+
+impl PerLane for Ray {
+    type Lanes = RayLanes;
+
+    #[inline(always)]
+    fn splat(self) -> RayLanes {
+        RayLanes::splat(&self)
+    }
+
+    #[inline(always)]
+    fn gather_lane(lanes: &RayLanes, lane: usize) -> Self {
+        lanes.get(lane)
+    }
+
+    #[inline(always)]
+    fn scatter_lane(self, lanes: &mut RayLanes, lane: usize) {
+        lanes.set(lane, &self);
+    }
 }
 
 impl RayLanes {

@@ -13,11 +13,11 @@ use bevy::window::{PresentMode, WindowResolution};
 use thiserror::Error;
 
 use super::allocator::keep_memory_low;
-use super::editor::EditorPlugin;
-pub use super::editor::options::WindowOptions;
 use super::interrupt::on_interrupt;
 use super::terminal::line;
 use super::threads::{run_systems_in_turn, worker_count};
+use crate::app::editor::EditorPlugin;
+pub use crate::app::editor::session::options::WindowOptions;
 use crate::engine::{EnginePlugin, RenderControl};
 use crate::scene::{FileSourcePlugin, ScenePlugin, asset_plugin};
 

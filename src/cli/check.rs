@@ -66,22 +66,33 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
         report::error(format_args!("{shown}: {error}"));
         return false;
     }
-    // What can be read and yet not be shown.
-    let left_out = &app.world().resource::<RenderStatus>().errors;
-    for warning in left_out {
-        report::line(format_args!("warning: {shown}: {warning}"));
-    }
-    if has_errors {
+    let engine = app.world().resource::<RenderStatus>();
+    let is_shown = report_left_out(engine, scene, args.strict);
+    if has_errors || !engine.shortages.is_empty() {
+        report::line(format_args!("{shown}: {}", summary(status, engine)));
         return false;
     }
-    if !is_good || args.strict && !left_out.is_empty() {
-        report::line(format_args!("{shown}: refused for its warnings"));
+    if !is_good || !is_shown {
+        report::refused_for_warnings(scene);
         return false;
     }
     let content = content(app.world_mut());
     report::line(format_args!("{shown}: no errors, {content}"));
     list_cameras(app.world_mut());
     true
+}
+
+/// The numbers of errors and warnings, those of the engine among them, such as "2 errors, 1 warning".
+fn summary(status: &SceneStatus, engine: &RenderStatus) -> String {
+    let all = status.all_diagnostics();
+    let left_out = engine.errors.iter().filter(|what| !engine.shortages.contains(what));
+    let numbers = [
+        (all.error_count() + engine.shortages.len(), "error"),
+        (all.warning_count() + left_out.count(), "warning"),
+    ];
+    let named = numbers.into_iter().filter(|&(number, _)| number > 0);
+    let parts: Vec<_> = named.map(|(number, what)| counted(number, what)).collect();
+    parts.join(", ")
 }
 
 /// How much there is in a scene.
@@ -108,27 +119,26 @@ fn list_cameras(world: &mut World) {
     }
 }
 
-/// Prints everything there is to say about a loaded scene; false if it is not good enough to go on.
+/// Prints all messages about a loaded scene; false if it is not good enough to go on.
 pub fn report_scene(status: &SceneStatus, strict: bool) -> bool {
-    report::diagnostics(&status.diagnostics);
-    for warning in &status.mesh_warnings {
-        report::line(format_args!("warning: {warning}"));
+    let all = status.all_diagnostics();
+    report::diagnostics(&all);
+    report::acceptable(&all, strict) && !status.has_errors()
+}
+
+/// Whether a scene that [`report_scene`] refuses has no errors, only warnings.
+pub fn has_only_warnings(status: &SceneStatus) -> bool {
+    !status.has_errors() && report::acceptable(&status.all_diagnostics(), false)
+}
+
+/// Prints what can be read and yet not be shown; false if that is not good enough to go on.
+pub fn report_left_out(status: &RenderStatus, scene: &Path, strict: bool) -> bool {
+    let shown = scene.display();
+    for message in &status.errors {
+        match status.shortages.contains(message) {
+            true => drop(report::error(format_args!("{shown}: {message}"))),
+            false => report::line(format_args!("warning: {shown}: {message}")),
+        }
     }
-    for problem in &status.mesh_errors {
-        report::line(format_args!("error: {}", problem.message));
-    }
-    for problem in &status.damaged_pictures {
-        report::line(format_args!("error: {problem}"));
-    }
-    for problem in status.picture_problems.iter().chain(&status.picture_warnings) {
-        report::line(format_args!("warning: {problem}"));
-    }
-    let warnings = [
-        &status.mesh_warnings,
-        &status.picture_problems,
-        &status.picture_warnings,
-    ];
-    let files_are_clean = warnings.iter().all(|list| list.is_empty());
-    let is_whole = !status.has_errors() && status.damaged_pictures.is_empty();
-    report::acceptable(&status.diagnostics, strict) && (files_are_clean || !strict) && is_whole
+    status.shortages.is_empty() && (!strict || status.errors.is_empty())
 }

@@ -7,6 +7,7 @@ use clap::Args;
 use sunroom::document::paths::settle;
 use sunroom::scene::assets::scene_asset::load_document;
 use sunroom::scene::mesh_check::check_meshes;
+use sunroom::scene::picture_check::check_pictures;
 use sunroom::scene::read;
 use sunroom::scene::write::{self, Extensions};
 
@@ -32,21 +33,29 @@ pub struct ConvertArgs {
 }
 
 pub fn run(args: ConvertArgs) -> ExitCode {
+    // What the scene names is named from the folder of the file.
+    if args.output == Path::new("-") {
+        return report::error("`-`: a scene is written to a file, not to standard output; give a name such as OUT.xml");
+    }
     args.memory.apply();
     let access = match args.trust.trust(&args.scene.scene) {
         Ok(trust) => trust.access(&settle(&args.scene.scene)),
         Err(error) => return report::error(error),
     };
-    let mut document = match load_document(&args.scene.scene, &args.scene.defines.defines, access) {
+    let mut document = match load_document(&settle(&args.scene.scene), &args.scene.defines.defines, access) {
         Ok(document) => document,
         Err(error) => return report::error(error),
     };
     let scene = read::read(&mut document);
     if !document.diagnostics.has_errors() {
-        check_meshes(&scene, &document.access, &mut document.diagnostics);
+        let pictures = check_meshes(&scene, &document.access, &mut document.diagnostics);
+        check_pictures(&scene, &pictures, &document.access, &mut document.diagnostics);
     }
     report::diagnostics(&document.diagnostics);
     if !report::acceptable(&document.diagnostics, args.strict) {
+        if report::acceptable(&document.diagnostics, false) {
+            report::refused_for_warnings(&args.scene.scene);
+        }
         return ExitCode::FAILURE;
     }
     // It would lose what only the old file has: comments, includes, `$name`s.

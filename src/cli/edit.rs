@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use sunroom::app::editor::monkey::{Monkey, run_windowless};
+use sunroom::app::editor::automation::monkey::{Monkey, run_windowless};
 use sunroom::app::windowed::{self, WindowOptions};
 
 use super::{EditArgs, outputs, report};
@@ -15,8 +15,7 @@ pub fn run(args: EditArgs) -> ExitCode {
     args.memory.apply();
     let all = args.scene.iter().chain(&args.monkey.more_scenes);
     if let Some(scene) = all.into_iter().find(|scene| !scene.is_file()) {
-        let help = super::misspelt_command().map_or(String::new(), |help| format!(" ({help})"));
-        return report::error(format_args!("{}: there is no such file{help}", scene.display()));
+        return report::error(format_args!("{}: there is no such file", scene.display()));
     }
     if let Some(Err(error)) = args.screenshot.as_deref().map(outputs::check_text) {
         return report::error(error);

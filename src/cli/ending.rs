@@ -1,11 +1,13 @@
 //! How a render ended, as words for the user and as an exit code.
 
 use std::fmt;
+use std::path::Path;
 use std::process::ExitCode;
 
 use sunroom::engine::{Outcome, RenderError};
 use sunroom::render::film::Film;
 
+use super::outputs::is_stdout;
 use super::report;
 
 /// Interrupted by the user; shells use 128 + SIGINT.
@@ -55,9 +57,16 @@ impl Ending {
         self.pixels > 0 && self.pixels_without_samples == 0
     }
 
-    /// Says why the render was broken off, if it was. `samples`: of every pixel; `denoise`: the user asked for a picture without noise.
-    pub fn report(&self, samples: u32, quiet: bool, denoise: bool) {
+    /// Says where the picture is, and why the render was broken off, if it was. `samples`: of every pixel; `denoise`: the user asked for a picture
+    /// without noise; `written`: the outputs that have the picture.
+    pub fn report(&self, samples: u32, quiet: bool, denoise: bool, written: &[&Path]) {
+        let files = written.iter().filter(|path| !is_stdout(path));
+        let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
+        let files = files.join(", ");
         let Some(reason) = &self.broken_off_by else {
+            if !quiet && !files.is_empty() {
+                report::line(format_args!("the picture is in {files}"));
+            }
             return;
         };
         if !self.is_whole() {
@@ -72,7 +81,11 @@ impl Ending {
             ));
             return;
         }
-        let message = format!("{reason}; the picture has {samples} samples per pixel");
+        let place = match files.is_empty() {
+            true => String::new(),
+            false => format!(" and is in {files}"),
+        };
+        let message = format!("{reason}; the picture has {samples} samples per pixel{place}");
         match reason {
             Reason::Interrupt if quiet => {}
             Reason::Interrupt => report::line(message),

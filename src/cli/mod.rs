@@ -157,13 +157,15 @@ struct EditArgs {
 
 /// Does what the arguments of the process ask for.
 pub fn run() -> ExitCode {
+    // Said first: the other arguments mean nothing then.
+    if let Some(message) = no_command() {
+        report::error(message);
+        return ExitCode::from(2);
+    }
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
             let _ = error.print();
-            if let Some(help) = misspelt_command() {
-                report::line(help);
-            }
             return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }
     };
@@ -181,12 +183,23 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// What the first word may have meant, which otherwise is a scene to edit.
-fn misspelt_command() -> Option<String> {
+/// Says so if the first argument is a plain word, but neither a command nor the name of a file, which would be a scene to edit.
+fn no_command() -> Option<String> {
     let first = PathBuf::from(std::env::args_os().nth(1)?);
+    let word = first.to_str()?;
+    if word.is_empty() || word.starts_with('-') || word.contains(['.', '/', '\\']) || first.exists() {
+        return None;
+    }
     let command = Cli::command();
-    let names = command.get_subcommands().map(clap::Command::get_name);
-    did_you_mean(first.to_str()?, names).filter(|_| !first.exists())
+    let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+    if word == "help" || names.contains(&word) {
+        return None;
+    }
+    let help = did_you_mean(word, names.iter().copied());
+    let help = help.unwrap_or_else(|| format!("the commands are {}", names.join(", ")));
+    Some(format!(
+        "there is no command `{word}`, and no file of that name ({help})"
+    ))
 }
 
 #[cfg(feature = "window")]

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::parse;
 #[cfg(feature = "window")]
-use sunroom::app::editor::monkey::{Length, MonkeyOptions};
+use sunroom::app::editor::session::options::{Length, MonkeyOptions};
 
 /// Time or number of acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

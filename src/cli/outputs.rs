@@ -32,17 +32,22 @@ pub fn check_text(path: &Path) -> Result<(), String> {
 }
 
 /// Writes the picture to all outputs and reports those that fail. If nothing could be written, the picture goes to a temporary file, which is
-/// reported too. Returns whether every output has the picture.
-pub fn write_pictures(outputs: &[PathBuf], image: &ImageRgb, display: &Display) -> bool {
-    let failures = outputs.iter().filter_map(|path| write(path, image, display).err());
-    let failed = failures.map(report::error).count();
-    if failed == outputs.len() {
+/// reported too. Returns the outputs that have the picture.
+pub fn write_pictures<'o>(outputs: &'o [PathBuf], image: &ImageRgb, display: &Display) -> Vec<&'o Path> {
+    let mut written = Vec::new();
+    for path in outputs {
+        match write(path, image, display) {
+            Ok(()) => written.push(path.as_path()),
+            Err(error) => drop(report::error(error)),
+        }
+    }
+    if written.is_empty() {
         match write_to_temporary_folder(image) {
             Ok(place) => report::line(format_args!("the picture is kept in {}", place.display())),
             Err(error) => report::line(format_args!("the picture could not be kept elsewhere: {error}")),
         }
     }
-    failed == 0
+    written
 }
 
 fn write(path: &Path, image: &ImageRgb, display: &Display) -> Result<(), ImageIoError> {

@@ -1,4 +1,5 @@
-//! How far a render has come: a bar on a terminal; elsewhere a line when every pixel has a sample and one for each tenth; nothing when quiet.
+//! How far a render has come: a bar on a terminal; elsewhere a line when every pixel has a sample, one for each tenth, one when nothing was said
+//! for some seconds, and one at the end; nothing when quiet.
 
 use std::io::IsTerminal;
 use std::time::Duration;
@@ -17,9 +18,21 @@ pub struct Progress {
 enum Form {
     Quiet,
     Bar(ProgressBar),
-    /// The tenths that have been reported; None before the first line.
-    Lines(Option<u32>),
+    Lines(Lines),
 }
+
+/// What the last line said; None before the first.
+#[derive(Default)]
+struct Lines(Option<Said>);
+
+struct Said {
+    tenths: u32,
+    samples: u32,
+    seconds: f64,
+}
+
+/// Seconds after which another line comes, however little was done.
+const LONGEST_SILENCE: f64 = 5.0;
 
 /// Steps of the bar.
 const STEPS: u64 = 1000;
@@ -35,46 +48,120 @@ impl Progress {
             }
             Form::Bar(bar)
         } else {
-            Form::Lines(None)
+            Form::Lines(Lines::default())
         };
         Self { form, time }
     }
 
     pub fn update(&mut self, status: &RenderStatus) {
-        let by_samples = f64::from(status.samples) / f64::from(status.target.max(1));
-        let by_time = self.time.map_or(0.0, |time| status.seconds / time.as_secs_f64());
-        let done = by_samples.max(by_time).min(1.0);
-        let samples = match self.time {
-            Some(_) => format!("{} spp", status.samples),
-            None => format!("{}/{} spp", status.samples, status.target),
-        };
-        let message = format!("{samples}  {:.2} Msamples/s", status.msamples_per_s);
+        let done = self.done(status);
         match &mut self.form {
             Form::Quiet => {}
             Form::Bar(bar) => {
                 bar.set_position((done * STEPS as f64) as u64);
-                bar.set_message(message);
+                bar.set_message(message(status, self.time));
             }
-            Form::Lines(reported) => {
-                let tenths = (10.0 * done) as u32;
-                // The line about the first samples also tells when an interrupt leaves a whole picture.
-                let is_first = reported.is_none() && status.samples > 0;
-                if is_first || tenths > reported.unwrap_or(0) {
-                    *reported = Some(tenths);
-                    let left = status.seconds * (1.0 / done - 1.0);
-                    let percent = 10 * tenths;
-                    report::line(format_args!(
-                        "{percent:3} %  {message}  {:.1} s, {left:.1} s to go",
-                        status.seconds
-                    ));
+            Form::Lines(lines) => {
+                if lines.is_due(done, status) {
+                    print(done, status, self.time);
                 }
             }
         }
     }
 
-    pub fn finish(&self) {
-        if let Form::Bar(bar) = &self.form {
-            bar.finish_and_clear();
+    /// `status`: of the picture that is written.
+    pub fn finish(&mut self, status: &RenderStatus) {
+        let done = self.done(status);
+        match &self.form {
+            Form::Quiet => {}
+            Form::Bar(bar) => bar.finish_and_clear(),
+            Form::Lines(lines) => {
+                if lines.lack_the_end(status) {
+                    print(done, status, self.time);
+                }
+            }
         }
+    }
+
+    /// From 0 to 1.
+    fn done(&self, status: &RenderStatus) -> f64 {
+        let by_samples = f64::from(status.samples) / f64::from(status.target.max(1));
+        let by_time = self.time.map_or(0.0, |time| status.seconds / time.as_secs_f64());
+        by_samples.max(by_time).min(1.0)
+    }
+}
+
+fn message(status: &RenderStatus, time: Option<Duration>) -> String {
+    let samples = match time {
+        Some(_) => format!("{} spp", status.samples),
+        None => format!("{}/{} spp", status.samples, status.target),
+    };
+    format!("{samples}  {:.2} Msamples/s", status.msamples_per_s)
+}
+
+fn print(done: f64, status: &RenderStatus, time: Option<Duration>) {
+    let percent = (100.0 * done) as u32;
+    let (message, seconds) = (message(status, time), status.seconds);
+    let left = seconds * (1.0 / done - 1.0);
+    report::line(format_args!(
+        "{percent:3} %  {message}  {seconds:.1} s, {left:.1} s to go"
+    ));
+}
+
+impl Lines {
+    /// Whether a line is to be printed; it counts as printed then.
+    fn is_due(&mut self, done: f64, status: &RenderStatus) -> bool {
+        let tenths = (10.0 * done) as u32;
+        let is_due = match &self.0 {
+            // The line about the first samples also tells when an interrupt leaves a whole picture.
+            None => status.samples > 0 || tenths > 0,
+            Some(said) => tenths > said.tenths || status.seconds >= said.seconds + LONGEST_SILENCE,
+        };
+        if is_due {
+            self.0 = Some(Said {
+                tenths,
+                samples: status.samples,
+                seconds: status.seconds,
+            });
+        }
+        is_due
+    }
+
+    /// Whether the picture has got samples since the last line.
+    fn lack_the_end(&self, status: &RenderStatus) -> bool {
+        self.0.as_ref().is_some_and(|said| said.samples != status.samples)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_come_every_few_seconds_and_the_last_one_has_the_final_samples() {
+        let mut lines = Lines::default();
+        let status = |samples, seconds| RenderStatus {
+            samples,
+            seconds,
+            target: 1000,
+            ..RenderStatus::default()
+        };
+        let said: Vec<bool> = [
+            (0, 4.0),
+            (1, 5.0),
+            (2, 6.0),
+            (3, 9.9),
+            (4, 10.0),
+            (99, 10.1),
+            (100, 10.2),
+            (199, 15.1),
+            (200, 15.3),
+        ]
+        .map(|(samples, seconds)| lines.is_due(f64::from(samples) / 1000.0, &status(samples, seconds)))
+        .to_vec();
+        assert_eq!(said, [false, true, false, false, true, false, true, false, true]);
+        assert!(!lines.lack_the_end(&status(200, 16.0)));
+        assert!(lines.lack_the_end(&status(201, 16.0)));
+        assert!(!Lines::default().lack_the_end(&status(0, 16.0)));
     }
 }

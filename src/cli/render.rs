@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use clap::{Args, ValueEnum};
 use sunroom::app::headless::render_only;
 use sunroom::app::interrupt::on_interrupt;
-use sunroom::engine::{Limits, RenderControl, RenderFilm, RenderStatus};
+use sunroom::engine::{Limits, RenderControl, RenderFilm, RenderState, RenderStatus};
 use sunroom::engine::{load_to_completion, render_to_completion};
 use sunroom::render::denoise::{DenoiseError, DenoiseInput, DenoiseQuality, denoise};
 use sunroom::render::film::Film;
@@ -21,7 +21,7 @@ use sunroom::scene::{
 };
 use sunroom::scene::{Film as SensorFilm, Strategy};
 
-use super::check::report_scene;
+use super::check::{has_only_warnings, report_left_out, report_scene};
 use super::ending::{Ending, INTERRUPTED};
 use super::progress::Progress;
 use super::stats::{Bvh, Stats, StatsFormat, milliseconds, peak_memory_bytes};
@@ -165,7 +165,11 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
         ..Limits::default()
     };
     let loaded = load_to_completion(&mut app, &limits);
-    if !report_scene(app.world().resource::<SceneStatus>(), args.strict) {
+    let status = app.world().resource::<SceneStatus>();
+    if !report_scene(status, args.strict) {
+        if has_only_warnings(status) {
+            report::refused_for_warnings(&args.scene.scene);
+        }
         return Ok(ExitCode::FAILURE);
     }
     if !loaded? {
@@ -173,10 +177,19 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
     }
     let load_ms = milliseconds(begin.elapsed());
     apply_overrides(app.world_mut(), args)?;
+    // Packs the scene as it is seen by the camera that was chosen. An interrupt is noticed by the render.
+    load_to_completion(&mut app, &limits)?;
+    let engine = app.world().resource::<RenderStatus>();
+    if engine.state != RenderState::Failed && !report_left_out(engine, &args.scene.scene, args.strict) {
+        if engine.shortages.is_empty() {
+            report::refused_for_warnings(&args.scene.scene);
+        }
+        return Ok(ExitCode::FAILURE);
+    }
 
     let mut progress = Progress::new(args.quiet, args.time);
     let rendered = render_to_completion(&mut app, &limits, |status| progress.update(status));
-    progress.finish();
+    progress.finish(app.world().resource::<RenderStatus>());
 
     let film = &app.world().resource::<RenderFilm>().film;
     let ending = Ending::new(rendered, film)?;
@@ -209,15 +222,12 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
         },
         ..Display::default()
     };
-    let all_written = outputs::write_pictures(&args.output, &image, &display);
+    let written = outputs::write_pictures(&args.output, &image, &display);
 
     let status = app.world().resource::<RenderStatus>();
-    ending.report(status.samples, args.quiet, args.denoise);
+    ending.report(status.samples, args.quiet, args.denoise, &written);
     if let Some(error) = &denoise_failure {
         report::error(format_args!("{error}; the picture is not denoised"));
-    }
-    for error in &status.errors {
-        report::line(format_args!("warning: {error}"));
     }
     if status.invalid_samples > 0 {
         let count = status.invalid_samples;
@@ -252,6 +262,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
         };
         outputs::print(format!("{text}\n").as_bytes())?;
     }
+    let all_written = written.len() == args.output.len();
     Ok(match all_written && denoise_failure.is_none() {
         true => ending.exit_code(),
         false => ExitCode::FAILURE,

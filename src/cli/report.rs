@@ -2,12 +2,10 @@
 
 use std::fmt::Display;
 use std::io::IsTerminal;
+use std::path::Path;
 use std::process::ExitCode;
 
-use sunroom::document::{Diagnostics, Severity};
-
-/// Columns of a report where the terminal does not say.
-const WIDTH: usize = 100;
+use sunroom::document::Diagnostics;
 
 /// Prints `error: ...` and gives the exit code for a fault of a scene or a file.
 pub fn error(message: impl Display) -> ExitCode {
@@ -21,15 +19,16 @@ pub use sunroom::app::terminal::line;
 pub fn diagnostics(diagnostics: &Diagnostics) {
     if !diagnostics.list.is_empty() {
         let color = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-        line(diagnostics.render(color, WIDTH).trim_end());
+        line(diagnostics.render(color).trim_end());
     }
+}
+
+/// Prints the last line about a scene that has no errors, but warnings where `--strict` counts them as errors.
+pub fn refused_for_warnings(scene: &Path) {
+    line(format_args!("{}: refused for its warnings", scene.display()));
 }
 
 /// Whether the scene is good enough to go on: no errors, and if `strict` no warnings.
 pub fn acceptable(diagnostics: &Diagnostics, strict: bool) -> bool {
-    !diagnostics.list.iter().any(|diagnostic| match diagnostic.severity {
-        Severity::Note => false,
-        Severity::Warning => strict,
-        Severity::Error => true,
-    })
+    !diagnostics.has_errors() && (!strict || diagnostics.warning_count() == 0)
 }

@@ -83,11 +83,26 @@ impl Diagnostics {
         }
         if self.is_full() {
             match severity {
-                Severity::Note => {}
-                Severity::Warning => self.dropped_warnings += 1,
-                Severity::Error => self.dropped_errors += 1,
+                Severity::Note => return,
+                Severity::Warning => {
+                    self.dropped_warnings += 1;
+                    return;
+                }
+                // It takes the place of the last lesser message, unless errors alone fill the list.
+                Severity::Error => {
+                    let lesser = match self.dropped_errors {
+                        0 => self.list.iter().rposition(|listed| listed.severity != Severity::Error),
+                        _ => None,
+                    };
+                    let Some(lesser) = lesser else {
+                        self.dropped_errors += 1;
+                        return;
+                    };
+                    if self.list.remove(lesser).severity == Severity::Warning {
+                        self.dropped_warnings += 1;
+                    }
+                }
             }
-            return;
         }
         self.said.insert(diagnostic.clone());
         self.list.push(diagnostic);

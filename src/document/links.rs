@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use smol_str::SmolStr;
 
-use super::parse::MAX_DEPTH;
+use super::object::MAX_DEPTH;
 use super::suggest::did_you_mean;
 use super::value::quote;
 use super::{Child, Diagnostics, Index, Object, Severity, Span};
@@ -26,10 +26,30 @@ pub struct Alias {
 }
 
 /// Makes aliased references name the object's own id, reports references to nothing (they stay), and reports those that close a circle or nest too
-/// deep: they lead to nothing from then on.
-pub fn link(root: &mut Object, ids: &HashMap<SmolStr, Span>, aliases: &[Alias], diagnostics: &mut Diagnostics) {
-    let names = resolve_aliases(ids, aliases, diagnostics);
-    check_references(root, ids, &names, diagnostics);
+/// deep, which have no target afterwards. `not_read`: an include whose file could not be read; it may declare what is missing, so that
+/// references to nothing are only counted then.
+pub fn link(
+    root: &mut Object,
+    ids: &HashMap<SmolStr, Span>,
+    aliases: &[Alias],
+    not_read: Option<Span>,
+    diagnostics: &mut Diagnostics,
+) {
+    let mut known = Known {
+        ids,
+        not_read,
+        missed: 0,
+    };
+    let names = resolve_aliases(&mut known, aliases, diagnostics);
+    check_references(root, &mut known, &names, diagnostics);
+    if known.missed > 0 {
+        let references = match known.missed {
+            1 => "1 reference leads to an id".to_owned(),
+            count => format!("{count} references lead to ids"),
+        };
+        let message = format!("{references} that nothing has, perhaps because this file could not be read");
+        diagnostics.push(Severity::Note, not_read, message, None);
+    }
     let index = Index::new(root);
     let mut walk = Walk {
         index: &index,
@@ -46,13 +66,22 @@ pub fn link(root: &mut Object, ids: &HashMap<SmolStr, Span>, aliases: &[Alias], 
     }
 }
 
+/// The ids of a document.
+struct Known<'i> {
+    ids: &'i HashMap<SmolStr, Span>,
+    not_read: Option<Span>,
+    /// References to nothing that were not reported.
+    missed: usize,
+}
+
 /// From each alias to the id it stands for.
 fn resolve_aliases<'a>(
-    ids: &HashMap<SmolStr, Span>,
+    known: &mut Known,
     aliases: &'a [Alias],
     diagnostics: &mut Diagnostics,
 ) -> HashMap<&'a str, &'a str> {
     let mut names: HashMap<&str, &str> = HashMap::new();
+    let ids = known.ids;
     for alias in aliases {
         let target = names.get(alias.id.as_str()).copied().unwrap_or(&alias.id);
         if ids.contains_key(alias.name.as_str()) || names.contains_key(alias.name.as_str()) {
@@ -60,34 +89,40 @@ fn resolve_aliases<'a>(
         } else if ids.contains_key(target) {
             names.insert(&alias.name, target);
         } else {
-            report_unknown(&alias.id, alias.span, ids, diagnostics);
+            known.report_missing(&alias.id, alias.span, diagnostics);
         }
     }
     names
 }
 
-fn report_unknown(id: &str, span: Span, ids: &HashMap<SmolStr, Span>, diagnostics: &mut Diagnostics) {
-    let help = match diagnostics.has_many() {
-        true => None,
-        false => did_you_mean(id, ids.keys().map(SmolStr::as_str)),
-    };
-    let message = format!("there is no object with the id {}", quote(id));
-    diagnostics.push(Severity::Error, Some(span), message, help);
+impl Known<'_> {
+    fn report_missing(&mut self, id: &str, span: Span, diagnostics: &mut Diagnostics) {
+        if self.not_read.is_some() {
+            self.missed += 1;
+            return;
+        }
+        let help = match diagnostics.has_many() {
+            true => None,
+            false => did_you_mean(id, self.ids.keys().map(SmolStr::as_str)),
+        };
+        let message = format!("there is no object with the id {}", quote(id));
+        diagnostics.push(Severity::Error, Some(span), message, help);
+    }
 }
 
 fn check_references(
     object: &mut Object,
-    ids: &HashMap<SmolStr, Span>,
+    known: &mut Known,
     names: &HashMap<&str, &str>,
     diagnostics: &mut Diagnostics,
 ) {
     for child in &mut object.children {
         match child {
-            Child::Object(object) => check_references(Arc::make_mut(object), ids, names, diagnostics),
-            Child::Reference { id, .. } if ids.contains_key(id.as_str()) => {}
+            Child::Object(object) => check_references(Arc::make_mut(object), known, names, diagnostics),
+            Child::Reference { id, .. } if known.ids.contains_key(id.as_str()) => {}
             Child::Reference { id, span, .. } => match names.get(id.as_str()) {
                 Some(own_id) => *id = (*own_id).into(),
-                None => report_unknown(id, *span, ids, diagnostics),
+                None => known.report_missing(id, *span, diagnostics),
             },
         }
     }

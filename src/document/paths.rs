@@ -2,8 +2,10 @@
 
 use std::path::{Component, Path, PathBuf};
 
+use crate::files::Access;
+
 /// `path` as seen from `folder`, with `/` between folders. Both are absolute. The result is absolute only for another drive, and for a
-/// folder that is a root, as that of the clipboard.
+/// folder that is a root, as that of the clipboard. A `..` of `path`, as below a folder that does not exist, stays.
 pub fn file_name(path: &Path, folder: &Path) -> String {
     let root = |path: &Path| {
         let parts = path.components();
@@ -21,8 +23,9 @@ pub fn file_name(path: &Path, folder: &Path) -> String {
         .filter(|(part, _)| matches!(part, Component::Normal(_)))
         .count();
     let names = |path: &Path| -> Vec<PathBuf> {
-        let normal = path.components().filter(|part| matches!(part, Component::Normal(_)));
-        normal.map(|part| PathBuf::from(part.as_os_str())).collect()
+        let is_name = |part: &Component| matches!(part, Component::Normal(_) | Component::ParentDir);
+        let names = path.components().filter(is_name);
+        names.map(|part| PathBuf::from(part.as_os_str())).collect()
     };
     let (path, folder) = (names(path), names(folder));
     let up = std::iter::repeat_n("..".into(), folder.len() - common);
@@ -31,13 +34,51 @@ pub fn file_name(path: &Path, folder: &Path) -> String {
     if name.is_empty() { ".".to_owned() } else { name }
 }
 
-/// Absolute, with the folder's links and `..` resolved but not the file's own link: editors replace files, not folders.
+/// Absolute, with the folder's links and `..` resolved but not the file's own link: editors replace files, not folders. Below a folder that does
+/// not exist the path stays as it is.
 pub fn settle(path: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    match (absolute.parent().map(Path::canonicalize), absolute.file_name()) {
-        (Some(Ok(folder)), Some(name)) => folder.join(name),
-        _ => absolute,
+    let mut folders = absolute.ancestors().skip(1);
+    let resolved = folders.find_map(|folder| {
+        let rest = absolute.strip_prefix(folder).ok()?;
+        Some(folder.canonicalize().ok()?.join(rest))
+    });
+    match absolute.file_name() {
+        Some(_) => resolved.unwrap_or(absolute),
+        None => absolute,
     }
+}
+
+/// What [`settle`] makes of `name` in `folder`, if `access` covers that. Otherwise the path as it is named, but for the `..` it begins with:
+/// neither messages nor written files may tell where links lead that the scene must not follow.
+pub fn settle_covered(folder: &Path, name: &Path, access: &Access) -> PathBuf {
+    let joined = folder.join(name);
+    if access.covers(&joined) {
+        return settle(&joined);
+    }
+    let mut place = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+    let mut parts = name.components().peekable();
+    while let Some(part) = parts.next_if(|part| matches!(part, Component::CurDir | Component::ParentDir)) {
+        if part == Component::ParentDir {
+            place.pop();
+        }
+    }
+    place.join(parts.collect::<PathBuf>())
+}
+
+/// Where a file of this name may be: in the given folders, then in the search folders, the last named first.
+pub(super) fn file_candidates(name: &str, folders: &[PathBuf], search_folders: &[PathBuf]) -> Vec<PathBuf> {
+    if Path::new(name).is_absolute() {
+        return vec![PathBuf::from(name)];
+    }
+    let mut candidates: Vec<PathBuf> = Vec::new();
+    for folder in folders.iter().chain(search_folders.iter().rev()) {
+        let candidate = folder.join(name);
+        if !candidates.contains(&candidate) {
+            candidates.push(candidate);
+        }
+    }
+    candidates
 }
 
 #[cfg(test)]
@@ -52,5 +93,23 @@ mod tests {
         assert_eq!(name("/x/c.obj", "/a/scenes"), "../../x/c.obj");
         assert_eq!(name("/x/c.obj", "/"), "/x/c.obj");
         assert_eq!(name("c.obj", "/a"), "c.obj");
+        assert_eq!(
+            name("/a/scenes/absent/../c.png", "/a/other"),
+            "../scenes/absent/../c.png"
+        );
+    }
+
+    #[test]
+    fn what_exists_of_a_path_is_resolved() {
+        let root = tempfile::tempdir().unwrap();
+        std::fs::create_dir_all(root.path().join("a/b")).unwrap();
+        let folder = root.path().canonicalize().unwrap();
+        for (path, expected) in [
+            ("a/b/../c.png", "a/c.png"),
+            ("a/../absent/c.png", "absent/c.png"),
+            ("a/absent/../c.png", "a/absent/../c.png"),
+        ] {
+            assert_eq!(settle(&root.path().join(path)), folder.join(expected));
+        }
     }
 }

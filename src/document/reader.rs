@@ -51,6 +51,12 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.object
     }
 
+    /// Whether one of the object's references leads nowhere.
+    pub fn refers_to_nothing(&self) -> bool {
+        let mut children = self.object.children.iter();
+        children.any(|child| self.index.resolve(child).is_none())
+    }
+
     /// For messages of the caller's own.
     pub fn diagnostics(&mut self) -> &mut Diagnostics {
         self.diagnostics

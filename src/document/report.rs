@@ -63,8 +63,9 @@ impl Diagnostics {
         line
     }
 
-    /// All messages with the lines they speak of, for people; ends with a count if there is more. `width` in columns.
-    pub fn render(&self, color: bool, width: usize) -> String {
+    /// All messages with the lines they speak of, for people; ends with a count if there is more. Messages are not wrapped, so that names of
+    /// files stay whole.
+    pub fn render(&self, color: bool) -> String {
         let theme = GraphicalTheme {
             characters: ThemeCharacters::unicode(),
             styles: if color {
@@ -74,7 +75,7 @@ impl Diagnostics {
             },
         };
         let handler = GraphicalReportHandler::new_themed(theme)
-            .with_width(width.clamp(40, 1000))
+            .with_wrap_lines(false)
             .with_links(false)
             .with_context_lines(0);
         let mut text = String::new();

@@ -22,6 +22,8 @@ const STEPS: usize = 1000;
 pub enum Role {
     /// Radiance and the like: no light but its own, no upper bound.
     Emission,
+    /// Light that is the product of this spectrum and that of D65: no upper bound.
+    Daylight,
     /// Reflectance, transmittance: between 0 and 1.
     Reflectance,
     /// Indices of refraction, extinction: seen under D65, no upper bound.
@@ -143,15 +145,15 @@ pub struct BlackBody {
 }
 
 impl BlackBody {
-    /// The colour of its radiance, as [`SampledSpectrum::to_rgb`] for [`Role::Emission`]. The spectral radiance is in W/(m^2 sr nm) by Planck's law.
-    pub fn to_rgb(self) -> (Vec3, bool) {
+    /// The colour of its radiance, as [`SampledSpectrum::to_rgb`]. The spectral radiance is in W/(m^2 sr nm) by Planck's law.
+    pub fn to_rgb(self, role: Role) -> (Vec3, bool) {
         // The defining constants of the SI.
         const SPEED_OF_LIGHT: f64 = 299_792_458.0;
         const PLANCK: f64 = 6.626_070_15e-34;
         const BOLTZMANN: f64 = 1.380_649e-23;
         const METERS_PER_NM: f64 = 1e-9;
         let range = f64::from(self.first_nm)..=f64::from(self.last_nm);
-        integrate(Role::Emission, |wavelength| {
+        integrate(role, |wavelength| {
             if !range.contains(&wavelength) {
                 return 0.0;
             }
@@ -172,7 +174,7 @@ fn integrate(role: Role, mut value: impl FnMut(f64) -> f64) -> (Vec3, bool) {
         let observer = table(offset, |i| DVec3::from_array(OBSERVER[i]));
         let light = match role {
             Role::Emission => 1.0,
-            Role::Reflectance | Role::Unbounded => table(offset, |i| D65[i]),
+            Role::Daylight | Role::Reflectance | Role::Unbounded => table(offset, |i| D65[i]),
         };
         whole += observer.y * light;
         xyz += observer * light * value(FIRST_NM + offset);

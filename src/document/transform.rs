@@ -88,7 +88,8 @@ fn rotation(axis: Vec3, angle: f32) -> Affine3A {
 mod tests {
     use super::*;
 
-    /// Matrices of a shape's `to_world` in Mitsuba 3.9.1, row by row.
+    /// Matrices of a shape's `to_world` in Mitsuba 3.9.1, row by row. A rotation acts through its matrix alone: the
+    /// matrix places a shape, and its inverse turns the normals, whatever steps it is made of.
     #[test]
     fn axes_of_any_length_give_the_matrices_of_mitsuba() {
         let cases = [

@@ -8,7 +8,7 @@ use bevy::app::PluginsState;
 use bevy::prelude::*;
 
 use super::control::{RenderControl, WakeUp};
-use super::dispatch::Renderer;
+use super::renderer::Renderer;
 use super::status::{RenderState, RenderStatus};
 use crate::scene::{SceneState, SceneStatus};
 

@@ -6,8 +6,8 @@ use bevy::prelude::*;
 
 use super::control::{RenderControl, WakeUp};
 use super::discard::Discard;
-use super::dispatch::Renderer;
 use super::film::RenderFilm;
+use super::renderer::Renderer;
 use super::status::RenderStatus;
 
 /// Time per frame for adding tiles to the film; what is left waits for the next frame.

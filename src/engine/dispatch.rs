@@ -1,7 +1,6 @@
 //! Begins, pauses and continues the job that makes the picture of what was extracted.
 
 use bevy::prelude::*;
-use rayon::ThreadPool;
 
 use super::blas_cache::BlasCache;
 use super::control::{RenderControl, WakeUp};
@@ -10,58 +9,10 @@ use super::extract::Extracted;
 use super::film::RenderFilm;
 use super::goal::Goal;
 use super::job::{Beginning, Job};
-use super::priority;
+use super::renderer::Renderer;
 use super::status::RenderStatus;
 use super::wake::Waker;
 use crate::scene::{SceneState, SceneStatus};
-
-/// The worker threads and what they work on.
-#[derive(Resource, Default)]
-pub(super) struct Renderer {
-    pool: Option<ThreadPool>,
-    job: Option<Job>,
-    /// Why there are no threads.
-    pub failure: Option<String>,
-    /// Waiting for meshes or their acceleration structures before rendering may begin.
-    pub waiting: bool,
-}
-
-impl Renderer {
-    pub fn job(&self) -> Option<&Job> {
-        self.job.as_ref()
-    }
-
-    pub fn job_mut(&mut self) -> Option<&mut Job> {
-        self.job.as_mut()
-    }
-
-    /// A pool of so many threads, in place of one with another number; `yielding` to the window where there is one.
-    fn prepare_pool(&mut self, threads: usize, yielding: bool) {
-        if self
-            .pool
-            .as_ref()
-            .is_some_and(|pool| pool.current_num_threads() == threads)
-        {
-            return;
-        }
-        if let Some(job) = &mut self.job {
-            job.pause();
-        }
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .thread_name(|index| format!("render {index}"))
-            .start_handler(move |_| {
-                if yielding {
-                    priority::yield_to_window();
-                }
-            })
-            .build();
-        match pool {
-            Ok(pool) => (self.pool, self.failure) = (Some(pool), None),
-            Err(error) => self.failure = Some(format!("{threads} render threads cannot be started: {error}")),
-        }
-    }
-}
 
 #[derive(bevy::ecs::system::SystemParam)]
 pub(super) struct Demand<'w> {
@@ -140,7 +91,7 @@ pub(super) fn dispatch_job(
         job.run(pool, &goal, Waker::new(&demand.wake_up));
         if !control.interactive && job.failure.is_none() {
             // Otherwise the last picture stays in the film until the first tile of the new one is there.
-            film.bypass_change_detection().begin(job);
+            job.begin_in(film.bypass_change_detection());
         }
     }
 }

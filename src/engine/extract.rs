@@ -16,7 +16,6 @@ use super::control::{RenderControl, WakeUp};
 use super::current::CurrentScene;
 use super::detect::Dirty;
 use super::discard::Discard;
-use super::dispatch::Renderer;
 use super::light_groups::{LightGroup, group_lights};
 use super::pack::Checker;
 use super::pack::environment::Environments;
@@ -27,6 +26,7 @@ use super::pack::material::material_table;
 use super::pack::surface::{SurfaceSource, pack_surfaces};
 use super::pack::texture::TexturePacker;
 use super::pack::view::pack_view;
+use super::renderer::Renderer;
 use super::status::BvhStatus;
 use crate::accel::{SplitMethod, Tlas};
 use crate::light::{LightSource, LightTable, WeightedSource};
@@ -78,6 +78,8 @@ struct Errors {
     placements: Vec<String>,
     surfaces: Vec<String>,
     emitters: Vec<String>,
+    /// Of emitters that the memory budget has no room for.
+    shortages: Vec<String>,
     view: Vec<String>,
     /// Messages about clip planes, which depend on the view and on the geometry.
     clipping: Vec<String>,
@@ -122,12 +124,17 @@ impl Extracted {
             placements,
             surfaces,
             emitters,
+            shortages,
             view,
             clipping,
         } = &self.errors;
-        [view, clipping, instances, placements, surfaces, emitters]
+        [shortages, view, clipping, instances, placements, surfaces, emitters]
             .into_iter()
             .flatten()
+    }
+
+    pub fn shortages(&self) -> &[String] {
+        &self.errors.shortages
     }
 }
 
@@ -343,10 +350,12 @@ impl Extracted {
         }
         let mut sources = packed.lights;
         self.errors.emitters.clear();
+        self.errors.shortages.clear();
         self.environments.begin_use();
         let mut context = LightContext {
             textures: &mut textures,
             environments: &mut self.environments,
+            shortages: &mut self.errors.shortages,
         };
         authored.pack_emitters(&mut context, &mut sources, &mut self.errors.emitters);
         self.environments.end_use();

@@ -11,7 +11,6 @@ use crate::render::film::Film;
 use crate::render::tile::{Tile, TilePreview};
 use crate::render::view::View;
 
-use super::job::Job;
 use super::light_groups::LightGroup;
 
 /// The film, and what of it has changed since somebody last looked.
@@ -53,16 +52,22 @@ impl RenderFilm {
         result.map_err(|shortage| format!("a film of {} x {} pixels needs {shortage}", view.width, view.height))
     }
 
-    /// Makes room for the job, unless that was done before. Returns the previews of the picture before.
-    pub(super) fn begin(&mut self, job: &Job) -> Vec<Option<TilePreview>> {
-        if self.begun == Some(job.begun) {
+    /// Makes room for the picture of the job that was begun at this time, unless that was done before. Returns the previews of the picture
+    /// before.
+    pub(super) fn begin(
+        &mut self,
+        begun: Instant,
+        view: &View,
+        light_groups: &Arc<[LightGroup]>,
+        is_coarse: bool,
+    ) -> Vec<Option<TilePreview>> {
+        if self.begun == Some(begun) {
             return Vec::new();
         }
-        let view = &job.view;
         let old = self.film.begin(view.width, view.height, view.light_groups.count());
-        self.light_groups = job.light_groups.clone();
-        self.is_coarse = job.is_coarse;
-        self.begun = Some(job.begun);
+        self.light_groups = light_groups.clone();
+        self.is_coarse = is_coarse;
+        self.begun = Some(begun);
         self.job += 1;
         self.samples = 0;
         self.dirty.clear();

@@ -289,6 +289,11 @@ impl Job {
         self.run.as_ref()?.first_result.get().copied()
     }
 
+    /// The film becomes that of this job. Returns the previews of the picture before.
+    pub fn begin_in(&self, film: &mut RenderFilm) -> Vec<Option<TilePreview>> {
+        film.begin(self.begun, &self.view, &self.light_groups, self.is_coarse)
+    }
+
     /// Puts what has arrived into the film, until `deadline`. Returns how many tiles that were.
     /// What is needed no more goes into `discard`.
     pub fn collect(&mut self, film: &mut RenderFilm, deadline: Instant, discard: &Discard) -> usize {
@@ -297,7 +302,7 @@ impl Job {
         while let Some(run) = &self.run {
             match run.results.try_recv() {
                 Ok(TileResult::Preview(preview)) => {
-                    spent.previews.extend(film.begin(self));
+                    spent.previews.extend(self.begin_in(film));
                     self.rays += preview.rays;
                     self.preview_left -= 1;
                     film.mark(preview.tile);
@@ -305,7 +310,7 @@ impl Job {
                     collected += 1;
                 }
                 Ok(TileResult::Samples { index, samples }) => {
-                    spent.previews.extend(film.begin(self));
+                    spent.previews.extend(self.begin_in(film));
                     self.early.insert((index, samples.samples.start), samples);
                     self.add_in_order(index, film, &mut spent);
                     collected += 1;

@@ -18,6 +18,7 @@ mod job;
 mod light_groups;
 mod pack;
 mod priority;
+mod renderer;
 mod report;
 mod run;
 mod schedule;
@@ -70,7 +71,7 @@ impl Plugin for EnginePlugin {
             .init_resource::<discard::Discard>()
             .init_resource::<extract::Extracted>()
             .init_resource::<blas_cache::BlasCache>()
-            .init_resource::<dispatch::Renderer>()
+            .init_resource::<renderer::Renderer>()
             .configure_sets(
                 PostUpdate,
                 (

@@ -5,10 +5,10 @@ use bevy::prelude::*;
 use super::blas_cache::BlasCache;
 use super::control::RenderControl;
 use super::detect::Dirty;
-use super::dispatch::Renderer;
 use super::extract::Extracted;
 use super::goal::Goal;
 use super::job::Job;
+use super::renderer::Renderer;
 use super::status::{RenderState, RenderStatus};
 use crate::scene::{SceneState, SceneStatus};
 
@@ -79,4 +79,8 @@ pub(super) fn report_status(
     status.errors.clear();
     status.errors.extend(failure.cloned());
     status.errors.extend(extracted.errors().take(MOST_ERRORS).cloned());
+    status.shortages.clear();
+    status
+        .shortages
+        .extend(extracted.shortages().iter().take(MOST_ERRORS).cloned());
 }

@@ -41,6 +41,8 @@ pub struct RenderStatus {
     pub builds_running: u32,
     /// What is wrong with the scene or the render, in words; the picture is made without the things named here.
     pub errors: Vec<String>,
+    /// Those of `errors` about things that the memory budget has no room for: the scene is good, but the picture is not the one asked for.
+    pub shortages: Vec<String>,
     pub last_restart: Instant,
     /// From a change to the first tile of the new picture in the film.
     pub latency: LatencyStats,
@@ -68,6 +70,7 @@ impl Default for RenderStatus {
             meshes_loading: 0,
             builds_running: 0,
             errors: Vec::new(),
+            shortages: Vec::new(),
             last_restart: Instant::now(),
             latency: LatencyStats::default(),
             response: LatencyStats::default(),

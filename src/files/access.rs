@@ -11,6 +11,9 @@ use super::reading::{self, FileError};
 /// Refused files are remembered up to this number; a scene can name any number of them.
 const MOST_REFUSED: usize = 1000;
 
+/// As many links in a row are followed as the kernel of Linux follows.
+const MOST_LINKS: usize = 40;
+
 /// A permission to read files. Clones share the list of the files that were refused.
 #[derive(Clone, Debug, Default)]
 pub struct Access {
@@ -40,6 +43,14 @@ impl Access {
         Self {
             own: Some(canonical(folder)),
             ..self
+        }
+    }
+
+    /// The same permission with a list of refused files of its own.
+    pub fn apart(&self) -> Self {
+        Self {
+            refused: Arc::default(),
+            ..self.clone()
         }
     }
 
@@ -139,19 +150,28 @@ fn canonical(folder: &Path) -> PathBuf {
     resolved(folder).unwrap_or_else(|| folder.to_owned())
 }
 
-/// Absolute and without links. The part of the path that does not exist stays as it is; None if that part leads upwards.
+/// Absolute and without links, also without those that lead to nothing. The part of the path that does not exist stays as it is; None if that
+/// part leads upwards, or through more than [`MOST_LINKS`] such links.
 fn resolved(path: &Path) -> Option<PathBuf> {
-    let absolute = std::path::absolute(path).or_else(|_| std::env::current_dir()).ok()?;
-    let (existing, canonical) = absolute
-        .ancestors()
-        .find_map(|part| Some((part, part.canonicalize().ok()?)))?;
-    let rest = absolute.strip_prefix(existing).ok()?;
-    let is_plain = rest.components().all(|part| matches!(part, Component::Normal(_)));
-    // Joining nothing would add a separator.
-    match rest.as_os_str().is_empty() {
-        true => Some(canonical),
-        false => is_plain.then(|| canonical.join(rest)),
+    let mut absolute = std::path::absolute(path).or_else(|_| std::env::current_dir()).ok()?;
+    for _ in 0..MOST_LINKS {
+        let (existing, canonical) = absolute
+            .ancestors()
+            .find_map(|part| Some((part, part.canonicalize().ok()?)))?;
+        let rest = absolute.strip_prefix(existing).ok()?;
+        let mut parts = rest.components();
+        let Some(first) = parts.next() else {
+            return Some(canonical);
+        };
+        let Ok(target) = canonical.join(first).read_link() else {
+            let is_plain = rest.components().all(|part| matches!(part, Component::Normal(_)));
+            return is_plain.then(|| canonical.join(rest));
+        };
+        let mut place = canonical.join(target);
+        place.extend(parts);
+        absolute = place;
     }
+    None
 }
 
 #[cfg(test)]
@@ -240,6 +260,27 @@ mod tests {
         }
         for name in ["scene/a", "scene/inner-link", "way-in/a"] {
             assert!(access.permits(&path(name)), "{name}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_to_nothing_count_where_they_lead() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::create_dir_all(path("scene")).unwrap();
+        symlink(path("other/b"), path("scene/absolute")).unwrap();
+        symlink("../other/b", path("scene/relative")).unwrap();
+        symlink("relative", path("scene/chain")).unwrap();
+        symlink("loop", path("scene/loop")).unwrap();
+        symlink("absent", path("scene/inner")).unwrap();
+        let access = Access::within([path("scene")]);
+        for name in ["absolute", "relative", "chain", "relative/c", "loop"] {
+            assert!(!access.covers(&path("scene").join(name)), "{name}");
+        }
+        for name in ["inner", "inner/c", "absent"] {
+            assert!(access.covers(&path("scene").join(name)), "{name}");
         }
     }
 }

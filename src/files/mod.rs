@@ -2,7 +2,7 @@
 //!
 //! What a scene names is opened through its [`Access`], which may be limited to some folders.
 //!
-//! No other module opens a file for reading (`tests/layering.rs` holds that), so that no device, pipe or endless file is read anywhere.
+//! No other module opens a file for reading (`tests/layering` holds that), so that no device, pipe or endless file is read anywhere.
 
 mod access;
 mod atomic;

@@ -27,7 +27,7 @@ pub enum FileError {
     #[error("is not UTF-8 text")]
     NotUtf8,
     /// Refused by an [`Access`](super::Access).
-    #[error("lies outside the scene's folder, and an untrusted scene may not read it")]
+    #[error("lies outside the scene's folder, and the scene is not allowed to read it, whether it exists or not")]
     Outside,
 }
 

@@ -3,18 +3,29 @@
 use super::schema::{Accessor, Root};
 use super::{Gltf, GltfError};
 
-/// Elements without bytes of their own behind them (accessors that are all zeros but for sparse values) have a limit for all meshes
-/// together: nothing else in the file bounds them.
+/// Elements without bytes of their own behind them (accessors that are all zeros but for sparse values) have a limit for each accessor and for all
+/// meshes together: nothing else in the file bounds them.
 const MOST_ZEROS: usize = 1 << 26;
 
-/// How many such elements the meshes of a file have.
+/// Bytes of memory for such an element, in the mesh and in its file.
+const ZERO_BYTES: u64 = 64;
+
+/// How many such elements the meshes of a file have, without the accessors that are beyond the limit by themselves.
 pub(super) fn count_zeros(root: &Root) -> usize {
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
     let accessors = primitives.flat_map(|primitive| primitive.attributes.values());
     let zeros = accessors
         .filter_map(|&index| root.accessors.get(index))
-        .filter(|accessor| accessor.buffer_view.is_none());
+        .filter(|accessor| accessor.buffer_view.is_none() && accessor.count <= MOST_ZEROS);
     zeros.fold(0, |sum, accessor| sum.saturating_add(accessor.count))
+}
+
+/// Bytes of memory for so many such elements; none where they are too many, for then no mesh is made of them.
+pub(super) fn zero_bytes(zeros: usize) -> u64 {
+    match zeros <= MOST_ZEROS {
+        true => ZERO_BYTES * zeros as u64,
+        false => 0,
+    }
 }
 
 /// The type of one number.
@@ -134,9 +145,9 @@ impl Gltf {
                     None => all.elements().map(element).collect(),
                 }
             }
-            None if self.zeros <= MOST_ZEROS => vec![[0.0; N]; used.map_or(count, <[u32]>::len)],
+            None if self.zeros.max(count) <= MOST_ZEROS => vec![[0.0; N]; used.map_or(count, <[u32]>::len)],
             None => {
-                let zeros = self.zeros;
+                let zeros = self.zeros.max(count);
                 let what = format!("has {count} of {zeros} elements without a buffer, which are too many");
                 return Err(bad(index, what));
             }

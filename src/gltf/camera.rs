@@ -73,11 +73,21 @@ impl Builder<'_> {
         }
         let (radius, framed) = (self.bounds.radius(), self.bounds.framed_radius());
         if radius < framed {
+            let [radius, framed] = [radius, framed].map(rounded);
             self.warn(format!(
-                "the scene has an extent of {radius:e}, too small for a camera to frame: the camera frames {framed:e}"
+                "the scene has an extent of {radius}, too small for a camera to frame: the camera frames {framed}"
             ));
         }
         Ok(overview(self.bounds.center(), framed))
+    }
+}
+
+/// A length to three digits, with an exponent only where it is very large or very small.
+fn rounded(length: f32) -> String {
+    let rounded = format!("{length:.2e}").parse().unwrap_or(length);
+    match rounded == 0.0 || (1e-4..1e7).contains(&rounded) {
+        true => rounded.to_string(),
+        false => format!("{rounded:e}"),
     }
 }
 

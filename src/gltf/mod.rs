@@ -106,9 +106,6 @@ pub struct Gltf {
 /// A buffer, a mesh that is made of it, and the file of that mesh.
 const COPIES: u64 = 3;
 
-/// Bytes of memory for an element of a mesh that no buffer holds, in the mesh and in its file.
-const ZERO_BYTES: u64 = 64;
-
 impl Gltf {
     /// Whether bytes are a glTF file of one kind or the other, rather than XML.
     pub fn is_gltf(bytes: &[u8]) -> bool {
@@ -135,7 +132,7 @@ impl Gltf {
             return Err(GltfError::Extension(name.clone()));
         }
         let zeros = accessor::count_zeros(&root);
-        let mut needed = ZERO_BYTES.saturating_mul(zeros as u64);
+        let mut needed = accessor::zero_bytes(zeros);
         let mut memory = memory::reserve(needed).map_err(GltfError::Memory)?;
         let mut buffers = Vec::with_capacity(root.buffers.len());
         for (index, buffer) in root.buffers.iter().enumerate() {

@@ -15,7 +15,7 @@ use super::{Gltf, GltfError, is_supported};
 use crate::document::write::check_finite;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
 use crate::geometry::mesh::MeshData;
-use crate::math::Aabb;
+use crate::math::{Aabb, is_invertible};
 
 /// How the scene names what goes into files of its own; asked once for each.
 pub trait References {
@@ -158,6 +158,15 @@ impl Builder<'_> {
             affine.w_axis = glam::Vec4::W;
             affine.transpose()
         };
+        let places_something = node.mesh.is_some() || node.camera.is_some() || node.extensions.light.is_some();
+        if places_something && !is_invertible(&Affine3A::from_mat4(world)) {
+            // A scale of zero is how files hide a node for a while (section 3.5.3).
+            let name = node.name.as_deref().unwrap_or("unnamed");
+            self.warn(format!(
+                "node {index} ({name}) is flattened by its transform: it is left out"
+            ));
+            return Ok(());
+        }
         if let Some(mesh) = node.mesh {
             if node.skin.is_some() {
                 self.warn("skins are not read: meshes have their pose at rest".to_owned());

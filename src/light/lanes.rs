@@ -5,7 +5,9 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
+use super::LightReference;
 use crate::color::Rgb;
+use crate::math::PerLane;
 use crate::math::lanes::{FrameLanes, Lanes, Vec3Lanes, offset_origins};
 use crate::sampling::lanes::{RectangleLanes, cosine_hemisphere};
 
@@ -20,6 +22,46 @@ pub struct SoleRectangle {
     pub(super) pdf_area: f32,
     /// Bound on the rounding error of its points.
     pub(super) error: f32,
+}
+
+/// From where light is looked for in each lane, as [`LightReference`].
+#[derive(Clone, Copy, Debug)]
+pub struct ReferenceLanes {
+    pub position: Vec3Lanes,
+    pub normal: Vec3Lanes,
+    /// The lanes that see the half space around their normal only, a bit per lane; the others have no normal.
+    pub halved: u32,
+}
+
+impl PerLane for LightReference {
+    type Lanes = ReferenceLanes;
+
+    #[inline(always)]
+    fn splat(self) -> ReferenceLanes {
+        ReferenceLanes {
+            position: self.position.splat(),
+            normal: self.normal.unwrap_or(Vec3::ZERO).splat(),
+            halved: self.normal.is_some().splat(),
+        }
+    }
+
+    #[inline(always)]
+    fn gather_lane(lanes: &ReferenceLanes, lane: usize) -> Self {
+        Self {
+            position: lanes.position.get(lane),
+            normal: bool::gather_lane(&lanes.halved, lane).then(|| lanes.normal.get(lane)),
+        }
+    }
+
+    #[inline(always)]
+    fn scatter_lane(self, lanes: &mut ReferenceLanes, lane: usize) {
+        let Self { position, normal } = self;
+        lanes.position.set(lane, position);
+        normal.is_some().scatter_lane(&mut lanes.halved, lane);
+        if let Some(normal) = normal {
+            lanes.normal.set(lane, normal);
+        }
+    }
 }
 
 /// A direction towards the light per lane, as [`super::LightSample`].

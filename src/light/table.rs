@@ -177,6 +177,10 @@ impl LightTable {
                 (*id, light.sample(reference, u)?)
             }
         };
+        debug_assert!(
+            sample.wi.is_normalized() && sample.radiance.is_finite() && sample.pdf >= 0.0,
+            "{id:?} is sampled as {sample:?} from {reference:?}"
+        );
         let pdf = pmf * sample.pdf;
         Some((id, LightSample { pdf, ..sample }))
     }

@@ -2,9 +2,18 @@
 
 use glam::{Vec2, Vec3};
 
-use super::BumpOptions;
 use crate::accel::SurfacePoint;
 use crate::math::Frame;
+
+/// How shading copes with normals that are not the surface's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BumpOptions {
+    /// Turn normals that face away from the viewer about the surface's own.
+    pub flip_invalid_normals: bool,
+    /// Soften the border of light and shadow: Estevez, Lecocq and Stein, A Microfacet-Based Shadowing Function to Solve the Bump
+    /// Terminator Problem, Ray Tracing Gems 2019.
+    pub use_shadowing_function: bool,
+}
 
 /// A shading frame whose z may be turned to the back of the surface; the frame itself stays upright.
 #[derive(Clone, Copy, Debug)]

@@ -4,16 +4,13 @@ use std::borrow::Cow;
 
 use glam::Vec3;
 
-use super::bump::{Bump, Orientation, displaced_normal};
-use super::scattering::{Part, Scattering};
-use super::{BumpOptions, Material, MaterialId};
+use super::bump::{Bump, BumpOptions, Orientation, displaced_normal};
+use super::definition::{Material, MaterialId};
+use super::scattering::{LARGEST_MIX, Part, Scattering};
 use crate::accel::SurfacePoint;
 use crate::shading::Bsdf;
 use crate::shading::lanes::BsdfLanes;
 use crate::texture::{Parameter, TexturePoint, TextureTable};
-
-/// Models that a material may mix at one place.
-pub const LARGEST_MIX: usize = 8;
 
 /// Materials inside each other; the stack is finite.
 const DEEPEST: usize = 64;
@@ -212,7 +209,7 @@ impl<'a> Resolver<'a, '_> {
             }
             Material::Mask { nested, opacity } => {
                 let opacity = self.textures.float(*opacity, self.at).clamp(0.0, 1.0);
-                self.scattering.let_through(weight * (1.0 - opacity));
+                self.scattering.add_null_lobe(weight * (1.0 - opacity));
                 self.add(*nested, weight * opacity, orientation, bump);
             }
             Material::NormalMap {
@@ -233,7 +230,7 @@ impl<'a> Resolver<'a, '_> {
                 let normal = displaced_normal(self.point, orientation.frame, gradient);
                 self.add_bumped(*nested, weight, orientation, bump, normal, *options);
             }
-            Material::Null => self.scattering.let_through(weight),
+            Material::Null => self.scattering.add_null_lobe(weight),
         }
     }
 

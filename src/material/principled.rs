@@ -1,6 +1,6 @@
 //! The principled models with textured parameters.
 
-use super::textured::Lookup;
+use super::lookup::Lookup;
 use crate::color::Rgb;
 use crate::shading::{Principled, PrincipledThin, SamplingRates, ThinSamplingRates};
 use crate::texture::Parameter;

@@ -8,9 +8,11 @@ use arrayvec::ArrayVec;
 use glam::{Vec2, Vec3};
 
 use super::bump::{Bump, Orientation};
-use super::nesting::LARGEST_MIX;
 use crate::color::Rgb;
 use crate::shading::{Bsdf, BsdfSample};
+
+/// Models that a material may mix at one place.
+pub const LARGEST_MIX: usize = 8;
 
 /// A model, its share, and how it lies in the world.
 #[derive(Clone, Debug)]
@@ -30,7 +32,7 @@ pub struct Scattering<'a> {
     wo: Vec3,
     parts: ArrayVec<Part<'a>, LARGEST_MIX>,
     /// Share of the light that goes on as if nothing were there.
-    passing: f32,
+    null_share: f32,
 }
 
 /// A delta lobe whose cosine with `wo` is below this goes straight on; reflection does only at grazing angles that no path has.
@@ -82,7 +84,7 @@ impl Single<'_> {
 
 /// A sample that no other part could have found, of a part that was chosen with probability `chosen`.
 fn only(wo: Vec3, part: &Part, sample: BsdfSample, chosen: f32) -> ScatterSample {
-    let straight = || part.bsdf.lets_through() && sample.wi.dot(wo) < STRAIGHT;
+    let straight = || part.bsdf.has_null_lobe() && sample.wi.dot(wo) < STRAIGHT;
     ScatterSample {
         wi: sample.wi,
         weight: sample.weight,
@@ -129,7 +131,7 @@ impl<'a> Scattering<'a> {
         Self {
             wo,
             parts: ArrayVec::new(),
-            passing: 0.0,
+            null_share: 0.0,
         }
     }
 
@@ -138,8 +140,8 @@ impl<'a> Scattering<'a> {
         self.parts.push(part);
     }
 
-    pub(super) fn let_through(&mut self, share: f32) {
-        self.passing += share;
+    pub(super) fn add_null_lobe(&mut self, share: f32) {
+        self.null_share += share;
     }
 
     /// f |cos wi| and the solid angle density with which [`Self::sample`] returns `wi`, both without delta and null lobes.
@@ -152,20 +154,20 @@ impl<'a> Scattering<'a> {
 
     /// A direction for the path to go on, from independent uniform numbers. None if the light is absorbed.
     pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<ScatterSample> {
-        if let ([part], 0.0) = (&self.parts[..], self.passing) {
+        if let ([part], 0.0) = (&self.parts[..], self.null_share) {
             return Some(only(self.wo, part, part.sample(u_lobe, u)?, 1.0));
         }
-        if u_lobe < self.passing {
+        if u_lobe < self.null_share {
             return Some(ScatterSample {
                 wi: -self.wo,
                 weight: Rgb::ONE,
-                pdf: self.passing,
+                pdf: self.null_share,
                 lobe: Lobe::Null,
                 eta: 1.0,
             });
         }
         // All shares add up to 1; rounding may lead beyond the last.
-        let mut left = u_lobe - self.passing;
+        let mut left = u_lobe - self.null_share;
         let mut chosen = self.parts.len().checked_sub(1)?;
         for (index, part) in self.parts.iter().enumerate() {
             if left < part.weight {
@@ -199,15 +201,15 @@ impl<'a> Scattering<'a> {
 
     /// Takes out the one model that this is; None if it is no single one, or lets light pass straight through.
     pub fn take_single(&mut self) -> Option<Single<'a>> {
-        let is_single = self.passing == 0.0 && matches!(&self.parts[..], [part] if !part.bsdf.lets_through());
+        let is_single = self.null_share == 0.0 && matches!(&self.parts[..], [part] if !part.bsdf.has_null_lobe());
         let part = if is_single { self.parts.pop() } else { None };
         part.map(|part| Single { wo: self.wo, part })
     }
 
     /// What a shadow ray against `wo` finds of the light behind.
-    pub fn passing(&self) -> Rgb {
-        let of_part = |part: &Part| part.weight * part.factor(-self.wo) * part.bsdf.passing(part.wo);
-        Rgb::splat(self.passing) + self.parts.iter().map(of_part).sum::<Rgb>()
+    pub fn transmittance(&self) -> Rgb {
+        let of_part = |part: &Part| part.weight * part.factor(-self.wo) * part.bsdf.transmittance(part.wo);
+        Rgb::splat(self.null_share) + self.parts.iter().map(of_part).sum::<Rgb>()
     }
 
     /// Whether some of its light is scattered with a density, so that light sources are worth sampling from here.
@@ -217,7 +219,7 @@ impl<'a> Scattering<'a> {
 
     /// The normal of the half space that all light comes from which [`Self::eval_and_pdf`] counts; None if that is not known, or all of
     /// space.
-    pub fn half_space(&self) -> Option<Vec3> {
+    pub fn one_sided_normal(&self) -> Option<Vec3> {
         match &self.parts[..] {
             [part] if !part.bsdf.transmits() => Some(part.orientation.to_world(Vec3::Z)),
             _ => None,
@@ -227,6 +229,6 @@ impl<'a> Scattering<'a> {
     /// A colour that stands for the surface where a denoiser or a debug view wants one. In [0, 1] for physical parameters.
     pub fn albedo(&self) -> Rgb {
         let of_parts = self.parts.iter().map(|part| part.weight * part.bsdf.albedo());
-        Rgb::splat(self.passing) + of_parts.sum::<Rgb>()
+        Rgb::splat(self.null_share) + of_parts.sum::<Rgb>()
     }
 }

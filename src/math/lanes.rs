@@ -2,7 +2,7 @@
 //!
 //! A condition is a number per lane whose bits are all set or all clear, as comparisons give them, or a bit per lane in a `u32`.
 
-use std::ops::{Add, AddAssign, Mul, Neg, Sub};
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use glam::Vec3;
 use wide::{f32x16, u32x16};
@@ -39,6 +39,12 @@ pub fn lanes_of(bits: u32) -> Lanes {
         1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768,
     ]);
     bytemuck::cast((WordLanes::splat(bits) & BIT_OF_LANE).simd_eq(BIT_OF_LANE))
+}
+
+/// One in the lanes whose bit is set, else zero.
+#[inline(always)]
+pub fn ones_in(bits: u32) -> WordLanes {
+    WordLanes::splat(1) & bytemuck::cast::<_, WordLanes>(lanes_of(bits))
 }
 
 /// The lanes whose bit is set, in order.
@@ -207,6 +213,15 @@ impl Mul<Lanes> for Vec3Lanes {
     #[inline(always)]
     fn mul(self, scale: Lanes) -> Self {
         Self::of(self.x * scale, self.y * scale, self.z * scale)
+    }
+}
+
+/// By the reciprocal, which is not the exact quotient.
+impl Div<Lanes> for Vec3Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, divisor: Lanes) -> Self {
+        self * (Lanes::ONE / divisor)
     }
 }
 

@@ -3,16 +3,23 @@
 //! Vectors, matrices and affine maps are glam's. A transform is named `a_from_b`: it takes coordinates of space b to space a.
 
 mod aabb;
+mod affine;
 mod erf;
 mod frame;
 pub mod lanes;
+mod per_lane;
 mod quadrature;
 mod ray;
+mod real;
 mod rounding;
 
 pub use aabb::Aabb;
+pub use affine::is_invertible;
 pub use erf::{erf, erf_inv};
 pub use frame::Frame;
+pub use per_lane::PerLane;
+pub(crate) use per_lane::per_lane;
 pub use quadrature::gauss_legendre;
 pub use ray::{Ray, offset_origin};
+pub use real::{Real, Word};
 pub use rounding::gamma;

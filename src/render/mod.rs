@@ -2,6 +2,7 @@
 
 pub mod camera;
 pub mod denoise;
+mod dimensions;
 pub mod exposure;
 pub mod film;
 pub mod filter;
@@ -9,11 +10,15 @@ pub mod image_io;
 pub mod inspect;
 mod lanes;
 pub mod light_layers;
+mod mis;
 pub mod noise;
 pub mod observer;
 pub mod path;
+mod path_state;
+mod roulette;
 pub mod scene;
 pub mod tile;
 pub mod tonemap;
+mod transmittance;
 pub mod view;
 pub mod white_balance;

@@ -1,75 +1,25 @@
 //! Unidirectional path tracing with next event estimation and multiple importance sampling (Kajiya 1986; Veach 1997, chapters 9
-//! and 10; PBR 4th ed., section 13.4).
+//! and 10; PBR 4th ed., section 13.4): one path at a time. The same steps for sixteen paths are in [`super::lanes`].
+
+use std::ops::ControlFlow::{self, Break, Continue};
 
 use glam::{Vec2, Vec3};
 
-use super::observer::{Bounce, MetEmitter, PathEnd, PathObserver, PathVertex, SampledLight};
+pub use super::path_state::PathSample;
+
+use super::dimensions::BounceDraw;
+use super::observer::{Bounce, PathEnd, PathObserver, PathVertex, SampledLight};
+use super::path_state::{Arrival, PathState};
+use super::roulette;
 use super::scene::{RenderScene, SurfaceSlot};
-use super::view::{LONGEST_PATH, PathSettings, Strategy};
+use super::transmittance::transmittance;
+use super::view::{LONGEST_PATH, PathSettings};
 use crate::accel::{Detail, Hit, SurfacePoint};
 use crate::color::Rgb;
-use crate::light::{LightId, LightReference, LightSample, SurfaceHit, Target};
-use crate::material::Lobe;
+use crate::light::{LightId, LightReference, LightSample, SurfaceHit};
+use crate::material::{Lobe, ScatterSample, Scattering};
 use crate::math::{Ray, offset_origin};
-use crate::sampling::{SPREAD_DIMENSIONS, Sampler, power_heuristic};
-
-/// What one camera ray brought home.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PathSample {
-    pub radiance: Rgb,
-    /// Guides for the denoiser, taken at the first surface that is not perfectly specular: colour in [0, 1] and world normal.
-    pub albedo: Rgb,
-    pub normal: Vec3,
-    /// Distance from the camera ray's origin to the first surface; 0 where there is none.
-    pub depth: f32,
-    /// None where the camera ray meets nothing.
-    pub first_hit: Option<Hit>,
-    /// Rays traced, shadow rays included.
-    pub rays: u32,
-}
-
-/// Dimensions of the sampler before the first bounce (pixel and lens), and per bounce.
-pub(super) const CAMERA_DIMENSIONS: u32 = 2;
-pub(super) const BOUNCE_DIMENSIONS: u32 = 5;
-/// What the eye sees in the first samples is the noise of the camera and of the first surface.
-const _: () = assert!(SPREAD_DIMENSIONS == CAMERA_DIMENSIONS + BOUNCE_DIMENSIONS);
-
-/// A path goes on with this probability at most, so that bright enclosures end too.
-pub(super) const HIGHEST_SURVIVAL: f32 = 0.95;
-/// Roulette waits so many vertices where the surface has left no choice of direction: what a path brings that has found its way through glass
-/// is much, and rare. Its chance was counted where it was last scattered.
-pub(super) const SPECULAR_GRACE: u32 = 16;
-
-/// How the path came to its current vertex; what the weight of an emitter met there depends on.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Arrival {
-    /// From the camera or a specular bounce: no other technique could have found the emitter.
-    Only,
-    /// By a bsdf with this density per solid angle, leaving `from`.
-    Sampled { pdf: f32, from: LightReference },
-}
-
-/// A path under way.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Path {
-    /// Where it goes next.
-    pub ray: Ray,
-    pub throughput: Rgb,
-    /// Squared relative index of refraction so far: radiance is scaled by it inside glass, and roulette must not see that.
-    pub eta_squared: f32,
-    pub arrival: Arrival,
-    /// Whether the guides of the result are taken.
-    pub guided: bool,
-    /// Surfaces met so far, without the hidden emitters that the camera ray has passed.
-    pub depth: u32,
-    /// Distance from the camera to the origin of its ray, which hidden emitters have moved.
-    passed: f32,
-    /// Whether all surfaces met so far have let the camera ray pass straight on.
-    pub is_straight: bool,
-    pub sampler: Sampler,
-    /// So far.
-    pub result: PathSample,
-}
+use crate::sampling::Sampler;
 
 /// One sample of the radiance arriving along `-ray.dir` at the ray's origin. `observer` is told of it and cannot change it; with `()`
 /// there is none.
@@ -80,32 +30,29 @@ pub fn trace_path(
     sampler: Sampler,
     observer: &mut impl PathObserver,
 ) -> PathSample {
-    let mut path = Path::new(ray, sampler);
+    let mut path = PathState::new(ray, sampler);
     loop {
+        path.rays += 1;
         let hit = scene.geometry.intersect(&path.ray);
         let hit = path.behind_hidden_emitters(scene, settings, hit);
         if !path.advance(scene, settings, hit, observer) {
-            return path.result;
+            return path.sample();
         }
     }
 }
 
-impl Path {
-    pub fn new(ray: Ray, sampler: Sampler) -> Self {
-        Self {
-            ray,
-            throughput: Rgb::ONE,
-            eta_squared: 1.0,
-            arrival: Arrival::Only,
-            guided: false,
-            depth: 0,
-            passed: 0.0,
-            is_straight: true,
-            sampler,
-            result: PathSample::default(),
-        }
-    }
+/// A surface that a path has come to.
+struct Vertex<'a> {
+    point: &'a SurfacePoint,
+    slot: SurfaceSlot,
+    scattering: &'a Scattering<'a>,
+    /// Whether the surface scatters by a density, so that lights are worth sampling from it.
+    is_smooth: bool,
+    /// From where lights are sampled.
+    reference: LightReference,
+}
 
+impl PathState {
     /// What a camera ray meets behind the emitting shapes that the camera does not see, if `hit` is what it meets first. The ray then
     /// starts behind the last of these shapes. As in Mitsuba 3.9, they count for no depth, whichever way they shine.
     #[inline(always)]
@@ -130,11 +77,11 @@ impl Path {
                 break;
             }
             let point = scene.geometry.surface_in(&self.ray, &met, Detail::Plain);
-            self.ray.origin = offset_origin(point.position, point.error, point.geometric_normal, self.ray.dir);
+            self.ray.origin = leave(&point, self.ray.dir);
             self.ray.t_min = 0.0;
             self.ray.t_max -= met.t;
-            self.passed += met.t;
-            self.result.rays += 1;
+            self.record.passed += met.t;
+            self.rays += 1;
             hit = scene.geometry.intersect(&self.ray);
         }
         hit
@@ -149,104 +96,56 @@ impl Path {
         hit: Option<Hit>,
         observer: &mut impl PathObserver,
     ) -> bool {
-        self.result.rays += 1;
+        match self.next_ray(scene, settings, hit, observer) {
+            Continue(()) => true,
+            Break(end) => {
+                observer.ended(end);
+                false
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn next_ray(
+        &mut self,
+        scene: &RenderScene,
+        settings: &PathSettings,
+        hit: Option<Hit>,
+        observer: &mut impl PathObserver,
+    ) -> ControlFlow<PathEnd> {
         let Some(hit) = hit else {
             self.escape(scene, settings, observer);
-            return false;
+            return Break(PathEnd::Escaped);
         };
         let slot = scene.slot(&hit);
         let point = scene.surface(&self.ray, &hit, &slot);
         self.arrive(scene, settings, &hit, &slot, &point, observer);
-
-        let wo = -self.ray.dir;
-        let scattering = scene.scattering(slot.material, &hit, &point, wo);
-        let smooth = scattering.has_smooth_lobe();
-
-        self.depth += 1;
-        let depth = self.depth;
-        if depth >= settings.longest_path() {
-            if !self.guided {
-                self.guide(scattering.albedo(), &slot, &point);
-            }
-            observer.ended(PathEnd::DepthLimit);
-            return false;
-        }
-        let sampler = &mut self.sampler;
-        sampler.start_dimension(CAMERA_DIMENSIONS + (depth - 1) * BOUNCE_DIMENSIONS);
-        let (u_light, u_light_point) = (sampler.next_1d(), sampler.next_2d());
-        let (u_lobe, u_bsdf) = (sampler.next_1d(), sampler.next_2d());
-        let sample = scattering.sample(u_lobe, u_bsdf);
-
-        let passes = sample.is_some_and(|sample| sample.lobe == Lobe::Null);
-        if !self.guided && !passes && (smooth || slot.light.is_some()) {
-            self.guide(scattering.albedo(), &slot, &point);
-        }
-
-        let reference = LightReference {
-            position: point.position,
-            normal: scattering.half_space(),
+        let scattering = scene.scattering(slot.material, &hit, &point, -self.ray.dir);
+        let vertex = Vertex {
+            point: &point,
+            slot,
+            scattering: &scattering,
+            is_smooth: scattering.has_smooth_lobe(),
+            reference: LightReference {
+                position: point.position,
+                normal: scattering.one_sided_normal(),
+            },
         };
-        if smooth && let Some((id, light)) = scene.lights.sample(&reference, u_light, u_light_point) {
-            let (value, pdf) = scattering.eval_and_pdf(light.wi);
-            if let Some(weight) = light_weight(settings.strategy, &light, pdf) {
-                let reflected = self.throughput * value * light.radiance * (weight / light.pdf);
-                let mut sampled = SampledLight {
-                    light: id,
-                    sample: light,
-                    bsdf_pdf: pdf,
-                    weight,
-                    arriving: None,
-                    contribution: Rgb::ZERO,
-                };
-                if reflected != Rgb::ZERO {
-                    let origin = offset_origin(point.position, point.error, point.geometric_normal, light.wi);
-                    let crossings = settings.longest_path() - depth - 1;
-                    let arriving = shadow_ray(scene, origin, light.wi, light.target, crossings, &mut self.result.rays);
-                    sampled.arriving = Some(arriving);
-                    sampled.contribution = reflected * arriving;
-                    self.result.radiance += sampled.contribution;
-                }
-                observer.light_sampled(&sampled);
-            }
+        if settings.is_last(self.depth) {
+            self.take_features(&vertex, true);
+            return Break(PathEnd::DepthLimit);
         }
-
-        let Some(sample) = sample else {
-            observer.ended(PathEnd::Absorbed);
-            return false;
-        };
-        self.throughput *= sample.weight;
-        self.eta_squared *= sample.eta * sample.eta;
-        if self.throughput == Rgb::ZERO {
-            observer.ended(PathEnd::Absorbed);
-            return false;
+        let u_lobe = self.sampler.at_1d(BounceDraw::Lobe.at(self.depth));
+        let u_direction = self.sampler.at_2d(BounceDraw::Direction.at(self.depth));
+        let sample = scattering.sample(u_lobe, u_direction);
+        if !sample.is_some_and(|sample| sample.lobe == Lobe::Null) {
+            self.take_features(&vertex, false);
         }
-        self.is_straight &= sample.lobe == Lobe::Null;
-        match sample.lobe {
-            Lobe::Smooth => {
-                self.arrival = Arrival::Sampled {
-                    pdf: sample.pdf,
-                    from: reference,
-                }
-            }
-            Lobe::Delta => self.arrival = Arrival::Only,
-            // Shadow rays pass as well: the weights stay those of the vertex before.
-            Lobe::Null => {}
+        if vertex.is_smooth {
+            self.sample_light(scene, settings, &vertex, observer);
         }
-        self.ray = Ray::new(
-            offset_origin(point.position, point.error, point.geometric_normal, sample.wi),
-            sample.wi,
-        );
-
-        let mut survival = 1.0;
-        let grace = if sample.lobe == Lobe::Smooth { 0 } else { SPECULAR_GRACE };
-        if depth >= settings.rr_depth.saturating_add(grace) {
-            survival = (self.throughput.max_element() * self.eta_squared).min(HIGHEST_SURVIVAL);
-            if self.sampler.next_1d() >= survival {
-                observer.ended(PathEnd::Roulette);
-                return false;
-            }
-            self.throughput /= survival;
-        }
+        let sample = self.bounce(&vertex, sample)?;
+        let survival = self.play_roulette(settings, sample.lobe)?;
         observer.bounced(&Bounce {
             wi: sample.wi,
             lobe: sample.lobe,
@@ -254,7 +153,7 @@ impl Path {
             survival,
             throughput: self.throughput,
         });
-        true
+        Continue(())
     }
 
     /// Leaves the scene.
@@ -262,27 +161,21 @@ impl Path {
     pub fn escape(&mut self, scene: &RenderScene, settings: &PathSettings, observer: &mut impl PathObserver) {
         let is_hidden = settings.hide_emitters && self.is_straight;
         if settings.max_depth > 0 && !is_hidden {
+            let wi = self.ray.dir;
             for &light in scene.lights.infinite() {
-                let wi = self.ray.dir;
-                let (radiance, pdf) = match &self.arrival {
-                    Arrival::Sampled { from, .. } => scene.lights.radiance_and_pdf_from(light, from, wi),
-                    Arrival::Only => (scene.lights.radiance_from(light, wi), 0.0),
+                let (radiance, light_pdf) = match self.arrival.is_sampled {
+                    true => scene.lights.radiance_and_pdf_from(light, &self.arrival.from, wi),
+                    false => (scene.lights.radiance_from(light, wi), 0.0),
                 };
-                let found = self.arrival.weigh(settings.strategy, |_| pdf);
-                let met = found.emitter(light, radiance, self.throughput);
-                self.result.radiance += met.contribution;
-                observer.emitter_met(&met);
+                self.add_emitter(settings, light, radiance, |_| light_pdf, observer);
             }
         }
-        if !self.guided {
-            self.result.albedo = self.result.radiance.clamp(Rgb::ZERO, Rgb::ONE);
-        }
-        observer.ended(PathEnd::Escaped);
+        self.record.escape(self.radiance);
     }
 
     /// Comes to the surface at `hit` and sees what it emits.
     #[inline(always)]
-    pub fn arrive(
+    fn arrive(
         &mut self,
         scene: &RenderScene,
         settings: &PathSettings,
@@ -292,10 +185,7 @@ impl Path {
         observer: &mut impl PathObserver,
     ) {
         if self.depth == 0 {
-            let mut first = *hit;
-            first.t += self.passed;
-            self.result.depth = first.t;
-            self.result.first_hit = Some(first);
+            self.record.meet(hit);
         }
         observer.vertex(&PathVertex {
             position: point.position,
@@ -303,143 +193,158 @@ impl Path {
             instance: hit.instance,
             material: slot.material,
         });
-        if let Some(light) = slot.light
-            && settings.max_depth > 0
-        {
-            let on_light = SurfaceHit {
-                position: point.position,
-                normal: point.geometric_normal,
-                shading_normal: point.shading_normal,
-                primitive: hit.primitive,
-                barycentric: Vec2::new(hit.u, hit.v),
-                uv: point.uv,
-            };
-            let emitted = scene.lights.emitted(light, &on_light, -self.ray.dir);
-            if emitted != Rgb::ZERO {
-                let found = self.arrival.weigh(settings.strategy, |from| {
-                    scene.lights.pdf_of_hit(light, from, &on_light)
-                });
-                let met = found.emitter(light, emitted, self.throughput);
-                self.result.radiance += met.contribution;
-                observer.emitter_met(&met);
-            }
+        if let Some(light) = slot.light {
+            self.see_light(scene, settings, hit, light, point, observer);
+        }
+        self.depth += 1;
+    }
+
+    /// Adds what the surface at `hit`, which is a part of `light`, emits towards the path.
+    #[inline(always)]
+    pub fn see_light(
+        &mut self,
+        scene: &RenderScene,
+        settings: &PathSettings,
+        hit: &Hit,
+        light: LightId,
+        point: &SurfacePoint,
+        observer: &mut impl PathObserver,
+    ) {
+        if settings.max_depth == 0 {
+            return;
+        }
+        let on_light = SurfaceHit {
+            position: point.position,
+            normal: point.geometric_normal,
+            shading_normal: point.shading_normal,
+            primitive: hit.primitive,
+            barycentric: Vec2::new(hit.u, hit.v),
+            uv: point.uv,
+        };
+        let emitted = scene.lights.emitted(light, &on_light, -self.ray.dir);
+        if emitted != Rgb::ZERO {
+            let light_pdf = |from: &LightReference| scene.lights.pdf_of_hit(light, from, &on_light);
+            self.add_emitter(settings, light, emitted, light_pdf, observer);
         }
     }
 
-    /// Tells the denoiser of the surface that the path has come to, whose colour is `albedo` unless it is a light.
-    pub fn guide(&mut self, albedo: Rgb, slot: &SurfaceSlot, point: &SurfacePoint) {
-        self.guided = true;
-        let colour = match slot.light {
-            Some(_) => Rgb::ONE,
-            None => albedo,
-        };
-        self.result.albedo = (self.throughput * colour).clamp(Rgb::ZERO, Rgb::ONE);
-        self.result.normal = point.shading_normal;
+    /// Adds the `radiance` of an emitter that the path has come upon. `light_pdf`: see [`Arrival::weigh`].
+    #[inline(always)]
+    fn add_emitter(
+        &mut self,
+        settings: &PathSettings,
+        light: LightId,
+        radiance: Rgb,
+        light_pdf: impl FnOnce(&LightReference) -> f32,
+        observer: &mut impl PathObserver,
+    ) {
+        let met = self
+            .arrival
+            .weigh(settings.strategy, light_pdf)
+            .emitter(light, radiance, self.throughput);
+        self.radiance += met.contribution;
+        observer.emitter_met(&met);
     }
-}
 
-/// The share of a light's radiance that arrives at `origin` from `target`, in the direction `wi`, through at most `crossings` surfaces
-/// that let it pass.
-///
-/// The ray follows one straight line. At each surface its origin moves to the far side of that surface. For a target that is a point the
-/// ray is then aimed again, which corrects the rounding of that move, but only if the target lies on the far side as well. Otherwise the
-/// target is at the surface itself, within rounding, and the ray has arrived. The distance to the target therefore falls at each crossing:
-/// with `r` from the surface to the target, `n` the normal to the far side and `d` the move, `|r - d n|^2 < |r|^2 - d^2` as `n . r > d`.
-pub(super) fn shadow_ray(
-    scene: &RenderScene,
-    origin: Vec3,
-    wi: Vec3,
-    target: Target,
-    crossings: u32,
-    rays: &mut u32,
-) -> Rgb {
-    let mut shadow = match target {
-        Target::Point(target) => Ray::segment(origin, target),
-        Target::Infinity => Ray::new(origin, wi),
-    };
-    let mut arriving = Rgb::ONE;
-    for crossed in 0.. {
-        *rays += 1;
-        if !scene.materials.lets_through() {
-            if scene.geometry.occluded(&shadow) {
-                return Rgb::ZERO;
-            }
-            break;
+    fn take_features(&mut self, vertex: &Vertex, is_last: bool) {
+        let is_light = vertex.slot.light.is_some();
+        if self.record.wants_features(vertex.is_smooth, is_light, is_last) {
+            let (albedo, normal) = (vertex.scattering.albedo(), vertex.point.shading_normal);
+            self.record.take_features(self.throughput, albedo, normal, is_light);
         }
-        let Some(hit) = scene.geometry.intersect(&shadow) else {
-            break;
-        };
-        if crossed >= crossings {
-            return Rgb::ZERO;
-        }
-        let slot = scene.slot(&hit);
-        let point = scene.surface(&shadow, &hit, &slot);
-        arriving *= scene.scattering(slot.material, &hit, &point, -wi).passing();
-        if arriving == Rgb::ZERO {
-            break;
-        }
-        let normal = point.geometric_normal;
-        let beyond = offset_origin(point.position, point.error, normal, shadow.dir);
-        shadow = match target {
-            Target::Infinity => Ray::new(beyond, wi),
-            Target::Point(target) => {
-                let rest = Ray::segment(beyond, target);
-                if rest.dir.dot(normal) * shadow.dir.dot(normal) <= 0.0 {
-                    break;
-                }
-                rest
-            }
-        };
     }
-    arriving
-}
 
-/// What an emitter counts that the path has come upon, and why.
-struct Found {
-    weight: f32,
-    bsdf_pdf: Option<f32>,
-    light_pdf: Option<f32>,
-}
-
-impl Arrival {
-    /// `light_pdf`: the density with which sampling the lights would have found it from there.
-    fn weigh(&self, strategy: Strategy, light_pdf: impl FnOnce(&LightReference) -> f32) -> Found {
-        let (weight, bsdf_pdf, light_pdf) = match (self, strategy) {
-            (Self::Only, _) => (1.0, None, None),
-            (Self::Sampled { pdf, .. }, Strategy::Bsdf) => (1.0, Some(*pdf), None),
-            (Self::Sampled { pdf, .. }, Strategy::Light) => (0.0, Some(*pdf), None),
-            (Self::Sampled { pdf, from }, Strategy::Mis) => {
-                let light_pdf = light_pdf(from);
-                (power_heuristic(*pdf, light_pdf), Some(*pdf), Some(light_pdf))
-            }
+    /// Looks for a light from the vertex and adds what of it is scattered along the path (next event estimation).
+    #[inline(always)]
+    fn sample_light(
+        &mut self,
+        scene: &RenderScene,
+        settings: &PathSettings,
+        vertex: &Vertex,
+        observer: &mut impl PathObserver,
+    ) {
+        let u_choice = self.sampler.at_1d(BounceDraw::LightChoice.at(self.depth));
+        let u_point = self.sampler.at_2d(BounceDraw::LightPoint.at(self.depth));
+        let Some((id, light)) = scene.lights.sample(&vertex.reference, u_choice, u_point) else {
+            return;
         };
-        Found {
-            weight,
+        let strategy = settings.strategy;
+        if !light.is_delta && !strategy.samples_lights() {
+            return;
+        }
+        let (value, bsdf_pdf) = vertex.scattering.eval_and_pdf(light.wi);
+        let weight = strategy.light_weight(light.is_delta, light.pdf, bsdf_pdf);
+        let reflected = self.throughput * value * light.radiance * (weight / light.pdf);
+        let mut sampled = SampledLight {
+            light: id,
+            sample: light,
             bsdf_pdf,
-            light_pdf,
+            weight,
+            arriving: None,
+            contribution: Rgb::ZERO,
+        };
+        if reflected != Rgb::ZERO {
+            let arriving = self.trace_shadow_ray(scene, settings, vertex.point, &light);
+            sampled.arriving = Some(arriving);
+            sampled.contribution = reflected * arriving;
+            self.radiance += sampled.contribution;
         }
+        observer.light_sampled(&sampled);
+    }
+
+    /// The share of a light's radiance that arrives at the path's vertex.
+    fn trace_shadow_ray(
+        &mut self,
+        scene: &RenderScene,
+        settings: &PathSettings,
+        point: &SurfacePoint,
+        light: &LightSample,
+    ) -> Rgb {
+        let crossings = settings.crossings(self.depth);
+        let origin = leave(point, light.wi);
+        transmittance(scene, origin, light.wi, light.target, crossings, &mut self.rays)
+    }
+
+    /// Turns the path to where the surface has sent it on.
+    #[inline(always)]
+    fn bounce(&mut self, vertex: &Vertex, sample: Option<ScatterSample>) -> ControlFlow<PathEnd, ScatterSample> {
+        let Some(sample) = sample else {
+            return Break(PathEnd::Absorbed);
+        };
+        self.throughput *= sample.weight;
+        self.eta_squared = roulette::eta_squared(self.eta_squared, sample.eta);
+        if self.throughput == Rgb::ZERO {
+            return Break(PathEnd::Absorbed);
+        }
+        self.is_straight &= sample.lobe == Lobe::Null;
+        // Shadow rays pass through null lobes as well: the weights stay those of the vertex before.
+        if sample.lobe != Lobe::Null {
+            self.arrival = Arrival {
+                is_sampled: sample.lobe == Lobe::Smooth,
+                pdf: sample.pdf,
+                from: vertex.reference,
+            };
+        }
+        self.ray = Ray::new(leave(vertex.point, sample.wi), sample.wi);
+        Continue(sample)
+    }
+
+    /// Ends the path at random, or returns the probability with which it has gone on.
+    #[inline(always)]
+    fn play_roulette(&mut self, settings: &PathSettings, lobe: Lobe) -> ControlFlow<PathEnd, f32> {
+        if !roulette::is_played::<f32>(settings, self.depth, lobe == Lobe::Smooth) {
+            return Continue(1.0);
+        }
+        let survival = roulette::survival(self.throughput.max_element(), self.eta_squared);
+        if self.sampler.at_1d(BounceDraw::Roulette.at(self.depth)) >= survival {
+            return Break(PathEnd::Roulette);
+        }
+        self.throughput /= survival;
+        Continue(survival)
     }
 }
 
-impl Found {
-    fn emitter(self, light: LightId, radiance: Rgb, throughput: Rgb) -> MetEmitter {
-        MetEmitter {
-            light,
-            radiance,
-            bsdf_pdf: self.bsdf_pdf,
-            light_pdf: self.light_pdf,
-            weight: self.weight,
-            contribution: throughput * radiance * self.weight,
-        }
-    }
-}
-
-/// Weight of light found by sampling the lights, where the bsdf has density `bsdf_pdf`; None when the strategy does not use it.
-fn light_weight(strategy: Strategy, light: &LightSample, bsdf_pdf: f32) -> Option<f32> {
-    match strategy {
-        _ if light.is_delta => Some(1.0),
-        Strategy::Bsdf => None,
-        Strategy::Light => Some(1.0),
-        Strategy::Mis => Some(power_heuristic(light.pdf, bsdf_pdf)),
-    }
+/// Where a ray starts that leaves a surface in direction `dir`.
+fn leave(point: &SurfacePoint, dir: Vec3) -> Vec3 {
+    offset_origin(point.position, point.error, point.geometric_normal, dir)
 }

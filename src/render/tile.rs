@@ -124,9 +124,10 @@ pub fn render_tile(
         invalid: 0,
     };
     let mut layers = LayerSums::new(&view.light_groups);
-    let rows_at_once = match Traced::settings_for_lanes(view) {
-        Some(_) => (SAMPLES_AT_ONCE / (tile.width * samples.len() as u32).max(1)).max(1),
-        None => 1,
+    let tracer = Tracer::of(view);
+    let rows_at_once = match tracer {
+        Tracer::Lanes(_) => (SAMPLES_AT_ONCE / (tile.width * samples.len() as u32).max(1)).max(1),
+        Tracer::OneByOne => 1,
     };
     let bottom = tile.y + tile.height;
     for top in (tile.y..bottom).step_by(rows_at_once as usize) {
@@ -135,7 +136,7 @@ pub fn render_tile(
         let jobs = pixels
             .clone()
             .flat_map(|pixel| samples.clone().map(move |index| Job { pixel, index }));
-        let mut traced = Traced::new(scene, view, jobs, cancel)?;
+        let mut traced = tracer.trace(scene, view, jobs, cancel)?;
         for pixel in pixels {
             let mut sum = PixelSum::default();
             layers.begin_pixel();
@@ -192,7 +193,7 @@ pub fn render_preview(
             index: 0,
         })
     });
-    let mut traced = Traced::new(scene, view, jobs.clone(), cancel)?;
+    let mut traced = Tracer::of(view).trace(scene, view, jobs.clone(), cancel)?;
     for job in jobs {
         layers.begin_pixel();
         let (sample, _) = traced.next(job, &mut layers);
@@ -209,44 +210,54 @@ pub fn render_preview(
     Some(result)
 }
 
-/// Samples one after another: from lanes where those suit, else traced when they are asked for.
+/// How the samples of a tile are traced.
+enum Tracer {
+    /// Side by side, all paths with the same settings.
+    Lanes(PathSettings),
+    /// Where paths are not all alike, or are watched.
+    OneByOne,
+}
+
+impl Tracer {
+    fn of(view: &View) -> Self {
+        match view.integrator {
+            Integrator::Path(settings) if view.light_groups.count() == 0 => Self::Lanes(settings),
+            _ => Self::OneByOne,
+        }
+    }
+
+    /// The samples of `jobs`. None if cancelled.
+    fn trace<'a>(
+        &self,
+        scene: &'a RenderScene,
+        view: &'a View,
+        jobs: impl Iterator<Item = Job>,
+        cancel: &AtomicBool,
+    ) -> Option<Traced<'a>> {
+        let from_lanes = match self {
+            Self::Lanes(settings) => {
+                let jobs: Vec<Job> = jobs.collect();
+                Some(lanes::trace(scene, view, settings, &jobs, cancel)?.into_iter())
+            }
+            Self::OneByOne if cancel.load(Ordering::Relaxed) => return None,
+            Self::OneByOne => None,
+        };
+        Some(Traced {
+            scene,
+            view,
+            from_lanes,
+        })
+    }
+}
+
+/// Samples one after another: from lanes, else traced when they are asked for.
 struct Traced<'a> {
     scene: &'a RenderScene,
     view: &'a View,
     from_lanes: Option<std::vec::IntoIter<(PathSample, f32)>>,
 }
 
-impl<'a> Traced<'a> {
-    /// None where paths are traced one by one: they are not all alike, or are watched.
-    fn settings_for_lanes(view: &View) -> Option<PathSettings> {
-        match view.integrator {
-            Integrator::Path(settings) if view.light_groups.count() == 0 => Some(settings),
-            _ => None,
-        }
-    }
-
-    /// None if cancelled.
-    fn new(
-        scene: &'a RenderScene,
-        view: &'a View,
-        jobs: impl Iterator<Item = Job>,
-        cancel: &AtomicBool,
-    ) -> Option<Self> {
-        let from_lanes = match Self::settings_for_lanes(view) {
-            Some(settings) => {
-                let jobs: Vec<Job> = jobs.collect();
-                Some(lanes::trace(scene, view, &settings, &jobs, cancel)?.into_iter())
-            }
-            None if cancel.load(Ordering::Relaxed) => return None,
-            None => None,
-        };
-        Some(Self {
-            scene,
-            view,
-            from_lanes,
-        })
-    }
-
+impl Traced<'_> {
     /// The next sample and what its light counts; `job` is the next of the list.
     fn next(&mut self, job: Job, layers: &mut LayerSums) -> (PathSample, f32) {
         match self.from_lanes.as_mut().and_then(Iterator::next) {

@@ -3,6 +3,7 @@
 use glam::{UVec2, Vec2};
 
 use super::camera::Camera;
+use super::dimensions::{FILTER, LENS};
 use super::filter::PixelFilter;
 use super::light_layers::LightGroups;
 use crate::math::Ray;
@@ -55,6 +56,18 @@ impl PathSettings {
     pub fn longest_path(&self) -> u32 {
         self.max_depth.min(LONGEST_PATH)
     }
+
+    /// Whether a path ends at the surface that is its number `depth`, counted from 1.
+    #[inline(always)]
+    pub(super) fn is_last(&self, depth: u32) -> bool {
+        depth >= self.longest_path()
+    }
+
+    /// Surfaces that a shadow ray may pass that leaves the surface number `depth` of a path, which is not the last one.
+    #[inline(always)]
+    pub(super) fn crossings(&self, depth: u32) -> u32 {
+        self.longest_path() - depth - 1
+    }
 }
 
 /// How light is looked for at a bounce.
@@ -74,7 +87,6 @@ pub struct CameraSample {
     pub ray: Ray,
     /// What the light along the ray counts, by the filter; 1 on average.
     pub weight: f32,
-    /// With the dimensions that are left to the path.
     pub sampler: Sampler,
 }
 
@@ -96,11 +108,11 @@ impl View {
     }
 
     pub fn camera_sample(&self, pixel: UVec2, sample_index: u32) -> CameraSample {
-        let mut sampler = Sampler::new(self.sequence, pixel, sample_index, self.seed);
-        let place = self.filter.sample(sampler.next_2d());
+        let sampler = Sampler::new(self.sequence, pixel, sample_index, self.seed);
+        let place = self.filter.sample(sampler.at_2d(FILTER));
         let film = (pixel.as_vec2() + 0.5 + place.offset) / Vec2::new(self.width as f32, self.height as f32);
         CameraSample {
-            ray: self.camera.ray(film, sampler.next_2d()),
+            ray: self.camera.ray(film, sampler.at_2d(LENS)),
             weight: place.weight,
             sampler,
         }

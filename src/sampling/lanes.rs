@@ -5,6 +5,7 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 pub use super::spherical_rectangle_lanes::RectangleLanes;
 
 use super::sampler::{BLOCK_BITS, Counter, OF_PLACE, QUADS, SPREAD_DIMENSIONS, Sampler, SequenceKind, place_in_block};
+use crate::math::PerLane;
 use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes};
 
 /// The samplers of sixteen paths, whatever their pixels and indices.
@@ -15,13 +16,6 @@ pub struct SamplerLanes {
 }
 
 impl SamplerLanes {
-    pub fn new(kind: SequenceKind) -> Self {
-        Self {
-            kind,
-            counter: Counter::default(),
-        }
-    }
-
     /// Those of [`Sampler::new`] for the pixels (x, y) and sample indices of all lanes.
     pub fn of_pixels(kind: SequenceKind, [x, y]: [WordLanes; 2], index: WordLanes, seed: u32) -> Self {
         let [of_pixel, ..] = pcg3d([x, y, word(seed)]);
@@ -44,31 +38,7 @@ impl SamplerLanes {
         }
     }
 
-    /// That of lane `lane`, at dimension 0.
-    pub fn get(&self, lane: usize) -> Sampler {
-        let of_lane = |words: &WordLanes| words.as_array()[lane];
-        let counter = Counter {
-            pixel: of_lane(&self.counter.pixel),
-            block: of_lane(&self.counter.block),
-            place: of_lane(&self.counter.place),
-            index: of_lane(&self.counter.index),
-        };
-        Sampler::of_counter(self.kind, counter)
-    }
-
-    /// From now on lane `lane` has the numbers of `sampler`, which must be of this kind.
-    pub fn set(&mut self, lane: usize, sampler: &Sampler) {
-        let own = &sampler.counter;
-        let mut set = |words: fn(&mut Counter<WordLanes>) -> &mut WordLanes, word: u32| {
-            words(&mut self.counter).as_mut_array()[lane] = word;
-        };
-        set(|counter| &mut counter.pixel, own.pixel);
-        set(|counter| &mut counter.block, own.block);
-        set(|counter| &mut counter.place, own.place);
-        set(|counter| &mut counter.index, own.index);
-    }
-
-    /// What [`Sampler::next_1d`] gives at these dimensions.
+    /// What [`Sampler::at_1d`] gives at these dimensions.
     #[inline(always)]
     pub fn at_1d(&self, dimension: WordLanes) -> Lanes {
         unit_floats(match self.kind {
@@ -80,7 +50,7 @@ impl SamplerLanes {
         })
     }
 
-    /// What [`Sampler::next_2d`] gives at these dimensions.
+    /// What [`Sampler::at_2d`] gives at these dimensions.
     #[inline(always)]
     pub fn at_2d(&self, dimension: WordLanes) -> [Lanes; 2] {
         let [x, y] = match self.kind {
@@ -124,6 +94,60 @@ impl SamplerLanes {
             }
         }
         (index, seeds)
+    }
+}
+
+/// Samplers of one kind.
+impl PerLane for Sampler {
+    type Lanes = SamplerLanes;
+
+    #[inline(always)]
+    fn splat(self) -> SamplerLanes {
+        let Counter {
+            pixel,
+            block,
+            place,
+            index,
+        } = self.counter;
+        SamplerLanes {
+            kind: self.kind,
+            counter: Counter {
+                pixel: word(pixel),
+                block: word(block),
+                place: word(place),
+                index: word(index),
+            },
+        }
+    }
+
+    #[inline(always)]
+    fn gather_lane(lanes: &SamplerLanes, lane: usize) -> Self {
+        let of_lane = |words: &WordLanes| words.as_array()[lane];
+        Self {
+            kind: lanes.kind,
+            counter: Counter {
+                pixel: of_lane(&lanes.counter.pixel),
+                block: of_lane(&lanes.counter.block),
+                place: of_lane(&lanes.counter.place),
+                index: of_lane(&lanes.counter.index),
+            },
+        }
+    }
+
+    #[inline(always)]
+    fn scatter_lane(self, lanes: &mut SamplerLanes, lane: usize) {
+        debug_assert_eq!(self.kind, lanes.kind);
+        let Counter {
+            pixel,
+            block,
+            place,
+            index,
+        } = self.counter;
+        let of_all = &mut lanes.counter;
+        pixel.scatter_lane(&mut of_all.pixel, lane);
+        block.scatter_lane(&mut of_all.block, lane);
+        place.scatter_lane(&mut of_all.place, lane);
+        index.scatter_lane(&mut of_all.index, lane);
     }
 }
 
@@ -241,45 +265,36 @@ pub fn cosine_hemisphere(u: [Lanes; 2]) -> Vec3Lanes {
     Vec3Lanes::of(x, y, z)
 }
 
-/// [`super::power_heuristic`] of densities that are not both infinite.
-#[inline(always)]
-pub fn power_heuristics(pdf: Lanes, other_pdf: Lanes) -> Lanes {
-    let ratio = other_pdf / pdf;
-    (Lanes::ONE / ratio.mul_add(ratio, Lanes::ONE)) & pdf.simd_ne(Lanes::ZERO)
-}
-
 #[cfg(test)]
 mod tests {
     use glam::{UVec2, Vec2};
 
     use super::*;
     use crate::math::lanes::LANES;
-    use crate::sampling::{power_heuristic, warp};
+    use crate::sampling::warp;
 
     #[test]
     fn numbers_are_the_samplers() {
         for kind in [SequenceKind::Independent, SequenceKind::Sobol] {
             let pixel = |lane: u32| UVec2::new(17 * lane, 1000 - lane);
-            let mut samplers: Vec<Sampler> = (0..LANES as u32)
+            let samplers: Vec<Sampler> = (0..LANES as u32)
                 .map(|lane| Sampler::new(kind, pixel(lane), lane * lane, 5))
                 .collect();
             let words = |of_lane: &dyn Fn(u32) -> u32| WordLanes::new(std::array::from_fn(|lane| of_lane(lane as u32)));
             let pixels = [words(&|lane| pixel(lane).x), words(&|lane| pixel(lane).y)];
             let begun = SamplerLanes::of_pixels(kind, pixels, words(&|lane| lane * lane), 5);
-            let mut lanes = SamplerLanes::new(kind);
+            let mut lanes = samplers[0].splat();
             for (lane, sampler) in samplers.iter().enumerate() {
-                lanes.set(lane, sampler);
-                assert_eq!(lanes.get(lane).counter, sampler.counter);
-                assert_eq!(begun.get(lane).counter, sampler.counter);
+                sampler.scatter_lane(&mut lanes, lane);
+                assert_eq!(Sampler::gather_lane(&lanes, lane).counter, sampler.counter);
+                assert_eq!(Sampler::gather_lane(&begun, lane).counter, sampler.counter);
             }
             for dimension in [0, 1, 2, 77, 12_345] {
                 let dimensions: [u32; LANES] = std::array::from_fn(|lane| dimension + lane as u32);
                 let (single, pair) = (lanes.at_1d(dimensions.into()), lanes.at_2d(dimensions.into()));
-                for (lane, sampler) in samplers.iter_mut().enumerate() {
-                    sampler.start_dimension(dimensions[lane]);
-                    assert_eq!(single.as_array()[lane], sampler.next_1d());
-                    sampler.start_dimension(dimensions[lane]);
-                    let expected = sampler.next_2d();
+                for (lane, sampler) in samplers.iter().enumerate() {
+                    assert_eq!(single.as_array()[lane], sampler.at_1d(dimensions[lane]));
+                    let expected = sampler.at_2d(dimensions[lane]);
                     assert_eq!(pair.map(|numbers| numbers.as_array()[lane]), expected.to_array());
                 }
             }
@@ -287,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn disks_and_weights_are_those_of_one() {
+    fn disks_are_those_of_one() {
         let at = |k: usize| Vec2::new((k as f32 * 0.618_034).fract(), (k as f32 * 0.414_214).fract());
         for start in (0..4096).step_by(LANES) {
             let mut points: [Vec2; LANES] = std::array::from_fn(|lane| at(start + lane));
@@ -295,15 +310,11 @@ mod tests {
             let u = points.map(|point| point.x);
             let v = points.map(|point| point.y);
             let [x, y] = concentric_disk([u.into(), v.into()]);
-            let weight = power_heuristics(u.into(), v.into());
             for (lane, &point) in points.iter().enumerate() {
                 let expected = warp::concentric_disk(point);
                 let found = Vec2::new(x.as_array()[lane], y.as_array()[lane]);
                 assert!(found.abs_diff_eq(expected, 1e-6), "{found} {expected}");
-                let expected = power_heuristic(point.x, point.y);
-                assert!((weight.as_array()[lane] - expected).abs() < 1e-6);
             }
         }
-        assert_eq!(power_heuristics(Lanes::ZERO, Lanes::ONE).as_array()[0], 0.0);
     }
 }

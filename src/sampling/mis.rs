@@ -1,24 +1,24 @@
 //! Weights of multiple importance sampling.
 
+use crate::math::Real;
+
 /// The power heuristic with exponent 2 (Veach 1997, section 9.2) for one sample from each of two techniques: the weight of a sample
 /// that was drawn with density `pdf` and could have been drawn by the other technique with density `other_pdf`.
 ///
 /// Both in the same measure. Zero if the sample was impossible (`pdf` 0); a density without bound wins; two of those share. No
 /// overflow for any finite densities.
-pub fn power_heuristic(pdf: f32, other_pdf: f32) -> f32 {
-    if pdf == 0.0 {
-        return 0.0;
-    }
-    if pdf.is_infinite() {
-        return if other_pdf.is_infinite() { 0.5 } else { 1.0 };
-    }
-    let ratio = other_pdf / pdf;
-    1.0 / (1.0 + ratio * ratio)
+#[inline(always)]
+pub fn power_heuristic<R: Real>(pdf: R, other_pdf: R) -> R {
+    let (zero, one) = (R::splat(0.0), R::splat(1.0));
+    // Equal densities share, also where their ratio is no number.
+    let ratio = R::select(other_pdf.equals(pdf), one, other_pdf / pdf);
+    R::select(pdf.equals(zero), zero, one / ratio.mul_add(ratio, one))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::lanes::{LANES, Lanes};
 
     #[test]
     fn weights_of_both_techniques_sum_to_one() {
@@ -32,6 +32,18 @@ mod tests {
             assert_eq!(power_heuristic(0.0, a), 0.0);
         }
         assert_eq!(power_heuristic(0.0, 0.0), 0.0);
-        assert!((power_heuristic(1.0, 2.0) - 0.2).abs() < 1e-6);
+        assert!((power_heuristic(1.0, 2.0) - 0.2f32).abs() < 1e-6);
+    }
+
+    #[test]
+    fn weights_in_lanes_are_those_of_one() {
+        let densities = [0.0, 1e-38, 1e-20, 0.5, 1.0, 3.0, 1e20, f32::MAX, f32::INFINITY];
+        for a in densities {
+            let others: [f32; LANES] = std::array::from_fn(|lane| densities[lane % densities.len()]);
+            let weights = power_heuristic(Lanes::splat(a), others.into());
+            for (&weight, b) in weights.as_array().iter().zip(others) {
+                assert!((weight - power_heuristic(a, b)).abs() < 1e-6, "{a} {b} {weight}");
+            }
+        }
     }
 }

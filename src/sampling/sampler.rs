@@ -44,12 +44,12 @@ pub(super) const OF_PLACE: [u32; 2 * BLOCK_BITS as usize] = [
 
 /// The numbers of one sample of one pixel.
 ///
-/// A "dimension" is one draw, 1D or 2D; each draw advances it by one. Draws of different dimensions are independent of each other.
+/// A "dimension" is one draw, of one number or of a pair. Draws of different dimensions are independent of each other; a number and a pair
+/// of the same dimension are not.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
     pub(super) kind: SequenceKind,
     pub(super) counter: Counter<u32>,
-    dimension: u32,
 }
 
 /// What the numbers of a sample follow from, beside the dimension: of one sample, or of one in each lane.
@@ -74,39 +74,26 @@ pub(super) fn place_in_block(x: u32, y: u32) -> u32 {
 }
 
 impl Sampler {
-    /// The sampler of sample `sample_index` of `pixel`, at dimension 0. Any seed is as good as any other.
+    /// The sampler of sample `sample_index` of `pixel`. Any seed is as good as any other.
     pub fn new(kind: SequenceKind, pixel: UVec2, sample_index: u32, seed: u32) -> Self {
         let [of_pixel, ..] = pcg3d([pixel.x, pixel.y, seed]);
         let [_, of_block, _] = pcg3d([pixel.x >> BLOCK_BITS, pixel.y >> BLOCK_BITS, seed]);
-        let counter = Counter {
-            pixel: of_pixel,
-            block: of_block,
-            place: place_in_block(pixel.x, pixel.y),
-            index: match kind {
-                SequenceKind::Independent => sample_index,
-                SequenceKind::Sobol => sample_index.reverse_bits(),
-            },
-        };
-        Self::of_counter(kind, counter)
-    }
-
-    /// At dimension 0.
-    pub(super) fn of_counter(kind: SequenceKind, counter: Counter<u32>) -> Self {
         Self {
             kind,
-            counter,
-            dimension: 0,
+            counter: Counter {
+                pixel: of_pixel,
+                block: of_block,
+                place: place_in_block(pixel.x, pixel.y),
+                index: match kind {
+                    SequenceKind::Independent => sample_index,
+                    SequenceKind::Sobol => sample_index.reverse_bits(),
+                },
+            },
         }
     }
 
-    /// Jumps to dimension `dimension`, so that each bounce has its own fixed dimensions however many the one before it used.
-    pub fn start_dimension(&mut self, dimension: u32) {
-        self.dimension = dimension;
-    }
-
-    /// The next number, in [0, 1).
-    pub fn next_1d(&mut self) -> f32 {
-        let dimension = self.advance();
+    /// The number of a dimension, in [0, 1).
+    pub fn at_1d(&self, dimension: u32) -> f32 {
         unit_float(match self.kind {
             SequenceKind::Independent => self.hash(dimension)[0],
             SequenceKind::Sobol => {
@@ -116,9 +103,8 @@ impl Sampler {
         })
     }
 
-    /// The next pair of numbers, each in [0, 1).
-    pub fn next_2d(&mut self) -> Vec2 {
-        let dimension = self.advance();
+    /// The pair of numbers of a dimension, each in [0, 1).
+    pub fn at_2d(&self, dimension: u32) -> Vec2 {
         let [x, y] = match self.kind {
             SequenceKind::Independent => self.hash(dimension),
             SequenceKind::Sobol => {
@@ -159,12 +145,6 @@ impl Sampler {
             }
         }
         (index, seeds)
-    }
-
-    fn advance(&mut self) -> u32 {
-        let dimension = self.dimension;
-        self.dimension = dimension.wrapping_add(1);
-        dimension
     }
 }
 

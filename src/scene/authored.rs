@@ -13,7 +13,7 @@ use crate::document::{Category, Child, Document, Object, Property, Span};
 #[derive(Component, Clone, Debug)]
 pub struct Authored(Arc<Source>);
 
-/// What the file says of one thing.
+/// The part of a scene file that one entity was read from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
     /// As it stands in the file; shared with the document that was read.

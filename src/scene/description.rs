@@ -3,17 +3,20 @@
 //! No entities and no handles: two descriptions can be compared, and references are indices into `materials`.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::path::PathBuf;
 
 use bevy::math::{Affine3A, Vec3};
 
-use super::pictures::PicturePlaces;
 use super::{
     AreaLight, Authored, AuthoredScene, Emitter, EmitterKind, Film, IntegratorSettings, Material, Placements, Sensor,
     Shape, ShapeKind,
 };
 use crate::color::Rgb;
 use crate::document::Span;
+
+/// Where the scene file first names each picture, by absolute path.
+pub type PicturePlaces = HashMap<PathBuf, Span>;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneDescription {

@@ -1,12 +1,13 @@
 //! Lights as the user knows them. Radiometric units; no photometry.
 
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use super::sun_sky::{SunPosition, SunSky};
-use super::{DocumentOrder, FovAxis, Parameter, ParameterVisitor, SquarePath, Texture, ToWorld};
+use super::emitter_parameters::{EmitterVisitor, POSITIVE};
+use super::sun_sky::SunSky;
+use super::{DocumentOrder, FovAxis, Parameter, SquarePath, Texture, ToWorld};
 use crate::color::Rgb;
 
 /// Makes a shape emit from its front, evenly in all directions.
@@ -96,32 +97,6 @@ impl From<EmitterKind> for Emitter {
         }
     }
 }
-
-/// Meets the parameters of a light in turn; names are those of the file. What a visitor leaves alone keeps its value, which in a fresh
-/// light is the format's default.
-pub trait EmitterVisitor: ParameterVisitor {
-    /// What is sent out: not negative, without upper bound.
-    fn emission(&mut self, name: &'static str, value: &mut Rgb);
-    fn textured_emission(&mut self, name: &'static str, value: &mut Parameter<Rgb>);
-    /// A share of the light, 0 to 1, the same everywhere.
-    fn uniform_reflectance(&mut self, name: &'static str, value: &mut Rgb);
-    fn integer(&mut self, name: &'static str, value: &mut i32, range: RangeInclusive<i32>);
-    /// Degrees.
-    fn angle(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>);
-    /// A file.
-    fn picture(&mut self, name: &'static str, value: &mut PathBuf);
-    fn optional_texture(&mut self, name: &'static str, value: &mut Option<Texture>);
-    /// `cutoff_angle` and `beam_width`.
-    fn cone(&mut self, cutoff_angle: &mut f32, beam_width: &mut f32);
-    /// `fov` and `fov_axis`.
-    fn field_of_view(&mut self, fov: &mut f32, axis: &mut FovAxis);
-    /// Which of the two it is, and `sun_direction`.
-    fn sun_position(&mut self, value: &mut SunPosition);
-    fn sampling_weight(&mut self, value: &mut f32);
-}
-
-/// For factors.
-pub(super) const POSITIVE: RangeInclusive<f32> = 0.0..=f32::MAX;
 
 impl AreaLight {
     /// Shows `visitor` every parameter.
@@ -273,4 +248,11 @@ impl Emitter {
                 EmitterKind::Constant { .. } | EmitterKind::Directional { .. }
             )
     }
+}
+
+/// A frame whose +z is `direction` (not zero); which way its other axes turn does not matter, but is always the same.
+pub fn frame_along(direction: Vec3) -> Affine3A {
+    let forward = direction.normalize();
+    let (left, up) = forward.any_orthonormal_pair();
+    Affine3A::from_mat3(glam::Mat3::from_cols(left, up, forward))
 }

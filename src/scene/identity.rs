@@ -1,7 +1,9 @@
 //! What every entity of a scene carries: its place in the file, its id there, its place in the world.
 
-use bevy::math::{Affine3A, Vec3};
+use bevy::math::Affine3A;
 use bevy::prelude::*;
+
+use crate::math::is_invertible;
 
 /// Position in the scene file. Everything that becomes a table is ordered by it, never by how the ECS happens to store entities.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -20,17 +22,9 @@ pub struct SceneId(pub String);
 pub struct ToWorld(pub Affine3A);
 
 impl ToWorld {
-    /// Whether the three axes still span a space, whatever their lengths. They do if the volume of the box along their directions is well
-    /// above the rounding of single precision.
+    /// Whether it can be undone, as [`is_invertible`] says.
     pub fn is_invertible(&self) -> bool {
-        const LEAST_VOLUME: f32 = 1e-6;
-        let map = &self.0;
-        let axes =
-            [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis].map(|axis| Vec3::from(axis).try_normalize());
-        let [Some(x), Some(y), Some(z)] = axes else {
-            return false;
-        };
-        map.is_finite() && map.inverse().is_finite() && x.cross(y).dot(z).abs() > LEAST_VOLUME
+        is_invertible(&self.0)
     }
 }
 

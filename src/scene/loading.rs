@@ -1,7 +1,7 @@
 //! Scene files: asked for, read by the asset server, turned into entities.
 
 use std::collections::{HashMap, HashSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use bevy::asset::{AssetLoadFailedEvent, AssetPath};
@@ -12,72 +12,15 @@ use super::assets::gltf_scene::largest;
 use super::assets::scene_asset::one_error;
 use super::assets::{SceneAsset, SceneDefines, cause};
 use super::file_base::FileBase;
-use super::pictures::PicturePlaces;
 use super::read::settle;
-use super::spawn::ReloadSummary;
+use super::scene_file::{Asked, SceneFile};
 use super::write::{KnownTexts, are_as_read};
-use super::{KeepSource, OpenScene, SceneAccess, SceneDescription, SceneState, SceneStatus, Trust, spawn};
+use super::{
+    KeepSource, OpenScene, ReloadSummary, SceneAccess, SceneDescription, SceneState, SceneStatus, Trust, spawn,
+};
 use crate::document::source::unreadable;
 use crate::document::{Diagnostics, SourceFile};
 use crate::files;
-
-/// The file that the entities are from, and the one that was asked for since.
-#[derive(Resource, Debug, Default)]
-pub struct SceneFile {
-    /// Kept so that it stays loaded; None for a scene of no file.
-    pub(super) handle: Option<Handle<SceneAsset>>,
-    /// Empty for a scene of no file.
-    pub(super) path: PathBuf,
-    /// None once it was read, or could not be.
-    pub(super) asked: Option<Asked>,
-    /// What the spans of the entities' sources point into.
-    pub(super) good_diagnostics: Arc<Diagnostics>,
-    /// Into the same.
-    picture_places: PicturePlaces,
-    /// It was written here, and nothing has been read of it since: what arrives may have been read before.
-    was_written: bool,
-    /// See [`Self::hold`].
-    is_held: bool,
-}
-
-/// A file that is to become the scene.
-#[derive(Clone, Debug)]
-pub(super) struct Asked {
-    pub handle: Handle<SceneAsset>,
-    pub path: PathBuf,
-    /// What was edited since the file was last read stays.
-    keeps_edits: bool,
-}
-
-impl SceneFile {
-    /// Whether there is a file whose changes become changes of the entities.
-    pub fn is_followed(&self) -> bool {
-        self.handle.is_some()
-    }
-
-    /// Whether what is read of this file stays aside for now: the user is being asked what is to become of its changes.
-    pub fn hold(&mut self, held: bool) {
-        self.is_held = held;
-    }
-
-    pub fn is_held(&self) -> bool {
-        self.is_held
-    }
-
-    /// What becomes of the file that the entities were read from is of no interest any more.
-    pub fn leave(&mut self) {
-        (self.handle, self.path) = (None, PathBuf::new());
-    }
-
-    /// `file:line:column: ` of where a picture is named first; empty for one that the file does not name.
-    pub(super) fn place_of_picture(&self, path: &Path) -> String {
-        let span = self.picture_places.get(path);
-        match span.and_then(|&span| self.good_diagnostics.locate(span)) {
-            Some((path, line, column)) => format!("{}:{line}:{column}: ", path.display()),
-            None => String::new(),
-        }
-    }
-}
 
 pub(super) fn open_scenes(
     mut requests: MessageReader<OpenScene>,
@@ -128,7 +71,7 @@ pub(super) fn open_scenes(
     });
 }
 
-/// What was read, or could not be, and has not been looked at yet.
+/// Scene files that have been read, or could not be read, since the last look.
 #[derive(Default)]
 pub(super) struct Readings {
     arrived: HashSet<AssetId<SceneAsset>>,
@@ -266,7 +209,7 @@ pub(super) fn take_in_read(world: &mut World, scene: SceneDescription, diagnosti
     }
 }
 
-/// The entities are the scene of this file, which has just been written and read again.
+/// Makes the entities follow this file, which has just been written from them and read again.
 pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagnostics>, written: &SceneDescription) {
     let server = world.get_resource::<AssetServer>().cloned();
     if let (Some(access), Some(folder)) = (world.get_resource::<SceneAccess>(), path.parent()) {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 
 use super::DocumentOrder;
+use super::parameters::{ConductorIor, Distribution, Ior, Roughness};
 use super::principled::{Principled, PrincipledThin};
 use super::texture::Parameter;
 use crate::color::Rgb;
@@ -74,7 +75,7 @@ pub enum Material {
     },
     /// Shared until it is edited, because it is several times as large as the others.
     Principled(Arc<Principled>),
-    /// Likewise.
+    /// Shared until it is edited, as `Principled` is.
     PrincipledThin(Arc<PrincipledThin>),
     /// Shows [`FirstNested`] to the front and [`SecondNested`], or else the same, to the back.
     TwoSided,
@@ -86,13 +87,13 @@ pub enum Material {
     Mask {
         opacity: Parameter<f32>,
     },
-    /// [`FirstNested`] about other normals: 2 colour - 1 in the shading frame.
+    /// Shows [`FirstNested`] with other shading normals: `2 colour - 1` in the shading frame.
     NormalMap {
         normals: Parameter<Rgb>,
         flip_invalid_normals: bool,
         use_shadowing_function: bool,
     },
-    /// [`FirstNested`] about the normals of the surface moved outwards by `scale` times a height; flat without a texture.
+    /// Shows [`FirstNested`] with the normals of a surface that is displaced by `scale` times a height; flat without a texture.
     BumpMap {
         height: Parameter<f32>,
         scale: f32,
@@ -256,49 +257,6 @@ impl Material {
             Self::Principled(principled) => principled.refracts(),
             _ => false,
         }
-    }
-}
-
-/// Complex index of refraction of a conductor, per colour channel.
-#[derive(Reflect, Clone, Debug, PartialEq)]
-pub enum ConductorIor {
-    /// `Au`, `Cu`, ...; `none` is a perfect mirror.
-    Named(String),
-    Given {
-        eta: Parameter<Rgb>,
-        k: Parameter<Rgb>,
-    },
-}
-
-/// Index of refraction of a dielectric.
-#[derive(Reflect, Clone, Debug, PartialEq)]
-pub enum Ior {
-    /// `water`, `bk7`, ...
-    Named(String),
-    Number(f32),
-}
-
-/// How the normals of a rough surface's facets are distributed.
-#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Distribution {
-    Beckmann,
-    Ggx,
-}
-
-/// Width of the distribution of slopes (not its square root), above 0.
-#[derive(Reflect, Clone, Debug, PartialEq)]
-pub enum Roughness {
-    Isotropic(Parameter<f32>),
-    /// Along the two tangents.
-    Anisotropic {
-        u: Parameter<f32>,
-        v: Parameter<f32>,
-    },
-}
-
-impl Default for Roughness {
-    fn default() -> Self {
-        Self::Isotropic(0.1.into())
     }
 }
 

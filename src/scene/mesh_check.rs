@@ -1,6 +1,7 @@
 //! The mesh files of a scene that is converted without being opened: whether they can be read.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
+use std::path::PathBuf;
 
 use super::assets::parts_cache::is_part;
 use super::assets::triangle_mesh::{MeshShape, load_mesh};
@@ -9,24 +10,34 @@ use crate::document::{Diagnostics, Severity, Span};
 use crate::files::Access;
 
 /// Reads each mesh file that a shape names, and reports what is wrong with it at the first shape that names it: an error for a mesh that cannot be
-/// read, a warning for what was left out of it. Files that are not there have been reported when the scene was read.
-pub fn check_meshes(scene: &SceneDescription, access: &Access, diagnostics: &mut Diagnostics) {
-    let mut read: HashMap<_, Result<Vec<Vec<String>>, String>> = HashMap::new();
+/// read, a warning for what was left out of it. Files that are not there have been reported when the scene was read. The pictures (absolute) of
+/// the materials that come with the meshes and are in use.
+pub fn check_meshes(scene: &SceneDescription, access: &Access, diagnostics: &mut Diagnostics) -> BTreeSet<PathBuf> {
+    let mut read: HashMap<_, Result<Vec<Findings>, String>> = HashMap::new();
     let mut reported = HashSet::new();
+    let mut pictures = BTreeSet::new();
     for shape in &scene.shapes {
         let ShapeKind::Mesh(mesh) = &shape.shape.kind else {
             continue;
         };
-        let is_new = reported.insert((&mesh.path, mesh.shape_index));
-        if !is_new || is_part(&mesh.path) || scene.missing.contains(&mesh.path) {
+        if is_part(&mesh.path) || scene.missing.contains(&mesh.path) {
             continue;
         }
         let is_first = !read.contains_key(&mesh.path);
         let shapes = read.entry(&mesh.path).or_insert_with(|| {
-            let warnings = |shape: MeshShape| shape.warnings;
             let loaded = load_mesh(&mesh.path, access).map_err(|error| error.to_string())?;
-            Ok(loaded.shapes.into_iter().map(warnings).collect())
+            Ok(loaded.shapes.into_iter().map(Findings::from).collect())
         });
+        // A shape with a material of its own does not look at those of its file.
+        if shape.material.is_none()
+            && let Ok(shapes) = shapes
+            && let Some(findings) = shapes.get(mesh.shape_index as usize)
+        {
+            pictures.extend(findings.pictures.iter().cloned());
+        }
+        if !reported.insert((&mesh.path, mesh.shape_index)) {
+            continue;
+        }
         let mut report = |severity, property: &str, what: &str| {
             let given = shape.identity.authored.as_ref().and_then(|authored| {
                 let mut properties = authored.object.properties.iter();
@@ -40,7 +51,8 @@ pub fn check_meshes(scene: &SceneDescription, access: &Access, diagnostics: &mut
             Err(error) if is_first => report(Severity::Error, "filename", error),
             Err(_) => {}
             Ok(shapes) => match shapes.get(mesh.shape_index as usize) {
-                Some(warnings) => warnings
+                Some(findings) => findings
+                    .warnings
                     .iter()
                     .for_each(|what| report(Severity::Warning, "filename", what)),
                 None => {
@@ -49,6 +61,24 @@ pub fn check_meshes(scene: &SceneDescription, access: &Access, diagnostics: &mut
                     report(Severity::Error, "shape_index", &what);
                 }
             },
+        }
+    }
+    pictures
+}
+
+/// The results of checking a mesh, which itself is dropped.
+struct Findings {
+    warnings: Vec<String>,
+    /// The pictures that its materials name.
+    pictures: Vec<PathBuf>,
+}
+
+impl From<MeshShape> for Findings {
+    fn from(shape: MeshShape) -> Self {
+        let maps = shape.data.materials.iter().flat_map(|material| material.maps.iter());
+        Self {
+            pictures: maps.map(|map| map.file.clone()).collect(),
+            warnings: shape.warnings,
         }
     }
 }

@@ -6,9 +6,9 @@ use bevy::asset::{AssetLoadFailedEvent, AssetPath, LoadState};
 use bevy::prelude::*;
 
 use super::assets::cause;
-use super::loading::SceneFile;
-use super::{Authored, DocumentOrder, MeshHandle, MeshProblem, SceneStatus, Shape, ShapeKind, TriangleMesh};
-use crate::document::Diagnostics;
+use super::scene_file::SceneFile;
+use super::{Authored, DocumentOrder, FileProblem, MeshHandle, SceneStatus, Shape, ShapeKind, TriangleMesh};
+use crate::document::Span;
 
 pub(super) fn follow_mesh_files(
     mut commands: Commands,
@@ -74,28 +74,24 @@ pub(super) fn report_meshes(
     // What is the file's is told once, whichever of its shapes are used.
     let (mut failed, mut loading) = (HashSet::new(), HashSet::new());
     for ((id, index), (_, mesh, authored)) in uses {
-        let shown = mesh.path.display();
-        let mut problem = |property: &str, what: String| {
-            let place = place(authored, property, &file.good_diagnostics);
-            errors.push(MeshProblem {
-                path: mesh.path.clone(),
-                message: format!("{place}mesh {shown}: {what}"),
-            });
+        let problem = |property: &str, what: &str| {
+            let what = format!("mesh {}: {what}", mesh.path.display());
+            FileProblem::new(&mesh.path, place(authored, property), what, &file.good_diagnostics)
         };
         let asset = assets.get(id);
         if let Some(asset) = asset {
             match asset.shapes.get(index as usize) {
-                Some(shape) => warnings.extend(shape.warnings.iter().map(|warning| format!("{shown}: {warning}"))),
-                None => problem(
-                    "shape_index",
-                    format!("there is no shape {index}: the file has {}", asset.shapes.len()),
-                ),
+                Some(shape) => warnings.extend(shape.warnings.iter().map(|warning| problem("filename", warning))),
+                None => {
+                    let what = format!("there is no shape {index}: the file has {}", asset.shapes.len());
+                    errors.push(problem("shape_index", &what));
+                }
             }
         }
         match server.load_state(id) {
             LoadState::Failed(error) => {
                 if failed.insert(id) {
-                    problem("filename", cause(&error));
+                    errors.push(problem("filename", &cause(&error)));
                 }
             }
             LoadState::Loaded => {}
@@ -117,15 +113,9 @@ pub(super) fn report_meshes(
     }
 }
 
-/// `file:line:column: ` of a shape's property in its scene file, or of the shape that does not give it.
-fn place(authored: Option<&Authored>, property: &str, diagnostics: &Diagnostics) -> String {
-    let Some(authored) = authored else {
-        return String::new();
-    };
-    let named = authored.object.properties.iter().find(|given| given.name == property);
-    let span = named.map_or(authored.object.span, |property| property.span);
-    match diagnostics.locate(span) {
-        Some((path, line, column)) => format!("{}:{line}:{column}: ", path.display()),
-        None => String::new(),
-    }
+/// The place of a shape's property in its scene file, or of the shape that does not give it.
+fn place(authored: Option<&Authored>, property: &str) -> Option<Span> {
+    let object = &authored?.object;
+    let named = object.properties.iter().find(|given| given.name == property);
+    Some(named.map_or(object.span, |property| property.span))
 }

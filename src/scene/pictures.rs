@@ -1,6 +1,6 @@
 //! Picture files follow the textures and environments that name them: each is loaded once however often it is used, and let go when nobody does.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use bevy::asset::{AssetLoadFailedEvent, AssetPath, LoadState};
@@ -8,12 +8,8 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::assets::{cause, is_refused_picture};
-use super::loading::SceneFile;
+use super::scene_file::SceneFile;
 use super::{AreaLight, Emitter, Material, MeshHandle, Parameter, SceneStatus, TextureMap, TriangleMesh, UsesMaterial};
-use crate::document::Span;
-
-/// Where the scene file first names each picture, by absolute path.
-pub type PicturePlaces = HashMap<PathBuf, Span>;
 
 /// The pictures in use, by absolute path.
 #[derive(Resource, Debug, Default)]
@@ -85,7 +81,7 @@ pub(super) fn follow_pictures(
             });
         });
     }
-    wanted.extend(pictures_of_lights(&lights, &emitters));
+    wanted.extend(pictures_of_lights(lights.iter(), emitters.iter()));
     for mesh in libraries.iter().filter_map(|handle| meshes.get(&handle.0)) {
         let materials = mesh.shapes.iter().flat_map(|shape| &shape.data.materials);
         let maps = materials.flat_map(|material| material.maps.iter());
@@ -124,9 +120,9 @@ pub(super) fn report_pictures(
     }
     let (mut missing, mut damaged, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
     let mut loading = 0;
-    let shining = pictures_of_lights(&lights, &emitters);
+    let shining = pictures_of_lights(lights.iter(), emitters.iter());
     for (path, handle) in &pictures.0 {
-        let say = |what: String| format!("{}picture {}: {what}", file.place_of_picture(path), path.display());
+        let say = |what: String| file.picture_problem(path, &what);
         match server.load_state(handle) {
             // For a scene that may not read it, it is as if there were no such picture.
             LoadState::Failed(error) => match path.exists() && !is_refused_picture(&error) {
@@ -138,15 +134,13 @@ pub(super) fn report_pictures(
         }
         let negative = assets.get(handle).map_or(0, |picture| picture.negative_pixels);
         if negative > 0 && shining.contains(path) {
-            warnings.push(say(format!(
-                "{negative} pixels are negative: as light they count as zero"
-            )));
+            warnings.push(say(negative_light(negative)));
         }
     }
     let known = [&status.picture_problems, &status.damaged_pictures];
     for problem in missing.iter().chain(&damaged) {
         if !known.iter().any(|known| known.contains(problem)) {
-            error!("{problem}");
+            error!("{}", problem.message);
         }
     }
     let is_known = status.picture_problems == missing
@@ -161,7 +155,18 @@ pub(super) fn report_pictures(
     }
 }
 
-fn pictures_of_lights(lights: &Query<&AreaLight>, emitters: &Query<&Emitter>) -> BTreeSet<PathBuf> {
+/// The warning about a light's picture that has so many negative pixels.
+pub(super) fn negative_light(pixels: usize) -> String {
+    match pixels {
+        1 => "1 pixel is negative: as light it counts as zero".into(),
+        _ => format!("{pixels} pixels are negative: as light they count as zero"),
+    }
+}
+
+pub(super) fn pictures_of_lights<'l>(
+    lights: impl Iterator<Item = &'l AreaLight>,
+    emitters: impl Iterator<Item = &'l Emitter>,
+) -> BTreeSet<PathBuf> {
     let mut paths = BTreeSet::new();
     for light in lights {
         if let Parameter::Texture(texture) = &light.radiance {

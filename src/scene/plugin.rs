@@ -6,9 +6,10 @@ use bevy::prelude::*;
 use super::assets::{
     MeshHandle, MeshLoader, SceneAsset, SceneDefines, SceneLoader, TextureMap, TextureMapLoader, TriangleMesh,
 };
-use super::loading::{SceneFile, apply_scenes, open_scenes};
+use super::loading::{apply_scenes, open_scenes};
 use super::meshes::{follow_mesh_files, report_meshes};
 use super::pictures::{Pictures, follow_pictures, report_pictures};
+use super::scene_file::SceneFile;
 use super::watch::{SceneWatch, list_files, reload_changed_files, report_gone_files};
 use super::*;
 

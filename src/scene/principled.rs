@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use bevy::prelude::*;
 
-use super::parameters::ParameterVisitor;
+use super::parameters::{ParameterVisitor, PrincipledIndex};
 use super::texture::Parameter;
 use crate::color::Rgb;
 
@@ -30,21 +30,6 @@ pub struct Principled {
     pub main_specular_sampling_rate: f32,
     pub clearcoat_sampling_rate: f32,
     pub diffuse_reflectance_sampling_rate: f32,
-}
-
-/// How strongly a principled surface reflects head on.
-#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
-pub enum PrincipledIndex {
-    /// The reflectance over 0.08, in [0, 1].
-    Specular(f32),
-    /// Refractive index inside over outside, above 0.
-    Eta(f32),
-}
-
-impl Default for PrincipledIndex {
-    fn default() -> Self {
-        Self::Specular(0.5)
-    }
 }
 
 impl Default for Principled {
@@ -166,12 +151,13 @@ impl PrincipledThin {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Material, SceneDescription, read, write};
+    use super::super::encode::objects;
+    use super::super::{Material, SceneDescription, read};
     use super::*;
     use crate::document::{self, Category, Value};
     use std::path::Path;
 
-    /// The scene of these bsdfs, and what there is to complain of.
+    /// Reads a scene with these bsdfs; returns it and its messages.
     fn scene(bsdfs: &str) -> (SceneDescription, Vec<String>) {
         let text = format!("<scene version='3.0.0'>{bsdfs}<sensor type='perspective'/></scene>");
         let mut document = document::parse_str(&*text, Path::new("/scene.xml"), &[]);
@@ -188,7 +174,7 @@ mod tests {
 
     /// The bsdf with every parameter that it writes given another value, 1 / 32, 2 / 32, ...
     fn renumbered(plugin: &str) -> String {
-        let written = write::objects::material(&material(&format!("<bsdf type='{plugin}'/>")), Path::new("/"));
+        let written = objects::material(&material(&format!("<bsdf type='{plugin}'/>")), Path::new("/"));
         assert_eq!(written.category, Category::Bsdf);
         let parameters = written.properties.iter().zip(1u8..).map(|(property, number)| {
             let (name, value) = (&property.name, f32::from(number) / 32.0);
@@ -204,7 +190,7 @@ mod tests {
     fn every_parameter_is_read_and_written() {
         for (plugin, count) in [("principled", 15), ("principledthin", 14)] {
             let file = renumbered(plugin);
-            let written = write::objects::material(&material(&file), Path::new("/"));
+            let written = objects::material(&material(&file), Path::new("/"));
             assert_eq!(written.properties.len(), count);
             for (property, number) in written.properties.iter().zip(1u8..) {
                 let value = f32::from(number) / 32.0;

@@ -55,6 +55,22 @@ pub enum ShapeKind {
     Instance,
 }
 
+impl ShapeKind {
+    /// The names of all plugins, groups apart.
+    pub const PLUGINS: [&'static str; 10] = [
+        "sphere",
+        "rectangle",
+        "cube",
+        "disk",
+        "triangle",
+        "cylinder",
+        "instance",
+        "obj",
+        "ply",
+        "serialized",
+    ];
+}
+
 /// A mesh by its file.
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 pub struct MeshFile {

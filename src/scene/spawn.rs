@@ -15,49 +15,11 @@ use super::insert::{free_name, names};
 use super::write::gather::Entities;
 use super::{
     ActiveSensor, Authored, AuthoredScene, DocumentOrder, Emitter, FirstNestedIn, FrameWhenLoaded, FreeView,
-    IntegratorSettings, Material, MaterialUsers, ObjectState, SceneId, SecondNestedIn, Sensor, Shape, ShapeGroup,
-    ToWorld,
+    IntegratorSettings, Material, MaterialUsers, ObjectState, ReloadSummary, SceneId, SecondNestedIn, Sensor, Shape,
+    ShapeGroup, ToWorld,
 };
 
-/// What a reload did, in numbers of things.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ReloadSummary {
-    pub added: usize,
-    pub changed: usize,
-    pub removed: usize,
-    /// Are as they were edited here, though the file says otherwise.
-    pub kept: usize,
-    /// Were edited here and in the file; the file's edit counts.
-    pub replaced: usize,
-    /// Have another name here, for the file has something new by theirs.
-    pub renamed: usize,
-}
-
-impl ReloadSummary {
-    /// Whether the entities are as before.
-    pub fn is_unchanged(&self) -> bool {
-        self.added + self.changed + self.removed + self.replaced + self.renamed == 0
-    }
-
-    /// "2 things changed, 1 new, 3 edits kept"; empty if there is nothing to say.
-    pub fn text(&self) -> String {
-        let parts = [
-            (self.changed, "changed"),
-            (self.added, "new"),
-            (self.removed, "gone"),
-            (self.kept, "with edits kept"),
-            (self.replaced, "edited on both sides, the file's edit taken"),
-            (self.renamed, "renamed here, for the file now has their names"),
-        ];
-        let parts = parts.iter().filter(|(count, _)| *count > 0);
-        parts
-            .map(|(count, what)| format!("{count} {what}"))
-            .collect::<Vec<_>>()
-            .join(", ")
-    }
-}
-
-/// Replaces whatever scene was there.
+/// Spawns the scene in place of the one that is there.
 pub fn spawn_fresh(world: &mut World, scene: &Arc<SceneDescription>) {
     let old: Vec<Entity> = world
         .query_filtered::<Entity, Or<(
@@ -158,7 +120,7 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
     summary
 }
 
-/// How many things [`update`] would find edited on both sides, with the settings of the integrator as one of them. Nothing is changed.
+/// Counts the things that [`update`] would find edited both here and in the file; the integrator's settings count as one. Changes nothing.
 pub fn edited_twice(world: &World, scene: &SceneDescription) -> usize {
     let none = FileBase::default();
     let base = world.get_resource::<FileBase>().unwrap_or(&none);

@@ -7,8 +7,7 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use super::Lens;
-use super::spawn::ReloadSummary;
-use crate::document::Diagnostics;
+use crate::document::{Diagnostics, Severity, Span};
 
 /// Asks for a scene file; what was open before is replaced once the new one is read.
 #[derive(Message, Clone, Debug, Default, PartialEq, Eq)]
@@ -38,13 +37,31 @@ pub enum SceneState {
     Failed,
 }
 
-/// A mesh file that could not be read, for the shapes that name it. These shapes are not in the picture, or are still what the last good
-/// file made them.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MeshProblem {
+/// What is wrong with a mesh or a picture of the scene.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FileProblem {
     pub path: PathBuf,
-    /// One sentence that begins with the place of the shape in the scene file (`file:line:column: `) where it has one.
+    /// Where the scene file names it, in the diagnostics of the last good load.
+    pub span: Option<Span>,
+    /// One sentence that begins with the file.
+    pub what: String,
+    /// The same after its place in the scene file (`file:line:column: `), where it has one.
     pub message: String,
+}
+
+impl FileProblem {
+    pub(super) fn new(path: &Path, span: Option<Span>, what: String, diagnostics: &Diagnostics) -> Self {
+        let message = match span.and_then(|span| diagnostics.locate(span)) {
+            Some((file, line, column)) => format!("{}:{line}:{column}: {what}", file.display()),
+            None => what.clone(),
+        };
+        Self {
+            path: path.to_owned(),
+            span,
+            what,
+            message,
+        }
+    }
 }
 
 /// The open scene and what there is to say about it.
@@ -59,18 +76,19 @@ pub struct SceneStatus {
     pub state: SceneState,
     /// Of the last attempt, failed or not.
     pub diagnostics: Arc<Diagnostics>,
-    pub mesh_errors: Vec<MeshProblem>,
-    /// What the mesh readers left out or mended, one sentence each with the mesh's path.
-    pub mesh_warnings: Vec<String>,
+    /// Mesh files that could not be read, each once. The shapes that name them are not in the picture, or are still what the last good file made
+    /// them.
+    pub mesh_errors: Vec<FileProblem>,
+    /// What the mesh readers left out or mended.
+    pub mesh_warnings: Vec<FileProblem>,
     /// Meshes whose first load is not over.
     pub meshes_loading: usize,
-    /// Pictures that are not there, one sentence each that begins with their place in the scene file; a grey takes their place, or what
-    /// the last good file held.
-    pub picture_problems: Vec<String>,
+    /// Pictures that are not there; a grey takes their place, or what the last good file held.
+    pub picture_problems: Vec<FileProblem>,
     /// Pictures that are there and cannot be read, likewise.
-    pub damaged_pictures: Vec<String>,
-    /// Pictures of lights that have negative pixels, likewise.
-    pub picture_warnings: Vec<String>,
+    pub damaged_pictures: Vec<FileProblem>,
+    /// Pictures of lights that have negative pixels.
+    pub picture_warnings: Vec<FileProblem>,
     /// Pictures whose first load is not over.
     pub pictures_loading: usize,
     /// Files of the scene, itself among them, that were there and have gone from the disk; what was read of them stays.
@@ -101,6 +119,23 @@ impl SceneStatus {
         self.state == SceneState::Ready && self.files_loading() == 0
     }
 
+    /// The diagnostics, and what is wrong with meshes and pictures, as messages of the same kind.
+    pub fn all_diagnostics(&self) -> Diagnostics {
+        let mut all = Diagnostics::clone(&self.diagnostics);
+        for (severity, problems) in [
+            (Severity::Error, &self.mesh_errors),
+            (Severity::Error, &self.damaged_pictures),
+            (Severity::Warning, &self.mesh_warnings),
+            (Severity::Warning, &self.picture_problems),
+            (Severity::Warning, &self.picture_warnings),
+        ] {
+            for problem in problems {
+                all.push(severity, problem.span, problem.what.clone(), None);
+            }
+        }
+        all
+    }
+
     /// Something is missing that the files ask for. Pictures that cannot be read do not count: the rest is worth seeing.
     pub fn has_errors(&self) -> bool {
         self.state == SceneState::Failed || self.diagnostics.has_errors() || !self.mesh_errors.is_empty()
@@ -127,5 +162,43 @@ impl FreeView {
             pose: Some(world_from_camera),
             lens: None,
         }
+    }
+}
+
+/// What a reload did, in numbers of things.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ReloadSummary {
+    pub added: usize,
+    pub changed: usize,
+    pub removed: usize,
+    /// Are as they were edited here, though the file says otherwise.
+    pub kept: usize,
+    /// Were edited here and in the file; the file's edit counts.
+    pub replaced: usize,
+    /// Have another name here, for the file has something new by theirs.
+    pub renamed: usize,
+}
+
+impl ReloadSummary {
+    /// Whether the entities are as before.
+    pub fn is_unchanged(&self) -> bool {
+        self.added + self.changed + self.removed + self.replaced + self.renamed == 0
+    }
+
+    /// "2 things changed, 1 new, 3 edits kept"; empty if there is nothing to say.
+    pub fn text(&self) -> String {
+        let parts = [
+            (self.changed, "changed"),
+            (self.added, "new"),
+            (self.removed, "gone"),
+            (self.kept, "with edits kept"),
+            (self.replaced, "edited on both sides, the file's edit taken"),
+            (self.renamed, "renamed here, for the file now has their names"),
+        ];
+        let parts = parts.iter().filter(|(count, _)| *count > 0);
+        parts
+            .map(|(count, what)| format!("{count} {what}"))
+            .collect::<Vec<_>>()
+            .join(", ")
     }
 }

@@ -17,10 +17,10 @@ use notify_debouncer_full::notify::{EventKind, RecommendedWatcher, RecursiveMode
 use notify_debouncer_full::{DebounceEventResult, Debouncer, NoCache, new_debouncer_opt};
 
 use super::assets::SceneAsset;
-use super::loading::SceneFile;
 use super::pictures::Pictures;
 use super::presence::Presence;
 use super::read::settle;
+use super::scene_file::SceneFile;
 use super::{FileReadAgain, MeshHandle, SceneStatus, Shape, ShapeKind, TextureMap, TriangleMesh};
 
 /// Events are held back so long: one save is one event.

@@ -18,13 +18,13 @@ pub struct BsdfLanes {
     rough: u32,
     dielectric: u32,
     /// Reflectance of a diffuse surface; eta of a metal; specular reflectance of glass.
-    first: Vec3Lanes,
+    reflectance_or_eta: Vec3Lanes,
     /// k of a metal; specular transmittance of glass.
-    second: Vec3Lanes,
+    transmittance_or_k: Vec3Lanes,
     /// Specular reflectance of a metal.
-    third: Vec3Lanes,
+    metal_reflectance: Vec3Lanes,
     /// Roughness of a rough metal; index of glass.
-    number: Lanes,
+    alpha_or_index: Lanes,
 }
 
 /// A continuation per lane, as [`super::BsdfSample`].
@@ -45,10 +45,10 @@ impl BsdfLanes {
             conductor: 0,
             rough: 0,
             dielectric: 0,
-            first: Vec3Lanes::ZERO,
-            second: Vec3Lanes::ZERO,
-            third: Vec3Lanes::ZERO,
-            number: Lanes::ONE,
+            reflectance_or_eta: Vec3Lanes::ZERO,
+            transmittance_or_k: Vec3Lanes::ZERO,
+            metal_reflectance: Vec3Lanes::ZERO,
+            alpha_or_index: Lanes::ONE,
         }
     }
 
@@ -78,7 +78,7 @@ impl BsdfLanes {
         match bsdf {
             Bsdf::Diffuse(diffuse) => {
                 self.diffuse |= bit;
-                self.first.set(lane, diffuse.reflectance);
+                self.reflectance_or_eta.set(lane, diffuse.reflectance);
             }
             Bsdf::Conductor(conductor) => {
                 self.conductor |= bit;
@@ -87,22 +87,22 @@ impl BsdfLanes {
             Bsdf::RoughConductor(rough) => {
                 self.rough |= bit;
                 self.set_metal(lane, &rough.specular);
-                self.number.as_mut_array()[lane] = rough.distribution.mean_alpha();
+                self.alpha_or_index.as_mut_array()[lane] = rough.distribution.mean_alpha();
             }
             Bsdf::Dielectric(dielectric) => {
                 self.dielectric |= bit;
-                self.first.set(lane, dielectric.specular_reflectance);
-                self.second.set(lane, dielectric.specular_transmittance);
-                self.number.as_mut_array()[lane] = dielectric.eta;
+                self.reflectance_or_eta.set(lane, dielectric.specular_reflectance);
+                self.transmittance_or_k.set(lane, dielectric.specular_transmittance);
+                self.alpha_or_index.as_mut_array()[lane] = dielectric.eta;
             }
-            _ => {}
+            other => debug_assert!(false, "no model of lanes: {other:?}"),
         }
     }
 
     fn set_metal(&mut self, lane: usize, specular: &ConductorSpecular) {
-        self.first.set(lane, specular.eta);
-        self.second.set(lane, specular.k);
-        self.third.set(lane, specular.specular_reflectance);
+        self.reflectance_or_eta.set(lane, specular.eta);
+        self.transmittance_or_k.set(lane, specular.k);
+        self.metal_reflectance.set(lane, specular.specular_reflectance);
     }
 
     /// As [`Bsdf::has_smooth_lobe`], a bit per lane.
@@ -120,10 +120,10 @@ impl BsdfLanes {
     pub fn eval_and_pdf(&self, wo: Vec3Lanes, wi: Vec3Lanes) -> (Vec3Lanes, Lanes) {
         let above = wo.z.simd_gt(Lanes::ZERO) & wi.z.simd_gt(Lanes::ZERO);
         let cosine = (wi.z * Lanes::splat(FRAC_1_PI)) & above & lanes_of(self.diffuse);
-        let (mut value, mut pdf) = (self.first * cosine, cosine);
+        let (mut value, mut pdf) = (self.reflectance_or_eta * cosine, cosine);
         if self.rough != 0 {
             let m = (wo + wi).normalize();
-            let alpha = self.number;
+            let alpha = self.alpha_or_index;
             let seen = density(alpha, m) * (Lanes::splat(0.5) / reach(alpha, wo));
             let here = above & lanes_of(self.rough);
             let masking = (wi.z + wi.z) / reach(alpha, wi);
@@ -140,7 +140,7 @@ impl BsdfLanes {
         let facing = wo.z.simd_gt(zero);
         let mut sample = BsdfSampleLanes {
             wi: Vec3Lanes::ZERO,
-            weight: self.first,
+            weight: self.reflectance_or_eta,
             pdf: zero,
             eta: Lanes::ONE,
             returned: zero,
@@ -173,7 +173,7 @@ impl BsdfLanes {
     #[inline(always)]
     fn sample_rough(&self, wo: Vec3Lanes, [u, v]: [Lanes; 2]) -> BsdfSampleLanes {
         let (zero, one) = (Lanes::ZERO, Lanes::ONE);
-        let alpha = self.number;
+        let alpha = self.alpha_or_index;
         let stretch = |v: Vec3Lanes| Vec3Lanes::of(alpha * v.x, alpha * v.y, v.z);
         let view = stretch(wo).normalize();
         let z = v.mul_neg_add(one + view.z, one);
@@ -207,7 +207,7 @@ impl BsdfLanes {
     #[inline(always)]
     fn sample_dielectric(&self, wo: Vec3Lanes, u_lobe: Lanes) -> BsdfSampleLanes {
         let (zero, one) = (Lanes::ZERO, Lanes::ONE);
-        let eta = self.number;
+        let eta = self.alpha_or_index;
         let outside = wo.z.simd_ge(zero);
         let inverse = one / eta;
         let (eta_it, eta_ti) = (outside.select(eta, inverse), outside.select(inverse, eta));
@@ -225,7 +225,11 @@ impl BsdfLanes {
         let refracted = Vec3Lanes::of(-eta_ti * wo.x, -eta_ti * wo.y, copy_sign(cos_t, -wo.z));
         BsdfSampleLanes {
             wi: Vec3Lanes::select(reflected, mirrored, refracted),
-            weight: Vec3Lanes::select(reflected, self.first, self.second * (eta_ti * eta_ti)),
+            weight: Vec3Lanes::select(
+                reflected,
+                self.reflectance_or_eta,
+                self.transmittance_or_k * (eta_ti * eta_ti),
+            ),
             pdf: reflected.select(reflectance, one - reflectance),
             eta: reflected.select(one, eta_it),
             returned: wo.z.simd_ne(zero),
@@ -252,8 +256,8 @@ impl BsdfLanes {
             let p = s * ratio(modulus.mul_add(cos2, sin2 * sin2), odd * sin2);
             Lanes::splat(0.5) * (s + p)
         };
-        let (eta, k) = (self.first, self.second);
-        self.third * Vec3Lanes::of(channel(eta.x, k.x), channel(eta.y, k.y), channel(eta.z, k.z))
+        let (eta, k) = (self.reflectance_or_eta, self.transmittance_or_k);
+        self.metal_reflectance * Vec3Lanes::of(channel(eta.x, k.x), channel(eta.y, k.y), channel(eta.z, k.z))
     }
 }
 

@@ -100,12 +100,17 @@ impl Bsdf {
 
     /// [`Self::eval`] and [`Self::pdf`], at the cost of one where they have much in common.
     pub fn eval_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
-        match self {
+        let (value, pdf) = match self {
             Self::Diffuse(diffuse) => (diffuse.eval(wo, wi), diffuse.pdf(wo, wi)),
             Self::RoughConductor(rough) => rough.eval_and_pdf(wo, wi),
             Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => (Rgb::ZERO, 0.0),
             _ => (self.eval(wo, wi), self.pdf(wo, wi)),
-        }
+        };
+        debug_assert!(
+            value.min_element() >= 0.0 && value.is_finite() && pdf >= 0.0,
+            "{self:?} is {value} with density {pdf} for {wo} and {wi}"
+        );
+        (value, pdf)
     }
 
     /// Solid angle density with which [`Self::sample`] returns `wi`, without delta lobes.
@@ -126,7 +131,8 @@ impl Bsdf {
     /// A direction for the path to go on, from independent uniform numbers: `u_lobe` chooses (or is a third coordinate), `u` places.
     /// `None` if the light is absorbed.
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        match self {
+        debug_assert!(wo.is_normalized(), "{wo} is not of unit length");
+        let sample = match self {
             Self::Diffuse(diffuse) => diffuse.sample(wo, u),
             Self::Conductor(conductor) => conductor.sample(wo),
             Self::RoughConductor(rough) => rough.sample(wo, u),
@@ -138,7 +144,12 @@ impl Bsdf {
             Self::ThinDielectric(thin) => Some(thin.sample(wo, u_lobe)),
             Self::Plastic(plastic) => plastic.sample(wo, u_lobe, u),
             Self::RoughPlastic(rough) => rough.sample(wo, u_lobe, u),
-        }
+        };
+        debug_assert!(
+            sample.is_none_or(|sample| sample.wi.is_normalized() && sample.weight.is_finite() && sample.pdf > 0.0),
+            "{self:?} samples {sample:?} for {wo}"
+        );
+        sample
     }
 
     /// Whether some of its light is scattered with a density, so that light sources are worth sampling from here.
@@ -191,14 +202,14 @@ impl Bsdf {
     }
 
     /// Whether light can pass through it without changing its direction.
-    pub fn lets_through(&self) -> bool {
+    pub fn has_null_lobe(&self) -> bool {
         matches!(self, Self::ThinDielectric(_))
     }
 
     /// The share of the light that passes through to `wo` without changing its direction.
-    pub fn passing(&self, wo: Vec3) -> Rgb {
+    pub fn transmittance(&self, wo: Vec3) -> Rgb {
         match self {
-            Self::ThinDielectric(thin) => thin.passing(wo),
+            Self::ThinDielectric(thin) => thin.transmittance(wo),
             _ => Rgb::ZERO,
         }
     }

@@ -28,7 +28,7 @@ impl ThinDielectric {
     }
 
     /// The share of the light that goes through to `wo`.
-    pub(super) fn passing(&self, wo: Vec3) -> Rgb {
+    pub(super) fn transmittance(&self, wo: Vec3) -> Rgb {
         (1.0 - self.reflectance(wo)) * self.specular_transmittance
     }
 

@@ -10,7 +10,7 @@ use ::image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, L
 use thiserror::Error;
 
 use super::image::{ENVIRONMENT_BYTES, Image, Samples, Transfer};
-use super::{exr_file, pfm_file};
+use super::{exr_file, jpeg_file, pfm_file};
 use crate::memory::{self, Reservation, Shortage};
 
 /// Why bytes are no picture. The file's name is the caller's to add.
@@ -80,6 +80,11 @@ pub fn decode_picture(
 
 /// A decoder that takes no more memory for itself than the whole budget.
 fn limited_decoder(bytes: &[u8], format: ImageFormat) -> Result<impl ImageDecoder, ImageFileError> {
+    if format == ImageFormat::Jpeg && !jpeg_file::is_whole(bytes) {
+        return Err(ImageFileError::Damaged(
+            "the JPEG file ends before its picture does".to_owned(),
+        ));
+    }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
     limits.max_alloc = Some(memory::budget().limit());

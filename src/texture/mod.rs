@@ -8,6 +8,7 @@ mod checkerboard;
 mod exr_file;
 mod image;
 mod image_file;
+mod jpeg_file;
 mod mesh_attribute;
 mod pfm_file;
 

@@ -270,8 +270,8 @@ fn refraction_is_reciprocal_but_for_the_solid_angle() {
         let eta2 = rough.eta * rough.eta;
         let mut compared = 0;
         for i in 0..2000 {
-            let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::ZERO, i, 4);
-            let outside = direction(89.0 * sampler.next_1d(), 6.3 * sampler.next_1d());
+            let sampler = Sampler::new(SequenceKind::Independent, UVec2::ZERO, i, 4);
+            let outside = direction(89.0 * sampler.at_1d(0), 6.3 * sampler.at_1d(1));
             let Some(sample) = case.sample(outside, i).filter(|sample| sample.wi.z < 0.0) else {
                 continue;
             };

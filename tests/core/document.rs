@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 use glam::{Mat4, Vec3};
 use sunroom::document::{
     Category, Child, Diagnostics, Document, Object, Property, Reader, Severity, SourceError, Span, TransformOp, Value,
-    load, parse_str, to_xml,
+    load, parse_str, parse_within, to_xml,
 };
-use sunroom::files::write_atomically;
+use sunroom::files::{Access, write_atomically};
 
 use crate::fuzz_corpus::entries::without_spans;
 use crate::split_mix::Random;
@@ -570,7 +570,7 @@ fn many_messages_are_counted_not_printed() {
     assert!(
         document
             .diagnostics
-            .render(false, 80)
+            .render(false)
             .ends_with("... and 4950 more (5000 errors in all)\n")
     );
 }
@@ -669,6 +669,82 @@ fn includes_cannot_go_round_or_on_for_ever() {
 }
 
 #[test]
+fn ids_of_an_include_that_cannot_be_read_are_not_missed_one_by_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::create_dir(path("scene")).unwrap();
+    let part = scene("<bsdf type=\"diffuse\" id=\"red\"/>");
+    fs::write(path("outside.xml"), &part).unwrap();
+    fs::write(path("scene/broken.xml"), part.replace("</scene>", "<scene")).unwrap();
+    fs::write(path("scene/foreign.xml"), "<foo/>").unwrap();
+    fs::write(path("scene/empty.xml"), "").unwrap();
+    let body = |file: &str| {
+        scene(&format!(
+            "<include filename=\"{file}\"/><shape type=\"cube\"><ref id=\"red\"/></shape><alias id=\"blue\" as=\"b\"/>
+<bsdf type=\"bumpmap\"><ref id=\"dents\"/><ref id=\"red\"/></bsdf>"
+        ))
+    };
+    let main = path("scene/main.xml");
+    let said = |file: &str| {
+        let access = Access::within([path("scene")]);
+        let list = parse_within(body(file), &main, &[], access).diagnostics.list;
+        list.iter()
+            .map(|diagnostic| (diagnostic.severity, diagnostic.message.clone()))
+            .collect::<Vec<_>>()
+    };
+    for (file, error, references) in [
+        (
+            "../outside.xml",
+            "lies outside the scene's folder",
+            "4 references lead to ids",
+        ),
+        ("absent.xml", "does not exist", "4 references lead to ids"),
+        ("foreign.xml", "<foo>", "4 references lead to ids"),
+        ("empty.xml", "there is no <scene>", "4 references lead to ids"),
+        // What could be read of it counts.
+        ("broken.xml", "broken XML", "2 references lead to ids"),
+    ] {
+        let said = said(file);
+        assert_eq!(said.len(), 2, "{said:?}");
+        assert!(said[0].0 == Severity::Error && said[0].1.contains(error), "{said:?}");
+        let expected = format!("{references} that nothing has, perhaps because this file could not be read");
+        assert_eq!(said[1], (Severity::Note, expected));
+    }
+    // Where everything was read nothing is passed over.
+    fs::write(path("scene/good.xml"), &part).unwrap();
+    let said = said("good.xml");
+    let errors = said.iter().filter(|(severity, _)| *severity == Severity::Error);
+    assert_eq!(errors.count(), 2, "{said:?}");
+    // So is a file that includes itself.
+    let circle = body("main.xml");
+    fs::write(&main, &circle).unwrap();
+    let said = parse_within(circle, &main, &[], Access::everywhere()).diagnostics;
+    assert!(
+        said.list
+            .iter()
+            .all(|diagnostic| diagnostic.severity == Severity::Error),
+        "{said:?}"
+    );
+    assert_eq!(said.error_count(), 5, "{said:?}");
+}
+
+#[test]
+fn an_error_after_very_many_warnings_is_listed() {
+    let span = Span::default();
+    let mut diagnostics = Diagnostics::default();
+    for number in 0..1200 {
+        diagnostics.warn(span, format!("warning {number}"));
+    }
+    for number in 0..1100 {
+        diagnostics.error(span, format!("error {number}"));
+        let last = diagnostics.list.last().unwrap();
+        assert_eq!(last.message, format!("error {}", number.min(999)));
+    }
+    assert_eq!((diagnostics.warning_count(), diagnostics.error_count()), (1200, 1100));
+    assert_eq!(diagnostics.list.len(), 1000);
+}
+
+#[test]
 fn a_message_in_an_include_used_thrice_is_said_once() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(
@@ -726,7 +802,7 @@ fn lines_of_files_elsewhere_are_not_shown_even_when_the_scene_is_gone() {
         if is_gone {
             std::fs::remove_file(&scene).expect("it is there");
         }
-        let report = document.diagnostics.render(false, 1000);
+        let report = document.diagnostics.render(false);
         assert!(
             report.contains("part.xml:2:1") && !report.contains("secret"),
             "{report}"
@@ -737,7 +813,7 @@ fn lines_of_files_elsewhere_are_not_shown_even_when_the_scene_is_gone() {
 #[test]
 fn reports_show_the_line_with_a_caret() {
     let document = parse(&scene("  <float name=\"x\" value=\"abc\"/>"));
-    let plain = document.diagnostics.render(false, 80);
+    let plain = document.diagnostics.render(false);
     assert!(plain.contains("expected a number, found `abc`"), "{plain}");
     assert!(plain.contains("scene.xml:2:26"), "{plain}");
     let lines: Vec<&str> = plain.lines().collect();
@@ -748,7 +824,7 @@ fn reports_show_the_line_with_a_caret() {
     let column = |line: &str, what: &str| line.find(what).map(|byte| line[..byte].chars().count());
     assert_eq!(column(lines[shown], "abc"), column(lines[shown + 1], "───"), "{plain}");
     assert!(!plain.contains('\u{1b}'));
-    assert!(document.diagnostics.render(true, 80).contains('\u{1b}'));
+    assert!(document.diagnostics.render(true).contains('\u{1b}'));
 }
 
 #[test]
@@ -759,7 +835,7 @@ fn reports_stay_small_and_clean_whatever_the_file_has() {
         "{long}<float name=\"b\" value=\"x&#27;[31m\u{1b}[32m\"/>{long}"
     ));
     let document = parse(&text);
-    let report = document.diagnostics.render(false, 80);
+    let report = document.diagnostics.render(false);
     assert!(report.len() < 4000, "{}", report.len());
     assert!(!report.contains('\u{1b}') && !document.diagnostics.to_string().contains('\u{1b}'));
     // Spans from another document, or past the end, must not bring the report down.
@@ -778,8 +854,8 @@ fn reports_stay_small_and_clean_whatever_the_file_has() {
         end: 1,
     };
     diagnostics.error(nowhere, "elsewhere");
-    assert!(diagnostics.render(true, 0).contains("elsewhere"));
-    assert_eq!(Diagnostics::default().render(true, 80), "");
+    assert!(diagnostics.render(true).contains("elsewhere"));
+    assert_eq!(Diagnostics::default().render(true), "");
 }
 
 #[test]
@@ -1060,7 +1136,7 @@ const SAMPLE: &str = r##"<?xml version="1.0" encoding="utf-8"?>
 /// Reads and uses a damaged document in every way; it must neither panic nor take long.
 fn exercise(text: &str) {
     let document = parse(text);
-    let report = document.diagnostics.render(false, 100);
+    let report = document.diagnostics.render(false);
     assert_eq!(report.is_empty(), document.diagnostics.list.is_empty());
     let index = document.index();
     let mut diagnostics = document.diagnostics.clone();

@@ -160,9 +160,9 @@ fn radiance(scene: &RenderScene, wi: Vec3) -> Rgb {
 }
 
 fn sample(scene: &RenderScene, index: u32) -> Option<sunroom::light::LightSample> {
-    let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::new(2, 7), index, 8);
+    let sampler = Sampler::new(SequenceKind::Independent, UVec2::new(2, 7), index, 8);
     let reference = all_around(Vec3::ZERO);
-    let chosen = scene.lights.sample(&reference, sampler.next_1d(), sampler.next_2d());
+    let chosen = scene.lights.sample(&reference, sampler.at_1d(0), sampler.at_2d(1));
     chosen.map(|(_, sample)| sample)
 }
 

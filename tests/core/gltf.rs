@@ -291,6 +291,9 @@ fn a_scene_of_no_extent_is_framed_and_one_beyond_all_numbers_is_refused_for_that
             imported.warnings
         );
     }
+    let said = |corner, scale| frame(corner, scale).expect("can be framed").warnings.concat();
+    assert!(said(0.0, 0.0).contains("an extent of 0, too small for a camera to frame: the camera frames 1"));
+    assert!(said(1e6, 1e-3).contains("the camera frames 10"), "{}", said(1e6, 1e-3));
     for (corner, scale) in [(0.0, 1e13), (1e20, 1.0), (0.0, 3e38), (-2e38, 3e38)] {
         let error = frame(corner, scale).expect_err("is too large").to_string();
         assert!(error.contains("no camera") && error.contains("reaches to"), "{error}");
@@ -412,6 +415,10 @@ fn what_cannot_be_is_one_error() {
     assert!(message.contains("at line 1 column 12"), "{message}");
 }
 
+/// Accessors that claim more elements than memory holds, without a buffer for them.
+const HUGE: &str = r#""componentType": 5126, "type": "VEC3", "count": 1000000000"#;
+const ENDLESS: &str = r#""componentType": 5126, "type": "VEC3", "count": 9223372036854775808"#;
+
 #[test]
 fn what_cannot_be_read_of_a_mesh_is_left_out_and_said() {
     let (mut parts, rest) = textured_quad("{}");
@@ -431,6 +438,16 @@ fn what_cannot_be_read_of_a_mesh_is_left_out_and_said() {
     assert_eq!(import(&good).0.warnings, Vec::<String>::new());
     let table = [
         (r#""count": 4"#, r#""count": 4000000000"#, "elements"),
+        (
+            r#""bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 4"#,
+            HUGE,
+            "1000000000 elements without a buffer",
+        ),
+        (
+            r#""bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 4"#,
+            ENDLESS,
+            "9223372036854775808 elements",
+        ),
         (r#""type": "VEC3""#, r#""type": "MAT4""#, "VEC3"),
         (r#""byteOffset": 0"#, r#""byteOffset": 18446744073709551615"#, "beyond"),
         (r#""mode": 6"#, r#""mode": 6, "indices": 1"#, "indices"),
@@ -537,6 +554,27 @@ fn nodes_stand_at_finite_places() {
     assert_eq!(shapes.len(), 1);
     assert_eq!(world(shapes[0]), Affine3A::from_translation(Vec3::new(1.0, 2.0, 3.0)));
     assert!(imported.warnings.len() == 1 && imported.warnings[0].contains("lost"));
+}
+
+/// Files hide nodes by a scale of zero.
+#[test]
+fn flattened_nodes_are_left_out_by_name() {
+    for scale in [[0.0, 0.0, 0.0], [1.0, 0.0, 1.0], [1e-30, 0.0, 1e-30]] {
+        let (parts, rest) = textured_quad("{}");
+        let nodes = format!(
+            r#""cameras": [{{"perspective": {{"yfov": 1, "znear": 1}}}}],
+               "nodes": [{{"mesh": 0}}, {{"mesh": 0, "name": "hidden", "scale": {scale:?}, "children": [2, 3]}},
+                 {{"camera": 0, "name": "eye"}}, {{"name": "group"}}]"#
+        );
+        let rest = rest
+            .replace(r#""nodes": [{"mesh": 0}]"#, &nodes)
+            .replace(r#""nodes": [0]"#, r#""nodes": [0, 1]"#);
+        let (imported, _) = import(&parts.text(&rest));
+        assert_eq!(of(&imported.root, Category::Shape).len(), 1);
+        let expected = ["node 1 (hidden)", "node 2 (eye)"];
+        let expected = expected.map(|node| format!("{node} is flattened by its transform: it is left out"));
+        assert_eq!(imported.warnings, expected);
+    }
 }
 
 #[test]

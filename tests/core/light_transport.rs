@@ -21,6 +21,7 @@ use sunroom::shading::{
     Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microfacet, MicrofacetKind,
     RoughConductor,
 };
+use sunroom::texture::Parameter;
 
 const STRATEGIES: [Strategy; 3] = [Strategy::Bsdf, Strategy::Light, Strategy::Mis];
 const UNBOUNDED: u32 = u32::MAX;
@@ -426,11 +427,10 @@ fn rays_of(scene: &RenderScene, view: &View, x: u32, y: u32, sample: u32) -> u64
 }
 
 /// Shadow rays towards the cube end a rounding before its faces, and now and then meet these faces all the same.
-#[test]
-fn shadow_rays_to_an_emitter_that_lets_light_pass_come_to_an_end() {
+fn an_emitter_that_lets_light_pass(material: Material) {
     let mut scene = floor(diffuse(0.5));
     let cube = Primitive::Mesh(Arc::new(Blas::build(Arc::new(unit_cube()), SplitMethod::Sah)));
-    scene.add(cube, placed(1.0, Vec3::Y), Material::Null, Some(Rgb::splat(3.0)));
+    scene.add(cube, placed(1.0, Vec3::Y), material, Some(Rgb::splat(3.0)));
     let scene = scene.build();
     let look = |size, strategy| {
         let eye = camera(Vec3::new(2.0, 3.0, 4.0), Vec3::Y, 45.0);
@@ -447,6 +447,19 @@ fn shadow_rays_to_an_emitter_that_lets_light_pass_come_to_an_end() {
         STRATEGIES.map(|strategy| mean_luminance(&render(&scene, &look(8, strategy), 512)));
     assert_close("bsdf", (by_bsdf.0, by_bsdf.1.hypot(by_both.1)), by_both.0);
     assert_close("light", (by_light.0, by_light.1.hypot(by_both.1)), by_both.0);
+}
+
+#[test]
+fn shadow_rays_to_an_emitter_without_a_surface_come_to_an_end() {
+    an_emitter_that_lets_light_pass(Material::Null);
+}
+
+#[test]
+fn shadow_rays_to_an_emitter_that_is_masked_away_come_to_an_end() {
+    an_emitter_that_lets_light_pass(Material::Mask {
+        nested: MaterialId(0),
+        opacity: Parameter::Constant(0.0),
+    });
 }
 
 #[test]

@@ -36,8 +36,8 @@ fn triangle(corners: [Vec3; 3]) -> RenderScene {
 /// Small triangles in a layer above the origin, turned every way but not in front of each other.
 fn flock(side: u32) -> Primitive {
     let jitter = |cell, corner| {
-        let mut sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::new(cell, corner), 0, 1);
-        Vec3::new(sampler.next_1d(), sampler.next_1d(), sampler.next_1d()) - 0.5
+        let sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::new(cell, corner), 0, 1);
+        Vec3::new(sampler.at_1d(0), sampler.at_1d(1), sampler.at_1d(2)) - 0.5
     };
     let step = 2.0 / side as f32;
     triangle_mesh((0..side * side).map(|cell| {
@@ -253,10 +253,10 @@ fn sampled_directions_carry_the_density_of_found_ones() {
     for (name, scene) in scenes() {
         let (mut sampled, mut passing) = (0, 0);
         for index in 0..4000 {
-            let mut sampler = Sampler::new(SequenceKind::Sobol, glam::UVec2::ZERO, index, 3);
+            let sampler = Sampler::new(SequenceKind::Sobol, glam::UVec2::ZERO, index, 3);
             let Some((_, sample)) = scene
                 .lights
-                .sample(&all_around(Vec3::ZERO), sampler.next_1d(), sampler.next_2d())
+                .sample(&all_around(Vec3::ZERO), sampler.at_1d(0), sampler.at_2d(1))
             else {
                 continue;
             };
@@ -291,9 +291,9 @@ fn two_triangles_that_are_a_rectangle_are_sampled_as_one() {
     let densities = |primitive: Primitive, to_world: Affine3A| -> Vec<f32> {
         let scene = emitter(primitive, to_world, false);
         let sample = |index| {
-            let mut sampler = Sampler::new(SequenceKind::Sobol, glam::UVec2::ZERO, index, 3);
+            let sampler = Sampler::new(SequenceKind::Sobol, glam::UVec2::ZERO, index, 3);
             let reference = all_around(Vec3::ZERO);
-            let (_, sample) = scene.lights.sample(&reference, sampler.next_1d(), sampler.next_2d())?;
+            let (_, sample) = scene.lights.sample(&reference, sampler.at_1d(0), sampler.at_2d(1))?;
             Some(sample.pdf)
         };
         (0..100).filter_map(sample).collect()
@@ -321,10 +321,10 @@ fn light_samples_follow_their_density() {
         .map(|(name, scene)| {
             let axis = scene.geometry.bounds().center().try_normalize().unwrap_or(Vec3::Y);
             let sample = |index| {
-                let mut sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::ZERO, index, 5);
+                let sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::ZERO, index, 5);
                 let sample = scene
                     .lights
-                    .sample(&all_around(Vec3::ZERO), sampler.next_1d(), sampler.next_2d());
+                    .sample(&all_around(Vec3::ZERO), sampler.at_1d(0), sampler.at_2d(1));
                 sample.map(|(_, sample)| sample.wi)
             };
             (
@@ -357,10 +357,10 @@ fn the_choice_between_lights_is_part_of_the_density() {
     let n = 20_000;
     let (mut point_pmf, mut total) = (0.0, 0.0f64);
     for index in 0..n {
-        let mut sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::ONE, index, 9);
+        let sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::ONE, index, 9);
         let Some((light, sample)) = scene
             .lights
-            .sample(&all_around(Vec3::ZERO), sampler.next_1d(), sampler.next_2d())
+            .sample(&all_around(Vec3::ZERO), sampler.at_1d(0), sampler.at_2d(1))
         else {
             continue;
         };
@@ -416,8 +416,8 @@ fn a_normal_takes_nothing_from_the_half_space_above_it() {
             let (mut sum, mut squares) = (0.0, 0.0);
             for index in 0..n {
                 let pixel = glam::UVec2::new(case as u32, u32::from(normal_known));
-                let mut sampler = Sampler::new(SequenceKind::Independent, pixel, index, 7);
-                let sample = scene.lights.sample(&reference, sampler.next_1d(), sampler.next_2d());
+                let sampler = Sampler::new(SequenceKind::Independent, pixel, index, 7);
+                let sample = scene.lights.sample(&reference, sampler.at_1d(0), sampler.at_2d(1));
                 let value = sample.map_or(0.0, |(_, sample)| {
                     f64::from(sample.wi.dot(normal).max(0.0) * sample.radiance.x / sample.pdf)
                 });

@@ -18,8 +18,8 @@ fn grey() -> Bsdf {
 }
 
 fn random(index: u32, stream: u32) -> Vec3 {
-    let mut sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::new(index, stream), 0, 4);
-    2.0 * Vec3::new(sampler.next_1d(), sampler.next_1d(), sampler.next_1d()) - 1.0
+    let sampler = Sampler::new(SequenceKind::Independent, glam::UVec2::new(index, stream), 0, 4);
+    2.0 * Vec3::new(sampler.at_1d(0), sampler.at_1d(1), sampler.at_1d(2)) - 1.0
 }
 
 const LIGHTS: u32 = 24;

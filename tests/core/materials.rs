@@ -104,9 +104,9 @@ fn what_passes_straight_through_is_what_shadow_rays_find() {
         }
         let expected = (case.passing)(wo);
         assert!(
-            (scattering.passing() - expected).abs().max_element() < 1e-5,
+            (scattering.transmittance() - expected).abs().max_element() < 1e-5,
             "{name}: {} {expected}",
-            scattering.passing()
+            scattering.transmittance()
         );
         // Five standard errors of a share, and the rounding of the sum.
         let variance = (expected * (Rgb::ONE - expected)).max(Rgb::ZERO).max_element();
@@ -189,7 +189,9 @@ fn light_takes_the_way_back() {
 fn the_half_space_holds_all_that_is_seen() {
     for_each(|case, wo, name| {
         let scattering = case.placed.scattering(wo);
-        let Some(normal) = scattering.half_space() else { return };
+        let Some(normal) = scattering.one_sided_normal() else {
+            return;
+        };
         for index in 0..400 {
             let wi = world(random_direction(index));
             let (value, pdf) = scattering.eval_and_pdf(wi);
@@ -212,7 +214,7 @@ fn textured_models_are_the_plain_ones_of_the_values_there() {
             for wo in viewers() {
                 let [found, expected] = [&textured, &plain].map(|placed| placed.scattering(wo));
                 assert_eq!(found.albedo(), expected.albedo(), "{name}");
-                assert_eq!(found.passing(), expected.passing(), "{name}");
+                assert_eq!(found.transmittance(), expected.transmittance(), "{name}");
                 for index in 0..20 {
                     let wi = world(random_direction(index));
                     assert_eq!(found.eval_and_pdf(wi), expected.eval_and_pdf(wi), "{name}");

@@ -168,9 +168,9 @@ fn lamps_are_chosen_wherever_they_shine() {
             let scene = scene.build();
             let (first, second) = (with(source.clone()), with(other));
             for index in 0..300 {
-                let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::ONE, index, 8);
-                let place = 5.0 * (sampler.next_2d() - 0.5);
-                let at = Vec3::new(place.x, 8.0 * (sampler.next_1d() - 0.5), place.y);
+                let sampler = Sampler::new(SequenceKind::Independent, UVec2::ONE, index, 8);
+                let place = 5.0 * (sampler.at_2d(0) - 0.5);
+                let at = Vec3::new(place.x, 8.0 * (sampler.at_1d(1) - 0.5), place.y);
                 let expected = luminance(arriving(&first, at) + arriving(&second, at));
                 // The choice is by intervals of the number; 1/256 is a strip at the border of each.
                 let draws = (0..256).filter_map(|u| {

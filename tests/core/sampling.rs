@@ -9,33 +9,29 @@ use sunroom::sampling::{
 
 const KINDS: [SequenceKind; 2] = [SequenceKind::Independent, SequenceKind::Sobol];
 
-fn sampler(kind: SequenceKind, pixel: u32, index: u32, dimension: u32) -> Sampler {
-    let mut sampler = Sampler::new(kind, UVec2::new(pixel % 640, pixel / 640), index, 1);
-    sampler.start_dimension(dimension);
-    sampler
+fn sampler(kind: SequenceKind, pixel: u32, index: u32) -> Sampler {
+    Sampler::new(kind, UVec2::new(pixel % 640, pixel / 640), index, 1)
 }
 
 fn noise(index: u32, dimension: u32) -> Vec2 {
-    sampler(SequenceKind::Independent, 7, index, dimension).next_2d()
+    sampler(SequenceKind::Independent, 7, index).at_2d(dimension)
 }
 
 #[test]
 fn numbers_are_a_pure_function_of_the_counters() {
     for kind in KINDS {
-        let mut straight = Sampler::new(kind, UVec2::new(3, 4), 5, 6);
-        let drawn = [straight.next_2d(), Vec2::splat(straight.next_1d()), straight.next_2d()];
-        let mut jumping = Sampler::new(kind, UVec2::new(3, 4), 5, 6);
-        jumping.start_dimension(2);
-        assert_eq!(jumping.next_2d(), drawn[2]);
-        jumping.start_dimension(0);
-        assert_eq!(jumping.next_2d(), drawn[0]);
+        let one = Sampler::new(kind, UVec2::new(3, 4), 5, 6);
+        let drawn = [one.at_2d(0), Vec2::splat(one.at_1d(1)), one.at_2d(2)];
+        let same = Sampler::new(kind, UVec2::new(3, 4), 5, 6);
+        assert_eq!(same.at_2d(2), drawn[2]);
+        assert_eq!(same.at_2d(0), drawn[0]);
         let others = [
             Sampler::new(kind, UVec2::new(4, 3), 5, 6),
             Sampler::new(kind, UVec2::new(3, 4), 6, 6),
             Sampler::new(kind, UVec2::new(3, 4), 5, 7),
         ];
-        for mut other in others {
-            assert_ne!(other.next_2d(), drawn[0]);
+        for other in others {
+            assert_ne!(other.at_2d(0), drawn[0]);
         }
     }
 }
@@ -44,7 +40,7 @@ fn numbers_are_a_pure_function_of_the_counters() {
 fn numbers_stay_below_one() {
     for kind in KINDS {
         let largest = (0..1 << 20)
-            .map(|index| sampler(kind, index % 5, index, 3).next_2d().max_element())
+            .map(|index| sampler(kind, index % 5, index).at_2d(3).max_element())
             .fold(0.0, f32::max);
         assert!(largest < 1.0 && largest > 0.999_99, "{kind:?}: {largest}");
     }
@@ -60,7 +56,7 @@ fn every_prefix_is_stratified_in_all_elementary_intervals() {
             let cell = |x: f32, parts: u32| (x * parts as f32) as usize;
             let mut strata = vec![false; count as usize];
             for index in 0..count {
-                let x = sampler(SequenceKind::Sobol, pixel, index, dimension).next_1d();
+                let x = sampler(SequenceKind::Sobol, pixel, index).at_1d(dimension);
                 assert!(
                     !std::mem::replace(&mut strata[cell(x, count)], true),
                     "1D, {count} points"
@@ -70,7 +66,7 @@ fn every_prefix_is_stratified_in_all_elementary_intervals() {
                 let (columns, rows) = (1 << log_columns, 1 << (log_count - log_columns));
                 let mut strata = vec![false; count as usize];
                 for index in 0..count {
-                    let p = sampler(SequenceKind::Sobol, pixel, index, dimension).next_2d();
+                    let p = sampler(SequenceKind::Sobol, pixel, index).at_2d(dimension);
                     let stratum = cell(p.x, columns) * rows as usize + cell(p.y, rows);
                     assert!(
                         !std::mem::replace(&mut strata[stratum], true),
@@ -111,11 +107,7 @@ fn samples_of_neighbouring_pixels_complete_each_other() {
                 });
                 let points: Vec<Vec2> = pixels
                     .flat_map(|pixel| (0..1 << n).map(move |index| (pixel, index)))
-                    .map(|(pixel, index)| {
-                        let mut sampler = Sampler::new(SequenceKind::Sobol, pixel, index, 2);
-                        sampler.start_dimension(dimension);
-                        sampler.next_2d()
-                    })
+                    .map(|(pixel, index)| Sampler::new(SequenceKind::Sobol, pixel, index, 2).at_2d(dimension))
                     .collect();
                 for log_columns in 0..=log_count - t {
                     let (columns, rows) = (1 << log_columns, 1 << (log_count - t - log_columns));
@@ -141,9 +133,9 @@ fn gain_of_squares(samples: u32, dimension: u32, value: fn(DVec2, DVec2) -> f64,
     let error = |x: u32, y: u32| {
         let sum: f64 = (0..samples)
             .map(|index| {
-                let mut sampler = Sampler::new(SequenceKind::Sobol, UVec2::new(x, y), index, 4);
-                sampler.start_dimension(dimension);
-                value(sampler.next_2d().as_dvec2(), sampler.next_2d().as_dvec2())
+                let sampler = Sampler::new(SequenceKind::Sobol, UVec2::new(x, y), index, 4);
+                let [a, b] = [dimension, dimension + 1].map(|dimension| sampler.at_2d(dimension).as_dvec2());
+                value(a, b)
             })
             .sum();
         sum / f64::from(samples) - exact
@@ -189,8 +181,8 @@ fn mean_square_error(kind: SequenceKind, count: u32) -> f64 {
         .map(|pixel| {
             let sum: f64 = (0..count)
                 .map(|index| {
-                    let mut sampler = sampler(kind, pixel, index, 0);
-                    let (a, b) = (sampler.next_2d().as_dvec2(), sampler.next_2d().as_dvec2());
+                    let sampler = sampler(kind, pixel, index);
+                    let [a, b] = [0, 1].map(|dimension| sampler.at_2d(dimension).as_dvec2());
                     (-a.x - a.y).exp() * 0.5 * (b.x + b.y * b.y + 0.5)
                 })
                 .sum();
@@ -219,7 +211,7 @@ fn sobol_error_of_one_smooth_draw_falls_nearly_as_the_cube() {
             .map(|pixel| {
                 let sum: f64 = (0..count)
                     .map(|index| {
-                        let p = sampler(SequenceKind::Sobol, pixel, index, 2).next_2d().as_dvec2();
+                        let p = sampler(SequenceKind::Sobol, pixel, index).at_2d(2).as_dvec2();
                         (-p.x - p.y).exp()
                     })
                     .sum();
@@ -250,9 +242,8 @@ fn pixels_and_dimensions_are_decorrelated() {
             ((123, 1, 0), (124, 0, 1)),
         ];
         for (a, b) in pairs {
-            let value = |(pixel, dimension, axis): (u32, u32, usize), index| {
-                sampler(kind, pixel, index, dimension).next_2d()[axis]
-            };
+            let value =
+                |(pixel, dimension, axis): (u32, u32, usize), index| sampler(kind, pixel, index).at_2d(dimension)[axis];
             let mut counted = vec![0.0; 64];
             for index in 0..count {
                 let (x, y) = (value(a, index), value(b, index));
@@ -264,7 +255,7 @@ fn pixels_and_dimensions_are_decorrelated() {
         // The first sample of many pixels covers the square.
         let mut counted = vec![0.0; 256];
         for pixel in 0..20_000 {
-            let p = sampler(kind, pixel, 0, 0).next_2d() * 16.0;
+            let p = sampler(kind, pixel, 0).at_2d(0) * 16.0;
             counted[p.x as usize * 16 + p.y as usize] += 1.0;
         }
         results.push((

@@ -33,7 +33,7 @@ fn kernels() -> Vec<FilterKernel> {
 }
 
 fn numbers(kind: SequenceKind, index: u32) -> Vec2 {
-    Sampler::new(kind, UVec2::new(3, 5), index, 11).next_2d()
+    Sampler::new(kind, UVec2::new(3, 5), index, 11).at_2d(0)
 }
 
 /// Cells per axis; a table has a thousand steps, of which each cell holds a whole number of parts.

@@ -92,9 +92,7 @@ fn density(map: &Map) -> impl Fn(f64, f64) -> f64 {
 }
 
 fn point(index: u32, dimension: u32) -> Vec2 {
-    let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::new(3, 5), index, 1);
-    sampler.start_dimension(dimension);
-    sampler.next_2d()
+    Sampler::new(SequenceKind::Independent, UVec2::new(3, 5), index, 1).at_2d(dimension)
 }
 
 #[test]

@@ -174,10 +174,10 @@ fn found(scene: &RenderScene, wi: Vec3) -> Option<(Rgb, f32)> {
 }
 
 fn draw(scene: &RenderScene, index: u32) -> Option<LightSample> {
-    let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::new(9, 1), index, 3);
+    let sampler = Sampler::new(SequenceKind::Independent, UVec2::new(9, 1), index, 3);
     let chosen = scene
         .lights
-        .sample(&all_around(Vec3::ZERO), sampler.next_1d(), sampler.next_2d());
+        .sample(&all_around(Vec3::ZERO), sampler.at_1d(0), sampler.at_2d(1));
     chosen.map(|(_, sample)| sample)
 }
 

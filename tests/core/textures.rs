@@ -153,6 +153,49 @@ fn promises_that_the_file_cannot_keep_take_no_memory() {
     }
 }
 
+/// Of every kind a picture of 24 x 16 pixels, which is known by red and green that grow to the right and downwards.
+const JPEGS: [(&str, &[u8]); 5] = [
+    ("baseline", include_bytes!("jpegs/baseline.jpg")),
+    ("progressive", include_bytes!("jpegs/progressive.jpg")),
+    ("restarts", include_bytes!("jpegs/restarts.jpg")),
+    ("grey", include_bytes!("jpegs/grey.jpg")),
+    ("cmyk", include_bytes!("jpegs/cmyk.jpg")),
+];
+
+#[test]
+fn a_jpeg_file_is_read_whatever_follows_its_end_and_refused_if_it_has_none() {
+    for (kind, bytes) in JPEGS {
+        for rest in [&b""[..], b"\0", b"\xff", b"\r\n", b"a thumbnail \xff\xd8\xff"] {
+            let image = load_image(&[bytes, rest].concat()).unwrap_or_else(|error| panic!("{kind}: {error}"));
+            assert_eq!((image.width(), image.height()), (24, 16), "{kind}");
+            let (first, last) = (image.pixel(1, 1), image.pixel(22, 14));
+            assert!(
+                first.x + 0.2 < last.x && first.y + 0.2 < last.y,
+                "{kind}: {first} {last}"
+            );
+        }
+        for length in 3..bytes.len() {
+            let error = load_image(&bytes[..length]).map(|_| ()).expect_err(kind);
+            assert!(matches!(error, ImageFileError::Damaged(_)), "{kind} {length}: {error}");
+        }
+        let half = load_image(&bytes[..bytes.len() * 9 / 10]).unwrap_err().to_string();
+        assert!(
+            half.contains("the JPEG file ends before its picture does"),
+            "{kind}: {half}"
+        );
+    }
+}
+
+/// The end of a picture inside of another segment, such as that of a thumbnail, is not the end of the file's picture.
+#[test]
+fn the_end_of_a_thumbnail_is_not_the_end_of_a_jpeg_file() {
+    let (_, bytes) = JPEGS[0];
+    let segment = b"\xff\xe1\0\x08\xff\xd8\xff\xd9\0\0";
+    let with_thumbnail = [&bytes[..2], segment, &bytes[2..]].concat();
+    load_image(&with_thumbnail).expect("is whole");
+    assert!(load_image(&with_thumbnail[..bytes.len() - 60]).is_err());
+}
+
 #[test]
 fn errors_say_what_to_do() {
     for (bytes, words) in [

@@ -2,12 +2,12 @@
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
 use bevy_egui::egui;
-use sunroom::app::editor::actions::ActionContext;
-use sunroom::app::editor::display::DisplaySettings;
-use sunroom::app::editor::gizmo::GizmoSettings;
-use sunroom::app::editor::keys::Press;
-use sunroom::app::editor::overlay::BvhOverlay;
-use sunroom::app::editor::selection::Selection;
+use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
+use sunroom::app::editor::command::display::DisplaySettings;
+use sunroom::app::editor::command::gizmo_settings::GizmoSettings;
+use sunroom::app::editor::command::selection::Selection;
+use sunroom::app::editor::input::actions::ActionContext;
+use sunroom::app::editor::input::press::Press;
 
 /// The keys that went down this frame, as the window hands them to the editor.
 pub fn presses(ui: &egui::Ui) -> Vec<Press> {

@@ -7,10 +7,13 @@ use std::time::{Duration, SystemTime};
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
-use sunroom::app::editor::history::History;
-use sunroom::app::editor::preferences::PreferencesFile;
-use sunroom::app::editor::recovery::{self, Offer, Recovery};
-use sunroom::app::editor::state::EditorState;
+use sunroom::app::editor::command::recovery_offer::Offer;
+use sunroom::app::editor::session::history::History;
+use sunroom::app::editor::session::preferences::PreferencesFile;
+use sunroom::app::editor::session::recovery::{self, Recovery};
+use sunroom::app::editor::session::requests::Requests;
+use sunroom::app::editor::session::toasts::Toasts;
+use sunroom::app::editor::session::view_settings::ViewSettings;
 use sunroom::app::headless::headless;
 use sunroom::engine::{Limits, load_to_completion};
 use sunroom::scene::OpenScene;
@@ -148,7 +151,9 @@ fn scene_with_recovery(scene: &Path, folder: &Path) -> App {
     let mut app = headless(scene, Some(1));
     app.insert_resource(Recovery::new(Some(folder)))
         .init_resource::<History>()
-        .init_resource::<EditorState>();
+        .init_resource::<ViewSettings>()
+        .init_resource::<Requests>()
+        .init_resource::<Toasts>();
     let loaded = load_to_completion(&mut app, &Limits::default());
     assert!(loaded.is_ok_and(|loaded| loaded));
     app

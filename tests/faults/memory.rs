@@ -6,7 +6,7 @@ use sunroom::engine::{RenderFilm, RenderStatus};
 use sunroom::scene::{SceneState, SceneStatus};
 
 use crate::program::{Running, Workshop};
-use crate::reloading::Open;
+use crate::reloading::{Open, said};
 use crate::table::{Row, section};
 
 section! { "Memory"
@@ -123,12 +123,11 @@ fn film_of_the_window_grows(row: &Row) {
 }
 
 fn meshes(status: &SceneStatus) -> String {
-    let messages = status.mesh_errors.iter().map(|problem| problem.message.clone());
-    messages.collect::<Vec<_>>().join("\n")
+    said(&status.mesh_errors)
 }
 
 fn pictures(status: &SceneStatus) -> String {
-    status.damaged_pictures.join("\n")
+    said(&status.damaged_pictures)
 }
 
 #[test]

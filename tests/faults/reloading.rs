@@ -5,10 +5,10 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
-use sunroom::app::editor::scene_watch::gone;
+use sunroom::app::editor::words::files::gone;
 use sunroom::app::headless::headless;
 use sunroom::engine::{Limits, load_to_completion};
-use sunroom::scene::{MeshHandle, OpenScene, SceneState, SceneStatus, Shape, TextureMap, TriangleMesh};
+use sunroom::scene::{FileProblem, MeshHandle, OpenScene, SceneState, SceneStatus, Shape, TextureMap, TriangleMesh};
 
 use crate::program::{DEADLINE, Workshop};
 use crate::table::{Row, section};
@@ -211,13 +211,15 @@ fn scene_is_truncated(row: &Row) {
     truncated(row, 0, |status| status.diagnostics.to_string());
 }
 
+pub fn said(problems: &[FileProblem]) -> String {
+    let messages = problems.iter().map(|problem| problem.message.as_str());
+    messages.collect::<Vec<_>>().join("\n")
+}
+
 fn mesh_is_truncated(row: &Row) {
-    truncated(row, 1, |status| {
-        let messages = status.mesh_errors.iter().map(|problem| problem.message.clone());
-        messages.collect::<Vec<_>>().join("\n")
-    });
+    truncated(row, 1, |status| said(&status.mesh_errors));
 }
 
 fn picture_is_truncated(row: &Row) {
-    truncated(row, 2, |status| status.damaged_pictures.join("\n"));
+    truncated(row, 2, |status| said(&status.damaged_pictures));
 }

@@ -1,6 +1,6 @@
 //! `sunroom render` whose outputs cannot be written, and that ends before its time.
 
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 use crate::program::{OLD, Running, Workshop, picture, with_mounts};
 use crate::table::{Row, section};
@@ -56,27 +56,46 @@ section! { "Rendering"
         "The picture.";
 }
 
+/// A render that has this many samples to make does not end by itself: where it ends, none was begun.
 const ENDLESS: [&str; 2] = ["--spp", "100000000"];
+
+/// Fails unless the program ends with what the row says, without having rendered.
+#[track_caller]
+fn is_refused_before_rendering(row: &Row, shop: &Workshop, before: &[&str], outputs: &[&str]) {
+    let mut arguments = vec!["render", "scene.xml"];
+    arguments.extend(outputs.iter().flat_map(|output| ["-o", *output]));
+    arguments.extend(ENDLESS);
+    row.holds(&shop.run(before, &arguments));
+}
 
 fn output_is_a_folder(row: &Row) {
     let shop = Workshop::new();
     std::fs::create_dir(shop.path("a.png")).expect("a temporary folder");
-    row.holds(&shop.run(&[], &["render", "scene.xml", "-o", "b.png", "-o", "a.png"]));
+    is_refused_before_rendering(row, &shop, &[], &["b.png", "a.png"]);
     assert_eq!(shop.names("."), ["a.png", "scene.xml", "tmp"]);
     assert!(shop.names("a.png").is_empty() && shop.names("tmp").is_empty());
 }
 
 fn output_is_a_device(row: &Row) {
+    use std::os::unix::fs::FileTypeExt;
     let shop = Workshop::new();
-    std::os::unix::fs::symlink("/dev/full", shop.path("a.png")).expect("a temporary folder");
-    row.holds(&shop.run(&[], &["render", "scene.xml", "-o", "a.png"]));
-    assert_eq!(shop.names("."), ["a.png", "scene.xml", "tmp"]);
-    assert!(!std::path::Path::new("/dev/full").is_file());
+    // A node of its own, of the kind of /dev/full: a fault of the program must not cost the machine one of its devices.
+    let make = "mknod device c 1 7 2>/dev/null || { echo 'skipped: no device can be made here, a pipe takes its place'; mkfifo device; }";
+    let made = Command::new("sh")
+        .args(["-c", make])
+        .current_dir(shop.path("."))
+        .status();
+    assert!(made.is_ok_and(|status| status.success()));
+    std::os::unix::fs::symlink("device", shop.path("a.png")).expect("a temporary folder");
+    is_refused_before_rendering(row, &shop, &[], &["a.png"]);
+    assert_eq!(shop.names("."), ["a.png", "device", "scene.xml", "tmp"]);
+    let kind = std::fs::metadata(shop.path("a.png")).expect("it is there").file_type();
+    assert!(kind.is_char_device() || kind.is_fifo(), "{kind:?}");
 }
 
 fn output_has_no_folder(row: &Row) {
     let shop = Workshop::new();
-    row.holds(&shop.run(&[], &["render", "scene.xml", "-o", "b.png", "-o", "absent/a.png"]));
+    is_refused_before_rendering(row, &shop, &[], &["b.png", "absent/a.png"]);
     assert_eq!(shop.names("."), ["scene.xml", "tmp"]);
 }
 
@@ -88,7 +107,7 @@ fn output_is_read_only(row: &Row) {
         return;
     };
     let before: Vec<&str> = before.iter().map(String::as_str).collect();
-    row.holds(&shop.run(&before, &["render", "scene.xml", "-o", "closed/a.png"]));
+    is_refused_before_rendering(row, &shop, &before, &["closed/a.png"]);
     assert_eq!(shop.names("."), ["closed", "scene.xml", "tmp"]);
     assert!(shop.names("closed").is_empty());
 }

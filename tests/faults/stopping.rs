@@ -8,19 +8,19 @@ use crate::table::{Row, section};
 section! { "Stopping a render"
     interrupt:
         "SIGINT (Ctrl+C) after the first samples.",
-        "`interrupted; the picture has … samples per pixel`, exit code 130.",
+        "`interrupted; the picture has … samples per pixel and is in a.png`, exit code 130.",
         "The picture with the samples so far.";
     termination:
         "SIGTERM after the first samples.",
-        "`interrupted; the picture has … samples per pixel`, exit code 130.",
+        "`interrupted; the picture has … samples per pixel and is in a.png`, exit code 130.",
         "The picture with the samples so far.";
     hang_up:
         "SIGHUP after the first samples, such as a terminal that is closed.",
-        "`interrupted; the picture has … samples per pixel`, exit code 130.",
+        "`interrupted; the picture has … samples per pixel and is in a.png`, exit code 130.",
         "The picture with the samples so far.";
     hang_up_under_nohup:
         "SIGHUP while `nohup` has it ignored.",
-        "Nothing, exit code 0.",
+        "No message about it, exit code 0.",
         "The whole picture.";
     interrupt_before_the_first_sample:
         "SIGINT before any pixel has a sample.",

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use image::ImageReader;
-use sunroom::app::editor::preferences::PreferencesFile;
+use sunroom::app::editor::session::preferences::PreferencesFile;
 
 use crate::program::{Running, SCENE, Workshop, wait_for};
 use crate::table::{Row, section};

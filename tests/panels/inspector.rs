@@ -5,10 +5,10 @@ use bevy_egui::egui::{self, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use sunroom::app::editor::command::Command;
-use sunroom::app::editor::mixed::Mixed;
+use sunroom::app::editor::command::selection::Selection;
+use sunroom::app::editor::model::mixed::Mixed;
 use sunroom::app::editor::model::{Inspected, InspectedMesh, Model, Outline};
 use sunroom::app::editor::panels::inspector::{InspectorState, inspector};
-use sunroom::app::editor::selection::Selection;
 use sunroom::scene::{Lens, Material, Sensor, Shape, ShapeKind};
 
 use crate::subjects::{awkward, every_inspected, with_material};

@@ -18,9 +18,9 @@ use bevy_egui::egui::{self, Pos2, Ui};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::command::Command;
-use sunroom::app::editor::material_drop::{Takers, drop_target};
+use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::model::{Item, Model, Outline};
-use sunroom::app::editor::selection::Selection;
+use sunroom::app::editor::viewport::material_drop::{Takers, drop_target};
 use sunroom::color::Rgb;
 use sunroom::scene::AreaLight;
 

@@ -4,13 +4,11 @@ use bevy::math::Vec2;
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Modifiers, Pos2};
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::command::{Command, FileDialogKind};
-use sunroom::app::editor::material_tree::MaterialTree;
+use sunroom::app::editor::command::material_tree::MaterialTree;
+use sunroom::app::editor::command::selection::Selection;
+use sunroom::app::editor::command::{Command, FileDialogKind, presets};
 use sunroom::app::editor::model::{Inspected, InspectedMaterial, MaterialPlace, Model, Outline};
-use sunroom::app::editor::panels::library;
-use sunroom::app::editor::panels::library::LibraryState;
-use sunroom::app::editor::presets;
-use sunroom::app::editor::selection::Selection;
+use sunroom::app::editor::panels::library::{self, LibraryState};
 use sunroom::color::Rgb;
 use sunroom::scene::{ConductorIor, Material, Parameter, Shape, SquarePath, Texture};
 

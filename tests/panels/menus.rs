@@ -4,18 +4,19 @@ use std::path::PathBuf;
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use sunroom::app::editor::actions::ActionContext;
 use sunroom::app::editor::command::Command;
-use sunroom::app::editor::display::DisplaySettings;
-use sunroom::app::editor::gizmo::GizmoSettings;
-use sunroom::app::editor::layout;
-use sunroom::app::editor::layout::Layout;
-use sunroom::app::editor::model::{DenoiserState, HistoryModel, Model, Notice, Outline, StatusModel};
-use sunroom::app::editor::overlay::BvhOverlay;
+use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
+use sunroom::app::editor::command::display::DisplaySettings;
+use sunroom::app::editor::command::gizmo_settings::GizmoSettings;
+use sunroom::app::editor::command::panel;
+use sunroom::app::editor::command::selection::Selection;
+use sunroom::app::editor::command::shell::ShellCommand;
+use sunroom::app::editor::input::actions::ActionContext;
+use sunroom::app::editor::model::{HistoryModel, Model, Notice, Outline, StatusModel};
 use sunroom::app::editor::panels::menu_bar::{MenuState, menu_bar};
 use sunroom::app::editor::panels::{diagnostics, history, status};
-use sunroom::app::editor::selection::Selection;
-use sunroom::app::editor::shell::ShellCommand;
+use sunroom::app::editor::picture::denoiser::DenoiserState;
+use sunroom::app::editor::session::layout::Layout;
 use sunroom::engine::{RenderState, RenderStatus};
 
 use crate::{Panel, Shown, click, entity, item, show, show_at};
@@ -80,7 +81,7 @@ fn menus_say_commands() {
         Command::ReloadScene,
         Command::SetOverlay(boxes),
         Command::LookThrough(entity(9)),
-        Command::Shell(ShellCommand::ClosePanel(layout::Panel::History)),
+        Command::Shell(ShellCommand::ClosePanel(panel::Panel::History)),
         Command::SetPaused(true),
         Command::Denoise,
     ];

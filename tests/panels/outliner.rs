@@ -4,10 +4,10 @@ use bevy_egui::egui::{self, Key, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::command::Command;
+use sunroom::app::editor::command::selection::{Extend, Selection};
 use sunroom::app::editor::model::{Model, Outline};
 use sunroom::app::editor::panels::outliner;
-use sunroom::app::editor::panels::outliner::OutlinerState;
-use sunroom::app::editor::selection::{Extend, Selection};
+use sunroom::app::editor::panels::outliner::state::OutlinerState;
 
 use crate::{Shown, click, drag_between, entity, item, press_at, with_outline};
 

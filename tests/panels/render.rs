@@ -2,11 +2,11 @@
 
 use egui_kittest::Harness;
 use sunroom::app::editor::command::Command;
-use sunroom::app::editor::compare::CompareView;
-use sunroom::app::editor::display::{DisplayMode, DisplaySettings};
-use sunroom::app::editor::light_mix::{Channel, LightMix};
+use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
+use sunroom::app::editor::command::compare_view::CompareView;
+use sunroom::app::editor::command::display::{DisplayMode, DisplaySettings};
+use sunroom::app::editor::command::light_mix::{Channel, LightMix};
 use sunroom::app::editor::model::{ComparisonModel, MixingModel, RenderModel};
-use sunroom::app::editor::overlay::BvhOverlay;
 use sunroom::app::editor::panels::render;
 use sunroom::scene::{IntegratorSettings, Strategy};
 

@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::Import;
+use super::import::Import;
 use super::mesh_files::find_file;
 use super::tree::Node;
 use crate::document::paths::file_name;

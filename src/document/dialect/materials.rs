@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use super::Import;
+use super::import::Import;
 use super::tree::Node;
 use crate::document::suggest::did_you_mean;
 use crate::document::value::quote;

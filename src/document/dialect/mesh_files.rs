@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
-use super::Import;
+use super::import::Import;
 use crate::document::paths::settle;
 use crate::document::source::MAX_FILE_BYTES;
 use crate::files::Access;

@@ -3,6 +3,7 @@
 //! What the project's own loader shows is the measure; where that is no physics, or where a file says something plain that the loader passed
 //! over, a choice is made and said in a note. Messages have the places of the original file.
 
+mod import;
 mod lights;
 mod materials;
 mod mesh_files;
@@ -12,15 +13,14 @@ mod settings;
 mod tree;
 
 use std::collections::{HashMap, HashSet};
-use std::path::Path;
 use std::sync::Arc;
 
 use quick_xml::Reader;
 use quick_xml::events::Event;
 
+use self::import::Import;
 use self::materials::Materials;
 use self::tree::{Node, Tree};
-use super::suggest::did_you_mean;
 use super::value::quote;
 use super::{Category, Diagnostics, Document, Object, Severity, SourceFile, SourceId, Span};
 use crate::files::Access;
@@ -82,20 +82,6 @@ pub fn import(source: SourceFile, defines: &[(String, String)], access: Access) 
     document
 }
 
-/// A native scene while it grows.
-struct Import<'i> {
-    path: &'i Path,
-    access: &'i Access,
-    /// What the numbers of rotations are; degrees otherwise.
-    radians: bool,
-    root: Object,
-    /// Ids given so far.
-    ids: HashSet<String>,
-    /// The number that the next thing of this name may get.
-    next_numbers: HashMap<String, u32>,
-    diagnostics: &'i mut Diagnostics,
-}
-
 impl Import<'_> {
     fn read_defines(&mut self, defines: &[(String, String)]) {
         for (name, value) in defines {
@@ -131,46 +117,5 @@ impl Import<'_> {
         let mut materials = Materials::default();
         self.read_materials(root, &mut materials);
         self.read_objects(root, &mut materials);
-    }
-
-    /// A remark on a choice that was made.
-    fn note(&mut self, span: Span, message: impl Into<String>) {
-        self.diagnostics.push(Severity::Note, Some(span), message.into(), None);
-    }
-
-    fn warn(&mut self, span: Span, message: impl Into<String>) {
-        self.diagnostics.warn(span, message);
-    }
-
-    /// Warns of elements that are none of these.
-    fn check_children(&mut self, node: Node, known: &[&str]) {
-        for child in node.children() {
-            if !known.contains(&child.name()) {
-                let help = did_you_mean(child.name(), known.iter().copied());
-                let message = format!("<{}> is not known in <{}>; it is ignored", child.name(), node.name());
-                self.diagnostics
-                    .push(Severity::Warning, Some(child.span()), message, help);
-            }
-        }
-    }
-
-    fn add(&mut self, object: Object) {
-        self.root.children.push(object.into());
-    }
-
-    /// An id like `name` that nothing has yet; None for a thing without a name.
-    fn free_id(&mut self, name: Option<String>) -> Option<String> {
-        let name = name.filter(|name| !name.trim().is_empty())?;
-        if self.ids.insert(name.clone()) {
-            return Some(name);
-        }
-        let number = self.next_numbers.entry(name.clone()).or_insert(2);
-        loop {
-            let id = format!("{name}-{number}");
-            *number += 1;
-            if self.ids.insert(id.clone()) {
-                return Some(id);
-            }
-        }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::Import;
+use super::import::Import;
 use super::tree::Node;
 use crate::document::value::quote;
 

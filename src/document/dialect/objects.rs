@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::{Mat4, Vec3, Vec4};
 
-use super::Import;
+use super::import::Import;
 use super::materials::{Look, Materials, black, grey};
 use super::mesh_files::{find_file, has_own_materials};
 use super::tree::Node;

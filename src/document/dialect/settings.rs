@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::Import;
+use super::import::Import;
 use super::tree::Node;
 use crate::document::transform::direction;
 use crate::document::{Category, Object, TransformOp, Value};

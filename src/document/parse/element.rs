@@ -2,7 +2,8 @@
 
 use smol_str::SmolStr;
 
-use super::{Frame, Names, Parser};
+use super::names::Names;
+use super::parser::{Frame, Parser};
 use crate::document::links::Alias;
 use crate::document::naming::{rename, snake_case};
 use crate::document::property::{

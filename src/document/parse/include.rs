@@ -4,11 +4,21 @@ use std::path::{Path, PathBuf};
 
 use smol_str::SmolStr;
 
-use super::{MAX_INCLUDE_DEPTH, MAX_INCLUDES, MAX_SEARCH_FOLDERS, Names, Parser};
+use super::names::Names;
+use super::parser::{MAX_INCLUDE_DEPTH, MAX_INCLUDES, MAX_SEARCH_FOLDERS, Parser};
+use crate::document::paths::file_candidates;
 use crate::document::source::read_text_within;
 use crate::document::value::quote;
 use crate::document::{Category, Include, Object, Property, Severity, SourceId, Span};
 use crate::files::FileError;
+
+/// Why a file is not included.
+enum NotIncluded {
+    /// It is being read already.
+    Circle,
+    /// What it declares stays unknown.
+    Unread,
+}
 
 impl Parser {
     fn folder_of(&self, source: SourceId) -> PathBuf {
@@ -78,9 +88,34 @@ impl Parser {
         if self.is_part {
             return;
         }
-        let Some(path) = self.find_file(file, span) else {
-            return;
+        let source = match self.included(file, span) {
+            Ok(source) => source,
+            Err(NotIncluded::Circle) => return,
+            Err(NotIncluded::Unread) => {
+                self.failed_include = self.failed_include.or(Some(span));
+                return;
+            }
         };
+        let root = self.parse_source(source, depth);
+        self.open_files.pop();
+        match root {
+            Some(root) if root.category == Category::Scene => {
+                for Property { name, value, span } in root.properties {
+                    self.add_property(object, names, name, value, span);
+                }
+                object.children.extend(root.children);
+            }
+            Some(mut root) => {
+                root.name = name.or(root.name);
+                object.children.push(root.into());
+            }
+            None => self.failed_include = self.failed_include.or(Some(span)),
+        }
+    }
+
+    /// Opens a file that is included at `span`: it is the last of the open files then. An error has been reported.
+    fn included(&mut self, file: &str, span: Span) -> Result<SourceId, NotIncluded> {
+        let path = self.find_file(file, span).ok_or(NotIncluded::Unread)?;
         let key = canonical(&path);
         if let Some(first) = self.open_files.iter().position(|(open, _)| *open == key) {
             // The chain of includes from that file on, of which this include is the last.
@@ -96,16 +131,16 @@ impl Parser {
             let help = (!chain.is_empty()).then(|| chain.join(", "));
             let message = format!("{} includes itself", quote(file));
             self.diagnostics.push(Severity::Error, Some(span), message, help);
-            return;
+            return Err(NotIncluded::Circle);
         }
         if self.open_files.len() > MAX_INCLUDE_DEPTH {
             let message = format!("includes are nested more than {MAX_INCLUDE_DEPTH} deep");
             self.diagnostics.error(span, message);
-            return;
+            return Err(NotIncluded::Unread);
         }
         if self.includes.len() >= MAX_INCLUDES {
             self.exhaust(Some(span), &format!("more than {MAX_INCLUDES} includes"));
-            return;
+            return Err(NotIncluded::Unread);
         }
         let source = match self.files.get(&key) {
             Some(source) => *source,
@@ -113,7 +148,7 @@ impl Parser {
                 Ok(text) if !is_markup(&text) => {
                     let message = format!("the file {} is not XML: it does not begin with a tag", quote(file));
                     self.diagnostics.error(span, message);
-                    return;
+                    return Err(NotIncluded::Unread);
                 }
                 Ok(text) => {
                     let source = self.add_source(path, text);
@@ -122,27 +157,13 @@ impl Parser {
                 }
                 Err(error) => {
                     self.diagnostics.error(span, error.to_string());
-                    return;
+                    return Err(NotIncluded::Unread);
                 }
             },
         };
         self.includes.push(Include { span, source });
         self.open_files.push((key, Some(span)));
-        let root = self.parse_source(source, depth);
-        self.open_files.pop();
-        match root {
-            Some(root) if root.category == Category::Scene => {
-                for Property { name, value, span } in root.properties {
-                    self.add_property(object, names, name, value, span);
-                }
-                object.children.extend(root.children);
-            }
-            Some(mut root) => {
-                root.name = name.or(root.name);
-                object.children.push(root.into());
-            }
-            None => {}
-        }
+        Ok(source)
     }
 }
 
@@ -154,23 +175,4 @@ fn is_markup(text: &str) -> bool {
 
 pub(super) fn canonical(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
-}
-
-/// Where a file of this name may be: in the given folders, then in the search folders, the last named first.
-pub(in crate::document) fn file_candidates(
-    name: &str,
-    folders: &[PathBuf],
-    search_folders: &[PathBuf],
-) -> Vec<PathBuf> {
-    if Path::new(name).is_absolute() {
-        return vec![PathBuf::from(name)];
-    }
-    let mut candidates: Vec<PathBuf> = Vec::new();
-    for folder in folders.iter().chain(search_folders.iter().rev()) {
-        let candidate = folder.join(name);
-        if !candidates.contains(&candidate) {
-            candidates.push(candidate);
-        }
-    }
-    candidates
 }

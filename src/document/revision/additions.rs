@@ -1,29 +1,12 @@
 //! What is new in an object: written after what it follows, with the indentation found there.
 
-use super::edits::{Edit, apply, end_of_line, margin, margin_of_line, move_margin};
+use super::edits::{Edit, apply, margin_of_line, move_margin};
 use super::elements::Element;
-use super::{Pair, Place, Reviser, Source, is_scene};
+use super::slot::slot_after;
+use super::source::{Place, Source, is_scene};
+use super::{Pair, Reviser};
 use crate::document::write::{WriteError, check_finite, property_to_block, to_block};
 use crate::document::{Child, Object, SourceId, Span};
-
-/// Where something new goes, and what it is to look like there.
-pub(super) struct Slot<'t> {
-    at: usize,
-    margin: String,
-    /// Whether it gets lines of its own.
-    on_own_line: bool,
-    source: &'t Source<'t>,
-}
-
-impl Slot<'_> {
-    pub fn edit(&self, block: &str) -> Edit {
-        let text = match self.on_own_line {
-            true => format!("{}{}{block}", self.source.layout.newline, self.margin),
-            false => block.to_owned(),
-        };
-        Edit::insert(self.at, text)
-    }
-}
 
 impl<'r> Reviser<'r> {
     /// The edits for the properties and children of `pair.now` that have no element yet.
@@ -42,7 +25,7 @@ impl<'r> Reviser<'r> {
                 continue;
             }
             check_finite(&property.value, &property.name, pair.now)?;
-            let property = self.names.property_at(property, place.folder);
+            let property = self.names.property_at(property, pair.now.category, place.folder);
             let slot = slot_after(source, element, pair.last_property);
             let block = property_to_block(&property, pair.now, &slot.margin, &source.layout)?;
             added.push((slot, block));
@@ -135,38 +118,6 @@ impl<'r> Reviser<'r> {
         let old_margin = margin_of_line(source.text(), start);
         let margin = margin_of_line(to.text(), include.tag.start);
         resettle(text.trim(), old_margin, margin, to.layout.newline)
-    }
-}
-
-/// After the element `last`, or else before all others.
-pub(super) fn slot_after<'t>(source: &'t Source<'t>, element: &Element, last: Option<usize>) -> Slot<'t> {
-    let text = source.text();
-    let beside = last
-        .or(element.children.first().copied())
-        .map(|index| source.elements.get(index));
-    let Some(beside) = beside else {
-        let outer = margin_of_line(text, element.tag.start);
-        return Slot {
-            at: element.tag.end,
-            margin: format!("{outer}{}", source.layout.unit),
-            on_own_line: true,
-            source,
-        };
-    };
-    let own_line = margin(text, beside.tag.start);
-    let after = match last {
-        Some(_) => beside.end,
-        None => element.tag.end,
-    };
-    Slot {
-        at: if own_line.is_some() {
-            end_of_line(text, after)
-        } else {
-            after
-        },
-        margin: own_line.unwrap_or(margin_of_line(text, beside.tag.start)).to_owned(),
-        on_own_line: own_line.is_some(),
-        source,
     }
 }
 

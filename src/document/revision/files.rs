@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use super::edits::Edit;
 use super::elements::Element;
+use super::source::{Destination, Place, Source};
 use super::values::revise_attribute;
-use super::{Destination, Place, Source};
-use crate::document::parse::file_candidates;
-use crate::document::paths::{file_name, settle};
-use crate::document::{Child, Document, Object, Property, SourceId, Value, WriteError};
+use crate::document::paths::{file_candidates, file_name, settle, settle_covered};
+use crate::document::{Category, Child, Document, Object, Property, SourceId, Value, WriteError};
+use crate::files::Access;
 
 /// Makes the names in a tree that `origin` was read as, and that was changed since, relative to the destination.
 pub fn move_files(root: &mut Object, origin: &Document, destination: &Destination) {
@@ -23,6 +23,7 @@ pub struct FileNames<'d> {
     /// Of the main file once it is written.
     pub target_folder: &'d Path,
     search_folders: &'d [PathBuf],
+    access: Access,
     /// Per file of the document, absolute.
     paths: Vec<PathBuf>,
 }
@@ -34,6 +35,7 @@ impl<'d> FileNames<'d> {
             destination,
             target_folder: parent(destination.path),
             search_folders: &origin.search_folders,
+            access: origin.access.apart(),
             paths: sources.map(|source| settle(&source.path)).collect(),
         }
     }
@@ -48,10 +50,10 @@ impl<'d> FileNames<'d> {
         parent(self.path(source))
     }
 
-    /// The property as it reads in a file of `folder`.
-    pub fn property_at<'p>(&self, property: &'p Property, folder: &Path) -> Cow<'p, Property> {
+    /// The property of an object of this kind as it reads in a file of `folder`. What a film names is written, not read.
+    pub fn property_at<'p>(&self, property: &'p Property, owner: Category, folder: &Path) -> Cow<'p, Property> {
         let moved = match &property.value {
-            Value::String(name) if property.name == "filename" => {
+            Value::String(name) if property.name == "filename" && owner != Category::Film => {
                 self.moved(name, self.folder(property.span.source), folder)
             }
             _ => None,
@@ -67,8 +69,9 @@ impl<'d> FileNames<'d> {
 
     /// The same for all that hangs below an object.
     pub fn move_object(&self, object: &mut Object, folder: &Path) {
+        let owner = object.category;
         for property in &mut object.properties {
-            if let Cow::Owned(moved) = self.property_at(property, folder) {
+            if let Cow::Owned(moved) = self.property_at(property, owner, folder) {
                 *property = moved;
             }
         }
@@ -79,12 +82,15 @@ impl<'d> FileNames<'d> {
         }
     }
 
-    /// Another name for the same file; None if this one will do, or leads nowhere.
+    /// Another name for the same file; None if this one will do. A file that is nowhere is named where it was looked for first: it may come later,
+    /// and the new folder may have another file of that name.
     fn moved(&self, name: &str, from: &Path, to: &Path) -> Option<String> {
-        if Path::new(name).is_absolute() {
+        if name.is_empty() || Path::new(name).is_absolute() {
             return None;
         }
-        let path = (self.destination.find_before)(name, from)?;
+        let Some(path) = (self.destination.find_before)(name, from) else {
+            return (from != to).then(|| file_name(&settle_covered(from, Path::new(name), &self.access), to));
+        };
         let stays = (self.destination.find_after)(name, to).is_some_and(|found| found == path);
         (!stays).then(|| file_name(&path, to))
     }
@@ -107,10 +113,7 @@ impl<'d> FileNames<'d> {
         }
         let find = |folders: &[PathBuf]| {
             let candidates = file_candidates(name, folders, self.search_folders);
-            candidates
-                .into_iter()
-                .find(|path| path.is_file())
-                .map(|path| settle(&path))
+            self.access.find(&candidates).map(|path| settle(path))
         };
         let main = self.folder(SourceId(0));
         let before = known
@@ -137,8 +140,11 @@ impl<'d> FileNames<'d> {
         if from == place.folder || Path::new(name).is_absolute() || name.contains('$') {
             return Ok(None);
         }
-        let joined = from.join(name);
-        let folder = joined.canonicalize().unwrap_or_else(|_| settle(&joined));
+        let folder = settle_covered(from, Path::new(name), &self.access);
+        let folder = match self.access.covers(&folder) {
+            true => folder.canonicalize().unwrap_or(folder),
+            false => folder,
+        };
         revise_attribute(source.text(), element, "value", Some(&file_name(&folder, place.folder)))
     }
 }

@@ -8,35 +8,24 @@ mod additions;
 mod edits;
 pub mod elements;
 mod files;
+mod slot;
+mod source;
 mod values;
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
+use self::edits::Edit;
 pub use self::edits::Layout;
-use self::edits::{Edit, apply};
-use self::elements::{Element, Elements};
+use self::elements::Element;
 use self::files::FileNames;
 pub use self::files::move_files;
+pub use self::source::{Destination, FindFile};
+use self::source::{Place, Source, is_scene, position, span_of};
 use self::values::{revise_attribute, revise_value};
 use super::paths::settle;
 use super::write::{WriteError, check_finite, property_to_block};
-use super::{Child, Document, Object, Property, SourceFile, SourceId, Span, Value};
-
-/// Finds the file that a name stands for in a file of this folder.
-pub type FindFile<'f> = &'f dyn Fn(&str, &Path) -> Option<PathBuf>;
-
-/// Where the main file goes, and what names of files mean.
-#[derive(Clone, Copy)]
-pub struct Destination<'d> {
-    /// Absolute. Where the document came from, the files it includes are written too.
-    pub path: &'d Path,
-    /// Where names lead as things are, and where once the main file is at `path`.
-    pub find_before: FindFile<'d>,
-    pub find_after: FindFile<'d>,
-    /// Whether an included file (absolute) holds something else now than what was read: it cannot stand for that in a main file elsewhere.
-    pub has_changed: &'d dyn Fn(&Path) -> bool,
-}
+use super::{Child, Document, Object, Property, SourceId, Span, Value};
 
 /// The files to write, the main one last. `origin` is what was read; the spans of `now` point into it, and names of files without a span
 /// are relative to its folder.
@@ -82,53 +71,6 @@ pub fn revise(
     }
     files.push((destination.path.to_owned(), reviser.source(main).with(edits)));
     Ok(files)
-}
-
-/// A file of the document with its layout.
-struct Source<'a> {
-    file: &'a SourceFile,
-    elements: Elements,
-    layout: Layout,
-}
-
-impl<'a> Source<'a> {
-    fn all(document: &'a Document) -> Vec<Self> {
-        let files = document.diagnostics.sources.iter();
-        files
-            .map(|file| {
-                let elements = Elements::read(&file.text);
-                let layout = elements.root().map_or_else(Layout::default, |root| {
-                    let root = elements.get(root);
-                    Layout::of(
-                        &file.text,
-                        root,
-                        root.children.first().map(|&first| elements.get(first)),
-                    )
-                });
-                Self { file, elements, layout }
-            })
-            .collect()
-    }
-
-    fn text(&self) -> &'a str {
-        &self.file.text
-    }
-
-    fn with(&self, edits: Vec<Edit>) -> String {
-        let text = apply(self.text(), 0..self.text().len(), edits);
-        match self.file.byte_order_mark {
-            true => format!("\u{feff}{text}"),
-            false => text,
-        }
-    }
-}
-
-/// A text on its way to a folder.
-#[derive(Clone, Copy)]
-struct Place<'p> {
-    source: SourceId,
-    /// Names of files are relative to it.
-    folder: &'p Path,
 }
 
 /// An object as it was and as it is to be.
@@ -273,7 +215,7 @@ impl<'r> Reviser<'r> {
     ) -> Result<Vec<Edit>, WriteError> {
         let source = self.source(place.source);
         let element = source.elements.get(index);
-        let now = self.names.property_at(now, place.folder);
+        let now = self.names.property_at(now, owner.category, place.folder);
         if now.value == old.value {
             // The value came from a file.
             return match element.name(source.text()) {
@@ -368,10 +310,6 @@ impl<'r> Reviser<'r> {
     }
 }
 
-fn is_scene(source: &Source, root: usize) -> bool {
-    source.elements.get(root).name(source.text()) == "scene"
-}
-
 /// Old names whose values became parts of `to_uv`: when that is written anew they are in its way.
 fn is_superseded(source: &Source, element: &Element, pair: &Pair) -> bool {
     let value = |object: &Object| -> Option<Value> {
@@ -382,16 +320,4 @@ fn is_superseded(source: &Source, element: &Element, pair: &Pair) -> bool {
     let name = name.map(|name| &source.text()[name.value]);
     name.is_some_and(|name| ["uoffset", "voffset", "uscale", "vscale"].contains(&name))
         && value(pair.old) != value(pair.now)
-}
-
-fn span_of(element: &Element, source: SourceId) -> Span {
-    Span {
-        source,
-        start: position(element.tag.start),
-        end: position(element.tag.end),
-    }
-}
-
-fn position(offset: usize) -> u32 {
-    u32::try_from(offset).unwrap_or(u32::MAX)
 }

@@ -1,8 +1,7 @@
 //! One material of the scene as one of the renderer: names become numbers, numbers are brought into range.
 
-use super::Checker;
-use super::material::STAND_IN_ID;
 use super::texture::TexturePacker;
+use super::{Checker, STAND_IN_ID};
 use crate::color::Rgb;
 use crate::material::{self, BumpOptions, MaterialId, TexturedBase, TexturedBsdf, TexturedFacets, TexturedSpecular};
 use crate::scene::{ConductorIor, Distribution, Ior, Material, Parameter, Roughness};

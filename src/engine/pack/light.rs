@@ -34,6 +34,8 @@ pub(super) fn sampling_weight(value: f32, check: &mut Checker) -> f32 {
 pub(in crate::engine) struct LightContext<'c, 'p> {
     pub textures: &'c mut TexturePacker<'p>,
     pub environments: &'c mut Environments,
+    /// What is said of lights that the memory budget has no room for.
+    pub shortages: &'c mut Vec<String>,
 }
 
 /// None for a light that cannot be: nowhere, or going nowhere; and for one whose picture is not there (yet).
@@ -74,14 +76,18 @@ pub(in crate::engine) fn pack_emitter(
             mis_compensation,
         } => {
             let image = context.textures.picture(picture)?;
-            let map = context.environments.get(&image, *mis_compensation);
-            let left_out = |shortage| {
-                check.report(format_args!(
-                    "sampling its picture needs {shortage}; the light is left out"
-                ))
+            let map = match context.environments.get(&image, *mis_compensation) {
+                Ok(map) => map,
+                Err(shortage) => {
+                    let (file, name) = (picture.display(), check.name);
+                    context.shortages.push(format!(
+                        "{name}: sampling its picture {file} needs {shortage}; the light is left out"
+                    ));
+                    return None;
+                }
             };
             LightSource::Environment {
-                map: map.map_err(left_out).ok()?,
+                map,
                 world_from_local: turning(to_world, check)?,
                 scale: check.number("scale", *scale, 0.0, BRIGHTEST, 1.0),
             }
@@ -225,6 +231,7 @@ mod tests {
         let mut context = LightContext {
             textures: &mut TexturePacker::new(&picture),
             environments: &mut Environments::default(),
+            shortages: &mut Vec::new(),
         };
         let light = pack_emitter(&kind.into(), to_world, &mut context, &mut check);
         (light.map(|light| light.source), errors)

@@ -21,10 +21,8 @@ pub(in crate::engine) const STAND_IN: material::Material = material::Material::P
 /// A light that has no material reflects nothing: so the format has it.
 const LAMP: material::Material = material::Material::Plain(Bsdf::Diffuse(Diffuse { reflectance: Rgb::ZERO }));
 
-/// What every table begins with, and the places of these.
+/// What every table begins with: see `STAND_IN_ID` and `LAMP_ID`.
 const FIXED: [material::Material; 2] = [STAND_IN, LAMP];
-pub(in crate::engine) const STAND_IN_ID: MaterialId = MaterialId(0);
-pub(in crate::engine) const LAMP_ID: MaterialId = MaterialId(1);
 
 /// A material entity as extraction finds it.
 #[derive(Clone, Debug)]
@@ -157,6 +155,7 @@ fn contains_itself(start: usize, sources: &[MaterialSource], places: &HashMap<En
 
 #[cfg(test)]
 mod tests {
+    use super::super::STAND_IN_ID;
     use super::*;
     use crate::material::TexturedBsdf;
     use crate::scene::{ConductorIor, Distribution, Ior, Roughness};

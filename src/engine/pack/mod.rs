@@ -14,6 +14,11 @@ pub(super) mod texture;
 pub(super) mod view;
 
 use crate::color::Rgb;
+use crate::material::MaterialId;
+
+/// The first materials of every table: what has no material or an impossible one, and a light that has none.
+const STAND_IN_ID: MaterialId = MaterialId(0);
+const LAMP_ID: MaterialId = MaterialId(1);
 
 /// Checks the numbers of one entity and writes down what was wrong with them.
 pub(super) struct Checker<'a> {

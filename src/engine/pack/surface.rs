@@ -5,13 +5,12 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
-use super::BRIGHTEST;
 use super::Checker;
 use super::group::Layout;
 use super::light::{emission, sampling_weight};
-use super::material::{LAMP_ID, STAND_IN_ID};
 use super::mtl::push_mtl;
 use super::texture::TexturePacker;
+use super::{BRIGHTEST, LAMP_ID, STAND_IN_ID};
 use crate::accel::Primitive;
 use crate::color::Rgb;
 use crate::geometry::mesh::MeshData;

@@ -2,9 +2,10 @@
 
 use glam::Vec2;
 
-use super::Job;
+use super::context::Job;
 use crate::accel::RayLanes;
 use crate::math::lanes::{LANES, Lanes, WordLanes};
+use crate::render::dimensions::{FILTER, LENS};
 use crate::render::filter::PixelFilter;
 use crate::render::view::View;
 use crate::sampling::lanes::SamplerLanes;
@@ -31,7 +32,7 @@ impl CameraRays {
             weights: [1.0; LANES],
             samplers,
         };
-        let place = camera.samplers.at_2d(WordLanes::ZERO);
+        let place = camera.samplers.at_2d(WordLanes::splat(FILTER));
         let offset = match &view.filter {
             PixelFilter::Box => place.map(|u| u - Lanes::splat(0.5)),
             filter => {
@@ -51,7 +52,7 @@ impl CameraRays {
         };
         let film = [film(x, offset[0], view.width), film(y, offset[1], view.height)];
         camera.rays = view.camera.pinhole_rays(film).unwrap_or_else(|| {
-            let lens = camera.samplers.at_2d(WordLanes::splat(1));
+            let lens = camera.samplers.at_2d(WordLanes::splat(LENS));
             let mut rays = RayLanes::NOWHERE;
             for lane in 0..jobs.len() {
                 rays.set(lane, &view.camera.ray(pair(film, lane), pair(lens, lane)));

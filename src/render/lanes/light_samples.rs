@@ -2,20 +2,13 @@
 
 use glam::Vec2;
 
-use super::Surroundings;
-use crate::light::lanes::{SoleLight, sample_constant};
+use super::context::Context;
+use crate::light::lanes::{ReferenceLanes, SoleLight, sample_constant};
 use crate::light::{LightReference, Target};
+use crate::math::PerLane;
 use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of};
+use crate::render::dimensions::BounceDraw;
 use crate::sampling::lanes::SamplerLanes;
-
-/// The places lights are seen from.
-#[derive(Clone, Copy)]
-pub(super) struct ReferenceLanes {
-    pub position: Vec3Lanes,
-    pub normal: Vec3Lanes,
-    /// Bits of lanes that see the half space around their normal only.
-    pub halved: u32,
-}
 
 /// Directions to a light, with what arrives from there unless something is in between.
 #[derive(Clone, Copy)]
@@ -28,15 +21,6 @@ pub(super) struct LightLanes {
     pub pdf: Lanes,
     pub is_delta: u32,
     pub is_valid: Lanes,
-}
-
-impl ReferenceLanes {
-    fn get(&self, lane: usize) -> LightReference {
-        LightReference {
-            position: self.position.get(lane),
-            normal: (self.halved >> lane & 1 == 1).then(|| self.normal.get(lane)),
-        }
-    }
 }
 
 impl LightLanes {
@@ -57,18 +41,18 @@ impl LightLanes {
         }
     }
 
-    /// A light for each of the lanes `asked`, by the numbers of a vertex: `at(0)` which light it is, `at(1)` where. Densities are per solid
-    /// angle, the choice included. The other lanes mean nothing, valid or not.
+    /// A light for each of the lanes `asked`, by the numbers of the vertices at `depth`. Densities are per solid angle, the choice
+    /// included. The other lanes mean nothing, valid or not.
     #[inline(always)]
     pub fn sample(
-        around: &Surroundings,
+        context: &Context,
         asked: u32,
         seen_from: ReferenceLanes,
         sampler: &SamplerLanes,
-        at: impl Fn(u32) -> WordLanes,
+        depth: WordLanes,
     ) -> Self {
-        let u = sampler.at_2d(at(1));
-        let (light, alone) = match &around.sole_light {
+        let u = sampler.at_2d(BounceDraw::LightPoint.at(depth));
+        let (light, alone) = match &context.sole_light {
             Some(SoleLight::Rectangle(rectangle)) => {
                 let sample = rectangle.sample(seen_from.position, u);
                 return Self {
@@ -100,19 +84,20 @@ impl LightLanes {
             }
             None => (Self::NONE, asked),
         };
-        let u_choice = sampler.at_1d(at(0));
-        light.with_others(around, alone, seen_from, [u_choice, u[0], u[1]])
+        let u_choice = sampler.at_1d(BounceDraw::LightChoice.at(depth));
+        light.with_others(context, alone, seen_from, [u_choice, u[0], u[1]])
     }
 
     /// These with lights for the lanes `asked`, one by one. Not in line, for what is set lane by lane lies in memory.
     #[inline(never)]
-    fn with_others(mut self, around: &Surroundings, asked: u32, seen_from: ReferenceLanes, u: [Lanes; 3]) -> Self {
+    fn with_others(mut self, context: &Context, asked: u32, seen_from: ReferenceLanes, u: [Lanes; 3]) -> Self {
         self.infinite &= !asked;
         let mut valid = self.is_valid.to_bitmask() & !asked;
         for lane in each_lane(asked) {
             let [u_choice, x, y] = u.map(|numbers| numbers.as_array()[lane]);
             let place = Vec2::new(x, y);
-            let Some((_, sample)) = around.scene.lights.sample(&seen_from.get(lane), u_choice, place) else {
+            let reference = LightReference::gather_lane(&seen_from, lane);
+            let Some((_, sample)) = context.scene.lights.sample(&reference, u_choice, place) else {
                 continue;
             };
             let bit = 1 << lane;

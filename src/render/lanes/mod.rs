@@ -3,39 +3,28 @@
 //!
 //! Surfaces are looked up one by one. Where a surface has one of the models of [`crate::shading::lanes`], the rest is done in
 //! lanes; any other model is evaluated by itself, and its random numbers, lights and shadow rays are in lanes. Where several models are
-//! mixed, or light passes straight through, the path takes its step alone, by [`Path::advance`]. A path that has ended gives its lane to
-//! the next one. The numbers are those of one path at a time, but for rounding.
+//! mixed, or light passes straight through, the path takes its step alone, by [`PathState::advance`]. A path that has ended gives its
+//! lane to the next one. The numbers are those of one path at a time, but for rounding.
+//!
+//! [`PathState::advance`]: super::path_state::PathState::advance
 
+mod batch;
 mod camera_rays;
+mod context;
 mod light_samples;
+mod scatter;
 mod vertices;
-mod wave;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use glam::UVec2;
+pub(super) use self::context::Job;
 
-use self::wave::{Company, Samples, Wave};
+use self::batch::PathBatch;
+use self::context::{Coherence, Context, Samples};
 use super::path::PathSample;
 use super::scene::RenderScene;
 use super::view::{PathSettings, View};
-use crate::light::lanes::SoleLight;
 use crate::math::lanes::{LANES, each_lane};
-
-/// A sample of a pixel that is to be traced.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Job {
-    pub pixel: UVec2,
-    pub index: u32,
-}
-
-/// What all paths have in common.
-struct Surroundings<'a> {
-    scene: &'a RenderScene,
-    view: &'a View,
-    settings: &'a PathSettings,
-    sole_light: Option<SoleLight>,
-}
 
 /// Steps between two looks at whether to stop.
 const STEPS_TO_CANCEL: usize = 64;
@@ -48,7 +37,7 @@ pub(super) fn trace(
     jobs: &[Job],
     cancel: &AtomicBool,
 ) -> Option<Vec<(PathSample, f32)>> {
-    let around = Surroundings {
+    let context = Context {
         scene,
         view,
         settings,
@@ -61,12 +50,12 @@ pub(super) fn trace(
             return None;
         }
         for _ in 0..STEPS_TO_CANCEL {
-            paths.later.trace(Company::Mixed, &around, &mut samples);
-            paths.begin(&around, &mut samples);
+            paths.later.trace(Coherence::Incoherent, &context, &mut samples);
+            paths.begin(&context, &mut samples);
             if paths.later.active == 0 {
                 return Some(samples);
             }
-            paths.later.step(Company::Mixed, &around, &mut samples);
+            paths.later.step(Coherence::Incoherent, &context, &mut samples);
         }
     }
 }
@@ -78,8 +67,8 @@ struct Paths<'a> {
     /// Jobs that have been begun.
     begun: usize,
     /// Those that have left their first vertex, until there is a lane for them.
-    first: Wave<'a>,
-    later: Wave<'a>,
+    first: PathBatch<'a>,
+    later: PathBatch<'a>,
 }
 
 impl<'a> Paths<'a> {
@@ -87,13 +76,13 @@ impl<'a> Paths<'a> {
         Self {
             jobs,
             begun: 0,
-            first: Wave::new(view),
-            later: Wave::new(view),
+            first: PathBatch::new(view),
+            later: PathBatch::new(view),
         }
     }
 
     /// Gives every free lane a path, as long as there are any.
-    fn begin(&mut self, around: &Surroundings<'a>, samples: &mut Samples) {
+    fn begin(&mut self, context: &Context<'a>, samples: &mut Samples) {
         const ALL: u32 = (1 << LANES) - 1;
         for lane in each_lane(!self.later.active & ALL) {
             while self.first.active == 0 {
@@ -101,13 +90,13 @@ impl<'a> Paths<'a> {
                 if jobs.is_empty() {
                     return;
                 }
-                self.begun += self.first.begin(around.view, jobs, self.begun);
-                self.first.trace(Company::Coherent, around, samples);
-                self.first.step(Company::Coherent, around, samples);
-                self.first.trace(Company::Mixed, around, samples);
+                self.begun += self.first.begin(context.view, jobs, self.begun);
+                self.first.trace(Coherence::Coherent, context, samples);
+                self.first.step(Coherence::Coherent, context, samples);
+                self.first.trace(Coherence::Incoherent, context, samples);
             }
             let next = self.first.active.trailing_zeros() as usize % LANES;
-            self.later.take(lane, &mut self.first, next);
+            self.later.move_lane_from(lane, &mut self.first, next);
         }
     }
 }

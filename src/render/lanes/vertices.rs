@@ -69,7 +69,7 @@ impl<'a> Vertices<'a> {
         self.bsdf.smooth() | self.other_smooth
     }
 
-    /// The lanes that have a [`crate::material::Scattering::half_space`], about the side of the shading normal that is seen.
+    /// The lanes that have a [`crate::material::Scattering::one_sided_normal`], about the side of the shading normal that is seen.
     pub fn halved(&self) -> u32 {
         self.lanes & !(self.bsdf.transmitting() | self.other & !self.other_halved)
     }
@@ -158,16 +158,16 @@ impl<'a> Vertices<'a> {
     ) -> Option<Met> {
         let point = scene.surface(ray, hit, slot);
         let mut scattering = scene.scattering(slot.material, hit, &point, -ray.dir);
-        let (half_space, albedo) = (scattering.half_space(), scattering.albedo());
+        let (one_sided_normal, albedo) = (scattering.one_sided_normal(), scattering.albedo());
         let is_smooth = scattering.has_smooth_lobe();
         self.singles[lane] = Some(scattering.take_single()?);
         self.set_place(lane, &point);
-        self.shading_normal.set(lane, half_space.unwrap_or(Vec3::Z));
+        self.shading_normal.set(lane, one_sided_normal.unwrap_or(Vec3::Z));
         self.side.as_mut_array()[lane] = 1.0;
         let bit = |condition: bool| u32::from(condition) << lane;
         self.other |= bit(true);
         self.other_smooth |= bit(is_smooth);
-        self.other_halved |= bit(half_space.is_some());
+        self.other_halved |= bit(one_sided_normal.is_some());
         Some(Met {
             point,
             is_smooth,

@@ -32,7 +32,7 @@ pub fn cause(error: &AssetLoadError) -> String {
     }
 }
 
-/// Whether a picture was not read because the scene may not read it, whatever there is under its name.
+/// Whether the error says that the scene may not read the picture, whether or not the file exists.
 pub fn is_refused_picture(error: &AssetLoadError) -> bool {
     let AssetLoadError::AssetLoaderError(error) = error else {
         return false;

@@ -255,7 +255,7 @@ fn used_by_programs(cache: &Path) -> io::Result<HashSet<String>> {
     Ok(hashes)
 }
 
-/// Whether a folder is called as [`PartsCache::keep`] calls them. Others are not ours.
+/// Whether a folder has a name such as [`PartsCache::keep`] gives. Other folders are left alone.
 fn is_hash(name: &OsStr) -> bool {
     let is_digit = |byte: &u8| matches!(byte, b'0'..=b'9' | b'a'..=b'f');
     name.len() == 16 && name.as_encoded_bytes().iter().all(is_digit)

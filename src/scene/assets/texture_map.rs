@@ -1,12 +1,13 @@
 //! A picture loaded from a file, for textures and environments.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 
-use crate::files::FileError;
+use crate::files::{Access, FileError};
 use crate::memory;
 use crate::scene::SceneAccess;
 use crate::texture::{Image, ImageFileError, load_image};
@@ -44,15 +45,7 @@ impl AssetLoader for TextureMapLoader {
         _settings: &(),
         context: &mut LoadContext<'_>,
     ) -> Result<TextureMap, TextureMapError> {
-        let bytes = self
-            .access
-            .get()
-            .read(context.path().path(), memory::largest_data_file())?;
-        let image = Arc::new(load_image(&bytes)?);
-        Ok(TextureMap {
-            negative_pixels: image.negative_pixels(),
-            image,
-        })
+        load_picture(context.path().path(), &self.access.get())
     }
 
     fn extensions(&self) -> &[&str] {
@@ -60,4 +53,14 @@ impl AssetLoader for TextureMapLoader {
             "png", "jpg", "jpeg", "bmp", "tga", "ppm", "pgm", "pnm", "exr", "hdr", "rgbe", "pfm",
         ]
     }
+}
+
+/// A picture file of any kind, read from the disk if `access` permits.
+pub fn load_picture(path: &Path, access: &Access) -> Result<TextureMap, TextureMapError> {
+    let bytes = access.read(path, memory::largest_data_file())?;
+    let image = Arc::new(load_image(&bytes)?);
+    Ok(TextureMap {
+        negative_pixels: image.negative_pixels(),
+        image,
+    })
 }

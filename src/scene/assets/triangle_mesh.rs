@@ -8,7 +8,7 @@ use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 use rayon::prelude::*;
 
-use crate::document::paths::settle;
+use crate::document::paths::settle_covered;
 use crate::files::{Access, FileError, LARGEST_NOTE};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::mesh_file::{LoadedMesh, MeshError};
@@ -17,7 +17,7 @@ use crate::geometry::{obj, ply};
 use crate::memory;
 use crate::scene::SceneAccess;
 
-/// What a mesh file holds, all of it, whichever of its shapes are used.
+/// The whole content of a mesh file, whichever of its shapes are used.
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct TriangleMesh {
     /// One of an OBJ or PLY file, at least one of a serialized one.
@@ -31,7 +31,7 @@ pub struct TriangleMesh {
 pub struct MeshShape {
     /// A new `Arc` after each reload.
     pub data: Arc<MeshData>,
-    /// What of it was left out or mended, one sentence each.
+    /// One sentence for each thing that was left out or mended.
     pub warnings: Vec<String>,
 }
 
@@ -47,7 +47,7 @@ impl TriangleMesh {
 #[reflect(Component, PartialEq)]
 pub struct MeshHandle(pub Handle<TriangleMesh>);
 
-/// Reads OBJ, PLY and serialized files; which it is, the content says.
+/// Reads OBJ, PLY and serialized files, told apart by their content.
 #[derive(Default, TypePath)]
 pub struct MeshLoader {
     pub access: SceneAccess,
@@ -118,9 +118,10 @@ pub fn read_mesh(bytes: &[u8], path: &Path, access: &Access) -> Result<TriangleM
     } else {
         let loaded = obj::load_obj(bytes, &mut |name| {
             let library = folder.join(name);
-            may_quote &= access.may_quote(&library);
             dependencies.push(library.clone());
-            Ok(access.read(&library, LARGEST_NOTE)?)
+            let content = access.read(&library, LARGEST_NOTE)?;
+            may_quote &= access.may_quote(&library);
+            Ok(content)
         });
         loaded.map(|mut loaded| {
             loaded.mesh.flip_tex_coords();
@@ -137,7 +138,7 @@ pub fn read_mesh(bytes: &[u8], path: &Path, access: &Access) -> Result<TriangleM
         .iter_mut()
         .flat_map(|material| material.maps.iter_mut())
     {
-        map.file = settle(&folder.join(&map.file));
+        map.file = settle_covered(folder, &map.file, access);
     }
     Ok(TriangleMesh {
         shapes: vec![loaded.into()],

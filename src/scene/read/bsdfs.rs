@@ -2,14 +2,16 @@
 
 use std::ops::RangeInclusive;
 
+use super::ior_names;
 use super::parameters::Parameters;
-use super::textures::{PictureSearch, read_texture};
-use super::{SceneReader, address, ior_names};
+use super::picture_search::PictureSearch;
+use super::scene_reader::{SceneReader, address};
+use super::textures::read_texture;
 use crate::color::Rgb;
 use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Reader, Severity, Value};
 use crate::scene::description::{DeclarationPlace, MaterialDescription};
-use crate::scene::write;
+use crate::scene::encode::objects;
 use crate::scene::{
     ConductorIor, Distribution, Ior, Material, Parameter, ParameterVisitor, PrincipledIndex, Roughness,
 };
@@ -55,7 +57,7 @@ impl<'a> SceneReader<'a> {
             }
         }
 
-        let identity = self.identity(object, || write::objects::material(&material, &self.folder));
+        let identity = self.identity(object, || objects::material(&material, &self.folder));
         let description = &mut self.description.materials[index];
         description.identity = identity;
         description.material = material;
@@ -80,7 +82,9 @@ fn read_parameters<'a>(mut reader: Reader<'a, '_>, pictures: &mut PictureSearch)
     };
     material.visit(&mut values);
     let is_given = reader.has("normalmap") || reader.child("normalmap").is_some();
-    if matches!(material, Material::NormalMap { .. }) && !is_given {
+    // A reference to nothing has been reported.
+    let is_reported = reader.refers_to_nothing();
+    if matches!(material, Material::NormalMap { .. }) && !is_given && !is_reported {
         let span = reader.object().span;
         let message = "`normalmap` needs a texture of that name, its normals";
         reader.diagnostics().error(span, message);
@@ -145,6 +149,10 @@ impl ParameterVisitor for FromFile<'_, '_, '_> {
     fn height(&mut self, value: &mut Parameter<f32>) {
         let mut textures = self.reader.children(Category::Texture).into_iter();
         let Some((_, object)) = textures.next() else {
+            // A reference to nothing has been reported.
+            if self.reader.refers_to_nothing() {
+                return;
+            }
             let span = self.reader.object().span;
             let message = "`bumpmap` needs a texture, its height";
             self.reader.diagnostics().error(span, message);

@@ -5,17 +5,19 @@ use std::path::PathBuf;
 
 use bevy::math::Affine3A;
 
-use super::SceneReader;
 use super::bsdfs::FromFile;
-use super::parameters::{Parameters, frame_along, report_left_out};
+use super::parameters::{Parameters, report_left_out};
+use super::picture_search::PictureSearch;
+use super::scene_reader::SceneReader;
 use super::sensors::read_fov;
-use super::textures::PictureSearch;
 use crate::color::Rgb;
 use crate::document::suggest::did_you_mean;
 use crate::document::{Object, Reader};
 use crate::scene::description::EmitterDescription;
+use crate::scene::emitter::frame_along;
+use crate::scene::encode::lights;
 use crate::scene::{
-    AreaLight, Emitter, EmitterKind, EmitterVisitor, FovAxis, Parameter, PlaceAndTime, SunPosition, Texture, write,
+    AreaLight, Emitter, EmitterKind, EmitterVisitor, FovAxis, Parameter, PlaceAndTime, SunPosition, Texture,
 };
 
 impl<'a> SceneReader<'a> {
@@ -33,7 +35,7 @@ impl<'a> SceneReader<'a> {
         let Some((emitter, to_world)) = read_parameters(reader, &mut self.pictures) else {
             return false;
         };
-        let as_read = || write::lights::emitter(&emitter, &to_world, &self.folder);
+        let as_read = || lights::emitter(&emitter, &to_world, &self.folder);
         let identity = self.identity(object, as_read);
         self.description.emitters.push(EmitterDescription {
             identity,

@@ -1,6 +1,6 @@
 //! `shapegroup` and `instance`.
 
-use super::{SceneReader, address};
+use super::scene_reader::{SceneReader, address};
 use crate::document::{Category, Object};
 use crate::scene::description::{GroupDescription, Identity, ShapeDescription};
 use crate::scene::{Placements, Shape, ShapeKind};

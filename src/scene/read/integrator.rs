@@ -1,9 +1,10 @@
 //! Integrators: `path`; every other one is taken for it.
 
-use super::SceneReader;
+use super::scene_reader::SceneReader;
 use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Severity};
-use crate::scene::{AuthoredScene, IntegratorSettings, write};
+use crate::scene::encode::objects;
+use crate::scene::{AuthoredScene, IntegratorSettings};
 
 /// Longer paths are as good as unbounded.
 const LARGEST_DEPTH: i64 = 1 << 30;
@@ -18,7 +19,7 @@ impl<'a> SceneReader<'a> {
         }
         let settings = self.read_integrator_settings(object, 0);
         self.description.integrator = settings;
-        let authored = self.authored(object, write::objects::integrator(&settings));
+        let authored = self.authored(object, objects::integrator(&settings));
         remains.integrator = Some((self.order(object), authored));
         true
     }

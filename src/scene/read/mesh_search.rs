@@ -6,7 +6,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use super::settle;
+use crate::document::paths::settle_covered;
 use crate::files::Access;
 
 /// Several folders, separated as in `$PATH`.
@@ -64,23 +64,23 @@ impl MeshSearch {
     pub fn find(&self, name: &str, folder: &Path) -> Found {
         let name = Path::new(name);
         let mut places: Vec<PathBuf> = Vec::new();
-        let mut add = |path: PathBuf| {
-            let path = settle(&path);
+        let mut add = |folder: &Path, name: &Path| {
+            let path = settle_covered(folder, name, &self.access);
             if !places.contains(&path) {
                 places.push(path);
             }
         };
-        add(folder.join(name));
+        add(folder, name);
         if name.is_relative() {
-            add(self.scene_folder.join(name));
+            add(&self.scene_folder, name);
             for folder in &self.search_folders {
-                add(folder.join(name));
+                add(folder, name);
             }
             let inside = inside_assets(name);
             for assets in &self.asset_folders {
-                add(assets.join(&inside));
+                add(assets, &inside);
                 if let Some(file) = name.file_name() {
-                    add(assets.join(file));
+                    add(assets, Path::new(file));
                 }
             }
         }
@@ -132,6 +132,7 @@ pub fn advice(name: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::paths::settle;
 
     #[test]
     fn names_lose_their_way_out_of_the_scene_folder() {

@@ -11,25 +11,21 @@ mod integrator;
 pub mod ior_names;
 pub mod mesh_search;
 mod parameters;
-pub use parameters::frame_along;
+mod picture_search;
+mod reader_parameters;
+mod scene_reader;
 mod sensors;
 mod shapes;
 pub mod spectra;
 mod textures;
 
-use std::borrow::Cow;
-use std::collections::HashMap;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use smol_str::SmolStr;
-
-use self::mesh_search::MeshSearch;
-use self::textures::PictureSearch;
-use super::description::{DeclarationPlace, Identity, SceneDescription};
-use super::{Authored, AuthoredScene, Material};
+use self::scene_reader::SceneReader;
+use super::AuthoredScene;
+use super::description::{DeclarationPlace, SceneDescription};
 pub use crate::document::paths::settle;
-use crate::document::{Category, Child, Crowd, Diagnostics, Document, Index, Object, Reader, Severity, Span};
+use crate::document::{Category, Child, Diagnostics, Document, Reader, Severity};
 
 /// Everything the document says; its diagnostics grow by what is wrong with it.
 pub fn read(document: &mut Document) -> SceneDescription {
@@ -62,115 +58,7 @@ fn read_as(document: &mut Document, keeps_source: bool) -> SceneDescription {
     description
 }
 
-/// An object's place among all objects of the document.
-struct Place<'a> {
-    object: &'a Arc<Object>,
-    order: u32,
-    top_level: bool,
-}
-
-/// The description while it grows.
-struct SceneReader<'a> {
-    /// Whether things keep what the file said of them.
-    keeps_source: bool,
-    root: &'a Object,
-    search_folders: &'a [PathBuf],
-    index: Index<'a>,
-    diagnostics: Diagnostics,
-    meshes: MeshSearch,
-    pictures: PictureSearch,
-    folder: PathBuf,
-    places: HashMap<usize, Place<'a>>,
-    material_of: HashMap<usize, usize>,
-    group_of: HashMap<usize, usize>,
-    crowds: &'a [Crowd],
-    /// Per crowd, the place of its first instance among all objects.
-    crowd_orders: Vec<u32>,
-    /// So many crowds have become shapes.
-    crowds_read: usize,
-    description: SceneDescription,
-}
-
-/// Objects are told apart by where they are; the document does not move while it is read.
-fn address(object: &Object) -> usize {
-    std::ptr::from_ref(object).addr()
-}
-
-/// The objects given in place.
-fn inside(object: &Object) -> impl Iterator<Item = &Arc<Object>> {
-    object.children.iter().filter_map(|child| match child {
-        Child::Object(object) => Some(object),
-        Child::Reference { .. } => None,
-    })
-}
-
-/// The places of all objects, and of the first instance of each crowd: they are counted through in the order of the file.
-fn places(document: &Document) -> (HashMap<usize, Place<'_>>, Vec<u32>) {
-    let mut places = HashMap::new();
-    let mut crowd_orders = Vec::new();
-    let mut order = 0;
-    let mut waiting: Vec<&Arc<Object>> = Vec::new();
-    let mut crowds = document.crowds.iter().peekable();
-    for (position, child) in document.root.children.iter().enumerate() {
-        while let Some(crowd) = crowds.next_if(|crowd| crowd.position <= position) {
-            crowd_orders.push(order);
-            order += crowd.places.len() as u32;
-        }
-        let Child::Object(top) = child else { continue };
-        waiting.push(top);
-        while let Some(object) = waiting.pop() {
-            let place = Place {
-                object,
-                order,
-                top_level: std::ptr::eq(object, top),
-            };
-            places.insert(address(object), place);
-            order += 1;
-            let first = waiting.len();
-            waiting.extend(inside(object));
-            waiting[first..].reverse();
-        }
-    }
-    for crowd in crowds {
-        crowd_orders.push(order);
-        order += crowd.places.len() as u32;
-    }
-    (places, crowd_orders)
-}
-
-impl<'a> SceneReader<'a> {
-    fn new(document: &'a Document, diagnostics: Diagnostics, keeps_source: bool) -> Self {
-        let sources: Vec<PathBuf> = diagnostics.sources.iter().map(|file| settle(&file.path)).collect();
-        let path = settle(&document.path);
-        let folder = path.parent().unwrap_or(Path::new("/")).to_owned();
-        let (places, crowd_orders) = places(document);
-        let meshes = MeshSearch::new(&folder, &document.search_folders).within(document.access.clone());
-        Self {
-            keeps_source,
-            root: &document.root,
-            index: document.index(),
-            pictures: PictureSearch {
-                folders: meshes.clone(),
-                places: HashMap::new(),
-            },
-            meshes,
-            search_folders: &document.search_folders,
-            diagnostics,
-            places,
-            material_of: HashMap::new(),
-            group_of: HashMap::new(),
-            crowds: &document.crowds,
-            crowd_orders,
-            crowds_read: 0,
-            description: SceneDescription {
-                path,
-                sources,
-                ..Default::default()
-            },
-            folder,
-        }
-    }
-
+impl SceneReader<'_> {
     fn read_root(&mut self) {
         let root = self.root;
         let mut remains = AuthoredScene {
@@ -217,63 +105,6 @@ impl<'a> SceneReader<'a> {
             self.diagnostics.push(Severity::Warning, Some(root.span), message, None);
         }
     }
-
-    fn reader<'d>(&'d mut self, object: &'a Object) -> Reader<'a, 'd> {
-        Reader::new(&self.index, object, &mut self.diagnostics)
-    }
-
-    fn order(&self, object: &Object) -> u32 {
-        self.places.get(&address(object)).map_or(0, |place| place.order)
-    }
-
-    /// The same object as the document holds it.
-    fn shared(&self, object: &Object) -> Arc<Object> {
-        let place = self.places.get(&address(object));
-        place.map_or_else(|| Arc::new(object.clone()), |place| place.object.clone())
-    }
-
-    fn is_top_level(&self, object: &Object) -> bool {
-        self.places.get(&address(object)).is_some_and(|place| place.top_level)
-    }
-
-    /// What an object brings along whatever it is. `as_read` is what would be written for it.
-    fn identity(&self, object: &Object, as_read: impl FnOnce() -> Object) -> Identity {
-        // Messages about files name the places of their names.
-        let names_file = || object.properties.iter().any(|property| property.name == "filename");
-        Identity {
-            id: object.id.as_ref().map(SmolStr::to_string),
-            name: match &object.id {
-                Some(id) => Cow::Owned(id.to_string()),
-                None => name_of_plugin(&object.plugin),
-            },
-            order: self.order(object),
-            span: object.span,
-            authored: (self.keeps_source || names_file()).then(|| self.authored(object, as_read())),
-        }
-    }
-
-    fn authored(&self, object: &Object, as_read: Object) -> Authored {
-        let category = |child: &Child| match child {
-            Child::Object(object) => Some(object.category),
-            Child::Reference { id, .. } => self.index.get(id).map(|object| object.category),
-        };
-        let categories = object.children.iter().map(category).collect();
-        Authored::new(self.shared(object), as_read, categories)
-    }
-
-    /// The folder a path in a file is relative to.
-    fn folder_of(&self, span: Span) -> PathBuf {
-        let source = self.diagnostics.source(span.source);
-        let parent = source.and_then(|file| settle(&file.path).parent().map(Path::to_owned));
-        parent.unwrap_or_else(|| self.folder.clone())
-    }
-}
-
-/// A plugin's name without an allocation if it is known.
-fn name_of_plugin(plugin: &str) -> Cow<'static, str> {
-    let mut known = shapes::SHAPES.into_iter().chain(Material::PLUGINS);
-    let known = known.find(|known| *known == plugin);
-    known.map_or_else(|| Cow::Owned(plugin.to_owned()), Cow::Borrowed)
 }
 
 /// Materials are found in the order they are referred to; the description has them in the order of the file.

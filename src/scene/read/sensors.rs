@@ -2,11 +2,12 @@
 
 use glam::Vec2;
 
-use super::SceneReader;
 use super::parameters::Parameters;
+use super::scene_reader::SceneReader;
 use crate::document::{Category, Object, Reader};
 use crate::scene::description::SensorDescription;
-use crate::scene::{Crop, Film, FovAxis, Lens, ReconstructionFilter, Sensor, write};
+use crate::scene::encode::objects;
+use crate::scene::{Crop, Film, FovAxis, Lens, ReconstructionFilter, Sensor};
 
 const LARGEST_SAMPLE_COUNT: i64 = 1 << 30;
 
@@ -76,7 +77,7 @@ impl<'a> SceneReader<'a> {
             far_clip,
             principal_point_offset,
         };
-        let identity = self.identity(object, || write::objects::sensor(&sensor, &read_film, &to_world));
+        let identity = self.identity(object, || objects::sensor(&sensor, &read_film, &to_world));
         self.description.sensors.push(SensorDescription {
             identity,
             sensor,

@@ -4,27 +4,14 @@ use std::path::PathBuf;
 
 use glam::Vec3;
 
-use super::SceneReader;
 use super::mesh_search::{Found, advice};
 use super::parameters::{Parameters, report_left_out};
+use super::scene_reader::SceneReader;
 use crate::document::suggest::did_you_mean;
 use crate::document::{Category, Object, Severity};
 use crate::scene::description::{DeclarationPlace, ShapeDescription};
-use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind, write};
-
-/// What there is, beside groups.
-pub(super) const SHAPES: [&str; 10] = [
-    "sphere",
-    "rectangle",
-    "cube",
-    "disk",
-    "triangle",
-    "cylinder",
-    "instance",
-    "obj",
-    "ply",
-    "serialized",
-];
+use crate::scene::encode::objects;
+use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind};
 
 /// Shapes of Mitsuba, also of old versions, that this program does not have.
 const FOREIGN_SHAPES: [&str; 9] = [
@@ -101,7 +88,7 @@ impl<'a> SceneReader<'a> {
                 })
             }
             other => {
-                let help = did_you_mean(other, SHAPES);
+                let help = did_you_mean(other, ShapeKind::PLUGINS);
                 report_left_out(&mut reader, FOREIGN_SHAPES.contains(&other), help);
                 return false;
             }
@@ -155,7 +142,7 @@ impl<'a> SceneReader<'a> {
             self.forget_place(place);
             return false;
         };
-        let as_read = || write::objects::shape(&shape, &to_world, area_light.as_ref(), &self.folder);
+        let as_read = || objects::shape(&shape, &to_world, area_light.as_ref(), &self.folder);
         let mut identity = self.identity(object, as_read);
         if identity.id.is_none()
             && let ShapeKind::Mesh(mesh) = &shape.kind

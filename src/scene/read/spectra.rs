@@ -6,7 +6,8 @@
 
 use glam::Vec3;
 
-use super::textures::{PictureSearch, read_texture};
+use super::picture_search::PictureSearch;
+use super::textures::read_texture;
 use crate::color::Rgb;
 use crate::document::spectrum::{BlackBody, CLAMPED, Role, SampledSpectrum};
 use crate::document::{Category, Reader, Value};
@@ -15,12 +16,13 @@ use crate::scene::Parameter;
 const BLACK_BODY: &str = "blackbody";
 const REGULAR: &str = "regular";
 const IRREGULAR: &str = "irregular";
-const PLUGINS: [&str; 7] = ["uniform", "d65", "srgb", "rawconstant", BLACK_BODY, REGULAR, IRREGULAR];
+pub const D65: &str = "d65";
+const PLUGINS: [&str; 7] = ["uniform", D65, "srgb", "rawconstant", BLACK_BODY, REGULAR, IRREGULAR];
 
 /// The range that black bodies are seen in where the file does not give one, in nm.
 const VISIBLE_NM: [f32; 2] = [360.0, 830.0];
 
-/// Whether a plugin that stands for a colour is one of those here, and no texture.
+/// Whether a plugin that stands for a colour is a spectrum of this module and not a texture.
 pub fn is_spectrum(plugin: &str) -> bool {
     PLUGINS.contains(&plugin)
 }
@@ -37,7 +39,7 @@ pub fn read_spectrum(reader: &mut Reader, role: Role, pictures: &mut PictureSear
             reader.ignore(&["wavelength_min", "wavelength_max"]);
             Rgb::splat(needed(reader, "value", |reader| reader.float("value"))?)
         }
-        "d65" => return d65(reader, pictures),
+        D65 => return d65(reader, role, pictures),
         "srgb" => srgb(reader)?,
         "rawconstant" => needed(reader, "value", raw_constant)?,
         _ => integrated(reader, role)?,
@@ -45,10 +47,10 @@ pub fn read_spectrum(reader: &mut Reader, role: Role, pictures: &mut PictureSear
     Some(color.into())
 }
 
-/// The colour of a spectrum that is given by wavelengths. None has been reported.
+/// The colour of a spectrum that is given by wavelengths. Where it is None, the fault has been reported.
 pub fn integrated(reader: &mut Reader, role: Role) -> Option<Rgb> {
     let (color, was_clamped) = match reader.object().plugin.as_str() {
-        BLACK_BODY => black_body(reader, role)?.to_rgb(),
+        BLACK_BODY => black_body(reader, role)?.to_rgb(role),
         REGULAR => {
             let first = needed(reader, "wavelength_min", |reader| reader.float("wavelength_min"));
             let last = needed(reader, "wavelength_max", |reader| reader.float("wavelength_max"));
@@ -77,7 +79,7 @@ fn black_body(reader: &mut Reader, role: Role) -> Option<BlackBody> {
     let [first_nm, last_nm] = VISIBLE_NM;
     let first_nm = reader.float_or("wavelength_min", first_nm);
     let last_nm = reader.float_or("wavelength_max", last_nm);
-    if role != Role::Emission {
+    if !matches!(role, Role::Emission | Role::Daylight) {
         let message = "`blackbody` is light: it can be given only for the light of an emitter";
         let span = reader.object().span;
         reader.diagnostics().error(span, message);
@@ -103,21 +105,36 @@ fn needed<'a, T>(
     read(reader)
 }
 
-/// White times `scale`, or times a colour; a texture inside is taken without `scale`, as in Mitsuba.
-fn d65(reader: &mut Reader, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
+/// White times `scale`, times a colour, or times a spectrum of wavelengths inside; any other texture inside is taken without `scale`, as in Mitsuba.
+fn d65(reader: &mut Reader, role: Role, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
     let scale = reader.float("scale");
     let color = reader.rgb("color");
     let Some(&(_, inner)) = reader.children(Category::Texture).first() else {
         return Some((scale.unwrap_or(1.0) * color.unwrap_or(Vec3::ONE)).into());
     };
-    if scale.is_some() {
-        reader.warn_at("scale", "`scale` has no effect on the texture inside of a `d65`");
-    }
     if color.is_some() {
         reader.error_at("color", "`color` and a texture inside of a `d65` exclude each other");
     }
-    let texture = reader.nested(inner, |reader| read_texture(reader, pictures));
-    texture.map(Parameter::Texture)
+    let role = inside_d65(role);
+    if is_spectral_only(&inner.plugin) {
+        let spectrum = reader.nested(inner, |reader| integrated(reader, role))?;
+        return Some((scale.unwrap_or(1.0) * spectrum).into());
+    }
+    if scale.is_some() {
+        reader.warn_at("scale", "`scale` has no effect on the texture inside of a `d65`");
+    }
+    reader.nested(inner, |reader| match is_spectrum(&inner.plugin) {
+        true => read_spectrum(reader, role, pictures),
+        false => read_texture(reader, pictures).map(Parameter::Texture),
+    })
+}
+
+/// The role of a spectrum inside of a `d65` that has this role.
+pub fn inside_d65(role: Role) -> Role {
+    match role {
+        Role::Emission => Role::Daylight,
+        seen_under_d65 => seen_under_d65,
+    }
 }
 
 fn srgb(reader: &mut Reader) -> Option<Rgb> {

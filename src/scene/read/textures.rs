@@ -1,38 +1,13 @@
 //! Textures: `bitmap`, `checkerboard`, `mesh_attribute`.
 
-use std::path::{Path, PathBuf};
-
 use bevy::math::Affine2;
 use glam::Vec3;
 
-use super::mesh_search::{Found, MeshSearch};
 use super::parameters::Parameters;
+use super::picture_search::PictureSearch;
 use crate::color::Rgb;
-use crate::document::paths::settle;
 use crate::document::{Reader, TransformOp};
-use crate::scene::pictures::PicturePlaces;
 use crate::scene::{Bitmap, Texture, TextureFilter, TextureWrap};
-
-/// Finds the pictures that a scene names, in the folders where its meshes are looked for, and keeps where each was named.
-pub struct PictureSearch {
-    pub folders: MeshSearch,
-    pub places: PicturePlaces,
-}
-
-impl PictureSearch {
-    /// The file; the first place where it was looked for if there is none: it may come later.
-    pub fn find(&mut self, name: &str, reader: &mut Reader) -> PathBuf {
-        let span = reader.span_of("filename");
-        let source = reader.diagnostics().source(span.source);
-        let file = source.map(|file| settle(&file.path)).unwrap_or_default();
-        let path = match self.folders.find(name, file.parent().unwrap_or(Path::new("/"))) {
-            Found::At(path) => path,
-            Found::Nowhere(places) => places.into_iter().next().unwrap_or_default(),
-        };
-        self.places.entry(path.clone()).or_insert(span);
-        path
-    }
-}
 
 /// None for a texture that is not supported or makes no sense, which is reported.
 pub fn read_texture(reader: &mut Reader, pictures: &mut PictureSearch) -> Option<Texture> {

@@ -11,7 +11,9 @@ use std::time::Duration;
 
 use bevy::prelude::*;
 
-use super::{SaveError, write_file};
+use super::error::SaveError;
+use super::known::{KnownTexts, is_text_of};
+use super::write_file;
 use crate::document::source::read_text;
 use crate::document::{Severity, SourceError, SourceFile};
 use crate::files::{Access, FileError, FolderBusy, FolderLock, lock_folder};
@@ -29,26 +31,6 @@ pub enum OnChange {
     TakeIn,
     /// Replaces the files by the scene as it is here. The changes of others are lost.
     Overwrite,
-}
-
-/// Contents that files are known to have for another reason than that the scene was read from them: the program wrote them but could not read
-/// them again, or the scene was recovered and is to be saved there. None: there was no such file.
-#[derive(Resource, Clone, Debug, Default)]
-pub struct KnownTexts(Vec<(PathBuf, Option<String>)>);
-
-impl KnownTexts {
-    /// Remembers what is in the file now, as far as it can be read.
-    pub fn note_present(&mut self, path: &Path) {
-        self.0 = vec![(settle(path), read_text(path).ok())];
-    }
-
-    pub(super) fn note_written(&mut self, files: Vec<(PathBuf, String)>) {
-        self.0 = files.into_iter().map(|(path, text)| (path, Some(text))).collect();
-    }
-
-    pub(in crate::scene) fn forget(&mut self) {
-        self.0.clear();
-    }
 }
 
 /// A file that saving may replace, with the contents it may have.
@@ -122,17 +104,6 @@ fn is_no_file(error: &SourceError) -> bool {
         return false;
     };
     matches!(source, FileError::Folder | FileError::NotRegular { .. })
-}
-
-fn is_text_of(source: &SourceFile, text: &str) -> bool {
-    let without_mark = text.strip_prefix('\u{feff}');
-    without_mark.is_some() == source.byte_order_mark && without_mark.unwrap_or(text) == source.text.as_str()
-}
-
-/// Whether the files still hold what was read from them.
-pub(in crate::scene) fn are_as_read(sources: &[SourceFile]) -> bool {
-    let is_as_read = |source: &SourceFile| read_text(&source.path).is_ok_and(|text| is_text_of(source, &text));
-    sources.iter().all(is_as_read)
 }
 
 /// What the scene may read once it is saved at `target`.

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use smol_str::SmolStr;
 
-use super::{lights, objects};
 use crate::document::{Category, Object, Property, parse_str};
+use crate::scene::encode::{lights, objects};
 use crate::scene::read;
 
 /// What is supposed of these depends on others: they are always written.

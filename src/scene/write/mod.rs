@@ -6,13 +6,12 @@
 
 mod changed;
 mod defaults;
+mod error;
 pub mod gather;
-pub mod lights;
-pub mod objects;
+mod known;
 mod parts;
 mod patch;
 mod portable;
-mod poses;
 mod save;
 mod spectra;
 mod steps;
@@ -24,21 +23,24 @@ use std::sync::Arc;
 use glam::Affine3;
 use smol_str::SmolStr;
 
-pub(in crate::scene) use self::changed::are_as_read;
-pub use self::changed::{KnownTexts, OnChange};
+pub use self::changed::OnChange;
 use self::defaults::Defaults;
+pub use self::error::SaveError;
+pub use self::known::KnownTexts;
+pub(in crate::scene) use self::known::are_as_read;
 use self::parts::Moves;
 use self::patch::Draft;
 pub use self::portable::Extensions;
-pub use self::save::{SaveError, save, save_with};
+pub use self::save::{save, save_with};
 use super::assets::gltf_scene::is_called_gltf;
 use super::description::{DeclarationPlace, Identity, SceneDescription, ShapeDescription};
+use super::encode::{lights, objects};
 use super::read::mesh_search::MeshSearch;
 use super::read::settle;
 use super::{Authored, IntegratorSettings};
 use crate::document::revision::{Destination, move_files, revise};
 use crate::document::{self, Category, Child, Crowd, Document, Object, SourceFile, Span};
-use crate::files::{self, LARGEST_DATA, write_atomically};
+use crate::files::{self, Access, LARGEST_DATA, write_atomically};
 
 /// Materials inside materials; deeper ones are written at the top level instead. More than reading allows.
 const DEEPEST: usize = 40;
@@ -185,9 +187,11 @@ fn with_destination<T>(
     act: impl FnOnce(&Destination) -> T,
 ) -> T {
     let search_folders = &scene.remains.search_folders;
-    let before = MeshSearch::new(folder(&home(scene, target)), search_folders);
-    let after = after(folder(target), search_folders);
     let origin = scene.remains.origin.as_ref();
+    // The new text must not tell whether there is a file that the scene may not read.
+    let access = origin.map_or_else(Access::everywhere, |origin| origin.access.apart());
+    let before = MeshSearch::new(folder(&home(scene, target)), search_folders).within(access.clone());
+    let after = after(folder(target), search_folders).within(access);
     let sources = origin.map_or(&[][..], |origin| &origin.diagnostics.sources);
     let is_changed = |source: &SourceFile| !are_as_read(std::slice::from_ref(source));
     let has_changed = |path: &Path| {

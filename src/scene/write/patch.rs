@@ -3,10 +3,10 @@
 use bevy::math::Affine3A;
 use smol_str::SmolStr;
 
-use super::poses::as_steps;
 use super::steps;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
-use crate::scene::read::frame_along;
+use crate::scene::emitter::frame_along;
+use crate::scene::encode::poses::as_steps;
 use crate::scene::{Authored, HEIGHT};
 
 /// Parameters that say the same thing in another way: writing the first takes the others away.

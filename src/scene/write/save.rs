@@ -5,48 +5,16 @@ use std::sync::Arc;
 
 use bevy::prelude::World;
 
-use super::changed::{KnownTexts, OnChange, access, expected_files, lock_folders, replace_files, take_in_changes};
+use super::changed::{OnChange, access, expected_files, lock_folders, replace_files, take_in_changes};
+use super::error::SaveError;
 use super::gather::{self, Entities};
+use super::known::KnownTexts;
 use super::{copy_parts, home, plan};
-use crate::document::{self, SourceError};
+use crate::document;
 use crate::scene::assets::SceneDefines;
 use crate::scene::assets::scene_asset::load_document;
 use crate::scene::read::{self, settle};
 use crate::scene::{SceneDescription, loading, rebase};
-
-#[derive(Debug, thiserror::Error)]
-pub enum SaveError {
-    #[error(transparent)]
-    Write(#[from] document::WriteError),
-    #[error(
-        "{} is not of the format that is written: save the scene under another name, such as {}",
-        path.display(),
-        proposal.display()
-    )]
-    Foreign { path: PathBuf, proposal: PathBuf },
-    #[error("{}: {source}", path.display())]
-    File { path: PathBuf, source: std::io::Error },
-    /// Other things than files are not replaced.
-    #[error(transparent)]
-    NoFile(SourceError),
-    /// By others, since it was read. `edited_twice`: how many things were edited both there and here; None where that cannot be known.
-    #[error("{} was changed elsewhere{}", path.display(), also_edited(*edited_twice))]
-    Changed { path: PathBuf, edited_twice: Option<usize> },
-    #[error("{} was changed elsewhere and cannot be read as it is now: {reason}", path.display())]
-    Broken { path: PathBuf, reason: String },
-    #[error("another window has been saving in {} for seconds: try again", folder.display())]
-    Locked { folder: PathBuf },
-    #[error("{} is being changed elsewhere again and again", path.display())]
-    Restless { path: PathBuf },
-}
-
-fn also_edited(count: Option<usize>) -> String {
-    match count {
-        None => String::new(),
-        Some(1) => ", and one thing was edited both there and here".to_owned(),
-        Some(count) => format!(", and {count} things were edited both there and here"),
-    }
-}
 
 /// Files that change between reading and replacing them are read again so many times.
 const MOST_ATTEMPTS: usize = 5;

@@ -7,13 +7,13 @@ use smol_str::SmolStr;
 
 use crate::document::spectrum::Role;
 use crate::document::{Category, Child, Diagnostics, Index, Object, Reader, Value};
-use crate::scene::read::spectra::{integrated, is_spectral_only};
+use crate::scene::read::spectra::{D65, inside_d65, integrated, is_spectral_only};
 
 /// Replaces each such spectrum of a scene, and each reference to one, by an `<rgb>`.
 pub fn as_colors(root: &mut Object) {
     let mut named = HashMap::new();
     collect(root, &mut named);
-    replace(root, &named);
+    replace(root, &named, Role::Emission);
     // Everything that referred to them has a colour of its own now.
     root.children.retain(|child| spectrum(child, &HashMap::new()).is_none());
 }
@@ -39,17 +39,22 @@ fn spectrum<'s>(child: &'s Child, named: &'s HashMap<SmolStr, Object>) -> Option
     }
 }
 
-fn replace(object: &mut Object, named: &HashMap<SmolStr, Object>) {
+/// `own_role`: of the object, if it is a spectrum.
+fn replace(object: &mut Object, named: &HashMap<SmolStr, Object>, own_role: Role) {
     let owner = object.category;
+    // Of a `d65` it is the colour, whatever its name.
+    let is_d65 = owner == Category::Texture && object.plugin == D65;
+    let inside = is_d65.then(|| ("color", inside_d65(own_role)));
     let mut colors = Vec::new();
     object.children.retain(|child| {
-        let Some((spectrum, name)) = spectrum(child, named).zip(child.name()) else {
+        let given = child.name().map(|name| (name, Role::of(owner, name)));
+        let Some((spectrum, (name, role))) = spectrum(child, named).zip(inside.or(given)) else {
             return true;
         };
         // Faults were reported when the scene was read.
         let (index, mut diagnostics) = (Index::new(spectrum), Diagnostics::default());
         let mut reader = Reader::new(&index, spectrum, &mut diagnostics);
-        let color = integrated(&mut reader, Role::of(owner, name));
+        let color = integrated(&mut reader, role);
         colors.extend(color.map(|color| (name.to_owned(), color)));
         color.is_none()
     });
@@ -57,8 +62,9 @@ fn replace(object: &mut Object, named: &HashMap<SmolStr, Object>) {
         *object = std::mem::replace(object, Object::new(owner, "")).with(&name, Value::Rgb(color));
     }
     for child in &mut object.children {
+        let role = Role::of(owner, child.name().unwrap_or_default());
         if let Child::Object(inner) = child {
-            replace(Arc::make_mut(inner), named);
+            replace(Arc::make_mut(inner), named, role);
         }
     }
 }

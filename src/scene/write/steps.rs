@@ -2,8 +2,8 @@
 
 use bevy::math::{Affine3A, Vec3};
 
-use super::poses::short;
 use crate::document::TransformOp;
+use crate::scene::encode::poses::short;
 
 /// How far a map and its steps may be apart, relative to its largest element; numbers that differ by less are the same.
 const SAME: f32 = 1e-5;
@@ -146,7 +146,7 @@ mod tests {
         let old = [turn, TransformOp::Translate(Vec3::new(0.1, 2.0, 3.0))];
         let mut map = TransformOp::compose(&old);
         map.translation.x = 0.35;
-        let now = crate::scene::write::poses::as_steps(&map);
+        let now = crate::scene::encode::poses::as_steps(&map);
         let expected = TransformOp::Translate(Vec3::new(0.35, 2.0, 3.0));
         assert_eq!(revised(&old, &now), [turn, expected]);
         assert_eq!(revised(&[turn], &now), [turn, expected]);
@@ -164,7 +164,7 @@ mod tests {
                 TransformOp::Translate(Vec3::new(0.1, 0.2, 0.3)),
             ]
         };
-        let now = crate::scene::write::poses::as_steps(&TransformOp::compose(&steps(300.0)));
+        let now = crate::scene::encode::poses::as_steps(&TransformOp::compose(&steps(300.0)));
         let revised = revised(&steps(270.0), &now);
         let [scale, TransformOp::Rotate { axis, degrees }, place] = revised[..] else {
             panic!("{revised:?}");

@@ -32,8 +32,8 @@ impl Single {
 
     /// Sample number `index`; also checks what holds of every sample.
     pub fn sample(&self, wo: Vec3, index: u32) -> Option<BsdfSample> {
-        let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::new(3, 5), index, 8);
-        let sample = self.bsdf.sample(wo, sampler.next_1d(), sampler.next_2d())?;
+        let sampler = Sampler::new(SequenceKind::Independent, UVec2::new(3, 5), index, 8);
+        let sample = self.bsdf.sample(wo, sampler.at_1d(0), sampler.at_2d(1))?;
         let name = &self.name;
         assert!((sample.wi.length() - 1.0).abs() < 1e-5, "{name}: {:?}", sample.wi);
         assert!(
@@ -216,9 +216,9 @@ pub fn assert_reciprocal(case: &Single) {
 pub fn assert_reciprocal_between(case: &Single, sides: [f32; 2], is: impl Fn(Vec3, Vec3) -> bool) {
     let mut seen = 0;
     for i in 0..500 {
-        let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::ZERO, i, 2);
-        let mut draw = |side| {
-            let above = direction(89.0 * sampler.next_1d(), 6.3 * sampler.next_1d());
+        let sampler = Sampler::new(SequenceKind::Independent, UVec2::ZERO, i, 2);
+        let draw = |side| {
+            let above = direction(89.0 * sampler.at_1d(0), 6.3 * sampler.at_1d(1));
             above.with_z(side * above.z)
         };
         let (a, b) = (draw(sides[0]), draw(sides[1]));

@@ -69,8 +69,8 @@ impl Placed {
 
     /// Sample number `index`; also checks what holds of every sample.
     pub fn sample(&self, scattering: &Scattering, index: u32) -> Option<ScatterSample> {
-        let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::new(4, 9), index, 2);
-        let sample = scattering.sample(sampler.next_1d(), sampler.next_2d())?;
+        let sampler = Sampler::new(SequenceKind::Independent, UVec2::new(4, 9), index, 2);
+        let sample = scattering.sample(sampler.at_1d(0), sampler.at_2d(1))?;
         let sound = (sample.wi.length() - 1.0).abs() < 1e-5
             && sample.weight.is_finite()
             && sample.weight.min_element() >= 0.0
@@ -83,8 +83,8 @@ impl Placed {
 
 /// Uniform over the sphere.
 pub fn random_direction(index: u32) -> Vec3 {
-    let mut sampler = Sampler::new(SequenceKind::Independent, UVec2::new(8, 1), index, 6);
-    warp::uniform_sphere(sampler.next_2d())
+    let sampler = Sampler::new(SequenceKind::Independent, UVec2::new(8, 1), index, 6);
+    warp::uniform_sphere(sampler.at_2d(0))
 }
 
 type Value = Rc<dyn Fn(Vec3, Vec3) -> Rgb>;
@@ -139,7 +139,7 @@ fn plain(bsdf: Bsdf) -> Made {
     Made {
         add: Rc::new(move |list| push(list, bsdf.into())),
         value: Rc::new(move |wo, wi| bsdf.eval(wo, wi)),
-        passing: Rc::new(move |wo| bsdf.passing(wo)),
+        passing: Rc::new(move |wo| bsdf.transmittance(wo)),
         about: Some(About { eta, ..FLAT }),
     }
 }

@@ -5,14 +5,15 @@ use std::path::{Path, PathBuf};
 use bevy::math::{Affine3A, Mat3, Quat};
 use bevy::prelude::*;
 
-use super::edits::{check_name, select_new};
 use super::files::CLIPBOARD;
 use super::spot::{self, Spot};
-use super::{projection, view};
-use crate::app::editor::addition::{Addition, AdditionKind};
-use crate::app::editor::history::Edit;
-use crate::app::editor::state::EditorState;
-use crate::app::editor::trust;
+use super::things::{check_name, select_new};
+use crate::app::editor::camera::pose;
+use crate::app::editor::command::addition::{Addition, AdditionKind};
+use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::trust;
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::app::editor::words::files::{ENVIRONMENTS, extension};
 use crate::color::Rgb;
 use crate::document::{Diagnostics, Severity, parse_within};
 use crate::scene::assets::scene_asset::load_document;
@@ -27,12 +28,10 @@ const ABOVE: f32 = 4.0;
 const FLAT: f32 = 0.01;
 /// Radians; turns by it never come back to where one was.
 const GOLDEN_ANGLE: f32 = 2.399_963;
-/// Pictures that can be the light from everywhere.
-pub const ENVIRONMENTS: [&str; 6] = ["hdr", "exr", "png", "jpg", "jpeg", "pfm"];
 
 pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), String> {
     check_name(addition.name.as_deref().unwrap_or_default())?;
-    let up = edit.world.resource::<EditorState>().navigation.up;
+    let up = edit.world.resource::<ViewSettings>().navigation.up;
     let is_light = matches!(addition.kind, AdditionKind::AreaLight | AdditionKind::Emitter(_));
     let spot = match (addition.at, addition.size) {
         _ if !has_spot(addition.kind) => Spot::default(),
@@ -210,17 +209,12 @@ fn camera(world: &World) -> (Affine3A, Sensor, Film) {
         .and_then(|active| world.get::<Film>(active))
         .copied()
         .unwrap_or_default();
-    let lens = projection::lens(world).unwrap_or(sensor.lens);
+    let lens = pose::lens(world).unwrap_or(sensor.lens);
     (
-        view::view_pose(world).unwrap_or_default(),
+        pose::view_pose(world).unwrap_or_default(),
         Sensor { lens, ..sensor },
         film,
     )
-}
-
-/// In small letters; empty without one.
-pub fn extension(path: &Path) -> String {
-    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
 /// A file's content joins the scene.
@@ -288,7 +282,7 @@ fn add_mesh(edit: &mut Edit, path: PathBuf, format: MeshFormat) {
 
 /// In place of the surroundings that there are: a scene has one sky.
 fn set_environment(edit: &mut Edit, picture: PathBuf) {
-    let up = edit.world.resource::<EditorState>().navigation.up;
+    let up = edit.world.resource::<ViewSettings>().navigation.up;
     let emitter = match sky(edit.world) {
         Some(entity) => edit.world.get::<Emitter>(entity).cloned(),
         None => None,

@@ -5,17 +5,19 @@ use std::path::{Path, PathBuf};
 use bevy::prelude::*;
 
 use super::finished;
+use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::{Command, FileDialogKind};
-use crate::app::editor::history::History;
-use crate::app::editor::options::SceneDefines;
-use crate::app::editor::save_question::SaveQuestion;
-use crate::app::editor::selection::Selection;
-use crate::app::editor::state::EditorState;
+use crate::app::editor::session::history::History;
+use crate::app::editor::session::options::SceneDefines;
+use crate::app::editor::session::requests::Requests;
+use crate::app::editor::session::save_question::SaveQuestion;
+use crate::app::editor::session::toasts::Toasts;
+use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document;
 use crate::engine::{RenderState, RenderStatus};
 use crate::render::image_io::{FileFormat, ImageIoError, write_image, write_png, write_to_temporary_folder};
-use crate::scene::write::OnChange;
-use crate::scene::{self, OpenScene, Placements, SceneFile, SceneState, SceneStatus, insert, write};
+use crate::scene::write::{self, OnChange};
+use crate::scene::{self, OpenScene, Placements, SceneFile, SceneState, SceneStatus, insert};
 
 /// Where texts of the clipboard stand: files in them are named in full.
 pub const CLIPBOARD: &str = "/clipboard.xml";
@@ -70,7 +72,7 @@ pub fn save(world: &mut World) -> Result<(), String> {
     match status.path.clone() {
         Some(path) => save_scene(world, &path, OnChange::Refuse),
         None => {
-            world.resource_mut::<EditorState>().dialog = Some(FileDialogKind::SaveScene);
+            world.resource_mut::<Requests>().dialog = Some(FileDialogKind::SaveScene);
             Ok(())
         }
     }
@@ -85,12 +87,12 @@ pub fn save_scene(world: &mut World, path: &Path, on_change: OnChange) -> Result
         Ok(trouble) => trouble,
         Err(error) => {
             let question = SaveQuestion::about(&error, path).ok_or_else(|| error.to_string())?;
-            world.resource_mut::<EditorState>().save_question = Some(question);
+            world.resource_mut::<Requests>().save_question = Some(question);
             return Ok(());
         }
     };
     world.resource_mut::<History>().note_saved();
-    world.resource_mut::<EditorState>().say(match trouble {
+    world.resource_mut::<Toasts>().say(match trouble {
         None => format!("Saved {}", path.display()),
         Some(trouble) => format!("Saved, but it cannot be opened again as it is: {trouble}"),
     });
@@ -99,12 +101,12 @@ pub fn save_scene(world: &mut World, path: &Path, on_change: OnChange) -> Result
 
 /// What the last command would ask the user, taken back, as an error for those who cannot answer.
 pub fn unanswered(world: &mut World, command: &Command) -> Result<(), String> {
-    let mut state = world.resource_mut::<EditorState>();
-    if let Some(question) = state.save_question.take() {
+    let mut requests = world.resource_mut::<Requests>();
+    if let Some(question) = requests.save_question.take() {
         return Err(question.refusal());
     }
-    if *command == Command::Save && state.dialog == Some(FileDialogKind::SaveScene) {
-        state.dialog = None;
+    if *command == Command::Save && requests.dialog == Some(FileDialogKind::SaveScene) {
+        requests.dialog = None;
         return Err("The scene has no file yet: name one with `save-to FILE`.".to_owned());
     }
     Ok(())
@@ -114,7 +116,7 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), String> {
     if world.resource::<RenderStatus>().state == RenderState::Idle {
         return Err("There is no picture to save.".to_owned());
     }
-    let display = world.resource::<EditorState>().display;
+    let display = world.resource::<ViewSettings>().display;
     let is_png = FileFormat::from_path(path).is_ok_and(|format| format == FileFormat::Png);
     let written = if is_png && !display.mode.is_light() {
         let (size, rgb) = finished::painted(world);
@@ -130,9 +132,7 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), String> {
         write_image(path, &picture, &display.tone())
     };
     written.map_err(|error| error.to_string())?;
-    world
-        .resource_mut::<EditorState>()
-        .say(format!("Saved {}", path.display()));
+    world.resource_mut::<Toasts>().say(format!("Saved {}", path.display()));
     Ok(())
 }
 
@@ -158,6 +158,6 @@ pub fn copy(world: &mut World) -> Result<(), String> {
     let part = insert::describe_part(world, &selected);
     let document = write::to_fragment(&part);
     let text = document::to_xml(&document).map_err(|error| error.to_string())?;
-    world.resource_mut::<EditorState>().clipboard = Some(text);
+    world.resource_mut::<Requests>().clipboard = Some(text);
     Ok(())
 }

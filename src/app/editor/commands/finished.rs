@@ -3,12 +3,12 @@
 use bevy::prelude::*;
 
 use super::view;
-use crate::app::editor::compare::{Comparison, Measured, PixelComparison, Snapshot, figures};
-use crate::app::editor::denoiser::Denoiser;
-use crate::app::editor::display::{DisplayMode, DisplaySettings};
-use crate::app::editor::light_mix::{FilmLights, LightMix};
-use crate::app::editor::painter::{Painter, Scales};
-use crate::app::editor::state::EditorState;
+use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::command::light_mix::{FilmLights, LightMix};
+use crate::app::editor::picture::compare::{Comparison, Measured, PixelComparison, Snapshot, figures};
+use crate::app::editor::picture::denoiser::Denoiser;
+use crate::app::editor::picture::painter::{Painter, Scales};
+use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
 use crate::engine::RenderFilm;
 use crate::render::exposure::auto_exposure;
@@ -18,7 +18,7 @@ use crate::render::tile::tiles;
 /// As it is shown: with its lights mixed, and denoised if that is what is seen.
 pub fn picture(world: &World) -> ImageRgb {
     let film = world.resource::<RenderFilm>();
-    let mix = match world.resource::<EditorState>().display.mode {
+    let mix = match world.resource::<ViewSettings>().display.mode {
         // One light by itself.
         mode @ DisplayMode::LightGroup(_) => Scales::of(&film.film, mode, Vec::new(), &Scales::default()).mix,
         _ => factors(world),
@@ -38,7 +38,7 @@ pub fn picture(world: &World) -> ImageRgb {
 /// The picture with the snapshot wiped over it, or their difference, if that is what is seen.
 pub fn compared(world: &World, picture: ImageRgb) -> ImageRgb {
     let comparison = world.resource::<Comparison>();
-    let is_shaded = world.resource::<EditorState>().display.mode == DisplayMode::Shaded;
+    let is_shaded = world.resource::<ViewSettings>().display.mode == DisplayMode::Shaded;
     let snapshot = comparison.snapshot.as_ref().filter(|_| is_shaded);
     let size = [picture.width, picture.height];
     match snapshot.and_then(|snapshot| PixelComparison::new(comparison.view, snapshot, size)) {
@@ -54,7 +54,7 @@ pub fn compared(world: &World, picture: ImageRgb) -> ImageRgb {
 pub fn painted(world: &World) -> ([u32; 2], Vec<u8>) {
     let film = &world.resource::<RenderFilm>().film;
     let (width, height) = (film.width(), film.height());
-    let display = world.resource::<EditorState>().display;
+    let display = world.resource::<ViewSettings>().display;
     let scales = Scales::of(film, display.mode, Vec::new(), &Scales::default());
     let mut rgba = vec![0; 4 * width as usize * height as usize];
     Painter::new(film, &display, &scales).paint(&tiles(width, height), &mut rgba);
@@ -71,7 +71,7 @@ pub fn factors(world: &World) -> Vec<Rgb> {
 
 pub fn expose(world: &mut World) -> Result<(), String> {
     let stops = auto_exposure(&picture(world).pixels).ok_or("The picture is black.")?;
-    let display = world.resource::<EditorState>().display;
+    let display = world.resource::<ViewSettings>().display;
     // Steps that are worth reading.
     let exposure = (10.0 * stops).round() / 10.0;
     view::set_display(world, DisplaySettings { exposure, ..display });
@@ -113,12 +113,16 @@ pub fn measure(world: &mut World) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::editor::compare::CompareView;
+    use crate::app::editor::command::compare_view::CompareView;
+    use crate::app::editor::session::requests::Requests;
+    use crate::app::editor::session::toasts::Toasts;
 
     #[test]
     fn what_is_compared_is_saved_compared() {
         let mut world = World::new();
-        world.init_resource::<EditorState>();
+        world.init_resource::<ViewSettings>();
+        world.init_resource::<Requests>();
+        world.init_resource::<Toasts>();
         let snapshot = Some(Snapshot {
             size: [4, 1],
             radiance: vec![Rgb::ONE; 4],

@@ -2,11 +2,11 @@
 
 use bevy::prelude::*;
 
-use super::edits::{delete, need, outer_materials};
-use crate::app::editor::history::Edit;
-use crate::app::editor::material_tree::{Inside, MaterialTree, materials_inside};
-use crate::app::editor::picking;
-use crate::app::editor::presets::Preset;
+use super::things::{delete, need, outer_materials};
+use crate::app::editor::camera::picking;
+use crate::app::editor::command::material_tree::{Inside, MaterialTree, materials_inside};
+use crate::app::editor::command::presets::Preset;
+use crate::app::editor::session::history::Edit;
 use crate::engine::CurrentScene;
 use crate::scene::insert::{free_name, names, next_order};
 use crate::scene::{
@@ -62,7 +62,7 @@ pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result
     Ok(())
 }
 
-/// None if it is no material, or inside of itself.
+/// The tree of a material and those nested in it; None if the entity is no material or the tree is deeper than 16, such as in a circle.
 fn tree_of(world: &World, material: Entity) -> Option<MaterialTree> {
     const DEEPEST: usize = 16;
     fn below(world: &World, material: Entity, depth: usize) -> Option<MaterialTree> {
@@ -210,8 +210,8 @@ fn spawn(edit: &mut Edit, name: &str) -> Entity {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::editor::history::{History, redo, undo};
-    use crate::app::editor::selection::Selection;
+    use crate::app::editor::command::selection::Selection;
+    use crate::app::editor::session::history::{History, redo, undo};
     use crate::color::Rgb;
     use crate::scene::ObjectState;
 

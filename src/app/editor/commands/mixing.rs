@@ -2,9 +2,9 @@
 
 use bevy::prelude::*;
 
-use crate::app::editor::history::Edit;
-use crate::app::editor::light_mix::{LightMix, bake_area, bake_emitter};
-use crate::app::editor::state::EditorState;
+use crate::app::editor::command::light_mix::{LightMix, bake_area, bake_emitter};
+use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::toasts::Toasts;
 use crate::color::Rgb;
 use crate::engine::RenderFilm;
 use crate::scene::{AreaLight, Emitter};
@@ -33,7 +33,7 @@ pub fn bake(edit: &mut Edit) -> Result<(), String> {
         return Err(refusals.join(" "));
     }
     if !refusals.is_empty() {
-        edit.world.resource_mut::<EditorState>().say(refusals.join(" "));
+        edit.world.resource_mut::<Toasts>().say(refusals.join(" "));
     }
     edit.world.insert_resource(left);
     Ok(())

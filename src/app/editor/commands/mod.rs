@@ -1,50 +1,56 @@
-//! Where [`Command`]s come true: the only place of the editor that writes to the world.
+//! Where [`Command`]s come true: the only place of the editor that writes to the scene. May import `model` and the modules below it.
 //!
 //! Values are compared before they are written, so that saying what is already so changes nothing. Edits of the scene become steps of the
 //! [`History`]; one that fails leaves nothing behind.
 
 mod adding;
+pub mod apply_edit;
+pub mod bare_world;
 mod edits;
 mod files;
 mod finished;
+pub(crate) mod flight;
 mod materials;
 mod mixing;
 mod placing;
 mod projection;
+pub mod scene_watch;
 mod several;
+pub mod shell;
 mod spot;
+#[cfg(test)]
+mod tests;
+pub mod things;
 mod view;
+pub mod world;
 
 use bevy::math::Mat3A;
 use bevy::prelude::*;
 
-use super::command::{Command, Effect};
-use super::compare::Comparison;
-use super::denoiser::Denoiser;
-use super::display::{DisplayMode, DisplaySettings};
-use super::flight;
-use super::history::{self, Edit, History};
-use super::latency::FrameTimes;
-use super::layout::Panel;
-use super::light_mix::LightMix;
-use super::motion::Motion;
-use super::pacing::Pacing;
-use super::paths::PathInspector;
-use super::picking;
-use super::selection::{Extend, Selection};
-use super::shell;
-use super::state::{CommandQueue, EditorState};
-use super::toasts::Topic;
-use super::tool::Tool;
+use crate::app::editor::camera::picking;
+use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::command::light_mix::LightMix;
+use crate::app::editor::command::panel::Panel;
+use crate::app::editor::command::selection::{Extend, Selection};
+use crate::app::editor::command::tool::Tool;
+use crate::app::editor::command::{Command, Effect};
+use crate::app::editor::picture::compare::Comparison;
+use crate::app::editor::picture::denoiser::Denoiser;
+use crate::app::editor::picture::frame_times::FrameTimes;
+use crate::app::editor::picture::motion::Motion;
+use crate::app::editor::picture::pacing::Pacing;
+use crate::app::editor::picture::paths::PathInspector;
+use crate::app::editor::session::history::{self, Edit, History};
+use crate::app::editor::session::requests::{CommandQueue, Requests};
+use crate::app::editor::session::toasts::{Toasts, Topic};
+use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{CurrentScene, InputStamp, RenderControl, RenderFilm, WakeUp};
 use crate::scene::write::OnChange;
 use crate::scene::{
     ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, Sensor, Shape, ToWorld,
 };
-pub use adding::{ENVIRONMENTS, extension};
 pub use files::keep_image;
-pub use several::rounding;
-pub use view::{camera_pose, view_pose};
+use world::{control, set_resource};
 
 /// Applies this frame's commands in order.
 pub fn apply_commands(world: &mut World) {
@@ -62,12 +68,12 @@ pub fn apply_commands(world: &mut World) {
     for command in commands {
         let is_about_file = command.is_about_file();
         let outcome = apply(world, command);
-        let mut state = world.resource_mut::<EditorState>();
+        let mut toasts = world.resource_mut::<Toasts>();
         match outcome {
-            Ok(()) if is_about_file => state.toasts.forget(Topic::Saving),
+            Ok(()) if is_about_file => toasts.forget(Topic::Saving),
             Ok(()) => {}
-            Err(message) if is_about_file => state.complain(Topic::Saving, message, None),
-            Err(message) => state.refuse(message),
+            Err(message) if is_about_file => toasts.complain(Topic::Saving, message, None),
+            Err(message) => toasts.refuse(message),
         }
     }
 }
@@ -114,9 +120,9 @@ pub fn apply(world: &mut World, command: Command) -> Result<(), String> {
 fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), String> {
     let (label, targets) = (command.label(), command.targets());
     let verb = verb(world, &command);
-    let interaction = world.resource::<EditorState>().interaction;
+    let interaction = world.resource::<Requests>().interaction;
     let mut edit = Edit::begin(world);
-    match edits::apply(&mut edit, command).and_then(|()| edit.check_poses()) {
+    match apply_edit::apply(&mut edit, command).and_then(|()| edit.check_poses()) {
         Ok(()) => {
             let title = edit.titled(verb, &targets);
             keep_what_is_there(edit.world);
@@ -161,7 +167,7 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
         Command::SaveScene(path) => files::save_scene(world, &path, OnChange::Refuse)?,
         Command::SaveChanged(path, on_change) => files::save_scene(world, &path, on_change)?,
         Command::SaveImage(path) => files::save_image(world, &path)?,
-        Command::ShowDialog(kind) => world.resource_mut::<EditorState>().dialog = Some(kind),
+        Command::ShowDialog(kind) => world.resource_mut::<Requests>().dialog = Some(kind),
         Command::Quit => {
             world.write_message(AppExit::Success);
         }
@@ -203,7 +209,7 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
         Command::LookAlong(axis) => view::look_along(world, axis),
         Command::StoreView(number) => view::store(world, number),
         Command::RecallView(number) => view::recall(world, number)?,
-        Command::SetSpeed(speed) => world.resource_mut::<EditorState>().navigation.set_speed(speed),
+        Command::SetSpeed(speed) => world.resource_mut::<ViewSettings>().navigation.set_speed(speed),
 
         Command::SetPaused(paused) => control(world, |control| control.paused = paused),
         Command::Restart => control(world, |control| control.restart_requested = true),
@@ -217,7 +223,7 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
         Command::SetStrategySplit(split) => control(world, |control| control.strategy_split = split),
         Command::SetLightLayers(kept) => {
             control(world, |control| control.light_layers = kept);
-            let display = world.resource::<EditorState>().display;
+            let display = world.resource::<ViewSettings>().display;
             if !kept && matches!(display.mode, DisplayMode::LightGroup(_)) {
                 let mode = DisplayMode::Shaded;
                 view::set_display(world, DisplaySettings { mode, ..display });
@@ -235,16 +241,16 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
             control(world, |control| control.resolution_scale = scale.clamp(0.05, 1.0));
         }
         Command::SetDisplay(display) => view::set_display(world, display),
-        Command::SetOverlay(overlay) => world.resource_mut::<EditorState>().overlay = overlay,
+        Command::SetOverlay(overlay) => world.resource_mut::<ViewSettings>().overlay = overlay,
         Command::SetTool(tool) => {
-            let before = std::mem::replace(&mut world.resource_mut::<EditorState>().tool, tool);
+            let before = std::mem::replace(&mut world.resource_mut::<ViewSettings>().tool, tool);
             if before == Tool::Paths && tool == Tool::Select {
                 world.resource_mut::<PathInspector>().wanted = None;
             }
         }
-        Command::ShowSafeFrame(shown) => world.resource_mut::<EditorState>().safe_frame = shown,
+        Command::ShowSafeFrame(shown) => world.resource_mut::<ViewSettings>().safe_frame = shown,
         Command::InspectPaths(wanted) => world.resource_mut::<PathInspector>().wanted = wanted,
-        Command::SetGizmo(settings) => world.resource_mut::<EditorState>().gizmo = settings,
+        Command::SetGizmo(settings) => world.resource_mut::<ViewSettings>().gizmo = settings,
         Command::Denoise => {
             let wake_up = world.resource::<WakeUp>().clone();
             let threads = world.resource::<RenderControl>().threads;
@@ -259,7 +265,7 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
             });
         }
         Command::DropDenoised => world.resource_mut::<Denoiser>().clear(),
-        Command::ShowPanels(shown) => world.resource_mut::<EditorState>().panels_shown = shown,
+        Command::ShowPanels(shown) => world.resource_mut::<ViewSettings>().panels_shown = shown,
         Command::Shell(command) => shell::apply(world, command)?,
         // The others are edits.
         _ => {}
@@ -267,22 +273,10 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
     Ok(())
 }
 
-fn set_resource<R: Resource + PartialEq>(world: &mut World, value: R) {
-    if world.get_resource::<R>() != Some(&value) {
-        world.insert_resource(value);
-    }
-}
-
-fn control(world: &mut World, edit: impl FnOnce(&mut RenderControl)) {
-    let mut edited = world.resource::<RenderControl>().clone();
-    edit(&mut edited);
-    set_resource(world, edited);
-}
-
 fn select(world: &mut World, entities: &[Entity], how: Extend) {
     world.resource_mut::<Selection>().extend(entities.iter().copied(), how);
     if !entities.is_empty() {
-        world.resource_mut::<EditorState>().wanted_panel = Some(Panel::Inspector);
+        world.resource_mut::<Requests>().wanted_panel = Some(Panel::Inspector);
     }
 }
 
@@ -319,6 +313,3 @@ impl Edit<'_> {
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

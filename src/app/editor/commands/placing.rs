@@ -3,27 +3,27 @@
 use bevy::math::{Affine3A, Vec3, Vec3A};
 use bevy::prelude::*;
 
-use super::{edits, view};
+use super::things;
+use crate::app::editor::camera::{picking, pose};
 use crate::app::editor::command::Direction;
-use crate::app::editor::history::Edit;
-use crate::app::editor::picking;
-use crate::app::editor::state::EditorState;
+use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::CurrentScene;
 use crate::math::Ray;
 use crate::scene::ToWorld;
 
 pub fn nudge(edit: &mut Edit, direction: Direction) -> Result<(), String> {
-    let selected = edits::selected(edit)?;
+    let selected = things::selected(edit)?;
     let by = step(edit.world, direction);
     move_each(edit, selected.into_iter().map(|entity| (entity, by)).collect())
 }
 
 /// A step of the gizmo, in world space.
 pub fn step(world: &World, direction: Direction) -> Vec3 {
-    let state = world.resource::<EditorState>();
-    let length = state.gizmo.steps.length_in(state.navigation.scene_size);
-    let pose = view::view_pose(world).unwrap_or(Affine3A::IDENTITY);
-    along(direction, state.navigation.upright(&pose), state.navigation.up, &pose) * length
+    let ViewSettings { gizmo, navigation, .. } = world.resource::<ViewSettings>();
+    let length = gizmo.steps.length_in(navigation.scene_size);
+    let pose = pose::view_pose(world).unwrap_or(Affine3A::IDENTITY);
+    along(direction, navigation.upright(&pose), navigation.up, &pose) * length
 }
 
 /// The axis of the world that is nearest to a direction as the camera sees it, of unit length.
@@ -44,8 +44,8 @@ fn along(direction: Direction, upright: Vec3, up: Vec3, pose: &Affine3A) -> Vec3
 }
 
 pub fn drop(edit: &mut Edit) -> Result<(), String> {
-    let selected = edits::selected(edit)?;
-    let up = edit.world.resource::<EditorState>().navigation.up;
+    let selected = things::selected(edit)?;
+    let up = edit.world.resource::<ViewSettings>().navigation.up;
     let current = edit.world.resource::<CurrentScene>();
     let bounds = picking::bounds_of_each(current, &selected);
     let falls = selected.iter().zip(bounds).filter_map(|(&entity, bounds)| {
@@ -71,7 +71,7 @@ fn move_each(edit: &mut Edit, moves: Vec<(Entity, Vec3)>) -> Result<(), String> 
         Some((entity, pose))
     });
     let moved: Vec<(Entity, Affine3A)> = moved.collect();
-    edits::transform(edit, moved)
+    things::transform(edit, moved)
 }
 
 #[cfg(test)]

@@ -4,35 +4,14 @@ use bevy::math::{Affine3A, Mat3A, Vec3};
 use bevy::prelude::*;
 
 use super::view;
-use crate::app::editor::navigation;
-use crate::scene::{ActiveSensor, Film, FreeView, Lens, Sensor};
-
-/// The lens of the view: its own, or that of the camera.
-pub fn lens(world: &World) -> Option<Lens> {
-    let sensor = world.get::<Sensor>(world.resource::<ActiveSensor>().0?)?;
-    Some(world.resource::<FreeView>().lens.unwrap_or(sensor.lens))
-}
-
-pub fn is_orthographic(world: &World) -> bool {
-    lens(world) == Some(Lens::Orthographic)
-}
-
-/// What a view needs in place of the lens of the camera in use, to be orthographic or not; None if the camera is so.
-pub fn lens_of_view(world: &World, orthographic: bool) -> Option<Lens> {
-    let sensor = world.get::<Sensor>(world.resource::<ActiveSensor>().0?)?;
-    let is_so = (sensor.lens == Lens::Orthographic) == orthographic;
-    let other = if orthographic {
-        Lens::Orthographic
-    } else {
-        Lens::Pinhole
-    };
-    (!is_so).then_some(other)
-}
+use crate::app::editor::camera::navigation;
+use crate::app::editor::camera::pose::{self, is_orthographic, lens_of_view};
+use crate::scene::{ActiveSensor, Film, FreeView, Sensor};
 
 /// What is in the middle stays as large: the selection, or what is ahead.
 pub fn switch(world: &mut World) -> Result<(), String> {
     let missing = || "There is no camera.".to_owned();
-    let pose = view::view_pose(world).ok_or_else(missing)?;
+    let pose = pose::view_pose(world).ok_or_else(missing)?;
     let active = world.resource::<ActiveSensor>().0.ok_or_else(missing)?;
     let sensor = *world.get::<Sensor>(active).ok_or_else(missing)?;
     let film = world.get::<Film>(active).copied().unwrap_or_default();

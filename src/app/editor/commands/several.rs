@@ -1,26 +1,26 @@
 //! An edit of the active thing done to all that is selected: everything of the same sort gets the same change.
 
-use bevy::math::{Affine3A, Mat3A, Vec3A};
+use bevy::math::{Affine3A, Mat3A};
 use bevy::prelude::*;
 use bevy::reflect::PartialReflect;
 
-use super::edits;
 use crate::app::editor::command::Command;
-use crate::app::editor::history::Edit;
-use crate::app::editor::material_tree::materials_inside;
-use crate::app::editor::panels::conversion::{emitter_turned_into, turned_into};
-use crate::app::editor::selection::Selection;
+use crate::app::editor::command::conversion::{emitter_turned_into, turned_into};
+use crate::app::editor::command::material_tree::materials_inside;
+use crate::app::editor::command::selection::Selection;
+use crate::app::editor::model::difference::rounding;
+use crate::app::editor::session::history::Edit;
 use crate::scene::carry_over::{Vectors, carry_over};
 use crate::scene::{AreaLight, Emitter, Film, Locked, Material, Placements, Sensor, Shape, ToWorld, UsesMaterial};
 
 /// Materials within materials are followed so far.
 const DEEPEST: usize = 4;
 
-/// What the command does to its thing, and the like to the others.
-pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
+/// Does to all others that are selected the like of what the command is going to do to its thing.
+pub fn carry_to_others(edit: &mut Edit, command: &Command) {
     let selected = edit.world.resource::<Selection>().entities().to_vec();
     let others = |but: Entity| selected.iter().copied().filter(move |entity| *entity != but);
-    match &command {
+    match command {
         Command::SetShape(entity, after) => {
             carry::<Shape>(edit, *entity, after, others(*entity), Vectors::ByComponent);
         }
@@ -83,7 +83,6 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
         // The others are about everything selected anyway.
         _ => {}
     }
-    edits::apply(edit, command)
 }
 
 fn carry<C: Component<Mutability = bevy::ecs::component::Mutable> + PartialReflect + Clone + PartialEq>(
@@ -133,13 +132,6 @@ fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: impl Iter
         }
         edit.set(other, ToWorld(pose * own.inverse()));
     }
-}
-
-/// What the way to a shape's middle and back may change of where it is, per coordinate. `pose`: world from a space whose origin is there.
-pub fn rounding(pose: &Affine3A, middle: Vec3) -> Vec3A {
-    // A few units in the last place of numbers that are added.
-    const ROUNDING: f32 = 4.0 * f32::EPSILON;
-    ROUNDING * (pose.translation.abs() + (pose.matrix3 * Vec3A::from(middle)).abs())
 }
 
 fn middle(world: &World, entity: Entity) -> Affine3A {

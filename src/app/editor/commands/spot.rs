@@ -3,9 +3,9 @@
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
 
-use super::view;
-use crate::app::editor::picking::{self, SeenSurface};
-use crate::app::editor::state::EditorState;
+use crate::app::editor::camera::picking::{self, SeenSurface};
+use crate::app::editor::camera::pose;
+use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::CurrentScene;
 use crate::math::{Aabb, Ray};
 use crate::scene::{AreaLight, Emitter, MemberOf, Shape, ToWorld};
@@ -46,8 +46,8 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
     let taken = Taken::of(world, is_light);
     let nothing = CurrentScene::default();
     let current = world.get_resource::<CurrentScene>().unwrap_or(&nothing);
-    let up = world.resource::<EditorState>().navigation.up;
-    let pose = view::view_pose(world).unwrap_or_default();
+    let up = world.resource::<ViewSettings>().navigation.up;
+    let pose = pose::view_pose(world).unwrap_or_default();
     let ground = Ground::of(current, up);
     let surface = picking::ahead(current).filter(|_| taken.has_shapes);
     let seen = match surface {
@@ -121,7 +121,7 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
 
 /// How far up from there is free, at most `wanted`.
 pub fn headroom(world: &World, spot: &Spot, wanted: f32) -> f32 {
-    let up = world.resource::<EditorState>().navigation.up;
+    let up = world.resource::<ViewSettings>().navigation.up;
     let Some(current) = world.get_resource::<CurrentScene>() else {
         return wanted;
     };
@@ -255,8 +255,10 @@ pub fn rounded(size: f32) -> f32 {
 mod tests {
     use super::*;
     use crate::accel::Primitive;
-    use crate::app::editor::picking::tests::scene_of;
-    use crate::app::editor::studio;
+    use crate::app::editor::camera::picking::tests::scene_of;
+    use crate::app::editor::picture::studio;
+    use crate::app::editor::session::requests::Requests;
+    use crate::app::editor::session::toasts::Toasts;
     use crate::render::camera::Camera;
     use crate::render::view::View;
     use crate::scene::{ActiveSensor, FreeView, ShapeKind};
@@ -272,7 +274,9 @@ mod tests {
         let sensor = world.spawn(ToWorld(pose)).id();
         world.insert_resource(ActiveSensor(Some(sensor)));
         world.init_resource::<FreeView>();
-        world.init_resource::<EditorState>();
+        world.init_resource::<ViewSettings>();
+        world.init_resource::<Requests>();
+        world.init_resource::<Toasts>();
         world.insert_resource(CurrentScene {
             view: Some(View {
                 camera: Camera::new(pose, 40.0, 1.0, near, 1e3, None),

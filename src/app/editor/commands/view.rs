@@ -3,30 +3,20 @@
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use super::{control, projection, set_resource};
-use crate::app::editor::display::{DisplayMode, DisplaySettings};
-use crate::app::editor::history::Edit;
-use crate::app::editor::orbit::AxisView;
-use crate::app::editor::selection::Selection;
-use crate::app::editor::state::EditorState;
-use crate::app::editor::stored_views::StoredView;
-use crate::app::editor::{flight, navigation, picking};
+use super::flight;
+use super::world::{control, set_resource};
+use crate::app::editor::camera::pose::{self, view_pose};
+use crate::app::editor::camera::{navigation, picking};
+use crate::app::editor::command::axis_view::AxisView;
+use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::command::selection::Selection;
+use crate::app::editor::command::stored_view::StoredView;
+use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::toasts::Toasts;
+use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{CurrentScene, ViewMode};
 use crate::math::Aabb;
 use crate::scene::{ActiveSensor, FreeView, Lens, Sensor, ToWorld};
-
-/// The pose of the camera in use, flown away or not: world from camera.
-pub fn camera_pose(active: &ActiveSensor, free: &FreeView, poses: &Query<&ToWorld>) -> Option<Affine3A> {
-    let sensor = poses.get(active.0?).ok()?;
-    Some(free.pose.unwrap_or(sensor.0))
-}
-
-/// The same from the world.
-pub fn view_pose(world: &World) -> Option<Affine3A> {
-    let sensor = world.resource::<ActiveSensor>().0?;
-    let own = world.get::<ToWorld>(sensor)?.0;
-    Some(world.resource::<FreeView>().pose.unwrap_or(own))
-}
 
 pub fn move_view(world: &mut World, pose: Affine3A) {
     if world.resource::<ActiveSensor>().0.is_some() {
@@ -50,7 +40,7 @@ pub fn distance_looked(world: &World, pose: &Affine3A) -> f32 {
     let selected = selected_bounds(world);
     let selected = (!selected.is_empty()).then(|| (selected.center() - Vec3::from(pose.translation)).dot(forward));
     let ahead = || picking::distance_ahead(world.resource::<CurrentScene>());
-    let nowhere = || 0.5 * world.resource::<EditorState>().navigation.scene_size;
+    let nowhere = || 0.5 * world.resource::<ViewSettings>().navigation.scene_size;
     let distance = selected.filter(|distance| *distance > 0.0);
     distance.or_else(ahead).unwrap_or_else(nowhere)
 }
@@ -59,7 +49,7 @@ pub fn distance_looked(world: &World, pose: &Affine3A) -> f32 {
 pub fn look_along(world: &mut World, axis: AxisView) {
     let Some(pose) = view_pose(world) else { return };
     let selected = selected_bounds(world);
-    let navigation = world.resource::<EditorState>().navigation;
+    let navigation = world.resource::<ViewSettings>().navigation;
     let center = if selected.is_empty() {
         let ahead = distance_looked(world, &pose);
         Vec3::from(pose.translation) + Vec3::from(pose.matrix3.z_axis).normalize_or_zero() * ahead
@@ -70,24 +60,25 @@ pub fn look_along(world: &mut World, axis: AxisView) {
 }
 
 pub fn store(world: &mut World, number: usize) {
-    let orthographic = projection::is_orthographic(world);
+    let orthographic = pose::is_orthographic(world);
     let view = view_pose(world).map(|pose| StoredView { pose, orthographic });
-    let mut state = world.resource_mut::<EditorState>();
-    if let Some(place) = number.checked_sub(1).and_then(|place| state.bookmarks.get_mut(place)) {
+    let mut settings = world.resource_mut::<ViewSettings>();
+    let place = number.checked_sub(1);
+    if let Some(place) = place.and_then(|place| settings.bookmarks.get_mut(place)) {
         *place = view;
-        state.say(format!("View {number} stored"));
+        world.resource_mut::<Toasts>().say(format!("View {number} stored"));
     }
 }
 
 pub fn recall(world: &mut World, number: usize) -> Result<(), String> {
-    let bookmarks = world.resource::<EditorState>().bookmarks;
+    let bookmarks = world.resource::<ViewSettings>().bookmarks;
     let stored = number.checked_sub(1).and_then(|place| *bookmarks.get(place)?);
     let view = stored.ok_or_else(|| format!("There is no view {number}: Ctrl+{number} stores one."))?;
     if world.resource::<ActiveSensor>().0.is_some() {
         let from = view_pose(world);
         let end = FreeView {
             pose: Some(view.pose),
-            lens: projection::lens_of_view(world, view.orthographic),
+            lens: pose::lens_of_view(world, view.orthographic),
         };
         flight::go(world, from, end, None);
     }
@@ -106,7 +97,7 @@ pub fn look_through(world: &mut World, sensor: Entity) {
 pub fn look_through_first(world: &mut World, sensor: Option<Entity>) {
     let pose = sensor.and_then(|sensor| world.get::<ToWorld>(sensor)).copied();
     if let Some(ToWorld(pose)) = pose {
-        world.resource_mut::<EditorState>().navigation.up = navigation::up_axis(&pose);
+        world.resource_mut::<ViewSettings>().navigation.up = navigation::up_axis(&pose);
     }
     set_resource(world, ActiveSensor(sensor));
     set_resource(world, FreeView::default());
@@ -120,7 +111,7 @@ fn selected_bounds(world: &World) -> Aabb {
         picking::bounds_of(current, *entity).or_else(|| {
             // A light or a camera: where it is.
             let place = Vec3::from(world.get::<ToWorld>(*entity)?.0.translation);
-            let half = 0.05 * world.resource::<EditorState>().navigation.scene_size;
+            let half = 0.05 * world.resource::<ViewSettings>().navigation.scene_size;
             Some(Aabb::from_points([place - half, place + half]))
         })
     });
@@ -149,7 +140,7 @@ fn frame(world: &mut World, bounds: Aabb) {
     let view = world.resource::<CurrentScene>().view.as_ref();
     let half_fov = view.map_or(0.3, |view| picking::half_fov(&view.camera));
     let aspect = view.map_or(1.0, |view| view.width as f32 / view.height as f32);
-    let framed = if projection::is_orthographic(world) {
+    let framed = if pose::is_orthographic(world) {
         navigation::framing_parallel(pose, &bounds, aspect)
     } else {
         navigation::framing(pose, &bounds, half_fov)
@@ -173,7 +164,7 @@ pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), String> {
     let Some(camera) = edit.world.resource::<ActiveSensor>().0 else {
         return Err("There is no camera.".to_owned());
     };
-    if projection::is_orthographic(edit.world) {
+    if pose::is_orthographic(edit.world) {
         return Err(SHARP_EVERYWHERE.to_owned());
     }
     let Some(mut sensor) = edit.world.get::<Sensor>(camera).copied() else {
@@ -201,7 +192,7 @@ pub fn set_display(world: &mut World, display: DisplaySettings) {
         exposure: display.exposure.clamp(-20.0, 20.0),
         ..display
     };
-    world.resource_mut::<EditorState>().display = display;
+    world.resource_mut::<ViewSettings>().display = display;
     let view_mode = match display.mode {
         DisplayMode::BvhSteps => ViewMode::BvhSteps,
         _ => ViewMode::Path,

@@ -2,11 +2,12 @@
 
 use bevy_egui::egui::{self, Ui};
 
-use super::super::command::Command;
-use super::super::compare::{CompareView, Figures};
-use super::super::model::ComparisonModel;
 use super::fields;
-use super::status::counted;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::compare_view::CompareView;
+use crate::app::editor::model::ComparisonModel;
+use crate::app::editor::picture::compare::Figures;
+use crate::app::editor::words::figures::counted;
 
 pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {

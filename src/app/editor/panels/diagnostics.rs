@@ -2,8 +2,8 @@
 
 use bevy_egui::egui::{self, RichText, Ui};
 
-use super::super::model::Notice;
-use super::super::toasts::excerpt;
+use super::excerpt::excerpt;
+use crate::app::editor::model::Notice;
 
 pub fn diagnostics(ui: &mut Ui, notices: &[Notice]) {
     if notices.is_empty() {

@@ -6,19 +6,17 @@ use std::path::PathBuf;
 use bevy::math::Vec3;
 use bevy_egui::egui::Ui;
 
-use super::super::looks::Looks;
-use super::conversion::emitter_turned_into;
-use super::material::{Edit, Rows, in_words};
+use super::material::{Edit, Rows};
 use super::sensor::field_of_view;
 use super::texture_slot::picture_row;
 use super::{color_field, fields};
+use crate::app::editor::command::conversion::emitter_turned_into;
+use crate::app::editor::model::looks::Looks;
+use crate::app::editor::words::kinds::{EMITTER_KINDS, in_words};
 use crate::color::Rgb;
 use crate::scene::{
     AreaLight, Emitter, EmitterVisitor, FovAxis, Parameter, PlaceAndTime, SquarePath, SunPosition, Texture,
 };
-
-/// What plugins are called in lists, where not by their own name.
-const KINDS: [(&str, &str); 2] = [("envmap", "environment map"), ("sunsky", "sun and sky")];
 
 /// The check box makes a shape emit, or not.
 pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, looks: &Looks) -> Edit {
@@ -40,7 +38,7 @@ pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, looks: &Looks) -> 
 pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, looks: &Looks) -> Edit {
     let plugin = emitter.plugin();
     let mut wanted = plugin;
-    let options = Emitter::PLUGINS.map(|plugin| (plugin, in_words(&KINDS, plugin)));
+    let options = Emitter::PLUGINS.map(|plugin| (plugin, in_words(&EMITTER_KINDS, plugin)));
     if fields::choice(ui, "Type", &mut wanted, &options) {
         *emitter = emitter_turned_into(emitter, wanted);
         // An environment is nothing without one.
@@ -53,11 +51,6 @@ pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, looks: &Looks) -> Edit {
     let mut rows = Rows::new(ui, plugin, looks);
     emitter.visit(&mut rows);
     rows.edit
-}
-
-/// The name of the kind, for lists.
-pub fn kind_name(emitter: &Emitter) -> &'static str {
-    in_words(&KINDS, emitter.plugin())
 }
 
 impl EmitterVisitor for Rows<'_> {

@@ -8,8 +8,8 @@ use std::ops::RangeInclusive;
 use bevy::math::Vec3;
 use bevy_egui::egui::{self, Response, Ui};
 
-use super::super::mixed::Mixed;
-use super::words::Words;
+use crate::app::editor::model::mixed::Mixed;
+use crate::app::editor::words::parameter::Words;
 
 /// Width of the names' column in points.
 pub const NAME_WIDTH: f32 = 88.0;

@@ -2,8 +2,8 @@
 
 use bevy_egui::egui::{self, Button, RichText, Ui};
 
-use super::super::command::Command;
-use super::super::model::HistoryModel;
+use crate::app::editor::command::Command;
+use crate::app::editor::model::HistoryModel;
 
 pub fn history(ui: &mut Ui, model: &HistoryModel, commands: &mut Vec<Command>) {
     let done = model.done.len();

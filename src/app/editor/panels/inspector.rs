@@ -4,12 +4,12 @@ use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
-use super::super::command::{Command, FileDialogKind};
-use super::super::model::{Inspected, InspectedMesh, MaterialPlace, Model};
-use super::material::Edit;
+use super::material::{self, Edit};
 use super::material_header::{material_header, presets};
-use super::transform::Freedom;
-use super::{emission, fields, material, sensor, transform};
+use super::{emission, fields, sensor, transform};
+use crate::app::editor::command::{Command, FileDialogKind};
+use crate::app::editor::model::freedom::Freedom;
+use crate::app::editor::model::{Inspected, InspectedMesh, MaterialPlace, Model};
 use crate::scene::{EmitterKind, MeshFile, MeshFormat, Shape, ShapeKind};
 
 /// What the panel remembers between frames.

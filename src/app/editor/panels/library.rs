@@ -2,10 +2,11 @@
 
 use bevy_egui::egui::{self, Rect, Sense, Ui, vec2};
 
-use super::super::command::Command;
-use super::super::looks::Ball;
-use super::super::model::Model;
-use super::super::presets::Preset;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::dragged::DraggedPreset;
+use crate::app::editor::command::presets::Preset;
+use crate::app::editor::model::Model;
+use crate::app::editor::model::looks::Ball;
 
 /// What the panel remembers between frames.
 #[derive(Clone, Debug, Default)]
@@ -14,10 +15,6 @@ pub struct LibraryState {
     /// Places in the library of those in sight, so that there can be pictures of them.
     pub in_sight: Vec<usize>,
 }
-
-/// A material of the library on its way to a shape in the picture.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DraggedPreset(pub Preset);
 
 /// Edge of a ball, and the height of the name below it, in points.
 const BALL: f32 = 64.0;

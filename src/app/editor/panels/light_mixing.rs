@@ -2,11 +2,11 @@
 
 use bevy_egui::egui::{self, Ui};
 
-use super::super::command::Command;
-use super::super::display::{DisplayMode, DisplaySettings};
-use super::super::light_mix::{Channel, LightMix};
-use super::super::model::MixingModel;
 use super::{color_field, fields};
+use crate::app::editor::command::Command;
+use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::command::light_mix::{Channel, LightMix};
+use crate::app::editor::model::MixingModel;
 
 pub fn light_mixing(ui: &mut Ui, model: &MixingModel, display: DisplaySettings, commands: &mut Vec<Command>) {
     let mut is_on = model.is_on;

@@ -5,12 +5,15 @@ use std::ops::RangeInclusive;
 use bevy::math::Vec3;
 use bevy_egui::egui::Ui;
 
-use super::super::looks::Looks;
-use super::super::model::MaterialPlace;
-use super::conversion::turned_into;
+use super::color_field;
 use super::fields::{self, Caption};
-use super::texture_slot::{PlainValue, Slot};
-use super::{color_field, words};
+use super::plain_value::PlainValue;
+use super::texture_slot::Slot;
+use crate::app::editor::command::conversion::turned_into;
+use crate::app::editor::model::MaterialPlace;
+use crate::app::editor::model::looks::Looks;
+use crate::app::editor::words::kinds::{in_words, material_kind, plugin_name};
+use crate::app::editor::words::parameters as words;
 use crate::color::Rgb;
 use crate::scene::{
     ConductorIor, Distribution, HEIGHT, Ior, Material, NORMALS, Parameter, ParameterVisitor, PrincipledIndex,
@@ -29,20 +32,6 @@ const METALS: [(&str, &str); 7] = [
     ("W", "W, tungsten"),
 ];
 
-/// What plugins are called in lists, where not by their own name.
-const KINDS: [(&str, &str); 10] = [
-    ("roughconductor", "rough conductor"),
-    ("roughdielectric", "rough dielectric"),
-    ("thindielectric", "thin dielectric"),
-    ("roughplastic", "rough plastic"),
-    ("twosided", "two-sided"),
-    ("blendbsdf", "blend"),
-    ("normalmap", "normal map"),
-    ("bumpmap", "bump map"),
-    ("null", "nothing"),
-    ("metal", "metal with fuzz"),
-];
-
 /// What the user did with the rows of a material or a light.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Edit {
@@ -57,13 +46,13 @@ pub fn material(ui: &mut Ui, material: &mut Material, place: MaterialPlace, look
     let mut wanted = plugin;
     // What has others inside keeps its kind here.
     if *material.nested_count().end() > 0 {
-        fields::note(ui, "Type", kind_name(material));
+        fields::note(ui, "Type", material_kind(material));
     } else {
         let plugins = Material::PLUGINS.iter().filter(|plugin| {
             let is_offered = |other: Material| *other.nested_count().end() == 0 && place.takes(&other);
             **plugin == material.plugin() || Material::of_plugin(plugin).is_some_and(is_offered)
         });
-        let options: Vec<_> = plugins.map(|&plugin| (plugin, in_words(&KINDS, plugin))).collect();
+        let options: Vec<_> = plugins.map(|&plugin| (plugin, plugin_name(plugin))).collect();
         fields::choice(ui, "Type", &mut wanted, &options);
     }
     if wanted != plugin {
@@ -76,15 +65,6 @@ pub fn material(ui: &mut Ui, material: &mut Material, place: MaterialPlace, look
     let mut rows = Rows::new(ui, plugin, looks);
     material.visit(&mut rows);
     rows.edit
-}
-
-/// The name of the kind, for lists.
-pub fn kind_name(material: &Material) -> &'static str {
-    plugin_name(material.plugin())
-}
-
-pub fn plugin_name(plugin: &'static str) -> &'static str {
-    in_words(&KINDS, plugin)
 }
 
 /// One row, or a few, for each parameter.
@@ -311,17 +291,6 @@ fn choose_conductor(ui: &mut Ui, caption: Caption<'_>, ior: &mut ConductorIor) -
         };
     }
     changed
-}
-
-/// The words for a name, or the name.
-pub fn in_words<'n>(names: &[(&str, &'static str)], name: &'n str) -> &'n str
-where
-    'static: 'n,
-{
-    names
-        .iter()
-        .find(|(known, _)| *known == name)
-        .map_or(name, |(_, words)| words)
 }
 
 fn positive(ui: &mut Ui, caption: Caption<'_>, value: &mut Vec3) -> bool {

@@ -3,11 +3,11 @@
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
-use super::super::command::Command;
-use super::super::looks::Ball;
-use super::super::material_tree::{MaterialTree, WRAPPERS, can_wrap};
-use super::super::model::{InspectedMaterial, MaterialPlace, Model};
-use super::material::{kind_name, plugin_name};
+use crate::app::editor::command::Command;
+use crate::app::editor::command::material_tree::{MaterialTree, WRAPPERS, can_wrap};
+use crate::app::editor::model::looks::Ball;
+use crate::app::editor::model::{InspectedMaterial, MaterialPlace, Model};
+use crate::app::editor::words::kinds::{material_kind, plugin_name};
 use crate::scene::Material;
 
 /// Edges of the ball in points: of the material itself, and of those inside it.
@@ -113,7 +113,7 @@ fn layers(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut 
         .iter()
         .filter_map(|inner| all.clone().find(|known| known.entity == *inner))
         .collect();
-    let kind = kind_name(&entry.material);
+    let kind = material_kind(&entry.material);
     for inner in &inside {
         let text = match inside.len() {
             1 => format!("Take the {kind} off"),

@@ -5,14 +5,16 @@ use std::path::PathBuf;
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Button, Ui};
 
-use super::super::actions::{self, ACTIONS, ActionContext, Group, Shortcut};
-use super::super::command::Command;
-use super::super::display::{DisplayMode, DisplaySettings};
-use super::super::layout::{Layout, Panel};
-use super::super::model::{DenoiserState, Model};
-use super::super::shell::ShellCommand;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::command::panel::Panel;
+use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::input::actions::{self, ACTIONS, ActionContext, Group, Shortcut};
+use crate::app::editor::model::Model;
+use crate::app::editor::picture::denoiser::DenoiserState;
+use crate::app::editor::session::layout::Layout;
 
-/// What the menus tick, beside the model.
+/// The settings beside the model that menus show with a tick.
 #[derive(Clone, Copy)]
 pub struct MenuState<'a> {
     pub context: ActionContext<'a>,

@@ -1,13 +1,13 @@
 //! The panels around the picture. Each is a function of an egui `Ui` and plain data that says what the user did as [`Command`]s; none
-//! touches the ECS, so that tests can drive them without a window.
+//! touches the ECS, so that tests can drive them without a window. May import `model`, `input` and the modules below them.
 //!
-//! [`Command`]: super::command::Command
+//! [`Command`]: crate::app::editor::command::Command
 
 pub mod color_field;
 pub mod comparison;
-pub mod conversion;
 pub mod diagnostics;
 pub mod emission;
+pub mod excerpt;
 pub mod fields;
 pub mod history;
 pub mod inspector;
@@ -18,6 +18,7 @@ pub mod material_header;
 pub mod menu_bar;
 pub mod outliner;
 pub mod paths;
+pub mod plain_value;
 pub mod preferences;
 pub mod render;
 pub mod sensor;
@@ -25,4 +26,3 @@ pub mod status;
 pub mod texture;
 pub mod texture_slot;
 pub mod transform;
-pub mod words;

@@ -4,9 +4,10 @@
 use bevy::math::UVec2;
 use bevy_egui::egui::{self, Color32, RichText, Ui};
 
-use super::super::command::Command;
-use super::super::paths::{InspectedPaths, NamedPath};
 use super::fields;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::inspected_paths::InspectedPaths;
+use crate::app::editor::picture::paths::NamedPath;
 use crate::color::Rgb;
 use crate::material::Lobe;
 use crate::render::inspect::RecordedVertex;

@@ -2,11 +2,11 @@
 
 use bevy_egui::egui::{self, DragValue, Grid, Slider, Ui};
 
-use super::super::command::Command;
-use super::super::preferences::{
+use crate::app::editor::command::Command;
+use crate::app::editor::command::preferences::{
     LONGEST_AUTOSAVE, MOST_MEMORY_GIB, MOVING_SCALES, Preferences, ThemeChoice, UI_SCALES,
 };
-use super::super::shell::ShellCommand;
+use crate::app::editor::command::shell::ShellCommand;
 
 /// `problem`: what is wrong with the file that they are kept in.
 pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, commands: &mut Vec<Command>) {

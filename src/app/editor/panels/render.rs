@@ -5,11 +5,11 @@ use std::ops::RangeInclusive;
 use bevy::math::Rect;
 use bevy_egui::egui::{self, Ui};
 
-use super::super::command::Command;
-use super::super::display::{DisplayMode, DisplaySettings};
-use super::super::model::RenderModel;
-use super::super::overlay::BvhOverlay;
 use super::{comparison, fields, light_mixing};
+use crate::app::editor::command::Command;
+use crate::app::editor::command::bvh_overlay::BvhOverlay;
+use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::model::RenderModel;
 use crate::render::tonemap::ToneMap;
 use crate::render::white_balance::WhiteBalance;
 use crate::scene::{AccelMethod, Sequence, Strategy};

@@ -3,9 +3,8 @@
 use bevy_egui::egui::{self, Ui};
 
 use super::fields::{self, Caption};
-use super::words;
-use crate::scene::aperture;
-use crate::scene::{Film, FovAxis, Lens, ReconstructionFilter, Sensor};
+use crate::app::editor::words::parameters as words;
+use crate::scene::{Film, FovAxis, Lens, ReconstructionFilter, Sensor, aperture};
 
 /// Any larger and a single film would fill the memory of a small machine.
 const LARGEST_EDGE: u32 = 8192;

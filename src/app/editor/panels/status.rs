@@ -2,7 +2,9 @@
 
 use bevy_egui::egui::{self, Ui};
 
-use super::super::model::{DenoiserState, StatusModel};
+use crate::app::editor::model::StatusModel;
+use crate::app::editor::picture::denoiser::DenoiserState;
+use crate::app::editor::words::figures::counted;
 use crate::engine::{RenderState, RenderStatus};
 
 /// Room for the separator before a part.
@@ -123,31 +125,10 @@ fn clock(seconds: f64) -> String {
     }
 }
 
-/// `1 node`, `2,345 nodes`, `3 leaves`.
-pub fn counted(number: u64, what: &str) -> String {
-    match what.strip_suffix('f') {
-        _ if number == 1 => format!("1 {what}"),
-        Some(stem) => format!("{} {stem}ves", grouped(number)),
-        None => format!("{} {what}s", grouped(number)),
-    }
-}
-
-/// Digits in groups of three.
-pub fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut grouped = String::new();
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place).is_multiple_of(3) {
-            grouped.push(',');
-        }
-        grouped.push(digit);
-    }
-    grouped
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::editor::words::figures::grouped;
 
     #[test]
     fn the_time_left_is_as_long_as_the_samples_left() {

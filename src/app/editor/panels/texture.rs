@@ -4,7 +4,7 @@ use bevy::math::{Affine2, Vec2};
 use bevy_egui::egui::{self, Ui};
 
 use super::fields::{self, Caption, NumberStyle};
-use super::texture_slot::PlainValue;
+use super::plain_value::PlainValue;
 use crate::color::Rgb;
 use crate::scene::{Bitmap, Parameter, Texture, TextureFilter, TextureWrap};
 

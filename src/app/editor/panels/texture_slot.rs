@@ -5,11 +5,12 @@ use std::path::Path;
 
 use bevy_egui::egui::{self, Color32, Ui};
 
-use super::super::looks::Looks;
 use super::color_field;
 use super::fields::{self, Caption, name_cell};
+use super::plain_value::PlainValue;
 use super::texture::{self, TextureKind};
-use super::words;
+use crate::app::editor::model::looks::Looks;
+use crate::app::editor::words::parameters as words;
 use crate::color::Rgb;
 use crate::scene::{Parameter, SquarePath, Texture};
 
@@ -25,32 +26,6 @@ impl SlotEdit {
     fn add(&mut self, other: Self) {
         self.changed |= other.changed;
         self.wants_picture = self.wants_picture.or(other.wants_picture);
-    }
-}
-
-/// A parameter's value where it is the same everywhere, as a colour that textures begin with.
-pub trait PlainValue: Copy {
-    fn of_color(color: Rgb) -> Self;
-    fn to_color(self) -> Rgb;
-}
-
-impl PlainValue for Rgb {
-    fn of_color(color: Rgb) -> Self {
-        color
-    }
-
-    fn to_color(self) -> Rgb {
-        self
-    }
-}
-
-impl PlainValue for f32 {
-    fn of_color(color: Rgb) -> Self {
-        color.x
-    }
-
-    fn to_color(self) -> Rgb {
-        Rgb::splat(self)
     }
 }
 

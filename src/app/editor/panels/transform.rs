@@ -4,6 +4,7 @@ use bevy::math::{Affine3A, EulerRot, Mat3A, Quat, Vec3};
 use bevy_egui::egui::Ui;
 
 use super::fields;
+use crate::app::editor::model::freedom::Freedom;
 
 /// The angles last shown. A rotation has many sets of angles; keeping those that the user dragged keeps them from jumping.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,16 +18,6 @@ const ORDER: EulerRot = EulerRot::ZYX;
 const SAME_ROTATION: f32 = 1e-5;
 /// How far a matrix may be off translation, rotation, scale and still count as made of them, relative to its size.
 const SHEAR_TOLERANCE: f32 = 1e-4;
-
-/// What of a transform can be edited.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Freedom {
-    Affine,
-    /// No scale, as of a camera.
-    Rigid,
-    /// The rotation alone, as of what is infinitely far away.
-    Turning,
-}
 
 /// True if `to_world` was edited. `size` (world units) sets how fast a drag moves.
 pub fn transform(ui: &mut Ui, to_world: &mut Affine3A, freedom: Freedom, size: f32, shown: &mut ShownAngles) -> bool {

@@ -1,7 +1,10 @@
 //! Commands about files.
 
 use super::*;
-use crate::app::editor::trust::{Question, TrustedFolders};
+use crate::app::editor::command::file_access::Question;
+use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::session::requests::Requests;
+use crate::app::editor::session::trust::TrustedFolders;
 use crate::files::{LARGEST_NOTE, read_text};
 use crate::scene::{SceneAccess, SceneStatus, Trust, spawn};
 
@@ -12,11 +15,11 @@ fn a_question_that_nobody_can_answer_is_an_error() {
     let path = folder.path().join("scene.xml");
     let text = "<scene version='3.0.0'><sensor type='perspective'/><shape type='sphere' id='a'/></scene>";
     std::fs::write(&path, text).expect("a file");
-    let mut world = world();
+    let mut world = bare_world();
     world.init_resource::<SceneStatus>();
     let error = apply_now(&mut world, Command::Save).expect_err("there is no file");
     assert!(error.contains("save-to FILE"), "{error}");
-    assert_eq!(world.resource::<EditorState>().dialog, None);
+    assert_eq!(world.resource::<Requests>().dialog, None);
 
     let mut document = crate::document::load(&path, &[]).expect("a scene");
     let scene = std::sync::Arc::new(crate::scene::read::read(&mut document));
@@ -48,7 +51,7 @@ fn a_question_that_nobody_can_answer_is_an_error() {
         error.contains("one thing was edited both") && error.contains("merge"),
         "{error}"
     );
-    assert!(world.resource::<EditorState>().save_question.is_none());
+    assert!(world.resource::<Requests>().save_question.is_none());
     assert_eq!(read_text(&path, LARGEST_NOTE).expect("a file"), theirs);
 }
 
@@ -70,7 +73,7 @@ fn an_import_of_files_outside_the_scenes_folder_is_asked_about() {
         "downloads/chair.xml",
         "<scene version='3.0.0'><include filename='../outside/part.xml'/></scene>",
     );
-    let mut world = world();
+    let mut world = bare_world();
     world.insert_resource(Trust::Folders(Vec::new()));
     world.init_resource::<SceneAccess>();
     world.init_resource::<TrustedFolders>();
@@ -88,7 +91,7 @@ fn an_import_of_files_outside_the_scenes_folder_is_asked_about() {
     assert_eq!(named, [outside]);
     assert_eq!(world.query::<&Shape>().iter(&world).count(), 0);
 
-    let answer = Command::Shell(shell::ShellCommand::AllowFiles(question.expect("there is one")));
+    let answer = Command::Shell(ShellCommand::AllowFiles(question.expect("there is one")));
     say(&mut world, answer);
     apply_commands(&mut world);
     assert_eq!(world.query::<&Shape>().iter(&world).count(), 1);

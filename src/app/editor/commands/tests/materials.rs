@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn a_new_material_belongs_to_its_shape() {
-    let mut world = world();
+    let mut world = bare_world();
     let shape = world.spawn(crate::scene::Shape::default()).id();
     say(&mut world, Command::GiveMaterial { shape });
     let used = world.get::<UsesMaterial>(shape).map(|uses| uses.0);
@@ -21,7 +21,7 @@ fn a_new_material_belongs_to_its_shape() {
 
 #[test]
 fn a_deleted_material_comes_back_to_its_shapes() {
-    let mut world = world();
+    let mut world = bare_world();
     let ball = add(&mut world, AdditionKind::Sphere);
     say(&mut world, Command::GiveMaterial { shape: ball });
     let material = world.get::<UsesMaterial>(ball).map(|uses| uses.0).expect("a material");
@@ -35,7 +35,7 @@ fn a_deleted_material_comes_back_to_its_shapes() {
 
 #[test]
 fn materials_within_others_are_edited_together() {
-    let mut world = world();
+    let mut world = bare_world();
     let shapes = [0; 2].map(|_| add(&mut world, AdditionKind::Cube));
     let tree = MaterialTree::from(Material::default()).wrapped("twosided");
     let inner = shapes.map(|shape| {
@@ -57,7 +57,7 @@ fn materials_within_others_are_edited_together() {
 
 #[test]
 fn what_refracts_does_not_come_inside_of_two_sides() {
-    let mut world = world();
+    let mut world = bare_world();
     let ball = add(&mut world, AdditionKind::Sphere);
     let build = |target, tree: MaterialTree| Command::BuildMaterial {
         targets: vec![target],

@@ -7,28 +7,16 @@ use std::path::{Path, PathBuf};
 
 use bevy::math::Affine3A;
 
+use super::bare_world::bare_world;
 use super::*;
-use crate::app::editor::addition::{Addition, AdditionKind};
-use crate::app::editor::material_tree::MaterialTree;
+use crate::app::editor::command::addition::{Addition, AdditionKind};
+use crate::app::editor::command::material_tree::MaterialTree;
+use crate::app::editor::session::requests::{CommandQueue, Requests};
 use crate::color::Rgb;
 use crate::engine::ViewMode;
 use crate::scene::{
-    AreaLight, FirstNested, FreeView, Material, Parameter, SceneId, ShapeKind, SquarePath, ToWorld, UsesMaterial,
+    AreaLight, FirstNested, Material, Parameter, SceneId, ShapeKind, SquarePath, ToWorld, UsesMaterial,
 };
-
-fn world() -> World {
-    let mut world = World::new();
-    world.init_resource::<EditorState>();
-    world.init_resource::<CommandQueue>();
-    world.init_resource::<RenderControl>();
-    world.init_resource::<ActiveSensor>();
-    world.init_resource::<FrameTimes>();
-    world.init_resource::<Pacing>();
-    world.init_resource::<Selection>();
-    world.init_resource::<History>();
-    world.init_resource::<FreeView>();
-    world
-}
 
 fn say(world: &mut World, command: Command) {
     world.resource_mut::<CommandQueue>().0.push(command);
@@ -37,7 +25,7 @@ fn say(world: &mut World, command: Command) {
 
 #[test]
 fn saying_what_is_so_changes_nothing() {
-    let mut world = world();
+    let mut world = bare_world();
     let material = Material::default();
     let entity = world.spawn(material.clone()).id();
     world.clear_trackers();
@@ -66,7 +54,7 @@ fn saying_what_is_so_changes_nothing() {
 
 #[test]
 fn a_picture_goes_to_whatever_has_one() {
-    let mut world = world();
+    let mut world = bare_world();
     let lamp = world.spawn((Shape::default(), AreaLight::default())).id();
     let sky = world.spawn(Emitter::of_plugin("envmap").expect("a plugin")).id();
     for owner in [lamp, sky] {
@@ -93,7 +81,7 @@ fn a_picture_goes_to_whatever_has_one() {
 
 #[test]
 fn commands_about_what_is_gone_do_no_harm() {
-    let mut world = world();
+    let mut world = bare_world();
     let gone = world.spawn_empty().id();
     world.despawn(gone);
     say(&mut world, Command::SetEmitter(gone, Emitter::default()));
@@ -112,7 +100,7 @@ fn add(world: &mut World, kind: AdditionKind) -> Entity {
 
 #[test]
 fn the_history_says_what_a_change_of_pose_does() {
-    let mut world = world();
+    let mut world = bare_world();
     let ball = add(&mut world, AdditionKind::Cube);
     let pose = world.get::<ToWorld>(ball).expect("a pose").0;
     let last = |world: &World| {
@@ -128,7 +116,7 @@ fn the_history_says_what_a_change_of_pose_does() {
         (Affine3A::from_rotation_y(1.0), "Rotate"),
         (Affine3A::from_scale(Vec3::splat(2.0)), "Scale"),
     ] {
-        world.resource_mut::<EditorState>().interaction += 1;
+        world.resource_mut::<Requests>().interaction += 1;
         let after = pose * change;
         say(&mut world, Command::Transform(vec![(ball, after)]));
         let label = last(&world).expect("a step");
@@ -139,7 +127,7 @@ fn the_history_says_what_a_change_of_pose_does() {
 
 #[test]
 fn a_drag_is_one_step_and_comes_back() {
-    let mut world = world();
+    let mut world = bare_world();
     let ball = add(&mut world, AdditionKind::Sphere);
     let before = ObjectState::of(&world, ball);
     for x in 1..5 {
@@ -152,7 +140,7 @@ fn a_drag_is_one_step_and_comes_back() {
     say(&mut world, Command::Redo);
     let pose = world.get::<ToWorld>(ball).map(|pose| pose.0.translation.x);
     assert_eq!(pose, Some(4.0));
-    world.resource_mut::<EditorState>().interaction += 1;
+    world.resource_mut::<Requests>().interaction += 1;
     say(&mut world, Command::Transform(vec![(ball, Affine3A::IDENTITY)]));
     assert_eq!(world.resource::<History>().len(), (3, 0));
     say(&mut world, Command::GoTo(0));
@@ -162,7 +150,7 @@ fn a_drag_is_one_step_and_comes_back() {
 
 #[test]
 fn what_fails_leaves_nothing_behind() {
-    let mut world = world();
+    let mut world = bare_world();
     let ball = add(&mut world, AdditionKind::Sphere);
     let before = (ObjectState::of(&world, ball), world.resource::<History>().len());
     let failed = apply(
@@ -179,11 +167,11 @@ fn what_fails_leaves_nothing_behind() {
 
 #[test]
 fn what_is_copied_can_be_pasted() {
-    let mut world = world();
+    let mut world = bare_world();
     let ball = add(&mut world, AdditionKind::Sphere);
     say(&mut world, Command::GiveMaterial { shape: ball });
     say(&mut world, Command::Copy);
-    let text = world.resource_mut::<EditorState>().clipboard.take().expect("a text");
+    let text = world.resource_mut::<Requests>().clipboard.take().expect("a text");
     let shapes_text = text.clone();
     say(&mut world, Command::Paste(text.clone()));
     let copy = world.resource::<Selection>().active().expect("the copy");
@@ -208,19 +196,19 @@ fn what_is_copied_can_be_pasted() {
     // By itself it is copied.
     say(&mut world, Command::Select(vec![material], Extend::Replace));
     say(&mut world, Command::Copy);
-    let text = world.resource_mut::<EditorState>().clipboard.take().expect("a text");
+    let text = world.resource_mut::<Requests>().clipboard.take().expect("a text");
     say(&mut world, Command::Paste(text));
     let copy = world.resource::<Selection>().active().expect("the copy");
     assert_eq!((copy != material, world.get::<Material>(copy)), (true, Some(&red)));
     // Into another scene it comes along.
-    let mut elsewhere = self::world();
+    let mut elsewhere = bare_world();
     say(&mut elsewhere, Command::Paste(shapes_text));
     assert_eq!(materials(&mut elsewhere), 1);
 }
 
 #[test]
 fn new_things_have_names_of_their_own_and_go_where_they_are_told() {
-    let mut world = world();
+    let mut world = bare_world();
     add(&mut world, AdditionKind::Cube);
     let light = Addition {
         at: Some(Vec3::Y * 3.0),
@@ -240,7 +228,7 @@ fn new_things_have_names_of_their_own_and_go_where_they_are_told() {
 
 #[test]
 fn groups_are_names_in_a_folder() {
-    let mut world = world();
+    let mut world = bare_world();
     let [a, b] = [add(&mut world, AdditionKind::Cube), add(&mut world, AdditionKind::Disk)];
     say(&mut world, Command::Select(vec![a, b], Extend::Replace));
     say(&mut world, Command::Group);
@@ -253,7 +241,7 @@ fn groups_are_names_in_a_folder() {
 
 #[test]
 fn the_heat_map_is_another_view() {
-    let mut world = world();
+    let mut world = bare_world();
     let display = DisplaySettings {
         mode: DisplayMode::BvhSteps,
         ..DisplaySettings::default()
@@ -264,7 +252,7 @@ fn the_heat_map_is_another_view() {
 
 #[test]
 fn an_edit_of_one_is_made_to_all_that_is_selected() {
-    let mut world = world();
+    let mut world = bare_world();
     let balls = [0; 3].map(|_| add(&mut world, AdditionKind::Sphere));
     let cube = add(&mut world, AdditionKind::Cube);
     let materials = balls.map(|ball| {
@@ -319,7 +307,7 @@ fn an_edit_of_one_is_made_to_all_that_is_selected() {
 
 #[test]
 fn what_can_never_come_back_is_despawned() {
-    let mut world = world();
+    let mut world = bare_world();
     let kept = add(&mut world, AdditionKind::Cube);
     let spawned = |world: &World| world.entities().count_spawned();
     let before = spawned(&world);
@@ -347,7 +335,7 @@ fn what_can_never_come_back_is_despawned() {
 
 #[test]
 fn the_history_is_bounded_in_memory() {
-    let mut world = world();
+    let mut world = bare_world();
     let ball = add(&mut world, AdditionKind::Sphere);
     let megabyte = "n".repeat(1 << 20);
     for number in 0..200 {
@@ -364,7 +352,7 @@ fn the_history_is_bounded_in_memory() {
 
 #[test]
 fn what_comes_back_does_not_share_an_id() {
-    let mut world = world();
+    let mut world = bare_world();
     let balls = [0; 2].map(|_| add(&mut world, AdditionKind::Sphere));
     let [one, two] = balls.map(|shape| {
         say(&mut world, Command::GiveMaterial { shape });

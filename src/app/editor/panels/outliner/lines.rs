@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use bevy::prelude::Entity;
 
-use super::super::super::model::{Item, Outline};
+use crate::app::editor::model::{Item, Outline};
 
 /// Materials within materials, and folders within folders, deeper than this are not told apart.
 pub const DEEPEST: usize = 16;

@@ -3,36 +3,19 @@
 mod lines;
 mod marks;
 mod row;
+pub mod state;
 
 use std::sync::Arc;
 
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Response, Sense, Stroke, Ui};
 
-use super::super::command::Command;
-use super::super::model::{Item, Model, Outline};
-use super::super::selection::Extend;
-use lines::{Folding, Line, Lines, folders_of, leaf};
-use row::{Renaming, Row};
-
-/// What the panel remembers between frames.
-#[derive(Clone, Debug, Default)]
-pub struct OutlinerState {
-    pub filter: String,
-    folding: Folding,
-    lines: Lines,
-    renaming: Option<Renaming>,
-    /// Where a range of lines begins.
-    anchor: Option<Entity>,
-    /// The active thing when the list was last shown: another one is scrolled to.
-    shown_active: Option<Entity>,
-    /// Materials whose lines were in sight, so that there can be pictures of them.
-    pub materials_in_sight: Vec<Entity>,
-}
-
-/// Things on their way from the list to somewhere else: into a folder, to another place, onto a shape in the picture.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Dragged(pub Vec<Entity>);
+use crate::app::editor::command::Command;
+use crate::app::editor::command::dragged::Dragged;
+use crate::app::editor::model::{Item, Model, Outline};
+use lines::{Folding, Line, folders_of, leaf};
+use row::Row;
+use state::{OutlinerState, Renaming, how};
 
 pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands: &mut Vec<Command>) {
     let (outline, selection) = (&model.outline, &model.selection);
@@ -232,13 +215,4 @@ fn dropped(ui: &Ui, response: &Response) -> Option<Dragged> {
     response
         .dnd_release_payload::<Dragged>()
         .map(|dragged| (*dragged).clone())
-}
-
-/// How a click changes the selection.
-fn how(ui: &Ui) -> Extend {
-    if ui.input(|input| input.modifiers.command) {
-        Extend::Toggle
-    } else {
-        Extend::Replace
-    }
 }

@@ -3,36 +3,18 @@
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Rect, Response, RichText, Sense, Ui, WidgetText, pos2, vec2};
 
-use super::super::super::command::Command;
-use super::super::super::looks::Ball;
-use super::super::super::model::{Item, Model};
-use super::super::super::selection::Extend;
 use super::lines::{Line, leaf};
 use super::marks::{self, BUTTON, eye, mark, padlock};
-use super::{Dragged, OutlinerState, how};
+use super::state::{OutlinerState, Renaming, how};
+use crate::app::editor::command::Command;
+use crate::app::editor::command::dragged::Dragged;
+use crate::app::editor::command::selection::Extend;
+use crate::app::editor::model::looks::Ball;
+use crate::app::editor::model::{Item, Model};
 
 /// Width of the drawing of a thing's kind, and the edge of a material's ball, in points.
 const KIND: f32 = 18.0;
 const BALL: f32 = 16.0;
-
-#[derive(Clone, Debug)]
-pub(super) struct Renaming {
-    pub entity: Entity,
-    /// The last part of the name, as typed so far.
-    text: String,
-    /// The field has not had the keyboard yet.
-    is_new: bool,
-}
-
-impl Renaming {
-    pub fn of(item: &Item) -> Self {
-        Self {
-            entity: item.entity,
-            text: leaf(&item.name).to_owned(),
-            is_new: true,
-        }
-    }
-}
 
 /// Points before a line that is so deep.
 pub(super) fn indent(depth: usize) -> f32 {

@@ -1,0 +1,47 @@
+//! The window without a user: takes a picture of itself and ends, for tests and for people who want to see it.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+
+#[derive(Resource)]
+pub struct ExitDoor {
+    pub(super) screenshot: Option<PathBuf>,
+    pub(super) after_spp: u32,
+    pub(super) exit: bool,
+    pub(super) started: Instant,
+    pub(super) timeout: Duration,
+    pub(super) step: Step,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Step {
+    /// For the samples, or the measurement.
+    Waiting,
+    /// For exactly so many samples.
+    Sampling(u32),
+    /// The picture is ready; a few frames more, so that the panels show it too.
+    Settling(u32),
+    Capturing,
+    Done,
+}
+
+impl ExitDoor {
+    pub fn new(screenshot: Option<PathBuf>, after_spp: u32, exit: bool, timeout: Duration) -> Self {
+        Self {
+            screenshot,
+            after_spp,
+            exit,
+            started: Instant::now(),
+            timeout,
+            step: Step::Waiting,
+        }
+    }
+
+    /// Nothing is done any more; the picture that is not there then.
+    pub fn give_up(&mut self) -> Option<PathBuf> {
+        let before = std::mem::replace(&mut self.step, Step::Done);
+        self.screenshot.take().filter(|_| before != Step::Done)
+    }
+}

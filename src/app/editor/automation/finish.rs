@@ -1,0 +1,130 @@
+//! The end of a run without a user: waits for the picture, saves the window, and ends the program.
+
+use bevy::prelude::*;
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
+
+use super::exit_door::{ExitDoor, Step};
+use super::latency::LatencyProbe;
+use super::screenshot::{save_window, window_is_complete};
+use super::script::Script;
+use crate::app::editor::picture::frame_times::FrameTimes;
+use crate::app::editor::picture::motion::Motion;
+use crate::app::editor::picture::pacing::Pacing;
+use crate::app::editor::window::preview::Previews;
+use crate::engine::{RenderControl, RenderState, RenderStatus};
+use crate::scene::{SceneState, SceneStatus};
+
+const SETTLING_FRAMES: u32 = 3;
+
+pub fn drive_exit_door(
+    mut commands: Commands,
+    mut door: ResMut<ExitDoor>,
+    mut exit: MessageWriter<AppExit>,
+    status: Res<RenderStatus>,
+    scene: Res<SceneStatus>,
+    probe: Option<Res<LatencyProbe>>,
+    script: Option<Res<Script>>,
+    motion: Res<Motion>,
+    mut control: ResMut<RenderControl>,
+    (pacing, previews): (Res<Pacing>, Res<Previews>),
+) {
+    if door.exit && door.step != Step::Done && door.started.elapsed() > door.timeout {
+        error!(
+            "Gave up after {:.0} s at {} of {} samples",
+            door.timeout.as_secs_f32(),
+            status.samples,
+            door.after_spp
+        );
+        exit.write(AppExit::error());
+        door.step = Step::Done;
+    }
+    let is_scripted = script.is_some_and(|script| !script.is_done());
+    let waits = matches!(door.step, Step::Waiting | Step::Sampling(_));
+    // A script says itself which of its lines that was.
+    if door.exit && waits && scene.state == SceneState::Failed && !is_scripted {
+        error!("The scene could not be loaded");
+        exit.write(AppExit::error());
+        door.step = Step::Done;
+    }
+    match door.step {
+        Step::Waiting => {
+            if is_scripted || probe.is_some_and(|probe| !probe.done) {
+                return;
+            }
+            // A script may have waited for more.
+            let samples = door.after_spp.max(control.exact_samples.unwrap_or(1));
+            let exact = match (&door.screenshot, door.exit) {
+                (Some(_), _) => Some(samples),
+                // The program is about to end.
+                (None, true) => control.exact_samples,
+                (None, false) => None,
+            };
+            if control.exact_samples != exact {
+                control.exact_samples = exact;
+            }
+            door.step = Step::Sampling(samples);
+        }
+        Step::Sampling(samples) => {
+            let is_reached = match status.state {
+                RenderState::Done if door.screenshot.is_some() => status.samples >= samples,
+                RenderState::Done => status.samples > 0,
+                RenderState::Rendering => door.screenshot.is_none() && status.samples >= samples,
+                RenderState::Paused => status.samples >= door.after_spp,
+                _ => false,
+            };
+            let is_complete = door.screenshot.is_none() || window_is_complete(&pacing, &previews);
+            if is_reached && is_complete && status.is_up_to_date && motion.is_settled() {
+                door.step = Step::Settling(SETTLING_FRAMES);
+            }
+        }
+        Step::Settling(0) => match door.screenshot.clone() {
+            Some(path) => {
+                door.step = Step::Capturing;
+                commands.spawn(Screenshot::primary_window()).observe(
+                    move |captured: On<ScreenshotCaptured>,
+                          mut door: ResMut<ExitDoor>,
+                          mut control: ResMut<RenderControl>,
+                          mut exit: MessageWriter<AppExit>| {
+                        let outcome = save_window(&captured.image, &path);
+                        door.step = Step::Done;
+                        control.exact_samples = None;
+                        match outcome {
+                            Ok(()) => info!("Saved {}", path.display()),
+                            Err(message) => {
+                                error!("{}: {message}", path.display());
+                                exit.write(AppExit::error());
+                                return;
+                            }
+                        }
+                        if door.exit {
+                            exit.write(AppExit::Success);
+                        }
+                    },
+                );
+            }
+            None => {
+                door.step = Step::Done;
+                if door.exit {
+                    exit.write(AppExit::Success);
+                }
+            }
+        },
+        Step::Settling(frames) => door.step = Step::Settling(frames - 1),
+        Step::Capturing | Step::Done => {}
+    }
+}
+
+/// The figures of this run, once, when it ends.
+pub fn log_at_exit(mut exits: MessageReader<AppExit>, status: Res<RenderStatus>, frames: Res<FrameTimes>) {
+    if exits.read().next().is_none() {
+        return;
+    }
+    let ms = |value: Option<f32>| value.map_or("none".to_owned(), |ms| format!("{ms:.1} ms"));
+    info!(
+        "latency: median {}, 95 % {}, {} restarts; frame time: median {}",
+        ms(status.latency.median_ms()),
+        ms(status.latency.p95_ms()),
+        status.latency.len(),
+        ms(frames.median_ms()),
+    );
+}

@@ -1,0 +1,43 @@
+//! What the monkey can do.
+
+use std::path::PathBuf;
+
+use bevy::prelude::*;
+
+use super::folder::Writing;
+use crate::app::editor::command::Command;
+
+/// What is done in one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Act {
+    /// Lines of a script.
+    Say(Vec<String>),
+    /// A command that scripts have no word for.
+    Do(Command),
+    /// Another program changes a file.
+    Write {
+        path: PathBuf,
+        content: Vec<u8>,
+        how: Writing,
+        /// It is the open scene's file: the next act waits until the editor has read this content.
+        awaited: bool,
+    },
+    /// Another program deletes a file.
+    Remove(PathBuf),
+    /// The window's content, as shares of its first width and height.
+    Resize(Vec2),
+    CloseSheet,
+    /// Nothing for so many frames.
+    Rest(usize),
+}
+
+/// What may happen to the scene's own file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OwnFile {
+    /// It is not written, neither here nor elsewhere.
+    Untouched,
+    /// Other programs change nothing of the scene in it.
+    Harmless,
+    /// Other programs change the scene.
+    Changes,
+}

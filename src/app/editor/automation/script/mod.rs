@@ -1,0 +1,240 @@
+//! The replay door: a file of named commands, one a line, done one after the other as a user would.
+//!
+//! A line begins when everything that the one before asked for is loaded and in the picture. The first that fails ends the run. After
+//! `wait N` the picture has exactly N samples per pixel and keeps that number until the next `wait`; lines that save or measure it wait for that
+//! again if the scene was changed in between. What a script saves therefore does not depend on the speed of the machine.
+
+pub mod assign;
+pub mod parse;
+mod rendering;
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::*;
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
+
+use super::exit_door::ExitDoor;
+use super::screenshot::{save_window, window_is_complete};
+use crate::app::editor::command::Command;
+use crate::app::editor::commands;
+use crate::app::editor::picture::denoiser::{Denoiser, DenoiserState};
+use crate::app::editor::picture::pacing::Pacing;
+use crate::app::editor::session::requests::Requests;
+use crate::app::editor::window::preview::Previews;
+use crate::app::terminal;
+use crate::document::Severity;
+use crate::engine::{RenderControl, RenderState, RenderStatus};
+use crate::files::{self, FileError, LARGEST_NOTE};
+use crate::scene::{SceneState, SceneStatus};
+use parse::{Step, Wait};
+
+/// Frames after which what a command has led to has begun: it is applied in one, noticed in the next.
+const FRAMES_TO_BEGIN: u32 = 3;
+
+#[derive(Resource, Debug)]
+pub struct Script {
+    path: PathBuf,
+    /// With their numbers from 1 on.
+    lines: VecDeque<(usize, String)>,
+    /// Frames since the last command.
+    frames: u32,
+    /// A line that was read and has to wait for something.
+    step: Option<Step>,
+    wait: Option<Wait>,
+    screenshot_awaited: bool,
+    failed: bool,
+    /// The line that was begun last.
+    number: usize,
+    /// It opens a scene.
+    opens: bool,
+}
+
+impl Script {
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let text = files::read_text(path, LARGEST_NOTE)?;
+        Ok(Self {
+            path: path.to_owned(),
+            lines: (1..).zip(text.lines().map(str::to_owned)).collect(),
+            frames: 0,
+            step: None,
+            wait: None,
+            screenshot_awaited: false,
+            failed: false,
+            number: 0,
+            opens: false,
+        })
+    }
+
+    /// All lines are done, and their pictures saved; what the last one has led to may still be on its way.
+    pub fn is_done(&self) -> bool {
+        self.lines.is_empty()
+            && self.step.is_none()
+            && self.wait.is_none()
+            && !self.screenshot_awaited
+            && self.frames >= FRAMES_TO_BEGIN
+    }
+}
+
+/// Does the next line when its time has come.
+pub fn run_script(world: &mut World) {
+    let Some(mut script) = world.remove_resource::<Script>() else {
+        return;
+    };
+    script.frames += 1;
+    if !script.failed {
+        match is_ready(world, &mut script) {
+            Ok(true) => script.next(world),
+            Ok(false) => {}
+            Err(error) => script.fail(world, &error),
+        }
+    }
+    world.insert_resource(script);
+}
+
+/// The error: it never will be.
+fn is_ready(world: &World, script: &mut Script) -> Result<bool, String> {
+    if script.frames < FRAMES_TO_BEGIN || script.screenshot_awaited {
+        return Ok(false);
+    }
+    let scene = world.resource::<SceneStatus>();
+    if scene.state == SceneState::Loading || scene.files_loading() > 0 {
+        return Ok(false);
+    }
+    if script.opens && scene.state == SceneState::Failed {
+        let mut found = scene.diagnostics.list.iter();
+        let first = found.find(|found| found.severity == Severity::Error);
+        let reason = first.map_or(String::new(), |error| format!(": {}", scene.diagnostics.line(error)));
+        return Err(format!("the scene cannot be read{reason}"));
+    }
+    let status = world.resource::<RenderStatus>();
+    if !status.is_up_to_date || world.resource::<Denoiser>().state() == DenoiserState::Running {
+        return Ok(false);
+    }
+    let Some(wait) = script.wait else {
+        return Ok(true);
+    };
+    match (status.state, wait) {
+        (_, Wait::Samples(0)) => {}
+        (RenderState::Done, Wait::Samples(samples)) if status.samples < samples => return Ok(false),
+        (RenderState::Done, _) => {}
+        (RenderState::Loading | RenderState::Building | RenderState::Rendering, _) => return Ok(false),
+        (RenderState::Idle, _) => return Err("there is no camera: no samples can be waited for".to_owned()),
+        (RenderState::Paused, _) => return Err("rendering is paused: no samples can be waited for".to_owned()),
+        (RenderState::Failed, _) => return Err("rendering has failed: no samples can be waited for".to_owned()),
+    }
+    script.wait = None;
+    Ok(true)
+}
+
+/// The exact number of samples that the picture was to have when it was last waited for, if it has another one since.
+fn lost_samples(world: &World) -> Option<u32> {
+    let status = world.resource::<RenderStatus>();
+    let wanted = world.resource::<RenderControl>().exact_samples?;
+    let rests = matches!(status.state, RenderState::Done | RenderState::Paused);
+    (!rests || status.samples != wanted).then_some(wanted)
+}
+
+impl Script {
+    fn next(&mut self, world: &mut World) {
+        let step = match self.step.take() {
+            Some(step) => step,
+            None => match self.read_line(world) {
+                Some(Ok(step)) => step,
+                Some(Err(error)) => return self.fail(world, &error),
+                None => return,
+            },
+        };
+        let shows_picture = match &step {
+            Step::Do(command) => command.keeps_picture(),
+            Step::Screenshot(_) => true,
+            Step::Wait(_) => false,
+        };
+        if shows_picture && let Some(samples) = lost_samples(world) {
+            self.wait = Some(Wait::Samples(samples));
+            self.step = Some(step);
+            return;
+        }
+        let is_complete = window_is_complete(world.resource::<Pacing>(), world.resource::<Previews>());
+        if matches!(step, Step::Screenshot(_)) && !is_complete {
+            self.step = Some(step);
+            return;
+        }
+        if let Err(error) = self.begin(world, step) {
+            self.fail(world, &error);
+        }
+    }
+
+    /// The next line that says something; None after the last one.
+    fn read_line(&mut self, world: &mut World) -> Option<Result<Step, String>> {
+        while let Some((number, text)) = self.lines.pop_front() {
+            match parse::line(world, &text) {
+                Ok(None) => {}
+                Ok(Some(step)) => {
+                    self.number = number;
+                    return Some(Ok(step));
+                }
+                Err(error) => {
+                    self.number = number;
+                    return Some(Err(error));
+                }
+            }
+        }
+        None
+    }
+
+    fn fail(&mut self, world: &mut World, error: &str) {
+        terminal::line(format_args!("error: {}:{}: {error}", self.path.display(), self.number));
+        let door = world.get_resource_mut::<ExitDoor>();
+        if let Some(picture) = door.and_then(|mut door| door.give_up()) {
+            terminal::line(format_args!("error: {}: no picture was written", picture.display()));
+        }
+        self.lines.clear();
+        (self.step, self.wait) = (None, None);
+        self.failed = true;
+        world.write_message(AppExit::error());
+    }
+
+    fn begin(&mut self, world: &mut World, step: Step) -> Result<(), String> {
+        self.frames = 0;
+        match step {
+            Step::Do(command) => {
+                world.resource_mut::<Requests>().interaction += 1;
+                self.opens = matches!(command, Command::OpenScene(_));
+                let saves_image = matches!(command, Command::SaveImage(_));
+                commands::apply_now(world, command).map_err(|error| {
+                    // The program ends with the script, and its samples with it.
+                    match saves_image.then(|| commands::keep_image(world)).flatten() {
+                        Some(kept) => format!("{error}; {kept}"),
+                        None => error,
+                    }
+                })?;
+            }
+            Step::Wait(wait) => {
+                let mut control = world.resource_mut::<RenderControl>();
+                control.exact_samples = match wait {
+                    Wait::Samples(0) => control.exact_samples,
+                    Wait::Samples(samples) => Some(samples),
+                    Wait::Done => None,
+                };
+                self.wait = Some(wait);
+            }
+            Step::Screenshot(path) => {
+                self.screenshot_awaited = true;
+                world.spawn(Screenshot::primary_window()).observe(
+                    move |captured: On<ScreenshotCaptured>,
+                          mut script: ResMut<Script>,
+                          mut exit: MessageWriter<AppExit>| {
+                        script.screenshot_awaited = false;
+                        if let Err(message) = save_window(&captured.image, &path) {
+                            let (file, line) = (script.path.display(), script.number);
+                            terminal::line(format_args!("error: {file}:{line}: {message}"));
+                            exit.write(AppExit::error());
+                        }
+                    },
+                );
+            }
+        }
+        Ok(())
+    }
+}

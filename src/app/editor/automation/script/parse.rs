@@ -1,0 +1,477 @@
+//! One line of a script as commands. Things are called by their names, parameters by those of the file.
+
+use std::path::PathBuf;
+
+use bevy::math::{Affine3A, Quat};
+use bevy::prelude::*;
+
+use super::assign::{self, AssignError};
+use super::rendering;
+use crate::app::editor::camera::navigation::scale_of;
+use crate::app::editor::camera::pose::view_pose;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::addition::{Addition, AdditionKind};
+use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::command::light_mix::LightMix;
+use crate::app::editor::command::material_tree::{MaterialTree, can_wrap, materials_inside};
+use crate::app::editor::command::selection::{Extend, Selection};
+use crate::app::editor::input::actions::{self, ActionContext};
+use crate::app::editor::model::EditorModel;
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::document::suggest::did_you_mean;
+use crate::document::value::{parse_float, parse_integer, parse_vec3};
+use crate::engine::RenderControl;
+use crate::render::tonemap::ToneMap;
+use crate::render::white_balance::WhiteBalance;
+use crate::scene::write::OnChange;
+use crate::scene::{AreaLight, DocumentOrder, Emitter, Film, Material, SceneId, Sensor, Shape, ToWorld, UsesMaterial};
+
+/// What a line asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Step {
+    Do(Command),
+    Wait(Wait),
+    /// The whole window, as PNG.
+    Screenshot(PathBuf),
+}
+
+/// What a line waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wait {
+    /// The picture of the scene as it is has exactly so many samples per pixel, and gets no more; 0: everything is loaded.
+    Samples(u32),
+    /// The picture has reached one of its own limits.
+    Done,
+}
+
+/// What there is beside the actions; for messages and `docs/scripts.md`.
+pub const VERBS: [(&str, &str); 40] = [
+    ("open", "FILE"),
+    ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
+    ("save-image-to", "FILE"),
+    ("import-file", "FILE"),
+    ("paste", "XML (to the end of the line)"),
+    ("select", "NAME..."),
+    ("select-also", "NAME..."),
+    ("pick", "X,Y (0 to 1 from the upper left)"),
+    (
+        "add",
+        "KIND [name=NAME] [at=X,Y,Z (where it stands)] [size=S (half its extent)]",
+    ),
+    ("move", "NAME X,Y,Z (by)"),
+    ("rotate", "NAME X,Y,Z DEGREES (about its origin)"),
+    ("scale", "NAME FACTOR (about its origin)"),
+    ("set", "NAME PARAMETER VALUE"),
+    ("material-of", "SHAPE (a new one of its own)"),
+    ("make", "MATERIAL PLUGIN (two-sided ones stay so)"),
+    ("assign", "MATERIAL SHAPE..."),
+    ("preset", "GROUP/NAME SHAPE... (of the library)"),
+    ("emit", "SHAPE RADIANCE|none"),
+    ("rename", "NAME NAME"),
+    ("hide-thing", "NAME..."),
+    ("lock", "on|off NAME..."),
+    ("put-before", "NAME OTHER"),
+    ("put-into", "FOLDER|none NAME..."),
+    ("look", "FROM AT (each X,Y,Z)"),
+    ("look-through", "CAMERA"),
+    ("go-to", "STEP (of the history)"),
+    ("samples", "N"),
+    ("show", "MODE"),
+    ("exposure", "STOPS"),
+    ("tone-map", "NAME"),
+    ("white", "KELVIN [TINT]"),
+    ("limit-time", "SECONDS|none"),
+    ("limit-noise", "NOISE|none"),
+    ("region", "none | X,Y X,Y (0 to 1 from the upper left)"),
+    ("split-strategies", "on|off"),
+    ("keep-lights-apart", "on|off"),
+    ("mix", "none | LIGHT STRENGTH [R,G,B]"),
+    ("compare", "off | wipe FRACTION | difference"),
+    ("wait", "SAMPLES|done"),
+    ("screenshot", "FILE"),
+];
+
+/// The error says what was expected, without the place of the line.
+pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, String> {
+    let text = text.trim();
+    if text.is_empty() || text.starts_with('#') {
+        return Ok(None);
+    }
+    // XML is not taken apart.
+    if let Some(xml) = text.strip_prefix("paste ") {
+        return Ok(Some(Step::Do(Command::Paste(xml.to_owned()))));
+    }
+    let words = words(text)?;
+    let (verb, arguments) = words.split_first().ok_or("expected a command")?;
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    if let Some(action) = actions::find(verb)
+        && arguments.is_empty()
+    {
+        let selection = world.resource::<Selection>().clone();
+        let command = (action.command)(&context(world, &selection));
+        let command = command.ok_or_else(|| format!("`{verb}`: nothing is selected"))?;
+        return Ok(Some(Step::Do(command)));
+    }
+    let step = verb_step(world, verb, &arguments);
+    step.map(Some).map_err(|error| {
+        let usage = VERBS.iter().find(|(name, _)| name == verb);
+        usage.map_or(error.clone(), |(name, usage)| {
+            format!("{error} (usage: {name} {usage})")
+        })
+    })
+}
+
+fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
+    let settings = world.resource::<ViewSettings>();
+    ActionContext {
+        display: settings.display,
+        overlay: settings.overlay,
+        gizmo: settings.gizmo,
+        paused: world.resource::<RenderControl>().paused,
+        panels_shown: settings.panels_shown,
+        selection,
+        tool: settings.tool,
+        safe_frame: settings.safe_frame,
+        flying: false,
+    }
+}
+
+fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, String> {
+    let command = match (verb, arguments) {
+        ("open", [path]) => Command::OpenScene(path.into()),
+        ("save-to", [path]) => Command::SaveScene(path.into()),
+        ("save-to", [path, "merge"]) => Command::SaveChanged(path.into(), OnChange::TakeIn),
+        ("save-to", [path, "overwrite"]) => Command::SaveChanged(path.into(), OnChange::Overwrite),
+        ("save-image-to", [path]) => Command::SaveImage(path.into()),
+        ("import-file", [path]) => Command::Import(path.into()),
+        ("select", names) => Command::Select(all_named(world, names)?, Extend::Replace),
+        ("select-also", names) => Command::Select(all_named(world, names)?, Extend::Add),
+        ("pick", [place]) => match crate::document::value::parse_floats(place)?[..] {
+            [x, y] => Command::Pick(Vec2::new(x, y), Extend::Replace),
+            _ => return Err("expected two numbers".to_owned()),
+        },
+        ("add", [kind, options @ ..]) => Command::Add(addition(kind, options)?),
+        ("move", [name, by]) => {
+            let by = parse_vec3(by)?;
+            transformed(world, name, |pose| Affine3A::from_translation(by) * pose)?
+        }
+        ("rotate", [name, axis, degrees]) => {
+            let axis = parse_vec3(axis)?.try_normalize().ok_or("the axis has no length")?;
+            let turn = Affine3A::from_quat(Quat::from_axis_angle(axis, parse_float(degrees)?.to_radians()));
+            transformed(world, name, |pose| about_origin(turn, pose))?
+        }
+        ("scale", [name, factor]) => {
+            let factor = Affine3A::from_scale(Vec3::splat(parse_float(factor)?));
+            transformed(world, name, |pose| about_origin(factor, pose))?
+        }
+        ("set", [name, parameter, value @ ..]) if !value.is_empty() => {
+            let entity = named(world, name)?;
+            set(world, entity, parameter, &value.join(" "))?
+        }
+        ("material-of", [shape]) => Command::GiveMaterial {
+            shape: named(world, shape)?,
+        },
+        ("make", [name, plugin]) => {
+            let thing = named(world, name)?;
+            let entity = material_of(world, thing).ok_or("it has no material")?;
+            let material = Material::of_plugin(plugin);
+            let material = material.ok_or_else(|| unknown("material", plugin, Material::PLUGINS))?;
+            if *material.nested_count().start() > 0 {
+                return Err(format!("a {plugin} has others inside: paste it as XML"));
+            }
+            let is_two_sided = world.get::<Material>(entity) == Some(&Material::TwoSided);
+            let wrapper = (is_two_sided && can_wrap("twosided", &material)).then_some("twosided");
+            let tree = MaterialTree::from(material);
+            Command::BuildMaterial {
+                targets: vec![entity],
+                tree: Box::new(match wrapper {
+                    Some(wrapper) => tree.wrapped(wrapper),
+                    None => tree,
+                }),
+            }
+        }
+        ("assign", [material, shapes @ ..]) if !shapes.is_empty() => Command::UseMaterial {
+            shapes: all_named(world, shapes)?,
+            material: Some(named(world, material)?),
+        },
+        ("preset", [path, shapes @ ..]) if !shapes.is_empty() => {
+            let shapes = all_named(world, shapes)?;
+            let presets = world.resource::<EditorModel>().0.presets.clone();
+            let preset = presets.iter().find(|preset| preset.path() == *path);
+            let paths: Vec<String> = presets.iter().map(|preset| preset.path()).collect();
+            let preset = preset.ok_or_else(|| unknown("preset", path, paths.iter().map(String::as_str)))?;
+            Command::UsePreset {
+                preset: Box::new(preset.clone()),
+                shapes,
+            }
+        }
+        ("emit", [shape, "none"]) => Command::SetAreaLight(named(world, shape)?, None),
+        ("emit", [shape, radiance]) => {
+            let mut light = AreaLight::default();
+            assign::area_light(&mut light, "radiance", radiance)?;
+            Command::SetAreaLight(named(world, shape)?, Some(light))
+        }
+        ("rename", [name, new]) => Command::Rename(named(world, name)?, (*new).to_owned()),
+        ("hide-thing", names) if !names.is_empty() => Command::Hide(all_named(world, names)?, true),
+        ("lock", [switch, names @ ..]) if !names.is_empty() => {
+            Command::Lock(all_named(world, names)?, rendering::switch(switch)?)
+        }
+        ("put-into", [folder, names @ ..]) if !names.is_empty() => Command::PutInto {
+            things: all_named(world, names)?,
+            folder: (*folder != "none").then(|| (*folder).to_owned()),
+        },
+        ("put-before", [name, other]) => Command::Reorder {
+            moved: vec![named(world, name)?],
+            before: Some(named(world, other)?),
+        },
+        ("look", [from, at]) => {
+            // How much an orthographic camera sees stays.
+            let extent = view_pose(world).map_or(Vec3::ONE, |pose| scale_of(&pose));
+            Command::MoveView(looking(parse_vec3(from)?, parse_vec3(at)?)? * Affine3A::from_scale(extent))
+        }
+        ("look-through", [camera]) => Command::LookThrough(named(world, camera)?),
+        ("go-to", [step]) => Command::GoTo(count(step)? as usize),
+        ("samples", [number]) => Command::SetTargetSamples(count(number)?),
+        ("show", [mode]) => {
+            let mode = mode.replace('-', " ");
+            let known = DisplayMode::ALL
+                .iter()
+                .find(|(_, name)| name.eq_ignore_ascii_case(&mode));
+            let known = known.ok_or_else(|| unknown("mode", &mode, DisplayMode::ALL.iter().map(|(_, name)| *name)))?;
+            display(world, |display| display.mode = known.0)
+        }
+        ("exposure", [stops]) => {
+            let stops = parse_float(stops)?;
+            display(world, |display| display.exposure = stops)
+        }
+        ("tone-map", [name]) => {
+            let known = ToneMap::ALL.into_iter().find(|map| map.name() == *name);
+            let known = known.ok_or_else(|| unknown("tone map", name, ToneMap::ALL.iter().map(|map| map.name())))?;
+            display(world, |display| display.tone_map = known)
+        }
+        ("white", [kelvin, tint @ ..]) if tint.len() <= 1 => {
+            let temperature = parse_float(kelvin)?;
+            let tint = tint.first().map_or(Ok(0.0), |tint| parse_float(tint))?;
+            display(world, |display| {
+                display.white_balance = WhiteBalance { temperature, tint }
+            })
+        }
+        ("limit-time", [seconds]) => Command::SetTimeLimit(rendering::limit(seconds)?),
+        ("limit-noise", [noise]) => Command::SetNoiseTarget(rendering::limit(noise)?),
+        ("region", corners) => Command::SetRegion(rendering::region(corners)?),
+        ("split-strategies", [switch]) => Command::SetStrategySplit(rendering::switch(switch)?),
+        ("keep-lights-apart", [switch]) => Command::SetLightLayers(rendering::switch(switch)?),
+        ("mix", ["none"]) => Command::SetLightMix(LightMix::default()),
+        ("mix", [light, gain @ ..]) => {
+            let light = named(world, light)?;
+            rendering::mix(world.resource::<LightMix>(), light, gain)?
+        }
+        ("compare", view) => Command::SetCompareView(rendering::compare_view(view)?),
+        ("wait", ["done"]) => return Ok(Step::Wait(Wait::Done)),
+        ("wait", [samples]) => return Ok(Step::Wait(Wait::Samples(count(samples)?))),
+        ("screenshot", [path]) => return Ok(Step::Screenshot(path.into())),
+        _ if VERBS.iter().any(|(name, _)| *name == verb) => return Err(format!("`{verb}` takes other words")),
+        _ if actions::find(verb).is_some() => return Err(format!("`{verb}` takes no words behind it")),
+        _ => {
+            let actions = actions::ACTIONS.iter().map(|action| action.name);
+            return Err(unknown(
+                "command",
+                verb,
+                VERBS.iter().map(|(name, _)| *name).chain(actions),
+            ));
+        }
+    };
+    Ok(Step::Do(command))
+}
+
+/// Blanks separate words; quotes keep them together, `key=value` needs none around the whole.
+fn words(text: &str) -> Result<Vec<String>, String> {
+    let mut words = Vec::new();
+    let mut word: Option<String> = None;
+    let mut quoted = false;
+    for c in text.chars() {
+        match c {
+            '"' => {
+                quoted = !quoted;
+                word.get_or_insert_default();
+            }
+            c if c.is_whitespace() && !quoted => words.extend(word.take()),
+            c => word.get_or_insert_default().push(c),
+        }
+    }
+    if quoted {
+        return Err("a quotation mark is not closed".to_owned());
+    }
+    words.extend(word);
+    Ok(words)
+}
+
+fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item = &'c str>) -> String {
+    let help = did_you_mean(name, known).map_or(String::new(), |help| format!("; {help}"));
+    format!("there is no {what} called \"{name}\"{help}")
+}
+
+fn count(text: &str) -> Result<u32, String> {
+    u32::try_from(parse_integer(text)?).map_err(|_| format!("expected a whole number from 0 on, found `{text}`"))
+}
+
+/// Ids first, then names. Several things of one name are an error: a wrong one would be changed without a word.
+fn named(world: &mut World, name: &str) -> Result<Entity, String> {
+    let mut things = world.query::<(&DocumentOrder, Entity, Option<&SceneId>, Option<&Name>)>();
+    let (mut by_id, mut by_name) = (Vec::new(), Vec::new());
+    for (_, entity, id, called) in things.iter(world) {
+        if id.is_some_and(|id| id.0 == name) {
+            by_id.push(entity);
+        } else if called.is_some_and(|called| called.as_str() == name) {
+            by_name.push(entity);
+        }
+    }
+    match by_id.as_slice() {
+        [] => {}
+        [entity] => return Ok(*entity),
+        several => return Err(ambiguous(name, several.len())),
+    }
+    match by_name.as_slice() {
+        [] => {}
+        [entity] => return Ok(*entity),
+        several => return Err(ambiguous(name, several.len())),
+    }
+    let names = crate::scene::insert::names(world);
+    Err(unknown("thing", name, names.iter().map(String::as_str)))
+}
+
+fn ambiguous(name: &str, count: usize) -> String {
+    format!("there are {count} things called \"{name}\": give the one that is meant an id of its own")
+}
+
+fn all_named(world: &mut World, names: &[&str]) -> Result<Vec<Entity>, String> {
+    names.iter().map(|name| named(world, name)).collect()
+}
+
+fn addition(kind: &str, options: &[&str]) -> Result<Addition, String> {
+    let known = AdditionKind::of_name(kind).ok_or_else(|| {
+        let names: Vec<&str> = AdditionKind::all().map(AdditionKind::name).collect();
+        format!("\"{kind}\" cannot be added, only {}", names.join(", "))
+    })?;
+    let mut addition = Addition::from(known);
+    for option in options {
+        match option.split_once('=') {
+            Some(("name", name)) => addition.name = Some(name.to_owned()),
+            Some(("at", place)) => addition.at = Some(parse_vec3(place)?),
+            Some(("size", size)) => {
+                let size = assign::within(parse_float(size)?, &(f32::MIN_POSITIVE..=f32::MAX))?;
+                addition.size = Some(size);
+            }
+            _ => return Err(format!("expected name=, at= or size=, found `{option}`")),
+        }
+    }
+    // The same whatever the camera sees.
+    if addition.at.is_some() {
+        addition.size.get_or_insert(1.0);
+    }
+    Ok(addition)
+}
+
+fn transformed(world: &mut World, name: &str, change: impl FnOnce(Affine3A) -> Affine3A) -> Result<Command, String> {
+    let entity = named(world, name)?;
+    let pose = world.get::<ToWorld>(entity).ok_or("it has no place")?.0;
+    Ok(Command::Transform(vec![(entity, change(pose))]))
+}
+
+fn about_origin(change: Affine3A, pose: Affine3A) -> Affine3A {
+    let to_origin = Affine3A::from_translation(pose.translation.into());
+    to_origin * change * to_origin.inverse() * pose
+}
+
+fn looking(from: Vec3, at: Vec3) -> Result<Affine3A, String> {
+    let forward = (at - from).try_normalize().ok_or("the two places are the same")?;
+    let up = if forward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
+    let left = up.cross(forward).normalize();
+    let axes = bevy::math::Mat3::from_cols(left, forward.cross(left), forward);
+    Ok(Affine3A::from_mat3_translation(axes, from))
+}
+
+fn display(world: &World, change: impl FnOnce(&mut DisplaySettings)) -> Command {
+    let mut display = world.resource::<ViewSettings>().display;
+    change(&mut display);
+    Command::SetDisplay(display)
+}
+
+/// A material itself, or that of a shape.
+fn material_of(world: &World, entity: Entity) -> Option<Entity> {
+    match world.get::<Material>(entity) {
+        Some(_) => Some(entity),
+        None => world.get::<UsesMaterial>(entity).map(|uses| uses.0),
+    }
+}
+
+/// Makes the command that sets a parameter of any component of the thing. The error for an unknown parameter names those that there are.
+fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Result<Command, String> {
+    let mut known = Vec::new();
+    if let Some(pose) = world.get::<ToWorld>(entity) {
+        known = vec!["position", "rotation", "scale"];
+        if world.get::<Emitter>(entity).is_some() {
+            // Some have a factor of this name.
+            known.pop();
+        }
+        if known.contains(&parameter) {
+            let mut pose = pose.0;
+            assign::pose(&mut pose, parameter, value)?;
+            return Ok(Command::Transform(vec![(entity, pose)]));
+        }
+    }
+    // Tells more than that something else has no such parameter.
+    let mut wrong_value = None;
+    macro_rules! attempt {
+        ($of:expr, $component:ty, $assign:path, $command:expr) => {
+            if let Some(mut edited) = world.get::<$component>($of).cloned() {
+                match $assign(&mut edited, parameter, value) {
+                    Ok(()) => return Ok($command(edited)),
+                    Err(AssignError::Unknown { known: names }) => known.extend(names),
+                    Err(AssignError::Value(error)) => wrong_value = wrong_value.or(Some(error)),
+                }
+            }
+        };
+    }
+    attempt!(entity, Shape, assign::shape, |edited| Command::SetShape(entity, edited));
+    attempt!(entity, AreaLight, assign::area_light, |edited| Command::SetAreaLight(
+        entity,
+        Some(edited)
+    ));
+    attempt!(entity, Emitter, assign::emitter, |edited| Command::SetEmitter(
+        entity, edited
+    ));
+    attempt!(entity, Sensor, assign::sensor, |edited| Command::SetSensor(
+        entity, edited
+    ));
+    attempt!(entity, Film, assign::film, |edited| Command::SetFilm(entity, edited));
+    let material = material_of(world, entity);
+    if let Some(material) = material {
+        attempt!(material, Material, assign::material, |edited| Command::SetMaterial(
+            material,
+            Box::new(edited)
+        ));
+    }
+    Err(wrong_value.unwrap_or_else(|| no_parameter(world, parameter, &known, material)))
+}
+
+/// The message where a thing has parameters called `known`, and `material`, but no such parameter.
+fn no_parameter(world: &World, parameter: &str, known: &[&str], material: Option<Entity>) -> String {
+    if let Some(help) = did_you_mean(parameter, known.iter().copied()) {
+        return format!("there is no `{parameter}`; {help}");
+    }
+    let instead = match known {
+        [] => String::new(),
+        known => format!(", only {}", known.join(", ")),
+    };
+    let inside = material.map_or(Vec::new(), |material| materials_inside(world, material));
+    let inside: Vec<String> = inside
+        .into_iter()
+        .filter_map(|inner| Some(format!("`{}`", world.get::<Name>(inner)?)))
+        .collect();
+    let elsewhere = match &inside[..] {
+        [] => String::new(),
+        inside => format!("; the material is made of {}", inside.join(" and ")),
+    };
+    format!("there is no `{parameter}`{instead}{elsewhere}")
+}

@@ -1,0 +1,67 @@
+//! The words of scripts about rendering and the finished picture. Errors say what was expected.
+
+use bevy::prelude::*;
+
+use super::assign::within;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::compare_view::CompareView;
+use crate::app::editor::command::light_mix::{Channel, LightMix};
+use crate::color::Rgb;
+use crate::document::value::{parse_float, parse_floats, parse_rgb};
+
+pub fn switch(text: &str) -> Result<bool, String> {
+    match text {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err(format!("expected `on` or `off`, found `{text}`")),
+    }
+}
+
+/// None is no limit.
+pub fn limit(text: &str) -> Result<Option<f32>, String> {
+    match text {
+        "none" => Ok(None),
+        number => within(parse_float(number)?, &(0.0..=f32::MAX)).map(Some),
+    }
+}
+
+pub fn region(words: &[&str]) -> Result<Option<Rect>, String> {
+    match words {
+        ["none"] => Ok(None),
+        [from, to] => Ok(Some(Rect::from_corners(place(from)?, place(to)?))),
+        _ => Err("expected `none` or two corners".to_owned()),
+    }
+}
+
+fn place(text: &str) -> Result<Vec2, String> {
+    match parse_floats(text)?[..] {
+        [x, y] => Ok(Vec2::new(x, y)),
+        _ => Err(format!("expected two numbers, found `{text}`")),
+    }
+}
+
+/// `gain`: strength, and colour where it is not white. Solo and mute stay.
+pub fn mix(mix: &LightMix, light: Entity, gain: &[&str]) -> Result<Command, String> {
+    let (strength, color) = match gain {
+        [strength] => (parse_float(strength)?, Rgb::ONE),
+        [strength, color] => (parse_float(strength)?, parse_rgb(color)?),
+        _ => return Err("expected a strength and perhaps a colour".to_owned()),
+    };
+    let mut mix = mix.clone();
+    let channel = Channel {
+        strength,
+        color,
+        ..mix.channel(light)
+    };
+    mix.set(light, channel);
+    Ok(Command::SetLightMix(mix))
+}
+
+pub fn compare_view(words: &[&str]) -> Result<CompareView, String> {
+    match words {
+        ["off"] => Ok(CompareView::Off),
+        ["difference"] => Ok(CompareView::Difference),
+        ["wipe", share] => parse_float(share).map(CompareView::Wipe),
+        _ => Err("expected `off`, `wipe FRACTION` or `difference`".to_owned()),
+    }
+}

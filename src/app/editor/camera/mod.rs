@@ -1,0 +1,7 @@
+//! The arithmetic of looking: flying, orbiting, projecting and picking. May import `command`.
+
+pub mod navigation;
+pub mod orbit;
+pub(crate) mod picking;
+pub mod pose;
+pub mod screen;

@@ -1,0 +1,201 @@
+//! Questions to the scene as it is being rendered: what is under the mouse, how large things are.
+
+use std::collections::HashMap;
+
+use bevy::math::{Affine3A, Vec2, Vec3};
+use bevy::prelude::Entity;
+
+use crate::accel::Detail;
+use crate::engine::CurrentScene;
+use crate::math::{Aabb, Ray, offset_origin};
+use crate::render::camera::Camera;
+
+/// The shape seen at a place of the picture, (0, 0) top left, (1, 1) bottom right.
+pub fn pick(current: &CurrentScene, film: Vec2) -> Option<Entity> {
+    let (scene, view) = (current.scene.as_ref()?, current.view.as_ref()?);
+    let ray = view.camera.ray(film, Vec2::splat(0.5));
+    let hit = scene.geometry.intersect(&ray)?;
+    current.entity_of_instance.get(hit.instance as usize).copied()
+}
+
+/// A place on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenSurface {
+    pub position: Vec3,
+    /// Bound on how far `position` lies off the surface, per coordinate.
+    error: f32,
+    /// The geometric one on the side that was seen, unit length.
+    pub normal: Vec3,
+    pub entity: Entity,
+}
+
+impl SeenSurface {
+    /// A place before the surface, `distance` world units from it or as far as it takes to be clear of it.
+    pub fn before(&self, distance: f32) -> Vec3 {
+        offset_origin(self.position, self.error.max(distance), self.normal, self.normal)
+    }
+}
+
+/// Rays that go through what is passed over are begun anew behind it, at most so often.
+const MOST_PASSED: usize = 256;
+/// How far behind, as a share of the way so far and of the ray's origin's coordinates: well above rounding, well below what is seen.
+const BEHIND: f32 = 1e-5;
+
+/// The first surface along a ray, as if the entities that `is_passed` names were not there. The ray's direction need not have unit length.
+pub fn surface(current: &CurrentScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<SeenSurface> {
+    let geometry = &current.scene.as_ref()?.geometry;
+    let step = BEHIND * (ray.origin.abs().max_element() / ray.dir.length().max(f32::MIN_POSITIVE));
+    let mut passed = 0.0;
+    for _ in 0..MOST_PASSED {
+        let rest = Ray {
+            origin: ray.at(passed),
+            t_min: (ray.t_min - passed).max(0.0),
+            t_max: ray.t_max - passed,
+            ..*ray
+        };
+        let hit = geometry.intersect(&rest)?;
+        let entity = *current.entity_of_instance.get(hit.instance as usize)?;
+        if !is_passed(entity) {
+            let point = geometry.surface_in(&rest, &hit, Detail::Plain);
+            let normal = point.geometric_normal;
+            return Some(SeenSurface {
+                position: point.position,
+                error: point.error,
+                normal: if normal.dot(ray.dir) > 0.0 { -normal } else { normal },
+                entity,
+            });
+        }
+        passed += hit.t + step + BEHIND * (passed + hit.t);
+    }
+    None
+}
+
+/// The first place on a surface in the middle of the picture.
+pub fn ahead(current: &CurrentScene) -> Option<SeenSurface> {
+    let camera = &current.view.as_ref()?.camera;
+    surface(current, &camera.ray(Vec2::splat(0.5), Vec2::splat(0.5)), |_| false)
+}
+
+/// How far that is from the camera, not from where it begins to see.
+pub fn distance_ahead(current: &CurrentScene) -> Option<f32> {
+    let camera = &current.view.as_ref()?.camera;
+    ahead(current).map(|seen| camera.project(seen.position).1)
+}
+
+/// World units from the lower to the upper edge of the picture, or across it where that is less, at the depth of a point; None without a
+/// view, and behind the camera. `pose`: world from camera.
+pub fn view_height(current: &CurrentScene, pose: &Affine3A, at: Vec3) -> Option<f32> {
+    let camera = &current.view.as_ref()?.camera;
+    let (place, depth) = camera.project(at);
+    // Short enough that its ends are seen alike.
+    let step = 1e-2 * depth;
+    let across = [pose.matrix3.x_axis, pose.matrix3.y_axis].map(|axis| {
+        let (beside, _) = camera.project(at + Vec3::from(axis).normalize_or_zero() * step);
+        step / (beside - place).length()
+    });
+    let least = across[0].min(across[1]);
+    (depth > 0.0 && least.is_finite()).then_some(least)
+}
+
+/// World bounds of everything; None without geometry.
+pub fn scene_bounds(current: &CurrentScene) -> Option<Aabb> {
+    let bounds = current.scene.as_ref()?.geometry.bounds();
+    (!bounds.is_empty()).then_some(bounds)
+}
+
+/// World bounds of one shape; None if it is not in the picture.
+pub fn bounds_of(current: &CurrentScene, entity: Entity) -> Option<Aabb> {
+    bounds_of_each(current, &[entity]).pop().flatten()
+}
+
+/// World bounds of each of some shapes; None for those that are not in the picture.
+pub fn bounds_of_each(current: &CurrentScene, entities: &[Entity]) -> Vec<Option<Aabb>> {
+    let mut bounds = vec![Aabb::EMPTY; entities.len()];
+    if let Some(scene) = &current.scene {
+        let places: HashMap<Entity, usize> = entities.iter().copied().zip(0..).collect();
+        for (item, entity) in (0..).zip(current.entity_of_instance.iter()) {
+            if let Some(&place) = places.get(entity)
+                && let Some(own) = scene.geometry.bounds_of(item)
+            {
+                bounds[place] = bounds[place].union(own);
+            }
+        }
+    }
+    bounds
+        .into_iter()
+        .map(|bounds| (!bounds.is_empty()).then_some(bounds))
+        .collect()
+}
+
+/// Half the field of view in radians along the picture's narrower side.
+pub fn half_fov(camera: &Camera) -> f32 {
+    let axis = camera.ray(Vec2::splat(0.5), Vec2::splat(0.5)).dir;
+    let half = |film| camera.ray(film, Vec2::splat(0.5)).dir.angle_between(axis);
+    half(Vec2::new(0.0, 0.5)).min(half(Vec2::new(0.5, 0.0)))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use std::sync::Arc;
+
+    use bevy::prelude::World;
+
+    use super::*;
+    use crate::accel::{Instance, Primitive, SplitMethod, Tlas};
+    use crate::render::scene::RenderScene;
+
+    /// Unit spheres at these places, each an entity.
+    pub fn spheres(places: &[Vec3]) -> (CurrentScene, Vec<Entity>) {
+        let mut world = World::new();
+        let entities: Vec<Entity> = places.iter().map(|_| world.spawn_empty().id()).collect();
+        let shapes = places
+            .iter()
+            .map(|place| (Primitive::Sphere, Affine3A::from_translation(*place)));
+        let current = CurrentScene {
+            scene: Some(scene_of(shapes)),
+            entity_of_instance: entities.clone().into(),
+            ..CurrentScene::default()
+        };
+        (current, entities)
+    }
+
+    /// Nothing but shapes where they are.
+    pub fn scene_of(shapes: impl Iterator<Item = (Primitive, Affine3A)>) -> RenderScene {
+        let instances = shapes.filter_map(|(primitive, pose)| Instance::new(primitive, pose));
+        RenderScene {
+            geometry: Arc::new(Tlas::build(instances.collect(), SplitMethod::Sah)),
+            surfaces: Arc::default(),
+            materials: Arc::default(),
+            textures: Arc::default(),
+            lights: Arc::default(),
+        }
+    }
+
+    #[test]
+    fn what_is_passed_over_is_not_in_the_way() {
+        let (current, entities) = spheres(&[
+            Vec3::new(0.0, 0.0, 5.0),
+            Vec3::new(0.2, 0.0, 5.5),
+            Vec3::new(0.0, 0.0, 1e3),
+        ]);
+        let ray = Ray::new(Vec3::ZERO, Vec3::Z * 2.0);
+        let seen = |passed: &[Entity]| surface(&current, &ray, |entity| passed.contains(&entity));
+        assert_eq!(seen(&[]).map(|seen| seen.entity), Some(entities[0]));
+        assert_eq!(seen(&entities[..1]).map(|seen| seen.entity), Some(entities[1]));
+        let far = seen(&entities[..2]);
+        assert!(
+            far.is_some_and(|far| far.entity == entities[2] && (far.position.z - 999.0).abs() < 1e-2),
+            "{far:?}"
+        );
+        assert_eq!(seen(&entities), None);
+    }
+
+    #[test]
+    fn bounds_are_of_those_asked_for() {
+        let (current, entities) = spheres(&[Vec3::ZERO, Vec3::X * 5.0]);
+        let stranger = Entity::PLACEHOLDER;
+        let found = bounds_of_each(&current, &[entities[1], stranger]);
+        assert!(found[0].is_some_and(|bounds| (bounds.center() - Vec3::X * 5.0).length() < 1e-4));
+        assert_eq!(found[1], None);
+    }
+}

@@ -1,0 +1,41 @@
+//! From where the scene is looked at, and through which lens.
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+
+use crate::scene::{ActiveSensor, FreeView, Lens, Sensor, ToWorld};
+
+/// The pose of the camera in use, flown away or not: world from camera.
+pub fn camera_pose(active: &ActiveSensor, free: &FreeView, poses: &Query<&ToWorld>) -> Option<Affine3A> {
+    let sensor = poses.get(active.0?).ok()?;
+    Some(free.pose.unwrap_or(sensor.0))
+}
+
+/// The same from the world.
+pub fn view_pose(world: &World) -> Option<Affine3A> {
+    let sensor = world.resource::<ActiveSensor>().0?;
+    let own = world.get::<ToWorld>(sensor)?.0;
+    Some(world.resource::<FreeView>().pose.unwrap_or(own))
+}
+
+/// The lens of the view: its own, or that of the camera.
+pub fn lens(world: &World) -> Option<Lens> {
+    let sensor = world.get::<Sensor>(world.resource::<ActiveSensor>().0?)?;
+    Some(world.resource::<FreeView>().lens.unwrap_or(sensor.lens))
+}
+
+pub fn is_orthographic(world: &World) -> bool {
+    lens(world) == Some(Lens::Orthographic)
+}
+
+/// What a view needs in place of the lens of the camera in use, to be orthographic or not; None if the camera is so.
+pub fn lens_of_view(world: &World, orthographic: bool) -> Option<Lens> {
+    let sensor = world.get::<Sensor>(world.resource::<ActiveSensor>().0?)?;
+    let is_so = (sensor.lens == Lens::Orthographic) == orthographic;
+    let other = if orthographic {
+        Lens::Orthographic
+    } else {
+        Lens::Pinhole
+    };
+    (!is_so).then_some(other)
+}

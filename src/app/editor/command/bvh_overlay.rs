@@ -1,0 +1,21 @@
+//! The choice of boxes of the acceleration structures that are drawn over the picture.
+
+/// The boxes that are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BvhOverlay {
+    pub shown: bool,
+    /// Depth in each hierarchy: 0 is the box around everything in it.
+    pub depth: u32,
+    /// Leaves of any depth up to `depth` instead of all boxes at it.
+    pub leaves_only: bool,
+}
+
+impl Default for BvhOverlay {
+    fn default() -> Self {
+        Self {
+            shown: false,
+            depth: 1,
+            leaves_only: false,
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! How the picture is compared with a snapshot.
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum CompareView {
+    /// The picture alone.
+    #[default]
+    Off,
+    /// The snapshot left of this fraction of the width, the picture right of it.
+    Wipe(f32),
+    /// How far apart they are, per component.
+    Difference,
+}

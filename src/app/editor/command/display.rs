@@ -1,0 +1,152 @@
+//! How the film is shown: which of its quantities, and how light becomes a colour of the display. No rendering, no Bevy.
+
+use crate::render::tonemap::{Display, ToneMap};
+use crate::render::white_balance::WhiteBalance;
+
+/// Everything that decides how the film is shown; changing it needs no new samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DisplaySettings {
+    pub mode: DisplayMode,
+    /// Stops: the radiance is multiplied by two to this power.
+    pub exposure: f32,
+    pub white_balance: WhiteBalance,
+    pub tone_map: ToneMap,
+}
+
+impl Default for DisplaySettings {
+    fn default() -> Self {
+        Self {
+            mode: DisplayMode::Shaded,
+            exposure: 0.0,
+            white_balance: WhiteBalance::default(),
+            tone_map: ToneMap::default(),
+        }
+    }
+}
+
+impl DisplaySettings {
+    /// The part that turns a radiance into a colour of the display.
+    pub fn tone(&self) -> Display {
+        Display {
+            exposure_ev: self.exposure,
+            white_balance: self.white_balance,
+            tone_map: self.tone_map,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DisplayMode {
+    #[default]
+    Shaded,
+    Albedo,
+    Normal,
+    /// Near is bright, over the range of the picture's depths.
+    Depth,
+    /// Texture coordinates: u in red, v in green, both modulo 1.
+    Uv,
+    /// Every material and every object in a colour of its own.
+    Material,
+    Object,
+    /// Samples per pixel, in false colour.
+    Samples,
+    /// Standard error of the luminance relative to it, in false colour.
+    Noise,
+    /// The light of one group of lights alone, by its layer of the film. Not among [`Self::ALL`].
+    LightGroup(u8),
+    /// How much of the acceleration structure each camera ray visits, in false colour.
+    BvhSteps,
+}
+
+impl DisplayMode {
+    pub const ALL: [(Self, &'static str); 10] = [
+        (Self::Shaded, "Shaded"),
+        (Self::Albedo, "Albedo"),
+        (Self::Normal, "Normal"),
+        (Self::Depth, "Depth"),
+        (Self::Uv, "UV"),
+        (Self::Material, "Materials"),
+        (Self::Object, "Objects"),
+        (Self::Samples, "Samples"),
+        (Self::Noise, "Noise"),
+        (Self::BvhSteps, "BVH steps"),
+    ];
+
+    /// The one after this, round and round.
+    pub fn next(self) -> Self {
+        let place = Self::ALL.iter().position(|(mode, _)| *mode == self);
+        let next = place.map_or(0, |place| place + 1);
+        Self::ALL[next % Self::ALL.len()].0
+    }
+
+    pub fn name(self) -> &'static str {
+        match Self::ALL.iter().find(|(mode, _)| *mode == self) {
+            Some((_, name)) => name,
+            None => "One light",
+        }
+    }
+
+    /// Whether it shows light, with exposure and tone map.
+    pub fn is_light(self) -> bool {
+        matches!(self, Self::Shaded | Self::LightGroup(_))
+    }
+}
+
+/// The steps that the heat map paints in its hottest colour.
+pub const HOTTEST_STEPS: f32 = 128.0;
+
+/// The relative noise that is painted in the hottest colour.
+pub const HOTTEST_NOISE: f32 = 0.25;
+
+/// Black, blue, red, yellow, white for 0 to 1; sRGB-encoded.
+pub fn heat(x: f32) -> [f32; 3] {
+    const STOPS: [[f32; 3]; 5] = [
+        [0.0, 0.0, 0.05],
+        [0.15, 0.1, 0.75],
+        [0.85, 0.15, 0.25],
+        [1.0, 0.8, 0.1],
+        [1.0, 1.0, 1.0],
+    ];
+    let x = if x > 0.0 {
+        x.min(1.0) * (STOPS.len() - 1) as f32
+    } else {
+        0.0
+    };
+    let below = (x as usize).min(STOPS.len() - 2);
+    let t = x - below as f32;
+    std::array::from_fn(|channel| STOPS[below][channel] * (1.0 - t) + STOPS[below + 1][channel] * t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Rgb;
+
+    #[test]
+    fn a_stop_doubles() {
+        let plain = DisplaySettings::default();
+        let brighter = DisplaySettings { exposure: 1.0, ..plain };
+        let shaded = |level: f32, settings: &DisplaySettings| settings.tone().encode(Rgb::splat(level));
+        assert_eq!(shaded(0.2, &brighter), shaded(0.4, &plain));
+        assert_ne!(shaded(0.2, &plain), shaded(0.4, &plain));
+    }
+
+    #[test]
+    fn modes_go_round() {
+        let mut mode = DisplayMode::Shaded;
+        for _ in 0..DisplayMode::ALL.len() {
+            mode = mode.next();
+        }
+        assert_eq!(mode, DisplayMode::Shaded);
+        assert_eq!(DisplayMode::Shaded.next(), DisplayMode::Albedo);
+        assert_eq!(DisplayMode::LightGroup(3).next(), DisplayMode::Shaded);
+    }
+
+    #[test]
+    fn heat_rises() {
+        let sum = |x: f32| heat(x).iter().sum::<f32>();
+        assert!(sum(0.0) < sum(0.3) && sum(0.3) < sum(0.8) && sum(0.8) < sum(1.0));
+        assert_eq!(heat(f32::NAN), heat(0.0));
+        assert_eq!(heat(9.0), heat(1.0));
+    }
+}

@@ -1,0 +1,47 @@
+//! Files outside a scene's folder that the user is asked to allow.
+
+use std::path::{Path, PathBuf};
+
+use crate::document::paths::settle;
+
+/// Files and folders outside a scene's folder that it names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Question {
+    pub files: Vec<PathBuf>,
+    /// The same as the user reads them, without `..`.
+    pub shown: Vec<PathBuf>,
+    /// What would be allowed, with all that is below.
+    pub folders: Vec<PathBuf>,
+    /// The scene could not be read without them.
+    pub is_needed: bool,
+    /// The scene file that was to be imported and names them; None if the open scene does, or one that was to be opened.
+    pub import: Option<PathBuf>,
+}
+
+impl Question {
+    /// None without files.
+    pub fn about(files: Vec<PathBuf>) -> Option<Self> {
+        let mut folders: Vec<PathBuf> = files.iter().filter_map(|file| folder_of(file)).collect();
+        folders.sort();
+        folders.dedup_by(|folder, before| folder.starts_with(before));
+        let mut shown: Vec<PathBuf> = files.iter().map(|file| settle(file)).collect();
+        shown.sort();
+        shown.dedup();
+        (!files.is_empty()).then_some(Self {
+            files,
+            shown,
+            folders,
+            is_needed: false,
+            import: None,
+        })
+    }
+}
+
+/// The folder that has to be allowed for a file, which is where its links lead; for a folder that one itself. None for what is not there.
+fn folder_of(file: &Path) -> Option<PathBuf> {
+    let target = file.canonicalize().ok()?;
+    match target.is_dir() {
+        true => Some(target),
+        false => target.parent().map(Path::to_owned),
+    }
+}

@@ -1,0 +1,127 @@
+//! How the gizmo is set: what it does, along which axes, about which point, and in which steps.
+
+use std::ops::RangeInclusive;
+
+use serde::{Deserialize, Serialize};
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    #[default]
+    Move,
+    Rotate,
+    Scale,
+}
+
+/// The axes along which things are moved and turned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Axes {
+    #[default]
+    World,
+    /// The axes of the active object.
+    Local,
+}
+
+/// The point that stays where it is when things are turned and scaled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pivot {
+    /// The middle of the selection's bounds.
+    #[default]
+    Middle,
+    /// The origin of the active object's own space.
+    Active,
+    /// For each object the origin of its own space.
+    Each,
+}
+
+impl Pivot {
+    pub const ALL: [(Self, &'static str); 3] = [
+        (Self::Middle, "Middle"),
+        (Self::Active, "Active origin"),
+        (Self::Each, "Own origins"),
+    ];
+}
+
+/// What Control rounds a drag to, and the arrow keys move by.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Steps {
+    /// World units; None for what suits the scene.
+    pub length: Option<f32>,
+    pub degrees: f32,
+    /// The step of a scaling factor.
+    pub factor: f32,
+}
+
+/// What steps can be set to, each in its unit.
+pub const LENGTHS: RangeInclusive<f32> = 1e-6..=1e6;
+pub const DEGREES: RangeInclusive<f32> = 0.1..=180.0;
+pub const FACTORS: RangeInclusive<f32> = 0.001..=10.0;
+
+impl Default for Steps {
+    fn default() -> Self {
+        Self {
+            length: None,
+            degrees: 15.0,
+            factor: 0.1,
+        }
+    }
+}
+
+impl Steps {
+    /// Without values that no control could set.
+    pub fn within_range(self) -> Self {
+        let default = Self::default();
+        let sound = |value: f32, range: RangeInclusive<f32>, otherwise: f32| match value.is_nan() {
+            true => otherwise,
+            false => value.clamp(*range.start(), *range.end()),
+        };
+        Self {
+            length: self.length.filter(|length| LENGTHS.contains(length)),
+            degrees: sound(self.degrees, DEGREES, default.degrees),
+            factor: sound(self.factor, FACTORS, default.factor),
+        }
+    }
+
+    /// The step of lengths in a scene of this size: what was chosen, or a round number near a fiftieth of the scene.
+    pub fn length_in(&self, scene_size: f32) -> f32 {
+        self.length.unwrap_or_else(|| round_number(scene_size / 50.0))
+    }
+}
+
+/// The largest of 1, 2 and 5 times a power of ten that is not above `x`; 1 for what is no positive number.
+fn round_number(x: f32) -> f32 {
+    if !(x.is_finite() && x > f32::MIN_POSITIVE) {
+        return 1.0;
+    }
+    let power = 10f64.powi(x.log10().floor() as i32);
+    let digit = [5.0, 2.0]
+        .into_iter()
+        .find(|digit| digit * power <= f64::from(x) * 1.0001);
+    (digit.unwrap_or(1.0) * power) as f32
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GizmoSettings {
+    pub mode: Mode,
+    pub axes: Axes,
+    pub pivot: Pivot,
+    pub steps: Steps,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_round_and_suit_the_scene() {
+        for (x, round) in [(0.03, 0.02), (7.0, 5.0), (1.0, 1.0), (0.0, 1.0), (f32::NAN, 1.0)] {
+            assert!((round_number(x) - round).abs() < 1e-6, "{x}: {}", round_number(x));
+        }
+        let chosen = Steps {
+            length: Some(0.3),
+            ..Steps::default()
+        };
+        assert_eq!(chosen.length_in(100.0), 0.3);
+        assert_eq!(Steps::default().length_in(100.0), 2.0);
+    }
+}

@@ -1,0 +1,114 @@
+//! A material with those inside it as one value: what a material is to become in one step. Wrapping, unwrapping and presets are such trees.
+
+use bevy::prelude::{Entity, World};
+
+use crate::scene::{FirstNested, Material, SecondNested};
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaterialTree {
+    pub material: Material,
+    /// At most two, in the order of the file.
+    pub inside: Vec<Inside>,
+}
+
+/// A material inside another.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Inside {
+    /// One that there is.
+    Kept(Entity),
+    New(Box<MaterialTree>),
+}
+
+impl From<MaterialTree> for Inside {
+    fn from(tree: MaterialTree) -> Self {
+        Self::New(Box::new(tree))
+    }
+}
+
+impl From<Material> for MaterialTree {
+    fn from(material: Material) -> Self {
+        Self {
+            material,
+            inside: Vec::new(),
+        }
+    }
+}
+
+/// The plugins that go around a material.
+pub const WRAPPERS: [&str; 5] = ["twosided", "blendbsdf", "mask", "normalmap", "bumpmap"];
+
+impl MaterialTree {
+    /// The material as it is, around the materials that are in it.
+    pub fn of(material: &Material, inside: &[Entity]) -> Self {
+        Self {
+            material: material.clone(),
+            inside: inside.iter().copied().map(Inside::Kept).collect(),
+        }
+    }
+
+    /// This one in a new material of a plugin that takes others inside; a second one is new, too. Of any other plugin it stays as it is.
+    pub fn wrapped(self, plugin: &str) -> Self {
+        let Some(wrapper) = Material::of_plugin(plugin).filter(|wrapper| *wrapper.nested_count().end() > 0) else {
+            return self;
+        };
+        let missing = wrapper.nested_count().start().saturating_sub(1);
+        let mut inside = vec![Inside::from(self)];
+        inside.extend((0..missing).map(|_| MaterialTree::from(Material::default()).into()));
+        Self {
+            material: wrapper,
+            inside,
+        }
+    }
+}
+
+/// The materials that a material is made of.
+pub fn materials_inside(world: &World, material: Entity) -> Vec<Entity> {
+    let first = world.get::<FirstNested>(material).map(|nested| nested.0);
+    let second = world.get::<SecondNested>(material).map(|nested| nested.0);
+    first.into_iter().chain(second).collect()
+}
+
+/// Flattens trees into one list. Each material has the indices of those nested in it; the second list has the index of each tree's outermost
+/// material. Materials of the scene are left out.
+pub fn flattened<'t>(trees: impl IntoIterator<Item = &'t MaterialTree>) -> (Vec<(Material, Vec<usize>)>, Vec<usize>) {
+    fn add(tree: &MaterialTree, list: &mut Vec<(Material, Vec<usize>)>) -> usize {
+        let place = list.len();
+        list.push((tree.material.clone(), Vec::new()));
+        for inner in &tree.inside {
+            if let Inside::New(inner) = inner {
+                let inner = add(inner, list);
+                list[place].1.push(inner);
+            }
+        }
+        place
+    }
+    let mut list = Vec::new();
+    let places = trees.into_iter().map(|tree| add(tree, &mut list)).collect();
+    (list, places)
+}
+
+/// Whether a plugin may go around this material: what refracts has two sides already.
+pub fn can_wrap(plugin: &str, material: &Material) -> bool {
+    plugin != "twosided" || !(material.refracts() || matches!(material, Material::TwoSided | Material::Null))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrappers_keep_what_is_inside() {
+        let tree = MaterialTree::from(Material::of_plugin("plastic").expect("a plugin"));
+        for plugin in WRAPPERS {
+            let wrapped = tree.clone().wrapped(plugin);
+            assert_eq!(wrapped.material.plugin(), plugin);
+            assert_eq!(wrapped.inside[0], tree.clone().into());
+            assert!(wrapped.material.nested_count().contains(&wrapped.inside.len()));
+        }
+        assert_eq!(tree.clone().wrapped("diffuse"), tree);
+        assert!(!can_wrap(
+            "twosided",
+            &Material::of_plugin("dielectric").expect("a plugin")
+        ));
+    }
+}

@@ -1,0 +1,55 @@
+//! The list of all panels.
+
+use serde::{Deserialize, Serialize};
+
+/// A part of the window that can be moved to another place, and closed, except the viewport.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Panel {
+    Viewport,
+    Outliner,
+    Library,
+    Inspector,
+    Render,
+    History,
+    Messages,
+    Paths,
+}
+
+impl Panel {
+    /// Those that can be closed and shown again, in the order of the menu.
+    pub const CLOSEABLE: [Self; 7] = [
+        Self::Outliner,
+        Self::Library,
+        Self::Inspector,
+        Self::Render,
+        Self::History,
+        Self::Messages,
+        Self::Paths,
+    ];
+    /// Those that stand at the right, one behind the other, until the user moves them.
+    pub const RIGHT: [Self; 5] = [
+        Self::Inspector,
+        Self::Render,
+        Self::History,
+        Self::Messages,
+        Self::Paths,
+    ];
+    /// Those at the left.
+    pub const LEFT: [Self; 2] = [Self::Outliner, Self::Library];
+    /// Shown only when asked for.
+    pub const CLOSED: [Self; 1] = [Self::Paths];
+
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Viewport => "Viewport",
+            Self::Outliner => "Outliner",
+            Self::Library => "Library",
+            Self::Inspector => "Inspector",
+            Self::Render => "Render",
+            Self::History => "History",
+            Self::Messages => "Messages",
+            Self::Paths => "Paths",
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! What is remembered between runs, and the ranges of what can be set.
+
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use super::gizmo_settings::Steps;
+use crate::memory;
+
+/// Of the file's format.
+const VERSION: u32 = 1;
+
+pub const MOST_RECENT_FILES: usize = 10;
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ThemeChoice {
+    #[default]
+    Dark,
+    Light,
+    /// As the system's windows are.
+    System,
+}
+
+#[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Preferences {
+    /// Of the file's format.
+    pub version: u32,
+    pub theme: ThemeChoice,
+    /// How large texts and controls are, beside the scale of the system.
+    pub ui_scale: f32,
+    /// Seconds between; 0 is never.
+    pub autosave_seconds: u32,
+    /// Of flying, as a factor of the usual speed.
+    pub speed: f32,
+    /// Of the gizmo.
+    pub steps: Steps,
+    /// Of the picture's resolution this share is rendered while something moves, where all of it takes too long; 1 is all of it.
+    pub moving_scale: f32,
+    /// The view jumps to where it goes.
+    pub reduced_motion: bool,
+    /// The budget for pictures, meshes and the film in GiB; 0 is the default share of the machine's memory.
+    pub memory_gib: u32,
+    /// Scenes, absolute, the newest first.
+    pub recent_files: Vec<PathBuf>,
+    /// The docked panels, as the layout writes itself.
+    pub layout: Value,
+    /// What other versions of the program wrote.
+    #[serde(flatten)]
+    pub unknown: Map<String, Value>,
+}
+
+impl Default for Preferences {
+    fn default() -> Self {
+        Self {
+            version: VERSION,
+            theme: ThemeChoice::default(),
+            ui_scale: 1.0,
+            autosave_seconds: 60,
+            speed: 1.0,
+            steps: Steps::default(),
+            moving_scale: 0.5,
+            reduced_motion: false,
+            memory_gib: 0,
+            recent_files: Vec::new(),
+            layout: Value::Null,
+            unknown: Map::new(),
+        }
+    }
+}
+
+pub const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
+pub const LONGEST_AUTOSAVE: u32 = 3600;
+pub const MOST_MEMORY_GIB: u32 = 4096;
+pub const MOVING_SCALES: std::ops::RangeInclusive<f32> = 0.25..=1.0;
+
+impl Preferences {
+    /// The memory budget in bytes.
+    pub fn memory_limit(&self) -> u64 {
+        match self.memory_gib {
+            0 => memory::default_limit(),
+            gib => u64::from(gib) << 30,
+        }
+    }
+
+    /// To the top of the list. Names that JSON cannot hold are left out.
+    pub fn note_recent(&mut self, path: &Path) {
+        self.recent_files.retain(|known| known != path);
+        if path.to_str().is_some() {
+            self.recent_files.insert(0, path.to_owned());
+            self.recent_files.truncate(MOST_RECENT_FILES);
+        }
+    }
+
+    /// Without values that no control could set.
+    pub fn within_range(mut self) -> Self {
+        self.ui_scale = self.ui_scale.clamp(*UI_SCALES.start(), *UI_SCALES.end());
+        self.speed = self.speed.clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end());
+        self.steps = self.steps.within_range();
+        self.moving_scale = self.moving_scale.clamp(*MOVING_SCALES.start(), *MOVING_SCALES.end());
+        self.autosave_seconds = self.autosave_seconds.min(LONGEST_AUTOSAVE);
+        self.memory_gib = self.memory_gib.min(MOST_MEMORY_GIB);
+        self.recent_files.truncate(MOST_RECENT_FILES);
+        self
+    }
+}
+
+pub const SPEED_RANGE: std::ops::RangeInclusive<f32> = 0.01..=100.0;

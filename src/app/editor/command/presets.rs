@@ -1,0 +1,183 @@
+//! The library of materials: those of `assets/materials.xml`, and the user's own from a file of the same kind in the settings folder.
+
+use std::path::{Path, PathBuf};
+
+use super::material_tree::MaterialTree;
+use crate::document::parse_str;
+use crate::files::{self, LARGEST_NOTE};
+use crate::scene::description::{DeclarationPlace, SceneDescription};
+use crate::scene::read;
+
+/// A material to choose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preset {
+    /// The part of its id before the `/`.
+    pub group: String,
+    pub name: String,
+    pub tree: MaterialTree,
+}
+
+impl Preset {
+    /// What a material of the scene is called that is made of it.
+    pub fn id(&self) -> String {
+        self.name.replace(", ", "-").replace(' ', "-")
+    }
+
+    /// `Metal/gold`, as in the file.
+    pub fn path(&self) -> String {
+        format!("{}/{}", self.group, self.name)
+    }
+}
+
+const BUILT_IN: &str = include_str!("../../../../assets/materials.xml");
+
+/// All of them, and what is wrong with the user's file.
+pub fn load() -> (Vec<Preset>, Vec<String>) {
+    let (mut presets, _) = of_text(BUILT_IN, Path::new("materials.xml"));
+    let mut complaints = Vec::new();
+    if let Some(path) = own_file()
+        && let Ok(text) = files::read_text(&path, LARGEST_NOTE)
+    {
+        let (own, wrong) = of_text(&text, &path);
+        presets.extend(own);
+        complaints = wrong;
+    }
+    (presets, complaints)
+}
+
+/// Where the user's presets are, if there are any.
+fn own_file() -> Option<PathBuf> {
+    let folders = directories::ProjectDirs::from("", "", "sunroom")?;
+    Some(folders.config_dir().join("materials.xml"))
+}
+
+/// Every bsdf of the file that has an id and is not inside another.
+fn of_text(text: &str, path: &Path) -> (Vec<Preset>, Vec<String>) {
+    let mut document = parse_str(text, path, &[]);
+    let scene = read::read(&mut document);
+    // What is said of the whole is that it has no camera, as a scene would.
+    let whole = Some(document.root.span);
+    let located = document.diagnostics.list.iter().filter(|told| told.span != whole);
+    let complaints = located.map(|told| format!("{}: {}", path.display(), told.message));
+    let presets = scene.materials.iter().enumerate().filter_map(|(place, material)| {
+        let id = material.identity.id.as_ref()?;
+        let is_whole = material.declared_in == DeclarationPlace::TopLevel;
+        let (group, name) = id.split_once('/').unwrap_or(("Own", id));
+        is_whole.then(|| Preset {
+            group: group.to_owned(),
+            name: name.to_owned(),
+            tree: tree(&scene, place),
+        })
+    });
+    (presets.collect(), complaints.collect())
+}
+
+/// Descriptions hold no circles.
+fn tree(scene: &SceneDescription, place: usize) -> MaterialTree {
+    let described = &scene.materials[place];
+    let inside = described.first.into_iter().chain(described.second);
+    MaterialTree {
+        material: described.material.clone(),
+        inside: inside.map(|place| tree(scene, place).into()).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Rgb;
+    use crate::scene::{ConductorIor, Ior, Material, Parameter, ParameterVisitor, PrincipledIndex, Roughness};
+    use crate::shading::ior;
+    use std::ops::RangeInclusive;
+
+    /// Collects the names of parameters whose values are impossible.
+    #[derive(Default)]
+    struct Checker(Vec<String>);
+
+    impl ParameterVisitor for Checker {
+        fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+            // Nothing is whiter than fresh snow but factors, which are 1.
+            let is_factor = name.starts_with("specular");
+            let limit = if is_factor { 1.0 } else { 0.95 };
+            if !value
+                .constant()
+                .is_some_and(|color| color.min_element() >= 0.0 && color.max_element() <= limit)
+            {
+                self.0.push(format!("{name} {value:?}"));
+            }
+        }
+
+        fn color(&mut self, _name: &'static str, _value: &mut Parameter<Rgb>) {}
+
+        fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>) {
+            if !value.constant().is_some_and(|number| range.contains(&number)) {
+                self.0.push(format!("{name} {value:?}"));
+            }
+        }
+
+        fn number(&mut self, _name: &'static str, _value: &mut f32, _range: RangeInclusive<f32>) {}
+
+        fn flag(&mut self, _name: &'static str, _value: &mut bool) {}
+
+        fn ior(&mut self, name: &'static str, value: &mut Ior) {
+            let index = match value {
+                Ior::Named(known) => ior::dielectric_ior(known),
+                Ior::Number(number) => Some(*number),
+            };
+            if !index.is_some_and(|index| (1.0..=2.5).contains(&index)) {
+                self.0.push(format!("{name} {value:?}"));
+            }
+        }
+
+        fn conductor_ior(&mut self, value: &mut ConductorIor) {
+            if !matches!(value, ConductorIor::Named(name) if ior::conductor_ior(name).is_some()) {
+                self.0.push(format!("{value:?}"));
+            }
+        }
+
+        fn distribution(&mut self, _value: &mut crate::scene::Distribution) {}
+
+        fn roughness(&mut self, value: &mut Roughness) {
+            if let Roughness::Isotropic(alpha) = value {
+                self.float("alpha", alpha, 0.001..=1.0);
+            }
+        }
+
+        fn principled_index(&mut self, value: &mut PrincipledIndex) {
+            if let PrincipledIndex::Specular(specular) = value
+                && !(0.0..=1.0).contains(specular)
+            {
+                self.0.push(format!("specular {specular}"));
+            }
+        }
+    }
+
+    #[test]
+    fn the_library_is_read_without_a_complaint_and_its_values_are_possible() {
+        let (presets, complaints) = of_text(BUILT_IN, Path::new("materials.xml"));
+        assert_eq!(complaints, [""; 0]);
+        assert!(presets.len() >= 50, "{}", presets.len());
+        for preset in &presets {
+            let mut checker = Checker::default();
+            preset.tree.material.clone().visit(&mut checker);
+            assert_eq!(checker.0, [""; 0], "{}/{}", preset.group, preset.name);
+            let twins = presets
+                .iter()
+                .filter(|other| other.name == preset.name && other.group == preset.group);
+            assert_eq!(twins.count(), 1, "{}", preset.name);
+        }
+    }
+
+    #[test]
+    fn nested_materials_come_along() {
+        let text = "<scene version='3.0.0'>
+            <bsdf type='twosided' id='cloth'><bsdf type='diffuse' id='inner'/></bsdf>
+            <bsdf type='diffuse'/></scene>";
+        let (presets, _) = of_text(text, Path::new("own.xml"));
+        let [Preset { group, name, tree }] = &presets[..] else {
+            panic!("{presets:?}")
+        };
+        assert_eq!((group.as_str(), name.as_str()), ("Own", "cloth"));
+        assert_eq!(*tree, MaterialTree::from(Material::default()).wrapped("twosided"));
+    }
+}

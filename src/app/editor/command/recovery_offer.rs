@@ -1,0 +1,21 @@
+//! Edits that were written aside before a crash and can be had back.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+/// What is known of edits that were written aside.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Note {
+    /// None: of a scene that was never saved.
+    pub scene: Option<PathBuf>,
+    /// Seconds since 1970.
+    pub time: u64,
+}
+
+/// Edits that can be had back.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Offer {
+    pub folder: PathBuf,
+    pub note: Note,
+}

@@ -1,0 +1,48 @@
+//! Views stored under the numbers 1 to 9.
+
+use bevy::math::{Affine3A, Mat3A, Vec3A};
+use serde::{Deserialize, Serialize};
+
+/// A view to come back to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Written", into = "Written")]
+pub struct StoredView {
+    /// World from camera, with the extent of the picture as its scale if it is orthographic.
+    pub pose: Affine3A,
+    pub orthographic: bool,
+}
+
+pub type StoredViews = [Option<StoredView>; 9];
+
+/// As it stands in the file.
+#[derive(Serialize, Deserialize)]
+struct Written {
+    /// Left, up and forward, and the place.
+    world_from_camera: [[f32; 3]; 4],
+    #[serde(default)]
+    orthographic: bool,
+}
+
+impl From<StoredView> for Written {
+    fn from(view: StoredView) -> Self {
+        let axes = view.pose.matrix3;
+        let columns = [axes.x_axis, axes.y_axis, axes.z_axis, view.pose.translation];
+        Self {
+            world_from_camera: columns.map(|column| column.to_array()),
+            orthographic: view.orthographic,
+        }
+    }
+}
+
+impl From<Written> for StoredView {
+    fn from(written: Written) -> Self {
+        let [x, y, z, place] = written.world_from_camera.map(Vec3A::from_array);
+        Self {
+            pose: Affine3A {
+                matrix3: Mat3A::from_cols(x, y, z),
+                translation: place,
+            },
+            orthographic: written.orthographic,
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Which edit of the scene does what an edit command says.
+
+use bevy::prelude::*;
+
+use super::edits::{delete_selection, duplicate, group, hide, put_into, rename, reorder, set_picture, visible_things};
+use super::things::{need, replace, transform};
+use super::{adding, materials, mixing, placing, several, view};
+use crate::app::editor::camera::pose::view_pose;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::selection::Selection;
+use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::trust;
+use crate::scene::insert::{free_name, names, next_order};
+use crate::scene::{
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, FreeView, Hidden, IntegratorSettings, Locked, Material,
+    SamplerSettings, SceneId, Sensor, Shape, ToWorld, UsesMaterial,
+};
+
+/// The error is a sentence for the user; the caller takes back what was done before it.
+pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
+    match command {
+        Command::Import(path) => {
+            adding::import(edit, &path)?;
+            trust::allow_chosen(edit.world, &path);
+        }
+        Command::Paste(text) => adding::paste(edit, &text)?,
+        Command::Add(addition) => adding::add(edit, addition)?,
+        Command::Delete => delete_selection(edit)?,
+        Command::Cut => {
+            super::files::copy(edit.world)?;
+            delete_selection(edit)?;
+        }
+        Command::Duplicate => duplicate(edit)?,
+        Command::Rename(entity, name) => rename(edit, entity, &name)?,
+        Command::Reorder { moved, before } => reorder(edit, &moved, before),
+        Command::Group => group(edit)?,
+        Command::PutInto { things, folder } => put_into(edit, things, folder.as_deref())?,
+        Command::Hide(entities, hidden) => hide(edit, &entities, hidden),
+        Command::HideOthers => {
+            let selection = edit.world.resource::<Selection>().clone();
+            let others = visible_things(edit.world, |entity| !selection.contains(entity));
+            hide(edit, &others, true);
+        }
+        Command::ShowAll => {
+            let mut hidden = edit.world.query_filtered::<Entity, With<Hidden>>();
+            let hidden: Vec<Entity> = hidden.iter(edit.world).collect();
+            hide(edit, &hidden, false);
+        }
+        Command::Lock(entities, locked) => {
+            for entity in entities {
+                if locked {
+                    edit.set(entity, Locked);
+                } else {
+                    edit.remove::<Locked>(entity);
+                }
+            }
+        }
+        Command::MoveCameraToView => {
+            let sensor = edit.world.resource::<ActiveSensor>().0;
+            let (Some(sensor), Some(pose)) = (sensor, view_pose(edit.world)) else {
+                return Err("There is no camera.".to_owned());
+            };
+            if let Some(lens) = edit.world.resource::<FreeView>().lens
+                && let Some(seen) = edit.world.get::<Sensor>(sensor).copied()
+            {
+                edit.set(sensor, Sensor { lens, ..seen });
+            }
+            edit.set(sensor, ToWorld(pose));
+            edit.world.insert_resource(FreeView::default());
+        }
+        Command::Nudge(direction) => placing::nudge(edit, direction)?,
+        Command::Drop => placing::drop(edit)?,
+        Command::Transform(poses) => transform(edit, poses)?,
+        Command::SetShape(entity, shape) => replace(edit, entity, shape)?,
+        Command::SetMaterial(entity, material) => {
+            replace(edit, entity, *material)?;
+            materials::check_sides(edit.world, entity)?;
+        }
+        Command::SetPicture {
+            owner,
+            parameter,
+            place,
+            path,
+        } => {
+            trust::allow_chosen(edit.world, &path);
+            set_picture(edit, owner, parameter, place, path);
+        }
+        Command::UseMaterial { shapes, material } => {
+            if let Some(material) = material {
+                need::<Material>(edit, material)?;
+            }
+            for shape in shapes {
+                need::<Shape>(edit, shape)?;
+                match material {
+                    Some(material) => edit.set(shape, UsesMaterial(material)),
+                    None => edit.remove::<UsesMaterial>(shape),
+                }
+            }
+        }
+        Command::GiveMaterial { shape } => {
+            need::<Shape>(edit, shape)?;
+            let order = DocumentOrder(next_order(edit.world));
+            let name = free_name(&names(edit.world), "material");
+            let material = edit.spawn((Material::default(), order, SceneId(name.clone()), Name::new(name)));
+            edit.set(shape, UsesMaterial(material));
+        }
+        Command::DropMaterial { material, at } => materials::drop_at(edit, material, at)?,
+        Command::BuildMaterial { targets, tree } => materials::build(edit, &targets, &tree)?,
+        Command::UsePreset { preset, shapes } => materials::use_preset(edit, &preset, &shapes)?,
+        Command::DropPreset { preset, at } => {
+            let shape = materials::shape_at(edit, at)?;
+            materials::use_preset(edit, &preset, &[shape])?;
+        }
+        Command::SetAreaLight(entity, light) => match light {
+            Some(light) => {
+                need::<Shape>(edit, entity)?;
+                edit.set(entity, light);
+            }
+            None => edit.remove::<AreaLight>(entity),
+        },
+        Command::SetEmitter(entity, emitter) => replace(edit, entity, emitter)?,
+        Command::SetSensor(entity, sensor) => replace(edit, entity, sensor)?,
+        Command::FocusAt(film) => view::focus(edit, film)?,
+        Command::SetFilm(entity, film) => replace(edit, entity, film)?,
+        Command::SetIntegrator(settings) => super::world::set_resource::<IntegratorSettings>(edit.world, settings),
+        Command::SetSampler(settings) => super::world::set_resource::<SamplerSettings>(edit.world, settings),
+        Command::SetAccel(method) => super::world::set_resource::<AccelMethod>(edit.world, method),
+        Command::BakeLights => mixing::bake(edit)?,
+        Command::OnSelection(command) => {
+            several::carry_to_others(edit, &command);
+            apply(edit, *command)?;
+        }
+        // The others are no edits.
+        _ => {}
+    }
+    Ok(())
+}

@@ -1,0 +1,268 @@
+//! What the editor does when a scene has been opened or read anew.
+
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::*;
+
+use crate::app::editor::camera::navigation::up_axis;
+use crate::app::editor::camera::picking;
+use crate::app::editor::command::light_mix::{FilmLights, LightMix};
+use crate::app::editor::command::panel::Panel;
+use crate::app::editor::command::selection::Selection;
+use crate::app::editor::picture::paths::PathInspector;
+use crate::app::editor::session::history::History;
+use crate::app::editor::session::options::WantedCamera;
+use crate::app::editor::session::recovery::Recovery;
+use crate::app::editor::session::requests::Requests;
+use crate::app::editor::session::toasts::{Toasts, Tone, Topic};
+use crate::app::editor::session::trust::TrustedFolders;
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::app::editor::words::files::gone;
+use crate::document::Severity;
+use crate::engine::{CurrentScene, RenderControl};
+use crate::scene::{ActiveSensor, FileReadAgain, FreeView, SceneFile, SceneState, SceneStatus, ToWorld, find_camera};
+
+/// What is read of the scene's file waits while the user is asked what is to become of its changes.
+pub fn hold_reloads(requests: Res<Requests>, mut file: ResMut<SceneFile>) {
+    let is_asked = requests.save_question.is_some();
+    if file.is_held() != is_asked {
+        file.hold(is_asked);
+    }
+}
+
+/// Messages about loading; a freshly opened scene also decides what is up.
+pub fn follow_scene(
+    status: Res<SceneStatus>,
+    active: Res<ActiveSensor>,
+    poses: Query<&ToWorld>,
+    mut settings: ResMut<ViewSettings>,
+    mut requests: ResMut<Requests>,
+    mut toasts: ResMut<Toasts>,
+    mut selection: ResMut<Selection>,
+    mut history: ResMut<History>,
+    mut free_view: ResMut<FreeView>,
+    (mut mix, mut film_lights): (ResMut<LightMix>, ResMut<FilmLights>),
+    mut paths: ResMut<PathInspector>,
+    mut control: ResMut<RenderControl>,
+    recovery: Res<Recovery>,
+    mut trusted: Option<ResMut<TrustedFolders>>,
+    mut seen: Local<(u64, u64)>,
+    mut was_asked: Local<bool>,
+) {
+    // Whoever asked for it wants to hear also that nothing has changed.
+    let is_answer = std::mem::replace(&mut *was_asked, status.state == SceneState::Loading);
+    if *seen == (status.revision, status.failures) {
+        return;
+    }
+    let before = std::mem::replace(&mut *seen, (status.revision, status.failures));
+    // What was allowed counts for this reading alone, whatever comes of it.
+    let news = trusted.as_mut().and_then(|trusted| trusted.take_news());
+    let file = status
+        .path
+        .as_ref()
+        .and_then(|path| path.file_name())
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    if status.revision != before.0 {
+        toasts.forget(Topic::SceneFile);
+        if status.fresh_load {
+            let pose = active.0.and_then(|sensor| poses.get(sensor).ok());
+            settings.navigation.up = pose.map_or(Vec3::Y, |pose| up_axis(&pose.0));
+            *selection = Selection::default();
+            *free_view = FreeView::default();
+            history.clear();
+            // All of the scene before.
+            requests.save_question = None;
+            settings.bookmarks = Default::default();
+            (*mix, *film_lights) = Default::default();
+            paths.wanted = None;
+            if control.region.is_some() {
+                control.region = None;
+            }
+            if status.path.is_none() {
+                settings.navigation.scene_size = NEW_SCENE;
+            }
+            if status.path.is_some() && !recovery.is_returning() {
+                toasts.say(format!("Opened {file}"));
+            }
+        } else {
+            let has_news = news.is_some();
+            if let Some(news) = news {
+                toasts.say(news);
+            }
+            if !status.reload.is_unchanged() {
+                toasts.say(format!("Reloaded {file}: {}", status.reload.text()));
+            } else if is_answer && !has_news {
+                toasts.say(format!("Reloaded {file}: nothing new in it"));
+            }
+        }
+    }
+    if status.failures != before.1 {
+        let path = status.subject().unwrap_or(Path::new(""));
+        let diagnostics = &status.diagnostics;
+        let mut errors = diagnostics.list.iter();
+        let first = errors.find(|diagnostic| diagnostic.severity == Severity::Error);
+        let message = failure(path, status.revision > 0);
+        let (message, excerpt) = match first {
+            Some(first) => (format!("{message}: {}", first.message), diagnostics.excerpt(first)),
+            None => (message, None),
+        };
+        toasts.complain(Topic::SceneFile, message, excerpt);
+        requests.wanted_panel = Some(Panel::Messages);
+    }
+}
+
+/// Messages about meshes and pictures that were read again or could not be, and about files that are not there any more.
+pub fn follow_files(
+    mut read_again: MessageReader<FileReadAgain>,
+    status: Res<SceneStatus>,
+    mut toasts: ResMut<Toasts>,
+    mut known: Local<FileTroubles>,
+) {
+    for FileReadAgain(path) in read_again.read() {
+        let file = path.file_name().unwrap_or_default().to_string_lossy();
+        toasts.say(format!("Reloaded {file}"));
+    }
+    if !status.is_changed() {
+        return;
+    }
+    let troubles = FileTroubles::of(&status);
+    for path in troubles.gone.iter().filter(|path| !known.gone.contains(path)) {
+        toasts.warn(gone(path));
+    }
+    let mut unreadable = troubles
+        .unreadable
+        .iter()
+        .filter(|text| !known.unreadable.contains(text));
+    if let Some(first) = unreadable.next() {
+        let others = match unreadable.count() {
+            0 => String::new(),
+            count => format!(" (and {count} more)"),
+        };
+        // The log has it already.
+        toasts.add(Tone::Warning, Topic::Other, format!("{first}{others}"), None);
+    }
+    *known = troubles;
+}
+
+/// What has been told of files.
+#[derive(Default)]
+pub struct FileTroubles {
+    gone: Vec<PathBuf>,
+    unreadable: Vec<String>,
+}
+
+impl FileTroubles {
+    fn of(status: &SceneStatus) -> Self {
+        let of_meshes = status.mesh_errors.iter();
+        let all = of_meshes
+            .chain(&status.picture_problems)
+            .chain(&status.damaged_pictures);
+        Self {
+            gone: status.files_gone.clone(),
+            unreadable: all.map(|problem| problem.message.clone()).collect(),
+        }
+    }
+}
+
+/// Whether somebody asked for a camera, and there is a scene to look for it in.
+pub fn camera_is_wanted(wanted: Res<WantedCamera>, status: Res<SceneStatus>) -> bool {
+    wanted.name.is_some() && status.revision > 0
+}
+
+/// Looks through the camera that was asked for.
+pub fn choose_camera(world: &mut World) {
+    let mut wanted = world.resource_mut::<WantedCamera>();
+    let (name, is_required) = (wanted.name.take(), wanted.is_required);
+    let Some(name) = name else {
+        return;
+    };
+    match find_camera(world, &name) {
+        Ok(camera) => world.insert_resource(ActiveSensor(Some(camera))),
+        Err(error) => {
+            world
+                .resource_mut::<Toasts>()
+                .complain(Topic::Other, error.to_string(), None);
+            if is_required {
+                world.write_message(AppExit::error());
+            }
+        }
+    }
+}
+
+fn failure(path: &Path, has_good_scene: bool) -> String {
+    let path = path.display();
+    if has_good_scene {
+        format!("{path} could not be read; the last good scene is shown")
+    } else {
+        format!("{path} could not be read")
+    }
+}
+
+/// Keeps the size that flying is scaled by: that of everything, but no more than the first view of a scene suggests. A floor of a
+/// kilometre must not make a still life on it a matter of one key press.
+pub fn measure_scene(
+    current: Res<CurrentScene>,
+    status: Res<SceneStatus>,
+    mut settings: ResMut<ViewSettings>,
+    mut looked_at: Local<Option<(u64, f32)>>,
+) {
+    if !current.is_changed() {
+        return;
+    }
+    let Some(bounds) = picking::scene_bounds(&current) else {
+        return;
+    };
+    let is_other_scene = |(load, _)| status.fresh_load && load != status.revision;
+    if looked_at.is_none_or(is_other_scene) {
+        let distance = picking::distance_ahead(&current).unwrap_or(f32::INFINITY);
+        *looked_at = Some((status.revision, distance));
+    }
+    let ahead = looked_at.map_or(f32::INFINITY, |(_, distance)| distance);
+    let size = bounds.extent().length().min(SIZE_PER_DISTANCE * ahead);
+    if size.is_finite() && size > 0.0 && size != settings.navigation.scene_size {
+        settings.navigation.scene_size = size;
+    }
+}
+
+/// World units, of one in which there is nothing yet.
+const NEW_SCENE: f32 = 5.0;
+
+/// A subject is about as large as it is far, and there is something around it.
+const SIZE_PER_DISTANCE: f32 = 2.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{DocumentOrder, SceneId, Sensor};
+
+    #[test]
+    fn a_camera_that_is_not_there_is_an_error() {
+        for (name, is_required, is_error, ends) in [
+            ("top", true, false, false),
+            ("tpo", false, true, false),
+            ("tpo", true, true, true),
+        ] {
+            let mut world = World::new();
+            world.init_resource::<ViewSettings>();
+            world.init_resource::<Requests>();
+            world.init_resource::<Toasts>();
+            world.init_resource::<Messages<AppExit>>();
+            world.spawn((
+                DocumentOrder(0),
+                SceneId("top".to_owned()),
+                Name::new("top"),
+                Sensor::default(),
+            ));
+            world.insert_resource(WantedCamera {
+                name: Some(name.to_owned()),
+                is_required,
+            });
+            choose_camera(&mut world);
+            let texts: Vec<String> = world.resource::<Toasts>().texts().map(str::to_owned).collect();
+            assert_eq!(texts.iter().any(|text| text.contains("tpo")), is_error, "{texts:?}");
+            assert_eq!(!world.resource::<Messages<AppExit>>().is_empty(), ends);
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! What the user does to the window itself: panels, overlays, full screen.
+
+use bevy::prelude::*;
+use bevy::window::{MonitorSelection, PrimaryWindow, WindowCloseRequested, WindowMode};
+
+use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::session::layout::Layout;
+use crate::app::editor::session::requests::Requests;
+use crate::app::editor::session::{recovery, trust};
+use crate::memory;
+
+pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), String> {
+    match command {
+        ShellCommand::ShowPanel(panel) => world.get_resource_or_init::<Layout>().show(panel),
+        ShellCommand::ClosePanel(panel) => world.get_resource_or_init::<Layout>().close(panel),
+        ShellCommand::ResetLayout => world.insert_resource(Layout::default()),
+        ShellCommand::ToggleFullScreen => toggle_full_screen(world),
+        ShellCommand::ShowSheet(sheet) => {
+            world.resource_mut::<Requests>().sheet = Some(sheet);
+        }
+        ShellCommand::SetPreferences(preferences) => {
+            let preferences = preferences.within_range();
+            memory::budget().prefer_limit(preferences.memory_limit());
+            world.insert_resource(preferences);
+        }
+        ShellCommand::Recover(offer) => recovery::recover(world, offer)?,
+        ShellCommand::DiscardRecovery(offer) => recovery::discard(&offer)?,
+        ShellCommand::AllowFiles(question) => trust::allow(world, &question),
+    }
+    Ok(())
+}
+
+fn toggle_full_screen(world: &mut World) {
+    let mut windows = world.query_filtered::<&mut Window, With<PrimaryWindow>>();
+    if let Ok(mut window) = windows.single_mut(world) {
+        window.mode = match window.mode {
+            WindowMode::Windowed => WindowMode::BorderlessFullscreen(MonitorSelection::Current),
+            _ => WindowMode::Windowed,
+        };
+    }
+}
+
+/// The window stays open until the user has been asked about unsaved edits.
+pub fn note_close_requests(mut closing: MessageReader<WindowCloseRequested>, mut requests: ResMut<Requests>) {
+    if closing.read().count() > 0 {
+        requests.closes = true;
+    }
+}

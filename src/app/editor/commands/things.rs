@@ -1,0 +1,143 @@
+//! What several edits of things in the scene have in common.
+
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+
+use crate::app::editor::command::selection::{Extend, Selection};
+use crate::app::editor::session::history::Edit;
+use crate::scene::insert::next_order;
+use crate::scene::{
+    ActiveSensor, DeclaredIn, Declares, DocumentOrder, FirstNested, FirstNestedIn, FreeView, Locked, Material,
+    MaterialUsers, ObjectState, Placements, SceneId, SecondNested, SecondNestedIn, Sensor, ToWorld, UsesMaterial,
+};
+
+/// An error unless the entity has a component of this type.
+pub fn need<C: Component>(edit: &Edit, entity: Entity) -> Result<(), String> {
+    match edit.world.get::<C>(entity) {
+        Some(_) => Ok(()),
+        None => Err("That cannot be done to this thing.".to_owned()),
+    }
+}
+
+/// Another value for a component that is there.
+pub fn replace<C: Component + PartialEq>(edit: &mut Edit, entity: Entity, value: C) -> Result<(), String> {
+    need::<C>(edit, entity)?;
+    edit.set(entity, value);
+    Ok(())
+}
+
+pub fn selected(edit: &Edit) -> Result<Vec<Entity>, String> {
+    let selection = edit.world.resource::<Selection>().entities();
+    let free: Vec<Entity> = selection
+        .iter()
+        .copied()
+        .filter(|entity| ObjectState::is_in_scene(edit.world, *entity) && edit.world.get::<Locked>(*entity).is_none())
+        .collect();
+    match (selection.is_empty(), free.is_empty()) {
+        (true, _) => Err("Nothing is selected.".to_owned()),
+        (false, true) => Err("What is selected is locked.".to_owned()),
+        (false, false) => Ok(free),
+    }
+}
+
+/// With the materials that were written inside of it and that nobody else uses; whoever used it uses none then.
+pub(super) fn delete(edit: &mut Edit, entity: Entity) {
+    let declared: Vec<Entity> = edit
+        .world
+        .get::<Declares>(entity)
+        .map(|declares| declares.iter().collect())
+        .unwrap_or_default();
+    let users: Vec<Entity> = edit
+        .world
+        .get::<MaterialUsers>(entity)
+        .map(|users| users.iter().collect())
+        .unwrap_or_default();
+    for user in users {
+        edit.remove::<UsesMaterial>(user);
+    }
+    // What it was inside of needs something in its place.
+    for outer in outer_materials(edit.world, entity) {
+        let is_first = edit
+            .world
+            .get::<FirstNested>(outer)
+            .is_some_and(|nested| nested.0 == entity);
+        let order = DocumentOrder(next_order(edit.world));
+        let plain = edit.spawn((Material::default(), order, Name::new("diffuse")));
+        edit.set(plain, DeclaredIn(outer));
+        if is_first {
+            edit.set(outer, FirstNested(plain));
+        } else {
+            edit.set(outer, SecondNested(plain));
+        }
+    }
+    edit.delete(entity);
+    for material in declared {
+        let is_used = edit
+            .world
+            .get::<MaterialUsers>(material)
+            .is_some_and(|users| !users.is_empty())
+            || !outer_materials(edit.world, material).is_empty();
+        if is_used {
+            // It stands for itself from now on.
+            edit.remove::<DeclaredIn>(material);
+        } else {
+            delete(edit, material);
+        }
+    }
+}
+
+/// The materials that this one is nested in.
+pub fn outer_materials(world: &World, material: Entity) -> Vec<Entity> {
+    let first = world
+        .get::<FirstNestedIn>(material)
+        .into_iter()
+        .flat_map(|outer| outer.iter());
+    let second = world
+        .get::<SecondNestedIn>(material)
+        .into_iter()
+        .flat_map(|outer| outer.iter());
+    first
+        .chain(second)
+        .filter(|outer| ObjectState::is_in_scene(world, *outer))
+        .collect()
+}
+
+/// What the file could not have as an id.
+pub fn check_name(name: &str) -> Result<(), String> {
+    match name.chars().find(|c| is_no_name(*c)) {
+        Some(wrong) => Err(format!("Names cannot have {wrong:?} in them.")),
+        None => Ok(()),
+    }
+}
+
+/// Characters that ids cannot have.
+pub fn is_no_name(c: char) -> bool {
+    c.is_control() || "$.\"<>&".contains(c)
+}
+
+pub fn call(edit: &mut Edit, entity: Entity, name: &str) {
+    edit.set(entity, SceneId(name.to_owned()));
+    edit.set(entity, Name::new(name.to_owned()));
+}
+
+pub fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), String> {
+    for (entity, pose) in poses {
+        if edit.world.get::<Placements>(entity).is_some() {
+            return Err("So many instances stay where the file has them.".into());
+        }
+        if edit.world.get::<Locked>(entity).is_some() {
+            return Err("That is locked.".into());
+        }
+        edit.set(entity, ToWorld(pose));
+        // The one who moves the camera wants to see from there.
+        if edit.world.resource::<ActiveSensor>().0 == Some(entity) && edit.world.get::<Sensor>(entity).is_some() {
+            edit.world.insert_resource(FreeView::default());
+        }
+    }
+    Ok(())
+}
+
+/// Selects what an edit has made.
+pub fn select_new(edit: &mut Edit, made: Vec<Entity>) {
+    edit.world.resource_mut::<Selection>().extend(made, Extend::Replace);
+}

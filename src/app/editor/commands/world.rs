@@ -1,0 +1,17 @@
+//! Resources of the world that commands set.
+
+use bevy::prelude::*;
+
+use crate::engine::RenderControl;
+
+pub fn set_resource<R: Resource + PartialEq>(world: &mut World, value: R) {
+    if world.get_resource::<R>() != Some(&value) {
+        world.insert_resource(value);
+    }
+}
+
+pub fn control(world: &mut World, edit: impl FnOnce(&mut RenderControl)) {
+    let mut edited = world.resource::<RenderControl>().clone();
+    edit(&mut edited);
+    set_resource(world, edited);
+}

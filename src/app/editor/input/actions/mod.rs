@@ -1,0 +1,171 @@
+//! Everything that is done by one key, one menu entry or one word: the table that the keyboard, the menus, the palette, the overview of
+//! shortcuts and scripts share.
+
+mod table;
+
+use bevy_egui::egui::Key;
+
+use super::press::Press;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::bvh_overlay::BvhOverlay;
+use crate::app::editor::command::display::DisplaySettings;
+use crate::app::editor::command::gizmo_settings::GizmoSettings;
+use crate::app::editor::command::selection::Selection;
+use crate::app::editor::command::tool::Tool;
+pub use table::ACTIONS;
+
+/// What actions toggle, step or are about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActionContext<'a> {
+    pub display: DisplaySettings,
+    pub overlay: BvhOverlay,
+    pub gizmo: GizmoSettings,
+    pub paused: bool,
+    pub panels_shown: bool,
+    pub selection: &'a Selection,
+    pub tool: Tool,
+    pub safe_frame: bool,
+    /// While flying, Control means slow and is no part of a shortcut.
+    pub flying: bool,
+}
+
+/// A key with its modifiers; `command` is Control, on a Mac the command key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shortcut {
+    pub key: Key,
+    pub command: bool,
+    pub shift: bool,
+    pub alt: bool,
+    /// A digit of the block at the keyboard's right.
+    pub numpad: bool,
+}
+
+#[derive(Clone, Copy)]
+pub struct Action {
+    /// In scripts and the palette.
+    pub name: &'static str,
+    /// In menus and the palette.
+    pub label: &'static str,
+    pub group: Group,
+    pub keys: &'static [Shortcut],
+    /// None: there is nothing to do it to.
+    pub command: fn(&ActionContext) -> Option<Command>,
+}
+
+/// Headings of the overview, and menus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    File,
+    Edit,
+    Add,
+    View,
+    Render,
+    Window,
+}
+
+impl Group {
+    pub const ALL: [(Self, &'static str); 6] = [
+        (Self::File, "File"),
+        (Self::Edit, "Edit"),
+        (Self::Add, "Add"),
+        (Self::View, "View"),
+        (Self::Render, "Render"),
+        (Self::Window, "Window"),
+    ];
+}
+
+impl Shortcut {
+    pub fn is_pressed(&self, press: &Press) -> bool {
+        let modifiers = press.modifiers;
+        press.key == self.key
+            && press.numpad == self.numpad
+            && modifiers.command == self.command
+            && modifiers.shift == self.shift
+            && modifiers.alt == self.alt
+    }
+
+    /// `Ctrl+Shift+Z`.
+    pub fn text(&self) -> String {
+        // Nobody thinks of the question mark as a key with Shift.
+        let shift = self.shift && self.key != Key::Questionmark;
+        let modifiers = [(self.command, "Ctrl+"), (self.alt, "Alt+"), (shift, "Shift+")];
+        let mut text: String = modifiers
+            .into_iter()
+            .filter(|(held, _)| *held)
+            .map(|(_, name)| name)
+            .collect();
+        text += if self.numpad { "Numpad " } else { "" };
+        text += self.key.symbol_or_name();
+        text
+    }
+}
+
+/// The action of this name.
+pub fn find(name: &str) -> Option<&'static Action> {
+    ACTIONS.iter().find(|action| action.name == name)
+}
+
+impl ActionContext<'_> {
+    fn with_selection(&self, command: Command) -> Option<Command> {
+        (!self.selection.is_empty()).then_some(command)
+    }
+
+    fn exposed(&self, stops: f32) -> Command {
+        Command::SetDisplay(DisplaySettings {
+            exposure: self.display.exposure + stops,
+            ..self.display
+        })
+    }
+
+    /// What a command leaves for the next one.
+    pub fn follow(&mut self, command: &Command) {
+        match command {
+            Command::SetDisplay(display) => self.display = *display,
+            Command::SetOverlay(overlay) => self.overlay = *overlay,
+            Command::SetGizmo(settings) => self.gizmo = *settings,
+            Command::SetPaused(paused) => self.paused = *paused,
+            Command::SetTool(tool) => self.tool = *tool,
+            Command::ShowSafeFrame(shown) => self.safe_frame = *shown,
+            Command::ShowPanels(shown) => self.panels_shown = *shown,
+            _ => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_name_and_no_key_means_two_things() {
+        for (place, action) in ACTIONS.iter().enumerate() {
+            for other in &ACTIONS[..place] {
+                assert_ne!(action.name, other.name);
+                assert!(
+                    !action.keys.iter().any(|key| other.keys.contains(key)),
+                    "{}",
+                    action.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn keys_are_named_as_people_do() {
+        let all = Shortcut {
+            key: Key::Z,
+            command: true,
+            shift: true,
+            alt: true,
+            numpad: false,
+        };
+        assert_eq!(all.text(), "Ctrl+Alt+Shift+Z");
+        let slash = Shortcut {
+            key: Key::Questionmark,
+            command: false,
+            alt: false,
+            ..all
+        };
+        assert_eq!(slash.text(), "?");
+    }
+}

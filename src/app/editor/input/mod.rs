@@ -1,0 +1,8 @@
+//! Keys and the actions they stand for, and repairs to the events that egui is given. May import `command`.
+
+pub mod actions;
+pub mod keys;
+pub(crate) mod leaving;
+pub mod press;
+pub(crate) mod quiet;
+pub(crate) mod typing;

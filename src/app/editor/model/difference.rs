@@ -1,0 +1,344 @@
+//! What differs among several selected things.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use bevy::math::{Affine3A, Vec3, Vec3A};
+use bevy::reflect::{PartialReflect, ReflectRef};
+
+use super::Inspected;
+use super::mixed::{Mixed, key};
+
+/// Fields that rows, or files, call something else.
+const OTHER_NAMES: [(&str, &str); 22] = [
+    ("kind", "type"),
+    ("p0", "from"),
+    ("p1", "to"),
+    ("face_normals", "flat_shading"),
+    ("path", "file"),
+    ("radiance", "colour"),
+    ("intensity", "colour"),
+    ("irradiance", "colour"),
+    ("picture", "filename"),
+    ("interior", "int_ior"),
+    ("exterior", "ext_ior"),
+    ("ior", "material"),
+    ("u", "alpha_u"),
+    ("v", "alpha_v"),
+    ("index", "specular"),
+    ("aperture_radius", "aperture"),
+    ("aperture_radius", "f-stop"),
+    ("focus_distance", "focus_at"),
+    ("blade_rotation", "turned_by"),
+    ("sample_count", "samples"),
+    ("stddev", "width_of_it"),
+    ("sun", "sun_direction"),
+];
+
+/// Parts of fields that have rows of their own, and what those are called.
+const PARTS: [(&str, &str, &str); 6] = [
+    ("principal_point_offset", "x", "shift_right"),
+    ("principal_point_offset", "y", "shift_down"),
+    ("crop", "x", "left"),
+    ("crop", "y", "top"),
+    ("crop", "width", "crop_width"),
+    ("crop", "height", "crop_height"),
+];
+
+impl Inspected {
+    /// With what differs in others that are selected, too.
+    pub fn compared(mut self, others: &[Self]) -> Self {
+        self.mixed = Mixed::of(&self, others);
+        for entry in &mut self.materials {
+            let path = &entry.path;
+            let alike = others
+                .iter()
+                .filter_map(|other| other.materials.iter().find(|material| material.path == *path));
+            entry.mixed = Mixed::of_values(&entry.material, alike.map(|other| &other.material));
+        }
+        self
+    }
+}
+
+impl Mixed {
+    /// Of these things, the first of which is shown.
+    pub fn of(shown: &Inspected, others: &[Inspected]) -> Self {
+        let mut found = BTreeSet::new();
+        for other in others {
+            poses(shown, other, &mut found);
+            if shown.shape.is_some() && other.shape.is_some() {
+                if shown.uses_material != other.uses_material {
+                    found.insert("uses".to_owned());
+                }
+                if shown.area_light.is_some() != other.area_light.is_some() {
+                    found.insert("emits_light".to_owned());
+                }
+            }
+            both("shape", &shown.shape, &other.shape, &mut found);
+            both("light", &shown.area_light, &other.area_light, &mut found);
+            both("type", &shown.emitter, &other.emitter, &mut found);
+            both("camera", &shown.sensor, &other.sensor, &mut found);
+            both("film", &shown.film, &other.film, &mut found);
+        }
+        Self(Arc::new(found))
+    }
+
+    /// Finds what differs among values of one type; the panel shows the first of them.
+    pub fn of_values<'v, T: PartialReflect>(shown: &T, others: impl Iterator<Item = &'v T>) -> Self {
+        let mut found = BTreeSet::new();
+        for other in others {
+            differ("type", shown, other, &mut found);
+        }
+        Self(Arc::new(found))
+    }
+}
+
+fn poses(shown: &Inspected, other: &Inspected, found: &mut BTreeSet<String>) {
+    let (Some(one), Some(two)) = (&shown.pose(), &other.pose()) else {
+        return;
+    };
+    // What rounding leaves of a turn and back.
+    const SAME: f32 = 1e-5;
+    let axes = |pose: &Affine3A| [pose.matrix3.x_axis, pose.matrix3.y_axis, pose.matrix3.z_axis].map(Vec3::from);
+    let lengths = |pose: &Affine3A| Vec3::from_array(axes(pose).map(Vec3::length));
+    let [turn, other_turn] = [one, two].map(|pose| axes(pose).map(Vec3::normalize_or_zero));
+    let off = rounding(one, shown.middle()) + rounding(two, other.middle());
+    if (one.translation - two.translation).abs().cmpgt(off).any() {
+        found.insert("position".to_owned());
+    }
+    if !lengths(one).abs_diff_eq(lengths(two), SAME * lengths(one).max_element()) {
+        found.insert("scale".to_owned());
+    }
+    if turn
+        .iter()
+        .zip(other_turn)
+        .any(|(one, two)| !one.abs_diff_eq(two, SAME))
+    {
+        found.insert("rotation".to_owned());
+    }
+}
+
+fn both<T: PartialReflect>(name: &str, one: &Option<T>, two: &Option<T>, found: &mut BTreeSet<String>) {
+    if let (Some(one), Some(two)) = (one, two) {
+        differ(name, one, two, found);
+    }
+}
+
+/// Adds the names of fields that differ to `found`. A field that only one of the two values has does not count.
+fn differ(name: &str, one: &dyn PartialReflect, two: &dyn PartialReflect, found: &mut BTreeSet<String>) {
+    if one.reflect_partial_eq(two) == Some(true) {
+        return;
+    }
+    match (one.reflect_ref(), two.reflect_ref()) {
+        (ReflectRef::Struct(own), ReflectRef::Struct(its)) if !one.represents::<Vec3>() => {
+            for place in 0..own.field_len() {
+                if let (Some(field), Some(own), Some(its)) =
+                    (own.name_at(place), own.field_at(place), its.field_at(place))
+                {
+                    let part = PARTS.iter().find(|(whole, part, _)| *whole == name && *part == field);
+                    differ(part.map_or(field, |(.., row)| row), own, its, found);
+                }
+            }
+        }
+        (ReflectRef::Enum(own), ReflectRef::Enum(its)) => {
+            let is_same = own.variant_name() == its.variant_name();
+            if !is_same || own.field_len() == 0 {
+                add(name, found);
+            }
+            for place in 0..own.field_len() {
+                match (own.name_at(place), own.field_at(place)) {
+                    (Some(inner), Some(own)) => {
+                        if let Some(its) = its.field(inner) {
+                            differ(inner, own, its, found);
+                        }
+                    }
+                    (None, Some(own)) if is_same => {
+                        if let Some(its) = its.field_at(place) {
+                            differ(name, own, its, found);
+                        }
+                    }
+                    _ => {}
+                }
+            }
+        }
+        _ => add(name, found),
+    }
+}
+
+fn add(name: &str, found: &mut BTreeSet<String>) {
+    let others = OTHER_NAMES.iter().filter(|(field, _)| *field == name);
+    found.extend(others.map(|(_, row)| (*row).to_owned()));
+    found.insert(key(name));
+}
+
+/// What the way to a shape's middle and back may change of where it is, per coordinate. `pose`: world from a space whose origin is there.
+pub fn rounding(pose: &Affine3A, middle: Vec3) -> Vec3A {
+    // A few units in the last place of numbers that are added.
+    const ROUNDING: f32 = 4.0 * f32::EPSILON;
+    ROUNDING * (pose.translation.abs() + (pose.matrix3 * Vec3A::from(middle)).abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::Vec2;
+    use bevy::prelude::Entity;
+
+    use super::super::{InspectedMaterial, MaterialPlace};
+    use super::*;
+    use crate::color::Rgb;
+    use crate::scene::{ConductorIor, Crop, Distribution, Film, Material, Roughness, Sensor, Shape, ShapeKind};
+
+    fn thing(radius: f32, place: Vec3) -> Inspected {
+        let center = Vec3::ZERO;
+        Inspected {
+            shape: Some(Shape {
+                kind: ShapeKind::Sphere { center, radius },
+                ..Shape::default()
+            }),
+            to_world: Some(Affine3A::from_translation(place)),
+            ..Inspected::new(Entity::PLACEHOLDER, "ball")
+        }
+    }
+
+    #[test]
+    fn only_what_differs_is_mixed() {
+        let shown = thing(1.0, Vec3::ZERO);
+        let same = Mixed::of(&shown, &[thing(1.0, Vec3::ZERO)]);
+        assert!(same.is_empty(), "{same:?}");
+        let mixed = Mixed::of(&shown, &[thing(1.0, Vec3::ZERO), thing(2.0, Vec3::X)]);
+        let has = ["Radius", "Position", "Rotation", "Scale", "Flip normals", "Uses"].map(|row| mixed.has(row));
+        assert_eq!(has, [true, true, false, false, false, false], "{mixed:?}");
+    }
+
+    #[test]
+    fn a_spheres_centre_is_its_position() {
+        let mut other = thing(1.0, Vec3::ZERO);
+        other.shape = Some(Shape {
+            kind: ShapeKind::Sphere {
+                center: Vec3::X,
+                radius: 1.0,
+            },
+            ..Shape::default()
+        });
+        assert!(Mixed::of(&thing(1.0, Vec3::ZERO), &[other.clone()]).has("position"));
+        assert!(!Mixed::of(&thing(1.0, Vec3::X), &[other]).has("position"));
+    }
+
+    #[test]
+    fn places_that_were_made_the_same_are_the_same() {
+        let turn = Affine3A::from_rotation_y(0.7) * Affine3A::from_scale(Vec3::splat(1.3));
+        let at = |center: Vec3, place: Vec3| {
+            let mut ball = thing(1.0, Vec3::ZERO);
+            ball.shape = Some(Shape {
+                kind: ShapeKind::Sphere { center, radius: 1.0 },
+                ..Shape::default()
+            });
+            let pose = Affine3A::from_translation(place) * turn;
+            ball.to_world = Some(pose * Affine3A::from_translation(-center));
+            ball
+        };
+        let place = Vec3::new(0.1, 0.7, -3.3);
+        for center in [Vec3::new(12.3, 0.4, 7.7), Vec3::new(-0.3, 55.5, 0.9)] {
+            let shown = at(Vec3::ZERO, place);
+            assert!(!Mixed::of(&shown, &[at(center, place)]).has("position"), "{center}");
+            assert!(Mixed::of(&shown, &[at(center, place + Vec3::X * 1e-3)]).has("position"));
+        }
+    }
+
+    #[test]
+    fn materials_are_compared_along_the_same_path() {
+        let entry = |path: &[usize], material: Material| InspectedMaterial {
+            entity: Entity::PLACEHOLDER,
+            name: "material".into(),
+            material,
+            place: MaterialPlace::Inside,
+            path: path.to_vec(),
+            mixed: Mixed::default(),
+            users: 0,
+            inside: Vec::new(),
+        };
+        let plugin = |name| Material::of_plugin(name).expect("a plugin");
+        let made_of = |materials| Inspected {
+            materials,
+            ..thing(1.0, Vec3::ZERO)
+        };
+        let shown = made_of(vec![
+            entry(&[], Material::TwoSided),
+            entry(&[0], plugin("diffuse")),
+            entry(&[1], plugin("plastic")),
+        ]);
+        // Its front has one more in it.
+        let other = made_of(vec![
+            entry(&[], Material::TwoSided),
+            entry(&[0], plugin("bumpmap")),
+            entry(&[0, 0], plugin("diffuse")),
+            entry(&[1], plugin("plastic")),
+        ]);
+        let differ = shown
+            .compared(&[other])
+            .materials
+            .into_iter()
+            .map(|entry| entry.mixed.has("type"));
+        assert_eq!(differ.collect::<Vec<bool>>(), [false, true, false]);
+    }
+
+    #[test]
+    fn parts_are_called_as_their_rows() {
+        let camera = |offset: Vec2, crop: Crop| Inspected {
+            sensor: Some(Sensor {
+                principal_point_offset: offset,
+                ..Sensor::default()
+            }),
+            film: Some(Film {
+                crop: Some(crop),
+                ..Film::default()
+            }),
+            ..Inspected::new(Entity::PLACEHOLDER, "camera")
+        };
+        let crop = Crop {
+            width: 10,
+            height: 10,
+            ..Crop::default()
+        };
+        let mixed = Mixed::of(
+            &camera(Vec2::ZERO, crop),
+            &[camera(
+                Vec2::Y,
+                Crop {
+                    x: 3,
+                    width: 20,
+                    ..crop
+                },
+            )],
+        );
+        let rows = [
+            "Shift right",
+            "Shift down",
+            "Left",
+            "Top",
+            "Crop width",
+            "Crop height",
+            "Width",
+        ];
+        let marked = rows.map(|row| mixed.has(row));
+        assert_eq!(marked, [false, true, true, false, true, false, false], "{mixed:?}");
+    }
+
+    #[test]
+    fn parameters_are_called_as_in_the_file() {
+        let metal = |alpha: f32| Material::RoughConductor {
+            distribution: Distribution::Ggx,
+            ior: ConductorIor::Named("Au".into()),
+            specular_reflectance: Rgb::ONE.into(),
+            alpha: Roughness::Isotropic(alpha.into()),
+            multiple_scattering: false,
+        };
+        let mixed = Mixed::of_values(&metal(0.1), [metal(0.2)].iter());
+        assert!(
+            mixed.has("alpha") && !mixed.has("distribution") && !mixed.has("type"),
+            "{mixed:?}"
+        );
+        let paint = Material::default();
+        assert!(Mixed::of_values(&metal(0.1), [paint].iter()).has("type"));
+    }
+}

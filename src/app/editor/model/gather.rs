@@ -1,0 +1,388 @@
+//! From the world to the panels' [`Model`], once per frame. Lists are made anew only when something in them changed.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use bevy::ecs::query::QueryData;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+use super::{ComparisonModel, EditorModel, HistoryModel, Item, Notice, Outline, StatusModel};
+use crate::app::editor::command::light_mix::LightMix;
+use crate::app::editor::command::presets;
+use crate::app::editor::picture::compare::Comparison;
+use crate::app::editor::picture::denoiser::Denoiser;
+use crate::app::editor::picture::frame_times::FrameTimes;
+use crate::app::editor::session::history::History;
+use crate::app::editor::session::preferences::PreferencesFile;
+use crate::app::editor::words::files::{self, SCENE_FILES};
+use crate::app::editor::words::kinds;
+use crate::document::{Diagnostic, Diagnostics, Severity};
+use crate::engine::{LightGroup, RenderControl, RenderFilm, RenderStatus};
+use crate::scene::{
+    AccelMethod, ActiveSensor, AreaLight, DocumentOrder, Emitter, Film, FirstNestedIn, Hidden, IntegratorSettings,
+    Locked, Material, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNestedIn, Sensor, Shape, ShapeKind,
+};
+
+/// What names a thing.
+#[derive(QueryData)]
+pub struct Naming {
+    entity: Entity,
+    order: Option<&'static DocumentOrder>,
+    name: Option<&'static Name>,
+    id: Option<&'static SceneId>,
+    hidden: Has<Hidden>,
+    locked: Has<Locked>,
+    is_shape: Has<Shape>,
+    is_emitter: Has<Emitter>,
+    inside_first: Option<&'static FirstNestedIn>,
+    inside_second: Option<&'static SecondNestedIn>,
+}
+
+impl NamingItem<'_, '_> {
+    pub fn name(&self, kind: &str) -> String {
+        match (self.name, self.id) {
+            (Some(name), _) => name.as_str().to_owned(),
+            (None, Some(id)) => id.0.clone(),
+            (None, None) => kind.to_owned(),
+        }
+    }
+
+    /// The first of the materials that this one is inside of.
+    fn outer(&self) -> Option<Entity> {
+        let first = self.inside_first.and_then(|outer| outer.iter().next());
+        first.or_else(|| self.inside_second.and_then(|outer| outer.iter().next()))
+    }
+
+    fn item(&self, kind: &'static str) -> (u32, Item) {
+        let order = self.order.map_or(u32::MAX, |order| order.0);
+        let item = Item {
+            entity: self.entity,
+            name: self.name(kind),
+            kind,
+            hidden: self.hidden,
+            locked: self.locked,
+            can_hide: self.is_shape || self.is_emitter,
+            inside_of: self.outer(),
+        };
+        (order, item)
+    }
+}
+
+type OutlineChanged = Or<(
+    Changed<Name>,
+    Changed<SceneId>,
+    Changed<DocumentOrder>,
+    Changed<Shape>,
+    Changed<Material>,
+    Changed<Emitter>,
+    Added<AreaLight>,
+    Added<Sensor>,
+    Added<Hidden>,
+    Added<Locked>,
+    Changed<FirstNestedIn>,
+    Changed<SecondNestedIn>,
+)>;
+
+#[derive(SystemParam)]
+pub struct OutlineSources<'w, 's> {
+    changed: Query<'w, 's, (), OutlineChanged>,
+    removed_shapes: RemovedComponents<'w, 's, Shape>,
+    removed_materials: RemovedComponents<'w, 's, Material>,
+    removed_emitters: RemovedComponents<'w, 's, Emitter>,
+    removed_lights: RemovedComponents<'w, 's, AreaLight>,
+    removed_sensors: RemovedComponents<'w, 's, Sensor>,
+    shown: RemovedComponents<'w, 's, Hidden>,
+    unlocked: RemovedComponents<'w, 's, Locked>,
+    taken_out: RemovedComponents<'w, 's, FirstNestedIn>,
+    taken_out_second: RemovedComponents<'w, 's, SecondNestedIn>,
+    shapes: Query<'w, 's, (Naming, &'static Shape, Has<AreaLight>)>,
+    materials: Query<'w, 's, (Naming, &'static Material)>,
+    emitters: Query<'w, 's, (Naming, &'static Emitter)>,
+    sensors: Query<'w, 's, (Naming, &'static Sensor)>,
+}
+
+impl OutlineSources<'_, '_> {
+    fn has_changed(&mut self) -> bool {
+        let removed = self.removed_shapes.read().count()
+            + self.removed_materials.read().count()
+            + self.removed_emitters.read().count()
+            + self.removed_lights.read().count()
+            + self.removed_sensors.read().count()
+            + self.shown.read().count()
+            + self.unlocked.read().count()
+            + self.taken_out.read().count()
+            + self.taken_out_second.read().count();
+        removed > 0 || !self.changed.is_empty()
+    }
+
+    fn outline(&self) -> Outline {
+        let lights = self
+            .shapes
+            .iter()
+            .filter(|(_, _, emits)| *emits)
+            .map(|(naming, ..)| naming.item("area"))
+            .chain(
+                self.emitters
+                    .iter()
+                    .map(|(naming, emitter)| naming.item(kinds::emitter_kind(emitter))),
+            );
+        Outline {
+            lights: sorted(lights),
+            shapes: sorted(
+                self.shapes
+                    .iter()
+                    .map(|(naming, shape, _)| naming.item(shape_kind(shape))),
+            ),
+            materials: sorted(
+                self.materials
+                    .iter()
+                    .map(|(naming, material)| naming.item(kinds::material_kind(material))),
+            ),
+            sensors: sorted(self.sensors.iter().map(|(naming, _)| naming.item("camera"))),
+        }
+    }
+}
+
+/// In the order of the file; what was made here comes last.
+fn sorted(items: impl Iterator<Item = (u32, Item)>) -> Vec<Item> {
+    let mut items: Vec<(u32, Item)> = items.collect();
+    items.sort_by_key(|(order, item)| (*order, item.entity));
+    items.into_iter().map(|(_, item)| item).collect()
+}
+
+pub fn shape_kind(shape: &Shape) -> &'static str {
+    match shape.kind {
+        ShapeKind::Sphere { .. } => "sphere",
+        ShapeKind::Rectangle => "rectangle",
+        ShapeKind::Cube => "cube",
+        ShapeKind::Disk => "disk",
+        ShapeKind::Triangle { .. } => "triangle",
+        ShapeKind::Cylinder { .. } => "cylinder",
+        ShapeKind::Instance => "instance",
+        ShapeKind::Mesh(_) => "mesh",
+    }
+}
+
+pub fn gather_outline(mut model: ResMut<EditorModel>, mut sources: OutlineSources) {
+    if sources.has_changed() {
+        model.0.outline = Arc::new(sources.outline());
+    }
+}
+
+/// The library, once.
+pub fn load_presets(mut model: ResMut<EditorModel>) {
+    let (presets, complaints) = presets::load();
+    for complaint in complaints {
+        warn!("{complaint}");
+    }
+    model.0.presets = Arc::new(presets);
+}
+
+#[derive(SystemParam)]
+pub struct Settings<'w, 's> {
+    control: Res<'w, RenderControl>,
+    integrator: Res<'w, IntegratorSettings>,
+    sampler: Res<'w, SamplerSettings>,
+    accel: Res<'w, AccelMethod>,
+    active: Res<'w, ActiveSensor>,
+    films: Query<'w, 's, &'static Film>,
+}
+
+#[derive(SystemParam)]
+pub struct Looks<'w> {
+    mix: Res<'w, LightMix>,
+    film: Res<'w, RenderFilm>,
+    comparison: Res<'w, Comparison>,
+}
+
+impl Looks<'_> {
+    fn lights(&self, outline: &Outline) -> Vec<(Entity, String)> {
+        let names: HashMap<Entity, &str> = outline
+            .lights
+            .iter()
+            .map(|item| (item.entity, item.name.as_str()))
+            .collect();
+        let named = |group: &LightGroup| {
+            let light = *group.entities.first()?;
+            let name = names.get(&light).copied().unwrap_or("light").to_owned();
+            let name = match group.entities.len() {
+                1 => name,
+                many => format!("{name} and {} more", many - 1),
+            };
+            Some((light, name))
+        };
+        self.film.light_groups.iter().filter_map(named).collect()
+    }
+}
+
+pub fn gather_status(
+    mut model: ResMut<EditorModel>,
+    settings: Settings,
+    looks: Looks,
+    status: Res<RenderStatus>,
+    scene: Res<SceneStatus>,
+    denoiser: Res<Denoiser>,
+    frames: Res<FrameTimes>,
+    history: Res<History>,
+    preferences: Res<PreferencesFile>,
+    mut seen_errors: Local<Vec<String>>,
+    mut named: Local<Option<(Arc<[LightGroup]>, Arc<Outline>)>>,
+) {
+    let model = &mut model.0;
+    let film = settings.active.0.and_then(|sensor| settings.films.get(sensor).ok());
+    let file_target = film.map_or(1, |film| film.sample_count);
+    model.render.target_samples = settings.control.target_samples.unwrap_or(file_target);
+    model.render.resolution_scale = settings.control.resolution_scale;
+    model.render.integrator = *settings.integrator;
+    model.render.sampler = *settings.sampler;
+    model.render.accel = *settings.accel;
+    model.render.time_limit = settings.control.time_limit;
+    model.render.noise_target = settings.control.noise_target;
+    model.render.noise = status.noise;
+    model.render.region = settings.control.region;
+    model.render.strategy_split = settings.control.strategy_split;
+    let mixing = &mut model.render.mixing;
+    mixing.is_on = settings.control.light_layers;
+    if looks.mix.is_changed() {
+        mixing.mix = looks.mix.clone();
+    }
+    let (groups, outline) = (&looks.film.light_groups, &model.outline);
+    if !named
+        .as_ref()
+        .is_some_and(|(of, by)| Arc::ptr_eq(of, groups) && Arc::ptr_eq(by, outline))
+    {
+        mixing.lights = looks.lights(outline);
+        *named = Some((groups.clone(), outline.clone()));
+    }
+    model.render.comparison = ComparisonModel {
+        snapshot: looks.comparison.snapshot.as_ref().map(|snapshot| snapshot.samples),
+        view: looks.comparison.view,
+        figures: looks
+            .comparison
+            .figures
+            .filter(|measured| measured.job == looks.film.job),
+    };
+    if scene.is_changed() && model.status.scene != scene.path {
+        model.scene_files = Arc::new(scene_files(scene.path.as_deref()));
+    }
+    if scene.is_changed() || preferences.is_changed() || status.errors != *seen_errors {
+        seen_errors.clone_from(&status.errors);
+        model.notices = Arc::new(notices(&scene, &status.errors, &preferences));
+    }
+    if history.is_changed() {
+        let (done, undone) = history.labels();
+        let owned = |labels: Vec<&str>| labels.into_iter().map(str::to_owned).collect();
+        model.history = Arc::new(HistoryModel {
+            done: owned(done),
+            undone: owned(undone),
+        });
+    }
+    model.status = StatusModel {
+        status: status.clone(),
+        paused: settings.control.paused,
+        scene: scene.path.clone(),
+        unsaved: !history.is_saved(),
+        load_failed: scene.state == SceneState::Failed,
+        denoiser: denoiser.state(),
+        frame_ms: frames.median_ms(),
+    };
+}
+
+/// The scenes in `scenes/` and those beside the open one.
+fn scene_files(open: Option<&Path>) -> Vec<std::path::PathBuf> {
+    let mut folders = vec![Path::new("scenes").to_path_buf()];
+    folders.extend(open.and_then(Path::parent).map(Path::to_path_buf));
+    let mut files: Vec<_> = folders
+        .iter()
+        .filter_map(|folder| std::fs::read_dir(folder).ok())
+        .flatten()
+        .filter_map(|entry| std::path::absolute(entry.ok()?.path()).ok())
+        .filter(|path| {
+            let extension = path.extension().unwrap_or_default();
+            SCENE_FILES.iter().any(|known| extension.eq_ignore_ascii_case(known))
+        })
+        .collect();
+    files.sort();
+    files.dedup();
+    files
+}
+
+fn notices(scene: &SceneStatus, engine_errors: &[String], preferences: &PreferencesFile) -> Vec<Notice> {
+    let plain = |is_error: bool, text: &str| Notice {
+        is_error,
+        place: None,
+        text: text.to_owned(),
+        help: None,
+        excerpt: None,
+    };
+    let mut notices: Vec<Notice> = engine_errors.iter().map(|error| plain(true, error)).collect();
+    notices.extend(preferences.problem.iter().map(|problem| plain(true, problem)));
+    notices.extend(scene.mesh_errors.iter().map(|problem| plain(true, &problem.message)));
+    let diagnostics = &scene.diagnostics;
+    notices.extend(
+        diagnostics
+            .list
+            .iter()
+            .map(|diagnostic| notice(diagnostics, diagnostic)),
+    );
+    let damaged = scene.damaged_pictures.iter();
+    notices.extend(damaged.map(|problem| plain(true, &problem.message)));
+    // A picture that is not there is a warning, as on the command line: the rest is worth seeing.
+    let missing = scene.picture_problems.iter();
+    let warnings = missing.chain(&scene.picture_warnings).chain(&scene.mesh_warnings);
+    notices.extend(warnings.map(|warning| plain(false, &warning.message)));
+    notices.extend(scene.files_gone.iter().map(|path| plain(false, &files::gone(path))));
+    notices.sort_by_key(|notice| !notice.is_error);
+    notices
+}
+
+fn notice(all: &Diagnostics, diagnostic: &Diagnostic) -> Notice {
+    let place = diagnostic
+        .span
+        .and_then(|span| all.locate(span))
+        .map(|(path, line, column)| {
+            let file = path.file_name().unwrap_or_default().to_string_lossy();
+            format!("{file}:{line}:{column}")
+        });
+    Notice {
+        is_error: diagnostic.severity == Severity::Error,
+        place,
+        text: diagnostic.message.clone(),
+        help: diagnostic.help.clone(),
+        excerpt: all.excerpt(diagnostic),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::FileProblem;
+
+    #[test]
+    fn what_is_left_of_a_picture_is_a_warning_and_what_is_not_an_error() {
+        let problem = |message: &str| {
+            let message = message.to_owned();
+            vec![FileProblem {
+                message,
+                ..FileProblem::default()
+            }]
+        };
+        let scene = SceneStatus {
+            damaged_pictures: problem("damaged"),
+            picture_problems: problem("missing"),
+            picture_warnings: problem("negative"),
+            mesh_warnings: problem("duplicates"),
+            ..SceneStatus::default()
+        };
+        let (preferences, _) = PreferencesFile::open(None);
+        let notices = notices(&scene, &[], &preferences);
+        let of_kind = |is_error| {
+            let all = notices.iter().filter(move |notice| notice.is_error == is_error);
+            all.map(|notice| notice.text.as_str()).collect::<Vec<_>>()
+        };
+        assert_eq!(of_kind(true), ["damaged"]);
+        assert_eq!(of_kind(false), ["missing", "negative", "duplicates"]);
+    }
+}

@@ -1,0 +1,52 @@
+//! Small pictures of pictures, for panels: which are wanted, how they are made, and the textures they are shown with.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::*;
+use bevy_egui::egui;
+
+/// The textures that panels show, found by what they depict.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Looks {
+    /// Thumbnails of pictures by absolute path.
+    pub pictures: HashMap<PathBuf, Thumbnail>,
+    /// Rendered balls.
+    pub balls: HashMap<Ball, egui::TextureId>,
+}
+
+/// What a rendered ball is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Ball {
+    Material(Entity),
+    /// A material of the library, by its index there.
+    Preset(usize),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thumbnail {
+    pub texture: egui::TextureId,
+    /// Width and height of the picture itself, in pixels.
+    pub size: [u32; 2],
+}
+
+impl Looks {
+    /// Paints the rendered ball, or a plain disc as long as there is no picture.
+    pub fn paint_ball(&self, ui: &egui::Ui, ball: Ball, rect: egui::Rect) {
+        match self.balls.get(&ball) {
+            Some(texture) => {
+                let whole = egui::Rect::from_min_max(egui::Pos2::ZERO, egui::pos2(1.0, 1.0));
+                ui.painter().image(*texture, rect, whole, egui::Color32::WHITE);
+            }
+            None => {
+                let radius = 0.42 * rect.size().min_elem();
+                let color = ui.visuals().widgets.noninteractive.bg_stroke.color;
+                ui.painter().circle_filled(rect.center(), radius, color);
+            }
+        }
+    }
+
+    pub fn picture(&self, path: &Path) -> Option<Thumbnail> {
+        self.pictures.get(path).copied()
+    }
+}

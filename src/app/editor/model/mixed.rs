@@ -1,0 +1,24 @@
+//! What differs among several selected things, so that the panel can say that the value it shows is that of one of them.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// Rows whose values differ, by [`key`] of their names.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Mixed(pub(super) Arc<BTreeSet<String>>);
+
+/// The key of a row: its name in small letters, with underscores for spaces.
+pub fn key(name: &str) -> String {
+    name.to_lowercase().replace(' ', "_")
+}
+
+impl Mixed {
+    /// `name`: of the row, or of its parameter in the file.
+    pub fn has(&self, name: &str) -> bool {
+        !self.0.is_empty() && self.0.contains(&key(name))
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}

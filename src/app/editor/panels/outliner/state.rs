@@ -1,0 +1,52 @@
+//! What the list remembers between frames.
+
+use bevy::prelude::Entity;
+use bevy_egui::egui::Ui;
+
+use super::lines::{Folding, Lines, leaf};
+use crate::app::editor::command::selection::Extend;
+use crate::app::editor::model::Item;
+
+/// What the panel remembers between frames.
+#[derive(Clone, Debug, Default)]
+pub struct OutlinerState {
+    pub filter: String,
+    pub(super) folding: Folding,
+    pub(super) lines: Lines,
+    pub(super) renaming: Option<Renaming>,
+    /// Where a range of lines begins.
+    pub(super) anchor: Option<Entity>,
+    /// The active thing when the list was last shown: another one is scrolled to.
+    pub(super) shown_active: Option<Entity>,
+    /// Materials whose lines were in sight, so that there can be pictures of them.
+    pub materials_in_sight: Vec<Entity>,
+}
+
+/// How a click changes the selection.
+pub fn how(ui: &Ui) -> Extend {
+    if ui.input(|input| input.modifiers.command) {
+        Extend::Toggle
+    } else {
+        Extend::Replace
+    }
+}
+
+/// A name that is being typed.
+#[derive(Clone, Debug)]
+pub(super) struct Renaming {
+    pub entity: Entity,
+    /// The last part of the name, as typed so far.
+    pub text: String,
+    /// The field has not had the keyboard yet.
+    pub is_new: bool,
+}
+
+impl Renaming {
+    pub fn of(item: &Item) -> Self {
+        Self {
+            entity: item.entity,
+            text: leaf(&item.name).to_owned(),
+            is_new: true,
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! Two pictures side by side, one over the other, and in numbers: the one being rendered and one that was kept.
+
+use std::borrow::Cow;
+
+use bevy::prelude::Resource;
+
+use crate::app::editor::command::compare_view::CompareView;
+use crate::color::{Rgb, luminance, srgb_from_linear};
+
+/// A picture that was kept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Snapshot {
+    pub size: [u32; 2],
+    /// Linear colours, row by row.
+    pub radiance: Vec<Rgb>,
+    /// Samples per pixel it was made of.
+    pub samples: u32,
+}
+
+impl Snapshot {
+    /// The picture, resampled to `size`; None if the aspect ratio is another.
+    fn at_size(&self, size: [u32; 2]) -> Option<Cow<'_, [Rgb]>> {
+        if size == self.size {
+            return Some(Cow::Borrowed(&self.radiance));
+        }
+        let [own, other] = [self.size, size].map(|[x, y]| [u64::from(x), u64::from(y)]);
+        // Equal but for the rounding of a side by half a pixel.
+        let is_alike = own[0] * other[1] <= own[1] * other[0] + own[0] + own[1]
+            && own[1] * other[0] <= own[0] * other[1] + own[0] + own[1];
+        if !is_alike || other.contains(&0) {
+            return None;
+        }
+        let nearest = |place: u64, side: usize| (2 * place + 1) * own[side] / (2 * other[side]);
+        let rows = (0..other[1]).map(|y| nearest(y, 1) * own[0]);
+        let pixels = rows.flat_map(|row| (0..other[0]).map(move |x| row + nearest(x, 0)));
+        pixels.map(|place| self.radiance.get(place as usize).copied()).collect()
+    }
+}
+
+/// The snapshot and how it is shown.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Comparison {
+    pub snapshot: Option<Snapshot>,
+    pub view: CompareView,
+    /// The differences as they were measured last.
+    pub figures: Option<Measured>,
+    /// Counts snapshots.
+    pub revision: u64,
+}
+
+/// Figures and what they are of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    pub figures: Figures,
+    /// Of the film; those of another picture say nothing about this one.
+    pub job: u64,
+    /// Samples per pixel that it had.
+    pub samples: u32,
+}
+
+/// A comparison of pictures of one shape, pixel by pixel.
+#[derive(Clone, Debug)]
+pub struct PixelComparison<'a> {
+    view: CompareView,
+    /// The snapshot at the picture's size.
+    kept: Cow<'a, [Rgb]>,
+    width: u32,
+    /// Columns left of this are the snapshot's.
+    border: u32,
+}
+
+impl<'a> PixelComparison<'a> {
+    /// None where nothing is compared, as pictures of different shapes. Of a picture of lower resolution each pixel is compared with the one of
+    /// the snapshot that is nearest.
+    pub fn new(view: CompareView, snapshot: &'a Snapshot, size: [u32; 2]) -> Option<Self> {
+        let border = match view {
+            CompareView::Off => return None,
+            CompareView::Wipe(share) => (share.clamp(0.0, 1.0) * size[0] as f32).round() as u32,
+            CompareView::Difference => 0,
+        };
+        Some(Self {
+            view,
+            kept: snapshot.at_size(size)?,
+            width: size[0],
+            border,
+        })
+    }
+
+    /// What is seen there, column and row, of a picture that is `now` there.
+    pub fn pixel(&self, x: u32, y: u32, now: Rgb) -> Rgb {
+        let place = y as usize * self.width as usize + x as usize;
+        let then = self.kept.get(place).copied().unwrap_or_default();
+        match self.view {
+            CompareView::Difference => (now - then).abs(),
+            _ if x < self.border => then,
+            _ => now,
+        }
+    }
+
+    /// A whole picture, row by row.
+    pub fn picture(&self, now: &[Rgb]) -> Vec<Rgb> {
+        let width = self.width.max(1);
+        let places = (0..).map(|place| (place % width, place / width));
+        now.iter()
+            .zip(places)
+            .map(|(&now, (x, y))| self.pixel(x, y, now))
+            .collect()
+    }
+}
+
+/// How far a picture is from a reference. All three components count alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figures {
+    /// Mean luminance of the picture and of the reference.
+    pub means: [f32; 2],
+    /// Mean squared error of the radiance.
+    pub mse: f32,
+    /// The same, each error relative to the reference (Rousselle, Knaus and Zwicker, "Adaptive Sampling and Reconstruction using Greedy
+    /// Error Minimization", 2011): (a - b)^2 / (b^2 + 0.01).
+    pub relative_mse: f32,
+    /// Peak signal-to-noise ratio in decibels of what a display shows, sRGB-encoded and cut off at 1; infinite for equal pictures.
+    pub psnr: f32,
+}
+
+/// None for pictures of different sizes, empty ones, and ones with values that are not finite.
+pub fn figures(picture: &[Rgb], reference: &[Rgb]) -> Option<Figures> {
+    if picture.len() != reference.len() || picture.is_empty() {
+        return None;
+    }
+    let mean = |of: &dyn Fn(Rgb, Rgb) -> f32| {
+        let sum: f64 = picture.iter().zip(reference).map(|(&a, &b)| f64::from(of(a, b))).sum();
+        (sum / picture.len() as f64) as f32
+    };
+    let thirds = |rgb: Rgb| rgb.element_sum() / 3.0;
+    let shown = |rgb: Rgb| rgb.clamp(Rgb::ZERO, Rgb::ONE).map(srgb_from_linear);
+    let display_mse = mean(&|a, b| {
+        let error = shown(a) - shown(b);
+        thirds(error * error)
+    });
+    let figures = Figures {
+        means: [mean(&|a, _| luminance(a)), mean(&|_, b| luminance(b))],
+        mse: mean(&|a, b| thirds((a - b) * (a - b))),
+        relative_mse: mean(&|a, b| thirds((a - b) * (a - b) / (b * b + 0.01))),
+        psnr: -10.0 * display_mse.log10(),
+    };
+    (figures.mse.is_finite() && figures.relative_mse.is_finite()).then_some(figures)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn snapshot() -> Snapshot {
+        Snapshot {
+            size: [4, 2],
+            radiance: vec![Rgb::ONE; 8],
+            samples: 1,
+        }
+    }
+
+    #[test]
+    fn a_wipe_shows_the_snapshot_on_the_left() {
+        let (now, snapshot) = ([Rgb::ZERO; 8], snapshot());
+        let red = |share| {
+            let comparison = PixelComparison::new(CompareView::Wipe(share), &snapshot, [4, 2]).expect("of one size");
+            let seen = comparison.picture(&now);
+            seen.iter().map(|rgb| rgb.x as u32).collect::<Vec<_>>()
+        };
+        assert_eq!(red(0.5), [1, 1, 0, 0, 1, 1, 0, 0]);
+        assert_eq!((red(0.0), red(7.0)), (vec![0; 8], vec![1; 8]));
+        // At half the resolution.
+        let coarse = PixelComparison::new(CompareView::Wipe(0.5), &snapshot, [2, 1]).expect("of one shape");
+        assert_eq!(coarse.picture(&now[..2]), [Rgb::ONE, Rgb::ZERO]);
+        // Of another shape: nothing to compare.
+        assert!(PixelComparison::new(CompareView::Wipe(1.0), &snapshot, [2, 4]).is_none());
+        assert!(PixelComparison::new(CompareView::Off, &snapshot, [4, 2]).is_none());
+    }
+
+    #[test]
+    fn a_difference_has_no_sign() {
+        let snapshot = snapshot();
+        let comparison = PixelComparison::new(CompareView::Difference, &snapshot, [4, 2]).expect("of one size");
+        let seen = comparison.picture(&[Rgb::new(0.25, 1.0, 3.0); 8]);
+        assert_eq!(seen, [Rgb::new(0.75, 0.0, 2.0); 8]);
+    }
+
+    /// Worked by hand: errors 0.5 in one component of one of two pixels.
+    #[test]
+    fn figures_are_what_they_say() {
+        let reference = [Rgb::splat(0.5), Rgb::ONE];
+        let picture = [Rgb::new(1.0, 0.5, 0.5), Rgb::ONE];
+        let found = figures(&picture, &reference).expect("two pictures");
+        let near = |a: f32, b: f32| (a - b).abs() < 1e-5 * b;
+        assert!(near(found.mse, 0.25 / 6.0), "{found:?}");
+        assert!(near(found.relative_mse, 0.25 / 0.26 / 6.0), "{found:?}");
+        // sRGB of one half is 0.735357.
+        assert!(
+            near(found.psnr, -10.0 * ((1.0f32 - 0.735_357).powi(2) / 6.0).log10()),
+            "{found:?}"
+        );
+        assert!(
+            near(found.means[1], 0.75) && near(found.means[0], 0.75 + 0.25 * 0.212_671),
+            "{found:?}"
+        );
+        let same = figures(&reference, &reference).expect("two pictures");
+        assert_eq!((same.mse, same.relative_mse, same.psnr), (0.0, 0.0, f32::INFINITY));
+        assert_eq!(figures(&picture, &reference[..1]), None);
+        assert_eq!(figures(&[], &[]), None);
+        assert_eq!(figures(&[Rgb::NAN], &[Rgb::ONE]), None);
+    }
+}

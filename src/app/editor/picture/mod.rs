@@ -1,0 +1,15 @@
+//! From the film to what is seen of it: false colours, the denoiser, outlines, boxes and paths, and the pace of the frames. May import
+//! `session` and the modules below it.
+
+pub mod compare;
+pub mod denoiser;
+pub mod frame_times;
+pub mod legend;
+pub(crate) mod motion;
+pub mod outline;
+pub mod overlay;
+pub(crate) mod pacing;
+pub mod painter;
+pub mod paths;
+pub(crate) mod studio;
+pub(crate) mod texture;

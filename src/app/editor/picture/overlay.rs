@@ -1,0 +1,269 @@
+//! The boxes of the acceleration structures, drawn over the picture.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use bevy::math::{Affine3A, Vec2, Vec3};
+
+use crate::accel::{Blas, BvhBox, BvhStats, Placement, Primitive, Tlas};
+use crate::app::editor::camera::screen::segment;
+use crate::app::editor::command::bvh_overlay::BvhOverlay;
+use crate::app::editor::words::figures::counted;
+use crate::math::Aabb;
+use crate::render::camera::Camera;
+
+/// More would neither be legible nor drawn in time.
+pub const MAX_BOXES: usize = 4000;
+
+/// The eight corners of a box in the world. Corner k has bit 0 of k for the upper x, bit 1 for y, bit 2 for z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorldBox {
+    pub corners: [Vec3; 8],
+    /// True for a box of the hierarchy over the instances, false for one of a mesh.
+    pub over_instances: bool,
+}
+
+/// What is to be drawn: at most [`MAX_BOXES`] boxes, and how many there would have been; with figures of the hierarchies.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BoxList {
+    pub boxes: Vec<WorldBox>,
+    pub total: usize,
+    /// Of the total those that are leaves.
+    pub leaves: usize,
+    /// Of these leaves those of meshes, and the triangles in them.
+    mesh_leaves: usize,
+    triangles: usize,
+    /// See [`Tlas::expected_work`].
+    pub expected_work: f64,
+    /// Of all hierarchies, each mesh's counted once.
+    pub nodes: usize,
+    pub bytes: usize,
+}
+
+pub fn boxes(geometry: &Tlas, overlay: &BvhOverlay) -> BoxList {
+    let mut list = BoxList {
+        expected_work: geometry.expected_work(),
+        ..BoxList::default()
+    };
+    let mut counted = HashSet::new();
+    list.add(geometry, overlay, &mut counted);
+    let of_group = |group: &Arc<Tlas>| {
+        let mut list = BoxList::default();
+        list.add(group, overlay, &mut counted);
+        list
+    };
+    let groups: Vec<BoxList> = geometry.groups().iter().map(of_group).collect();
+    for group in &groups {
+        list.nodes += group.nodes;
+        list.bytes += group.bytes;
+    }
+    for placement in geometry.placements() {
+        if let Some(group) = groups.get(placement.group as usize) {
+            list.place(group, placement);
+        }
+    }
+    list
+}
+
+impl BoxList {
+    /// The boxes of a hierarchy over shapes and of their meshes. `counted` has the meshes whose nodes are among the figures.
+    fn add(&mut self, geometry: &Tlas, overlay: &BvhOverlay, counted: &mut HashSet<*const Blas>) {
+        self.count(&geometry.stats());
+        geometry
+            .bvh()
+            .visit_boxes(|found| self.offer(&found, overlay, &Affine3A::IDENTITY, true));
+        for instance in geometry.instances() {
+            if let Primitive::Mesh(blas) = &instance.primitive {
+                if counted.insert(Arc::as_ptr(blas)) {
+                    self.count(&blas.stats());
+                }
+                blas.bvh()
+                    .visit_boxes(|found| self.offer(&found, overlay, &instance.world_from_local, false));
+            }
+        }
+    }
+
+    /// The boxes of a group once more, where it stands.
+    fn place(&mut self, group: &Self, placement: &Placement) {
+        self.total += group.total;
+        self.leaves += group.leaves;
+        self.mesh_leaves += group.mesh_leaves;
+        self.triangles += group.triangles;
+        let room = MAX_BOXES - self.boxes.len();
+        if room > 0 {
+            let world_from_group = placement.world_from_group();
+            let placed = group.boxes.iter().take(room).map(|in_group| WorldBox {
+                corners: in_group.corners.map(|corner| world_from_group.transform_point3(corner)),
+                ..*in_group
+            });
+            self.boxes.extend(placed);
+        }
+    }
+
+    fn count(&mut self, stats: &BvhStats) {
+        self.nodes += stats.nodes;
+        self.bytes += stats.bytes;
+    }
+
+    /// What there is to be known of the boxes that `overlay` shows, a few short lines.
+    pub fn figures(&self, overlay: &BvhOverlay) -> String {
+        let shown = match overlay.leaves_only {
+            true => format!("to depth {}: {}", overlay.depth, counted(self.leaves as u64, "leaf")),
+            false => format!(
+                "depth {}: {}, {}",
+                overlay.depth,
+                counted((self.total - self.leaves) as u64, "node"),
+                counted(self.leaves as u64, "leaf")
+            ),
+        };
+        let filling = match self.mesh_leaves {
+            0 => String::new(),
+            leaves => format!(", {:.1} triangles per leaf", self.triangles as f64 / leaves as f64),
+        };
+        format!(
+            "SAH cost {:.1} in all\n{shown}{filling}\n{}, {:.1} MB in all",
+            self.expected_work,
+            counted(self.nodes as u64, "node"),
+            self.bytes as f64 / 1e6
+        )
+    }
+
+    fn offer(&mut self, found: &BvhBox, overlay: &BvhOverlay, world_from_local: &Affine3A, over_instances: bool) {
+        let depth = overlay.depth as usize;
+        let wanted = if overlay.leaves_only {
+            found.is_leaf && found.depth <= depth
+        } else {
+            found.depth == depth
+        };
+        if !wanted {
+            return;
+        }
+        self.total += 1;
+        self.leaves += usize::from(found.is_leaf);
+        if found.is_leaf && !over_instances {
+            self.mesh_leaves += 1;
+            self.triangles += found.primitives as usize;
+        }
+        if self.boxes.len() < MAX_BOXES {
+            self.boxes.push(WorldBox {
+                corners: corners(&found.bounds).map(|corner| world_from_local.transform_point3(corner)),
+                over_instances,
+            });
+        }
+    }
+}
+
+fn corners(bounds: &Aabb) -> [Vec3; 8] {
+    std::array::from_fn(|k| {
+        let pick = |bit: usize, axis: usize| {
+            if k >> bit & 1 == 0 {
+                bounds.min[axis]
+            } else {
+                bounds.max[axis]
+            }
+        };
+        Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2))
+    })
+}
+
+/// The edges of a box as pairs of film coordinates ((0, 0) top left, (1, 1) bottom right), cut off at the camera's plane.
+pub fn edges(camera: &Camera, world_box: &WorldBox) -> Vec<[Vec2; 2]> {
+    let mut edges = Vec::with_capacity(12);
+    for from in 0..8usize {
+        for bit in 0..3 {
+            let to = from | 1 << bit;
+            if to != from {
+                edges.extend(segment(camera, world_box.corners[from], world_box.corners[to]));
+            }
+        }
+    }
+    edges
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{Instance, SplitMethod};
+
+    /// Of shapes that share no leaves.
+    fn scene() -> Tlas {
+        let instances = (0..20)
+            .filter_map(|i| {
+                Instance::new(
+                    Primitive::Cylinder,
+                    Affine3A::from_translation(Vec3::new(3.0 * i as f32, 0.0, 9.0)),
+                )
+            })
+            .collect();
+        Tlas::build(instances, SplitMethod::Sah)
+    }
+
+    #[test]
+    fn depth_zero_is_one_box_and_leaves_are_all_instances() {
+        let overlay = |depth, leaves_only| BvhOverlay {
+            shown: true,
+            depth,
+            leaves_only,
+        };
+        assert_eq!(boxes(&scene(), &overlay(0, false)).total, 1);
+        assert_eq!(boxes(&scene(), &overlay(40, true)).total, 20);
+        assert!(boxes(&scene(), &overlay(40, false)).boxes.is_empty());
+        let root = boxes(&scene(), &overlay(0, false));
+        let text = root.figures(&overlay(0, false));
+        assert!(text.contains("depth 0: 1 node, 0 leaves\n"), "{text}");
+        let leaves = boxes(&scene(), &overlay(40, true));
+        assert!(leaves.figures(&overlay(40, true)).contains("to depth 40: 20 leaves\n"));
+    }
+
+    #[test]
+    fn groups_show_wherever_they_stand() {
+        let at = |x: f32| Placement::new(0, &Affine3A::from_translation(Vec3::X * x)).expect("regular");
+        let lone = scene().instances()[0].clone();
+        let all = Tlas::with_placements(
+            vec![lone],
+            vec![Arc::new(scene())],
+            vec![at(100.0), at(200.0)],
+            SplitMethod::Sah,
+        );
+        let roots = boxes(
+            &all,
+            &BvhOverlay {
+                shown: true,
+                depth: 0,
+                leaves_only: false,
+            },
+        );
+        // The box around everything and those of the two places.
+        assert_eq!((roots.total, roots.boxes.len()), (3, 3));
+        let moved = roots.boxes[2].corners[0] - roots.boxes[1].corners[0];
+        assert!(moved.abs_diff_eq(Vec3::X * 100.0, 1e-3), "{moved}");
+        assert!(roots.nodes > boxes(&scene(), &BvhOverlay::default()).nodes);
+        let leaves = boxes(
+            &all,
+            &BvhOverlay {
+                shown: true,
+                depth: 40,
+                leaves_only: true,
+            },
+        );
+        assert_eq!(leaves.total, 3 + 2 * 20);
+    }
+
+    #[test]
+    fn edges_are_twelve_in_front_and_cut_at_the_camera() {
+        let camera = Camera::new(Affine3A::IDENTITY, 90.0, 1.0, 0.01, 100.0, None);
+        let at = |z: f32| WorldBox {
+            corners: corners(&Aabb {
+                min: Vec3::new(-1.0, -1.0, z - 1.0),
+                max: Vec3::new(1.0, 1.0, z + 1.0),
+            }),
+            over_instances: false,
+        };
+        assert_eq!(edges(&camera, &at(5.0)).len(), 12);
+        assert_eq!(edges(&camera, &at(-5.0)).len(), 0);
+        // Around the camera: the four edges behind are gone.
+        let around = edges(&camera, &at(0.5));
+        assert_eq!(around.len(), 8);
+        assert!(around.iter().flatten().all(|p| p.is_finite()));
+    }
+}

@@ -1,0 +1,140 @@
+//! How often the window is drawn: often while the picture changes, hardly ever when nothing does. Input and results wake it at once.
+//!
+//! A software driver draws with the very cores that trace rays. There the window is drawn less often while the picture only becomes less
+//! noisy, and after an edit not before there is something new to see.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+use bevy::render::renderer::RenderAdapterInfo;
+use bevy::winit::{EventLoopProxyWrapper, UpdateMode, WinitSettings, WinitUserEvent};
+
+use super::denoiser::{Denoiser, DenoiserState};
+use super::texture::Picture;
+use crate::app::editor::session::toasts::Toasts;
+use crate::engine::{RenderState, RenderStatus, WakeUp};
+
+const LIVELY: Duration = Duration::from_millis(16);
+const SPARING: Duration = Duration::from_millis(100);
+const IDLE: Duration = Duration::from_millis(500);
+/// How long after a command the window stays lively.
+const AFTER_INPUT: Duration = Duration::from_millis(500);
+/// An edit's first pixels are waited for so long; then the panels are drawn without them.
+const LONGEST_HOLD: Duration = Duration::from_millis(120);
+
+#[derive(Resource, Default)]
+pub struct Pacing {
+    /// When the last command was applied.
+    last_input: Option<Instant>,
+    /// When a command was applied whose picture has not begun to show.
+    waiting_since: Option<Instant>,
+    /// The texture's revision that was drawn last.
+    drawn: u64,
+    /// Whether results wake the event loop at once. The threads that produce them share it.
+    is_lively: Arc<AtomicBool>,
+    draws_on_cpu: bool,
+    /// Nothing is drawn at all: see [`crate::app::editor::session::options::WindowOptions::undrawn`].
+    undrawn: bool,
+}
+
+impl Pacing {
+    pub fn new(undrawn: bool) -> Self {
+        Self {
+            undrawn,
+            ..Self::default()
+        }
+    }
+
+    /// Frames follow each other without rest.
+    pub fn is_lively(&self) -> bool {
+        self.is_lively.load(Ordering::Relaxed)
+    }
+
+    /// Nobody has done anything for a while.
+    pub fn rests(&self) -> bool {
+        self.last_input.is_none_or(|at| at.elapsed() >= AFTER_INPUT)
+    }
+
+    /// To be told when commands are applied; `restarts`: the picture is begun anew by them.
+    pub fn note_commands(&mut self, restarts: bool) {
+        let now = Instant::now();
+        self.last_input = Some(now);
+        if restarts && self.waiting_since.is_none() {
+            self.waiting_since = Some(now);
+        }
+    }
+}
+
+/// Lets worker threads wake the event loop.
+pub fn connect_wake_up(
+    proxy: Res<EventLoopProxyWrapper>,
+    adapter: Option<Res<RenderAdapterInfo>>,
+    mut pacing: ResMut<Pacing>,
+    mut wake_up: ResMut<WakeUp>,
+) {
+    pacing.draws_on_cpu = adapter.is_some_and(|adapter| is_software(&adapter));
+    let proxy = (**proxy).clone();
+    let is_lively = pacing.is_lively.clone();
+    wake_up.0 = Some(Arc::new(move || {
+        if is_lively.load(Ordering::Relaxed) {
+            // The loop may be gone already when the program ends.
+            let _ = proxy.send_event(WinitUserEvent::WakeUp);
+        }
+    }));
+}
+
+pub fn pace(
+    mut settings: ResMut<WinitSettings>,
+    pacing: Res<Pacing>,
+    status: Res<RenderStatus>,
+    denoiser: Res<Denoiser>,
+    toasts: Res<Toasts>,
+) {
+    let in_use = !pacing.rests();
+    let busy = matches!(
+        status.state,
+        RenderState::Loading | RenderState::Building | RenderState::Rendering
+    );
+    let settled = pacing.draws_on_cpu && status.samples > 0;
+    let is_lively = in_use || !busy || !settled;
+    pacing.is_lively.store(is_lively, Ordering::Relaxed);
+    let wait = if in_use || (busy && !settled) {
+        LIVELY
+    } else if busy || denoiser.state() == DenoiserState::Running {
+        SPARING
+    } else {
+        IDLE
+    };
+    let wait = toasts.wait().map_or(wait, |toast| wait.min(toast));
+    let mode = UpdateMode::reactive(wait);
+    if settings.focused_mode != mode {
+        settings.focused_mode = mode;
+        settings.unfocused_mode = mode;
+    }
+}
+
+/// On a software driver: leaves the cores to the tracer until an edit has something to show.
+pub fn hold_back_frame(mut pacing: ResMut<Pacing>, picture: Res<Picture>, mut cameras: Query<&mut Camera>) {
+    let is_new = picture.revision != pacing.drawn;
+    if is_new {
+        pacing.waiting_since = None;
+    }
+    let waits = pacing.waiting_since.is_some_and(|since| since.elapsed() < LONGEST_HOLD);
+    let draws = !(pacing.undrawn || pacing.draws_on_cpu && waits);
+    if draws {
+        pacing.drawn = picture.revision;
+        pacing.waiting_since = None;
+    }
+    for mut camera in &mut cameras {
+        if camera.is_active != draws {
+            camera.is_active = draws;
+        }
+    }
+}
+
+/// The type of the adapter's kind is not among what Bevy hands on; its name is.
+fn is_software(adapter: &RenderAdapterInfo) -> bool {
+    format!("{:?}", adapter.device_type) == "Cpu"
+}

@@ -1,0 +1,372 @@
+//! From the film to the bytes on the screen, in every display mode. No rendering, no Bevy.
+
+use super::compare::PixelComparison;
+use crate::app::editor::command::display::{DisplayMode, DisplaySettings, HOTTEST_NOISE, HOTTEST_STEPS, heat};
+use crate::color::{Rgb, luminance};
+use crate::render::film::Film;
+use crate::render::noise::DARK;
+use crate::render::tile::{PixelSum, Tile};
+use crate::render::tonemap::{Display, Encoder};
+
+/// What the colours depend on besides the film and the settings. When it changes, all pixels do.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scales {
+    /// Nearest and farthest depth of the picture.
+    pub depth: [f32; 2],
+    /// Of any pixel.
+    pub most_samples: u32,
+    /// Factors on the layers of the film; none is the picture as sampled.
+    pub mix: Vec<Rgb>,
+}
+
+/// A range of depths stays as it is while the new one differs by less than this share of it: every sample moves it a little.
+const STEADY: f32 = 0.05;
+
+impl Scales {
+    /// Of the film as it is. `mix`: as in [`Self::mix`]; `before`: what was shown last.
+    pub fn of(film: &Film, mode: DisplayMode, mix: Vec<Rgb>, before: &Self) -> Self {
+        match mode {
+            DisplayMode::Depth => {
+                let depth = depth_range(film);
+                let slack = STEADY * (before.depth[1] - before.depth[0]);
+                let is_steady = (0..2).all(|end| (depth[end] - before.depth[end]).abs() < slack);
+                Self {
+                    depth: if is_steady { before.depth } else { depth },
+                    ..Self::default()
+                }
+            }
+            DisplayMode::Samples => Self {
+                most_samples: film.most_samples(),
+                ..Self::default()
+            },
+            DisplayMode::Shaded => Self { mix, ..Self::default() },
+            DisplayMode::LightGroup(group) => Self {
+                mix: (0..film.layer_count())
+                    .map(|layer| {
+                        if layer == usize::from(group) {
+                            Rgb::ONE
+                        } else {
+                            Rgb::ZERO
+                        }
+                    })
+                    .collect(),
+                ..Self::default()
+            },
+            _ => Self::default(),
+        }
+    }
+}
+
+/// Of all depths but the least and greatest hundredth, for at the rims of things a pixel's mean is of no surface. A pixel in so many is
+/// asked.
+fn depth_range(film: &Film) -> [f32; 2] {
+    const ASKED: usize = 20_000;
+    let pixels = (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
+    let every = (film.width() as usize * film.height() as usize).div_ceil(ASKED).max(1);
+    let depths = pixels.step_by(every).filter_map(|(x, y)| Some(film.pixel(x, y)?.depth));
+    let mut depths: Vec<f32> = depths.filter(|depth| *depth > 0.0).collect();
+    depths.sort_unstable_by(f32::total_cmp);
+    let end = depths.len() / 100;
+    match (depths.get(end), depths.get(depths.len().wrapping_sub(1 + end))) {
+        (Some(&near), Some(&far)) => [near, far],
+        _ => [0.0, 0.0],
+    }
+}
+
+/// Makes colours of the film's pixels.
+pub struct Painter<'a> {
+    film: &'a Film,
+    mode: DisplayMode,
+    scales: &'a Scales,
+    tone: Encoder,
+    plain: Encoder,
+    /// Mean luminance of the picture, only where noise is shown.
+    brightness: f32,
+    /// Of light.
+    comparison: Option<PixelComparison<'a>>,
+}
+
+impl<'a> Painter<'a> {
+    pub fn new(film: &'a Film, settings: &DisplaySettings, scales: &'a Scales) -> Self {
+        let brightness = match settings.mode {
+            DisplayMode::Noise => mean_luminance(film),
+            _ => 0.0,
+        };
+        Self {
+            film,
+            mode: settings.mode,
+            scales,
+            tone: settings.tone().encoder(),
+            plain: Display::default().encoder(),
+            brightness,
+            comparison: None,
+        }
+    }
+
+    /// Light is shown beside that of a snapshot.
+    pub fn compared(self, comparison: Option<PixelComparison<'a>>) -> Self {
+        Self { comparison, ..self }
+    }
+
+    /// Writes what the film has in `tiles` into `rgba` (row-major, as large as the film). Pixels the film has nothing for stay as they
+    /// are.
+    pub fn paint(&self, tiles: &[Tile], rgba: &mut [u8]) {
+        let width = self.film.width() as usize;
+        // Within a preview's block neighbours are equal: most of its pixels need no tone mapping.
+        let mut last = (Rgb::ZERO, self.tone.encode(Rgb::ZERO));
+        for tile in tiles {
+            for y in tile.y..tile.y + tile.height {
+                for x in tile.x..tile.x + tile.width {
+                    let start = 4 * (y as usize * width + x as usize);
+                    let Some(color) = self.color(x, y, &mut last) else {
+                        continue;
+                    };
+                    let Some(target) = rgba.get_mut(start..start + 4) else {
+                        continue;
+                    };
+                    let [r, g, b] = color;
+                    target.copy_from_slice(&[r, g, b, u8::MAX]);
+                }
+            }
+        }
+    }
+
+    /// None where the film has nothing yet; `last`: the light that was encoded before, and its colour.
+    fn color(&self, x: u32, y: u32, last: &mut (Rgb, [u8; 3])) -> Option<[u8; 3]> {
+        if !self.mode.is_light() {
+            return Some(self.encode(x, y, &self.film.pixel(x, y)?));
+        }
+        let radiance = self.film.mixed_pixel(x, y, &self.scales.mix)?;
+        let comparison = self.comparison.as_ref();
+        let radiance = comparison.map_or(radiance, |comparison| comparison.pixel(x, y, radiance));
+        if radiance != last.0 {
+            *last = (radiance, self.tone.encode(radiance));
+        }
+        Some(last.1)
+    }
+
+    /// Of what is no light.
+    fn encode(&self, x: u32, y: u32, pixel: &PixelSum) -> [u8; 3] {
+        let first = || self.film.first_hit(x, y);
+        let nothing = [0; 3];
+        match self.mode {
+            DisplayMode::Shaded | DisplayMode::LightGroup(_) => self.tone.encode(pixel.radiance),
+            DisplayMode::Albedo => self.plain.encode(pixel.albedo),
+            // The usual picture of normals: taken as encoded values, not as light.
+            DisplayMode::Normal => (0.5 * pixel.normal + 0.5).to_array().map(quantized),
+            DisplayMode::Depth => [quantized(nearness(pixel.depth, self.scales.depth)); 3],
+            DisplayMode::Uv => first().map_or(nothing, |hit| {
+                let [u, v] = hit.uv.to_array().map(|x| quantized(x - x.floor()));
+                [u, v, 0]
+            }),
+            DisplayMode::Material => first().map_or(nothing, |hit| color_of_id(hit.material.0)),
+            DisplayMode::Object => first().map_or(nothing, |hit| color_of_id(hit.instance)),
+            DisplayMode::Samples => {
+                let share = self.film.samples(x, y) as f32 / self.scales.most_samples.max(1) as f32;
+                heat(share).map(quantized)
+            }
+            DisplayMode::Noise => {
+                let least = DARK * self.brightness;
+                let error = self.film.standard_error(x, y).unwrap_or(0.0);
+                let relative = error / luminance(pixel.radiance).max(least).max(f32::MIN_POSITIVE);
+                heat(relative / HOTTEST_NOISE).map(quantized)
+            }
+            DisplayMode::BvhSteps => heat(pixel.radiance.x / HOTTEST_STEPS).map(quantized),
+        }
+    }
+}
+
+fn mean_luminance(film: &Film) -> f32 {
+    let radiance = film.radiance();
+    radiance.iter().map(|&rgb| luminance(rgb)).sum::<f32>() / radiance.len().max(1) as f32
+}
+
+/// The brightness that stands for a depth: 1 at the near end of the range, a dark grey at its far end, 0 where nothing was hit.
+fn nearness(depth: f32, [near, far]: [f32; 2]) -> f32 {
+    const DARKEST: f32 = 0.08;
+    if depth <= 0.0 {
+        return 0.0;
+    }
+    let share = (depth - near) / (far - near).max(f32::MIN_POSITIVE);
+    1.0 - (1.0 - DARKEST) * share.clamp(0.0, 1.0)
+}
+
+/// Neighbours in number are far apart in hue (by the golden section), and differ in brightness; sRGB.
+pub fn color_of_id(id: u32) -> [u8; 3] {
+    const GOLDEN: f64 = 0.618_033_988_749_895;
+    let hue = (f64::from(id) * GOLDEN).fract() as f32;
+    let value = [0.95, 0.7, 0.5][id as usize % 3];
+    let channel = |offset: f32| {
+        let ramp = (6.0 * (hue + offset).fract() - 3.0).abs() - 1.0;
+        quantized(value * (1.0 - SATURATION * (1.0 - ramp.clamp(0.0, 1.0))))
+    };
+    const SATURATION: f32 = 0.65;
+    [channel(0.0), channel(2.0 / 3.0), channel(1.0 / 3.0)]
+}
+
+/// [0, 1] to a byte; NaN becomes 0.
+fn quantized(encoded: f32) -> u8 {
+    (encoded * 255.0 + 0.5) as u8
+}
+
+/// Resizes a picture by nearest neighbours; it is shown until the one of the new size is there.
+pub fn resized(rgba: &[u8], from: [u32; 2], to: [u32; 2]) -> Vec<u8> {
+    let [width, height] = to.map(|n| n as usize);
+    let mut resized = vec![0; 4 * width * height];
+    for (place, target) in resized.chunks_exact_mut(4).enumerate() {
+        let (x, y) = (place % width, place / width);
+        let source = (y * from[1] as usize / height) * from[0] as usize + x * from[0] as usize / width;
+        match rgba.get(4 * source..4 * source + 4) {
+            Some(color) => target.copy_from_slice(color),
+            None => target[3] = u8::MAX,
+        }
+    }
+    resized
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec2;
+
+    use super::*;
+    use crate::material::MaterialId;
+    use crate::render::scene::FirstHit;
+    use crate::render::tile::{TilePreview, tiles};
+
+    #[test]
+    fn only_pixels_with_something_to_show_are_painted() {
+        let mut film = Film::new(64, 32);
+        let tiles = tiles(64, 32);
+        film.add_preview(TilePreview {
+            tile: tiles[1],
+            step: 32,
+            blocks: vec![PixelSum {
+                radiance: Rgb::splat(100.0),
+                ..PixelSum::default()
+            }],
+            layers: Vec::new(),
+            first_hits: vec![None],
+            rays: 0,
+        });
+        let mut rgba = vec![7; 4 * 64 * 32];
+        Painter::new(&film, &DisplaySettings::default(), &Scales::default()).paint(&tiles, &mut rgba);
+        assert_eq!(rgba[..4], [7; 4]);
+        assert_eq!(rgba[4 * 32..4 * 32 + 4], [255; 4]);
+    }
+
+    #[test]
+    fn resizing_keeps_corners_and_is_opaque() {
+        let quarters = [[1, 0, 0, 255], [2, 0, 0, 255], [3, 0, 0, 255], [4, 0, 0, 255]].concat();
+        let large = resized(&quarters, [2, 2], [4, 4]);
+        assert_eq!((large[0], large[4 * 3], large[4 * 12], large[4 * 15]), (1, 2, 3, 4));
+        assert!(
+            resized(&[], [0, 0], [2, 1])
+                .chunks(4)
+                .all(|pixel| pixel == [0, 0, 0, 255])
+        );
+    }
+
+    /// One tile of 32 x 32 pixels: a preview of 4 x 4 blocks, each what `block` says of its number.
+    fn preview(block: impl Fn(u32) -> (PixelSum, Option<FirstHit>)) -> Film {
+        let mut film = Film::new(32, 32);
+        let (blocks, first_hits) = (0..16).map(block).unzip();
+        film.add_preview(TilePreview {
+            tile: tiles(32, 32)[0],
+            step: 8,
+            blocks,
+            layers: Vec::new(),
+            first_hits,
+            rays: 0,
+        });
+        film
+    }
+
+    /// The colours of the 16 blocks.
+    fn painted(film: &Film, mode: DisplayMode) -> Vec<[u8; 3]> {
+        let settings = DisplaySettings {
+            mode,
+            ..DisplaySettings::default()
+        };
+        let scales = Scales::of(film, mode, Vec::new(), &Scales::default());
+        let mut rgba = vec![0; 4 * 32 * 32];
+        Painter::new(film, &settings, &scales).paint(&tiles(32, 32), &mut rgba);
+        (0..16)
+            .map(|block| {
+                let start = 4 * (block / 4 * 8 * 32 + block % 4 * 8);
+                [rgba[start], rgba[start + 1], rgba[start + 2]]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn depths_fill_the_range_whatever_the_size_of_the_scene() {
+        for size in [1e-3, 1.0, 1e4] {
+            let film = preview(|block| {
+                let depth = if block == 5 { 0.0 } else { size * (3.0 + block as f32) };
+                (
+                    PixelSum {
+                        depth,
+                        ..PixelSum::default()
+                    },
+                    None,
+                )
+            });
+            let grey: Vec<u8> = painted(&film, DisplayMode::Depth).iter().map(|rgb| rgb[0]).collect();
+            assert_eq!((grey[0], grey[5]), (255, 0), "{grey:?}");
+            assert!((10..40).contains(&grey[15]) && grey[7] > grey[8], "{grey:?}");
+        }
+        // A little farther is no other range.
+        let film = |far: f32| {
+            preview(move |block| {
+                let depth = if block == 0 { 1.0 } else { far };
+                (
+                    PixelSum {
+                        depth,
+                        ..PixelSum::default()
+                    },
+                    None,
+                )
+            })
+        };
+        let before = Scales::of(&film(2.0), DisplayMode::Depth, Vec::new(), &Scales::default());
+        assert_eq!(Scales::of(&film(2.01), DisplayMode::Depth, Vec::new(), &before), before);
+        assert_ne!(Scales::of(&film(2.5), DisplayMode::Depth, Vec::new(), &before), before);
+    }
+
+    #[test]
+    fn surfaces_are_told_apart() {
+        let film = preview(|block| {
+            let hit = FirstHit {
+                instance: block / 2,
+                material: MaterialId(block % 3),
+                uv: Vec2::new(block as f32 / 16.0, -0.25),
+            };
+            (PixelSum::default(), (block != 15).then_some(hit))
+        });
+        let (objects, materials) = (
+            painted(&film, DisplayMode::Object),
+            painted(&film, DisplayMode::Material),
+        );
+        let uvs = painted(&film, DisplayMode::Uv);
+        for a in 0..15 {
+            for b in 0..15 {
+                assert_eq!(objects[a] == objects[b], a / 2 == b / 2);
+                assert_eq!(materials[a] == materials[b], a % 3 == b % 3);
+            }
+            assert_eq!(uvs[a], [quantized(a as f32 / 16.0), quantized(0.75), 0]);
+        }
+        assert_eq!([objects[15], materials[15], uvs[15]], [[0; 3]; 3]);
+    }
+
+    #[test]
+    fn ids_have_colours_that_are_far_apart() {
+        for a in 0..12 {
+            for b in 0..a {
+                let (a, b) = (color_of_id(a), color_of_id(b));
+                let apart: u32 = a.iter().zip(b).map(|(&a, b)| u32::from(a.abs_diff(b))).sum();
+                assert!(apart > 40, "{a:?} {b:?}");
+            }
+        }
+        assert_eq!(color_of_id(u32::MAX), color_of_id(u32::MAX));
+    }
+}

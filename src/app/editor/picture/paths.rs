@@ -1,0 +1,103 @@
+//! The paths of one pixel, kept up to date with the scene and the view, with the names of what they meet.
+
+use std::sync::Arc;
+
+use bevy::ecs::system::SystemParam;
+use bevy::math::{UVec2, Vec2};
+use bevy::prelude::*;
+
+use crate::app::editor::command::inspected_paths::InspectedPaths;
+use crate::app::editor::words::kinds::material_kind;
+use crate::engine::CurrentScene;
+use crate::render::inspect::{RecordedPath, record_paths};
+use crate::render::scene::RenderScene;
+use crate::render::view::View;
+use crate::scene::{Material, UsesMaterial};
+
+/// A path and the names of its vertices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedPath {
+    pub path: RecordedPath,
+    /// Per vertex the shape's and its material's.
+    pub names: Vec<(String, String)>,
+}
+
+#[derive(Resource, Debug, Default)]
+pub struct PathInspector {
+    pub wanted: Option<InspectedPaths>,
+    pub paths: Arc<Vec<NamedPath>>,
+    /// The pixel they are of.
+    pub pixel: UVec2,
+    made_of: Option<(RenderScene, View, InspectedPaths)>,
+}
+
+#[derive(SystemParam)]
+pub struct Names<'w, 's> {
+    shapes: Query<'w, 's, (Option<&'static Name>, Option<&'static UsesMaterial>)>,
+    materials: Query<'w, 's, (Option<&'static Name>, &'static Material)>,
+}
+
+impl Names<'_, '_> {
+    fn of(&self, entity: Option<Entity>) -> (String, String) {
+        let Some((name, uses)) = entity.and_then(|entity| self.shapes.get(entity).ok()) else {
+            return ("?".to_owned(), String::new());
+        };
+        let material = uses.and_then(|uses| self.materials.get(uses.0).ok());
+        let material = material.map_or_else(String::new, |(name, material)| match name {
+            Some(name) if name.as_str() != material_kind(material) => format!("{name}, {}", material_kind(material)),
+            _ => material_kind(material).to_owned(),
+        });
+        (
+            name.map_or_else(|| "shape".to_owned(), |name| name.to_string()),
+            material,
+        )
+    }
+}
+
+/// Traces them again when something changed; that takes less than a frame.
+pub fn follow_paths(mut inspector: ResMut<PathInspector>, current: Res<CurrentScene>, names: Names) {
+    let (Some(wanted), Some(scene), Some(view)) = (inspector.wanted, &current.scene, &current.view) else {
+        if !inspector.paths.is_empty() {
+            inspector.paths = Arc::default();
+            inspector.made_of = None;
+        }
+        return;
+    };
+    let is_known = inspector
+        .made_of
+        .as_ref()
+        .is_some_and(|(known, of, for_what)| is_same(known, scene) && of == view && *for_what == wanted);
+    if is_known {
+        return;
+    }
+    let size = UVec2::new(view.width, view.height);
+    let pixel = (wanted.place.clamp(Vec2::ZERO, Vec2::ONE) * size.as_vec2())
+        .as_uvec2()
+        .min(size - UVec2::ONE);
+    let paths = record_paths(scene, view, pixel, 0..wanted.count.clamp(1, InspectedPaths::MOST));
+    let named = paths.into_iter().map(|path| NamedPath {
+        names: path
+            .vertices
+            .iter()
+            .map(|vertex| {
+                names.of(current
+                    .entity_of_instance
+                    .get(vertex.surface.instance as usize)
+                    .copied())
+            })
+            .collect(),
+        path,
+    });
+    let paths = Arc::new(named.collect());
+    inspector.made_of = Some((scene.clone(), view.clone(), wanted));
+    inspector.pixel = pixel;
+    inspector.paths = paths;
+}
+
+fn is_same(one: &RenderScene, other: &RenderScene) -> bool {
+    Arc::ptr_eq(&one.geometry, &other.geometry)
+        && Arc::ptr_eq(&one.surfaces, &other.surfaces)
+        && Arc::ptr_eq(&one.materials, &other.materials)
+        && Arc::ptr_eq(&one.textures, &other.textures)
+        && Arc::ptr_eq(&one.lights, &other.lights)
+}

@@ -1,0 +1,177 @@
+//! The texture the picture is shown with: one for ever, resized in place, written only where tiles arrived or when it is to be shown
+//! differently.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::image::ImageSampler;
+use bevy::prelude::*;
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use bevy_egui::{EguiTextureHandle, EguiUserTextures, egui};
+
+use super::compare::{Comparison, PixelComparison};
+use super::denoiser::Denoiser;
+use super::painter::{self, Painter, Scales};
+use crate::app::editor::command::compare_view::CompareView;
+use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::command::light_mix::{FilmLights, LightMix};
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::color::Rgb;
+use crate::engine::RenderFilm;
+use crate::render::tile::{Tile, tiles};
+
+#[derive(Resource)]
+pub struct Picture {
+    handle: Handle<Image>,
+    texture: egui::TextureId,
+    /// Pixels; (0, 0) before the first.
+    size: UVec2,
+    shown: Option<Shown>,
+    scales: Scales,
+    /// The film's job when the texture was last written.
+    job: u64,
+    /// Counts changes of pixels.
+    pub revision: u64,
+    /// Where the film had something new in the last of them.
+    pub changed: Vec<Tile>,
+}
+
+/// What the texture's pixels were made with.
+#[derive(Clone, PartialEq)]
+struct Shown {
+    display: DisplaySettings,
+    denoised: Option<u64>,
+    /// Factors on the layers of the film.
+    mix: Vec<Rgb>,
+    /// With the number of the snapshot.
+    comparison: Option<(CompareView, u64)>,
+}
+
+impl Picture {
+    /// The texture and its size, once there is a picture.
+    pub fn texture(&self) -> Option<(egui::TextureId, [u32; 2])> {
+        (self.size != UVec2::ZERO).then_some((self.texture, self.size.to_array()))
+    }
+
+    /// What the colours of the texture depend on.
+    pub fn scales(&self) -> &Scales {
+        &self.scales
+    }
+}
+
+pub fn create_picture(
+    mut commands: Commands,
+    mut images: ResMut<Assets<Image>>,
+    mut textures: ResMut<EguiUserTextures>,
+) {
+    let mut image = Image::new_fill(
+        extent(UVec2::ONE),
+        TextureDimension::D2,
+        &[0, 0, 0, 255],
+        TextureFormat::Rgba8UnormSrgb,
+        RenderAssetUsages::all(),
+    );
+    image.sampler = ImageSampler::linear();
+    let handle = images.add(image);
+    commands.insert_resource(Picture {
+        texture: textures.add_image(EguiTextureHandle::Strong(handle.clone())),
+        handle,
+        size: UVec2::ZERO,
+        shown: None,
+        scales: Scales::default(),
+        job: 0,
+        revision: 0,
+        changed: Vec::new(),
+    });
+}
+
+/// Brings the texture up to date with the film.
+pub fn update_picture(
+    mut film: ResMut<RenderFilm>,
+    mut picture: ResMut<Picture>,
+    mut images: ResMut<Assets<Image>>,
+    mut changes: MessageWriter<AssetEvent<Image>>,
+    view: Res<ViewSettings>,
+    denoiser: Res<Denoiser>,
+    mix: Res<LightMix>,
+    lights: Res<FilmLights>,
+    comparison: Res<Comparison>,
+) {
+    let size = UVec2::new(film.film.width(), film.film.height());
+    if size.x == 0 || size.y == 0 {
+        return;
+    }
+    let mut settings = view.display;
+    if let Some(shown) = picture.shown.as_ref().filter(|_| picture.job == film.job) {
+        settings.mode = readable_mode(shown.display.mode, settings.mode);
+    }
+    let mix = mix.factors(&film.light_groups, &lights);
+    let is_shaded = settings.mode == DisplayMode::Shaded;
+    let denoised = denoiser.picture().filter(|picture| is_shaded && picture.mix == mix);
+    let snapshot = comparison.snapshot.as_ref();
+    let snapshot = snapshot.filter(|_| is_shaded && comparison.view != CompareView::Off);
+    let shown = Shown {
+        display: settings,
+        denoised: denoised.map(|picture| picture.number),
+        mix,
+        comparison: snapshot.map(|_| (comparison.view, comparison.revision)),
+    };
+    let asked_anew = picture.shown.as_ref() != Some(&shown) || picture.size != size;
+    if !film.has_dirty() && !asked_anew {
+        return;
+    }
+    let scales = Scales::of(&film.film, settings.mode, shown.mix.clone(), &picture.scales);
+    let anew = asked_anew || scales != picture.scales;
+    let changed = film.bypass_change_detection().take_dirty();
+    let dirty = if anew { tiles(size.x, size.y) } else { changed };
+    if denoised.is_some() && !anew {
+        return;
+    }
+    let old_size = picture.size;
+    // Bevy has told of this frame's changes already; ours is told by hand so that the screen does not see it a frame late.
+    let Some(image) = images.get_mut_untracked(&picture.handle) else {
+        return;
+    };
+    let mut pixels = image.data.take().unwrap_or_default();
+    if old_size != size {
+        pixels = painter::resized(&pixels, old_size.to_array(), size.to_array());
+        image.texture_descriptor.size = extent(size);
+    }
+    let tone = settings.tone();
+    let compared = snapshot.and_then(|snapshot| PixelComparison::new(comparison.view, snapshot, size.to_array()));
+    match (denoised, compared) {
+        (Some(denoised), Some(compared)) => tone.encode_rgba(&compared.picture(&denoised.radiance), &mut pixels),
+        (Some(denoised), None) => tone.encode_rgba(&denoised.radiance, &mut pixels),
+        (None, compared) => {
+            let painter = Painter::new(&film.film, &settings, &scales).compared(compared);
+            painter.paint(&dirty, &mut pixels);
+        }
+    }
+    image.data = Some(pixels);
+    changes.write(AssetEvent::Modified {
+        id: picture.handle.id(),
+    });
+    picture.size = size;
+    picture.shown = Some(shown);
+    picture.scales = scales;
+    picture.job = film.job;
+    picture.revision += 1;
+    picture.changed = dirty;
+}
+
+/// The mode that a film can be shown in that has been shown as `shown`: steps are counted into a film of their own, and until that is
+/// begun the old one must not be taken for it.
+fn readable_mode(shown: DisplayMode, wanted: DisplayMode) -> DisplayMode {
+    let counts_steps = |mode| mode == DisplayMode::BvhSteps;
+    if counts_steps(shown) == counts_steps(wanted) {
+        wanted
+    } else {
+        shown
+    }
+}
+
+fn extent(size: UVec2) -> Extent3d {
+    Extent3d {
+        width: size.x,
+        height: size.y,
+        depth_or_array_layers: 1,
+    }
+}

@@ -1,0 +1,480 @@
+//! What was done to the scene, to be taken back and done again. An entry holds the components that an edit changed, before and after, and no
+//! others; the number of entries and their memory are bounded.
+//!
+//! Entities are not despawned while entries name them: without components they are out of the scene, and their ids stay valid.
+
+use std::collections::HashMap;
+
+use bevy::ecs::entity::EntityHashSet;
+use bevy::prelude::*;
+
+use crate::app::editor::command::light_mix::LightMix;
+use crate::app::editor::command::selection::Selection;
+use crate::scene::insert::{free_name, names};
+use crate::scene::{
+    AccelMethod, ActiveSensor, Authored, DocumentOrder, FreeView, IntegratorSettings, ObjectChange, ObjectState,
+    Placements, SamplerSettings, SceneId, Side, ToWorld,
+};
+
+/// Older entries are forgotten above this number of steps.
+pub const MOST_ENTRIES: usize = 1000;
+/// Older entries are also forgotten above this estimate of their memory. The newest step stays, however large it is.
+pub const MOST_BYTES: usize = 64 << 20;
+
+/// The settings that a scene has as a whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SettingsState {
+    pub integrator: IntegratorSettings,
+    pub sampler: SamplerSettings,
+    pub accel: AccelMethod,
+}
+
+impl SettingsState {
+    pub fn of(world: &World) -> Self {
+        Self {
+            integrator: world.get_resource().copied().unwrap_or_default(),
+            sampler: world.get_resource().copied().unwrap_or_default(),
+            accel: world.get_resource().copied().unwrap_or_default(),
+        }
+    }
+
+    /// Writes what differs from `from`: what others changed meanwhile stays.
+    fn write(self, world: &mut World, from: Self) {
+        if from.integrator != self.integrator {
+            world.insert_resource(self.integrator);
+        }
+        if from.sampler != self.sampler {
+            world.insert_resource(self.sampler);
+        }
+        if from.accel != self.accel {
+            world.insert_resource(self.accel);
+        }
+    }
+}
+
+/// From where the scene is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Standpoint {
+    camera: ActiveSensor,
+    free: FreeView,
+}
+
+impl Standpoint {
+    fn of(world: &World) -> Self {
+        Self {
+            camera: world.get_resource().copied().unwrap_or_default(),
+            free: world.get_resource().copied().unwrap_or_default(),
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Change {
+    entity: Entity,
+    change: ObjectChange,
+}
+
+/// One step of the history.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// In words, for the panel.
+    pub label: String,
+    changes: Vec<Change>,
+    settings: [SettingsState; 2],
+    selection: [Selection; 2],
+    /// Of those edits that change it.
+    standpoint: Option<[Standpoint; 2]>,
+    /// Of those edits that change it: baking writes it into the scene.
+    mix: Option<[LightMix; 2]>,
+    /// Steps of one interaction with equal keys are one entry.
+    merge: Option<(u64, MergeKey)>,
+    number: u64,
+    /// An estimate of its memory.
+    bytes: usize,
+}
+
+/// What kind of edit it is and of which entities: two of a kind in one drag are one step.
+pub type MergeKey = (&'static str, Vec<Entity>);
+
+#[derive(Resource, Debug, Default)]
+pub struct History {
+    done: Vec<Entry>,
+    undone: Vec<Entry>,
+    next_number: u64,
+    /// The last entry done when the scene was saved; None: before all of them.
+    saved_at: Option<u64>,
+    /// The state that was saved cannot be reached any more.
+    saved_is_lost: bool,
+    /// The oldest entries are gone.
+    has_forgotten: bool,
+    /// What entries named that are gone.
+    named_once: Vec<Entity>,
+}
+
+impl History {
+    /// As after opening a scene.
+    pub fn clear(&mut self) {
+        let gone = self.done.drain(..).chain(self.undone.drain(..));
+        self.named_once.extend(gone.flat_map(Entry::into_entities));
+        *self = Self {
+            next_number: self.next_number,
+            named_once: std::mem::take(&mut self.named_once),
+            ..Self::default()
+        };
+    }
+
+    /// What can be undone, oldest first, and what can be done again, next first.
+    pub fn labels(&self) -> (Vec<&str>, Vec<&str>) {
+        let done = self.done.iter().map(|entry| entry.label.as_str());
+        let undone = self.undone.iter().rev().map(|entry| entry.label.as_str());
+        (done.collect(), undone.collect())
+    }
+
+    /// How many steps lie behind and ahead.
+    pub fn len(&self) -> (usize, usize) {
+        (self.done.len(), self.undone.len())
+    }
+
+    /// Whether everything can be undone back to when the scene was opened.
+    pub fn is_whole(&self) -> bool {
+        !self.has_forgotten
+    }
+
+    /// An estimate of the memory of all steps, in bytes.
+    pub fn bytes(&self) -> usize {
+        self.done.iter().chain(&self.undone).map(|entry| entry.bytes).sum()
+    }
+
+    /// The number of the last edit that a file would hold; equal numbers of one run mean equal files.
+    pub fn position(&self) -> Option<u64> {
+        let of_file = self.done.iter().rev().find(|entry| entry.is_of_file());
+        of_file.map(|entry| entry.number)
+    }
+
+    /// The number of the last step, whatever it changed.
+    pub fn last_step(&self) -> Option<u64> {
+        self.done.last().map(|entry| entry.number)
+    }
+
+    pub fn is_saved(&self) -> bool {
+        !self.saved_is_lost && self.position() == self.saved_at
+    }
+
+    pub fn note_saved(&mut self) {
+        self.saved_at = self.position();
+        self.saved_is_lost = false;
+        // What comes next is a step of its own: this one is in the file.
+        if let Some(entry) = self.done.last_mut() {
+            entry.merge = None;
+        }
+    }
+
+    /// The scene is not that of any file.
+    pub fn note_unsaved(&mut self) {
+        self.saved_is_lost = true;
+    }
+
+    fn push(&mut self, entry: Entry) {
+        if entry.is_empty() {
+            return;
+        }
+        if let Some(saved) = self.saved_at {
+            self.saved_is_lost |= self.undone.iter().any(|entry| entry.number == saved);
+        }
+        let undone = self.undone.drain(..).flat_map(Entry::into_entities);
+        self.named_once.extend(undone);
+        if let Some(last) = self.done.last_mut()
+            && last.merge.is_some()
+            && last.merge == entry.merge
+        {
+            last.absorb(entry);
+            if last.is_empty() {
+                self.done.pop();
+            }
+            return;
+        }
+        self.done.push(entry);
+        self.forget();
+    }
+
+    /// Keeps the newest steps that the bounds have room for.
+    fn forget(&mut self) {
+        let mut bytes = 0;
+        let newest = self.done.iter().rev().take(MOST_ENTRIES);
+        let kept = newest.take_while(|entry| {
+            bytes += entry.bytes;
+            bytes <= MOST_BYTES
+        });
+        let kept = kept.count().max(1);
+        for forgotten in self.done.drain(..self.done.len().saturating_sub(kept)) {
+            self.has_forgotten = true;
+            match self.saved_at {
+                Some(saved) if saved == forgotten.number => self.saved_at = None,
+                None => self.saved_is_lost = true,
+                Some(_) => {}
+            }
+            self.named_once.extend(forgotten.into_entities());
+        }
+    }
+}
+
+/// Entities that no entry names any more are despawned this many at a time: to find them takes a look at all entries.
+const GONE_AT_ONCE: usize = 512;
+
+/// Despawns what was deleted, cannot come back by undo or redo, and is not deleted from the file as well: a reload must know the latter.
+pub fn despawn_forgotten(world: &mut World) {
+    let mut history = world.resource_mut::<History>();
+    if history.named_once.len() < GONE_AT_ONCE {
+        return;
+    }
+    let gone = std::mem::take(&mut history.named_once);
+    let entries = history.done.iter().chain(&history.undone);
+    let named: EntityHashSet = entries
+        .flat_map(|entry| entry.changes.iter().map(|change| change.entity))
+        .collect();
+    for entity in gone {
+        let is_needed = named.contains(&entity)
+            || ObjectState::is_in_scene(world, entity)
+            || world.get::<Authored>(entity).is_some()
+            || world.get::<Placements>(entity).is_some();
+        if !is_needed && let Ok(entity) = world.get_entity_mut(entity) {
+            entity.despawn();
+        }
+    }
+}
+
+impl Entry {
+    fn into_entities(self) -> impl Iterator<Item = Entity> {
+        self.changes.into_iter().map(|change| change.entity)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.changes.is_empty() && self.settings[0] == self.settings[1]
+    }
+
+    /// Hiding and locking is no file's matter.
+    fn is_of_file(&self) -> bool {
+        self.settings[0] != self.settings[1] || self.changes.iter().any(|change| change.change.is_of_file())
+    }
+
+    fn count_bytes(&mut self) {
+        let changes = self.changes.iter().map(|change| change.change.bytes());
+        let selected = self.selection.iter().map(|selection| selection.entities().len());
+        self.bytes = size_of::<Self>()
+            + self.label.len()
+            + changes.sum::<usize>()
+            + selected.sum::<usize>() * size_of::<Entity>();
+    }
+
+    fn absorb(&mut self, later: Self) {
+        let places: HashMap<Entity, usize> = self.changes.iter().zip(0..).map(|(it, i)| (it.entity, i)).collect();
+        let mut is_undone = vec![false; self.changes.len()];
+        for change in later.changes {
+            match places.get(&change.entity) {
+                Some(&place) => is_undone[place] = self.changes[place].change.absorb(change.change),
+                None => self.changes.push(change),
+            }
+        }
+        let mut is_undone = is_undone.into_iter();
+        self.changes.retain(|_| !is_undone.next().unwrap_or(false));
+        self.settings[1] = later.settings[1];
+        self.selection[1] = later.selection[1].clone();
+        self.count_bytes();
+    }
+}
+
+/// An edit under way: remembers what each entity was before it was first touched.
+pub struct Edit<'w> {
+    pub world: &'w mut World,
+    before: Vec<(Entity, ObjectState)>,
+    /// Where each entity is in `before`.
+    places: HashMap<Entity, usize>,
+    settings: SettingsState,
+    selection: Selection,
+    standpoint: Standpoint,
+    mix: LightMix,
+}
+
+impl<'w> Edit<'w> {
+    pub fn begin(world: &'w mut World) -> Self {
+        Self {
+            before: Vec::new(),
+            places: HashMap::new(),
+            settings: SettingsState::of(world),
+            selection: world.resource::<Selection>().clone(),
+            standpoint: Standpoint::of(world),
+            mix: mix_of(world),
+            world,
+        }
+    }
+
+    /// Remembers the entity as it is; to be called before anything of it is changed.
+    pub fn touch(&mut self, entity: Entity) {
+        if !self.places.contains_key(&entity) {
+            let state = ObjectState::of(self.world, entity);
+            self.note(entity, state);
+        }
+    }
+
+    fn note(&mut self, entity: Entity, before: ObjectState) {
+        self.places.entry(entity).or_insert(self.before.len());
+        self.before.push((entity, before));
+    }
+
+    /// An error if something stands so that no file could say it.
+    pub fn check_poses(&self) -> Result<(), String> {
+        let mut poses = self
+            .before
+            .iter()
+            .filter_map(|(entity, _)| self.world.get::<ToWorld>(*entity));
+        match poses.all(ToWorld::is_invertible) {
+            true => Ok(()),
+            false => Err("Nothing can be so far away, so large, so small or so flat.".to_owned()),
+        }
+    }
+
+    /// Writes a component if it differs; what is not in the scene stays out of it.
+    pub fn set<C: Component + PartialEq>(&mut self, entity: Entity, value: C) {
+        if ObjectState::is_in_scene(self.world, entity) && self.world.get::<C>(entity) != Some(&value) {
+            self.touch(entity);
+            self.world.entity_mut(entity).insert(value);
+        }
+    }
+
+    pub fn remove<C: Component>(&mut self, entity: Entity) {
+        if self.world.get::<C>(entity).is_some() {
+            self.touch(entity);
+            self.world.entity_mut(entity).remove::<C>();
+        }
+    }
+
+    /// A new entity of the scene.
+    pub fn spawn(&mut self, bundle: impl Bundle) -> Entity {
+        let entity = self.world.spawn_empty().id();
+        self.touch(entity);
+        self.world.entity_mut(entity).insert(bundle);
+        entity
+    }
+
+    /// Notes entities that were spawned by others.
+    pub fn spawned(&mut self, entities: impl IntoIterator<Item = Entity>) {
+        for entity in entities {
+            self.note(entity, ObjectState::default());
+        }
+    }
+
+    /// Takes an entity out of the scene.
+    pub fn delete(&mut self, entity: Entity) {
+        self.touch(entity);
+        ObjectState::default().write(self.world, entity);
+    }
+
+    /// Puts everything back.
+    pub fn abandon(self) {
+        for (entity, before) in self.before.iter().rev() {
+            before.write(self.world, *entity);
+        }
+        let now = SettingsState::of(self.world);
+        self.settings.write(self.world, now);
+        self.world.insert_resource(self.selection);
+    }
+
+    /// Writes the step into the history; without one nothing is written where nothing changed.
+    pub fn finish(self, label: String, merge: Option<(u64, MergeKey)>) {
+        let changes = self.before.into_iter().filter_map(|(entity, before)| {
+            let change = ObjectChange::between(&before, &ObjectState::of(self.world, entity))?;
+            Some(Change { entity, change })
+        });
+        let (now, mix) = (Standpoint::of(self.world), mix_of(self.world));
+        let mut entry = Entry {
+            label,
+            changes: changes.collect(),
+            settings: [self.settings, SettingsState::of(self.world)],
+            selection: [self.selection, self.world.resource::<Selection>().clone()],
+            standpoint: (now != self.standpoint).then_some([self.standpoint, now]),
+            mix: (mix != self.mix).then_some([self.mix, mix]),
+            merge,
+            number: 0,
+            bytes: 0,
+        };
+        entry.changes.shrink_to_fit();
+        entry.count_bytes();
+        let mut history = self.world.resource_mut::<History>();
+        history.next_number += 1;
+        entry.number = history.next_number;
+        history.push(entry);
+    }
+}
+
+fn mix_of(world: &World) -> LightMix {
+    world.get_resource::<LightMix>().cloned().unwrap_or_default()
+}
+
+fn stand(world: &mut World, at: Standpoint) {
+    world.insert_resource(at.camera);
+    world.insert_resource(at.free);
+}
+
+/// Saving and reloading give ids that the history does not know of: what comes back with the id of another thing gets a free one, for no file may
+/// give an id twice.
+fn separate_ids(world: &mut World, changes: &[Change]) {
+    let restored = changes.iter().filter(|change| change.change.is_about_id());
+    for entity in restored.map(|change| change.entity) {
+        let Some(id) = world.get::<SceneId>(entity).cloned() else {
+            continue;
+        };
+        let mut others = world.query_filtered::<(Entity, &SceneId), With<DocumentOrder>>();
+        if others
+            .iter(world)
+            .any(|(other, other_id)| other != entity && *other_id == id)
+        {
+            let free = free_name(&names(world), &id.0);
+            world
+                .entity_mut(entity)
+                .insert((SceneId(free.clone()), Name::new(free)));
+        }
+    }
+}
+
+/// An error, in words, if there is nothing to undo.
+pub fn undo(world: &mut World) -> Result<(), &'static str> {
+    let Some(mut entry) = world.resource_mut::<History>().done.pop() else {
+        return Err("There is nothing to undo.");
+    };
+    for change in entry.changes.iter().rev() {
+        change.change.write(world, change.entity, Side::Before);
+    }
+    separate_ids(world, &entry.changes);
+    entry.settings[0].write(world, entry.settings[1]);
+    world.insert_resource(entry.selection[0].clone());
+    if let Some([before, _]) = &entry.mix {
+        world.insert_resource(before.clone());
+    }
+    if let Some([before, _]) = entry.standpoint {
+        stand(world, before);
+    }
+    entry.merge = None;
+    world.resource_mut::<History>().undone.push(entry);
+    Ok(())
+}
+
+/// An error, in words, if there is nothing to do again.
+pub fn redo(world: &mut World) -> Result<(), &'static str> {
+    let Some(entry) = world.resource_mut::<History>().undone.pop() else {
+        return Err("There is nothing to do again.");
+    };
+    for change in &entry.changes {
+        change.change.write(world, change.entity, Side::After);
+    }
+    separate_ids(world, &entry.changes);
+    entry.settings[1].write(world, entry.settings[0]);
+    world.insert_resource(entry.selection[1].clone());
+    if let Some([_, after]) = &entry.mix {
+        world.insert_resource(after.clone());
+    }
+    if let Some([_, after]) = entry.standpoint {
+        stand(world, after);
+    }
+    world.resource_mut::<History>().done.push(entry);
+    Ok(())
+}

@@ -1,0 +1,16 @@
+//! What the editor remembers beside the scene: history, preferences, messages, view settings, requests and recovery. May import
+//! `command`, `words` and `camera`.
+
+pub mod history;
+pub mod layout;
+pub mod options;
+pub mod panel_sizes;
+pub mod preferences;
+pub mod recovery;
+pub mod requests;
+pub mod save_question;
+pub mod stored_views;
+pub mod systems;
+pub mod toasts;
+pub mod trust;
+pub mod view_settings;

@@ -1,0 +1,97 @@
+//! What the caller of the window asks for beside a scene.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use bevy::prelude::*;
+
+/// How to open the window, and what to do in it without a user.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WindowOptions {
+    /// None opens an empty window.
+    pub scene: Option<PathBuf>,
+    /// Values for the scene file's `$name` parameters.
+    pub defines: Vec<(String, String)>,
+    /// Name or index of the camera the first scene is seen with; None is its first.
+    pub camera: Option<String>,
+    /// Size of the window's content in points.
+    pub size: UVec2,
+    /// Worker threads; see [`crate::app::threads::worker_count`].
+    pub threads: Option<i32>,
+    /// Saves the whole window as PNG once the picture has `after_spp` samples.
+    pub screenshot: Option<PathBuf>,
+    /// Commands to do, one a line: see [`crate::app::editor::automation::script`].
+    pub script: Option<PathBuf>,
+    /// For `screenshot` and `exit`.
+    pub after_spp: u32,
+    /// Ends the program after the screenshot or the measurement, or else after `after_spp` samples.
+    pub exit: bool,
+    /// Does edits of several kinds this many times each and prints how long it took until the picture followed.
+    pub measure_latency: Option<u32>,
+    /// Does random things and judges how the program bears them; the program ends with the outcome.
+    pub monkey: Option<MonkeyOptions>,
+    /// Everything is done but the drawing of the window's pixels, as if the graphics driver took no time.
+    pub undrawn: bool,
+    /// With `exit`: the program fails if it is not done after this time.
+    pub timeout: Duration,
+}
+
+impl Default for WindowOptions {
+    fn default() -> Self {
+        Self {
+            scene: None,
+            defines: Vec::new(),
+            camera: None,
+            size: UVec2::new(1280, 720),
+            threads: None,
+            screenshot: None,
+            script: None,
+            after_spp: 1,
+            exit: false,
+            measure_latency: None,
+            monkey: None,
+            undrawn: false,
+            timeout: Duration::from_secs(600),
+        }
+    }
+}
+
+impl WindowOptions {
+    /// Somebody sits before it.
+    pub fn is_attended(&self) -> bool {
+        !self.exit && self.script.is_none() && self.measure_latency.is_none() && self.monkey.is_none()
+    }
+}
+
+/// Kept for reloads.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct SceneDefines(pub Vec<(String, String)>);
+
+/// A camera that is asked for, until a scene is there.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct WantedCamera {
+    pub name: Option<String>,
+    /// The program ends with an error if the camera does not exist, because no user is there to choose another.
+    pub is_required: bool,
+}
+
+/// How long the monkey plays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Length {
+    Time(Duration),
+    /// So many acts: such a run can be repeated exactly.
+    Steps(usize),
+}
+
+/// What is asked of the monkey.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MonkeyOptions {
+    pub length: Length,
+    pub seed: u64,
+    /// Copies of them are edited; at least one. Others than these are never touched.
+    pub scenes: Vec<PathBuf>,
+    /// Gets every act, one a line. What is no comment is a line of a script.
+    pub log: Option<PathBuf>,
+    /// Longer frames of the window's own systems are faults; None: frames are not judged.
+    pub longest_frame: Option<Duration>,
+}

@@ -1,0 +1,261 @@
+//! What is remembered between runs, in one JSON file of the platform's folder for settings. Nothing of a scene is in it.
+//!
+//! Fields of later versions are kept. A file that cannot be understood is set aside under another name, never overwritten.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+use directories::ProjectDirs;
+
+use super::layout::Layout;
+use super::view_settings::ViewSettings;
+use crate::app::editor::command::preferences::Preferences;
+use crate::files::{self, LARGEST_NOTE, write_atomically};
+use crate::scene::{SceneState, SceneStatus};
+
+const FILE: &str = "preferences.json";
+/// Instead of the platform's folder.
+const FOLDER_VARIABLE: &str = "SUNROOM_CONFIG";
+/// Changes are written after so long at the latest.
+const PAUSE: Duration = Duration::from_secs(2);
+
+/// The file that the preferences are kept in.
+#[derive(Resource, Debug)]
+pub struct PreferencesFile {
+    /// None: nothing is remembered.
+    path: Option<PathBuf>,
+    written: Preferences,
+    looked_at: Instant,
+    /// What is wrong with it, in words.
+    pub problem: Option<String>,
+}
+
+/// The folder for settings; None where the platform has none, and for windows without a user, unless one is named.
+pub fn folder(attended: bool) -> Option<PathBuf> {
+    match std::env::var_os(FOLDER_VARIABLE).filter(|folder| !folder.is_empty()) {
+        Some(folder) => Some(folder.into()),
+        None if attended => Some(ProjectDirs::from("", "", "sunroom")?.config_dir().to_owned()),
+        None => None,
+    }
+}
+
+impl PreferencesFile {
+    /// What the file in this folder says; without one, the defaults.
+    pub fn open(folder: Option<&Path>) -> (Self, Preferences) {
+        let mut file = Self {
+            path: folder.map(|folder| folder.join(FILE)),
+            written: Preferences::default(),
+            looked_at: Instant::now(),
+            problem: None,
+        };
+        let text = file.path.as_ref().map(|path| files::read_text(path, LARGEST_NOTE));
+        let read = match text {
+            None => return (file, Preferences::default()),
+            Some(Err(error)) if error.is_not_found() => {
+                return (file, Preferences::default());
+            }
+            Some(Err(error)) => Err(error.to_string()),
+            Some(Ok(text)) => serde_json::from_str(&text).map_err(|error| error.to_string()),
+        };
+        match read.map(Preferences::within_range) {
+            Ok(preferences) => file.written = preferences,
+            Err(reason) => file.set_aside(&reason),
+        }
+        let preferences = file.written.clone();
+        (file, preferences)
+    }
+
+    fn set_aside(&mut self, reason: &str) {
+        let Some(path) = &self.path else {
+            return;
+        };
+        let numbered = (2..1000).map(|number| format!("bad-{number}"));
+        let names = std::iter::once("bad".to_owned()).chain(numbered);
+        let free = names.map(|name| path.with_extension(format!("json.{name}")));
+        let outcome = match free.into_iter().find(|place| !place.exists()) {
+            Some(place) => std::fs::rename(path, &place).map(|()| place),
+            None => Err(std::io::ErrorKind::AlreadyExists.into()),
+        };
+        let file = path.display();
+        self.problem = Some(match outcome {
+            Ok(place) => format!(
+                "{file}: {reason}. It is {} now, and the preferences are as in the beginning.",
+                place.display()
+            ),
+            Err(error) => {
+                let problem =
+                    format!("{file}: {reason}. It cannot be set aside ({error}): no preferences are remembered.");
+                self.path = None;
+                problem
+            }
+        });
+    }
+
+    /// Writes them if they are others than those in the file.
+    pub fn store(&mut self, preferences: Preferences) {
+        let Some(path) = self.path.as_ref().filter(|_| preferences != self.written) else {
+            return;
+        };
+        let outcome = serde_json::to_vec_pretty(&preferences)
+            .map_err(std::io::Error::from)
+            .and_then(|text| {
+                std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
+                write_atomically(path, text)
+            });
+        if let Err(error) = outcome {
+            self.problem = Some(format!("{}: {error}", path.display()));
+        }
+        // What failed is not tried again before there is something else to write.
+        self.written = preferences;
+    }
+}
+
+/// A scene that is open, or was saved under this name, is among the recent ones.
+pub fn note_scene(status: Res<SceneStatus>, mut preferences: ResMut<Preferences>) {
+    if !status.is_changed() || status.state != SceneState::Ready {
+        return;
+    }
+    if let Some(path) = &status.path
+        && preferences.recent_files.first() != Some(path)
+    {
+        preferences.note_recent(path);
+    }
+}
+
+/// Writes what has changed, now and then and at the end.
+pub fn remember(
+    mut file: ResMut<PreferencesFile>,
+    preferences: Res<Preferences>,
+    layout: Res<Layout>,
+    settings: Res<ViewSettings>,
+    mut exits: MessageReader<AppExit>,
+) {
+    let ends = exits.read().next().is_some();
+    if file.path.is_none() || (!ends && file.looked_at.elapsed() < PAUSE) {
+        return;
+    }
+    let silent = file.bypass_change_detection();
+    silent.looked_at = Instant::now();
+    let problem = silent.problem.clone();
+    silent.store(Preferences {
+        layout: layout.to_json(),
+        speed: settings.navigation.speed,
+        steps: settings.gizmo.steps,
+        ..preferences.clone()
+    });
+    if silent.problem != problem {
+        file.set_changed();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::editor::command::gizmo_settings::Steps;
+    use crate::app::editor::command::panel::Panel;
+    use crate::app::editor::command::preferences::{MOST_MEMORY_GIB, MOST_RECENT_FILES, ThemeChoice};
+    use crate::memory;
+
+    fn written(folder: &Path, text: &str) -> PathBuf {
+        let path = folder.join(FILE);
+        std::fs::write(&path, text).expect("a temporary folder");
+        path
+    }
+
+    #[test]
+    fn they_come_back_with_what_is_not_understood() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        written(
+            folder.path(),
+            r#"{"theme": "light", "of tomorrow": [1, 2], "ui_scale": 99.0}"#,
+        );
+        let (mut file, preferences) = PreferencesFile::open(Some(folder.path()));
+        assert_eq!((preferences.theme, preferences.ui_scale), (ThemeChoice::Light, 3.0));
+        assert_eq!(preferences.autosave_seconds, 60);
+        let mut layout = Layout::default();
+        layout.close(Panel::History);
+        let steps = Steps {
+            length: Some(0.25),
+            degrees: 5.0,
+            ..Steps::default()
+        };
+        let mut changed = Preferences {
+            layout: layout.to_json(),
+            speed: 2.5,
+            steps,
+            moving_scale: 0.25,
+            reduced_motion: true,
+            memory_gib: 3,
+            ..preferences
+        };
+        changed.note_recent(Path::new("/a.xml"));
+        file.store(changed.clone());
+        let (file, back) = PreferencesFile::open(Some(folder.path()));
+        assert_eq!((back.clone(), file.problem), (changed, None));
+        assert_eq!(back.memory_limit(), 3 << 30);
+        assert_eq!(Preferences::default().memory_limit(), memory::default_limit());
+        assert!(!Layout::remembered(&back).has(Panel::History) && Layout::remembered(&back).has(Panel::Render));
+        let text = std::fs::read_to_string(folder.path().join(FILE)).expect("just written");
+        assert!(text.contains("of tomorrow"), "{text}");
+    }
+
+    #[test]
+    fn numbers_that_no_control_could_set_are_mended() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let text = r#"{"steps": {"length": -2.0, "degrees": 1e9, "factor": 0.0}, "moving_scale": 0.0, "memory_gib": 4000000000}"#;
+        written(folder.path(), text);
+        let (_, preferences) = PreferencesFile::open(Some(folder.path()));
+        let Steps {
+            length,
+            degrees,
+            factor,
+        } = preferences.steps;
+        assert_eq!((length, degrees, factor), (None, 180.0, 0.001));
+        assert_eq!(preferences.moving_scale, 0.25);
+        assert_eq!(preferences.memory_gib, MOST_MEMORY_GIB);
+    }
+
+    #[test]
+    fn a_broken_file_is_set_aside_and_said() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        for (text, name) in [
+            ("{\"theme\": \"dark\"", "preferences.json.bad"),
+            ("{\"theme\": 7}", "preferences.json.bad-2"),
+        ] {
+            let path = written(folder.path(), text);
+            let (mut file, preferences) = PreferencesFile::open(Some(folder.path()));
+            assert_eq!(preferences, Preferences::default());
+            assert!(file.problem.as_ref().is_some_and(|problem| problem.contains(name)));
+            assert!(!path.exists());
+            let kept = std::fs::read_to_string(folder.path().join(name)).expect("set aside");
+            assert_eq!(kept, text);
+            file.store(Preferences {
+                speed: 2.0,
+                ..preferences
+            });
+            assert!(path.exists());
+        }
+    }
+
+    #[test]
+    fn without_a_folder_nothing_is_remembered() {
+        let (mut file, preferences) = PreferencesFile::open(None);
+        file.store(Preferences {
+            speed: 2.0,
+            ..preferences
+        });
+        assert_eq!(file.problem, None);
+    }
+
+    #[test]
+    fn recent_files_are_few_and_each_is_there_once() {
+        let mut preferences = Preferences::default();
+        for number in (0..15).chain([12]) {
+            preferences.note_recent(Path::new(&format!("/{number}.xml")));
+        }
+        let files: Vec<_> = preferences.recent_files.iter().map(|path| path.to_str()).collect();
+        assert_eq!(files.len(), MOST_RECENT_FILES);
+        assert_eq!(files[..3], [Some("/12.xml"), Some("/14.xml"), Some("/13.xml")]);
+    }
+}

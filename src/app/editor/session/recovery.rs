@@ -1,0 +1,461 @@
+//! Edits that no file has are written aside now and then, and offered again after a crash. Each scene has a folder of its own for that, and
+//! each run of the program: the scene as it was then, a note of which file it is, and a file that is locked while the program runs.
+
+use std::fs::{File, TryLockError};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use bevy::prelude::*;
+use bevy::tasks::{IoTaskPool, Task, block_on, futures::check_ready};
+
+use super::history::History;
+use super::toasts::{Toasts, Tone, Topic};
+use crate::app::editor::command::preferences::Preferences;
+use crate::app::editor::command::recovery_offer::{Note, Offer};
+use crate::files::{self, LARGEST_NOTE, write_atomically};
+use crate::scene::write::{KnownTexts, gather, save_description};
+use crate::scene::{OpenScene, SceneDescription, SceneFile, SceneState, SceneStatus, Trust};
+
+const SCENE: &str = "scene.xml";
+const NOTE: &str = "about.json";
+const LOCK: &str = "lock";
+const FRAGMENT_AGE: Duration = Duration::from_secs(3600);
+
+/// A folder that nobody else offers or removes while this is there.
+#[derive(Debug)]
+struct Aside {
+    folder: PathBuf,
+    /// None where files cannot be locked.
+    lock: Option<File>,
+}
+
+#[derive(Resource, Default)]
+pub struct Recovery {
+    /// Of all scenes; None: nothing is written aside.
+    folder: Option<PathBuf>,
+    /// Tells this run of the program from all others.
+    run: String,
+    /// Since when there have been edits that are not written aside.
+    since: Option<Instant>,
+    is_due: bool,
+    task: Option<Task<Result<(), String>>>,
+    /// Folders that are of no use once the scene is saved.
+    mine: Vec<Aside>,
+    /// What the user is asked about.
+    pub offer: Option<Offer>,
+    /// Being opened.
+    returning: Option<(Offer, Aside)>,
+    /// The last load of the scene that was looked at, and the last failure.
+    seen: (u64, u64),
+}
+
+impl Recovery {
+    pub fn new(folder: Option<&Path>) -> Self {
+        let begun = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        Self {
+            folder: folder.map(|folder| folder.join("recovery")),
+            run: format!("{}-{:x}", std::process::id(), begun.as_nanos()),
+            ..Self::default()
+        }
+    }
+
+    /// Whether the scene that is being opened is one that was written aside.
+    pub fn is_returning(&self) -> bool {
+        self.returning.is_some()
+    }
+
+    fn forget(&mut self) {
+        // What is being written is to be removed as well, whether that goes well or not.
+        if let Some(task) = self.task.take() {
+            let _ = block_on(task);
+        }
+        for aside in self.mine.drain(..) {
+            aside.remove();
+        }
+        self.since = None;
+    }
+
+    /// Where this scene is written aside; None if that is nowhere.
+    fn folder_of(&self, scene: Option<&Path>) -> Option<PathBuf> {
+        let name = match scene {
+            Some(scene) => format!("{:016x}-{}", hash(scene.as_os_str().as_encoded_bytes()), self.run),
+            None => format!("untitled-{}", self.run),
+        };
+        Some(self.folder.as_ref()?.join(name))
+    }
+}
+
+impl Aside {
+    /// None: another run of the program has it.
+    fn claim(folder: &Path) -> Option<Self> {
+        // A folder that cannot be written to is complained of when it is written to.
+        let _ = std::fs::create_dir_all(folder);
+        let lock = File::create(folder.join(LOCK)).ok();
+        let is_taken = |lock: &File| matches!(lock.try_lock(), Err(TryLockError::WouldBlock));
+        (!lock.as_ref().is_some_and(is_taken)).then(|| Self {
+            folder: folder.to_owned(),
+            lock,
+        })
+    }
+
+    fn remove(self) {
+        // Some systems remove no file that is open.
+        drop(self.lock);
+        remove(&self.folder);
+    }
+}
+
+/// FNV-1a: the same in every version of the program.
+fn hash(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+    })
+}
+
+/// The note comes first: as soon as the scene is there, it is offered.
+fn write_aside(folder: &Path, scene: &SceneDescription, path: Option<PathBuf>) -> Result<(), String> {
+    let described = |error: std::io::Error| format!("{}: {error}", folder.display());
+    std::fs::create_dir_all(folder).map_err(described)?;
+    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let note = Note {
+        scene: path,
+        time: since_1970.as_secs(),
+    };
+    let text = serde_json::to_vec_pretty(&note).map_err(|error| error.to_string())?;
+    write_atomically(&folder.join(NOTE), text).map_err(described)?;
+    save_description(scene, &folder.join(SCENE)).map_err(|error| error.to_string())
+}
+
+/// Only a folder that is one of ours.
+fn remove(folder: &Path) {
+    if folder.join(NOTE).is_file() {
+        // What cannot be removed is offered again, which does no harm.
+        let _ = std::fs::remove_dir_all(folder);
+    }
+}
+
+/// The newest of what programs that run no more have left in `all` and that is meant.
+fn find(all: &Path, is_meant: impl Fn(&Note) -> bool) -> Option<Offer> {
+    let folders = std::fs::read_dir(all).ok()?;
+    let offers = folders.filter_map(|entry| {
+        let folder = entry.ok()?.path();
+        let note: Note = serde_json::from_slice(&files::read(&folder.join(NOTE), LARGEST_NOTE).ok()?).ok()?;
+        Some(Offer { folder, note })
+    });
+    offers
+        .filter(|offer| is_meant(&offer.note) && offer.folder.join(SCENE).is_file() && !is_in_use(&offer.folder))
+        .max_by_key(|offer| offer.note.time)
+}
+
+/// Removes folders that a program left which was killed before its first copy was complete. Young ones stay: their program may just have made
+/// them and not locked them yet.
+fn remove_fragments(all: &Path) {
+    for entry in std::fs::read_dir(all).into_iter().flatten().flatten() {
+        let folder = entry.path();
+        let made = std::fs::metadata(folder.join(LOCK)).and_then(|about| about.modified());
+        let age = made.ok().and_then(|time| time.elapsed().ok());
+        let is_old = age.is_some_and(|age| age > FRAGMENT_AGE);
+        if is_old && !folder.join(SCENE).exists() && !is_in_use(&folder) {
+            // What cannot be removed now is removed another time.
+            let _ = std::fs::remove_dir_all(folder);
+        }
+    }
+}
+
+/// Finds the recovery copy of this scene, or else, when a run begins, of a scene that was never saved, which no file leads to.
+fn left_over(all: &Path, scene: Option<&Path>, is_first: bool) -> Option<Offer> {
+    let own = find(all, |note| scene.is_some() && note.scene.as_deref() == scene);
+    own.or_else(|| find(all, |note| is_first && note.scene.is_none()))
+}
+
+/// Another window may be at work on it. Where files cannot be locked, none is.
+fn is_in_use(folder: &Path) -> bool {
+    let lock = files::open(&folder.join(LOCK), LARGEST_NOTE);
+    lock.is_ok_and(|lock| matches!(lock.try_lock(), Err(TryLockError::WouldBlock)))
+}
+
+/// Notices new scenes, and those that cannot be read: what was left of them is offered, and what belonged to the scene before is of no use any
+/// more. To run after the history has begun anew.
+pub fn follow_scene(
+    mut recovery: ResMut<Recovery>,
+    mut status: ResMut<SceneStatus>,
+    mut file: ResMut<SceneFile>,
+    mut history: ResMut<History>,
+    mut toasts: ResMut<Toasts>,
+    mut known: ResMut<KnownTexts>,
+    mut started: Local<bool>,
+) {
+    let recovery = recovery.bypass_change_detection();
+    let is_first = !std::mem::replace(&mut *started, true);
+    let Some(all) = recovery.folder.clone() else {
+        return;
+    };
+    if is_first {
+        remove_fragments(&all);
+    }
+    if is_first && status.subject().is_none() {
+        recovery.offer = find(&all, |_| true);
+    }
+    let seen = std::mem::replace(&mut recovery.seen, (status.revision, status.failures));
+    if seen.1 != status.failures {
+        let is_it = |(offer, _): &mut (Offer, Aside)| status.asked == Some(offer.folder.join(SCENE));
+        match recovery.returning.take_if(is_it) {
+            Some((offer, _)) => {
+                let file = offer.folder.join(SCENE);
+                let text = format!("{} could not be read; it is kept.", file.display());
+                toasts.add(Tone::Error, Topic::Other, text, None);
+            }
+            // Of the open scene there is nothing left over.
+            None if status.asked == status.path => {}
+            None => recovery.offer = left_over(&all, status.asked.as_deref(), false),
+        }
+    }
+    if seen.0 == status.revision || !status.fresh_load {
+        return;
+    }
+    recovery.forget();
+    match recovery.returning.take() {
+        Some((offer, aside)) => {
+            file.leave();
+            // What others change there from now on must not be written over without a word.
+            if let Some(scene) = &offer.note.scene {
+                known.note_present(scene);
+            }
+            status.path = offer.note.scene;
+            history.note_unsaved();
+            recovery.mine.push(aside);
+            toasts.say("Recovered; save the scene to keep it");
+        }
+        None => recovery.offer = left_over(&all, status.path.as_deref(), seen.0 == 0),
+    }
+}
+
+/// Decides when to write, and removes what is of no use any more. A run that ends without the user having been asked, such as by a signal,
+/// writes at once.
+pub fn plan_autosave(
+    mut recovery: ResMut<Recovery>,
+    mut toasts: ResMut<Toasts>,
+    history: Res<History>,
+    status: Res<SceneStatus>,
+    preferences: Res<Preferences>,
+    mut exits: MessageReader<AppExit>,
+) {
+    let recovery = recovery.bypass_change_detection();
+    recovery.is_due = false;
+    if recovery.folder.is_none() {
+        return;
+    }
+    let breaks_off = exits.read().any(AppExit::is_error);
+    let outcome = match breaks_off {
+        true => recovery.task.take().map(block_on),
+        false => recovery.task.as_mut().and_then(check_ready),
+    };
+    if let Some(outcome) = outcome {
+        recovery.task = None;
+        if let Err(error) = outcome {
+            let text = format!("The edits could not be written aside: {error}");
+            toasts.add(Tone::Error, Topic::Saving, text, None);
+        }
+    }
+    if recovery.task.is_some() {
+        return;
+    }
+    if history.is_saved() {
+        if !recovery.mine.is_empty() {
+            recovery.forget();
+        }
+        recovery.since = None;
+        return;
+    }
+    let since = *recovery.since.get_or_insert_with(Instant::now);
+    let interval = Duration::from_secs(preferences.autosave_seconds.into());
+    let is_over = !interval.is_zero() && since.elapsed() >= interval;
+    // Another scene may be about to take the place of this one, whose edits would be of no use then; but until it has, they are all there is.
+    let is_staying = recovery.returning.is_none() && status.state != SceneState::Loading;
+    recovery.is_due = breaks_off || is_over && is_staying;
+}
+
+pub fn is_due(recovery: Res<Recovery>) -> bool {
+    recovery.is_due
+}
+
+/// Describes the scene here, and writes it in the background.
+pub fn autosave(world: &mut World) {
+    let started = Instant::now();
+    let scene = gather::describe(world);
+    let path = world.resource::<SceneStatus>().path.clone();
+    let mut recovery = world.resource_mut::<Recovery>();
+    let Some(folder) = recovery.folder_of(path.as_deref()) else {
+        return;
+    };
+    if !recovery.mine.iter().any(|aside| aside.folder == folder) {
+        recovery.mine.extend(Aside::claim(&folder));
+    }
+    recovery.since = Some(Instant::now());
+    let task = IoTaskPool::get().spawn(async move { write_aside(&folder, &scene, path) });
+    recovery.task = Some(task);
+    debug!("described the scene in {:.2} ms", 1e3 * started.elapsed().as_secs_f32());
+}
+
+/// After a good end nothing is left over. Otherwise the program waits for what is being written.
+pub fn clean_up(mut exits: MessageReader<AppExit>, mut recovery: ResMut<Recovery>) {
+    let Some(exit) = exits.read().last() else {
+        return;
+    };
+    if exit.is_success() {
+        recovery.forget();
+    } else if let Some(task) = recovery.task.take() {
+        match block_on(task) {
+            Ok(()) => info!("The unsaved edits are kept and will be offered when the scene is opened again"),
+            Err(error) => error!("The unsaved edits could not be written aside: {error}"),
+        }
+    }
+}
+
+/// Opens what was written aside.
+pub fn recover(world: &mut World, offer: Offer) -> Result<(), String> {
+    let path = offer.folder.join(SCENE);
+    let aside = Aside::claim(&offer.folder).ok_or(IN_USE)?;
+    // The names in it are those of the scene's own files.
+    if let Some(folder) = offer.note.scene.as_deref().and_then(Path::parent)
+        && let Trust::Folders(folders) = &mut *world.resource_mut::<Trust>()
+    {
+        folders.push(folder.to_owned());
+    }
+    world.resource_mut::<Recovery>().returning = Some((offer, aside));
+    world.write_message(OpenScene {
+        path,
+        ..OpenScene::default()
+    });
+    Ok(())
+}
+
+pub fn discard(offer: &Offer) -> Result<(), String> {
+    Aside::claim(&offer.folder).ok_or(IN_USE)?.remove();
+    Ok(())
+}
+
+const IN_USE: &str = "Another window is at work on those edits.";
+
+#[cfg(test)]
+mod tests {
+    use super::super::requests::Requests;
+    use super::super::view_settings::ViewSettings;
+    use super::*;
+
+    fn aside(all: &Path, name: &str, note: &Note) -> PathBuf {
+        let folder = all.join(name);
+        std::fs::create_dir_all(&folder).expect("a temporary folder");
+        std::fs::write(folder.join(SCENE), "<scene version=\"3.0.0\"/>").expect("a temporary folder");
+        let text = serde_json::to_vec(note).expect("plain data");
+        std::fs::write(folder.join(NOTE), text).expect("a temporary folder");
+        folder
+    }
+
+    fn note(scene: Option<&Path>, time: u64) -> Note {
+        Note {
+            scene: scene.map(Path::to_owned),
+            time,
+        }
+    }
+
+    #[test]
+    fn what_is_written_aside_is_found_for_its_scene() {
+        let home = tempfile::tempdir().expect("a temporary folder");
+        let all = home.path().join("recovery");
+        let path = home.path().join("box.xml");
+        let folder = Recovery::new(Some(home.path()))
+            .folder_of(Some(&path))
+            .expect("a folder");
+        write_aside(&folder, &SceneDescription::empty(), Some(path.clone())).expect("it can be written");
+        let offer = left_over(&all, Some(&path), false).expect("there is one");
+        assert_eq!(
+            (&offer.folder, offer.note.scene.as_deref()),
+            (&folder, Some(path.as_path()))
+        );
+        assert_eq!(left_over(&all, Some(Path::new("/other.xml")), true), None);
+        assert_eq!(discard(&offer), Ok(()));
+        assert_eq!(find(&all, |_| true), None);
+        assert!(!folder.exists());
+    }
+
+    #[test]
+    fn a_run_that_breaks_off_while_a_scene_is_read_keeps_the_edits_of_the_one_before() {
+        use bevy::ecs::system::RunSystemOnce;
+        let home = tempfile::tempdir().expect("a temporary folder");
+        let mut world = World::new();
+        world.insert_resource(Recovery::new(Some(home.path())));
+        world.init_resource::<ViewSettings>();
+        world.init_resource::<Requests>();
+        world.init_resource::<Toasts>();
+        world.init_resource::<History>();
+        world.init_resource::<Preferences>();
+        world.init_resource::<Messages<AppExit>>();
+        world.insert_resource(SceneStatus {
+            state: SceneState::Loading,
+            ..SceneStatus::default()
+        });
+        world.resource_mut::<History>().note_unsaved();
+        let mut plan = || {
+            world.run_system_once(plan_autosave).expect("it runs");
+            let is_due = world.resource::<Recovery>().is_due;
+            world.write_message(AppExit::error());
+            is_due
+        };
+        assert_eq!([plan(), plan()], [false, true]);
+    }
+
+    /// Numbers of processes come again.
+    #[test]
+    fn runs_do_not_share_folders() {
+        let folders: Vec<_> = (0..2)
+            .map(|_| Recovery::new(Some(Path::new("/home"))))
+            .flat_map(|run| [run.folder_of(None), run.folder_of(Some(Path::new("/a.xml")))])
+            .collect();
+        for (index, folder) in folders.iter().enumerate() {
+            assert!(!folders[..index].contains(folder), "{folders:?}");
+        }
+    }
+
+    #[test]
+    fn the_newest_is_offered_also_when_the_scene_is_newer() {
+        let all = tempfile::tempdir().expect("a temporary folder");
+        let path = all.path().join("box.xml");
+        let lost = aside(all.path(), "a", &note(None, 1000));
+        let newest = aside(all.path(), "b", &note(Some(&path), 2000));
+        let folder = |offer: Option<Offer>| offer.map(|offer| offer.folder);
+        assert_eq!(folder(find(all.path(), |_| true)), Some(newest.clone()));
+        // The scene was saved long after.
+        std::fs::write(&path, "<scene/>").expect("a temporary folder");
+        assert_eq!(folder(left_over(all.path(), Some(&path), true)), Some(newest));
+        // The program opens some scene even if none is asked for.
+        let other = Some(Path::new("/other.xml"));
+        assert_eq!(folder(left_over(all.path(), other, true)), Some(lost));
+        assert_eq!(left_over(all.path(), other, false), None);
+    }
+
+    #[test]
+    fn what_is_half_written_or_in_use_is_left_alone() {
+        let all = tempfile::tempdir().expect("a temporary folder");
+        let path = Path::new("/box.xml");
+        let half = aside(all.path(), "half", &note(Some(path), 1000));
+        std::fs::remove_file(half.join(SCENE)).expect("it is there");
+        std::fs::write(aside(all.path(), "odd", &note(None, 1)).join(NOTE), "{").expect("a temporary folder");
+        let folder = aside(all.path(), "running", &note(Some(path), 3000));
+        let running = Aside::claim(&folder).expect("nobody has it");
+        assert_eq!(find(all.path(), |_| true), None);
+        let offer = Offer {
+            folder: folder.clone(),
+            note: note(Some(path), 3000),
+        };
+        assert!(discard(&offer).is_err() && folder.join(SCENE).is_file());
+        // It crashes.
+        drop(running);
+        assert_eq!(find(all.path(), |_| true), Some(offer));
+        // Folders without a note are none of ours.
+        let other = all.path().join("other");
+        std::fs::create_dir(&other).expect("a temporary folder");
+        remove(&other);
+        assert!(other.exists());
+    }
+}

@@ -1,0 +1,14 @@
+//! The editor's steps within a frame.
+
+use bevy::prelude::*;
+
+/// The editor's steps in `PostUpdate`, around those of egui and the engine.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum EditorSystems {
+    /// World to model, before the panels are shown.
+    Gather,
+    /// Commands to world, before the engine looks for changes.
+    Apply,
+    /// Film to texture, after the engine has collected results and put its workers to new work.
+    Show,
+}

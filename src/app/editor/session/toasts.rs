@@ -1,0 +1,177 @@
+//! Messages to the user: those that go by themselves, and errors that stay until they are dismissed or mended.
+
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tone {
+    /// Something was done.
+    Note,
+    /// Something that was asked for cannot be done, or is perhaps not meant.
+    Warning,
+    /// Something is broken.
+    Error,
+}
+
+/// What an error is about, so that it can go when that is mended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Topic {
+    SceneFile,
+    Saving,
+    Other,
+}
+
+#[derive(Clone, Debug)]
+pub struct Toast {
+    pub tone: Tone,
+    pub topic: Topic,
+    pub text: String,
+    /// Lines of a file, with marks under them.
+    pub excerpt: Option<String>,
+    pub since: Instant,
+}
+
+/// Notes and warnings are shown so long.
+pub const SHOWN: Duration = Duration::from_secs(5);
+/// Of which they fade so long.
+pub const FADING: Duration = Duration::from_millis(400);
+/// Between two pictures of something that fades.
+pub const FADE_STEP: Duration = Duration::from_millis(40);
+/// Older ones give way.
+pub const MOST: usize = 5;
+
+/// The messages that are shown, the newest last.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Toasts(Vec<Toast>);
+
+impl Toasts {
+    /// Something was done.
+    pub fn say(&mut self, message: impl Into<String>) {
+        let message = message.into();
+        info!("{message}");
+        self.add(Tone::Note, Topic::Other, message, None);
+    }
+
+    /// Something that was asked for cannot be done.
+    pub fn refuse(&mut self, message: impl Into<String>) {
+        let message = message.into();
+        info!("{message}");
+        self.add(Tone::Warning, Topic::Other, message, None);
+    }
+
+    /// Something has happened that is perhaps not meant.
+    pub fn warn(&mut self, message: impl Into<String>) {
+        let message = message.into();
+        warn!("{message}");
+        self.add(Tone::Warning, Topic::Other, message, None);
+    }
+
+    /// Something is broken, until it is dismissed or mended. `excerpt`: the lines of a file that it is about.
+    pub fn complain(&mut self, topic: Topic, message: impl Into<String>, excerpt: Option<String>) {
+        let message = message.into();
+        error!("{message}");
+        self.add(Tone::Error, topic, message, excerpt);
+    }
+
+    /// Without a line in the log.
+    pub fn add(&mut self, tone: Tone, topic: Topic, text: String, excerpt: Option<String>) {
+        // Of the same again only the newest.
+        self.0.retain(|toast| toast.text != text);
+        if tone == Tone::Error && topic != Topic::Other {
+            self.forget(topic);
+        }
+        self.0.push(Toast {
+            tone,
+            topic,
+            text,
+            excerpt,
+            since: Instant::now(),
+        });
+        if self.0.len() > MOST {
+            let first_passing = self.0.iter().position(|toast| toast.tone != Tone::Error);
+            self.0.remove(first_passing.unwrap_or(0));
+        }
+    }
+
+    /// It is mended.
+    pub fn forget(&mut self, topic: Topic) {
+        self.0.retain(|toast| toast.tone != Tone::Error || toast.topic != topic);
+    }
+
+    /// When the next one changes by itself; None while nothing will.
+    pub fn wait(&self) -> Option<Duration> {
+        let waits = self
+            .0
+            .iter()
+            .filter_map(Toast::left)
+            .map(|left| if left > FADING { left - FADING } else { FADE_STEP });
+        waits.min()
+    }
+
+    pub fn texts(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().map(|toast| toast.text.as_str())
+    }
+
+    /// Without those whose time is over.
+    pub fn current(&mut self) -> &[Toast] {
+        self.0.retain(|toast| toast.left() != Some(Duration::ZERO));
+        &self.0
+    }
+
+    /// Takes one of [`Self::current`] away.
+    pub fn dismiss(&mut self, index: usize) {
+        self.0.remove(index);
+    }
+}
+
+impl Toast {
+    /// None for those that stay.
+    fn left(&self) -> Option<Duration> {
+        (self.tone != Tone::Error).then(|| SHOWN.saturating_sub(self.since.elapsed()))
+    }
+
+    /// In [0, 1].
+    pub fn opacity(&self) -> f32 {
+        self.left()
+            .map_or(1.0, |left| (left.as_secs_f32() / FADING.as_secs_f32()).min(1.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn add(toasts: &mut Toasts, tone: Tone, text: &str) {
+        toasts.add(tone, Topic::SceneFile, text.to_owned(), None);
+    }
+
+    #[test]
+    fn errors_stay_until_they_are_mended_and_then_nothing_is_waited_for() {
+        let mut toasts = Toasts::default();
+        add(&mut toasts, Tone::Error, "broken");
+        assert_eq!(toasts.wait(), None);
+        add(&mut toasts, Tone::Note, "done");
+        add(&mut toasts, Tone::Error, "broken elsewhere");
+        assert_eq!(toasts.texts().collect::<Vec<_>>(), ["done", "broken elsewhere"]);
+        assert!(toasts.wait().is_some_and(|wait| wait <= SHOWN - FADING));
+        toasts.forget(Topic::SceneFile);
+        assert_eq!(toasts.texts().collect::<Vec<_>>(), ["done"]);
+        // Long over, but not taken away yet.
+        if let Some(long_ago) = Instant::now().checked_sub(2 * SHOWN) {
+            toasts.0[0].since = long_ago;
+            assert_eq!(toasts.wait(), Some(FADE_STEP));
+        }
+    }
+
+    #[test]
+    fn there_are_never_many_and_errors_give_way_last() {
+        let mut toasts = Toasts::default();
+        add(&mut toasts, Tone::Error, "broken");
+        for number in 0..20 {
+            add(&mut toasts, Tone::Note, &number.to_string());
+        }
+        let texts: Vec<&str> = toasts.texts().collect();
+        assert_eq!((texts.len(), texts[0], texts[MOST - 1]), (MOST, "broken", "19"));
+    }
+}

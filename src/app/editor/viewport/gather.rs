@@ -1,0 +1,239 @@
+//! From the world to what the viewport shows of it.
+
+use std::iter;
+use std::sync::Arc;
+
+use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::system::SystemParam;
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+use bevy_egui::egui;
+
+use super::captions::{Caption, captions};
+use super::gizmo::Target;
+use super::icons::{Icon, IconKind};
+use super::state::ViewportState;
+use crate::accel::Tlas;
+use crate::app::editor::camera::picking;
+use crate::app::editor::camera::pose::camera_pose;
+use crate::app::editor::command::bvh_overlay::BvhOverlay;
+use crate::app::editor::command::compare_view::CompareView;
+use crate::app::editor::command::selection::Selection;
+use crate::app::editor::model::EditorModel;
+use crate::app::editor::model::freedom::Freedom;
+use crate::app::editor::picture::legend::{Legend, legend};
+use crate::app::editor::picture::outline::SelectionOutline;
+use crate::app::editor::picture::overlay::{self, BoxList};
+use crate::app::editor::picture::texture::Picture;
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::engine::{CurrentScene, RenderFilm};
+use crate::math::Aabb;
+use crate::scene::{
+    ActiveSensor, Emitter, EmitterKind, Film, FreeView, Hidden, Locked, MemberOf, Placements, SceneState, SceneStatus,
+    Sensor, Shape, ToWorld, world_bounds,
+};
+
+/// What is seen of the scene in the viewport, as of this frame. What takes long to find is kept from frame to frame.
+#[derive(Resource, Default)]
+pub struct ViewportScene {
+    /// The picture and its size in pixels.
+    pub picture: Option<(egui::TextureId, [u32; 2])>,
+    /// Pixels of the picture at its full resolution.
+    pub proportions: [u32; 2],
+    /// In place of the picture while there is none.
+    pub placeholder: String,
+    /// World from camera; None without a camera.
+    pub pose: Option<Affine3A>,
+    pub outline: SelectionOutline,
+    pub locked: EntityHashSet,
+    /// The selected things that can be moved, with their bounds.
+    pub targets: Vec<Target>,
+    pub icons: Vec<Icon>,
+    /// Of false colours, where there are any.
+    pub legend: Option<Legend>,
+    pub captions: Vec<Caption>,
+    boxes: CollectedBoxes,
+    bounds: SelectionBounds,
+}
+
+impl ViewportScene {
+    /// The boxes of the acceleration structures that are drawn over the picture.
+    pub fn boxes(&self) -> &BoxList {
+        &self.boxes.list
+    }
+}
+
+/// The boxes as they were last collected.
+#[derive(Default)]
+struct CollectedBoxes {
+    from: Option<(Arc<Tlas>, BvhOverlay)>,
+    list: BoxList,
+}
+
+impl CollectedBoxes {
+    fn update(&mut self, current: &CurrentScene, overlay: &BvhOverlay) {
+        let Some(scene) = current.scene.as_ref().filter(|_| overlay.shown) else {
+            *self = Self::default();
+            return;
+        };
+        let is_same = self
+            .from
+            .as_ref()
+            .is_some_and(|(geometry, from)| Arc::ptr_eq(geometry, &scene.geometry) && from == overlay);
+        if !is_same {
+            self.list = overlay::boxes(&scene.geometry, overlay);
+            self.from = Some((scene.geometry.clone(), *overlay));
+        }
+    }
+}
+
+/// World bounds of the selected things as they were last found.
+#[derive(Default)]
+struct SelectionBounds {
+    of: Option<(Selection, Arc<Tlas>)>,
+    bounds: Vec<Option<Aabb>>,
+}
+
+impl SelectionBounds {
+    fn update(&mut self, current: &CurrentScene, selection: &Selection) {
+        let Some(scene) = &current.scene else {
+            *self = Self::default();
+            return;
+        };
+        let is_same = |(of, geometry): &(Selection, _)| of == selection && Arc::ptr_eq(geometry, &scene.geometry);
+        if !self.of.as_ref().is_some_and(is_same) {
+            self.bounds = picking::bounds_of_each(current, selection.entities());
+            self.of = Some((selection.clone(), scene.geometry.clone()));
+        }
+    }
+}
+
+/// What of the world is seen in the viewport.
+#[derive(SystemParam)]
+pub struct Sources<'w, 's> {
+    current: Res<'w, CurrentScene>,
+    selection: Res<'w, Selection>,
+    status: Res<'w, SceneStatus>,
+    active: Res<'w, ActiveSensor>,
+    free_view: Res<'w, FreeView>,
+    poses: Query<'w, 's, &'static ToWorld>,
+    picture: Res<'w, Picture>,
+    film: Res<'w, RenderFilm>,
+    movable: Query<'w, 's, Movable, (Without<Locked>, Without<Placements>, Without<MemberOf>)>,
+    emitters: Query<'w, 's, (Entity, &'static Emitter, &'static ToWorld), Without<Hidden>>,
+    sensors: Query<'w, 's, (Entity, &'static ToWorld), With<Sensor>>,
+    films: Query<'w, 's, &'static Film>,
+    locked: Query<'w, 's, Entity, With<Locked>>,
+    newly_locked: Query<'w, 's, (), Added<Locked>>,
+    unlocked: RemovedComponents<'w, 's, Locked>,
+}
+
+type Movable = (
+    &'static ToWorld,
+    Option<&'static Shape>,
+    Option<&'static Emitter>,
+    Has<Sensor>,
+);
+
+impl Sources<'_, '_> {
+    fn targets(&self, bounds: &[Option<Aabb>]) -> Vec<Target> {
+        let places = self
+            .selection
+            .entities()
+            .iter()
+            .zip(bounds.iter().chain(iter::repeat(&None)));
+        let targets = places.filter_map(|(&entity, &bounds)| {
+            let (to_world, shape, emitter, is_sensor) = self.movable.get(entity).ok()?;
+            let freedom = match emitter {
+                _ if shape.is_some() => Freedom::Affine,
+                Some(emitter) if emitter.is_environment() => Freedom::Turning,
+                Some(emitter) if matches!(emitter.kind, EmitterKind::Constant { .. }) => return None,
+                Some(_) => Freedom::Rigid,
+                None if is_sensor => Freedom::Rigid,
+                None => return None,
+            };
+            Some(Target {
+                entity,
+                to_world: to_world.0,
+                freedom,
+                // What is hidden is not in the picture.
+                bounds: bounds.or_else(|| world_bounds(shape?, &to_world.0, None)),
+            })
+        });
+        targets.collect()
+    }
+
+    /// Of the lights that have a place, and of the cameras but the one that is looked through.
+    fn icons(&self) -> Vec<Icon> {
+        let lights = self.emitters.iter().filter_map(|(entity, emitter, to_world)| {
+            let kind = IconKind::of(emitter)?;
+            Some(Icon {
+                entity,
+                kind,
+                pose: to_world.0,
+            })
+        });
+        let looked_through = self.active.0.filter(|_| self.free_view.pose.is_none());
+        let others = self
+            .sensors
+            .iter()
+            .filter(|(entity, _)| Some(*entity) != looked_through);
+        let cameras = others.map(|(entity, to_world)| Icon {
+            entity,
+            kind: IconKind::Frustum,
+            pose: to_world.0,
+        });
+        lights.chain(cameras).collect()
+    }
+}
+
+/// Gathers what the viewport shows. It must run after the panels' model has been gathered.
+pub fn gather_viewport(
+    mut seen: ResMut<ViewportScene>,
+    mut sources: Sources,
+    settings: Res<ViewSettings>,
+    state: Res<ViewportState>,
+    model: Res<EditorModel>,
+) {
+    let seen = &mut *seen;
+    if sources.unlocked.read().count() > 0 || !sources.newly_locked.is_empty() {
+        seen.locked = sources.locked.iter().collect();
+    }
+    let (current, selection) = (&sources.current, &sources.selection);
+    seen.boxes.update(current, &settings.overlay);
+    seen.bounds.update(current, selection);
+    seen.outline.update(
+        &sources.film,
+        current,
+        selection,
+        state.pointer.hovered,
+        (sources.picture.revision, &sources.picture.changed),
+    );
+    seen.targets = sources.targets(&seen.bounds.bounds);
+    seen.icons = sources.icons();
+    seen.placeholder = placeholder(&sources.status);
+    seen.legend = legend(settings.display.mode, sources.picture.scales());
+    let compared = &model.0.render.comparison;
+    let compared = compared.snapshot.map_or(CompareView::Off, |_| compared.view);
+    let is_split = model.0.render.strategy_split && settings.display.mode.is_light();
+    seen.captions = captions(is_split, compared);
+    seen.picture = sources.picture.texture();
+    // Whatever resolution is rendered, the picture stays where it is.
+    let film = sources.active.0.and_then(|sensor| sources.films.get(sensor).ok());
+    let proportions = film.map(Film::window).map(|window| [window.width, window.height]);
+    let of_picture = seen.picture.map(|(_, size)| size);
+    seen.proportions = proportions.or(of_picture).unwrap_or([1, 1]);
+    seen.pose = camera_pose(&sources.active, &sources.free_view, &sources.poses);
+}
+
+fn placeholder(status: &SceneStatus) -> String {
+    let file = status.subject().map_or(String::new(), |path| {
+        path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    });
+    match status.state {
+        SceneState::Empty => "Open a scene with File, Open (Ctrl+O)".to_owned(),
+        SceneState::Loading => format!("Loading {file}"),
+        SceneState::Ready => format!("Preparing {file}"),
+        SceneState::Failed => format!("{file} could not be read; see Messages at the right"),
+    }
+}

@@ -1,0 +1,416 @@
+//! What dragging a handle does: from where the pointer took hold and where it is now to how all selected objects stand. Arithmetic only.
+//!
+//! The pointer's way along an axis, in a plane and around a ring is found where the window shows them, with the perspective undone. Near
+//! horizons and vanishing points, where a pixel would be a mile, it goes no further.
+
+use std::f32::consts::{PI, TAU};
+
+use bevy::math::{Affine3A, Mat3A, Quat, Vec2, Vec3, Vec3A};
+use bevy::prelude::Entity;
+use bevy_egui::egui::Pos2;
+
+use super::constraint::Constraint;
+use super::typed::Typed;
+use super::{Frame, Target, bounds, handles};
+use crate::app::editor::camera::screen::Screen;
+use crate::app::editor::command::gizmo_settings::{GizmoSettings, Mode, Pivot};
+use crate::app::editor::model::freedom::Freedom;
+
+/// How far things have come since the drag began.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Change {
+    /// World units.
+    Moved(Vec3),
+    /// Around a unit vector, by radians counter-clockwise as seen from its tip.
+    Turned { axis: Vec3, angle: f32 },
+    /// Factors along the axes.
+    Scaled(Vec3),
+}
+
+impl Change {
+    /// Whether everything stays where it is.
+    pub fn is_none(&self) -> bool {
+        match self {
+            Self::Moved(by) => *by == Vec3::ZERO,
+            Self::Turned { angle, .. } => *angle == 0.0,
+            Self::Scaled(factors) => *factors == Vec3::ONE,
+        }
+    }
+}
+
+/// A drag, from the press on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drag {
+    pub frame: Frame,
+    pub targets: Vec<Target>,
+    pub constraint: Constraint,
+    pub typed: Typed,
+    settings: GizmoSettings,
+    /// Where the pointer took hold.
+    grabbed: Pos2,
+    /// Where it was seen last, and the angle up to there: a ring may be turned more than once.
+    last: Pos2,
+    angle: f32,
+}
+
+/// Axes and planes that are seen at a sine below this are too foreshortened to be dragged as they are seen.
+const EDGE_ON: f32 = 0.1;
+/// How near to the horizon of a plane, or to the vanishing point of an axis, the pointer is followed: there things are so many times
+/// farther away.
+const FARTHEST: f32 = 10.0;
+/// Points on which an even scaling doubles.
+const POINTS_PER_DOUBLING: f32 = 100.0;
+/// Dragging makes nothing smaller than this, so that it can be made larger again.
+const SMALLEST_FACTOR: f32 = 0.01;
+
+impl Drag {
+    pub fn new(
+        frame: Frame,
+        targets: Vec<Target>,
+        settings: GizmoSettings,
+        constraint: Constraint,
+        grabbed: Pos2,
+    ) -> Self {
+        Self {
+            frame,
+            targets,
+            constraint,
+            typed: Typed::default(),
+            settings,
+            grabbed,
+            last: grabbed,
+            angle: 0.0,
+        }
+    }
+
+    pub fn mode(&self) -> Mode {
+        self.settings.mode
+    }
+
+    /// Another constraint from here on, or with the same one again none.
+    pub fn constrain(&mut self, constraint: Constraint) {
+        self.constraint = if self.constraint == constraint {
+            Constraint::Free
+        } else {
+            constraint
+        };
+        self.last = self.grabbed;
+        self.angle = 0.0;
+    }
+
+    /// Begins to follow a pointer that is here.
+    pub fn take_hold(&mut self, pointer: Pos2) {
+        self.grabbed = pointer;
+        self.last = pointer;
+        self.angle = 0.0;
+    }
+
+    /// The change with the pointer here. `snap`: rounded to steps, for lengths of `length_step` world units.
+    pub fn follow(&mut self, screen: &Screen, pointer: Pos2, snap: bool, length_step: f32) -> Change {
+        if let Some(numbers) = self.typed.numbers() {
+            return self.by_numbers(screen, &numbers);
+        }
+        let steps = self.settings.steps;
+        let rounded = |x: f32, step: f32| {
+            if snap && step > 0.0 {
+                (x / step).round() * step
+            } else {
+                x
+            }
+        };
+        match self.settings.mode {
+            Mode::Move => {
+                let moved = self.moved(screen, pointer);
+                if !snap {
+                    return Change::Moved(moved);
+                }
+                let along = self.frame.axes.map(|axis| axis * rounded(moved.dot(axis), length_step));
+                Change::Moved(along.into_iter().sum())
+            }
+            Mode::Rotate => {
+                let axis = self.turning_axis(screen);
+                let turned = wrapped(self.angle_at(screen, axis, pointer) - self.angle_at(screen, axis, self.last));
+                // From where the camera is, no angle is seen.
+                self.angle += if turned.is_finite() { turned } else { 0.0 };
+                self.last = pointer;
+                Change::Turned {
+                    axis,
+                    angle: rounded(self.angle.to_degrees(), steps.degrees).to_radians(),
+                }
+            }
+            Mode::Scale => {
+                let factor = self.factor(screen, pointer);
+                let factor = if factor.is_finite() { factor } else { 1.0 };
+                let factor = rounded(factor, steps.factor).max(SMALLEST_FACTOR);
+                Change::Scaled(self.spread(factor))
+            }
+        }
+    }
+
+    /// The lower end of the selection, against `up`, to be where the surface is.
+    pub fn onto_surface(&self, surface: Vec3, up: Vec3) -> Change {
+        Change::Moved(surface - lowest_point(&self.targets, up).unwrap_or(self.frame.origin))
+    }
+
+    fn by_numbers(&self, screen: &Screen, numbers: &[f32]) -> Change {
+        let first = numbers.first().copied().unwrap_or(0.0);
+        match self.settings.mode {
+            Mode::Move => {
+                let along = match self.constraint {
+                    Constraint::Axis(k) => vec![k],
+                    Constraint::Plane(normal) => (0..3).filter(|&k| k != normal).collect(),
+                    Constraint::Free => vec![0, 1, 2],
+                };
+                let steps = along.into_iter().zip(numbers).map(|(k, &by)| self.frame.axes[k] * by);
+                Change::Moved(steps.sum())
+            }
+            Mode::Rotate => Change::Turned {
+                axis: self.turning_axis(screen),
+                angle: first.to_radians(),
+            },
+            Mode::Scale if self.constraint == Constraint::Free && numbers.len() == 3 => {
+                Change::Scaled(Vec3::from_slice(numbers))
+            }
+            Mode::Scale => Change::Scaled(self.spread(first)),
+        }
+    }
+
+    /// The factor along the axes that the constraint leaves.
+    fn spread(&self, factor: f32) -> Vec3 {
+        Vec3::from_array(std::array::from_fn(|k| match self.constraint {
+            Constraint::Axis(axis) if k != axis => 1.0,
+            Constraint::Plane(normal) if k == normal => 1.0,
+            _ => factor,
+        }))
+    }
+
+    fn turning_axis(&self, screen: &Screen) -> Vec3 {
+        match self.constraint {
+            Constraint::Axis(k) | Constraint::Plane(k) => self.frame.axes[k],
+            Constraint::Free => match screen.direction_to(self.frame.origin) {
+                // The camera is there.
+                Vec3::ZERO => -screen.forward(),
+                direction => -direction,
+            },
+        }
+    }
+
+    fn moved(&self, screen: &Screen, pointer: Pos2) -> Vec3 {
+        match self.constraint {
+            Constraint::Axis(k) => {
+                let axis = self.frame.axes[k];
+                axis * (self.along(screen, axis, pointer) - self.along(screen, axis, self.grabbed))
+            }
+            Constraint::Plane(k) => self.in_plane(screen, self.frame.axes[k], pointer),
+            Constraint::Free => self.in_view(screen, pointer),
+        }
+    }
+
+    /// In the plane of the view through the origin.
+    fn in_view(&self, screen: &Screen, pointer: Pos2) -> Vec3 {
+        let depth = screen.depth(self.frame.origin);
+        screen.unproject(pointer, depth) - screen.unproject(self.grabbed, depth)
+    }
+
+    /// Where along the axis, from the origin, the point is that is seen beside the pointer.
+    fn along(&self, screen: &Screen, axis: Vec3, pointer: Pos2) -> f32 {
+        let origin = self.frame.origin;
+        let depth = screen.depth(origin);
+        let unit = screen.units_per_point(depth);
+        let (Some(at_origin), true) = (screen.project(origin), unit > 0.0) else {
+            return 0.0;
+        };
+        let from_origin = to_vec2(pointer - at_origin);
+        let deepening = screen.forward().dot(axis);
+        // Points per world unit at the origin: the axis without its part towards the viewer, who is seen at the origin.
+        let across =
+            axis - screen.direction_to(origin) * (deepening / screen.forward().dot(screen.direction_to(origin)));
+        let step = handles::SIZE * unit;
+        let tangent = screen
+            .project(origin + across * step)
+            .map_or(Vec2::ZERO, |tip| to_vec2(tip - at_origin) / step);
+        let length = tangent.length();
+        if length * unit < EDGE_ON {
+            // Towards or away from the viewer: up is away.
+            return -from_origin.y * unit * deepening.signum();
+        }
+        let t = from_origin.dot(tangent) / (length * length);
+        if screen.camera.is_orthographic() {
+            return t;
+        }
+        // Of s units along the axis the window shows t = s depth / (depth + s deepening).
+        let horizon = 1.0 - t * deepening / depth;
+        t / horizon.max(1.0 / FARTHEST)
+    }
+
+    fn in_plane(&self, screen: &Screen, normal: Vec3, pointer: Pos2) -> Vec3 {
+        let origin = self.frame.origin;
+        if normal.dot(screen.direction_to(origin)).abs() < EDGE_ON {
+            return self.in_view(screen, pointer).reject_from(normal);
+        }
+        let depth = screen.depth(origin);
+        let hit = |at: Pos2| {
+            let ray = screen.ray(at);
+            ray.at(normal.dot(origin - ray.origin) / normal.dot(ray.dir))
+        };
+        if screen.camera.is_orthographic() {
+            return hit(pointer) - hit(self.grabbed);
+        }
+        // One over the distance to the plane, in the origin's; across the window it falls evenly, to 0 at the horizon.
+        let nearness = |at: Pos2| {
+            let ray = screen.ray(at);
+            depth * normal.dot(ray.dir) / normal.dot(origin - ray.origin)
+        };
+        let (from, to) = (nearness(self.grabbed), nearness(pointer));
+        let least = 1.0 / FARTHEST;
+        if from < least {
+            return Vec3::ZERO;
+        }
+        let share = if to < least { (from - least) / (from - to) } else { 1.0 };
+        hit(self.grabbed + (pointer - self.grabbed) * share) - hit(self.grabbed)
+    }
+
+    /// The angle around the axis at which the pointer is seen, from some start.
+    fn angle_at(&self, screen: &Screen, axis: Vec3, pointer: Pos2) -> f32 {
+        let origin = self.frame.origin;
+        let view = screen.direction_to(origin);
+        let depth = screen.depth(origin);
+        let out = screen.unproject(pointer, depth) - origin;
+        let facing = axis.dot(view);
+        if facing.abs() < 2.0 * EDGE_ON {
+            // The ring is a line: its near side follows the pointer.
+            let near_side_moves = axis.cross(-view).normalize_or_zero();
+            let radius = handles::RING * screen.units_per_point(depth);
+            return out.dot(near_side_moves) / radius;
+        }
+        let in_plane = out - view * (axis.dot(out) / facing);
+        let (x, y) = axis.any_orthonormal_pair();
+        in_plane.dot(y).atan2(in_plane.dot(x))
+    }
+
+    fn factor(&self, screen: &Screen, pointer: Pos2) -> f32 {
+        let way = pointer - self.grabbed;
+        let Constraint::Axis(k) = self.constraint else {
+            return ((way.x - way.y) / POINTS_PER_DOUBLING).exp2();
+        };
+        let [start, now] = [self.grabbed, pointer].map(|at| self.along(screen, self.frame.axes[k], at));
+        let point = screen.units_per_point(screen.depth(self.frame.origin));
+        if start > 0.2 * handles::SIZE * point {
+            now / start
+        } else {
+            // Taken hold of near the middle, or behind it: there is nothing to be so many times as far as.
+            ((now - start) / (point * POINTS_PER_DOUBLING)).exp2()
+        }
+    }
+
+    /// What has been done so far, for the user, with what Control would round it to.
+    pub fn text(&self, change: Change, length_step: f32) -> String {
+        const NAMES: [&str; 3] = ["X", "Y", "Z"];
+        let axes = self.frame.axes;
+        let amount = match change {
+            Change::Moved(by) => match self.constraint {
+                Constraint::Axis(k) => format!("{} {:.4}", NAMES[k], by.dot(axes[k])),
+                _ => axes
+                    .iter()
+                    .zip(NAMES)
+                    .map(|(axis, name)| format!("{name} {:.4}  ", by.dot(*axis)))
+                    .collect(),
+            },
+            Change::Turned { angle, .. } => match self.constraint {
+                Constraint::Axis(k) | Constraint::Plane(k) => format!("{} {:.1}°", NAMES[k], angle.to_degrees()),
+                Constraint::Free => format!("{:.1}°", angle.to_degrees()),
+            },
+            Change::Scaled(factors) => match self.constraint {
+                Constraint::Axis(k) => format!("{} ×{:.3}", NAMES[k], factors[k]),
+                Constraint::Plane(normal) => format!("×{:.3}, not {}", factors[(normal + 1) % 3], NAMES[normal]),
+                Constraint::Free => format!("×{:.3}", factors.x),
+            },
+        };
+        let steps = self.settings.steps;
+        let rule = match (self.settings.mode, self.typed.is_empty()) {
+            (_, false) => format!("typed {}", self.typed.text()),
+            (Mode::Move, _) => format!("Ctrl: steps of {length_step}, Shift: onto the surface"),
+            (Mode::Rotate, _) => format!("Ctrl: steps of {}°", steps.degrees),
+            (Mode::Scale, _) => format!("Ctrl: steps of {}", steps.factor),
+        };
+        format!("{}   {rule}", amount.trim_end())
+    }
+
+    /// How all objects stand after the change; what a change makes of an object that is no transform leaves the object as it was.
+    pub fn apply(&self, change: Change) -> Vec<(Entity, Affine3A)> {
+        let changed = |target: &Target| {
+            let to_world = self.applied(target, change);
+            let is_sound = to_world.is_finite() && (to_world.matrix3.determinant() != 0.0 || target.is_degenerate());
+            (target.entity, if is_sound { to_world } else { target.to_world })
+        };
+        self.targets.iter().map(changed).collect()
+    }
+
+    fn applied(&self, target: &Target, change: Change) -> Affine3A {
+        let Affine3A { matrix3, translation } = target.to_world;
+        let has_place = target.freedom != Freedom::Turning;
+        let pivot = match self.settings.pivot {
+            Pivot::Each => target.origin(),
+            Pivot::Middle | Pivot::Active => self.frame.origin,
+        };
+        let from_pivot = target.origin() - pivot;
+        match change {
+            Change::Moved(by) if has_place => Affine3A {
+                matrix3,
+                translation: translation + Vec3A::from(by),
+            },
+            Change::Turned { axis, angle } => {
+                let turn = Quat::from_axis_angle(axis.normalize_or(Vec3::Y), angle);
+                let turned = pivot + turn * from_pivot;
+                Affine3A {
+                    matrix3: Mat3A::from_quat(turn) * matrix3,
+                    translation: if has_place { turned.into() } else { translation },
+                }
+            }
+            Change::Scaled(factors) if has_place => {
+                // What is seen of the object goes away from the pivot along the frame's axes; the object itself grows along its own.
+                let middle = if self.settings.pivot == Pivot::Each {
+                    target.origin()
+                } else {
+                    target.middle()
+                };
+                let out = middle - pivot;
+                let axes = self.frame.axes.iter().zip(factors.to_array());
+                let moved: Vec3 = axes.map(|(axis, factor)| *axis * (out.dot(*axis) * factor)).sum();
+                if target.freedom != Freedom::Affine {
+                    let translation = (pivot + moved).into();
+                    return Affine3A { matrix3, translation };
+                }
+                let scaled = matrix3 * Mat3A::from_diagonal(factors);
+                let origin_from_middle = Vec3A::from(target.origin() - middle);
+                let translation = Vec3A::from(pivot + moved) + scaled * (matrix3.inverse() * origin_from_middle);
+                Affine3A {
+                    matrix3: scaled,
+                    translation,
+                }
+            }
+            Change::Moved(_) | Change::Scaled(_) => target.to_world,
+        }
+    }
+}
+
+impl Target {
+    fn is_degenerate(&self) -> bool {
+        self.to_world.matrix3.determinant() == 0.0
+    }
+}
+
+/// The centre of the lower face of the targets' common bounds; None if the bounds are empty. `up` is an axis of the world or its opposite.
+pub fn lowest_point(targets: &[Target], up: Vec3) -> Option<Vec3> {
+    let all = bounds(targets);
+    (!all.is_empty()).then(|| all.center() - up * (0.5 * all.extent().dot(up.abs())))
+}
+
+fn to_vec2(v: bevy_egui::egui::Vec2) -> Vec2 {
+    Vec2::new(v.x, v.y)
+}
+
+/// The same angle in [-pi, pi).
+fn wrapped(angle: f32) -> f32 {
+    (angle + PI).rem_euclid(TAU) - PI
+}

@@ -1,0 +1,335 @@
+//! The gizmo in the hand: which handle is under the pointer, a drag from press to release, and the keys that rule it.
+//!
+//! A drag begins with a press on a handle, or with G, R or T: then an axis (X, Y, Z) and a number may be typed, and the same key again
+//! makes the selection follow the pointer. Escape puts everything back.
+
+use bevy::math::Vec3;
+use bevy_egui::egui::{Key, Painter, PointerButton, Pos2, Response, Ui};
+
+use super::constraint::Constraint;
+use super::drag::{Change, Drag};
+use super::handles::{self, Handle};
+use super::{Target, frame, paint};
+use crate::app::editor::camera::picking;
+use crate::app::editor::camera::screen::Screen;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::gizmo_settings::{GizmoSettings, Mode};
+use crate::app::editor::input::press::Press;
+use crate::engine::CurrentScene;
+
+/// What the gizmo acts on.
+#[derive(Clone, Copy, Debug)]
+pub struct GizmoModel<'a> {
+    pub settings: GizmoSettings,
+    /// The selected objects that can be moved, the active one last.
+    pub targets: &'a [Target],
+    /// The step of lengths, in world units.
+    pub length_step: f32,
+    /// The world's upward direction, an axis.
+    pub up: Vec3,
+    pub current: &'a CurrentScene,
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GizmoState {
+    lit: Option<Constraint>,
+    held: Option<Held>,
+    /// A drag has begun since somebody asked.
+    begun: bool,
+    /// Keys of a frame that end what others of that frame have typed: the next frame's, when that is done.
+    waiting: Vec<Press>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Held {
+    drag: Drag,
+    by: Hold,
+    change: Option<Change>,
+}
+
+/// What holds a drag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Hold {
+    /// The mouse button.
+    Button,
+    /// The pointer without a button, until a click.
+    Pointer,
+    /// Nothing: numbers are waited for.
+    Keys,
+}
+
+/// What the gizmo leaves to others.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rest {
+    /// The mouse was not for the gizmo.
+    pub pointer: bool,
+    pub presses: Vec<Press>,
+}
+
+impl GizmoState {
+    /// Something is being moved, or is about to be.
+    pub fn is_dragging(&self) -> bool {
+        self.held.is_some()
+    }
+
+    /// Whether a drag has begun since the last call: what it does is a step of its own.
+    pub fn take_begun(&mut self) -> bool {
+        std::mem::take(&mut self.begun)
+    }
+
+    /// Follows the mouse and the keys of one frame.
+    pub fn follow(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        screen: &Screen,
+        model: &GizmoModel,
+        presses: &[Press],
+        commands: &mut Vec<Command>,
+    ) -> Rest {
+        let (pointer, pressed, down) = ui.input(|input| {
+            let pointer = input.pointer.latest_pos();
+            (
+                pointer,
+                input.pointer.any_pressed(),
+                input.pointer.button_down(PointerButton::Primary),
+            )
+        });
+        let mut rest = Rest {
+            pointer: true,
+            presses: Vec::new(),
+        };
+        if self.held.as_ref().is_some_and(|held| !held.is_of(model.targets)) {
+            self.held = None;
+        }
+        let mut queue = std::mem::take(&mut self.waiting);
+        queue.extend(presses);
+        let mut is_typed = false;
+        for (place, press) in queue.iter().enumerate() {
+            let is_for_number = self.held.as_ref().is_some_and(|held| held.waits_for(press));
+            if is_typed && !is_for_number {
+                self.waiting = queue.split_off(place);
+                ui.request_repaint();
+                break;
+            }
+            is_typed |= is_for_number;
+            if !self.take_key(press, pointer, screen, model, commands) {
+                rest.presses.push(*press);
+            }
+        }
+        match self.held.as_ref().map(|held| held.by) {
+            Some(Hold::Keys) if pressed => {
+                let untouched = self.held.take().is_some_and(|held| held.drag.typed.is_empty());
+                rest.pointer = untouched;
+            }
+            Some(Hold::Pointer) if pressed => {
+                let cancels = ui.input(|input| input.pointer.button_pressed(PointerButton::Secondary));
+                self.finish(cancels, commands);
+                rest.pointer = false;
+            }
+            Some(Hold::Button) if !down => {
+                self.held = None;
+                rest.pointer = false;
+            }
+            Some(hold) => rest.pointer = hold == Hold::Keys,
+            None => {}
+        }
+        if self.held.is_none() && rest.pointer {
+            rest.pointer = !self.take_hold(ui, response, pointer, screen, model);
+        }
+        if let Some(held) = &mut self.held {
+            let pointer = pointer.unwrap_or(screen.picture.center());
+            held.follow(ui, screen, pointer, model, commands);
+        }
+        rest
+    }
+
+    /// Finds the handle under the pointer and begins a drag when it is pressed; true if the pointer is the gizmo's.
+    fn take_hold(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        pointer: Option<Pos2>,
+        screen: &Screen,
+        model: &GizmoModel,
+    ) -> bool {
+        let handles = shown(screen, model);
+        let is_free = response.contains_pointer() && !ui.input(|input| input.modifiers.alt);
+        let pointer = pointer.filter(|_| is_free);
+        let is_down = ui.input(|input| input.pointer.any_down());
+        let pressed = ui.input(|input| input.pointer.button_pressed(PointerButton::Primary));
+        if !is_down || pressed {
+            self.lit = pointer.and_then(|pointer| handles::handle_at(&handles, pointer));
+        }
+        let (Some(constraint), Some(pointer), true) = (self.lit, pointer, pressed) else {
+            return false;
+        };
+        self.begin(constraint, pointer, Hold::Button, model.settings, screen, model);
+        self.held.is_some()
+    }
+
+    fn begin(
+        &mut self,
+        constraint: Constraint,
+        pointer: Pos2,
+        by: Hold,
+        settings: GizmoSettings,
+        screen: &Screen,
+        model: &GizmoModel,
+    ) {
+        self.begun = true;
+        self.held = frame(model.targets, &settings, ahead(screen, model)).map(|frame| Held {
+            drag: Drag::new(frame, model.targets.to_vec(), settings, constraint, pointer),
+            by,
+            change: None,
+        });
+    }
+
+    fn finish(&mut self, cancels: bool, commands: &mut Vec<Command>) {
+        if let Some(held) = self.held.take()
+            && cancels
+            && held.change.is_some()
+        {
+            let before = held.drag.targets.iter().map(|target| (target.entity, target.to_world));
+            commands.push(Command::Transform(before.collect()));
+        }
+    }
+
+    /// True if the key was for a drag.
+    fn take_key(
+        &mut self,
+        press: &Press,
+        pointer: Option<Pos2>,
+        screen: &Screen,
+        model: &GizmoModel,
+        commands: &mut Vec<Command>,
+    ) -> bool {
+        let pointer = pointer.unwrap_or(screen.picture.center());
+        let mode = mode_of(press);
+        let Some(held) = &mut self.held else {
+            // The key chooses the mode as well.
+            if let Some(mode) = mode {
+                let settings = GizmoSettings { mode, ..model.settings };
+                self.begin(Constraint::Free, pointer, Hold::Keys, settings, screen, model);
+            }
+            return false;
+        };
+        if mode == Some(held.drag.mode()) && held.by == Hold::Keys {
+            held.by = Hold::Pointer;
+            held.drag.take_hold(pointer);
+            return true;
+        }
+        let is_shortcut = press.modifiers.command || press.modifiers.alt;
+        match (press.key, axis_of(press.key)) {
+            (Key::Escape, _) => self.finish(true, commands),
+            (Key::Enter, _) => self.finish(false, commands),
+            (_, Some(axis)) if !is_shortcut => held.drag.constrain(if press.modifiers.shift {
+                Constraint::Plane(axis)
+            } else {
+                Constraint::Axis(axis)
+            }),
+            (key, _) if !is_shortcut && held.drag.typed.press(key) => {}
+            // While something follows the pointer, other keys wait; before that they are what they always are.
+            _ if held.by == Hold::Keys => {
+                self.held = None;
+                return self.take_key(press, Some(pointer), screen, model, commands);
+            }
+            _ => {}
+        }
+        true
+    }
+
+    pub fn paint(&self, painter: &Painter, screen: &Screen, model: &GizmoModel, pointer: Option<Pos2>) {
+        match &self.held {
+            Some(held) if held.by != Hold::Keys || held.change.is_some() => {
+                paint::paint_drag(painter, &held.drag, held.change, screen, pointer);
+            }
+            _ => paint::paint(painter, &shown(screen, model), model.settings.mode, self.lit),
+        }
+    }
+
+    /// What is going on, in a line; None without a drag.
+    pub fn note(&self, length_step: f32) -> Option<String> {
+        let held = self.held.as_ref()?;
+        if held.by == Hold::Keys && held.change.is_none() {
+            let same = match held.drag.mode() {
+                Mode::Move => "G",
+                Mode::Rotate => "R",
+                Mode::Scale => "T",
+            };
+            return Some(format!(
+                "X Y Z: axis   0-9: amount   {same}: follow the mouse   Esc: leave"
+            ));
+        }
+        Some(held.drag.text(held.change?, length_step))
+    }
+}
+
+impl Held {
+    /// Whether the key is part of an amount that is being typed.
+    fn waits_for(&self, press: &Press) -> bool {
+        let is_plain = !press.modifiers.command && !press.modifiers.alt;
+        let is_amount = axis_of(press.key).is_some() || self.drag.typed.clone().press(press.key);
+        self.by == Hold::Keys && is_plain && is_amount
+    }
+
+    /// Whether it is these objects that are dragged.
+    fn is_of(&self, targets: &[Target]) -> bool {
+        let dragged = self.drag.targets.iter().map(|target| target.entity);
+        dragged.eq(targets.iter().map(|target| target.entity))
+    }
+
+    fn follow(&mut self, ui: &Ui, screen: &Screen, pointer: Pos2, model: &GizmoModel, commands: &mut Vec<Command>) {
+        if self.by == Hold::Keys && self.drag.typed.is_empty() {
+            if self.change.take().is_some() {
+                // The number was deleted again.
+                let before = self.drag.targets.iter().map(|target| (target.entity, target.to_world));
+                commands.push(Command::Transform(before.collect()));
+            }
+            return;
+        }
+        let modifiers = ui.input(|input| input.modifiers);
+        let may_rest = self.drag.mode() == Mode::Move && self.drag.constraint == Constraint::Free;
+        let change = if may_rest && modifiers.shift && self.drag.typed.is_empty() {
+            let is_dragged = |entity| self.drag.targets.iter().any(|target| target.entity == entity);
+            let surface = picking::surface(model.current, &screen.ray(pointer), is_dragged);
+            surface
+                .map(|seen| self.drag.onto_surface(seen.position, model.up))
+                .or(self.change)
+        } else {
+            Some(self.drag.follow(screen, pointer, modifiers.command, model.length_step))
+        };
+        // A press alone moves nothing.
+        let is_begun = self.change.is_some() || change.is_some_and(|change| !change.is_none());
+        if is_begun && change != self.change {
+            self.change = change;
+            commands.extend(change.map(|change| Command::Transform(self.drag.apply(change))));
+        }
+    }
+}
+
+fn shown(screen: &Screen, model: &GizmoModel) -> Vec<Handle> {
+    let frame = frame(model.targets, &model.settings, ahead(screen, model));
+    frame.map_or(Vec::new(), |frame| {
+        handles::handles(&frame, model.settings.mode, screen)
+    })
+}
+
+/// Where what has no place is turned: in the middle of the picture.
+fn ahead(screen: &Screen, model: &GizmoModel) -> Vec3 {
+    screen.unproject(screen.picture.center(), model.length_step.max(f32::MIN_POSITIVE) * 50.0)
+}
+
+fn mode_of(press: &Press) -> Option<Mode> {
+    let mode = match press.key {
+        Key::G => Mode::Move,
+        Key::R => Mode::Rotate,
+        Key::T => Mode::Scale,
+        _ => return None,
+    };
+    press.modifiers.is_none().then_some(mode)
+}
+
+fn axis_of(key: Key) -> Option<usize> {
+    [Key::X, Key::Y, Key::Z].iter().position(|axis| *axis == key)
+}

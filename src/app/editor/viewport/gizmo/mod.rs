@@ -1,0 +1,176 @@
+//! The gizmo: handles over the picture by which the selected objects are moved, turned and scaled. What it is and where it stands; how
+//! it looks is in `handles` and `paint`, what dragging does in `drag`.
+//!
+//! Scaling is always along an object's own axes: along others it would shear what is turned.
+
+pub mod constraint;
+pub mod drag;
+pub mod handles;
+pub mod interaction;
+pub mod paint;
+pub mod typed;
+
+use bevy::math::{Affine3A, Vec3};
+use bevy::prelude::Entity;
+
+use crate::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode, Pivot};
+use crate::app::editor::model::freedom::Freedom;
+use crate::math::Aabb;
+
+/// An object to be moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    pub entity: Entity,
+    pub to_world: Affine3A,
+    pub freedom: Freedom,
+    /// World bounds; None for what has no surface.
+    pub bounds: Option<Aabb>,
+}
+
+impl Target {
+    pub fn origin(&self) -> Vec3 {
+        self.to_world.translation.into()
+    }
+
+    /// The middle of what is seen of it.
+    pub fn middle(&self) -> Vec3 {
+        self.bounds.map_or(self.origin(), |bounds| bounds.center())
+    }
+
+    fn has_place(&self) -> bool {
+        self.freedom != Freedom::Turning
+    }
+}
+
+/// Where the gizmo stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    pub origin: Vec3,
+    /// Of unit length, at right angles.
+    pub axes: [Vec3; 3],
+}
+
+/// World bounds of all that have a place; empty without one.
+pub fn bounds(targets: &[Target]) -> Aabb {
+    let placed = targets.iter().filter(|target| target.has_place());
+    placed.fold(Aabb::EMPTY, |all, target| match target.bounds {
+        Some(bounds) => all.union(bounds),
+        None => all.grown(target.origin()),
+    })
+}
+
+/// None when there is nothing that this mode could change. The active object is the last one. What is infinitely far away is turned at
+/// `ahead`, a place that is seen.
+pub fn frame(targets: &[Target], settings: &GizmoSettings, ahead: Vec3) -> Option<Frame> {
+    let active = targets.last()?;
+    let all = bounds(targets);
+    if all.is_empty() && settings.mode != Mode::Rotate {
+        return None;
+    }
+    let can_scale = |target: &Target| target.freedom == Freedom::Affine;
+    if settings.mode == Mode::Scale && targets.len() == 1 && !can_scale(active) {
+        return None;
+    }
+    let origin = if all.is_empty() {
+        ahead
+    } else if settings.pivot == Pivot::Middle || !active.has_place() {
+        all.center()
+    } else {
+        active.origin()
+    };
+    let axes = if settings.axes == Axes::Local || settings.mode == Mode::Scale {
+        own_axes(&active.to_world)
+    } else {
+        [Vec3::X, Vec3::Y, Vec3::Z]
+    };
+    origin.is_finite().then_some(Frame { origin, axes })
+}
+
+/// The directions of a transform's axes, set at right angles from the first on; the world's for a degenerate one.
+fn own_axes(to_world: &Affine3A) -> [Vec3; 3] {
+    let [x, y, z] = [
+        to_world.matrix3.x_axis,
+        to_world.matrix3.y_axis,
+        to_world.matrix3.z_axis,
+    ]
+    .map(Vec3::from);
+    let axes = || {
+        let x = x.try_normalize()?;
+        let y = y.try_normalize()?.reject_from_normalized(x).try_normalize()?;
+        let normal = x.cross(y);
+        Some([x, y, if normal.dot(z) < 0.0 { -normal } else { normal }])
+    };
+    axes().unwrap_or([Vec3::X, Vec3::Y, Vec3::Z])
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::Quat;
+
+    use super::*;
+
+    fn target(to_world: Affine3A, freedom: Freedom) -> Target {
+        Target {
+            entity: Entity::PLACEHOLDER,
+            to_world,
+            freedom,
+            bounds: (freedom == Freedom::Affine).then(|| {
+                Aabb {
+                    min: Vec3::NEG_ONE,
+                    max: Vec3::ONE,
+                }
+                .transformed(&to_world)
+            }),
+        }
+    }
+
+    #[test]
+    fn the_pivot_is_a_choice() {
+        let left = target(Affine3A::from_translation(Vec3::new(-4.0, 0.0, 0.0)), Freedom::Affine);
+        let right = target(Affine3A::from_translation(Vec3::new(8.0, 0.0, 0.0)), Freedom::Affine);
+        let at = |pivot| {
+            let settings = GizmoSettings {
+                pivot,
+                ..GizmoSettings::default()
+            };
+            frame(&[left, right], &settings, Vec3::ZERO).map(|frame| frame.origin)
+        };
+        assert_eq!(at(Pivot::Middle), Some(Vec3::new(2.0, 0.0, 0.0)));
+        assert_eq!(at(Pivot::Active), Some(Vec3::new(8.0, 0.0, 0.0)));
+    }
+
+    #[test]
+    fn what_cannot_be_done_has_no_gizmo() {
+        let sky = target(Affine3A::IDENTITY, Freedom::Turning);
+        let camera = target(Affine3A::IDENTITY, Freedom::Rigid);
+        let in_mode = |targets: &[Target], mode| {
+            let settings = GizmoSettings {
+                mode,
+                ..GizmoSettings::default()
+            };
+            frame(targets, &settings, Vec3::Y)
+        };
+        assert_eq!(in_mode(&[sky], Mode::Move), None);
+        assert_eq!(in_mode(&[sky], Mode::Rotate).map(|frame| frame.origin), Some(Vec3::Y));
+        assert_eq!(in_mode(&[camera], Mode::Scale), None);
+        assert!(in_mode(&[camera], Mode::Move).is_some());
+        assert_eq!(in_mode(&[], Mode::Move), None);
+    }
+
+    #[test]
+    fn local_axes_are_at_right_angles_whatever_the_transform() {
+        let turned =
+            Affine3A::from_scale_rotation_translation(Vec3::new(2.0, -3.0, 0.5), Quat::from_rotation_y(0.4), Vec3::ONE);
+        let mut sheared = turned;
+        sheared.matrix3.y_axis += sheared.matrix3.x_axis;
+        for (to_world, degenerate) in [(turned, false), (sheared, false), (Affine3A::ZERO, true)] {
+            let axes = own_axes(&to_world);
+            for (k, axis) in axes.iter().enumerate() {
+                assert!((axis.length() - 1.0).abs() < 1e-5);
+                assert!(axis.dot(axes[(k + 1) % 3]).abs() < 1e-5);
+                let own = Vec3::from(to_world.matrix3.col(k));
+                assert!(degenerate || axis.dot(own) > 0.0, "{k}: {axis}");
+            }
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Lights and cameras have no surface: small drawings at their places make them seen, and give the mouse something to take.
+
+use std::f32::consts::TAU;
+
+use bevy::math::{Affine3A, Vec3};
+use bevy::prelude::Entity;
+use bevy_egui::egui::{Color32, Painter, Pos2, Shape, Stroke, Vec2};
+
+use crate::app::editor::camera::screen::Screen;
+use crate::scene::{Emitter, EmitterKind};
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Icon {
+    pub entity: Entity,
+    pub kind: IconKind,
+    /// World from local.
+    pub pose: Affine3A,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum IconKind {
+    Bulb,
+    /// Shines along +z from everywhere.
+    Sun,
+    /// Shines along +z, so many radians to every side.
+    Cone(f32),
+    /// Looks, or throws a picture, along +z.
+    Frustum,
+}
+
+impl IconKind {
+    /// None for lights that have no place.
+    pub fn of(emitter: &Emitter) -> Option<Self> {
+        match &emitter.kind {
+            EmitterKind::Point { .. } => Some(Self::Bulb),
+            EmitterKind::Directional { .. } => Some(Self::Sun),
+            EmitterKind::Spot { cutoff_angle, .. } => Some(Self::Cone(cutoff_angle.to_radians())),
+            EmitterKind::Projector { .. } => Some(Self::Frustum),
+            EmitterKind::Constant { .. } | EmitterKind::Environment { .. } | EmitterKind::SunSky(_) => None,
+        }
+    }
+}
+
+/// In points: the disk of a bulb, the reach of the pointer, and the length of what points along +z.
+const RADIUS: f32 = 5.0;
+const REACH: f32 = 11.0;
+const LENGTH: f32 = 30.0;
+/// More would be a fog.
+const MOST_ICONS: usize = 1000;
+const SHADOW: Color32 = Color32::from_black_alpha(120);
+
+pub fn paint(painter: &Painter, screen: &Screen, icons: &[Icon], color: impl Fn(Entity) -> Color32) {
+    let seen = icons.iter().filter_map(|icon| Some((icon, place(screen, icon)?)));
+    for (icon, middle) in seen.take(MOST_ICONS) {
+        let lines = lines(screen, icon, middle);
+        for stroke in [Stroke::new(3.0, SHADOW), Stroke::new(1.5, color(icon.entity))] {
+            painter.extend(lines.iter().map(|ends| Shape::line_segment(*ends, stroke)));
+            match icon.kind {
+                IconKind::Frustum => {}
+                _ => {
+                    painter.circle_stroke(middle, RADIUS, stroke);
+                }
+            }
+        }
+    }
+}
+
+/// The icon under the pointer: the nearest to it.
+pub fn icon_at(screen: &Screen, icons: &[Icon], pointer: Pos2) -> Option<Entity> {
+    let distances = icons
+        .iter()
+        .filter_map(|icon| Some((place(screen, icon)?.distance(pointer), icon.entity)));
+    let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
+    nearest
+        .filter(|(distance, _)| *distance <= REACH)
+        .map(|(_, entity)| entity)
+}
+
+/// Where it is seen; None outside the picture.
+pub fn place(screen: &Screen, icon: &Icon) -> Option<Pos2> {
+    screen
+        .project(icon.pose.translation.into())
+        .filter(|at| screen.picture.contains(*at))
+}
+
+fn lines(screen: &Screen, icon: &Icon, middle: Pos2) -> Vec<[Pos2; 2]> {
+    let origin = Vec3::from(icon.pose.translation);
+    let unit = screen.units_per_point(screen.depth(origin));
+    let [x, y, z] = [
+        icon.pose.matrix3.x_axis,
+        icon.pose.matrix3.y_axis,
+        icon.pose.matrix3.z_axis,
+    ]
+    .map(|axis| Vec3::from(axis).normalize_or_zero());
+    let line = |a: Vec3, b: Vec3| screen.segment(origin + a * unit, origin + b * unit);
+    let rays = (0..8).map(|ray| {
+        let direction = Vec2::angled(TAU * ray as f32 / 8.0);
+        Some([middle + direction * (RADIUS + 2.5), middle + direction * (RADIUS + 6.0)])
+    });
+    match icon.kind {
+        IconKind::Bulb => rays.flatten().collect(),
+        IconKind::Sun => rays
+            .chain([line(z * (RADIUS + 8.0), z * (RADIUS + 8.0 + LENGTH))])
+            .flatten()
+            .collect(),
+        IconKind::Cone(angle) => {
+            // A very wide one is drawn as wide as can be told from a disk.
+            let angle = angle.clamp(0.05, 1.4);
+            let rim = |place: f32| {
+                let around = TAU * place / 16.0;
+                LENGTH * (z * angle.cos() + (x * around.cos() + y * around.sin()) * angle.sin())
+            };
+            let circle = (0..16).map(|k| line(rim(k as f32), rim(k as f32 + 1.0)));
+            let sides = (0..4).map(|k| line(Vec3::ZERO, rim(4.0 * k as f32)));
+            circle.chain(sides).flatten().collect()
+        }
+        IconKind::Frustum => {
+            let corner = |across: f32, along: f32| LENGTH * (z * 0.8 + x * (across * 0.55) + y * (along * 0.4));
+            let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(a, b)| corner(a, b));
+            let edges = (0..4).flat_map(|k| [line(Vec3::ZERO, corners[k]), line(corners[k], corners[(k + 1) % 4])]);
+            let roof = [corner(-0.5, 1.15), corner(0.5, 1.15), corner(0.0, 1.8)];
+            let upright = (0..3).map(|k| line(roof[k], roof[(k + 1) % 3]));
+            edges.chain(upright).flatten().collect()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::prelude::World;
+    use bevy_egui::egui::vec2;
+
+    use super::*;
+    use crate::app::editor::camera::screen::tests::perspective;
+
+    #[test]
+    fn the_nearest_icon_in_reach_is_taken() {
+        let mut world = World::new();
+        let mut icon = |x: f32, z: f32| Icon {
+            entity: world.spawn_empty().id(),
+            kind: IconKind::Cone(3.0),
+            pose: Affine3A::from_translation(Vec3::new(x, 0.0, z)),
+        };
+        let icons = [icon(0.0, 0.0), icon(0.3, 0.0), icon(0.0, -20.0)];
+        let screen = perspective();
+        let middle = screen.picture.center();
+        // +x is to the left.
+        assert_eq!(icon_at(&screen, &icons, middle + vec2(2.0, 3.0)), Some(icons[0].entity));
+        assert_eq!(icon_at(&screen, &icons, middle - vec2(9.0, 0.0)), Some(icons[1].entity));
+        assert_eq!(icon_at(&screen, &icons, middle + vec2(0.0, 40.0)), None);
+        assert!(place(&screen, &icons[2]).is_none(), "behind the camera");
+        let drawn = lines(&screen, &icons[0], middle);
+        assert!(drawn.len() == 20 && drawn.iter().flatten().all(|at| at.distance(middle) < 2.0 * LENGTH));
+    }
+}

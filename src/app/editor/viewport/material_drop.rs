@@ -1,0 +1,121 @@
+//! Materials that are dragged from the list or the library onto an object in the picture.
+
+use bevy::ecs::entity::EntityHashSet;
+use bevy::math::Vec2;
+use bevy::prelude::Entity;
+use bevy_egui::egui::{self, Color32, Rect, Response, Ui};
+
+use crate::app::editor::camera::picking;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::dragged::{Dragged, DraggedPreset};
+use crate::app::editor::model::Outline;
+use crate::engine::CurrentScene;
+
+/// What may be there to take a material.
+#[derive(Clone, Copy, Debug)]
+pub struct Takers<'a> {
+    pub current: &'a CurrentScene,
+    pub things: &'a Outline,
+    pub locked: &'a EntityHashSet,
+}
+
+impl Takers<'_> {
+    fn is_material(&self, things: &[Entity]) -> bool {
+        let is_one = |thing: Entity| self.things.materials.iter().any(|item| item.entity == thing);
+        matches!(things, [thing] if is_one(*thing))
+    }
+
+    /// What letting go does at a place of the picture.
+    fn hint(&self, at: Vec2) -> String {
+        let Some(shape) = picking::pick(self.current, at) else {
+            return "Drop it on a shape".to_owned();
+        };
+        let item = self.things.shapes.iter().find(|item| item.entity == shape);
+        let name = item.map_or("this shape", |item| item.name.as_str());
+        match self.locked.contains(&shape) {
+            true => format!("{name} is locked"),
+            false => format!("For {name}"),
+        }
+    }
+}
+
+/// `picture`: the whole of it on the screen, of which `response` is.
+pub fn drop_target(ui: &Ui, response: &Response, picture: Rect, takers: Takers, commands: &mut Vec<Command>) {
+    let Some(pointer) = ui.ctx().pointer_interact_pos() else {
+        return;
+    };
+    let film = (pointer - picture.min) / picture.size();
+    let at = Vec2::new(film.x, film.y);
+    let hovers = response.dnd_hover_payload::<DraggedPreset>().is_some()
+        || response
+            .dnd_hover_payload::<Dragged>()
+            .is_some_and(|dragged| takers.is_material(&dragged.0));
+    if hovers {
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        let text = ui.painter().layout_no_wrap(takers.hint(at), font, Color32::WHITE);
+        let place = Rect::from_min_size(pointer + egui::vec2(14.0, 10.0), text.size());
+        ui.painter()
+            .rect_filled(place.expand(4.0), 3.0, Color32::from_black_alpha(190));
+        ui.painter().galley(place.min, text, Color32::WHITE);
+    }
+    // To ask for a payload of another type would take it away.
+    let is_preset = egui::DragAndDrop::has_payload_of_type::<DraggedPreset>(ui.ctx());
+    if is_preset && let Some(dragged) = response.dnd_release_payload::<DraggedPreset>() {
+        let preset = Box::new(dragged.0.clone());
+        commands.push(Command::DropPreset { preset, at });
+        return;
+    }
+    let dragged = response.dnd_release_payload::<Dragged>();
+    if let Some([material]) = dragged.as_ref().map(|dragged| &dragged.0[..]) {
+        commands.push(Command::DropMaterial {
+            material: *material,
+            at,
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::Vec3;
+
+    use super::*;
+    use crate::app::editor::camera::picking::tests::spheres;
+    use crate::app::editor::model::Item;
+    use crate::app::editor::picture::studio;
+
+    #[test]
+    fn the_hint_names_what_takes_it() {
+        // What the studio looks at.
+        let (mut current, balls) = spheres(&[Vec3::new(0.0, 0.0, 0.96)]);
+        current.view = Some(studio::view(16));
+        let named = |entity: Entity, name: &str| Item {
+            entity,
+            name: name.to_owned(),
+            kind: "thing",
+            hidden: false,
+            locked: false,
+            can_hide: true,
+            inside_of: None,
+        };
+        let (glass, lamp) = (Entity::from_raw_u32(7), Entity::from_raw_u32(8));
+        let [glass, lamp] = [glass, lamp].map(|entity| entity.expect("a small index is valid"));
+        let things = Outline {
+            shapes: vec![named(balls[0], "ball")],
+            materials: vec![named(glass, "glass")],
+            lights: vec![named(lamp, "lamp")],
+            ..Outline::default()
+        };
+        let (none, locked) = (EntityHashSet::default(), EntityHashSet::from_iter([balls[0]]));
+        let takers = |locked| Takers {
+            current: &current,
+            things: &things,
+            locked,
+        };
+        let middle = Vec2::splat(0.5);
+        assert_eq!(takers(&none).hint(middle), "For ball");
+        assert_eq!(takers(&none).hint(Vec2::ZERO), "Drop it on a shape");
+        assert!(takers(&none).is_material(&[glass]));
+        assert!(!takers(&none).is_material(&[lamp]) && !takers(&none).is_material(&[glass, lamp]));
+        assert_eq!(takers(&locked).hint(middle), "ball is locked");
+    }
+}

@@ -1,0 +1,321 @@
+//! The panel with the picture: what is drawn over it, and what the mouse does there. May import `model`, `input` and the modules below
+//! them.
+
+pub(crate) mod captions;
+pub mod cursor;
+pub mod gather;
+pub mod gizmo;
+pub mod icons;
+pub mod marks;
+pub mod material_drop;
+pub mod model;
+pub mod path_lines;
+pub mod pointer;
+pub mod state;
+pub mod steer_cursor;
+pub mod toolbar;
+
+use std::time::Duration;
+
+use bevy::math::{Vec2, Vec3};
+use bevy_egui::egui::{self, Align2, Color32, EventFilter, FontId, Id, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
+
+use crate::app::editor::camera::navigation::FlyInput;
+use crate::app::editor::camera::screen::Screen;
+use crate::app::editor::command::Command;
+use crate::app::editor::command::display::{DisplayMode, heat};
+use crate::app::editor::input::actions::ActionContext;
+use crate::app::editor::input::keys;
+use crate::app::editor::picture::legend::Legend;
+use crate::app::editor::picture::outline::Level;
+use crate::app::editor::picture::overlay::{MAX_BOXES, edges};
+use gizmo::interaction::Rest;
+use marks::{BACKING, tag, thin_frame};
+use material_drop::{Takers, drop_target};
+use model::ViewportModel;
+use state::ViewportState;
+use toolbar::toolbar;
+
+/// The id of the picture: whatever has the keyboard when no other widget wants it.
+pub const PICTURE: &str = "viewport picture";
+/// Above the foot of the picture, where the speed and the legend are; points.
+const CAPTION_FOOT: f32 = -36.0;
+const REGION: Color32 = Color32::from_rgb(230, 70, 60);
+const SCENE_BOX: Color32 = Color32::from_rgba_premultiplied(60, 200, 90, 200);
+const MESH_BOX: Color32 = Color32::from_rgba_premultiplied(60, 130, 230, 160);
+
+pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, commands: &mut Vec<Command>) {
+    let panel = ui.available_rect_before_wrap();
+    ui.painter().rect_filled(panel, 0.0, Color32::from_gray(18));
+    let picture = model.picture.map_or(panel, |_| fitted(panel, model.proportions));
+    let response = ui.interact(picture, Id::new(PICTURE), Sense::click_and_drag());
+    match model.picture {
+        Some((texture, _)) => {
+            let uv = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+            ui.painter().image(texture, picture, uv, Color32::WHITE);
+        }
+        None => {
+            let font = FontId::proportional(16.0);
+            ui.painter().text(
+                panel.center(),
+                Align2::CENTER_CENTER,
+                model.placeholder,
+                font,
+                Color32::GRAY,
+            );
+        }
+    }
+    let screen = model.camera.map(|camera| Screen { camera, picture });
+    paint_over(ui, panel, picture, screen.as_ref(), model, state);
+    act(ui, &response, screen.as_ref(), model, state, commands);
+    if model.picture.is_some() {
+        toolbar(ui, panel, model.gizmo.settings, model.gizmo.length_step, commands);
+    }
+    let takers = Takers {
+        current: model.current,
+        things: model.things,
+        locked: model.locked,
+    };
+    drop_target(ui, &response, picture, takers, commands);
+    ui.advance_cursor_after_rect(panel);
+}
+
+/// The largest rectangle of the picture's proportions in the middle of the panel, on whole points so that pixels stay sharp.
+fn fitted(panel: Rect, [width, height]: [u32; 2]) -> Rect {
+    let size = egui::vec2(width.max(1) as f32, height.max(1) as f32);
+    let scale = (panel.width() / size.x).min(panel.height() / size.y);
+    let fitted = (size * scale).floor();
+    Rect::from_min_size((panel.center() - 0.5 * fitted).floor(), fitted)
+}
+
+/// Keys and mouse go to the gizmo first, what it leaves turns and moves the view, and what is left of the keys are shortcuts.
+fn act(
+    ui: &Ui,
+    response: &Response,
+    screen: Option<&Screen>,
+    model: &ViewportModel,
+    state: &mut ViewportState,
+    commands: &mut Vec<Command>,
+) {
+    let has_keyboard = takes_keyboard(ui, response, model.enabled);
+    let presses = if has_keyboard { model.presses } else { &[] };
+    let mut rest = Rest {
+        pointer: model.enabled,
+        presses: presses.to_vec(),
+    };
+    let was_flying = std::mem::take(&mut state.flying);
+    let mut look = Vec2::ZERO;
+    let mut moved = model.pose;
+    if let (Some(screen), Some(pose), true) = (screen, &mut moved, model.enabled) {
+        rest = state
+            .gizmo
+            .follow(ui, response, screen, &model.gizmo, presses, commands);
+        look = state
+            .pointer
+            .follow(ui, response, screen, model, rest.pointer, pose, commands);
+    } else {
+        state.pointer.let_go(ui);
+        state.pointer.hovered = None;
+    }
+    let fly = ui.input(|input| {
+        let modifiers = input.modifiers;
+        // Control with a letter is a shortcut, unless the user is flying already.
+        let flies = modifiers.is_none() || modifiers.shift_only() || state.pointer.is_looking() || was_flying;
+        let keys_fly = has_keyboard && !state.gizmo.is_dragging() && !modifiers.alt && flies;
+        FlyInput {
+            direction: if keys_fly {
+                keys::fly_direction(input)
+            } else {
+                Vec3::ZERO
+            },
+            look,
+            fast: modifiers.shift,
+            slow: modifiers.command,
+            seconds: input.unstable_dt,
+        }
+    });
+    let is_moving = fly.direction != Vec3::ZERO;
+    state.flying = state.pointer.is_looking() || is_moving;
+    if let Some(pose) = moved {
+        let flown = model.navigation.fly(pose, &fly).unwrap_or(pose);
+        if Some(flown) != model.pose && flown.is_finite() {
+            commands.push(Command::MoveView(flown));
+        }
+    }
+    state.speed.follow(ui, is_moving, model.navigation.speed);
+    if state.flying {
+        // Time passes without further events while a key is held.
+        ui.ctx().request_repaint_after(Duration::from_millis(16));
+    }
+    let context = ActionContext {
+        flying: state.flying || was_flying,
+        ..model.keys
+    };
+    commands.extend(keys::shortcuts(&rest.presses, &context));
+}
+
+/// The picture has the keyboard whenever no other widget wants it, and then it keeps Tab, arrows and Escape to itself. Without `enabled`
+/// it lets go of it.
+fn takes_keyboard(ui: &Ui, response: &Response, enabled: bool) -> bool {
+    if !enabled || ui.ctx().any_popup_open() {
+        response.surrender_focus();
+        return false;
+    }
+    let focused = ui.memory(|memory| memory.focused());
+    if focused.is_none() || response.is_pointer_button_down_on() {
+        response.request_focus();
+    }
+    let filter = EventFilter {
+        tab: true,
+        horizontal_arrows: true,
+        vertical_arrows: true,
+        escape: true,
+    };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+    response.has_focus()
+}
+
+fn paint_over(
+    ui: &Ui,
+    panel: Rect,
+    picture: Rect,
+    screen: Option<&Screen>,
+    model: &ViewportModel,
+    state: &ViewportState,
+) {
+    let painter = ui.painter_at(picture);
+    painter.add(Shape::mesh(model.outline.mesh(picture)));
+    if let Some(screen) = screen {
+        if model.keys.overlay.shown {
+            for world_box in &model.boxes.boxes {
+                let color = if world_box.over_instances { SCENE_BOX } else { MESH_BOX };
+                let lines = edges(&screen.camera, world_box).into_iter().map(|ends| {
+                    Shape::line_segment(ends.map(|film| screen.point_of_film(film)), Stroke::new(1.0, color))
+                });
+                painter.extend(lines);
+            }
+        }
+        let pointer = ui.input(|input| input.pointer.latest_pos());
+        let chosen = model.paths.wanted.map_or(0, |wanted| wanted.chosen as usize);
+        path_lines::paint(
+            &painter,
+            screen,
+            &model.paths.paths,
+            chosen,
+            model.navigation.scene_size,
+        );
+        icons::paint(&painter, screen, model.icons, |entity| {
+            Level::of(entity, model.keys.selection, state.pointer.hovered).color()
+        });
+        state.gizmo.paint(&painter, screen, &model.gizmo, pointer);
+        state.pointer.paint(&painter, pointer);
+        if let Some(note) = state.gizmo.note(model.gizmo.length_step) {
+            tag(
+                &painter,
+                picture.center_bottom() - egui::vec2(0.0, 8.0),
+                Align2::CENTER_BOTTOM,
+                &note,
+            );
+        }
+    }
+    if let Some(region) = model.region {
+        let corner = |at: bevy::math::Vec2| picture.min + picture.size() * egui::vec2(at.x, at.y);
+        let border = Rect::from_two_pos(corner(region.min), corner(region.max)).intersect(picture);
+        painter.rect_stroke(border, 0.0, Stroke::new(1.5, REGION), egui::StrokeKind::Inside);
+    }
+    if model.keys.safe_frame {
+        safe_frame(&painter, picture);
+    }
+    if let Some(hint) = model.keys.tool.hint() {
+        let at = egui::pos2(picture.center().x, (picture.top() + 8.0).max(panel.top() + 42.0));
+        tag(&painter, at, Align2::CENTER_TOP, hint);
+    }
+    let mut notes = Vec::new();
+    if model.camera.is_some_and(|camera| camera.is_orthographic()) {
+        notes.push("Orthographic".to_owned());
+    }
+    if model.keys.display.mode != DisplayMode::Shaded {
+        notes.push(model.keys.display.mode.name().to_owned());
+    }
+    if model.keys.overlay.shown {
+        let (shown, total) = (model.boxes.boxes.len(), model.boxes.total);
+        notes.push(if total > MAX_BOXES {
+            format!("{shown} of {total} boxes")
+        } else {
+            format!("{total} boxes")
+        });
+    }
+    if model.keys.paused {
+        notes.push("Paused".to_owned());
+    }
+    let mut corner = picture.left_top() + egui::vec2(8.0, 8.0);
+    if !notes.is_empty() {
+        corner.y = tag(&painter, corner, Align2::LEFT_TOP, &notes.join("   ")).bottom() + 4.0;
+    }
+    if model.keys.overlay.shown && model.picture.is_some() {
+        let figures = model.boxes.figures(&model.keys.overlay);
+        tag(&painter, corner, Align2::LEFT_TOP, &figures);
+    }
+    if model.pose.is_some() && state.speed.is_shown(ui) {
+        let speed = format!(
+            "speed {:.2}x, {:.3} units/s",
+            model.navigation.speed,
+            model.navigation.units_per_second()
+        );
+        tag(
+            &painter,
+            picture.left_bottom() + egui::vec2(8.0, -8.0),
+            Align2::LEFT_BOTTOM,
+            &speed,
+        );
+    }
+    for (middle, words) in model.captions {
+        let place = picture.left_bottom() + egui::vec2(middle * picture.width(), CAPTION_FOOT);
+        tag(&painter, place, Align2::CENTER_BOTTOM, words);
+    }
+    if let Some(shown) = model.legend {
+        legend(&painter, picture, shown);
+    }
+}
+
+/// Nine tenths of the picture for what happens, eight for titles, as television has it (SMPTE ST 2046-1 has 93 and 90 per cent since).
+fn safe_frame(painter: &egui::Painter, picture: Rect) {
+    for share in [0.9, 0.8] {
+        let frame = Rect::from_center_size(picture.center(), share * picture.size());
+        thin_frame(painter, frame, 140);
+    }
+}
+
+/// The heat map's colours with what they mean.
+fn legend(painter: &egui::Painter, picture: Rect, legend: &Legend) {
+    let bar = Rect::from_min_size(
+        picture.right_bottom() - egui::vec2(228.0, 26.0),
+        egui::vec2(180.0, 12.0),
+    );
+    painter.rect_filled(bar.expand2(egui::vec2(40.0, 8.0)), 3.0, BACKING);
+    let strips = 60;
+    for strip in 0..strips {
+        let (from, to) = (strip as f32 / strips as f32, (strip + 1) as f32 / strips as f32);
+        let [r, g, b] = heat(0.5 * (from + to)).map(|c| (255.0 * c) as u8);
+        let rect = Rect::from_x_y_ranges(
+            egui::lerp(bar.x_range(), from)..=egui::lerp(bar.x_range(), to),
+            bar.y_range(),
+        );
+        painter.rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
+    }
+    let font = FontId::proportional(11.5);
+    painter.text(
+        bar.left_center() - egui::vec2(5.0, 0.0),
+        Align2::RIGHT_CENTER,
+        &legend.low,
+        font.clone(),
+        Color32::WHITE,
+    );
+    painter.text(
+        bar.right_center() + egui::vec2(5.0, 0.0),
+        Align2::LEFT_CENTER,
+        &legend.high,
+        font,
+        Color32::WHITE,
+    );
+}

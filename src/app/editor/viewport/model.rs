@@ -1,0 +1,58 @@
+//! What the viewport shows.
+
+use bevy::ecs::entity::EntityHashSet;
+use bevy::math::Affine3A;
+use bevy_egui::egui::{self};
+
+use super::captions::Caption;
+use super::gizmo::interaction::GizmoModel;
+use super::icons::Icon;
+use crate::app::editor::camera::navigation::Navigation;
+use crate::app::editor::input::actions::ActionContext;
+use crate::app::editor::input::press::Press;
+use crate::app::editor::model::Outline;
+use crate::app::editor::picture::legend::Legend;
+use crate::app::editor::picture::outline::SelectionOutline;
+use crate::app::editor::picture::overlay::BoxList;
+use crate::app::editor::picture::paths::PathInspector;
+use crate::engine::CurrentScene;
+use crate::render::camera::Camera;
+
+/// What the viewport shows.
+#[derive(Clone, Copy, Debug)]
+pub struct ViewportModel<'a> {
+    /// The picture and its size in pixels.
+    pub picture: Option<(egui::TextureId, [u32; 2])>,
+    /// Pixels of the picture at its full resolution.
+    pub proportions: [u32; 2],
+    /// In place of the picture while there is none.
+    pub placeholder: &'a str,
+    /// World from camera; None without a camera.
+    pub pose: Option<Affine3A>,
+    /// The camera of the picture, to draw over it.
+    pub camera: Option<Camera>,
+    pub boxes: &'a BoxList,
+    pub paths: &'a PathInspector,
+    pub outline: &'a SelectionOutline,
+    pub icons: &'a [Icon],
+    pub gizmo: GizmoModel<'a>,
+    /// Not to be selected.
+    pub locked: &'a EntityHashSet,
+    /// What things are called.
+    pub things: &'a Outline,
+    /// To ask what is where.
+    pub current: &'a CurrentScene,
+    /// Of false colours, where there are any.
+    pub legend: Option<&'a Legend>,
+    pub captions: &'a [Caption],
+    /// The part of the picture that is rendered, if it is not all of it; (0, 0) top left, (1, 1) bottom right.
+    pub region: Option<bevy::math::Rect>,
+    pub navigation: Navigation,
+    pub keys: ActionContext<'a>,
+    /// By how much the mouse has been moved since the last frame, pixels; told even of a pointer that stands at an edge.
+    pub mouse: egui::Vec2,
+    /// The keys pressed since the last frame, in order.
+    pub presses: &'a [Press],
+    /// False while a dialog is open: then neither keys nor mouse act on the picture.
+    pub enabled: bool,
+}

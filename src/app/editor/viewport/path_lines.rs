@@ -1,0 +1,72 @@
+//! Paths drawn into the picture: their segments from the camera on, the lights that were looked for from each vertex, and where they end.
+
+use bevy::math::Vec3;
+use bevy_egui::egui::{self, Color32, Shape, Stroke};
+
+use super::marks::tag;
+use crate::app::editor::camera::screen::Screen;
+use crate::app::editor::picture::paths::NamedPath;
+use crate::light::Target;
+use crate::math::Ray;
+
+/// Rays into the void are drawn this long, as a share of the scene's size.
+const VOID: f32 = 0.5;
+const CHOSEN: Color32 = Color32::from_rgb(90, 190, 255);
+const OTHER: Color32 = Color32::from_rgba_premultiplied(50, 80, 100, 110);
+const REACHED: Color32 = Color32::from_rgb(255, 220, 70);
+const BLOCKED: Color32 = Color32::from_rgb(230, 70, 60);
+
+/// `chosen`: which of the paths is drawn in full, the others faintly. `scene_size` in world units.
+pub fn paint(painter: &egui::Painter, screen: &Screen, paths: &[NamedPath], chosen: usize, scene_size: f32) {
+    for (index, path) in paths.iter().enumerate() {
+        if index != chosen {
+            let line = Stroke::new(1.0, OTHER);
+            painter.extend(
+                segments(path, scene_size)
+                    .filter_map(|[a, b]| screen.segment(a, b))
+                    .map(|ends| Shape::line_segment(ends, line)),
+            );
+        }
+    }
+    let Some(path) = paths.get(chosen) else {
+        return;
+    };
+    for [a, b] in segments(path, scene_size) {
+        if let Some(ends) = screen.segment(a, b) {
+            painter.line_segment(ends, Stroke::new(2.0, CHOSEN));
+        }
+    }
+    for (number, vertex) in (1..).zip(&path.path.vertices) {
+        let place = vertex.surface.position;
+        if let Some(sampled) = &vertex.sampled {
+            let target = match sampled.sample.target {
+                Target::Point(point) => point,
+                Target::Infinity => place + sampled.sample.wi * (VOID * scene_size),
+            };
+            let reached = sampled.arriving.is_some_and(|arriving| arriving.max_element() > 0.0);
+            let color = if reached { REACHED } else { BLOCKED };
+            if let Some(ends) = screen.segment(place, target) {
+                painter.extend(Shape::dashed_line(&ends, Stroke::new(1.5, color), 6.0, 4.0));
+            }
+        }
+        if let Some(at) = screen.project(place) {
+            painter.circle(at, 4.0, CHOSEN, Stroke::new(1.0, Color32::BLACK));
+            let corner = at + egui::vec2(6.0, -6.0);
+            tag(painter, corner, egui::Align2::LEFT_BOTTOM, &number.to_string());
+        }
+    }
+}
+
+/// From vertex to vertex. The first one, from the camera, would be a point seen from there: it is left out.
+fn segments(path: &NamedPath, scene_size: f32) -> impl Iterator<Item = [Vec3; 2]> + '_ {
+    let vertices = &path.path.vertices;
+    let between = vertices
+        .windows(2)
+        .map(|pair| [pair[0].surface.position, pair[1].surface.position]);
+    let last = vertices.last().and_then(|vertex| {
+        let bounce = vertex.bounce?;
+        let ray = Ray::new(vertex.surface.position, bounce.wi);
+        Some([ray.origin, ray.at(VOID * scene_size)])
+    });
+    between.chain(last)
+}

@@ -1,0 +1,286 @@
+//! The mouse over the picture, where the gizmo does not want it: looking, orbiting, panning, the wheel, picking and the selection box.
+//!
+//! What a drag does is decided by its press: the right button and the left one look around, Alt and the left orbit, Shift and the left draw
+//! a box, the middle one pans.
+
+use bevy::math::{Affine3A, Vec2, Vec3};
+use bevy::prelude::Entity;
+use bevy_egui::egui::{self, Color32, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Response, Ui};
+
+use super::cursor::TurningCursor;
+use super::marks::thin_frame;
+use super::model::ViewportModel;
+use super::{gizmo, icons};
+use crate::app::editor::camera::screen::Screen;
+use crate::app::editor::camera::{orbit, picking};
+use crate::app::editor::command::Command;
+use crate::app::editor::command::inspected_paths::InspectedPaths;
+use crate::app::editor::command::panel::Panel;
+use crate::app::editor::command::selection::Extend;
+use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::command::tool::Tool;
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointerState {
+    hold: Option<Hold>,
+    pub cursor: TurningCursor,
+    /// What is under the pointer.
+    pub hovered: Option<Entity>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Hold {
+    Look,
+    Orbit { center: Vec3 },
+    Pan { last: Pos2, depth: f32 },
+    Box { from: Pos2 },
+}
+
+/// A point drag of the wheel counts as a notch after so many points.
+const POINTS_PER_NOTCH: f32 = 50.0;
+/// How far ahead things are taken to be where nothing is seen, as a share of the scene.
+const NOWHERE: f32 = 0.5;
+
+impl PointerState {
+    /// Whether the view is being turned: flying keys are meant then, whatever the modifiers.
+    pub fn is_looking(&self) -> bool {
+        matches!(self.hold, Some(Hold::Look | Hold::Orbit { .. }))
+    }
+
+    /// Follows the mouse for a frame. `is_free`: the gizmo has no use for it. Returns by how many points the view is to be turned, and
+    /// moves `pose`.
+    pub fn follow(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        screen: &Screen,
+        model: &ViewportModel,
+        is_free: bool,
+        pose: &mut Affine3A,
+        commands: &mut Vec<Command>,
+    ) -> Vec2 {
+        let pointer = ui
+            .input(|input| input.pointer.latest_pos())
+            .unwrap_or(screen.picture.center());
+        let is_over = is_free && response.contains_pointer();
+        if ui.input(|input| !input.pointer.any_down() && !input.pointer.any_released()) {
+            self.hold = None;
+        }
+        if is_over && let Some(button) = pressed_button(ui) {
+            self.hold = Some(self.hold_of(button, ui.input(|input| input.modifiers), pointer, screen, model, *pose));
+        }
+        if is_over && self.hold.is_some() && response.clicked_by(PointerButton::Primary) {
+            self.click(ui, pointer, screen, model, commands);
+        }
+        let turns = self.is_looking() && response.dragged();
+        let by = if turns {
+            let (before, seen) = ui.input(|input| (pointer - input.pointer.delta(), moves(input)));
+            let pixels = ui.ctx().pixels_per_point();
+            let device = model.mouse / pixels;
+            let by = self.cursor.follow(before, &seen, device, screen.picture, pixels);
+            Vec2::new(by.x, by.y)
+        } else {
+            Vec2::ZERO
+        };
+        let mut look = Vec2::ZERO;
+        match &mut self.hold {
+            Some(Hold::Look) => look = by,
+            Some(Hold::Orbit { center }) if by != Vec2::ZERO => {
+                *pose = model.navigation.orbit(*pose, *center, by);
+            }
+            Some(Hold::Pan { last, depth }) if *last != pointer => {
+                *pose = orbit::pan(*pose, screen, *last, pointer, *depth);
+                *last = pointer;
+            }
+            Some(Hold::Box { from }) if response.drag_stopped() => {
+                let boxed = Rect::from_two_pos(*from, pointer);
+                if model.keys.tool == Tool::Region {
+                    let corners = [screen.film(boxed.min), screen.film(boxed.max)];
+                    let [min, max] = corners.map(|corner| corner.clamp(Vec2::ZERO, Vec2::ONE));
+                    commands.push(Command::SetRegion(Some(bevy::math::Rect { min, max })));
+                    commands.push(Command::SetTool(Tool::Select));
+                    return Vec2::ZERO;
+                }
+                let how = if ui.input(|input| input.modifiers.command) {
+                    Extend::Toggle
+                } else {
+                    Extend::Add
+                };
+                let entities = inside(boxed, screen, model);
+                if !entities.is_empty() {
+                    commands.push(Command::Select(entities, how));
+                }
+            }
+            _ => {}
+        }
+        if ui.input(|input| !input.pointer.any_down()) {
+            self.let_go(ui);
+        }
+        self.wheel(ui, is_over, pointer, screen, model, pose, commands);
+        let hovered = (is_over && self.hold.is_none())
+            .then(|| under(pointer, screen, model))
+            .flatten();
+        if hovered != self.hovered {
+            self.hovered = hovered;
+            // Its outline is found before the next frame is shown.
+            ui.ctx().request_repaint();
+        }
+        look
+    }
+
+    /// Whatever is done with the mouse is over.
+    pub fn let_go(&mut self, ui: &Ui) {
+        self.hold = None;
+        self.cursor.let_go(ui.ctx().pixels_per_point());
+    }
+
+    fn hold_of(
+        &self,
+        button: PointerButton,
+        modifiers: Modifiers,
+        pointer: Pos2,
+        screen: &Screen,
+        model: &ViewportModel,
+        pose: Affine3A,
+    ) -> Hold {
+        match button {
+            PointerButton::Primary if modifiers.alt => Hold::Orbit {
+                center: center(screen, model, pose),
+            },
+            PointerButton::Primary if modifiers.shift || model.keys.tool == Tool::Region => Hold::Box { from: pointer },
+            PointerButton::Middle => Hold::Pan {
+                last: pointer,
+                depth: picking::surface(model.current, &screen.ray(pointer), |_| false)
+                    .map_or(NOWHERE * model.navigation.scene_size, |seen| {
+                        screen.depth(seen.position)
+                    }),
+            },
+            _ => Hold::Look,
+        }
+    }
+
+    fn click(&self, ui: &Ui, pointer: Pos2, screen: &Screen, model: &ViewportModel, commands: &mut Vec<Command>) {
+        let modifiers = ui.input(|input| input.modifiers);
+        let how = if modifiers.shift || modifiers.command {
+            Extend::Toggle
+        } else {
+            Extend::Replace
+        };
+        let film = screen.film(pointer);
+        match model.keys.tool {
+            Tool::Select => {}
+            Tool::Focus => {
+                commands.extend([Command::FocusAt(film), Command::SetTool(Tool::Select)]);
+                return;
+            }
+            Tool::Paths => {
+                let before = model.paths.wanted;
+                let paths = InspectedPaths {
+                    place: film,
+                    ..before.unwrap_or(InspectedPaths::at(film))
+                };
+                commands.push(Command::InspectPaths(Some(paths)));
+                commands.push(Command::Shell(ShellCommand::ShowPanel(Panel::Paths)));
+                return;
+            }
+            Tool::Region => return,
+        }
+        match icons::icon_at(screen, model.icons, pointer).filter(|entity| !model.locked.contains(entity)) {
+            Some(entity) => commands.push(Command::Select(vec![entity], how)),
+            None => commands.push(Command::Pick(screen.film(pointer), how)),
+        }
+    }
+
+    fn wheel(
+        &self,
+        ui: &Ui,
+        is_over: bool,
+        pointer: Pos2,
+        screen: &Screen,
+        model: &ViewportModel,
+        pose: &mut Affine3A,
+        commands: &mut Vec<Command>,
+    ) {
+        let notches = ui.input(notches);
+        if notches == 0.0 || !(is_over || self.hold.is_some()) {
+            return;
+        }
+        if ui.input(|input| input.pointer.secondary_down()) {
+            commands.push(Command::SetSpeed(model.navigation.speed_after(notches)));
+        } else if screen.camera.is_orthographic() {
+            *pose = model.navigation.narrow(*pose, screen.film(pointer), screen, notches);
+        } else {
+            let ray = screen.ray(pointer);
+            let target = picking::surface(model.current, &ray, |_| false);
+            *pose = model
+                .navigation
+                .dolly(*pose, &ray, target.map(|seen| seen.position), notches);
+        }
+    }
+
+    /// The selection box, while it is drawn.
+    pub fn paint(&self, painter: &egui::Painter, pointer: Option<Pos2>) {
+        if let (Some(Hold::Box { from }), Some(pointer)) = (self.hold, pointer) {
+            let rect = Rect::from_two_pos(from, pointer);
+            painter.rect_filled(rect, 0.0, Color32::from_white_alpha(18));
+            thin_frame(painter, rect, 200);
+        }
+    }
+}
+
+fn pressed_button(ui: &Ui) -> Option<PointerButton> {
+    let buttons = [PointerButton::Primary, PointerButton::Secondary, PointerButton::Middle];
+    ui.input(|input| buttons.into_iter().find(|button| input.pointer.button_pressed(*button)))
+}
+
+/// The middle of the selection; without one what is straight ahead.
+fn center(screen: &Screen, model: &ViewportModel, pose: Affine3A) -> Vec3 {
+    let selected = gizmo::bounds(model.gizmo.targets);
+    if !selected.is_empty() {
+        return selected.center();
+    }
+    let ahead = screen.ray(screen.picture.center());
+    match picking::surface(model.current, &ahead, |_| false) {
+        Some(seen) => seen.position,
+        None => Vec3::from(pose.translation) + screen.forward() * (NOWHERE * model.navigation.scene_size),
+    }
+}
+
+fn under(pointer: Pos2, screen: &Screen, model: &ViewportModel) -> Option<Entity> {
+    let icon = icons::icon_at(screen, model.icons, pointer);
+    let entity = icon.or_else(|| picking::pick(model.current, screen.film(pointer)));
+    entity.filter(|entity| !model.locked.contains(entity))
+}
+
+/// The things whose surfaces show in a box of the window, and the lights and cameras whose places lie in it.
+fn inside(boxed: Rect, screen: &Screen, model: &ViewportModel) -> Vec<Entity> {
+    let mut found = model
+        .outline
+        .entities_in(screen.film(boxed.min), screen.film(boxed.max));
+    let is_inside = |icon: &&icons::Icon| icons::place(screen, icon).is_some_and(|at| boxed.contains(at));
+    found.extend(model.icons.iter().filter(is_inside).map(|icon| icon.entity));
+    found.retain(|entity| !model.locked.contains(entity));
+    found
+}
+
+/// Where the pointer has been since the last frame, in order.
+fn moves(input: &egui::InputState) -> Vec<Pos2> {
+    let place = |event: &egui::Event| match event {
+        egui::Event::PointerMoved(place) => Some(*place),
+        _ => None,
+    };
+    input.events.iter().filter_map(place).collect()
+}
+
+/// Notches of the wheel this frame, positive away from the user.
+fn notches(input: &egui::InputState) -> f32 {
+    let notches = |event: &egui::Event| match event {
+        egui::Event::MouseWheel { unit, delta, .. } => match unit {
+            MouseWheelUnit::Point => delta.y / POINTS_PER_NOTCH,
+            MouseWheelUnit::Line => delta.y,
+            MouseWheelUnit::Page => 10.0 * delta.y,
+        },
+        _ => 0.0,
+    };
+    input.events.iter().map(notches).sum()
+}

@@ -1,0 +1,49 @@
+//! What the viewport remembers between frames.
+
+use std::time::Duration;
+
+use bevy::prelude::Resource;
+use bevy_egui::egui::Ui;
+
+use super::gizmo::interaction::GizmoState;
+use super::pointer::PointerState;
+
+/// What the viewport remembers between frames.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct ViewportState {
+    pub gizmo: GizmoState,
+    pub pointer: PointerState,
+    pub(super) flying: bool,
+    pub(super) speed: SpeedTag,
+}
+
+/// The speed is told of while it matters.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct SpeedTag {
+    /// That of the last frame; None before the first.
+    known: Option<f32>,
+    /// Seconds of egui's clock.
+    until: f64,
+}
+
+/// Seconds that the speed stays on the picture after flying, and after it was set.
+const SPEED_STAYS: f64 = 1.5;
+
+impl SpeedTag {
+    pub(super) fn follow(&mut self, ui: &Ui, flying: bool, speed: f32) {
+        let now = ui.input(|input| input.time);
+        let is_set = self.known.is_some_and(|known| known != speed);
+        self.known = Some(speed);
+        if flying || is_set {
+            self.until = now + SPEED_STAYS;
+        }
+        if self.is_shown(ui) {
+            ui.ctx()
+                .request_repaint_after(Duration::from_secs_f64(self.until - now));
+        }
+    }
+
+    pub(super) fn is_shown(&self, ui: &Ui) -> bool {
+        self.known.is_some() && ui.input(|input| input.time) < self.until
+    }
+}

@@ -1,0 +1,91 @@
+//! Files dropped on the window.
+
+use std::path::PathBuf;
+
+use bevy::prelude::*;
+use bevy::window::FileDragAndDrop;
+use bevy_egui::egui::{self, Align2, Color32, FontId, Rect};
+
+use crate::app::editor::command::Command;
+use crate::app::editor::words::files::SCENE_FILES;
+
+/// What hovers over the window, and what was let go of since the last frame.
+#[derive(Resource, Debug, Default)]
+pub struct DroppedFiles {
+    pub hovering: usize,
+    dropped: Vec<PathBuf>,
+}
+
+pub fn take_dropped_files(mut events: MessageReader<FileDragAndDrop>, mut files: ResMut<DroppedFiles>) {
+    for event in events.read() {
+        match event {
+            FileDragAndDrop::HoveredFile { .. } => files.hovering += 1,
+            FileDragAndDrop::HoveredFileCanceled { .. } => files.hovering = 0,
+            FileDragAndDrop::DroppedFile { path_buf, .. } => {
+                files.hovering = 0;
+                files.dropped.push(path_buf.clone());
+            }
+        }
+    }
+}
+
+impl DroppedFiles {
+    /// A first scene opens where there is none yet; everything else joins what is there. `untouched`: no file is open and nothing was
+    /// done.
+    pub fn commands(&mut self, untouched: bool) -> Vec<Command> {
+        let is_scene = |path: &PathBuf| {
+            let extension = path.extension().unwrap_or_default();
+            SCENE_FILES.iter().any(|known| extension.eq_ignore_ascii_case(known))
+        };
+        let mut files = std::mem::take(&mut self.dropped);
+        if !untouched {
+            return files.into_iter().map(Command::Import).collect();
+        }
+        let first = files.iter().position(is_scene).map(|place| files.remove(place));
+        match first {
+            // What is opened takes the place of everything: the rest would be lost in it.
+            Some(scene) => vec![Command::OpenScene(scene)],
+            None => files.into_iter().map(Command::Import).collect(),
+        }
+    }
+}
+
+/// Says over the picture what letting go will do.
+pub fn hint(context: &egui::Context, place: Rect) {
+    let layer = egui::LayerId::new(egui::Order::Foreground, egui::Id::new("dropped files"));
+    let painter = context.layer_painter(layer).with_clip_rect(place);
+    painter.rect_filled(place, 0.0, Color32::from_black_alpha(140));
+    let (font, text) = (FontId::proportional(20.0), "Drop to add it to the scene");
+    painter.text(place.center(), Align2::CENTER_CENTER, text, font, Color32::WHITE);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn dropped(names: &[&str], untouched: bool) -> Vec<Command> {
+        let mut files = DroppedFiles {
+            hovering: 0,
+            dropped: names.iter().map(PathBuf::from).collect(),
+        };
+        let commands = files.commands(untouched);
+        assert_eq!(files.commands(untouched), []);
+        commands
+    }
+
+    #[test]
+    fn a_scene_opens_where_there_is_none_and_joins_where_there_is() {
+        let scene = PathBuf::from("/room.GLB");
+        assert_eq!(dropped(&["/room.GLB"], true), [Command::OpenScene(scene.clone())]);
+        assert_eq!(dropped(&["/room.GLB"], false), [Command::Import(scene)]);
+    }
+
+    #[test]
+    fn several_are_all_imported() {
+        let [mesh, sky] = ["/bunny.ply", "/sky.hdr"].map(PathBuf::from);
+        for untouched in [true, false] {
+            let commands = dropped(&["/bunny.ply", "/sky.hdr"], untouched);
+            assert_eq!(commands, [Command::Import(mesh.clone()), Command::Import(sky.clone())]);
+        }
+    }
+}

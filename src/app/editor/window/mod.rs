@@ -1,0 +1,17 @@
+//! The window as a whole: menus, docked panels, dialogs, questions, and what lies over them. May import everything but `automation`.
+
+pub(crate) mod dialogs;
+pub(crate) mod docking;
+pub(crate) mod dropping;
+pub mod guard;
+pub mod palette;
+pub(crate) mod preview;
+pub mod recovery_question;
+pub mod save_question;
+pub(crate) mod sheet;
+pub mod shortcuts;
+pub(crate) mod style;
+pub mod toasts;
+pub mod trust_question;
+pub(crate) mod ui;
+pub mod widgets;

@@ -1,0 +1,377 @@
+//! Pictures of materials, of the scene and of the library: rendered one after the other on a thread of the lowest priority, shown as they become
+//! better, and begun anew when what they show changes.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use bevy::prelude::*;
+use bevy_egui::{EguiContexts, egui};
+use crossbeam_channel::{Receiver, Sender, unbounded};
+
+use super::widgets::Widgets;
+use crate::app::editor::command::material_tree::flattened;
+use crate::app::editor::model::looks::Ball;
+use crate::app::editor::model::{EditorModel, Model};
+use crate::app::editor::picture::pacing::Pacing;
+use crate::app::editor::picture::studio::{Look, Studio};
+use crate::engine::{CurrentScene, WakeUp, pack_loose, yield_to_all, yield_to_window};
+use crate::render::tonemap::Display;
+
+/// How good a picture is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Quality {
+    /// In pixels: sharp at twice the size it has in points.
+    edge: u32,
+    /// Of a pixel.
+    samples: u32,
+}
+
+/// Of the inspected material, of those inside of it, of the library, and of those in the list.
+const BEST: Quality = Quality {
+    edge: 160,
+    samples: 128,
+};
+const INSIDE: Quality = Quality { edge: 96, samples: 64 };
+const LIBRARY: Quality = Quality { edge: 112, samples: 32 };
+const LISTED: Quality = Quality { edge: 40, samples: 32 };
+/// Samples of all of them, before any gets more.
+const ROUGH: u32 = 4;
+/// Pictures that are kept of what is not in sight any more, some 100 kB each here and as much in the graphics driver.
+const MOST: usize = 128;
+
+/// What is rendered of a ball.
+struct Picture {
+    look: Look,
+    texture: egui::TextureHandle,
+    quality: Quality,
+}
+
+/// A picture under way.
+struct Work {
+    ball: Ball,
+    look: Look,
+    /// That it will have in the end.
+    quality: Quality,
+    cancel: Arc<AtomicBool>,
+    passes: Receiver<Pass>,
+}
+
+/// A picture that is better than the one before.
+struct Pass {
+    samples: u32,
+    image: egui::ColorImage,
+}
+
+impl Drop for Work {
+    fn drop(&mut self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+}
+
+#[derive(Resource, Default)]
+pub struct Previews {
+    pictures: HashMap<Ball, Picture>,
+    /// The looks of the library, in its order.
+    presets: Vec<Look>,
+    work: Option<Work>,
+    /// Its thread ended before its time: trying again would do no good.
+    given_up: Option<Look>,
+    /// Every picture that is in sight is as good as it is to be.
+    are_done: bool,
+}
+
+/// Takes what has been rendered, and sees to it that the next picture that is wanted is.
+pub fn update_previews(
+    mut previews: ResMut<Previews>,
+    mut model: ResMut<EditorModel>,
+    mut contexts: EguiContexts,
+    widgets: Res<Widgets>,
+    current: Res<CurrentScene>,
+    wake_up: Res<WakeUp>,
+    pacing: Res<Pacing>,
+) -> Result {
+    previews.load_library(&model.0, &widgets);
+    let wanted = wanted(&model.0, &widgets, &current, &previews.presets);
+    let finished = previews.take_passes(contexts.ctx_mut()?);
+    let is_wanted = |work: &Work| {
+        wanted
+            .iter()
+            .any(|wanted| wanted.ball == work.ball && wanted.look == work.look)
+    };
+    if finished || previews.work.as_ref().is_some_and(|work| !is_wanted(work)) {
+        previews.work = None;
+    }
+    for Wanted { ball, look, .. } in &wanted {
+        if let Some(picture) = previews.pictures.get_mut(ball)
+            && picture.look == *look
+        {
+            // So that the next comparison is that of two pointers.
+            picture.look = look.clone();
+        }
+    }
+    if previews.work.is_none()
+        && let Some((wanted, quality)) = previews.next(&wanted, pacing.rests())
+    {
+        previews.work = start(wanted.ball, wanted.look.clone(), quality, wake_up.clone());
+    }
+    previews.are_done = previews.work.is_none() && previews.next(&wanted, true).is_none();
+    previews.let_go(&current, &wanted);
+    model.0.looks.balls = previews.shown();
+    Ok(())
+}
+
+/// A picture that somebody looks at.
+struct Wanted {
+    ball: Ball,
+    look: Look,
+    quality: Quality,
+    is_inspected: bool,
+}
+
+/// What panels show, the most important first.
+fn wanted(model: &Model, widgets: &Widgets, current: &CurrentScene, presets: &[Look]) -> Vec<Wanted> {
+    let inspected = model.inspected.iter().flat_map(|inspected| &inspected.materials);
+    let inspected = inspected
+        .enumerate()
+        .map(|(place, material)| (material.entity, if place == 0 { BEST } else { INSIDE }));
+    let listed = widgets.outliner.materials_in_sight.iter();
+    let of_scene = inspected.chain(listed.map(|&material| (material, LISTED)));
+    let of_scene = of_scene.filter_map(|(entity, quality)| {
+        let scene = current.scene.as_ref()?;
+        let look = Look {
+            materials: scene.materials.clone(),
+            textures: scene.textures.clone(),
+            material: *current.material_of_entity.get(&entity)?,
+        };
+        let ball = Ball::Material(entity);
+        Some(Wanted {
+            ball,
+            look,
+            quality,
+            is_inspected: quality != LISTED,
+        })
+    });
+    let of_library = widgets.shelf.in_sight.iter().filter_map(|&place| {
+        let look = presets.get(place)?.clone();
+        let (ball, quality) = (Ball::Preset(place), LIBRARY);
+        Some(Wanted {
+            ball,
+            look,
+            quality,
+            is_inspected: false,
+        })
+    });
+    of_scene.chain(of_library).collect()
+}
+
+impl Quality {
+    fn reaches(self, other: Self) -> bool {
+        self.edge >= other.edge && self.samples >= other.samples
+    }
+}
+
+impl Previews {
+    /// Nothing is being rendered, and nothing waits to be.
+    pub fn are_done(&self) -> bool {
+        self.are_done
+    }
+
+    /// Packs the library's materials when they are in sight for the first time.
+    fn load_library(&mut self, model: &Model, widgets: &Widgets) {
+        if widgets.shelf.in_sight.is_empty() || self.presets.len() == model.presets.len() {
+            return;
+        }
+        let (materials, outermost) = flattened(model.presets.iter().map(|preset| &preset.tree));
+        let (materials, textures, ids) = pack_loose(&materials);
+        let (materials, textures) = (Arc::new(materials), Arc::new(textures));
+        let looks = outermost.into_iter().map(|place| Look {
+            materials: materials.clone(),
+            textures: textures.clone(),
+            material: ids[place],
+        });
+        self.presets = looks.collect();
+    }
+
+    /// Forgets pictures of materials that are not in the scene any more: each keeps the tables alive that it was rendered from, with their
+    /// textures.
+    fn let_go(&mut self, current: &CurrentScene, wanted: &[Wanted]) {
+        self.pictures.retain(|ball, _| match ball {
+            Ball::Material(entity) => current.material_of_entity.contains_key(entity),
+            Ball::Preset(_) => true,
+        });
+        if self.pictures.len() > MOST {
+            self.pictures
+                .retain(|ball, _| wanted.iter().any(|wanted| wanted.ball == *ball));
+        }
+    }
+
+    /// All there are: what a panel shows that comes to the front is there in its first frame.
+    fn shown(&self) -> HashMap<Ball, egui::TextureId> {
+        let pictures = self.pictures.iter();
+        pictures.map(|(&ball, picture)| (ball, picture.texture.id())).collect()
+    }
+
+    /// Rough ones of all come before a fine one of any. While somebody is at work only what is inspected is rendered: the picture comes first.
+    fn next<'w>(&self, wanted: &'w [Wanted], rests: bool) -> Option<(&'w Wanted, Quality)> {
+        let rough = |wanted: &Wanted| Quality {
+            samples: ROUGH,
+            ..wanted.quality
+        };
+        let wanted = wanted.iter().filter(|wanted| rests || wanted.is_inspected);
+        let rough = wanted.clone().map(|wanted| (wanted, rough(wanted)));
+        let fine = wanted.map(|wanted| (wanted, wanted.quality));
+        rough.chain(fine).find(|&(wanted, quality)| {
+            let picture = self.pictures.get(&wanted.ball);
+            picture.is_none_or(|picture| picture.look != wanted.look || !picture.quality.reaches(quality))
+                && self.given_up.as_ref() != Some(&wanted.look)
+        })
+    }
+
+    /// True if there is nothing more to come.
+    fn take_passes(&mut self, context: &egui::Context) -> bool {
+        let Some(work) = &self.work else {
+            return false;
+        };
+        let mut latest = None;
+        let finished = loop {
+            match work.passes.try_recv() {
+                Ok(pass) => latest = Some(pass),
+                Err(error) => break error.is_disconnected(),
+            }
+        };
+        if let Some(Pass { samples, image }) = latest {
+            let quality = Quality {
+                samples,
+                ..work.quality
+            };
+            let options = egui::TextureOptions::LINEAR;
+            match self.pictures.get_mut(&work.ball) {
+                // A picture that is begun anew to become better takes over when it is.
+                Some(picture) if picture.look == work.look && picture.quality.reaches(quality) => {}
+                Some(picture) => {
+                    picture.texture.set(image, options);
+                    picture.look = work.look.clone();
+                    picture.quality = quality;
+                }
+                None => {
+                    let picture = Picture {
+                        look: work.look.clone(),
+                        texture: context.load_texture(format!("{:?}", work.ball), image, options),
+                        quality,
+                    };
+                    self.pictures.insert(work.ball, picture);
+                }
+            }
+        }
+        let picture = self.pictures.get(&work.ball);
+        if finished && picture.is_none_or(|picture| !picture.quality.reaches(work.quality)) {
+            self.given_up = Some(work.look.clone());
+        }
+        finished
+    }
+}
+
+fn start(ball: Ball, look: Look, quality: Quality, wake_up: WakeUp) -> Option<Work> {
+    let cancel = Arc::new(AtomicBool::new(false));
+    let (sender, passes) = unbounded();
+    let (flag, shown) = (cancel.clone(), look.clone());
+    let work = move || {
+        // Nobody waits long for a first picture.
+        if quality.samples <= ROUGH {
+            yield_to_window();
+        } else {
+            yield_to_all();
+        }
+        render(&shown, quality, &flag, &sender, &wake_up);
+        // The channel is closed before the window looks again.
+        drop(sender);
+        wake(&wake_up);
+    };
+    match std::thread::Builder::new().name("preview".to_owned()).spawn(work) {
+        Ok(_) => Some(Work {
+            ball,
+            look,
+            quality,
+            cancel,
+            passes,
+        }),
+        Err(error) => {
+            error!("A thread for the preview of a material could not be started: {error}");
+            None
+        }
+    }
+}
+
+/// Twice as many samples in every pass as there are, until there are enough or nobody wants them any more.
+fn render(look: &Look, quality: Quality, cancel: &AtomicBool, passes: &Sender<Pass>, wake_up: &WakeUp) {
+    let Quality { edge, samples } = quality;
+    let Some(studio) = Studio::new(look, edge) else {
+        return;
+    };
+    let mut film = studio.film();
+    let mut rgba = vec![0; (4 * edge * edge) as usize];
+    while film.sample_count() < samples {
+        let more = film.sample_count().max(1);
+        if studio.refine(&mut film, more, cancel).is_none() {
+            return;
+        }
+        Display::default().encode_rgba(&film.radiance(), &mut rgba);
+        let size = [edge as usize; 2];
+        let pass = Pass {
+            samples: film.sample_count(),
+            image: egui::ColorImage::from_rgba_unmultiplied(size, &rgba),
+        };
+        if passes.send(pass).is_err() {
+            return;
+        }
+        wake(wake_up);
+    }
+}
+
+fn wake(wake_up: &WakeUp) {
+    if let Some(wake) = &wake_up.0 {
+        wake();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Rgb;
+    use crate::material::{Material, MaterialId, MaterialTable};
+    use crate::shading::{Bsdf, Diffuse};
+
+    #[test]
+    fn passes_double_and_end() {
+        let paint = Material::Plain(Bsdf::Diffuse(Diffuse {
+            reflectance: Rgb::splat(0.5),
+        }));
+        let look = Look {
+            materials: Arc::new(MaterialTable::new(vec![paint]).expect("no circles")),
+            textures: Arc::default(),
+            material: MaterialId(0),
+        };
+        const QUALITY: Quality = Quality { edge: 8, samples: 4 };
+        let entity = Entity::from_raw_u32(1).expect("a small index is valid");
+        let work = start(Ball::Material(entity), look, QUALITY, WakeUp::default()).expect("a thread");
+        let samples: Vec<u32> = work.passes.iter().map(|pass| pass.samples).collect();
+        assert_eq!(samples, [1, 2, 4]);
+    }
+
+    #[test]
+    fn every_material_of_the_library_can_be_rendered() {
+        let model = Model {
+            presets: Arc::new(crate::app::editor::command::presets::load().0),
+            ..Model::default()
+        };
+        let mut widgets = Widgets::default();
+        widgets.shelf.in_sight = vec![0];
+        let mut previews = Previews::default();
+        previews.load_library(&model, &widgets);
+        assert_eq!(previews.presets.len(), model.presets.len());
+        for (look, preset) in previews.presets.iter().zip(model.presets.iter()) {
+            assert!(Studio::new(look, 8).is_some(), "{}", preset.path());
+        }
+    }
+}

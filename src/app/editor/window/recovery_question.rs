@@ -1,0 +1,113 @@
+//! The question what is to become of edits that were written aside.
+
+use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use bevy_egui::egui::{self, Id, Modal};
+
+use crate::app::editor::command::Command;
+use crate::app::editor::command::recovery_offer::Offer;
+use crate::app::editor::command::shell::ShellCommand;
+
+/// Asks what is to become of the edits; `offer` is None once that is answered.
+pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &mut Vec<Command>) {
+    let Some(asked) = offer else {
+        return;
+    };
+    let mut answer = None;
+    let modal = Modal::new(Id::new("recovery")).show(context, |ui| {
+        ui.set_width(420.0);
+        ui.heading("Recover unsaved edits?");
+        ui.add_space(4.0);
+        let scene = match &asked.note.scene {
+            Some(path) => path.display().to_string(),
+            None => "a scene that was never saved".to_owned(),
+        };
+        let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let since = |time: u64| ago(since_1970.as_secs().saturating_sub(time));
+        let age = since(asked.note.time);
+        ui.label(format!(
+            "The program ended {age} without saving the last edits of {scene}."
+        ));
+        let changed = asked.note.scene.as_deref().map(changed_at);
+        if let Some(file) = changed.and_then(|changed| about_file(changed, asked.note.time, since)) {
+            ui.add_space(4.0);
+            ui.label(file);
+        }
+        ui.add_space(8.0);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let recover = ui.button("Recover").on_hover_text("Open the scene with those edits");
+            if recover.clicked() {
+                answer = Some(ShellCommand::Recover(asked.clone()));
+            }
+            let discard = ui.button("Discard").on_hover_text("Those edits are lost then");
+            if discard.clicked() {
+                answer = Some(ShellCommand::DiscardRecovery(asked.clone()));
+            }
+            let later = ui.button("Later").on_hover_text("Ask again next time (Esc)");
+            if later.clicked() {
+                ui.close();
+            }
+        });
+    });
+    if answer.is_some() || modal.should_close() {
+        commands.extend(answer.map(Command::Shell));
+        *offer = None;
+    }
+}
+
+/// What has become of the file since; `changed`: None if it is gone. Nothing if it is as it was.
+fn about_file(changed: Option<u64>, written: u64, since: impl Fn(u64) -> String) -> Option<String> {
+    match changed {
+        None => Some("That file is not there any more; saving makes it anew.".to_owned()),
+        Some(changed) if changed > written => Some(format!(
+            "The file was changed after that, {}: the edits here are older. Saving them replaces what is there.",
+            since(changed)
+        )),
+        Some(_) => None,
+    }
+}
+
+fn ago(seconds: u64) -> String {
+    let count = |number: u64, unit: &str| match number {
+        1 => format!("1 {unit} ago"),
+        _ => format!("{number} {unit}s ago"),
+    };
+    match seconds {
+        0..60 => "just now".to_owned(),
+        60..3600 => count(seconds / 60, "minute"),
+        3600..86_400 => count(seconds / 3600, "hour"),
+        _ => count(seconds / 86_400, "day"),
+    }
+}
+
+/// Seconds since 1970 when the file was written last.
+fn changed_at(file: &Path) -> Option<u64> {
+    let changed = std::fs::metadata(file).and_then(|data| data.modified()).ok()?;
+    Some(changed.duration_since(UNIX_EPOCH).ok()?.as_secs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_told_when_the_file_was_changed_after_that() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("box.xml");
+        std::fs::write(&path, "<scene/>").expect("a temporary folder");
+        let told = |written| about_file(changed_at(&path), written, |_| "now".to_owned());
+        assert!(told(2000).is_some_and(|text| text.contains("changed after that, now")));
+        assert_eq!(told(u64::MAX), None);
+        assert!(about_file(None, 0, |_| String::new()).is_some_and(|text| text.contains("not there")));
+    }
+
+    #[test]
+    fn ages_are_legible() {
+        assert_eq!((ago(3).as_str(), ago(61).as_str()), ("just now", "1 minute ago"));
+        assert_eq!(
+            (ago(7300).as_str(), ago(400_000).as_str()),
+            ("2 hours ago", "4 days ago")
+        );
+    }
+}

@@ -1,0 +1,86 @@
+//! Messages over the picture that go by themselves, and errors that stay until they are dismissed or mended.
+
+use bevy_egui::egui::{self, Align2, Area, Color32, Frame, Id, Order, Rect, RichText, Ui};
+
+use crate::app::editor::command::Command;
+use crate::app::editor::command::panel::Panel;
+use crate::app::editor::command::shell::ShellCommand;
+use crate::app::editor::panels::excerpt::excerpt;
+use crate::app::editor::session::toasts::{Toast, Toasts, Tone};
+
+const WIDTH: f32 = 380.0;
+/// Points that the gizmo's bar takes at the upper edge of the picture.
+const BELOW_BAR: f32 = 46.0;
+
+/// At the right of `place`, below the bar at its upper edge.
+pub fn show(toasts: &mut Toasts, context: &egui::Context, place: Rect, commands: &mut Vec<Command>) {
+    let current = toasts.current();
+    if current.is_empty() {
+        return;
+    }
+    let width = WIDTH.min(place.width() - 24.0).max(120.0);
+    let mut dismissed = None;
+    Area::new(Id::new("toasts"))
+        .order(Order::Foreground)
+        .pivot(Align2::RIGHT_TOP)
+        .fixed_pos(place.right_top() + egui::vec2(-10.0, BELOW_BAR))
+        .constrain_to(place)
+        .show(context, |ui| {
+            ui.set_width(width);
+            for (index, toast) in current.iter().enumerate().rev() {
+                ui.push_id(toast.since, |ui| {
+                    if toast_frame(ui, toast, commands) {
+                        dismissed = Some(index);
+                    }
+                });
+            }
+        });
+    if let Some(index) = dismissed {
+        toasts.dismiss(index);
+    }
+}
+
+/// True when dismissed.
+fn toast_frame(ui: &mut Ui, toast: &Toast, commands: &mut Vec<Command>) -> bool {
+    ui.set_opacity(toast.opacity());
+    let visuals = ui.visuals();
+    let edge = match toast.tone {
+        Tone::Note => visuals.widgets.noninteractive.bg_stroke.color,
+        Tone::Warning => visuals.warn_fg_color,
+        Tone::Error => visuals.error_fg_color,
+    };
+    let frame = Frame::popup(ui.style()).stroke(egui::Stroke::new(1.0, edge));
+    let mut dismissed = false;
+    frame.show(ui, |ui| {
+        ui.horizontal_top(|ui| {
+            let close = ui.spacing().interact_size.y + ui.spacing().item_spacing.x;
+            ui.vertical(|ui| {
+                ui.set_width(ui.available_width() - close);
+                content(ui, toast, edge, commands);
+            });
+            dismissed = ui.small_button("×").on_hover_text("Dismiss").clicked();
+        });
+    });
+    dismissed
+}
+
+fn content(ui: &mut Ui, toast: &Toast, edge: Color32, commands: &mut Vec<Command>) {
+    let text = RichText::new(&toast.text);
+    let text = if toast.tone == Tone::Error {
+        text.color(edge)
+    } else {
+        text
+    };
+    ui.add(egui::Label::new(text).wrap());
+    if let Some(lines) = &toast.excerpt {
+        excerpt(ui, lines);
+    }
+    if toast.tone == Tone::Error
+        && ui
+            .small_button("Messages")
+            .on_hover_text("Show everything that is wrong in the panel Messages")
+            .clicked()
+    {
+        commands.push(Command::Shell(ShellCommand::ShowPanel(Panel::Messages)));
+    }
+}

@@ -1,0 +1,271 @@
+//! The arrangement of the window: menus above, lists left and right, the status line below, the picture in between.
+
+use bevy::input::mouse::AccumulatedMouseMotion;
+use bevy::prelude::*;
+use bevy_egui::{EguiClipboard, EguiContexts, egui};
+
+use super::dialogs::Dialogs;
+use super::docking::{Panels, docked_panels};
+use super::dropping::{self, DroppedFiles};
+use super::guard::{Guard, Unsaved};
+use super::sheet::{self, SheetModel};
+use super::widgets::Widgets;
+use super::{recovery_question, save_question, toasts, trust_question};
+use crate::app::editor::command::Command;
+use crate::app::editor::command::preferences::Preferences;
+use crate::app::editor::command::selection::Selection;
+use crate::app::editor::input::actions::ActionContext;
+use crate::app::editor::input::keys::KeyEvents;
+use crate::app::editor::input::press::Press;
+use crate::app::editor::model::EditorModel;
+use crate::app::editor::panels::menu_bar::{MenuState, menu_bar};
+use crate::app::editor::panels::status;
+use crate::app::editor::picture::paths::PathInspector;
+use crate::app::editor::session::layout::Layout;
+use crate::app::editor::session::preferences::PreferencesFile;
+use crate::app::editor::session::recovery::Recovery;
+use crate::app::editor::session::requests::{CommandQueue, Requests};
+use crate::app::editor::session::toasts::Toasts;
+use crate::app::editor::session::trust::TrustedFolders;
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::app::editor::viewport::gather::ViewportScene;
+use crate::app::editor::viewport::gizmo::interaction::GizmoModel;
+use crate::app::editor::viewport::model::ViewportModel;
+use crate::app::editor::viewport::state::ViewportState;
+use crate::app::editor::viewport::{PICTURE, viewport};
+use crate::engine::CurrentScene;
+use crate::scene::{ActiveSensor, SceneStatus};
+
+/// What is seen of the scene.
+#[derive(bevy::ecs::system::SystemParam)]
+pub struct Scene<'w> {
+    seen: Res<'w, ViewportScene>,
+    settings: Res<'w, ViewSettings>,
+    current: Res<'w, CurrentScene>,
+    selection: Res<'w, Selection>,
+    status: Res<'w, SceneStatus>,
+    active: Res<'w, ActiveSensor>,
+    paths: Res<'w, PathInspector>,
+}
+
+/// What was said to the user and by the user.
+#[derive(bevy::ecs::system::SystemParam)]
+pub struct Said<'w> {
+    queue: ResMut<'w, CommandQueue>,
+    requests: ResMut<'w, Requests>,
+    toasts: ResMut<'w, Toasts>,
+}
+
+/// What belongs to the window more than to the scene.
+#[derive(bevy::ecs::system::SystemParam)]
+pub struct Shell<'w, 's> {
+    layout: ResMut<'w, Layout>,
+    preferences: Res<'w, Preferences>,
+    preferences_file: Res<'w, PreferencesFile>,
+    recovery: ResMut<'w, Recovery>,
+    trusted: ResMut<'w, TrustedFolders>,
+    dropped: ResMut<'w, DroppedFiles>,
+    clipboard: ResMut<'w, EguiClipboard>,
+    mouse: Res<'w, AccumulatedMouseMotion>,
+    guard: Local<'s, Guard>,
+}
+
+pub fn show_window(
+    mut contexts: EguiContexts,
+    model: Res<EditorModel>,
+    mut said: Said,
+    mut widgets: ResMut<Widgets>,
+    mut state: ResMut<ViewportState>,
+    mut dialogs: ResMut<Dialogs>,
+    mut shell: Shell,
+    scene: Scene,
+    mut keys: KeyEvents,
+    mut focus: Local<Option<egui::Id>>,
+    mut is_typing: Local<bool>,
+) -> Result {
+    let presses = keys.presses();
+    count_interactions(contexts.ctx_mut()?, &presses, &state, &mut said.requests, &mut focus);
+    let context = contexts.ctx_mut()?.clone();
+    // A field that is left and a list that closes in this frame still had its keys.
+    let presses = match *is_typing || egui::Popup::is_any_open(&context) {
+        true => Vec::new(),
+        false => presses,
+    };
+    let builder = egui::UiBuilder::new()
+        .layer_id(egui::LayerId::background())
+        .max_rect(context.viewport_rect());
+    let mut ui = egui::Ui::new(context.clone(), "window".into(), builder);
+    let (state, widgets, commands, model) = (&mut *state, &mut *widgets, &mut Vec::new(), &model.0);
+    let (requests, settings, seen) = (&mut *said.requests, &*scene.settings, &*scene.seen);
+    // Panels that are shown say it anew.
+    widgets.outliner.materials_in_sight.clear();
+    widgets.shelf.in_sight.clear();
+    let layout = &mut *shell.layout;
+    // A question or a sheet that closes in this frame still had its keys.
+    let is_free = requests.dialog.is_none()
+        && requests.save_question.is_none()
+        && requests.sheet.is_none()
+        && shell.recovery.offer.is_none()
+        && shell.trusted.question.is_none()
+        && !shell.guard.is_asking();
+    let action_context = ActionContext {
+        display: settings.display,
+        overlay: settings.overlay,
+        gizmo: settings.gizmo,
+        paused: model.status.paused,
+        panels_shown: settings.panels_shown,
+        selection: &scene.selection,
+        tool: settings.tool,
+        safe_frame: settings.safe_frame,
+        flying: false,
+    };
+    let menus = MenuState {
+        context: action_context,
+        camera: scene.active.0,
+        layout,
+        recent: &shell.preferences.recent_files,
+    };
+    egui::Panel::top("menus").show(&mut ui, |ui| menu_bar(ui, model, menus, commands));
+    egui::Panel::bottom("status").show(&mut ui, |ui| status::status_line(ui, &model.status));
+    let shown = ViewportModel {
+        picture: seen.picture,
+        proportions: seen.proportions,
+        placeholder: &seen.placeholder,
+        pose: seen.pose,
+        camera: scene.current.view.as_ref().map(|view| view.camera),
+        boxes: seen.boxes(),
+        outline: &seen.outline,
+        icons: &seen.icons,
+        gizmo: GizmoModel {
+            settings: settings.gizmo,
+            targets: &seen.targets,
+            length_step: settings.gizmo.steps.length_in(settings.navigation.scene_size),
+            up: settings.navigation.up,
+            current: &scene.current,
+        },
+        locked: &seen.locked,
+        things: &model.outline,
+        current: &scene.current,
+        legend: seen.legend.as_ref(),
+        captions: &seen.captions,
+        region: model.render.region,
+        paths: &scene.paths,
+        navigation: settings.navigation,
+        keys: action_context,
+        mouse: egui::vec2(shell.mouse.delta.x, shell.mouse.delta.y),
+        presses: &presses,
+        enabled: is_free,
+    };
+    if let Some(panel) = requests.wanted_panel.take() {
+        layout.bring_to_front(panel);
+    }
+    egui::CentralPanel::no_frame().show(&mut ui, |ui| {
+        if settings.panels_shown {
+            docked_panels(
+                ui,
+                layout,
+                Panels::new(model, &shown, settings, state, widgets, commands),
+            );
+        } else {
+            widgets.viewport_place = ui.max_rect();
+            viewport(ui, &shown, state, commands);
+        }
+    });
+    if state.gizmo.take_begun() {
+        requests.interaction += 1;
+    }
+    use_clipboard(&context, &presses, &mut shell.clipboard, commands);
+    dialogs.show(
+        &context,
+        scene.status.path.as_deref(),
+        requests,
+        &mut said.toasts,
+        commands,
+    );
+    let sheets = SheetModel {
+        actions: action_context,
+        preferences: &shell.preferences,
+        problem: shell.preferences_file.problem.as_deref(),
+    };
+    sheet::show(
+        &context,
+        model,
+        sheets,
+        &mut requests.sheet,
+        &mut widgets.palette,
+        commands,
+    );
+    recovery_question::question(&context, &mut shell.recovery.offer, commands);
+    save_question::show(&context, requests, commands);
+    // One question at a time.
+    if shell.recovery.offer.is_none() {
+        trust_question::question(&context, &mut shell.trusted.question, commands);
+    }
+    if shell.dropped.hovering > 0 {
+        dropping::hint(&context, widgets.viewport_place);
+    }
+    let is_untouched = model.status.scene.is_none() && !model.status.unsaved;
+    commands.extend(shell.dropped.commands(is_untouched));
+    commands.extend(shell.trusted.opens.take().map(Command::OpenScene));
+    if std::mem::take(&mut requests.closes) {
+        commands.push(Command::Quit);
+    }
+    let file = model.status.scene.as_deref().and_then(std::path::Path::file_name);
+    let unsaved = Unsaved {
+        name: &file.map_or("the scene".into(), |name| name.to_string_lossy()),
+        edits: model.status.unsaved,
+        dialog_open: requests.dialog.is_some() || requests.save_question.is_some(),
+    };
+    shell.guard.hold(commands, unsaved.edits);
+    shell.guard.show(&context, unsaved, commands);
+    toasts::show(&mut said.toasts, &context, widgets.viewport_place, commands);
+    said.queue.0.append(commands);
+    *is_typing = context
+        .memory(|memory| memory.focused())
+        .is_some_and(|focused| focused != egui::Id::new(PICTURE));
+    Ok(())
+}
+
+/// Copies, cuts and pastes things while nothing is being typed. By the presses, not by egui's events: those do without a modifier that was
+/// let go of within a slow frame.
+fn use_clipboard(
+    context: &egui::Context,
+    presses: &[Press],
+    clipboard: &mut EguiClipboard,
+    commands: &mut Vec<Command>,
+) {
+    if context.memory(|memory| memory.focused()) != Some(egui::Id::new(PICTURE)) {
+        return;
+    }
+    for press in presses.iter().filter(|press| press.modifiers.command_only()) {
+        match press.key {
+            egui::Key::C => commands.push(Command::Copy),
+            egui::Key::X => commands.push(Command::Cut),
+            egui::Key::V => commands.extend(clipboard.get_text().map(Command::Paste)),
+            _ => {}
+        }
+    }
+}
+
+/// A press of the mouse, a key without a text field, and another field are the beginning of something new.
+fn count_interactions(
+    context: &egui::Context,
+    presses: &[Press],
+    state: &ViewportState,
+    requests: &mut Requests,
+    focus: &mut Option<egui::Id>,
+) {
+    let focused = context.memory(|memory| memory.focused());
+    let is_typing = focused.is_some_and(|focused| focused != egui::Id::new(PICTURE));
+    let key = !presses.is_empty() && !is_typing && !state.gizmo.is_dragging();
+    // What is pressed in the middle of a drag belongs to it.
+    let button = !state.gizmo.is_dragging() && context.input(|input| input.pointer.any_pressed());
+    let pressed = key || button;
+    if pressed || focused != *focus {
+        *focus = focused;
+        requests.interaction += 1;
+    }
+    if let Some(text) = requests.clipboard.take() {
+        context.copy_text(text);
+    }
+}

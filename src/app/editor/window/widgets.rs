@@ -1,0 +1,32 @@
+//! What the window's panels remember between frames.
+
+use bevy::prelude::Resource;
+use bevy_egui::egui::Rect;
+
+use super::palette::Palette;
+use crate::app::editor::panels::inspector::InspectorState;
+use crate::app::editor::panels::library::LibraryState;
+use crate::app::editor::panels::outliner::state::OutlinerState;
+
+#[derive(Resource)]
+pub struct Widgets {
+    pub outliner: OutlinerState,
+    /// The panel with the library of materials.
+    pub shelf: LibraryState,
+    pub inspector: InspectorState,
+    pub palette: Palette,
+    /// Where the picture's panel is, points.
+    pub viewport_place: Rect,
+}
+
+impl Default for Widgets {
+    fn default() -> Self {
+        Self {
+            outliner: OutlinerState::default(),
+            shelf: LibraryState::default(),
+            inspector: InspectorState::default(),
+            palette: Palette::default(),
+            viewport_place: Rect::ZERO,
+        }
+    }
+}

@@ -1,0 +1,355 @@
+//! The parser: one loop over the events of `quick-xml` with a stack of its own, so that deep files cannot exhaust the program's.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use quick_xml::Reader as XmlReader;
+use quick_xml::events::{BytesStart, Event};
+use smol_str::SmolStr;
+
+use super::names::Names;
+use super::spare::Spare;
+use crate::document::crowd::Packer;
+use crate::document::define::Defines;
+use crate::document::links::Alias;
+use crate::document::naming::modernize;
+use crate::document::object::MAX_DEPTH;
+use crate::document::source::MAX_FILE_BYTES;
+use crate::document::tag::Tag;
+use crate::document::{
+    Category, Child, Crowd, Diagnostics, Include, Object, Severity, SourceFile, SourceId, Span, TransformOp, Value,
+};
+use crate::files::Access;
+
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
+/// Includes inside includes.
+pub(super) const MAX_INCLUDE_DEPTH: usize = 15;
+/// Search folders of a document: each file that is named is looked for in all of them.
+pub(super) const MAX_SEARCH_FOLDERS: usize = 100;
+/// Includes of a document, each counted as often as it is read.
+pub(super) const MAX_INCLUDES: usize = 10_000;
+/// All tags of a document, each include counted each time: a million instances with a few steps each, and then some.
+const MAX_ELEMENTS: usize = 10_000_000;
+/// All text of a document, likewise.
+const MAX_TOTAL_BYTES: u64 = 4 * MAX_FILE_BYTES;
+
+/// The children of a scene that stand in a part of a source text, which was read without errors before and has no `$names`.
+pub(in crate::document) fn parse_children(file: &SourceFile, source: SourceId, range: Range<u32>) -> Vec<Child> {
+    let mut level = Level::new(source, file.text.clone(), 0);
+    level.packer = None;
+    level.stack.push(Frame::Object {
+        object: Object::new(Category::Scene, ""),
+        names: Names::default(),
+    });
+    let mut parser = Parser {
+        is_part: true,
+        ..Parser::default()
+    };
+    parser.parse_range(range.start as usize..range.end as usize, &mut level);
+    level.root.map_or_else(Vec::new, |root| root.children)
+}
+
+/// An open tag.
+pub(super) enum Frame {
+    Object {
+        object: Object,
+        names: Names,
+    },
+    Transform {
+        name: Option<SmolStr>,
+        ops: Vec<TransformOp>,
+        span: Span,
+    },
+    /// A value or a step: nothing may stand inside.
+    Leaf {
+        tag: &'static str,
+        span: Span,
+    },
+}
+
+impl Frame {
+    fn span(&self) -> Span {
+        match self {
+            Self::Object { object, .. } => object.span,
+            Self::Transform { span, .. } | Self::Leaf { span, .. } => *span,
+        }
+    }
+
+    fn tag(&self) -> &str {
+        match self {
+            Self::Object { object, .. } => object.category.tag(),
+            Self::Transform { .. } => "transform",
+            Self::Leaf { tag, .. } => tag,
+        }
+    }
+}
+
+/// One source's open tags.
+pub(super) struct Level {
+    source: SourceId,
+    text: Arc<String>,
+    stack: Vec<Frame>,
+    /// How deep the including tag is in its own file.
+    base_depth: usize,
+    /// How many tags deep inside something that is skipped.
+    skipping: usize,
+    root: Option<Object>,
+    /// Packs the many objects of the main file; None in other files.
+    packer: Option<Packer>,
+}
+
+#[derive(Default)]
+pub(super) struct Parser {
+    pub access: Access,
+    pub diagnostics: Diagnostics,
+    pub defines: Defines,
+    pub search_folders: Vec<PathBuf>,
+    /// Files read so far.
+    pub files: HashMap<PathBuf, SourceId>,
+    /// The chain of includes that is being read, the main file first, each with the place of its include.
+    pub open_files: Vec<(PathBuf, Option<Span>)>,
+    pub ids: HashMap<SmolStr, Span>,
+    pub aliases: Vec<Alias>,
+    pub includes: Vec<Include>,
+    /// The first include whose file could not be read, or only in part.
+    pub failed_include: Option<Span>,
+    pub elements: usize,
+    pub bytes: u64,
+    /// A bound of the whole document was hit; nothing more is read.
+    pub exhausted: bool,
+    /// Only a part of a text is read: includes in it are left out.
+    pub is_part: bool,
+    pub crowds: Vec<Crowd>,
+    pub spare: Spare,
+}
+
+impl Parser {
+    pub fn add_source(&mut self, path: PathBuf, mut text: String) -> SourceId {
+        let id = SourceId(u32::try_from(self.diagnostics.sources.len()).unwrap_or(u32::MAX));
+        let byte_order_mark = text.starts_with(BYTE_ORDER_MARK);
+        if byte_order_mark {
+            text.drain(..BYTE_ORDER_MARK.len_utf8());
+        }
+        self.diagnostics.sources.push(SourceFile {
+            path,
+            byte_order_mark,
+            text: Arc::new(text),
+        });
+        id
+    }
+
+    /// The root object of one file.
+    pub fn parse_source(&mut self, source: SourceId, base_depth: usize) -> Option<Object> {
+        let text = self.diagnostics.source(source)?.text.clone();
+        self.bytes += text.len() as u64;
+        if self.bytes > MAX_TOTAL_BYTES {
+            self.exhaust(None, "the includes of this scene add up to too much text");
+            return None;
+        }
+        let all = 0..text.len();
+        let mut level = Level::new(source, text, base_depth);
+        self.parse_range(all, &mut level);
+        if let Some(packer) = level.packer {
+            self.crowds = packer.finish();
+        }
+        level.root
+    }
+
+    /// The tags of a part of the level's text.
+    fn parse_range(&mut self, range: Range<usize>, level: &mut Level) {
+        let (source, text) = (level.source, level.text.clone());
+        let mut reader = XmlReader::from_str(text.get(range.clone()).unwrap_or_default());
+        let position = |offset: u64| u32::try_from(range.start as u64 + offset).unwrap_or(u32::MAX);
+        while !self.exhausted {
+            let start = reader.buffer_position();
+            let event = reader.read_event();
+            let span = Span {
+                source,
+                start: position(start),
+                end: position(reader.buffer_position()),
+            };
+            match event {
+                Ok(Event::Start(tag)) => self.open(&tag, span, true, level),
+                Ok(Event::Empty(tag)) => self.open(&tag, span, false, level),
+                Ok(Event::End(_)) => self.close(level, span.end),
+                Ok(Event::Text(content)) if !content.trim().is_empty() => self.stray_text(span, level),
+                Ok(Event::CData(_) | Event::GeneralRef(_)) => self.stray_text(span, level),
+                Ok(Event::DocType(content)) => {
+                    if content.contains("<!ENTITY") {
+                        let message = "entities are not supported";
+                        let help = "use <default name=... value=...> and `$name` instead".to_owned();
+                        self.diagnostics
+                            .push(Severity::Error, Some(span), message.to_owned(), Some(help));
+                    } else {
+                        self.diagnostics.warn(span, "the document type is ignored");
+                    }
+                }
+                Ok(Event::Eof) => {
+                    self.end_of_file(level);
+                    break;
+                }
+                Ok(Event::Text(_) | Event::Comment(_) | Event::Decl(_) | Event::PI(_)) => {}
+                Err(error) => {
+                    let at = position(reader.error_position());
+                    let place = Span {
+                        start: at,
+                        end: span.end.max(at),
+                        ..span
+                    };
+                    let open = level.stack.last().filter(|_| level.skipping == 0);
+                    let help = open.map(|frame| {
+                        let line = self.diagnostics.locate(frame.span()).map_or(0, |(_, line, _)| line);
+                        format!("<{}> of line {line} is still open here", frame.tag())
+                    });
+                    let message = format!("broken XML: {error}");
+                    self.diagnostics.push(Severity::Error, Some(place), message, help);
+                    let include = self.open_files.last().and_then(|(_, include)| *include);
+                    self.failed_include = self.failed_include.or(include);
+                    break;
+                }
+            }
+        }
+        level.skipping = 0;
+        let end = position(reader.buffer_position());
+        while !level.stack.is_empty() {
+            self.close(level, end);
+        }
+    }
+
+    fn stray_text(&mut self, span: Span, level: &Level) {
+        if level.skipping == 0 {
+            let text = level
+                .text
+                .get(span.start as usize..span.end as usize)
+                .unwrap_or_default();
+            let blanks = text.len() - text.trim_start().len();
+            let start = span.start + u32::try_from(blanks).unwrap_or(0);
+            let span = Span { start, ..span };
+            self.diagnostics.warn(span, "text between tags is ignored");
+        }
+    }
+
+    fn end_of_file(&mut self, level: &Level) {
+        if let Some(frame) = level.stack.last() {
+            let message = format!("<{}> is never closed", frame.tag());
+            self.diagnostics.error(frame.span(), message);
+        } else if level.skipping > 0 {
+            let message = "the file ends inside a tag".to_owned();
+            self.diagnostics.push(Severity::Error, Some(level.end()), message, None);
+        } else if level.root.is_none() && !self.diagnostics.has_errors() {
+            let message = "there is no <scene> in this file".to_owned();
+            self.diagnostics.push(Severity::Error, Some(level.end()), message, None);
+        }
+    }
+
+    pub fn exhaust(&mut self, span: Option<Span>, message: &str) {
+        self.exhausted = true;
+        self.diagnostics.push(Severity::Error, span, message.to_owned(), None);
+    }
+
+    /// A start tag, or (`stays_open` false) one that closes itself.
+    fn open(&mut self, start: &BytesStart, span: Span, stays_open: bool, level: &mut Level) {
+        self.elements += 1;
+        if self.elements > MAX_ELEMENTS {
+            self.exhaust(Some(span), &format!("more than {MAX_ELEMENTS} tags"));
+            return;
+        }
+        let opened = level.skipping == 0 && self.enter(start, span, level);
+        if opened && !stays_open {
+            self.close(level, span.end);
+        } else if !opened && stays_open {
+            level.skipping += 1;
+        }
+    }
+
+    /// Pushes the tag's frame; false if the tag and all it contains are to be skipped.
+    fn enter(&mut self, start: &BytesStart, span: Span, level: &mut Level) -> bool {
+        let depth = level.base_depth + level.stack.len();
+        if depth >= MAX_DEPTH {
+            self.diagnostics
+                .error(span, format!("tags are nested more than {MAX_DEPTH} deep"));
+            return false;
+        }
+        let mut tag = Tag::new(start, &level.text, span, &mut self.defines, &mut self.diagnostics);
+        let frame = match level.stack.last_mut() {
+            None => self.enter_root(&mut tag, level.root.is_some()),
+            Some(Frame::Leaf { tag: outer, .. }) => {
+                let message = format!("<{}> cannot stand inside <{outer}>", tag.name);
+                self.diagnostics.error(span, message);
+                None
+            }
+            Some(Frame::Transform { ops, .. }) => self.enter_transform_op(&mut tag, ops),
+            Some(Frame::Object { object, names }) => self.enter_in_object(&mut tag, object, names, depth),
+        };
+        let Some(frame) = frame else {
+            return false;
+        };
+        tag.finish(&mut self.diagnostics);
+        level.stack.push(frame);
+        true
+    }
+
+    /// An end tag, or the end of a broken file. `end`: the byte after it.
+    fn close(&mut self, level: &mut Level, end: u32) {
+        if level.skipping > 0 {
+            level.skipping -= 1;
+            return;
+        }
+        match level.stack.pop() {
+            Some(Frame::Object { mut object, .. }) => {
+                modernize(&mut object, &mut self.diagnostics);
+                object.properties = self.spare.properties.fitted(object.properties);
+                object.children = self.spare.children.fitted(object.children);
+                let is_top_level = level.stack.len() == 1;
+                match level.stack.last_mut() {
+                    Some(Frame::Object { object: parent, .. }) => {
+                        parent.children.push(object.into());
+                        if let Some(packer) = level.packer.as_mut().filter(|_| is_top_level) {
+                            packer.note(&mut parent.children, &level.text, end);
+                        }
+                    }
+                    _ => level.root = Some(object),
+                }
+            }
+            Some(Frame::Transform {
+                name: Some(name),
+                ops,
+                span,
+            }) => {
+                let ops = self.spare.steps.fitted(ops);
+                if let Some(Frame::Object { object, names }) = level.stack.last_mut() {
+                    self.add_property(object, names, name, Value::Transform(ops), span);
+                }
+            }
+            Some(Frame::Transform { name: None, .. } | Frame::Leaf { .. }) | None => {}
+        }
+    }
+}
+
+impl Level {
+    /// `base_depth`: zero for the main file, whose crowds are packed.
+    fn new(source: SourceId, text: Arc<String>, base_depth: usize) -> Self {
+        Self {
+            source,
+            text,
+            stack: Vec::new(),
+            base_depth,
+            skipping: 0,
+            root: None,
+            packer: (base_depth == 0).then(Packer::default),
+        }
+    }
+
+    /// The place after the last character.
+    fn end(&self) -> Span {
+        let end = u32::try_from(self.text.trim_end().len()).unwrap_or(u32::MAX);
+        Span {
+            source: self.source,
+            start: end,
+            end,
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! A scene file once it is read: its tree of plugins and all that the text said beside them.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::paths::file_candidates;
+use super::{Crowd, Diagnostics, Object, SourceId, Span};
+use crate::files::Access;
+
+/// An `<include>`, once for each time it was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Include {
+    /// Of the file's name in the tag.
+    pub span: Span,
+    /// The included file.
+    pub source: SourceId,
+}
+
+/// A parsed scene file with its includes and defaults resolved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Document {
+    pub path: PathBuf,
+    /// The `<scene>` without its crowds; shared, because saving wants what was read, which may be very large.
+    pub root: Arc<Object>,
+    /// In the order of their positions among the children of the root. An imported document has none.
+    pub crowds: Vec<Crowd>,
+    /// Where files are looked for besides the folders of the scene's own files: the `<path>`s, absolute, in file order.
+    pub search_folders: Vec<PathBuf>,
+    pub includes: Vec<Include>,
+    /// Made from a file of another format: spans tell where things come from, but there is no such text.
+    pub imported: bool,
+    /// Permits the files that the scene may read.
+    pub access: Access,
+    pub diagnostics: Diagnostics,
+}
+
+impl Document {
+    /// One that was not read from a file; `path` is where it will be written.
+    pub fn new(path: impl Into<PathBuf>, root: Object) -> Self {
+        Self {
+            path: path.into(),
+            root: Arc::new(root),
+            crowds: Vec::new(),
+            search_folders: Vec::new(),
+            includes: Vec::new(),
+            imported: false,
+            access: Access::everywhere(),
+            diagnostics: Diagnostics::default(),
+        }
+    }
+
+    /// Where a file named at `span` may be, most likely place first: beside the file that names it, beside the main file, then in the
+    /// search folders, the last one first. An absolute name is its own only candidate.
+    pub fn file_candidates(&self, name: &str, span: Span) -> Vec<PathBuf> {
+        let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
+        let beside = self.diagnostics.source(span.source).map(|source| folder(&source.path));
+        let folders: Vec<PathBuf> = beside.into_iter().chain([folder(&self.path)]).collect();
+        file_candidates(name, &folders, &self.search_folders)
+    }
+
+    /// The first of [`Self::file_candidates`] where there is a file that the scene may read.
+    pub fn find_file(&self, name: &str, span: Span) -> Option<PathBuf> {
+        self.access.find(&self.file_candidates(name, span)).cloned()
+    }
+}

@@ -1,0 +1,85 @@
+//! The texts that are revised, and where they go.
+
+use std::path::{Path, PathBuf};
+
+use super::edits::{Edit, Layout, apply};
+use super::elements::{Element, Elements};
+use crate::document::{Document, SourceFile, SourceId, Span};
+
+/// Finds the file that a name stands for in a file of this folder.
+pub type FindFile<'f> = &'f dyn Fn(&str, &Path) -> Option<PathBuf>;
+
+/// Where the main file goes, and what names of files mean.
+#[derive(Clone, Copy)]
+pub struct Destination<'d> {
+    /// Absolute. Where the document came from, the files it includes are written too.
+    pub path: &'d Path,
+    /// Where names lead as things are, and where once the main file is at `path`.
+    pub find_before: FindFile<'d>,
+    pub find_after: FindFile<'d>,
+    /// Whether an included file (absolute) holds something else now than what was read: it cannot stand for that in a main file elsewhere.
+    pub has_changed: &'d dyn Fn(&Path) -> bool,
+}
+
+/// A file of the document with its layout.
+pub struct Source<'a> {
+    pub file: &'a SourceFile,
+    pub elements: Elements,
+    pub layout: Layout,
+}
+
+impl<'a> Source<'a> {
+    pub fn all(document: &'a Document) -> Vec<Self> {
+        let files = document.diagnostics.sources.iter();
+        files
+            .map(|file| {
+                let elements = Elements::read(&file.text);
+                let layout = elements.root().map_or_else(Layout::default, |root| {
+                    let root = elements.get(root);
+                    Layout::of(
+                        &file.text,
+                        root,
+                        root.children.first().map(|&first| elements.get(first)),
+                    )
+                });
+                Self { file, elements, layout }
+            })
+            .collect()
+    }
+
+    pub fn text(&self) -> &'a str {
+        &self.file.text
+    }
+
+    pub fn with(&self, edits: Vec<Edit>) -> String {
+        let text = apply(self.text(), 0..self.text().len(), edits);
+        match self.file.byte_order_mark {
+            true => format!("\u{feff}{text}"),
+            false => text,
+        }
+    }
+}
+
+/// A text on its way to a folder.
+#[derive(Clone, Copy)]
+pub struct Place<'p> {
+    pub source: SourceId,
+    /// Names of files are relative to it.
+    pub folder: &'p Path,
+}
+
+pub fn is_scene(source: &Source, root: usize) -> bool {
+    source.elements.get(root).name(source.text()) == "scene"
+}
+
+pub fn span_of(element: &Element, source: SourceId) -> Span {
+    Span {
+        source,
+        start: position(element.tag.start),
+        end: position(element.tag.end),
+    }
+}
+
+pub fn position(offset: usize) -> u32 {
+    u32::try_from(offset).unwrap_or(u32::MAX)
+}

@@ -1,0 +1,141 @@
+//! The table of a scene's materials, which light transport asks what a surface does with light.
+
+use glam::Vec3;
+
+use super::definition::{Material, MaterialId};
+use super::nesting::{self, MaterialTableError};
+use super::scattering::Scattering;
+use crate::accel::{Detail, SurfacePoint};
+use crate::color::Rgb;
+use crate::shading::Bsdf;
+use crate::texture::{TexturePoint, TextureTable};
+
+/// All materials of a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MaterialTable {
+    materials: Vec<Material>,
+    /// Whether light can pass straight through any of them.
+    has_null_lobe: bool,
+    /// Per material.
+    parametrised: Vec<bool>,
+    /// Per material, see [`Self::is_for_lanes`].
+    for_lanes: Vec<bool>,
+    /// Per material, black unless it is plain, see [`PlainSide::albedo`].
+    albedos: Vec<Rgb>,
+}
+
+/// The one model that a surface is made of about its own shading normal.
+#[derive(Clone, Copy, Debug)]
+pub struct PlainSide<'a> {
+    pub bsdf: &'a Bsdf,
+    /// [`Bsdf::albedo`].
+    pub albedo: Rgb,
+    /// From which it is seen: 1, or -1 from behind.
+    pub side: f32,
+}
+
+impl MaterialTable {
+    /// A table whose [`MaterialId`]s are the positions in `materials`. Nested materials must be of the same list, before or after.
+    pub fn new(materials: Vec<Material>) -> Result<Self, MaterialTableError> {
+        Self::check(&materials)?;
+        Ok(Self::checked(materials))
+    }
+
+    /// Whether these materials can be a table: nothing is nested that is not there, in itself, or too deep.
+    pub fn check(materials: &[Material]) -> Result<(), MaterialTableError> {
+        nesting::check(materials)
+    }
+
+    /// As [`Self::new`], of materials that have passed [`Self::check`].
+    pub fn checked(mut materials: Vec<Material>) -> Self {
+        for material in &mut materials {
+            if let Material::Textured(textured) = material
+                && let Some(bsdf) = textured.if_constant()
+            {
+                *material = Material::Plain(bsdf);
+            }
+        }
+        let has_null_lobe = materials.iter().any(|material| match material {
+            Material::Mask { .. } | Material::Null => true,
+            Material::Plain(bsdf) => bsdf.has_null_lobe(),
+            Material::Textured(textured) => textured.has_null_lobe(),
+            _ => false,
+        });
+        let parametrised = nesting::parametrised(&materials);
+        let albedo = |material: &Material| match material {
+            Material::Plain(bsdf) => bsdf.albedo(),
+            _ => Rgb::ZERO,
+        };
+        Self {
+            albedos: materials.iter().map(albedo).collect(),
+            for_lanes: nesting::for_lanes(&materials, &parametrised),
+            parametrised,
+            materials,
+            has_null_lobe,
+        }
+    }
+
+    /// The same table with more materials, whose ids go on from [`Self::len`].
+    pub fn with(&self, more: impl IntoIterator<Item = Material>) -> Result<Self, MaterialTableError> {
+        Self::new(self.materials.iter().cloned().chain(more).collect())
+    }
+
+    pub fn len(&self) -> usize {
+        self.materials.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.materials.is_empty()
+    }
+
+    pub fn get(&self, id: MaterialId) -> Option<&Material> {
+        self.materials.get(id.0 as usize)
+    }
+
+    /// Whether any surface may let light pass straight through, so that shadow rays have to look at what they meet.
+    pub fn has_null_lobe(&self) -> bool {
+        self.has_null_lobe
+    }
+
+    /// What of a surface [`Self::scattering`] has to know.
+    pub fn detail(&self, id: MaterialId) -> Detail {
+        match self.parametrised[id.0 as usize] {
+            true => Detail::Parametrised,
+            false => Detail::Plain,
+        }
+    }
+
+    /// Whether it is made of models that [`crate::shading::lanes`] knows and depends on nothing but the side it is seen from.
+    pub fn is_for_lanes(&self, id: MaterialId) -> bool {
+        self.for_lanes[id.0 as usize]
+    }
+
+    /// What a surface is made of, where `cos` is the cosine of the direction it is seen from. None if it is not as simple as that.
+    #[inline(always)]
+    pub fn plain(&self, mut id: MaterialId, cos: f32) -> Option<PlainSide<'_>> {
+        let mut side = 1.0;
+        loop {
+            match self.materials.get(id.0 as usize)? {
+                Material::Plain(bsdf) => {
+                    let albedo = self.albedos[id.0 as usize];
+                    return Some(PlainSide { bsdf, albedo, side });
+                }
+                Material::TwoSided { front, .. } if cos * side > 0.0 => id = *front,
+                Material::TwoSided { back, .. } => (id, side) = (*back, -side),
+                _ => return None,
+            }
+        }
+    }
+
+    /// How the surface at `point` scatters light to `wo`, a unit vector in world space. `at` is where its textures are looked up.
+    pub fn scattering(
+        &self,
+        id: MaterialId,
+        point: &SurfacePoint,
+        wo: Vec3,
+        textures: &TextureTable,
+        at: &TexturePoint,
+    ) -> Scattering<'_> {
+        nesting::resolve(&self.materials, id, point, wo, textures, at)
+    }
+}

@@ -1,0 +1,220 @@
+//! Values side by side: what a type looks like with one value per lane, and structs that follow from one declaration in both forms.
+
+use glam::Vec3;
+
+use super::lanes::{LANES, Lanes, Vec3Lanes, WordLanes};
+
+/// A type of which every lane can have a value.
+pub trait PerLane: Copy {
+    /// A value per lane.
+    type Lanes;
+
+    /// The same value in every lane.
+    fn splat(self) -> Self::Lanes;
+
+    /// The value of `lane`.
+    fn gather_lane(lanes: &Self::Lanes, lane: usize) -> Self;
+
+    /// Makes this the value of `lane`.
+    fn scatter_lane(self, lanes: &mut Self::Lanes, lane: usize);
+
+    /// Makes the value of `lane` the one that `from` has in `theirs`.
+    #[inline(always)]
+    fn move_lane(lanes: &mut Self::Lanes, lane: usize, from: &Self::Lanes, theirs: usize) {
+        Self::gather_lane(from, theirs).scatter_lane(lanes, lane);
+    }
+}
+
+/// A bit per lane.
+impl PerLane for bool {
+    type Lanes = u32;
+
+    #[inline(always)]
+    fn splat(self) -> u32 {
+        u32::from(self) * ((1 << LANES) - 1)
+    }
+
+    #[inline(always)]
+    fn gather_lane(lanes: &u32, lane: usize) -> Self {
+        lanes >> lane & 1 == 1
+    }
+
+    #[inline(always)]
+    fn scatter_lane(self, lanes: &mut u32, lane: usize) {
+        *lanes = *lanes & !(1 << lane) | u32::from(self) << lane;
+    }
+}
+
+impl PerLane for f32 {
+    type Lanes = Lanes;
+
+    #[inline(always)]
+    fn splat(self) -> Lanes {
+        Lanes::splat(self)
+    }
+
+    #[inline(always)]
+    fn gather_lane(lanes: &Lanes, lane: usize) -> Self {
+        lanes.as_array()[lane]
+    }
+
+    #[inline(always)]
+    fn scatter_lane(self, lanes: &mut Lanes, lane: usize) {
+        lanes.as_mut_array()[lane] = self;
+    }
+}
+
+impl PerLane for u32 {
+    type Lanes = WordLanes;
+
+    #[inline(always)]
+    fn splat(self) -> WordLanes {
+        WordLanes::splat(self)
+    }
+
+    #[inline(always)]
+    fn gather_lane(lanes: &WordLanes, lane: usize) -> Self {
+        lanes.as_array()[lane]
+    }
+
+    #[inline(always)]
+    fn scatter_lane(self, lanes: &mut WordLanes, lane: usize) {
+        lanes.as_mut_array()[lane] = self;
+    }
+}
+
+impl PerLane for Vec3 {
+    type Lanes = Vec3Lanes;
+
+    #[inline(always)]
+    fn splat(self) -> Vec3Lanes {
+        Vec3Lanes::splat(self)
+    }
+
+    #[inline(always)]
+    fn gather_lane(lanes: &Vec3Lanes, lane: usize) -> Self {
+        lanes.get(lane)
+    }
+
+    #[inline(always)]
+    fn scatter_lane(self, lanes: &mut Vec3Lanes, lane: usize) {
+        lanes.set(lane, self);
+    }
+}
+
+/// Declares a struct together with the struct that has one per lane, whose fields are the lane forms of the same fields, and implements
+/// [`PerLane`] between the two: a field that is added cannot be forgotten where lanes are read, written or moved.
+///
+/// ```ignore
+/// per_lane! {
+///     /// A particle.
+///     pub struct Particle in ParticleLanes {
+///         /// Metres.
+///         pub position: Vec3,
+///         pub is_alive: bool,
+///     }
+/// }
+/// ```
+macro_rules! per_lane {
+    (
+        $(#[$about:meta])*
+        $visible:vis struct $One:ident in $Lanes:ident {
+            $($(#[$about_field:meta])* $field_visible:vis $field:ident: $Field:ty,)*
+        }
+    ) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug)]
+        $visible struct $One {
+            $($(#[$about_field])* $field_visible $field: $Field,)*
+        }
+
+        #[doc = concat!("A [`", stringify!($One), "`] per lane.")]
+        #[derive(Clone, Debug)]
+        $visible struct $Lanes {
+            $($field_visible $field: <$Field as $crate::math::PerLane>::Lanes,)*
+        }
+
+        impl $crate::math::PerLane for $One {
+            type Lanes = $Lanes;
+
+            #[inline(always)]
+            fn splat(self) -> $Lanes {
+                $Lanes {
+                    $($field: <$Field as $crate::math::PerLane>::splat(self.$field),)*
+                }
+            }
+
+            #[inline(always)]
+            fn gather_lane(lanes: &$Lanes, lane: usize) -> Self {
+                Self {
+                    $($field: <$Field as $crate::math::PerLane>::gather_lane(&lanes.$field, lane),)*
+                }
+            }
+
+            #[inline(always)]
+            fn scatter_lane(self, lanes: &mut $Lanes, lane: usize) {
+                $(<$Field as $crate::math::PerLane>::scatter_lane(self.$field, &mut lanes.$field, lane);)*
+            }
+
+            #[inline(always)]
+            fn move_lane(lanes: &mut $Lanes, lane: usize, from: &$Lanes, theirs: usize) {
+                $(<$Field as $crate::math::PerLane>::move_lane(&mut lanes.$field, lane, &from.$field, theirs);)*
+            }
+        }
+    };
+}
+pub(crate) use per_lane;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    per_lane! {
+        struct Place in PlaceLanes {
+            position: Vec3,
+            height: f32,
+            count: u32,
+            is_open: bool,
+        }
+    }
+
+    per_lane! {
+        struct Visit in VisitLanes {
+            place: Place,
+            length: f32,
+        }
+    }
+
+    fn visit(number: usize) -> Visit {
+        Visit {
+            place: Place {
+                position: Vec3::new(1.0, 2.0, 3.0) * number as f32,
+                height: 10.0 + number as f32,
+                count: 20 + number as u32,
+                is_open: number.is_multiple_of(3),
+            },
+            length: 30.0 + number as f32,
+        }
+    }
+
+    #[test]
+    fn every_lane_keeps_its_own_value() {
+        let as_text = |visit: Visit| format!("{visit:?}");
+        let mut lanes = visit(99).splat();
+        let mut others = visit(0).splat();
+        for lane in 0..LANES {
+            assert_eq!(as_text(Visit::gather_lane(&lanes, lane)), as_text(visit(99)));
+            visit(lane).scatter_lane(&mut lanes, lane);
+        }
+        for lane in 0..LANES {
+            assert_eq!(as_text(Visit::gather_lane(&lanes, lane)), as_text(visit(lane)));
+            Visit::move_lane(&mut others, lane, &lanes, LANES - 1 - lane);
+        }
+        for lane in 0..LANES {
+            assert_eq!(
+                as_text(Visit::gather_lane(&others, lane)),
+                as_text(visit(LANES - 1 - lane))
+            );
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! The random dimensions of a path: which of a sample's numbers decides what.
+//!
+//! The first ones are the camera's. After them every bounce has as many as [`BounceDraw`] has names, whether it needs them or not, so that
+//! what one bounce does changes no number of another. A draw is one number or a pair, see [`crate::sampling::Sampler`].
+//!
+//! Shadow rays and surfaces that let light pass need no numbers of their own: a passage is chosen as a lobe is, by
+//! [`BounceDraw::Lobe`], at a depth of its own. Media will need two more names here, at the end of [`BounceDraw`]: the distance to the next
+//! event and the direction of the phase function. Every name that is added changes the numbers of all later bounces, and so the noise of
+//! every picture.
+
+use crate::math::Word;
+use crate::sampling::SPREAD_DIMENSIONS;
+
+/// Where in the pixel's filter the camera ray goes through the film; a pair.
+pub(super) const FILTER: u32 = 0;
+/// Where on the lens it starts; a pair.
+pub(super) const LENS: u32 = 1;
+/// The first dimension of the first bounce.
+const CAMERA_DIMENSIONS: u32 = 2;
+
+/// What is drawn at a surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum BounceDraw {
+    /// Which light is sampled.
+    LightChoice,
+    /// Where on it; a pair.
+    LightPoint,
+    /// Which lobe of the surface the path follows.
+    Lobe,
+    /// In which direction; a pair.
+    Direction,
+    /// Whether Russian roulette ends the path.
+    Roulette,
+}
+
+const BOUNCE_DIMENSIONS: u32 = BounceDraw::Roulette as u32 + 1;
+
+// What the eye sees in the first samples is the noise of the camera and of the first surface.
+const _: () = assert!(SPREAD_DIMENSIONS == CAMERA_DIMENSIONS + BOUNCE_DIMENSIONS);
+
+impl BounceDraw {
+    /// Its dimension at the surface that is number `depth` of the path, counted from 1.
+    #[inline(always)]
+    pub fn at<W: Word>(self, depth: W) -> W {
+        let first = (depth - W::splat(1)) * W::splat(BOUNCE_DIMENSIONS) + W::splat(CAMERA_DIMENSIONS);
+        first + W::splat(self as u32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::lanes::WordLanes;
+
+    #[test]
+    fn no_two_draws_share_a_dimension() {
+        use BounceDraw::*;
+        let mut dimensions = vec![FILTER, LENS];
+        for depth in 1..=3 {
+            dimensions.extend([LightChoice, LightPoint, Lobe, Direction, Roulette].map(|draw| draw.at(depth)));
+        }
+        assert_eq!(dimensions, (0..dimensions.len() as u32).collect::<Vec<_>>());
+        let depths = WordLanes::new(std::array::from_fn(|lane| 1 + 7 * lane as u32));
+        for (lane, &dimension) in Direction.at(depths).as_array().iter().enumerate() {
+            assert_eq!(dimension, Direction.at(1 + 7 * lane as u32));
+        }
+    }
+}

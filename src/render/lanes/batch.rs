@@ -1,0 +1,230 @@
+//! Sixteen paths at their next rays: from vertex to vertex.
+
+use glam::{UVec2, Vec3};
+
+use super::camera_rays::CameraRays;
+use super::context::{Coherence, Context, Job, Samples};
+use super::vertices::{Met, Vertices};
+use crate::accel::Hit;
+use crate::math::lanes::{LANES, each_lane, ones_in};
+use crate::math::{PerLane, Ray};
+use crate::render::path::PathSample;
+use crate::render::path_state::{PathLanes, PathState};
+use crate::render::scene::SurfaceSlot;
+use crate::render::view::View;
+use crate::sampling::Sampler;
+
+/// The paths under way.
+pub(super) struct PathBatch<'a> {
+    /// The lanes that have a path, a bit per lane.
+    pub active: u32,
+    /// The paths; their rays are endless but for those from the camera.
+    pub(super) paths: PathLanes,
+    outputs: [Output; LANES],
+    /// What the rays meet, in the lanes of `traced`.
+    hits: [Option<Hit>; LANES],
+    traced: u32,
+    /// Where the paths have come to, while they take a step.
+    pub(super) vertices: Vertices<'a>,
+}
+
+/// Where the sample of a path belongs.
+#[derive(Clone, Copy, Debug)]
+struct Output {
+    /// Index of the job.
+    job: usize,
+    /// As [`crate::render::view::CameraSample::weight`].
+    weight: f32,
+}
+
+impl<'a> PathBatch<'a> {
+    /// Without paths.
+    pub fn new(view: &View) -> Self {
+        let nowhere = PathState::new(
+            Ray::new(Vec3::ZERO, Vec3::Z),
+            Sampler::new(view.sequence, UVec2::ZERO, 0, view.seed),
+        );
+        Self {
+            active: 0,
+            paths: nowhere.splat(),
+            outputs: [Output { job: 0, weight: 0.0 }; LANES],
+            hits: [None; LANES],
+            traced: 0,
+            vertices: Vertices::new(),
+        }
+    }
+
+    /// New paths from the camera, in as many lanes as there are jobs for: the first of `jobs`, which are numbered from `number` on. Returns how
+    /// many these are.
+    pub fn begin(&mut self, view: &View, jobs: &[Job], number: usize) -> usize {
+        let count = jobs.len().min(LANES);
+        let camera = CameraRays::new(view, &jobs[..count]);
+        let first = PathState::new(camera.rays.get(0), Sampler::gather_lane(&camera.samplers, 0));
+        self.paths = PathLanes {
+            ray: camera.rays,
+            sampler: camera.samplers,
+            ..first.splat()
+        };
+        for (lane, output) in self.outputs.iter_mut().enumerate() {
+            *output = Output {
+                job: number + lane,
+                weight: camera.weights[lane],
+            };
+        }
+        self.active = (1 << count) - 1;
+        self.traced = 0;
+        count
+    }
+
+    /// Moves the path that another batch has in the lane `theirs` to the free lane `lane`.
+    pub fn move_lane_from(&mut self, lane: usize, other: &mut Self, theirs: usize) {
+        // By name, so that no field is forgotten.
+        let Self {
+            active,
+            paths,
+            outputs,
+            hits,
+            traced,
+            vertices: _,
+        } = self;
+        PathState::move_lane(paths, lane, &other.paths, theirs);
+        outputs[lane] = other.outputs[theirs];
+        hits[lane] = other.hits[theirs];
+        bool::move_lane(traced, lane, &other.traced, theirs);
+        *active |= 1 << lane;
+        other.active &= !(1 << theirs);
+    }
+
+    /// The path of a lane has ended and brought `sample`.
+    fn finish(&mut self, lane: usize, sample: PathSample, samples: &mut Samples) {
+        let Output { job, weight } = self.outputs[lane];
+        samples[job] = (sample, weight);
+        self.active &= !(1 << lane);
+    }
+
+    /// The path of a lane has ended at its vertex.
+    pub(super) fn finish_here(&mut self, lane: usize, samples: &mut Samples) {
+        let (radiance, rays) = (self.paths.radiance.get(lane), self.paths.rays.as_array()[lane]);
+        self.finish(lane, self.paths.record[lane].sample(radiance, rays), samples);
+    }
+
+    /// Finds out what the rays meet of which that is not known. Paths that meet nothing end; what ends goes to `samples`.
+    #[inline(never)]
+    pub fn trace(&mut self, coherence: Coherence, context: &Context, samples: &mut Samples) {
+        let asked = self.active & !self.traced;
+        if asked == 0 {
+            return;
+        }
+        self.paths.rays += ones_in(asked);
+        let hits = coherence.intersect(&context.scene.geometry, &self.paths.ray, asked);
+        for lane in each_lane(asked) {
+            self.hits[lane] = hits[lane];
+            if context.settings.hide_emitters {
+                self.pass_hidden_emitters(lane, context);
+            }
+            if self.hits[lane].is_none() {
+                self.escape(lane, context, samples);
+            }
+        }
+        self.traced = self.active;
+    }
+
+    /// As [`PathState::behind_hidden_emitters`].
+    #[inline(never)]
+    fn pass_hidden_emitters(&mut self, lane: usize, context: &Context) {
+        let mut path = PathState::gather_lane(&self.paths, lane);
+        self.hits[lane] = path.behind_hidden_emitters(context.scene, context.settings, self.hits[lane]);
+        path.scatter_lane(&mut self.paths, lane);
+    }
+
+    /// The path of a lane leaves the scene.
+    fn escape(&mut self, lane: usize, context: &Context, samples: &mut Samples) {
+        let mut path = PathState::gather_lane(&self.paths, lane);
+        path.escape(context.scene, context.settings, &mut ());
+        self.finish(lane, path.sample(), samples);
+    }
+
+    /// Takes all paths to their next vertices and on from there.
+    #[inline(never)]
+    pub fn step(&mut self, coherence: Coherence, context: &Context<'a>, samples: &mut Samples) {
+        if self.active == 0 {
+            return;
+        }
+        self.vertices.clear();
+        for lane in each_lane(self.active) {
+            if let Some(hit) = self.hits[lane] {
+                self.arrive(lane, hit, context, samples);
+            }
+        }
+        self.traced = 0;
+        if self.vertices.lanes != 0 {
+            self.scatter(coherence, context, samples);
+        }
+    }
+
+    /// Takes the path of a lane to its hit. What light does there is done in lanes, or else the path goes on to its next ray by itself.
+    fn arrive(&mut self, lane: usize, hit: Hit, context: &Context<'a>, samples: &mut Samples) {
+        let slot = context.scene.slot(&hit);
+        let ray = self.paths.ray.get(lane);
+        match self.vertices.set_plain(lane, context.scene, &ray, &hit, &slot) {
+            Some(met) => self.look(lane, &hit, &slot, &met, context, samples),
+            None => self.arrive_elsewhere(lane, hit, &slot, context, samples),
+        }
+    }
+
+    /// At a surface that is not of one of the commonest models.
+    #[inline(never)]
+    fn arrive_elsewhere(
+        &mut self,
+        lane: usize,
+        hit: Hit,
+        slot: &SurfaceSlot,
+        context: &Context<'a>,
+        samples: &mut Samples,
+    ) {
+        let ray = self.paths.ray.get(lane);
+        if let Some(met) = self.vertices.set_other(lane, context.scene, &ray, &hit, slot) {
+            self.look(lane, &hit, slot, &met, context, samples);
+            return;
+        }
+        let mut path = PathState::gather_lane(&self.paths, lane);
+        if path.advance(context.scene, context.settings, Some(hit), &mut ()) {
+            path.scatter_lane(&mut self.paths, lane);
+        } else {
+            self.finish(lane, path.sample(), samples);
+        }
+    }
+
+    /// What a path sees where it has come to. It ends there if that was its last vertex.
+    #[inline(always)]
+    fn look(
+        &mut self,
+        lane: usize,
+        hit: &Hit,
+        slot: &SurfaceSlot,
+        met: &Met,
+        context: &Context,
+        samples: &mut Samples,
+    ) {
+        let (scene, settings) = (context.scene, context.settings);
+        let depth = self.paths.depth.as_array()[lane];
+        let is_last = settings.is_last(depth + 1);
+        if let Some(light) = slot.light {
+            let mut path = PathState::gather_lane(&self.paths, lane);
+            path.see_light(scene, settings, hit, light, &met.point, &mut ());
+            path.scatter_lane(&mut self.paths, lane);
+        }
+        let record = &mut self.paths.record[lane];
+        if depth == 0 {
+            record.meet(hit);
+        }
+        if record.wants_features(met.is_smooth, slot.light.is_some(), is_last) {
+            let throughput = self.paths.throughput.get(lane);
+            record.take_features(throughput, met.albedo, met.point.shading_normal, slot.light.is_some());
+        }
+        if is_last {
+            self.vertices.lanes &= !(1 << lane);
+            self.finish_here(lane, samples);
+        }
+    }
+}

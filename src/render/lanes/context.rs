@@ -1,0 +1,59 @@
+//! What all paths that are traced together have in common.
+
+use glam::UVec2;
+
+use crate::accel::{Hit, RayLanes, Tlas};
+use crate::light::lanes::SoleLight;
+use crate::math::lanes::LANES;
+use crate::render::path::PathSample;
+use crate::render::scene::RenderScene;
+use crate::render::view::{PathSettings, View};
+
+/// A sample of a pixel that is to be traced.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::render) struct Job {
+    pub pixel: UVec2,
+    pub index: u32,
+}
+
+/// Samples and their weights, by job.
+pub(super) type Samples = Vec<(PathSample, f32)>;
+
+pub(super) struct Context<'a> {
+    pub scene: &'a RenderScene,
+    pub view: &'a View,
+    pub settings: &'a PathSettings,
+    pub sole_light: Option<SoleLight>,
+}
+
+/// Whether rays have much in common, as those through one pixel have.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Coherence {
+    Coherent,
+    Incoherent,
+}
+
+impl Context<'_> {
+    /// Whether lights are sampled at all. Of other than sole lights some may be found by sampling alone, whatever the strategy.
+    pub fn samples_lights(&self) -> bool {
+        self.settings.strategy.samples_lights() || self.sole_light.is_none()
+    }
+}
+
+impl Coherence {
+    /// What the rays of the lanes `asked` meet.
+    pub fn intersect(self, geometry: &Tlas, rays: &RayLanes, asked: u32) -> [Option<Hit>; LANES] {
+        match self {
+            Self::Coherent => geometry.intersect_bundle(rays, asked),
+            Self::Incoherent => geometry.intersect_lanes(rays, asked),
+        }
+    }
+
+    /// Which of the rays of the lanes `asked` meet something, a bit per lane.
+    pub fn occluded(self, geometry: &Tlas, rays: &RayLanes, asked: u32) -> u32 {
+        match self {
+            Self::Coherent => geometry.occluded_bundle(rays, asked),
+            Self::Incoherent => geometry.occluded_lanes(rays, asked),
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! What light does at the vertices of sixteen paths: the steps of [`crate::render::path`] from a vertex to the next ray, in lanes.
+
+use super::batch::PathBatch;
+use super::context::{Coherence, Context, Samples};
+use super::light_samples::LightLanes;
+use super::vertices::Vertices;
+use crate::accel::RayLanes;
+use crate::light::lanes::ReferenceLanes;
+use crate::math::lanes::{FrameLanes, Lanes, Vec3Lanes, each_lane, lanes_of, offset_origins, ones_in};
+use crate::render::dimensions::BounceDraw;
+use crate::render::roulette;
+use crate::render::transmittance::transmittance;
+use crate::render::view::PathSettings;
+use crate::shading::lanes::BsdfSampleLanes;
+
+/// Where the vertices lie and how they are seen.
+#[derive(Clone, Copy)]
+struct Surfaces {
+    /// The lanes that are at a vertex, a bit per lane.
+    lanes: u32,
+    /// The same lanes as a mask.
+    here: Lanes,
+    /// From where lights are sampled: about the side of the shading normal that is seen.
+    reference: ReferenceLanes,
+    /// As in [`crate::accel::SurfacePoint`].
+    error: Lanes,
+    geometric_normal: Vec3Lanes,
+    frame: FrameLanes,
+    /// Where the paths have come from, in `frame`.
+    wo: Vec3Lanes,
+    /// The lanes that scatter by a density.
+    smooth: u32,
+    /// The lanes whose models are evaluated one by one.
+    other: u32,
+}
+
+impl Surfaces {
+    #[inline(always)]
+    fn new(vertices: &Vertices, dir: Vec3Lanes) -> Self {
+        let lanes = vertices.lanes;
+        let frame = FrameLanes {
+            n: vertices.shading_normal * vertices.side,
+            ..FrameLanes::from_normal(vertices.shading_normal)
+        };
+        Self {
+            lanes,
+            here: lanes_of(lanes),
+            reference: ReferenceLanes {
+                position: vertices.position,
+                normal: frame.n,
+                halved: vertices.halved(),
+            },
+            error: vertices.error,
+            geometric_normal: vertices.geometric_normal,
+            frame,
+            wo: frame.to_local(-dir),
+            smooth: vertices.smooth() & lanes,
+            other: vertices.other & lanes,
+        }
+    }
+
+    /// Where rays start that leave the surfaces in the directions `dir`.
+    #[inline(always)]
+    fn leave(&self, dir: Vec3Lanes) -> Vec3Lanes {
+        offset_origins(self.reference.position, self.error, self.geometric_normal, dir)
+    }
+}
+
+impl PathBatch<'_> {
+    /// From the vertices to where their paths go on.
+    pub(super) fn scatter(&mut self, coherence: Coherence, context: &Context, samples: &mut Samples) {
+        let surfaces = Surfaces::new(&self.vertices, self.paths.ray.dir);
+        self.paths.depth += ones_in(surfaces.lanes);
+        if surfaces.smooth != 0 && context.samples_lights() {
+            self.sample_lights(&surfaces, coherence, context);
+        }
+        let (sample, scattered) = self.sample_bsdfs(&surfaces);
+        let is_scattered = lanes_of(scattered);
+        let mut goes_on = self.bounce(&surfaces, &sample, scattered);
+        goes_on &= self.play_roulette(&surfaces, context.settings, is_scattered);
+        for lane in each_lane(surfaces.lanes & !goes_on.to_bitmask()) {
+            self.finish_here(lane, samples);
+        }
+    }
+
+    /// Looks for lights from the vertices and adds what of them is scattered along the paths (next event estimation).
+    #[inline(always)]
+    fn sample_lights(&mut self, surfaces: &Surfaces, coherence: Coherence, context: &Context) {
+        let Surfaces { smooth, frame, wo, .. } = *surfaces;
+        let light = LightLanes::sample(
+            context,
+            smooth,
+            surfaces.reference,
+            &self.paths.sampler,
+            self.paths.depth,
+        );
+        let (mut value, mut bsdf_pdf) = self.vertices.bsdf.eval_and_pdf(wo, frame.to_local(light.wi));
+        if surfaces.other & smooth != 0 {
+            let asked = surfaces.other & smooth & light.is_valid.to_bitmask();
+            (value, bsdf_pdf) = self.vertices.eval_others(asked, light.wi, value, bsdf_pdf);
+        }
+        let strategy = context.settings.strategy;
+        let weight = strategy.light_weight(lanes_of(light.is_delta), light.pdf, bsdf_pdf);
+        let reflected = self.paths.throughput * value * light.radiance * (weight / light.pdf);
+        let counts = light.is_valid & lanes_of(smooth) & reflected.is_not_zero();
+        self.trace_shadow_rays(surfaces, coherence, context, light, reflected, counts.to_bitmask());
+    }
+
+    /// Adds what arrives of the `reflected` light of the lanes `asked`.
+    #[inline(always)]
+    fn trace_shadow_rays(
+        &mut self,
+        surfaces: &Surfaces,
+        coherence: Coherence,
+        context: &Context,
+        light: LightLanes,
+        reflected: Vec3Lanes,
+        asked: u32,
+    ) {
+        let origin = surfaces.leave(light.wi);
+        let is_infinite = lanes_of(light.infinite);
+        let shadows = RayLanes {
+            origin,
+            dir: Vec3Lanes::select(is_infinite, light.wi, light.target - origin),
+            t_min: Lanes::ZERO,
+            t_max: is_infinite.select(Lanes::splat(f32::INFINITY), Lanes::ONE),
+        };
+        let occluded = coherence.occluded(&context.scene.geometry, &shadows, asked);
+        let lit = asked & !occluded;
+        self.paths.radiance += reflected.only(lanes_of(lit));
+        if context.scene.materials.has_null_lobe() {
+            self.paths.rays += ones_in(lit);
+            let through = self.transmitted(context, occluded, [origin, reflected], light);
+            self.paths.radiance += through.only(lanes_of(occluded));
+        } else {
+            self.paths.rays += ones_in(asked);
+        }
+    }
+
+    /// What of the `reflected` light of the lanes `asked` arrives at their `origin` through surfaces that let it pass.
+    #[inline(never)]
+    fn transmitted(
+        &mut self,
+        context: &Context,
+        asked: u32,
+        [origin, mut reflected]: [Vec3Lanes; 2],
+        light: LightLanes,
+    ) -> Vec3Lanes {
+        for lane in each_lane(asked) {
+            let crossings = context.settings.crossings(self.paths.depth.as_array()[lane]);
+            let (origin, wi) = (origin.get(lane), light.wi.get(lane));
+            let rays = &mut self.paths.rays.as_mut_array()[lane];
+            let arriving = transmittance(context.scene, origin, wi, light.target(lane), crossings, rays);
+            reflected.set(lane, reflected.get(lane) * arriving);
+        }
+        reflected
+    }
+
+    /// Directions for the paths to go on, in world space, and the lanes where they are of a density and not the only ones of a lobe.
+    #[inline(always)]
+    fn sample_bsdfs(&self, surfaces: &Surfaces) -> (BsdfSampleLanes, u32) {
+        let Surfaces { lanes, other, .. } = *surfaces;
+        let (bsdf, sampler) = (&self.vertices.bsdf, &self.paths.sampler);
+        let u_lobe = match bsdf.transmitting() | other {
+            0 => Lanes::ZERO,
+            _ => sampler.at_1d(BounceDraw::Lobe.at(self.paths.depth)),
+        };
+        let u_direction = sampler.at_2d(BounceDraw::Direction.at(self.paths.depth));
+        let local = bsdf.sample(surfaces.wo, u_lobe, u_direction);
+        let sample = BsdfSampleLanes {
+            wi: surfaces.frame.to_world(local.wi),
+            ..local
+        };
+        if other == 0 {
+            return (sample, surfaces.smooth);
+        }
+        let (sample, smooth) = self.vertices.sample_others(lanes, u_lobe, u_direction, sample);
+        (sample, surfaces.smooth & (!other | smooth))
+    }
+
+    /// Turns the paths to where the surfaces have sent them on. True in the lanes whose light is not absorbed.
+    #[inline(always)]
+    fn bounce(&mut self, surfaces: &Surfaces, sample: &BsdfSampleLanes, scattered: u32) -> Lanes {
+        let Surfaces { lanes, here, .. } = *surfaces;
+        let path = &mut self.paths;
+        path.throughput = Vec3Lanes::select(here, path.throughput * sample.weight, path.throughput);
+        path.eta_squared = here.select(roulette::eta_squared(path.eta_squared, sample.eta), path.eta_squared);
+        path.is_straight &= !lanes;
+
+        path.arrival.is_sampled = path.arrival.is_sampled & !lanes | scattered;
+        path.arrival.pdf = here.select(sample.pdf, path.arrival.pdf);
+        let from = &mut path.arrival.from;
+        from.position = Vec3Lanes::select(here, surfaces.reference.position, from.position);
+        from.normal = Vec3Lanes::select(here, surfaces.reference.normal, from.normal);
+        from.halved = from.halved & !lanes | surfaces.reference.halved & lanes;
+
+        path.ray.origin = Vec3Lanes::select(here, surfaces.leave(sample.wi), path.ray.origin);
+        path.ray.dir = Vec3Lanes::select(here, sample.wi, path.ray.dir);
+        path.ray.t_min = here.select(Lanes::ZERO, path.ray.t_min);
+        path.ray.t_max = here.select(Lanes::splat(f32::INFINITY), path.ray.t_max);
+        here & sample.returned & path.throughput.is_not_zero()
+    }
+
+    /// Ends paths at random. True in the lanes that go on.
+    #[inline(always)]
+    fn play_roulette(&mut self, surfaces: &Surfaces, settings: &PathSettings, is_scattered: Lanes) -> Lanes {
+        let path = &mut self.paths;
+        let plays = surfaces.here & roulette::is_played::<Lanes>(settings, path.depth, is_scattered);
+        if !plays.any() {
+            return surfaces.here;
+        }
+        let survival = roulette::survival(path.throughput.max_element(), path.eta_squared);
+        let u = path.sampler.at_1d(BounceDraw::Roulette.at(path.depth));
+        path.throughput = Vec3Lanes::select(plays, path.throughput / survival, path.throughput);
+        u.simd_lt(survival) | !plays
+    }
+}

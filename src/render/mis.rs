@@ -1,0 +1,73 @@
+//! What light counts that can be found in two ways, by sampling the lights and by following the bsdf (multiple importance sampling:
+//! Veach 1997, chapter 9; PBR 4th ed., section 13.4.1).
+
+use super::observer::MetEmitter;
+use super::path_state::Arrival;
+use super::view::Strategy;
+use crate::color::Rgb;
+use crate::light::{LightId, LightReference};
+use crate::math::Real;
+use crate::sampling::power_heuristic;
+
+impl Strategy {
+    /// Whether lights are sampled that following the bsdf can find as well.
+    pub(super) fn samples_lights(self) -> bool {
+        self != Self::Bsdf
+    }
+
+    /// The weight of light that was found by sampling the lights with density `light_pdf`, in a direction that the bsdf has with density
+    /// `bsdf_pdf`. Only sampling finds a light that `is_delta`.
+    #[inline(always)]
+    pub(super) fn light_weight<R: Real>(self, is_delta: R::Mask, light_pdf: R, bsdf_pdf: R) -> R {
+        let weight = match self {
+            Self::Mis => power_heuristic(light_pdf, bsdf_pdf),
+            Self::Light => R::splat(1.0),
+            Self::Bsdf => R::splat(0.0),
+        };
+        R::select(is_delta, R::splat(1.0), weight)
+    }
+}
+
+/// What an emitter counts that the path has come upon by following the bsdf, and why; as in [`MetEmitter`].
+pub(super) struct EmitterWeight {
+    weight: f32,
+    bsdf_pdf: Option<f32>,
+    light_pdf: Option<f32>,
+}
+
+impl Arrival {
+    /// What an emitter counts that the path has come upon. `light_pdf` is the density with which sampling the lights would have found it
+    /// from a place.
+    #[inline(always)]
+    pub fn weigh(&self, strategy: Strategy, light_pdf: impl FnOnce(&LightReference) -> f32) -> EmitterWeight {
+        let bsdf_pdf = self.is_sampled.then_some(self.pdf);
+        let (weight, light_pdf) = match (bsdf_pdf, strategy) {
+            (None, _) | (_, Strategy::Bsdf) => (1.0, None),
+            (_, Strategy::Light) => (0.0, None),
+            (Some(bsdf_pdf), Strategy::Mis) => {
+                let light_pdf = light_pdf(&self.from);
+                (power_heuristic(bsdf_pdf, light_pdf), Some(light_pdf))
+            }
+        };
+        EmitterWeight {
+            weight,
+            bsdf_pdf,
+            light_pdf,
+        }
+    }
+}
+
+impl EmitterWeight {
+    /// The emitter with this weight, where the path has come with `throughput`.
+    #[inline(always)]
+    pub fn emitter(self, light: LightId, radiance: Rgb, throughput: Rgb) -> MetEmitter {
+        MetEmitter {
+            light,
+            radiance,
+            bsdf_pdf: self.bsdf_pdf,
+            light_pdf: self.light_pdf,
+            weight: self.weight,
+            contribution: throughput * radiance * self.weight,
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! The state of a path under way, declared once for the path that is traced alone and for the paths in lanes.
+
+use glam::Vec3;
+
+use crate::accel::Hit;
+use crate::color::Rgb;
+use crate::light::LightReference;
+use crate::math::lanes::LANES;
+use crate::math::{PerLane, Ray, per_lane};
+use crate::sampling::Sampler;
+
+/// What one camera ray brought home.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PathSample {
+    pub radiance: Rgb,
+    /// Features for the denoiser, taken at the first surface that is not perfectly specular: colour in [0, 1] and world normal.
+    pub albedo: Rgb,
+    pub normal: Vec3,
+    /// Distance from the camera ray's origin to the first surface; 0 where there is none.
+    pub depth: f32,
+    /// None where the camera ray meets nothing.
+    pub first_hit: Option<Hit>,
+    /// Rays traced, shadow rays included.
+    pub rays: u32,
+}
+
+per_lane! {
+    /// A path under way.
+    pub(super) struct PathState in PathLanes {
+        /// Where the path goes next.
+        pub ray: Ray,
+        pub throughput: Rgb,
+        /// Squared relative index of refraction so far: radiance is scaled by it inside glass, and roulette must not see that.
+        pub eta_squared: f32,
+        /// What the path has found so far.
+        pub radiance: Rgb,
+        pub arrival: Arrival,
+        /// Surfaces met so far, without the hidden emitters that the camera ray has passed.
+        pub depth: u32,
+        /// Whether all surfaces met so far have let the camera ray pass straight on.
+        pub is_straight: bool,
+        /// Rays traced, shadow rays included.
+        pub rays: u32,
+        pub sampler: Sampler,
+        pub record: PathRecord,
+    }
+}
+
+per_lane! {
+    /// How a path came to its current vertex; what the weight of an emitter met there depends on.
+    pub(super) struct Arrival in ArrivalLanes {
+        /// Whether a bsdf chose the direction by a density. Otherwise the path comes from the camera or from a delta lobe, and no other
+        /// technique could have found the emitter.
+        pub is_sampled: bool,
+        /// The density per solid angle, if the direction was sampled.
+        pub pdf: f32,
+        /// The vertex that the direction was sampled from.
+        pub from: LightReference,
+    }
+}
+
+/// What is noted along a path's way for others than the picture. Nothing in it changes where the path goes or what it brings.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PathRecord {
+    /// Features for the denoiser: colour in [0, 1] and world normal.
+    pub albedo: Rgb,
+    pub normal: Vec3,
+    pub has_features: bool,
+    /// None as long as the camera ray has met nothing. Its `t` is counted from where the camera ray first began.
+    pub first_hit: Option<Hit>,
+    /// Distance from the camera to the origin of its ray, which hidden emitters have moved.
+    pub passed: f32,
+}
+
+/// Records are rarely read or written: they are stored as an array of structs, one per lane, and not as vectors.
+impl PerLane for PathRecord {
+    type Lanes = [PathRecord; LANES];
+
+    #[inline(always)]
+    fn splat(self) -> Self::Lanes {
+        [self; LANES]
+    }
+
+    #[inline(always)]
+    fn gather_lane(lanes: &Self::Lanes, lane: usize) -> Self {
+        lanes[lane]
+    }
+
+    #[inline(always)]
+    fn scatter_lane(self, lanes: &mut Self::Lanes, lane: usize) {
+        lanes[lane] = self;
+    }
+}
+
+impl Arrival {
+    /// From the camera or a delta lobe.
+    pub const UNSAMPLED: Self = Self {
+        is_sampled: false,
+        pdf: 0.0,
+        from: LightReference {
+            position: Vec3::ZERO,
+            normal: None,
+        },
+    };
+}
+
+impl PathState {
+    /// A path that begins with the camera ray `ray`.
+    pub fn new(ray: Ray, sampler: Sampler) -> Self {
+        Self {
+            ray,
+            throughput: Rgb::ONE,
+            eta_squared: 1.0,
+            radiance: Rgb::ZERO,
+            arrival: Arrival::UNSAMPLED,
+            depth: 0,
+            is_straight: true,
+            rays: 0,
+            sampler,
+            record: PathRecord::default(),
+        }
+    }
+
+    /// What the path has brought, once it has ended.
+    pub fn sample(&self) -> PathSample {
+        self.record.sample(self.radiance, self.rays)
+    }
+}
+
+impl PathRecord {
+    /// Notes the first surface, at `hit` of a camera ray.
+    pub fn meet(&mut self, hit: &Hit) {
+        let mut first = *hit;
+        first.t += self.passed;
+        self.first_hit = Some(first);
+    }
+
+    /// Whether the denoiser's features are those of a surface that does not let the path pass: the first that scatters by a density or
+    /// shines; the last one if there is no such surface.
+    pub fn wants_features(&self, is_smooth: bool, is_light: bool, is_last: bool) -> bool {
+        !self.has_features && (is_smooth || is_light || is_last)
+    }
+
+    /// Takes the denoiser's features at a surface with this shading normal, whose colour is `albedo` unless it is a light.
+    pub fn take_features(&mut self, throughput: Rgb, albedo: Rgb, normal: Vec3, is_light: bool) {
+        self.has_features = true;
+        let colour = if is_light { Rgb::ONE } else { albedo };
+        self.albedo = (throughput * colour).clamp(Rgb::ZERO, Rgb::ONE);
+        self.normal = normal;
+    }
+
+    /// Notes that the path has left the scene with this `radiance`.
+    pub fn escape(&mut self, radiance: Rgb) {
+        if !self.has_features {
+            self.albedo = radiance.clamp(Rgb::ZERO, Rgb::ONE);
+        }
+    }
+
+    /// What a path has brought that has found this `radiance` with this many `rays`.
+    pub fn sample(&self, radiance: Rgb, rays: u32) -> PathSample {
+        PathSample {
+            radiance,
+            albedo: self.albedo,
+            normal: self.normal,
+            depth: self.first_hit.map_or(0.0, |hit| hit.t),
+            first_hit: self.first_hit,
+            rays,
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! Russian roulette: paths that bring little are ended at random, and those that go on count more in return (Arvo and Kirk, Particle
+//! Transport and Image Synthesis, 1990; PBR 4th ed., sections 2.2.4 and 13.4.1).
+
+use super::view::PathSettings;
+use crate::math::Real;
+
+/// A path goes on with this probability at most, so that bright enclosures end too.
+const HIGHEST_SURVIVAL: f32 = 0.95;
+
+/// Roulette waits for so many more vertices where the surface has left no choice of direction: light that has found its way through glass
+/// is much, and rare, and roulette was played for it where it was last scattered.
+const SPECULAR_GRACE: u32 = 16;
+
+/// Whether roulette is played at the surface that is number `depth` of the path; `is_scattered` if the path goes on in a direction
+/// that was sampled by a density.
+#[inline(always)]
+pub(super) fn is_played<R: Real>(settings: &PathSettings, depth: R::Word, is_scattered: R::Mask) -> R::Mask {
+    let late = settings.rr_depth.saturating_add(SPECULAR_GRACE);
+    (is_scattered & R::is_at_least(depth, settings.rr_depth)) | R::is_at_least(depth, late)
+}
+
+/// The probability with which a path goes on whose throughput has `brightest` as its largest part.
+#[inline(always)]
+pub(super) fn survival<R: Real>(brightest: R, eta_squared: R) -> R {
+    (brightest * eta_squared).min(R::splat(HIGHEST_SURVIVAL))
+}
+
+/// The squared relative index of refraction of a path that had `so_far` and is refracted with the relative index `eta`. Radiance is less
+/// by this factor where light has left glass and more within (PBR 4th ed., section 9.5.2), which says nothing of what a path will bring.
+#[inline(always)]
+pub(super) fn eta_squared<R: Real>(so_far: R, eta: R) -> R {
+    so_far * eta * eta
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::lanes::{LANES, Lanes, WordLanes};
+    use crate::render::view::Strategy;
+
+    #[test]
+    fn roulette_in_lanes_is_that_of_one() {
+        for rr_depth in [1, 5, u32::MAX] {
+            let settings = PathSettings {
+                max_depth: u32::MAX,
+                rr_depth,
+                hide_emitters: false,
+                strategy: Strategy::Mis,
+            };
+            for depth in 1..40u32 {
+                for is_scattered in [false, true] {
+                    let expected = is_played::<f32>(&settings, depth, is_scattered);
+                    let wait = if is_scattered { 0 } else { SPECULAR_GRACE };
+                    assert_eq!(expected, depth >= rr_depth.saturating_add(wait));
+                    let all = Lanes::ZERO.simd_eq(Lanes::ZERO);
+                    let mask = if is_scattered { all } else { Lanes::ZERO };
+                    let found = is_played::<Lanes>(&settings, WordLanes::splat(depth), mask);
+                    assert_eq!(found.to_bitmask(), if expected { (1 << LANES) - 1 } else { 0 });
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn glass_does_not_count_and_no_path_is_sure_to_go_on() {
+        // Into glass and out again.
+        let inside = eta_squared(1.0f32, 1.5);
+        assert_eq!(inside, 2.25);
+        assert!((eta_squared(inside, 1.0 / 1.5) - 1.0).abs() < 1e-6);
+        // Within it radiance is less by the square of its index.
+        assert!((survival(0.5 / 2.25, inside) - 0.5f32).abs() < 1e-6);
+        assert_eq!(survival(20.0, 1.0), HIGHEST_SURVIVAL);
+        assert_eq!(survival(0.0, 1.0), 0.0f32);
+    }
+}

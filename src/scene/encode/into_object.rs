@@ -1,0 +1,156 @@
+//! A plugin of a document while its parameters are written.
+
+use std::path::Path;
+
+use bevy::math::{Affine2, Affine3A};
+use glam::{Mat4, Vec4};
+
+use super::poses::{as_look_at, as_steps};
+use crate::color::Rgb;
+use crate::document::paths::file_name;
+use crate::document::{Category, Object, Property, Span, TransformOp, Value};
+use crate::scene::{Bitmap, FovAxis, Parameter, Texture, TextureFilter, TextureWrap};
+
+/// Writes every parameter it meets.
+pub struct IntoObject<'f> {
+    pub object: Object,
+    pub folder: &'f Path,
+}
+
+impl IntoObject<'_> {
+    pub fn put(&mut self, name: &str, value: Value) {
+        self.object.properties.push(property(name, value));
+    }
+
+    pub fn put_color(&mut self, name: &str, color: &Parameter<Rgb>) {
+        match color {
+            Parameter::Constant(color) => self.put(name, Value::Rgb(*color)),
+            Parameter::Texture(texture) => self.put_texture(name, texture),
+        }
+    }
+
+    pub fn put_float(&mut self, name: &str, number: &Parameter<f32>) {
+        match number {
+            Parameter::Constant(number) => self.put(name, Value::Float(*number)),
+            Parameter::Texture(texture) => self.put_texture(name, texture),
+        }
+    }
+
+    pub fn put_texture(&mut self, name: &str, texture: &Texture) {
+        let mut inside = IntoObject {
+            object: Object::new(Category::Texture, texture.plugin()),
+            folder: self.folder,
+        };
+        inside.object.name = Some(name.into());
+        match texture {
+            Texture::Bitmap(bitmap) => inside.put_bitmap(bitmap),
+            Texture::Checkerboard { color0, color1, to_uv } => {
+                inside.put_color("color0", color0);
+                inside.put_color("color1", color1);
+                inside.put_to_uv(to_uv);
+            }
+            Texture::MeshAttribute { name, scale } => {
+                inside.put("name", Value::String(name.clone()));
+                inside.put("scale", Value::Float(*scale));
+            }
+        }
+        self.object.children.push(inside.object.into());
+    }
+
+    fn put_bitmap(&mut self, bitmap: &Bitmap) {
+        let filter = match bitmap.filter {
+            TextureFilter::Nearest => "nearest",
+            TextureFilter::Bilinear => "bilinear",
+        };
+        let wrap = match bitmap.wrap {
+            TextureWrap::Repeat => "repeat",
+            TextureWrap::Mirror => "mirror",
+            TextureWrap::Clamp => "clamp",
+        };
+        self.put("filename", Value::String(file_name(&bitmap.path, self.folder)));
+        self.put("filter_type", Value::String(filter.to_owned()));
+        self.put("wrap_mode", Value::String(wrap.to_owned()));
+        self.put("raw", Value::Boolean(bitmap.raw));
+        self.put_to_uv(&bitmap.to_uv);
+    }
+
+    fn put_to_uv(&mut self, to_uv: &Affine2) {
+        if *to_uv != Affine2::IDENTITY {
+            let [x, y, offset] = [to_uv.matrix2.x_axis, to_uv.matrix2.y_axis, to_uv.translation];
+            let matrix = Mat4::from_cols(
+                Vec4::new(x.x, x.y, 0.0, 0.0),
+                Vec4::new(y.x, y.y, 0.0, 0.0),
+                Vec4::Z,
+                Vec4::new(offset.x, offset.y, 0.0, 1.0),
+            );
+            self.put("to_uv", Value::Transform(vec![TransformOp::Matrix(matrix)]));
+        }
+    }
+}
+
+pub fn fov_axis_name(axis: FovAxis) -> &'static str {
+    match axis {
+        FovAxis::X => "x",
+        FovAxis::Y => "y",
+        FovAxis::Diagonal => "diagonal",
+        FovAxis::Smaller => "smaller",
+        FovAxis::Larger => "larger",
+    }
+}
+
+fn property(name: &str, value: Value) -> Property {
+    Property {
+        name: name.into(),
+        value,
+        span: Span::default(),
+    }
+}
+
+pub fn with(mut object: Object, name: &str, value: Value) -> Object {
+    object.properties.push(property(name, value));
+    object
+}
+
+pub fn with_float(object: Object, name: &str, number: f32) -> Object {
+    with(object, name, Value::Float(number))
+}
+
+pub fn with_nonzero(object: Object, name: &str, number: f32) -> Object {
+    if number == 0.0 {
+        object
+    } else {
+        with_float(object, name, number)
+    }
+}
+
+pub fn with_integer(object: Object, name: &str, number: u32) -> Object {
+    with(object, name, Value::Integer(number.into()))
+}
+
+pub fn with_flag(object: Object, name: &str, truth: bool) -> Object {
+    with(object, name, Value::Boolean(truth))
+}
+
+pub fn with_string(object: Object, name: &str, text: &str) -> Object {
+    with(object, name, Value::String(text.to_owned()))
+}
+
+pub fn with_child(mut object: Object, child: Object) -> Object {
+    object.children.push(child.into());
+    object
+}
+
+pub fn with_to_world(object: Object, to_world: &Affine3A) -> Object {
+    match as_steps(to_world) {
+        steps if steps.is_empty() => object,
+        steps => with(object, "to_world", Value::Transform(steps)),
+    }
+}
+
+/// The pose of what looks along +z, as people write it.
+pub fn with_view(object: Object, to_world: &Affine3A) -> Object {
+    match as_look_at(to_world) {
+        Some(step) if *to_world != Affine3A::IDENTITY => with(object, "to_world", Value::Transform(vec![step])),
+        _ => with_to_world(object, to_world),
+    }
+}

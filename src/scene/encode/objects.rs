@@ -1,0 +1,219 @@
+//! Components as plugins of the file, every parameter spelled out. References to materials are not these functions' business.
+
+use std::ops::RangeInclusive;
+use std::path::Path;
+
+use bevy::math::Affine3A;
+
+use super::into_object::{
+    IntoObject, fov_axis_name, with, with_child, with_flag, with_float, with_integer, with_nonzero, with_string,
+    with_to_world, with_view,
+};
+use super::lights::area_light;
+use crate::color::Rgb;
+use crate::document::paths::file_name;
+use crate::document::{Category, Object, Value};
+use crate::scene::{
+    AreaLight, ConductorIor, Distribution, Film, HEIGHT, IntegratorSettings, Ior, Lens, Material, MeshFormat,
+    Parameter, ParameterVisitor, PrincipledIndex, ReconstructionFilter, Roughness, Sensor, Shape, ShapeKind,
+};
+
+/// `folder`: of the file that is written; names of pictures are relative to it.
+pub fn material(material: &Material, folder: &Path) -> Object {
+    let mut writer = IntoObject {
+        object: Object::new(Category::Bsdf, material.plugin()),
+        folder,
+    };
+    material.clone().visit(&mut writer);
+    writer.object
+}
+
+impl ParameterVisitor for IntoObject<'_> {
+    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        self.put_color(name, value);
+    }
+
+    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
+        self.put_color(name, value);
+    }
+
+    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, _range: RangeInclusive<f32>) {
+        self.put_float(name, value);
+    }
+
+    fn height(&mut self, value: &mut Parameter<f32>) {
+        // A number is no texture, and the format wants one.
+        if let Parameter::Texture(texture) = value {
+            self.put_texture(HEIGHT, texture);
+        }
+    }
+
+    fn number(&mut self, name: &'static str, value: &mut f32, _range: RangeInclusive<f32>) {
+        self.put(name, Value::Float(*value));
+    }
+
+    fn flag(&mut self, name: &'static str, value: &mut bool) {
+        self.put(name, Value::Boolean(*value));
+    }
+
+    fn extension(&mut self, name: &'static str, value: &mut bool) {
+        if *value {
+            self.flag(name, value);
+        }
+    }
+
+    fn ior(&mut self, name: &'static str, value: &mut Ior) {
+        let value = match value {
+            Ior::Named(name) => Value::String(name.clone()),
+            Ior::Number(number) => Value::Float(*number),
+        };
+        self.put(name, value);
+    }
+
+    fn conductor_ior(&mut self, value: &mut ConductorIor) {
+        match value {
+            ConductorIor::Named(name) => self.put("material", Value::String(name.clone())),
+            ConductorIor::Given { eta, k } => {
+                self.put_color("eta", eta);
+                self.put_color("k", k);
+            }
+        }
+    }
+
+    fn distribution(&mut self, value: &mut Distribution) {
+        let name = match value {
+            Distribution::Beckmann => "beckmann",
+            Distribution::Ggx => "ggx",
+        };
+        self.put("distribution", Value::String(name.to_owned()));
+    }
+
+    fn roughness(&mut self, value: &mut Roughness) {
+        match value {
+            Roughness::Isotropic(alpha) => self.put_float("alpha", alpha),
+            Roughness::Anisotropic { u, v } => {
+                self.put_float("alpha_u", u);
+                self.put_float("alpha_v", v);
+            }
+        }
+    }
+
+    fn principled_index(&mut self, value: &mut PrincipledIndex) {
+        match value {
+            PrincipledIndex::Specular(specular) => self.put("specular", Value::Float(*specular)),
+            PrincipledIndex::Eta(eta) => self.put("eta", Value::Float(*eta)),
+        }
+    }
+}
+
+/// `folder`: of the file that is written; the mesh's name is relative to it.
+pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folder: &Path) -> Object {
+    let object = |plugin: &str| Object::new(Category::Shape, plugin);
+    let object = match &shape.kind {
+        ShapeKind::Sphere { center, radius } => {
+            let object = with(object("sphere"), "center", Value::Point(*center));
+            with_float(object, "radius", *radius)
+        }
+        ShapeKind::Rectangle => object("rectangle"),
+        ShapeKind::Cube => object("cube"),
+        ShapeKind::Disk => object("disk"),
+        ShapeKind::Triangle { corners: [a, b, c] } => {
+            let object = with(object("triangle"), "v0", Value::Point(*a));
+            with(with(object, "v1", Value::Point(*b)), "v2", Value::Point(*c))
+        }
+        ShapeKind::Cylinder { p0, p1, radius } => {
+            let object = with(object("cylinder"), "p0", Value::Point(*p0));
+            with_float(with(object, "p1", Value::Point(*p1)), "radius", *radius)
+        }
+        // The group it shows is not these functions' business, and it has no other parameters.
+        ShapeKind::Instance => return with_to_world(object("instance"), to_world),
+        ShapeKind::Mesh(file) => {
+            let plugin = match file.format {
+                MeshFormat::Obj => "obj",
+                MeshFormat::Ply => "ply",
+                MeshFormat::Serialized => "serialized",
+            };
+            let object = with_string(object(plugin), "filename", &file_name(&file.path, folder));
+            let object = match file.format {
+                MeshFormat::Serialized => with_integer(object, "shape_index", file.shape_index),
+                MeshFormat::Obj | MeshFormat::Ply => with_flag(object, "flip_tex_coords", file.flip_tex_coords),
+            };
+            with_flag(object, "face_normals", file.face_normals)
+        }
+    };
+    let object = with_to_world(with_flag(object, "flip_normals", shape.flip_normals), to_world);
+    match area {
+        Some(light) => with_child(object, area_light(light, folder)),
+        None => object,
+    }
+}
+
+pub fn sensor(sensor: &Sensor, film: &Film, to_world: &Affine3A) -> Object {
+    let object = |plugin: &str| Object::new(Category::Sensor, plugin);
+    let object = match sensor.lens {
+        Lens::Pinhole => with_fov(object("perspective"), sensor),
+        Lens::Thin {
+            aperture_radius,
+            focus_distance,
+            blades,
+            blade_rotation,
+        } => {
+            let object = with_float(object("thinlens"), "aperture_radius", aperture_radius);
+            let object = with_float(object, "focus_distance", focus_distance);
+            let object = with_fov(object, sensor);
+            // An extension, which other readers need not see where it says nothing.
+            if blades < 3 {
+                object
+            } else {
+                with_float(with_integer(object, "blades", blades), "blade_rotation", blade_rotation)
+            }
+        }
+        Lens::Orthographic => object("orthographic"),
+    };
+    let object = with_float(object, "near_clip", sensor.near_clip);
+    let object = with_float(object, "far_clip", sensor.far_clip);
+    let offset = sensor.principal_point_offset;
+    let object = with_nonzero(object, "principal_point_offset_x", offset.x);
+    let object = with_nonzero(object, "principal_point_offset_y", offset.y);
+    let object = with_view(object, to_world);
+    let sampler = Object::new(Category::Sampler, "independent");
+    let sampler = with_integer(sampler, "sample_count", film.sample_count);
+    with_child(with_child(object, film_object(film)), sampler)
+}
+
+fn with_fov(object: Object, sensor: &Sensor) -> Object {
+    let object = with_float(object, "fov", sensor.fov);
+    with_string(object, "fov_axis", fov_axis_name(sensor.fov_axis))
+}
+
+fn film_object(film: &Film) -> Object {
+    let filter = |plugin: &str| Object::new(Category::ReconstructionFilter, plugin);
+    let filter = match film.filter {
+        ReconstructionFilter::Box => filter("box"),
+        ReconstructionFilter::Tent { radius } => with_float(filter("tent"), "radius", radius),
+        ReconstructionFilter::Gaussian { stddev } => with_float(filter("gaussian"), "stddev", stddev),
+        ReconstructionFilter::Mitchell { b, c } => with_float(with_float(filter("mitchell"), "B", b), "C", c),
+        ReconstructionFilter::CatmullRom => filter("catmullrom"),
+        ReconstructionFilter::Lanczos { lobes } => with_integer(filter("lanczos"), "lobes", lobes),
+    };
+    let object = with_integer(Object::new(Category::Film, "hdrfilm"), "width", film.width);
+    let mut object = with_integer(object, "height", film.height);
+    if let Some(crop) = film.crop {
+        object = with_integer(object, "crop_offset_x", crop.x);
+        object = with_integer(object, "crop_offset_y", crop.y);
+        object = with_integer(object, "crop_width", crop.width);
+        object = with_integer(object, "crop_height", crop.height);
+    }
+    with_child(object, filter)
+}
+
+pub fn integrator(settings: &IntegratorSettings) -> Object {
+    let depth = settings.max_depth.map_or(-1, i64::from);
+    let object = with(
+        Object::new(Category::Integrator, "path"),
+        "max_depth",
+        Value::Integer(depth),
+    );
+    let object = with_integer(object, "rr_depth", settings.rr_depth);
+    with_flag(object, "hide_emitters", settings.hide_emitters)
+}

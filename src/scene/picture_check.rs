@@ -1,0 +1,43 @@
+//! The picture files of a scene that is converted without being opened: whether they can be read.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use super::SceneDescription;
+use super::assets::texture_map::{TextureMapError, load_picture};
+use super::pictures::{negative_light, pictures_of_lights};
+use crate::document::{Diagnostics, Severity, Span};
+use crate::files::Access;
+
+/// Reads each picture that the scene names, and those of its meshes' materials; reports those that cannot be read, and those of lights that have
+/// negative pixels, where the scene names them first. All are warnings: the new file names the picture as well, whatever there is.
+pub fn check_pictures(
+    scene: &SceneDescription,
+    of_meshes: &BTreeSet<PathBuf>,
+    access: &Access,
+    diagnostics: &mut Diagnostics,
+) {
+    let lights = scene.shapes.iter().filter_map(|shape| shape.area_light.as_ref());
+    let shining = pictures_of_lights(lights, scene.emitters.iter().map(|emitter| &emitter.emitter));
+    let mut places: BTreeMap<&Path, Option<Span>> = of_meshes.iter().map(|path| (path.as_path(), None)).collect();
+    places.extend(
+        scene
+            .picture_places
+            .iter()
+            .map(|(path, span)| (path.as_path(), Some(*span))),
+    );
+    let mut places: Vec<_> = places.into_iter().collect();
+    places.sort_by_key(|(_, span)| span.map(|span| (span.source.0, span.start)));
+    for (path, span) in places {
+        let what = match load_picture(path, access) {
+            Err(TextureMapError::File(error)) if error.is_not_found() => "no such file".to_owned(),
+            Err(error) => error.to_string(),
+            Ok(picture) if picture.negative_pixels > 0 && shining.contains(path) => {
+                negative_light(picture.negative_pixels)
+            }
+            Ok(_) => continue,
+        };
+        let message = format!("picture {}: {what}", path.display());
+        diagnostics.push(Severity::Warning, span, message, None);
+    }
+}

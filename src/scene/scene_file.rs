@@ -1,0 +1,67 @@
+//! The file of the scene.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bevy::prelude::*;
+
+use super::FileProblem;
+use super::assets::SceneAsset;
+use super::description::PicturePlaces;
+use crate::document::Diagnostics;
+
+/// The file that the entities are from, and the one that was asked for since.
+#[derive(Resource, Debug, Default)]
+pub struct SceneFile {
+    /// Kept so that it stays loaded; None for a scene of no file.
+    pub(super) handle: Option<Handle<SceneAsset>>,
+    /// Empty for a scene of no file.
+    pub(super) path: PathBuf,
+    /// None once it was read, or could not be.
+    pub(super) asked: Option<Asked>,
+    /// What the spans of the entities' sources point into.
+    pub(super) good_diagnostics: Arc<Diagnostics>,
+    /// Into the same.
+    pub(super) picture_places: PicturePlaces,
+    /// It was written here, and nothing has been read of it since: what arrives may have been read before.
+    pub(super) was_written: bool,
+    /// See [`Self::hold`].
+    pub(super) is_held: bool,
+}
+
+/// A file that is to become the scene.
+#[derive(Clone, Debug)]
+pub(super) struct Asked {
+    pub handle: Handle<SceneAsset>,
+    pub path: PathBuf,
+    /// What was edited since the file was last read stays.
+    pub keeps_edits: bool,
+}
+
+impl SceneFile {
+    /// Whether there is a file whose changes become changes of the entities.
+    pub fn is_followed(&self) -> bool {
+        self.handle.is_some()
+    }
+
+    /// Whether what is read of this file stays aside for now: the user is being asked what is to become of its changes.
+    pub fn hold(&mut self, held: bool) {
+        self.is_held = held;
+    }
+
+    pub fn is_held(&self) -> bool {
+        self.is_held
+    }
+
+    /// What becomes of the file that the entities were read from is of no interest any more.
+    pub fn leave(&mut self) {
+        (self.handle, self.path) = (None, PathBuf::new());
+    }
+
+    /// What is wrong with a picture, at the place where it is named first, if the file names it.
+    pub(super) fn picture_problem(&self, path: &Path, what: &str) -> FileProblem {
+        let what = format!("picture {}: {what}", path.display());
+        let span = self.picture_places.get(path).copied();
+        FileProblem::new(path, span, what, &self.good_diagnostics)
+    }
+}
