@@ -11,9 +11,9 @@ use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
 use super::hit::{Hit, MeshHit};
 use super::memory::{CACHE, Table};
-use super::packet::{LANES, TrianglePacket};
 use super::spatial::cut_triangle;
 use super::traverse::Steps;
+use super::triangle_block::{LANES, TriangleBlock};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::triangle::{TriangleRay, is_regular};
 use crate::math::{Aabb, Ray};
@@ -26,7 +26,7 @@ const MOST_COST_REFITTED: f32 = 1.2;
 pub struct Blas {
     mesh: Arc<MeshData>,
     pub(super) bvh: Bvh,
-    packets: Table<TrianglePacket>,
+    blocks: Table<TriangleBlock>,
     /// The expected work of a ray when the hierarchy was built, not merely fitted to other vertices.
     cost_when_built: f32,
     /// Where rays begin that will have to wait for triangles, and know no better than to go on: the box around everything, empty if caches
@@ -68,14 +68,14 @@ impl Blas {
     }
 
     fn with_hierarchy(mesh: Arc<MeshData>, bvh: Bvh, cost_when_built: f32) -> Self {
-        let mut packets = Table::zeroed(bvh.order().len().div_ceil(LANES));
-        packets
+        let mut blocks = Table::zeroed(bvh.order().len().div_ceil(LANES));
+        blocks
             .par_iter_mut()
             .zip(bvh.order().par_chunks(LANES))
-            .for_each(|(packet, chunk)| {
-                *packet = TrianglePacket::EMPTY;
+            .for_each(|(block, chunk)| {
+                *block = TriangleBlock::EMPTY;
                 for (lane, &triangle) in chunk.iter().enumerate().filter(|&(_, &triangle)| triangle != u32::MAX) {
-                    packet.set(lane, mesh.corners(triangle as usize), triangle);
+                    block.set(lane, mesh.corners(triangle as usize), triangle);
                 }
             });
         let mut blas = Self {
@@ -84,7 +84,7 @@ impl Blas {
             affine: AffineMesh::of(&mesh),
             mesh,
             bvh,
-            packets,
+            blocks,
             cost_when_built,
         };
         if blas.bytes() > CACHE {
@@ -121,7 +121,7 @@ impl Blas {
 
     /// Of the hierarchy and the triangles in leaf order.
     pub(super) fn bytes(&self) -> usize {
-        self.bvh.bytes() + size_of_val(self.packets())
+        self.bvh.bytes() + size_of_val(self.blocks())
     }
 
     /// Checks the structure: as [`Bvh::validate`], but a triangle may be in several leaves if their boxes cover it together, which is looked
@@ -179,7 +179,7 @@ impl Blas {
         if self.afar_within.contains_point(ray.origin) {
             return self.closest_from_afar::<COUNT>(ray, steps);
         }
-        let mut nearest = Nearest::new(self.packets(), ray);
+        let mut nearest = Nearest::new(self.blocks(), ray);
         self.bvh
             .closest::<COUNT>(ray, steps, |leaf, t_max| nearest.visit(leaf, t_max));
         nearest.hit
@@ -187,7 +187,7 @@ impl Blas {
 
     #[inline(never)]
     fn closest_from_afar<const COUNT: bool>(&self, ray: &Ray, steps: &mut Steps) -> Option<MeshHit> {
-        let mut nearest = Nearest::new(self.packets(), ray);
+        let mut nearest = Nearest::new(self.blocks(), ray);
         let visit = |leaf, t_max: &mut f32| nearest.visit(leaf, t_max);
         self.bvh
             .closest_from_afar::<COUNT>(ray, steps, visit, |leaf| self.prefetch(leaf));
@@ -213,52 +213,52 @@ impl Blas {
 
     #[inline(always)]
     fn any_in(&self, leaf: Range<usize>, ray: &TriangleRay, t_max: f32) -> bool {
-        let packets = &self.packets()[Self::packets_of(leaf)];
-        packets.iter().any(|packet| packet.any(ray, t_max))
+        let blocks = &self.blocks()[Self::blocks_of(leaf)];
+        blocks.iter().any(|block| block.any(ray, t_max))
     }
 
-    /// Asks for the memory of a leaf's first packet.
+    /// Asks for the memory of a leaf's first block.
     #[inline(always)]
     fn prefetch(&self, leaf: &Range<usize>) {
-        if let Some(packet) = self.packets().get(leaf.start / LANES) {
-            packet.prefetch();
+        if let Some(block) = self.blocks().get(leaf.start / LANES) {
+            block.prefetch();
         }
     }
 
     /// The corners of the triangle that was hit. Where rays have just been, they are near.
     #[inline(always)]
     pub(super) fn corners(&self, hit: &Hit) -> [Vec3; 3] {
-        match self.packets.get(hit.slot as usize / LANES) {
-            Some(packet) => packet.corners(hit.slot as usize % LANES),
+        match self.blocks.get(hit.slot as usize / LANES) {
+            Some(block) => block.corners(hit.slot as usize % LANES),
             None => self.mesh.corners(hit.primitive as usize),
         }
     }
 
     /// In the order of the leaves.
     #[inline(always)]
-    pub(super) fn packets(&self) -> &[TrianglePacket] {
-        &self.packets
+    pub(super) fn blocks(&self) -> &[TriangleBlock] {
+        &self.blocks
     }
 
-    /// Where among the packets a leaf's triangles are, which are in `range` of the order.
+    /// Where among the blocks a leaf's triangles are, which are in `range` of the order.
     #[inline(always)]
-    pub(super) fn packets_of(range: Range<usize>) -> Range<usize> {
+    pub(super) fn blocks_of(range: Range<usize>) -> Range<usize> {
         range.start / LANES..range.end.div_ceil(LANES)
     }
 }
 
 /// What a lone ray has found so far.
 struct Nearest<'a> {
-    packets: &'a [TrianglePacket],
+    blocks: &'a [TriangleBlock],
     ray: TriangleRay,
     hit: Option<MeshHit>,
 }
 
 impl<'a> Nearest<'a> {
     #[inline(always)]
-    fn new(packets: &'a [TrianglePacket], ray: &Ray) -> Self {
+    fn new(blocks: &'a [TriangleBlock], ray: &Ray) -> Self {
         Self {
-            packets,
+            blocks,
             ray: TriangleRay::new(ray),
             hit: None,
         }
@@ -266,9 +266,9 @@ impl<'a> Nearest<'a> {
 
     #[inline(always)]
     fn visit(&mut self, leaf: Range<usize>, t_max: &mut f32) {
-        for number in Blas::packets_of(leaf) {
+        for number in Blas::blocks_of(leaf) {
             let nearest = self.hit.map(|hit| hit.slot);
-            if let Some(found) = self.packets[number].closest(number, &self.ray, *t_max, nearest) {
+            if let Some(found) = self.blocks[number].closest(number, &self.ray, *t_max, nearest) {
                 *t_max = found.t;
                 self.hit = Some(found);
             }

@@ -49,14 +49,14 @@ impl Blas {
     /// [`Self::intersect`] for the rays in `active`; `found` is told of the nearest hit of each one that has any.
     pub(super) fn intersect_bundle(&self, rays: &RayLanes, active: u32, mut found: impl FnMut(usize, MeshHit)) {
         let active = active & rays.usable();
-        let packets = self.packets();
-        let lone = packet_rays(rays);
+        let blocks = self.blocks();
+        let lone = triangle_rays(rays);
         let mut nearest: [Option<MeshHit>; LANES] = [None; LANES];
         self.bvh.walk_bundle::<false>(rays, active, |range, asked, t_max| {
-            for number in Self::packets_of(range) {
+            for number in Self::blocks_of(range) {
                 for lane in each_lane(asked) {
                     let own = nearest[lane].map(|hit| hit.slot);
-                    if let Some(hit) = packets[number].closest(number, &lone[lane], t_max.as_array()[lane], own) {
+                    if let Some(hit) = blocks[number].closest(number, &lone[lane], t_max.as_array()[lane], own) {
                         t_max.as_mut_array()[lane] = hit.t;
                         nearest[lane] = Some(hit);
                     }
@@ -74,14 +74,14 @@ impl Blas {
     /// [`Self::occluded`] for the rays in `active`, a bit each.
     pub(super) fn occluded_bundle(&self, rays: &RayLanes, active: u32) -> u32 {
         let active = active & rays.usable();
-        let packets = self.packets();
-        let lone = packet_rays(rays);
+        let blocks = self.blocks();
+        let lone = triangle_rays(rays);
         self.bvh.walk_bundle::<true>(rays, active, |range, asked, t_max| {
-            let packets = &packets[Self::packets_of(range)];
+            let blocks = &blocks[Self::blocks_of(range)];
             let hits = |lane: usize| {
-                packets
+                blocks
                     .iter()
-                    .any(|packet| packet.any(&lone[lane], t_max.as_array()[lane]))
+                    .any(|block| block.any(&lone[lane], t_max.as_array()[lane]))
             };
             each_lane(asked).fold(0, |bits, lane| bits | u32::from(hits(lane)) << lane)
         })
@@ -115,7 +115,7 @@ impl Tlas {
     #[inline(always)]
     fn intersect_item(&self, number: u32, rays: &RayLanes, asked: u32, mut found: impl FnMut(usize, Hit)) {
         match self.item(number) {
-            Item::Packet(packet) => each_hit(rays, asked, |ray| packet.closest(ray), found),
+            Item::Block(block) => each_hit(rays, asked, |ray| block.closest(ray), found),
             Item::Placement(placement) => {
                 let hit = |ray: &Ray| self.closest_placed::<false>(number, placement, ray, &mut Steps::default());
                 each_hit(rays, asked, hit, found);
@@ -149,7 +149,7 @@ impl Tlas {
     #[inline(always)]
     fn occluded_by_item(&self, number: u32, rays: &RayLanes, asked: u32) -> u32 {
         match self.item(number) {
-            Item::Packet(packet) => rays.those(asked, |ray| packet.any(ray)),
+            Item::Block(block) => rays.those(asked, |ray| block.any(ray)),
             Item::Placement(placement) => rays.those(asked, |ray| self.occluded_placed(placement, ray)),
             Item::Shape(shape) => match &shape.primitive {
                 Primitive::Mesh(mesh) => mesh.occluded_bundle(&shape.local_rays(rays), asked),
@@ -170,7 +170,7 @@ fn each_hit(rays: &RayLanes, asked: u32, intersect: impl Fn(&Ray) -> Option<Hit>
 }
 
 #[inline(always)]
-fn packet_rays(rays: &RayLanes) -> ArrayVec<TriangleRay, LANES> {
+fn triangle_rays(rays: &RayLanes) -> ArrayVec<TriangleRay, LANES> {
     (0..LANES).map(|lane| TriangleRay::new(&rays.get(lane))).collect()
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Rays of different paths have little in common, but where there are only a few shapes most of them have to be tested anyway. Rectangles,
 //! spheres, boxes and meshes of a few triangles are tested in vectors, a ray per lane; of other meshes only the bounds, and then the rays that
-//! meet these go into them together; where many shapes lie next to each other, packets of them. Where surfaces coincide, the ray of a lane may meet
+//! meet these go into them together; where many shapes lie next to each other, blocks of them. Where surfaces coincide, the ray of a lane may meet
 //! another one of them than a lone ray.
 
 use glam::{Vec2, Vec3};
@@ -12,23 +12,23 @@ use super::blas::Blas;
 use super::hit::Hit;
 use super::instance::{Instance, Primitive};
 use super::ray_lanes::RayLanes;
+use super::shape_block::ShapeBlock;
 use super::shape_lanes::{SlabLanes, cube, local_to, rectangle, sphere};
-use super::shape_packet::ShapePacket;
 use super::tiny_mesh::TinyMesh;
 use super::traverse::Steps;
 use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};
 
-/// Above these the hierarchy wins: of shapes that are alone, and of packets.
+/// Above these the hierarchy wins: of shapes that are alone, and of blocks.
 const MOST_SHAPES: usize = 24;
-const MOST_PACKETS: usize = 64;
+const MOST_BLOCKS: usize = 64;
 
 /// The shapes that [`FewShapes`] was made of.
 #[derive(Clone, Copy)]
 pub(super) struct Shapes<'a> {
     pub instances: &'a [Instance],
-    pub packets: &'a [ShapePacket],
+    pub blocks: &'a [ShapeBlock],
 }
 
 /// The shapes of a scene that has few, the cheap ones first.
@@ -58,8 +58,8 @@ enum Kind {
     /// A mesh, with its local bounds.
     Boxed(Aabb),
     Other,
-    /// All packets of the scene.
-    Packets,
+    /// All blocks of the scene.
+    Blocks,
 }
 
 /// The nearest hits so far.
@@ -76,25 +76,25 @@ struct Nearest {
 }
 
 impl FewShapes {
-    /// None if they are too many, even with those in `packets` taken together.
+    /// None if they are too many, even with those in `blocks` taken together.
     pub fn new(scene: Shapes) -> Option<Self> {
-        let Shapes { instances, packets } = scene;
+        let Shapes { instances, blocks } = scene;
         let mut alone = vec![true; instances.len()];
         let mut shapes = Vec::new();
         if instances.len() > MOST_SHAPES {
-            for &member in packets.iter().flat_map(ShapePacket::members) {
+            for &member in blocks.iter().flat_map(ShapeBlock::members) {
                 alone[member as usize] = false;
             }
-            shapes.push(FewShape::PACKETS);
+            shapes.push(FewShape::BLOCKS);
         }
-        if packets.len() > MOST_PACKETS || alone.iter().filter(|&&alone| alone).count() > MOST_SHAPES {
+        if blocks.len() > MOST_BLOCKS || alone.iter().filter(|&&alone| alone).count() > MOST_SHAPES {
             return None;
         }
         let alone = (0..).zip(instances).filter(|&(index, _)| alone[index as usize]);
         shapes.extend(alone.map(|(index, shape)| FewShape::new(index, shape)));
         shapes.sort_by_key(|shape| match &shape.kind {
             Kind::Rectangle | Kind::Square(_) | Kind::Sphere | Kind::Cube(_) => 0,
-            Kind::Packets | Kind::Other => 1,
+            Kind::Blocks | Kind::Other => 1,
             Kind::TinyMesh(_) => 2,
             Kind::Boxed(_) => 3,
         });
@@ -158,7 +158,7 @@ impl FewShapes {
                         None => {}
                     }
                 }
-                Kind::Packets => nearest.ask_packets(active, number, scene.packets, rays),
+                Kind::Blocks => nearest.ask_blocks(active, number, scene.blocks, rays),
                 Kind::Other => nearest.ask(active, number, shape, scene, rays),
             }
         }
@@ -174,7 +174,7 @@ impl FewShapes {
                 Kind::Square(face) => face.at(place),
                 Kind::Cube(faces) => faces[triangle].at(place),
                 Kind::TinyMesh(mesh) => (mesh.triangle(triangle), u, v),
-                Kind::Boxed(_) | Kind::Other | Kind::Packets => continue,
+                Kind::Boxed(_) | Kind::Other | Kind::Blocks => continue,
             };
             let t = nearest.t.as_array()[lane];
             hits[lane] = Some(Hit {
@@ -220,7 +220,7 @@ impl FewShapes {
                             None => 0,
                         }
                     }
-                    Kind::Packets => any_of_packets(left, scene.packets, rays),
+                    Kind::Blocks => any_of_blocks(left, scene.blocks, rays),
                     Kind::Other => rays.those(left, |ray| shape.instance(scene).occluded(ray)),
                 };
         }
@@ -229,9 +229,9 @@ impl FewShapes {
 }
 
 impl FewShape {
-    const PACKETS: Self = Self {
+    const BLOCKS: Self = Self {
         instance: 0,
-        kind: Kind::Packets,
+        kind: Kind::Blocks,
         rows: [Vec3::ZERO; 3],
         place: Vec3::ZERO,
     };
@@ -315,14 +315,14 @@ impl Nearest {
         }
     }
 
-    /// The rays of the lanes `asked` ask the packets whose boxes they meet.
+    /// The rays of the lanes `asked` ask the blocks whose boxes they meet.
     #[inline(never)]
-    fn ask_packets(&mut self, asked: u32, number: Lanes, packets: &[ShapePacket], rays: &RayLanes) {
+    fn ask_blocks(&mut self, asked: u32, number: Lanes, blocks: &[ShapeBlock], rays: &RayLanes) {
         let slabs = SlabLanes::new(rays);
-        for packet in packets {
-            let met = slabs.meets(&packet.bounds, self.t).to_bitmask() & asked;
+        for block in blocks {
+            let met = slabs.meets(&block.bounds, self.t).to_bitmask() & asked;
             for lane in each_lane(met) {
-                if let Some(hit) = packet.closest(&self.shortened(lane, rays)) {
+                if let Some(hit) = block.closest(&self.shortened(lane, rays)) {
                     self.set(lane, number, hit);
                 }
             }
@@ -337,14 +337,14 @@ impl Nearest {
     }
 }
 
-/// A bit for each of the lanes in `asked` whose ray meets anything in the packets.
+/// A bit for each of the lanes in `asked` whose ray meets anything in the blocks.
 #[inline(never)]
-fn any_of_packets(asked: u32, packets: &[ShapePacket], rays: &RayLanes) -> u32 {
+fn any_of_blocks(asked: u32, blocks: &[ShapeBlock], rays: &RayLanes) -> u32 {
     let slabs = SlabLanes::new(rays);
     let mut hit = 0;
-    for packet in packets {
-        let met = slabs.meets(&packet.bounds, rays.t_max).to_bitmask() & asked & !hit;
-        hit |= rays.those(met, |ray| packet.any(ray));
+    for block in blocks {
+        let met = slabs.meets(&block.bounds, rays.t_max).to_bitmask() & asked & !hit;
+        hit |= rays.those(met, |ray| block.any(ray));
     }
     hit
 }

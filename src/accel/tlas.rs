@@ -12,7 +12,7 @@ use super::instance::{Instance, Primitive};
 use super::memory::CACHE;
 use super::placement::Placement;
 use super::ray_lanes::RayLanes;
-use super::shape_packet::ShapePacket;
+use super::shape_block::ShapeBlock;
 use super::traverse::Steps;
 use crate::math::lanes::{LANES, each_lane};
 use crate::math::{Aabb, Ray};
@@ -27,8 +27,8 @@ pub struct Tlas {
     /// Per group, the number of shapes before its first member.
     first_shape: Vec<usize>,
     placements: Vec<Placement>,
-    packets: Vec<ShapePacket>,
-    /// Over the instances that are in no packet and, counted on from all of them, the placements and then the packets.
+    blocks: Vec<ShapeBlock>,
+    /// Over the instances that are in no block and, counted on from all of them, the placements and then the blocks.
     pub(super) bvh: Bvh,
     /// If there are few shapes and nothing else.
     pub(super) few: Option<FewShapes>,
@@ -42,7 +42,7 @@ pub struct Tlas {
 pub(super) enum Item<'a> {
     Shape(&'a Instance),
     Placement(&'a Placement),
-    Packet(&'a ShapePacket),
+    Block(&'a ShapeBlock),
 }
 
 impl Tlas {
@@ -67,13 +67,13 @@ impl Tlas {
                 first
             })
             .collect();
-        let packets = ShapePacket::gather(&instances, method);
+        let blocks = ShapeBlock::gather(&instances, method);
         let few = placements
             .is_empty()
             .then(|| {
                 FewShapes::new(Shapes {
                     instances: &instances,
-                    packets: &packets,
+                    blocks: &blocks,
                 })
             })
             .flatten();
@@ -84,14 +84,14 @@ impl Tlas {
             groups,
             first_shape,
             placements,
-            packets,
+            blocks,
             bvh: Bvh::build(&[], method, LEAF_SIZE),
             few,
             is_large: false,
             has_vertex_normals,
         };
-        let in_packet = tlas.in_packet();
-        let bounds = |number: usize| tlas.item_bounds(number, &in_packet);
+        let in_block = tlas.in_block();
+        let bounds = |number: usize| tlas.item_bounds(number, &in_block);
         tlas.bvh = Bvh::over(tlas.item_count(), bounds, None, method, LEAF_SIZE);
         tlas.is_large = tlas.bytes() > CACHE;
         tlas
@@ -112,7 +112,7 @@ impl Tlas {
     pub(super) fn shapes(&self) -> Shapes<'_> {
         Shapes {
             instances: &self.instances,
-            packets: &self.packets,
+            blocks: &self.blocks,
         }
     }
 
@@ -157,26 +157,26 @@ impl Tlas {
         placement.world_bounds(&flat.map_or(Aabb::EMPTY, |group| group.bounds()))
     }
 
-    /// Whether each instance is in a packet.
-    fn in_packet(&self) -> Vec<bool> {
-        let mut in_packet = vec![false; self.instances.len()];
-        for &member in self.packets.iter().flat_map(ShapePacket::members) {
-            in_packet[member as usize] = true;
+    /// Whether each instance is in a block.
+    fn in_block(&self) -> Vec<bool> {
+        let mut in_block = vec![false; self.instances.len()];
+        for &member in self.blocks.iter().flat_map(ShapeBlock::members) {
+            in_block[member as usize] = true;
         }
-        in_packet
+        in_block
     }
 
     fn item_count(&self) -> usize {
-        self.instances.len() + self.placements.len() + self.packets.len()
+        self.instances.len() + self.placements.len() + self.blocks.len()
     }
 
-    /// The world bounds of an item of the hierarchy. An instance that is in a packet has empty bounds.
-    fn item_bounds(&self, number: usize, in_packet: &[bool]) -> Aabb {
+    /// The world bounds of an item of the hierarchy. An instance that is in a block has empty bounds.
+    fn item_bounds(&self, number: usize, in_block: &[bool]) -> Aabb {
         match self.item(number as u32) {
-            Item::Shape(_) if in_packet[number] => Aabb::EMPTY,
+            Item::Shape(_) if in_block[number] => Aabb::EMPTY,
             Item::Shape(shape) => shape.world_bounds(),
             Item::Placement(placement) => self.placed_bounds(placement),
-            Item::Packet(packet) => packet.bounds,
+            Item::Block(block) => block.bounds,
         }
     }
 
@@ -189,7 +189,7 @@ impl Tlas {
         let beyond = number - self.instances.len();
         match self.placements.get(beyond) {
             Some(placement) => Item::Placement(placement),
-            None => Item::Packet(&self.packets[beyond - self.placements.len()]),
+            None => Item::Block(&self.blocks[beyond - self.placements.len()]),
         }
     }
 
@@ -229,20 +229,20 @@ impl Tlas {
                 _ => None,
             })
             .collect();
-        let own = self.bvh.bytes() + size_of_val(self.instances.as_slice()) + size_of_val(self.packets.as_slice());
+        let own = self.bvh.bytes() + size_of_val(self.instances.as_slice()) + size_of_val(self.blocks.as_slice());
         own + meshes.values().sum::<usize>() + self.groups.iter().map(|group| group.bytes()).sum::<usize>()
     }
 
     /// Figures of the hierarchy over instances and placements alone; those of groups and meshes are theirs. `bytes` includes the
-    /// placements and packets.
+    /// placements and blocks.
     pub fn stats(&self) -> BvhStats {
         let mut stats = self.bvh.stats();
-        stats.bytes += size_of_val(self.placements.as_slice()) + size_of_val(self.packets.as_slice());
+        stats.bytes += size_of_val(self.placements.as_slice()) + size_of_val(self.blocks.as_slice());
         stats
     }
 
     /// [`Bvh::expected_work`] of the hierarchy over everything and those in its leaves together: a mesh or a group counts what its own does,
-    /// shapes in a packet one each.
+    /// shapes in a block one each.
     pub fn expected_work(&self) -> f64 {
         // Each mesh is asked once, however often it stands there.
         let mut of_mesh: HashMap<*const Blas, f64> = HashMap::new();
@@ -260,15 +260,15 @@ impl Tlas {
         self.bvh.expected_work(|number| match self.item(number) {
             Item::Shape(_) => of_shape[number as usize],
             Item::Placement(placement) => of_group.get(placement.group as usize).copied().unwrap_or(0.0),
-            Item::Packet(packet) => packet.members().len() as f64,
+            Item::Block(block) => block.members().len() as f64,
         })
     }
 
-    /// [`Bvh::validate`] against the bounds of instances, placements and packets.
+    /// [`Bvh::validate`] against the bounds of instances, placements and blocks.
     pub fn validate(&self) -> Result<(), String> {
-        let in_packet = self.in_packet();
+        let in_block = self.in_block();
         let bounds: Vec<Aabb> = (0..self.item_count())
-            .map(|number| self.item_bounds(number, &in_packet))
+            .map(|number| self.item_bounds(number, &in_block))
             .collect();
         self.bvh.validate(&bounds)
     }
@@ -292,11 +292,11 @@ impl Tlas {
                 let found = match self.item(number) {
                     Item::Shape(shape) => shape.closest::<COUNT>(number, &ray, &mut inner),
                     Item::Placement(placement) => self.closest_placed::<COUNT>(number, placement, &ray, &mut inner),
-                    Item::Packet(packet) => {
+                    Item::Block(block) => {
                         if COUNT {
-                            inner.primitives += packet.members().len() as u32 - 1;
+                            inner.primitives += block.members().len() as u32 - 1;
                         }
-                        packet.closest(&ray)
+                        block.closest(&ray)
                     }
                 };
                 if let Some(hit) = found {
@@ -364,7 +364,7 @@ impl Tlas {
             self.bvh.order()[range].iter().any(|&number| match self.item(number) {
                 Item::Shape(shape) => shape.occluded(ray),
                 Item::Placement(placement) => self.occluded_placed(placement, ray),
-                Item::Packet(packet) => packet.any(ray),
+                Item::Block(block) => block.any(ray),
             })
         })
     }

@@ -510,7 +510,7 @@ fn instances_agree_with_brute_force() {
                 let hit = tlas.intersect(&ray);
                 let agrees = match (hit, answer) {
                     (None, None) => true,
-                    // Shapes in packets are tested in single precision.
+                    // Shapes in blocks are tested in single precision.
                     (Some(hit), Some((t, index))) => hit.instance == index && (hit.t - t).abs() < 1e-5 * (1.0 + t),
                     _ => false,
                 };

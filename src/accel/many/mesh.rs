@@ -7,9 +7,9 @@ use super::{OUTWARD, Place, Progress, Stack, Walk, members, take_turns};
 use crate::accel::blas::Blas;
 use crate::accel::hit::MeshHit;
 use crate::accel::node::{Child, Node, RaySlabLanes, RaySlabs, WIDTH};
-use crate::accel::packet::TrianglePacket;
 use crate::accel::ray_lanes::RayLanes;
 use crate::accel::traverse::push_far_to_near;
+use crate::accel::triangle_block::TriangleBlock;
 use crate::geometry::triangle::TriangleRay;
 use crate::math::Ray;
 use crate::math::lanes::LANES;
@@ -77,12 +77,12 @@ impl Blas {
             });
         }
         if self.bvh.is_linear() {
-            // Its leaf has many packets.
+            // Its leaf has many blocks.
             walks.iter_mut().for_each(|walk| walk.progress.give_up());
         }
         let mesh = MeshTables {
             nodes: &self.bvh.nodes,
-            packets: self.packets(),
+            blocks: self.blocks(),
         };
         take_turns(&mut walks, &mesh, active);
         for index in members::<LANES>(active) {
@@ -131,7 +131,7 @@ impl Start {
 
 struct MeshTables<'a> {
     nodes: &'a [Node],
-    packets: &'a [TrianglePacket],
+    blocks: &'a [TriangleBlock],
 }
 
 struct MeshWalk<'a, const ANY: bool> {
@@ -164,7 +164,7 @@ impl<'a, const ANY: bool> Walk for MeshWalk<'a, ANY> {
     fn visit_triangles(&mut self, mesh: &MeshTables) {
         let number = self.progress.next.index();
         let nearest = self.hit.map(|hit| hit.slot);
-        if let Some(hit) = mesh.packets[number].closest(number, &self.triangle_ray, self.progress.t_max, nearest) {
+        if let Some(hit) = mesh.blocks[number].closest(number, &self.triangle_ray, self.progress.t_max, nearest) {
             self.hit = Some(hit);
             self.progress.shorten(hit.t);
         }
@@ -184,8 +184,8 @@ impl<'a, const ANY: bool> Walk for MeshWalk<'a, ANY> {
 
     #[inline(always)]
     fn prefetch_triangles(&self, mesh: &MeshTables) {
-        if let Some(packet) = mesh.packets.get(self.progress.next.index()) {
-            packet.prefetch();
+        if let Some(block) = mesh.blocks.get(self.progress.next.index()) {
+            block.prefetch();
         }
     }
 }

@@ -7,9 +7,9 @@ use crate::accel::bvh::Bvh;
 use crate::accel::hit::Hit;
 use crate::accel::instance::Primitive;
 use crate::accel::node::{Child, RaySlabs};
-use crate::accel::packet::TrianglePacket;
-use crate::accel::shape_packet::ShapePacket;
+use crate::accel::shape_block::ShapeBlock;
 use crate::accel::tlas::{Item, Tlas};
+use crate::accel::triangle_block::TriangleBlock;
 use crate::geometry::triangle::TriangleRay;
 use crate::math::Ray;
 
@@ -75,7 +75,7 @@ struct Level<'a> {
     /// The mesh's, or else the scene's.
     bvh: &'a Bvh,
     /// The mesh's, or else none.
-    packets: &'a [TrianglePacket],
+    blocks: &'a [TriangleBlock],
     ray: Ray,
     slabs: RaySlabs,
     /// Within a mesh.
@@ -92,7 +92,7 @@ impl<'a> Level<'a> {
         Self {
             scene,
             bvh: &scene.bvh,
-            packets: &[],
+            blocks: &[],
             ray: *ray,
             slabs: RaySlabs::default(),
             triangle_ray: TriangleRay::default(),
@@ -160,17 +160,17 @@ impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
                 });
                 return;
             }
-            Item::Packet(packet) => return self.visit_packet(packet, &ray),
+            Item::Block(block) => return self.visit_block(block, &ray),
         };
         let ray = shape.local_ray(&ray);
         if let Primitive::Mesh(mesh) = &shape.primitive {
-            // A leaf of a linear list has many packets.
+            // A leaf of a linear list has many blocks.
             if mesh.bvh().is_linear() {
                 return self.progress.give_up();
             }
             self.enter(Level {
                 bvh: mesh.bvh(),
-                packets: mesh.packets(),
+                blocks: mesh.blocks(),
                 triangle_ray: TriangleRay::new(&ray),
                 ray,
                 shape: item,
@@ -183,8 +183,8 @@ impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
 
     /// Out of line once more: its vectors take room that other shapes do without.
     #[inline(never)]
-    fn visit_packet(&mut self, packet: &ShapePacket, ray: &Ray) {
-        if let Some(hit) = packet.closest(ray) {
+    fn visit_block(&mut self, block: &ShapeBlock, ray: &Ray) {
+        if let Some(hit) = block.closest(ray) {
             self.take(hit);
         }
     }
@@ -209,7 +209,7 @@ impl<const ANY: bool> Walk for SceneWalk<'_, ANY> {
     #[inline(always)]
     fn go_on(&mut self) -> Place {
         let next = self.progress.go_on();
-        match (next.is_leaf(), next == Child::NONE || self.level.packets.is_empty()) {
+        match (next.is_leaf(), next == Child::NONE || self.level.blocks.is_empty()) {
             (false, _) => Place::Node,
             (true, false) => Place::Triangles,
             (true, true) => Place::Elsewhere,
@@ -225,13 +225,13 @@ impl<const ANY: bool> Walk for SceneWalk<'_, ANY> {
     #[inline(always)]
     fn visit_triangles(&mut self, (): &()) {
         let number = self.progress.next.index();
-        let packet = &self.level.packets[number];
+        let block = &self.level.blocks[number];
         let place = |hit: &Hit| match self.level.placement {
             None => hit.instance == self.level.shape,
             Some(placement) => (hit.instance, hit.member) == (placement, self.level.shape),
         };
         let nearest = self.hit.filter(place).map(|hit| hit.slot);
-        if let Some(hit) = packet.closest(number, &self.level.triangle_ray, self.progress.t_max, nearest) {
+        if let Some(hit) = block.closest(number, &self.level.triangle_ray, self.progress.t_max, nearest) {
             self.take(Hit::of_mesh(self.level.shape, hit));
         }
     }
@@ -254,8 +254,8 @@ impl<const ANY: bool> Walk for SceneWalk<'_, ANY> {
 
     #[inline(always)]
     fn prefetch_triangles(&self, (): &()) {
-        if let Some(packet) = self.level.packets.get(self.progress.next.index()) {
-            packet.prefetch();
+        if let Some(block) = self.level.blocks.get(self.progress.next.index()) {
+            block.prefetch();
         }
     }
 }

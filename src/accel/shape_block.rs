@@ -17,12 +17,12 @@ use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};
 
-/// As many shapes are worth a packet.
+/// As many shapes are worth a block.
 const FEWEST: usize = 3;
 
 /// Up to sixteen of them.
 #[derive(Clone, Debug)]
-pub(super) struct ShapePacket {
+pub(super) struct ShapeBlock {
     /// In the world.
     pub bounds: Aabb,
     /// Rows of their matrices from the world, and their places in the world.
@@ -38,8 +38,8 @@ pub(super) struct ShapePacket {
     members: [u32; LANES],
 }
 
-impl ShapePacket {
-    /// Of the shapes that have others of their size next to them; the rest are not for packets, or better off alone. A linear list has none.
+impl ShapeBlock {
+    /// Of the shapes that have others of their size next to them; the rest are not for blocks, or better off alone. A linear list has none.
     pub fn gather(instances: &[Instance], method: SplitMethod) -> Vec<Self> {
         if method == SplitMethod::Linear {
             return Vec::new();
@@ -61,7 +61,7 @@ impl ShapePacket {
             let others = around(&members[..place]).union(around(&members[place + 1..]));
             bounds[members[place] as usize].half_area() > 2.0 * others.half_area()
         };
-        let packet = |leaf: &[u32]| {
+        let block = |leaf: &[u32]| {
             let mut members: Vec<u32> = leaf.iter().copied().filter(|&member| member != NO_PRIMITIVE).collect();
             while members.len() >= FEWEST {
                 match (0..members.len()).find(|&place| dwarfs(place, &members)) {
@@ -72,11 +72,11 @@ impl ShapePacket {
             None
         };
         let leaves = Bvh::build(&bounds, method, LANES);
-        leaves.order().par_chunks(LANES).filter_map(packet).collect()
+        leaves.order().par_chunks(LANES).filter_map(block).collect()
     }
 
     fn new(instances: &[Instance], members: &[u32], bounds: Aabb) -> Self {
-        let mut packet = Self {
+        let mut block = Self {
             bounds,
             rows: [Vec3Lanes::ZERO; 3],
             place: Vec3Lanes::ZERO,
@@ -88,24 +88,24 @@ impl ShapePacket {
         };
         for (lane, &member) in members.iter().enumerate() {
             let shape = &instances[member as usize];
-            for (row, lanes) in packet.rows.iter_mut().enumerate() {
+            for (row, lanes) in block.rows.iter_mut().enumerate() {
                 lanes.set(lane, shape.local_from_world.matrix3.row(row).into());
             }
-            packet.place.set(lane, shape.world_from_local.translation.into());
+            block.place.set(lane, shape.world_from_local.translation.into());
             let radius = radius(shape);
-            packet.squared_radii = packet.squared_radii.zip(radius).map(|(mut squares, radius)| {
+            block.squared_radii = block.squared_radii.zip(radius).map(|(mut squares, radius)| {
                 squares.as_mut_array()[lane] = radius * radius;
                 squares
             });
             let kind = match shape.primitive {
-                Primitive::Sphere => &mut packet.spheres,
-                Primitive::Rectangle => &mut packet.rectangles,
-                _ => &mut packet.disks,
+                Primitive::Sphere => &mut block.spheres,
+                Primitive::Rectangle => &mut block.rectangles,
+                _ => &mut block.disks,
             };
             *kind |= 1 << lane;
-            packet.members[lane] = member;
+            block.members[lane] = member;
         }
-        packet
+        block
     }
 
     /// Numbers among the instances.
@@ -211,12 +211,12 @@ mod tests {
     fn shapes_are_gathered_by_place() {
         let mut shapes = row(|_| Vec3::ONE);
         shapes.push(placed(Primitive::Cylinder, Vec3::ONE, 0.0, Vec3::ZERO));
-        let packets = ShapePacket::gather(&shapes, SplitMethod::Sah);
-        let mut members: Vec<u32> = packets.iter().flat_map(ShapePacket::members).copied().collect();
-        for packet in &packets {
-            let around = packet.members().iter().map(|&k| shapes[k as usize].world_bounds());
-            assert_eq!(packet.bounds, around.fold(Aabb::EMPTY, Aabb::union));
-            assert!((FEWEST..=LANES).contains(&packet.members().len()));
+        let blocks = ShapeBlock::gather(&shapes, SplitMethod::Sah);
+        let mut members: Vec<u32> = blocks.iter().flat_map(ShapeBlock::members).copied().collect();
+        for block in &blocks {
+            let around = block.members().iter().map(|&k| shapes[k as usize].world_bounds());
+            assert_eq!(block.bounds, around.fold(Aabb::EMPTY, Aabb::union));
+            assert!((FEWEST..=LANES).contains(&block.members().len()));
         }
         members.sort_unstable();
         assert!(members.is_sorted_by(|a, b| a < b) && members.iter().all(|&k| k < 40));
@@ -229,11 +229,11 @@ mod tests {
             Vec3::new(60.0, 0.0, -700.0),
         );
         shapes.insert(0, floor);
-        let packets = ShapePacket::gather(&shapes, SplitMethod::Sah);
-        assert!(packets.iter().all(|packet| !packet.members().contains(&0)));
-        assert!(packets.iter().map(|packet| packet.members().len()).sum::<usize>() > 30);
-        assert!(ShapePacket::gather(&shapes, SplitMethod::Linear).is_empty());
-        assert!(ShapePacket::gather(&shapes[..3], SplitMethod::Sah).is_empty());
+        let blocks = ShapeBlock::gather(&shapes, SplitMethod::Sah);
+        assert!(blocks.iter().all(|block| !block.members().contains(&0)));
+        assert!(blocks.iter().map(|block| block.members().len()).sum::<usize>() > 30);
+        assert!(ShapeBlock::gather(&shapes, SplitMethod::Linear).is_empty());
+        assert!(ShapeBlock::gather(&shapes[..3], SplitMethod::Sah).is_empty());
     }
 
     /// Spheres that are round in the world, and stretched ones: what begins on one does not meet it again from outside.
@@ -244,22 +244,17 @@ mod tests {
             row(|k| Vec3::new(1.2, 0.3 + 0.02 * k as f32, 0.9)),
         ] {
             let scene = crate::accel::Tlas::build(shapes.clone(), SplitMethod::Sah);
-            let packets = ShapePacket::gather(&shapes, SplitMethod::Sah);
-            assert_eq!(
-                packets[0].squared_radii.is_some(),
-                shapes[0].world_bounds().min.y < -0.6
-            );
+            let blocks = ShapeBlock::gather(&shapes, SplitMethod::Sah);
+            assert_eq!(blocks[0].squared_radii.is_some(), shapes[0].world_bounds().min.y < -0.6);
             let mut met = 0;
             for k in 0..2000 {
                 let part = |factor: f32| (k as f32 * factor).fract() - 0.5;
                 let dir = Vec3::new(part(0.7548), part(0.5698), part(0.3117)).normalize();
                 let target = Vec3::new(3.0 * (k % 40) as f32, 0.5, -700.0);
-                let packet = packets
-                    .iter()
-                    .find(|packet| packet.members().contains(&(k as u32 % 40)));
-                let Some(packet) = packet else { continue };
+                let block = blocks.iter().find(|block| block.members().contains(&(k as u32 % 40)));
+                let Some(block) = block else { continue };
                 let ray = Ray::new(target - 9.0 * dir, dir);
-                let Some(hit) = packet.closest(&ray) else {
+                let Some(hit) = block.closest(&ray) else {
                     panic!("through the middle of {k}")
                 };
                 met += 1;
@@ -267,12 +262,8 @@ mod tests {
                 let n = point.geometric_normal;
                 let leave = |dir: Vec3| Ray::new(offset_origin(point.position, point.error, n, dir), dir);
                 let outside = leave(n + 0.9 * n.any_orthonormal_vector());
-                assert!(
-                    packet
-                        .closest(&outside)
-                        .is_none_or(|next| next.instance != hit.instance)
-                );
-                let within = packet.closest(&leave(-n)).unwrap();
+                assert!(block.closest(&outside).is_none_or(|next| next.instance != hit.instance));
+                let within = block.closest(&leave(-n)).unwrap();
                 assert!(within.instance == hit.instance && within.t > 0.2, "{within:?}");
             }
             assert!(met > 1000);

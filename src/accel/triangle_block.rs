@@ -1,4 +1,4 @@
-//! Triangles tested together: the arithmetic of [`crate::geometry::triangle`] over the lanes of a packet.
+//! Triangles tested together: the arithmetic of [`crate::geometry::triangle`] over the lanes of a block.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -14,14 +14,14 @@ type Lanes = f32x8;
 /// Corners in structure-of-arrays form. Unused lanes are no numbers, which no ray hits.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
-pub(super) struct TrianglePacket {
+pub(super) struct TriangleBlock {
     /// `corners[axis][corner]`, a triangle per lane.
     corners: [[Lanes; 3]; 3],
     /// The mesh's triangle in each lane.
     pub triangle: [u32; LANES],
 }
 
-impl TrianglePacket {
+impl TriangleBlock {
     pub const EMPTY: Self = Self {
         corners: [[Lanes::splat(f32::NAN); 3]; 3],
         triangle: [u32::MAX; LANES],
@@ -63,7 +63,7 @@ impl TrianglePacket {
         (t, weights, hits.to_bitmask())
     }
 
-    /// The nearest hit, `number` being that of the packet. Of two hits at the same distance the first slot counts, so that it does not matter
+    /// The nearest hit, `number` being that of the block. Of two hits at the same distance the first slot counts, so that it does not matter
     /// which is found first: `t_max` is where the slot `found` is hit, or else what a hit must be nearer than.
     #[inline(always)]
     pub fn closest(&self, number: usize, ray: &TriangleRay, t_max: f32, found: Option<u32>) -> Option<MeshHit> {
