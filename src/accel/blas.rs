@@ -334,7 +334,7 @@ mod tests {
         let mut lanes = RayLanes::NOWHERE;
         lanes.set(3, &ray);
         mesh.intersect_lanes(&lanes, 0xffff, |lane, hit| panic!("{lane}: {hit:?}"));
-        assert_eq!(mesh.occluded_bundle(&lanes, 0xffff), 0);
+        assert_eq!(mesh.occluded_packet(&lanes, 0xffff), 0);
     }
 
     /// With a direction that is infinite in the mesh's space.
@@ -343,10 +343,10 @@ mod tests {
         let mesh = Blas::build(Arc::new(unit_cube()), SplitMethod::Sah);
         let mut lanes = RayLanes::NOWHERE;
         (0..16).for_each(|lane| lanes.set(lane, &Ray::new(Vec3::ZERO, Vec3::INFINITY)));
-        mesh.intersect_bundle(&lanes, 0xffff, |lane, hit| panic!("{lane}: {hit:?}"));
+        mesh.intersect_packet(&lanes, 0xffff, |lane, hit| panic!("{lane}: {hit:?}"));
         mesh.intersect_lanes(&lanes, 0xffff, |lane, hit| panic!("{lane}: {hit:?}"));
         assert_eq!(
-            mesh.occluded_bundle(&lanes, 0xffff) | mesh.occluded_lanes(&lanes, 0xffff),
+            mesh.occluded_packet(&lanes, 0xffff) | mesh.occluded_lanes(&lanes, 0xffff),
             0
         );
     }

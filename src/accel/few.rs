@@ -101,7 +101,7 @@ impl FewShapes {
         Some(Self { shapes })
     }
 
-    /// Of the lanes in `active`. With `COHERENT` rays go through meshes as a bundle.
+    /// Of the lanes in `active`. With `COHERENT` rays go through meshes as a packet.
     pub fn closest<const COHERENT: bool>(&self, scene: Shapes, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let mut nearest = Nearest {
             t: rays.t_max,
@@ -149,7 +149,7 @@ impl FewShapes {
                     local.t_max = nearest.t;
                     let met = SlabLanes::new(&local).meets(bounds, nearest.t).to_bitmask() & active;
                     match shape.mesh(scene) {
-                        Some(mesh) if COHERENT => mesh.intersect_bundle(&local, met, |lane, hit| {
+                        Some(mesh) if COHERENT => mesh.intersect_packet(&local, met, |lane, hit| {
                             nearest.set(lane, number, Hit::of_mesh(shape.instance, hit));
                         }),
                         Some(mesh) => mesh.intersect_lanes(&local, met, |lane, hit| {
@@ -215,7 +215,7 @@ impl FewShapes {
                         let local = shape.local(rays);
                         let met = SlabLanes::new(&local).meets(bounds, rays.t_max).to_bitmask() & left;
                         match shape.mesh(scene) {
-                            Some(mesh) if COHERENT => mesh.occluded_bundle(&local, met),
+                            Some(mesh) if COHERENT => mesh.occluded_packet(&local, met),
                             Some(mesh) => mesh.occluded_lanes(&local, met),
                             None => 0,
                         }

@@ -84,8 +84,8 @@ fn agree(a: Option<Hit>, b: Option<Hit>) -> bool {
     }
 }
 
-/// Walked as a bundle, and in lanes.
-fn check_bundles(name: &str, scene: &Tlas, random: &mut Random) {
+/// Walked as a packet, and in lanes.
+fn check_packets(name: &str, scene: &Tlas, random: &mut Random) {
     let (mut met, mut missed, mut strays) = (0, 0, 0);
     for round in 0..600 {
         let one = ray(random);
@@ -106,15 +106,15 @@ fn check_bundles(name: &str, scene: &Tlas, random: &mut Random) {
             0xffff
         };
         let lanes = RayLanes::of(&rays);
-        let as_bundle = (
-            scene.intersect_bundle(&lanes, active),
-            scene.occluded_bundle(&lanes, active),
+        let as_packet = (
+            scene.intersect_packet(&lanes, active),
+            scene.occluded_packet(&lanes, active),
         );
         let in_lanes = (
             scene.intersect_lanes(&lanes, active),
             scene.occluded_lanes(&lanes, active),
         );
-        for (hits, occluded) in [as_bundle, in_lanes] {
+        for (hits, occluded) in [as_packet, in_lanes] {
             assert_eq!(occluded & !active, 0);
             for (lane, ray) in rays.iter().enumerate() {
                 if active >> lane & 1 == 0 {
@@ -135,26 +135,26 @@ fn check_bundles(name: &str, scene: &Tlas, random: &mut Random) {
 }
 
 #[test]
-fn bundles_and_lanes_meet_what_their_rays_meet() {
+fn packets_and_lanes_meet_what_their_rays_meet() {
     let random = &mut Random::new(11);
     for method in [SplitMethod::Sah, SplitMethod::Linear] {
         for count in [1, 5, 60] {
             let scene = Tlas::build(shapes(count, 0.4, random), method);
-            check_bundles(&format!("{count} shapes, {method:?}"), &scene, random);
+            check_packets(&format!("{count} shapes, {method:?}"), &scene, random);
         }
     }
     let large = Primitive::Mesh(Arc::new(Blas::build(Arc::new(wavy_sphere(150)), SplitMethod::Sah)));
     let large = Instance::new(large, transform(random, 0.8)).unwrap();
-    check_bundles("45,000 triangles", &Tlas::build(vec![large], SplitMethod::Sah), random);
+    check_packets("45,000 triangles", &Tlas::build(vec![large], SplitMethod::Sah), random);
     let groups = vec![Arc::new(Tlas::build(shapes(12, 0.3, random), SplitMethod::Sah))];
     let placed = (0..30)
         .map(|_| Placement::new(0, &transform(random, 0.2)).unwrap())
         .collect();
     let scene = Tlas::with_placements(shapes(7, 0.2, random), groups, placed, SplitMethod::Sah);
-    check_bundles("groups", &scene, random);
+    check_packets("groups", &scene, random);
     let nothing = Tlas::build(Vec::new(), SplitMethod::Sah);
     let lanes = RayLanes::of(&[(); LANES].map(|()| Ray::new(Vec3::ZERO, random.direction())));
-    assert_eq!(nothing.intersect_bundle(&lanes, 0xffff), [None; LANES]);
+    assert_eq!(nothing.intersect_packet(&lanes, 0xffff), [None; LANES]);
 }
 
 #[test]

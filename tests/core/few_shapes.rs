@@ -168,15 +168,15 @@ fn compare(scene: &Tlas, expected: &Tlas) {
         let rays: [Ray; LANES] = std::array::from_fn(|lane| ray(start + lane));
         let active = if start.is_multiple_of(64) { 0x5a3c } else { 0xffff };
         let rays_in_lanes = &RayLanes::of(&rays);
-        // Bundles are for rays that are alike, but right for all.
+        // Packets are for rays that are alike, but right for all.
         let (hits, occluded) = match start / LANES % 2 {
             0 => (
                 scene.intersect_lanes(rays_in_lanes, active),
                 scene.occluded_lanes(rays_in_lanes, active),
             ),
             _ => (
-                scene.intersect_bundle(rays_in_lanes, active),
-                scene.occluded_bundle(rays_in_lanes, active),
+                scene.intersect_packet(rays_in_lanes, active),
+                scene.occluded_packet(rays_in_lanes, active),
             ),
         };
         assert_eq!(occluded & !active, 0);
@@ -339,14 +339,14 @@ fn what_is_no_ray_meets_nothing() {
             let expected = scene.intersect(&rays.get(3)).is_some();
             for hits in [
                 scene.intersect_lanes(&rays, 0xffff),
-                scene.intersect_bundle(&rays, 0xffff),
+                scene.intersect_packet(&rays, 0xffff),
             ] {
                 let met: Vec<usize> = (0..LANES).filter(|&lane| hits[lane].is_some()).collect();
                 assert_eq!(met, if expected { vec![3] } else { vec![] }, "{copies}");
             }
             for occluded in [
                 scene.occluded_lanes(&rays, 0xffff),
-                scene.occluded_bundle(&rays, 0xffff),
+                scene.occluded_packet(&rays, 0xffff),
             ] {
                 assert_eq!(occluded, u32::from(expected) << 3, "{copies}");
             }

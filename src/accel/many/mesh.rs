@@ -59,7 +59,7 @@ impl Blas {
         let active = active & rays.usable();
         let mut starts = [Start::NOWHERE; LANES];
         self.bvh
-            .descend_bundle(rays, active, |lane, child, enter| starts[lane].push(child, enter));
+            .descend_packet(rays, active, |lane, child, enter| starts[lane].push(child, enter));
         let slabs = RaySlabLanes::new(rays);
         let rays = rays.rays();
         // They are large: made where they stay.

@@ -44,7 +44,7 @@ impl Coherence {
     /// What the rays of the lanes `asked` meet.
     pub fn intersect(self, geometry: &Tlas, rays: &RayLanes, asked: u32) -> [Option<Hit>; LANES] {
         match self {
-            Self::Coherent => geometry.intersect_bundle(rays, asked),
+            Self::Coherent => geometry.intersect_packet(rays, asked),
             Self::Incoherent => geometry.intersect_lanes(rays, asked),
         }
     }
@@ -52,7 +52,7 @@ impl Coherence {
     /// Which of the rays of the lanes `asked` meet something, a bit per lane.
     pub fn occluded(self, geometry: &Tlas, rays: &RayLanes, asked: u32) -> u32 {
         match self {
-            Self::Coherent => geometry.occluded_bundle(rays, asked),
+            Self::Coherent => geometry.occluded_packet(rays, asked),
             Self::Incoherent => geometry.occluded_lanes(rays, asked),
         }
     }

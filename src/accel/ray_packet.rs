@@ -47,12 +47,12 @@ impl Waiting {
 
 impl Blas {
     /// [`Self::intersect`] for the rays in `active`; `found` is told of the nearest hit of each one that has any.
-    pub(super) fn intersect_bundle(&self, rays: &RayLanes, active: u32, mut found: impl FnMut(usize, MeshHit)) {
+    pub(super) fn intersect_packet(&self, rays: &RayLanes, active: u32, mut found: impl FnMut(usize, MeshHit)) {
         let active = active & rays.usable();
         let blocks = self.blocks();
         let lone = triangle_rays(rays);
         let mut nearest: [Option<MeshHit>; LANES] = [None; LANES];
-        self.bvh.walk_bundle::<false>(rays, active, |range, asked, t_max| {
+        self.bvh.walk_packet::<false>(rays, active, |range, asked, t_max| {
             for number in Self::blocks_of(range) {
                 for lane in each_lane(asked) {
                     let own = nearest[lane].map(|hit| hit.slot);
@@ -72,11 +72,11 @@ impl Blas {
     }
 
     /// [`Self::occluded`] for the rays in `active`, a bit each.
-    pub(super) fn occluded_bundle(&self, rays: &RayLanes, active: u32) -> u32 {
+    pub(super) fn occluded_packet(&self, rays: &RayLanes, active: u32) -> u32 {
         let active = active & rays.usable();
         let blocks = self.blocks();
         let lone = triangle_rays(rays);
-        self.bvh.walk_bundle::<true>(rays, active, |range, asked, t_max| {
+        self.bvh.walk_packet::<true>(rays, active, |range, asked, t_max| {
             let blocks = &blocks[Self::blocks_of(range)];
             let hits = |lane: usize| {
                 blocks
@@ -90,7 +90,7 @@ impl Blas {
 
 impl Tlas {
     /// [`Self::intersect_lanes`] for rays that have much in common.
-    pub fn intersect_bundle(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
+    pub fn intersect_packet(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let active = active & rays.usable();
         if let Some(few) = &self.few {
             let hits = few.closest::<true>(self.shapes(), rays, active);
@@ -98,7 +98,7 @@ impl Tlas {
             return hits;
         }
         let mut nearest = [None; LANES];
-        self.bvh.walk_bundle::<false>(rays, active, |range, asked, t_max| {
+        self.bvh.walk_packet::<false>(rays, active, |range, asked, t_max| {
             for &number in &self.bvh.order()[range] {
                 let rays = RayLanes { t_max: *t_max, ..*rays };
                 self.intersect_item(number, &rays, asked, |lane, hit| {
@@ -121,7 +121,7 @@ impl Tlas {
                 each_hit(rays, asked, hit, found);
             }
             Item::Shape(shape) => match &shape.primitive {
-                Primitive::Mesh(mesh) => mesh.intersect_bundle(&shape.local_rays(rays), asked, |lane, hit| {
+                Primitive::Mesh(mesh) => mesh.intersect_packet(&shape.local_rays(rays), asked, |lane, hit| {
                     found(lane, Hit::of_mesh(number, hit));
                 }),
                 other => {
@@ -133,12 +133,12 @@ impl Tlas {
     }
 
     /// [`Self::occluded_lanes`] for rays that have much in common.
-    pub fn occluded_bundle(&self, rays: &RayLanes, active: u32) -> u32 {
+    pub fn occluded_packet(&self, rays: &RayLanes, active: u32) -> u32 {
         let active = active & rays.usable();
         if let Some(few) = &self.few {
             return few.any::<true>(self.shapes(), rays, active);
         }
-        self.bvh.walk_bundle::<true>(rays, active, |range, asked, _| {
+        self.bvh.walk_packet::<true>(rays, active, |range, asked, _| {
             let numbers = self.bvh.order()[range].iter();
             numbers.fold(0, |met, &number| {
                 met | self.occluded_by_item(number, rays, asked & !met)
@@ -152,7 +152,7 @@ impl Tlas {
             Item::Block(block) => rays.those(asked, |ray| block.any(ray)),
             Item::Placement(placement) => rays.those(asked, |ray| self.occluded_placed(placement, ray)),
             Item::Shape(shape) => match &shape.primitive {
-                Primitive::Mesh(mesh) => mesh.occluded_bundle(&shape.local_rays(rays), asked),
+                Primitive::Mesh(mesh) => mesh.occluded_packet(&shape.local_rays(rays), asked),
                 other => rays.those(asked, |ray| other.intersect(&shape.local_ray(ray)).is_some()),
             },
         }
@@ -178,7 +178,7 @@ impl Bvh {
     /// `leaf` is given the place of a leaf's primitives in the order, the rays that may meet them and how far each ray reaches, which it
     /// shortens; it returns those that it has met. With `ANY` these are done. Returns all that were met.
     #[inline(always)]
-    fn walk_bundle<const ANY: bool>(
+    fn walk_packet<const ANY: bool>(
         &self,
         rays: &RayLanes,
         active: u32,
@@ -219,7 +219,7 @@ impl Bvh {
     /// Takes the rays in `active` down together as long as [`CROWD`] of them go the same way. `alone` is told of the children that are left
     /// to each ray by itself, and where it enters them.
     #[inline(always)]
-    pub(super) fn descend_bundle(&self, rays: &RayLanes, active: u32, mut alone: impl FnMut(usize, Child, f32)) {
+    pub(super) fn descend_packet(&self, rays: &RayLanes, active: u32, mut alone: impl FnMut(usize, Child, f32)) {
         let slabs = SlabLanes::new(rays);
         let common = slabs.common_signs(active);
         let is_crowd = |child: Child, rays: u32| !child.is_leaf() && rays.count_ones() >= CROWD;
@@ -252,7 +252,7 @@ impl Bvh {
 /// From this number of rays on a node costs less for all together than for one after the other.
 const CROWD: u32 = 8;
 
-/// The boxes of a node that a bundle meets.
+/// The boxes of a node that a packet meets.
 struct BoxesMet {
     /// Where each ray enters each.
     enters: [Lanes; WIDTH],
