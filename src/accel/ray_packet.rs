@@ -92,8 +92,8 @@ impl Tlas {
     /// [`Self::intersect_lanes`] for rays that have much in common.
     pub fn intersect_packet(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let active = active & rays.usable();
-        if let Some(few) = &self.few {
-            let hits = few.closest::<true>(self.shapes(), rays, active);
+        if let Some(small) = &self.small_scene {
+            let hits = small.closest::<true>(self.shapes(), rays, active);
             self.prefetch_normals(&hits);
             return hits;
         }
@@ -135,8 +135,8 @@ impl Tlas {
     /// [`Self::occluded_lanes`] for rays that have much in common.
     pub fn occluded_packet(&self, rays: &RayLanes, active: u32) -> u32 {
         let active = active & rays.usable();
-        if let Some(few) = &self.few {
-            return few.any::<true>(self.shapes(), rays, active);
+        if let Some(small) = &self.small_scene {
+            return small.any::<true>(self.shapes(), rays, active);
         }
         self.bvh.walk_packet::<true>(rays, active, |range, asked, _| {
             let numbers = self.bvh.order()[range].iter();

@@ -1,4 +1,4 @@
-//! Spheres, rectangles and disks that lie next to each other, tested together by one ray: as in [`super::few`], but with a shape per lane
+//! Spheres, rectangles and disks that lie next to each other, tested together by one ray: as in [`super::small_scene`], but with a shape per lane
 //! in place of a ray.
 
 use std::ops::Range;

@@ -6,13 +6,13 @@ use std::sync::Arc;
 use super::blas::Blas;
 use super::build::SplitMethod;
 use super::bvh::{Bvh, BvhStats};
-use super::few::{FewShapes, Shapes};
 use super::hit::Hit;
 use super::instance::{Instance, Primitive};
 use super::memory::CACHE;
 use super::placement::Placement;
 use super::ray_lanes::RayLanes;
 use super::shape_block::ShapeBlock;
+use super::small_scene::{Shapes, SmallScene};
 use super::traverse::Steps;
 use crate::math::lanes::{LANES, each_lane};
 use crate::math::{Aabb, Ray};
@@ -31,7 +31,7 @@ pub struct Tlas {
     /// Over the instances that are in no block and, counted on from all of them, the placements and then the blocks.
     pub(super) bvh: Bvh,
     /// If there are few shapes and nothing else.
-    pub(super) few: Option<FewShapes>,
+    pub(super) small_scene: Option<SmallScene>,
     /// Whether it does not fit into a cache with all its meshes and groups: rays had better wait together.
     pub(super) is_large: bool,
     /// Whether any of its meshes has vertex normals that count.
@@ -68,10 +68,10 @@ impl Tlas {
             })
             .collect();
         let blocks = ShapeBlock::gather(&instances, method);
-        let few = placements
+        let small_scene = placements
             .is_empty()
             .then(|| {
-                FewShapes::new(Shapes {
+                SmallScene::new(Shapes {
                     instances: &instances,
                     blocks: &blocks,
                 })
@@ -86,7 +86,7 @@ impl Tlas {
             placements,
             blocks,
             bvh: Bvh::build(&[], method, LEAF_SIZE),
-            few,
+            small_scene,
             is_large: false,
             has_vertex_normals,
         };
@@ -331,8 +331,8 @@ impl Tlas {
     /// [`Self::intersect`] for each of the lanes in `active`; None in the others. Their surfaces are expected to be asked for next.
     pub fn intersect_lanes(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let active = active & rays.usable();
-        let hits = if let Some(few) = &self.few {
-            few.closest::<false>(self.shapes(), rays, active)
+        let hits = if let Some(small) = &self.small_scene {
+            small.closest::<false>(self.shapes(), rays, active)
         } else if self.is_large {
             self.intersect_many(&rays.rays(), active)
         } else {
@@ -349,8 +349,8 @@ impl Tlas {
     /// [`Self::occluded`] for each of the lanes in `active`, a bit per lane; clear in the others.
     pub fn occluded_lanes(&self, rays: &RayLanes, active: u32) -> u32 {
         let active = active & rays.usable();
-        if let Some(few) = &self.few {
-            return few.any::<false>(self.shapes(), rays, active);
+        if let Some(small) = &self.small_scene {
+            return small.any::<false>(self.shapes(), rays, active);
         }
         if self.is_large {
             return self.occluded_many(&rays.rays(), active);

@@ -24,7 +24,7 @@ use crate::math::{Aabb, Ray};
 const MOST_SHAPES: usize = 24;
 const MOST_BLOCKS: usize = 64;
 
-/// The shapes that [`FewShapes`] was made of.
+/// The shapes that [`SmallScene`] was made of.
 #[derive(Clone, Copy)]
 pub(super) struct Shapes<'a> {
     pub instances: &'a [Instance],
@@ -33,12 +33,12 @@ pub(super) struct Shapes<'a> {
 
 /// The shapes of a scene that has few, the cheap ones first.
 #[derive(Clone, Debug)]
-pub(super) struct FewShapes {
-    shapes: Vec<FewShape>,
+pub(super) struct SmallScene {
+    shapes: Vec<SceneShape>,
 }
 
 #[derive(Clone, Debug)]
-struct FewShape {
+struct SceneShape {
     /// Index into the instances.
     instance: u32,
     kind: Kind,
@@ -75,7 +75,7 @@ struct Nearest {
     whole: [Option<Hit>; LANES],
 }
 
-impl FewShapes {
+impl SmallScene {
     /// None if they are too many, even with those in `blocks` taken together.
     pub fn new(scene: Shapes) -> Option<Self> {
         let Shapes { instances, blocks } = scene;
@@ -85,13 +85,13 @@ impl FewShapes {
             for &member in blocks.iter().flat_map(ShapeBlock::members) {
                 alone[member as usize] = false;
             }
-            shapes.push(FewShape::BLOCKS);
+            shapes.push(SceneShape::BLOCKS);
         }
         if blocks.len() > MOST_BLOCKS || alone.iter().filter(|&&alone| alone).count() > MOST_SHAPES {
             return None;
         }
         let alone = (0..).zip(instances).filter(|&(index, _)| alone[index as usize]);
-        shapes.extend(alone.map(|(index, shape)| FewShape::new(index, shape)));
+        shapes.extend(alone.map(|(index, shape)| SceneShape::new(index, shape)));
         shapes.sort_by_key(|shape| match &shape.kind {
             Kind::Rectangle | Kind::Square(_) | Kind::Sphere | Kind::Cube(_) => 0,
             Kind::Blocks | Kind::Other => 1,
@@ -228,7 +228,7 @@ impl FewShapes {
     }
 }
 
-impl FewShape {
+impl SceneShape {
     const BLOCKS: Self = Self {
         instance: 0,
         kind: Kind::Blocks,
@@ -305,7 +305,7 @@ impl Nearest {
 
     /// The rays of the lanes `asked` ask the shape one by one.
     #[inline(always)]
-    fn ask(&mut self, asked: u32, number: Lanes, shape: &FewShape, scene: Shapes, rays: &RayLanes) {
+    fn ask(&mut self, asked: u32, number: Lanes, shape: &SceneShape, scene: Shapes, rays: &RayLanes) {
         let instance = shape.instance(scene);
         for lane in each_lane(asked) {
             let ray = self.shortened(lane, rays);
