@@ -11,7 +11,7 @@ mod bvh;
 mod collapse;
 mod hit;
 mod instance;
-mod many;
+mod interleaved;
 mod memory;
 mod node;
 mod order;

@@ -2,7 +2,7 @@
 //!
 //! Rays of one pixel, and those from what they meet to one light, visit nearly the same nodes and triangles, which are then fetched once
 //! for all (Wald, Slusallek, Benthin and Wagner, Interactive Rendering with Coherent Ray Tracing, Eurographics 2001). Rays without
-//! anything in common are slower than with [`super::many`]. Where surfaces coincide, a ray may meet another one of them than alone.
+//! anything in common are slower than with [`super::interleaved`]. Where surfaces coincide, a ray may meet another one of them than alone.
 
 use std::ops::Range;
 

@@ -334,7 +334,7 @@ impl Tlas {
         let hits = if let Some(small) = &self.small_scene {
             small.closest::<false>(self.shapes(), rays, active)
         } else if self.is_large {
-            self.intersect_many(&rays.rays(), active)
+            self.intersect_interleaved(&rays.rays(), active)
         } else {
             let mut hits = [None; LANES];
             for lane in each_lane(active) {
@@ -353,7 +353,7 @@ impl Tlas {
             return small.any::<false>(self.shapes(), rays, active);
         }
         if self.is_large {
-            return self.occluded_many(&rays.rays(), active);
+            return self.occluded_interleaved(&rays.rays(), active);
         }
         rays.those(active, |ray| self.occluded(ray))
     }

@@ -27,8 +27,8 @@ mod support;
 mod wavy_sphere;
 
 mod accel;
-mod accel_many;
 mod accel_surface;
+mod accel_together;
 mod bsdf;
 mod bsdf_delta;
 mod bsdf_plastic;

@@ -54,8 +54,8 @@ fn check<const N: usize>(name: &str, scene: &Tlas, random: &mut Random) {
         let rays: [Ray; N] = std::array::from_fn(|_| ray(random));
         let active = if round % 3 == 0 { random.next_u32() } else { u32::MAX };
         let is_active = |index: usize| active >> index & 1 == 1;
-        let hits = scene.intersect_many(&rays, active);
-        let occluded = scene.occluded_many(&rays, active);
+        let hits = scene.intersect_interleaved(&rays, active);
+        let occluded = scene.occluded_interleaved(&rays, active);
         for (index, ray) in rays.iter().enumerate() {
             let alone = scene.intersect(ray).filter(|_| is_active(index));
             assert_eq!(hits[index], alone, "{name}: {ray:?}");
@@ -177,7 +177,7 @@ fn rays_together_get_the_answers_they_get_alone() {
         check::<32>(&format!("groups, {method:?}"), &scene, random);
     }
     assert_eq!(
-        Tlas::build(Vec::new(), SplitMethod::Sah).intersect_many(&[Ray::new(Vec3::ZERO, Vec3::X); 3], 7),
+        Tlas::build(Vec::new(), SplitMethod::Sah).intersect_interleaved(&[Ray::new(Vec3::ZERO, Vec3::X); 3], 7),
         [None; 3]
     );
 }

@@ -142,7 +142,7 @@ struct MeshWalk<'a, const ANY: bool> {
 }
 
 impl<'a, const ANY: bool> Walk for MeshWalk<'a, ANY> {
-    type Around = MeshTables<'a>;
+    type Context = MeshTables<'a>;
 
     #[inline(always)]
     fn go_on(&mut self) -> Place {

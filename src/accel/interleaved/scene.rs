@@ -15,9 +15,9 @@ use crate::math::Ray;
 
 impl Tlas {
     /// [`Tlas::intersect`] of each ray whose bit is set in `active`, `None` for the others. `N` is at most 32.
-    pub fn intersect_many<const N: usize>(&self, rays: &[Ray; N], active: u32) -> [Option<Hit>; N] {
+    pub fn intersect_interleaved<const N: usize>(&self, rays: &[Ray; N], active: u32) -> [Option<Hit>; N] {
         let mut hits = [None; N];
-        self.walk_many::<false, N>(rays, active, |index, walk| {
+        self.walk_interleaved::<false, N>(rays, active, |index, walk| {
             hits[index] = if walk.progress.lost {
                 self.intersect(&rays[index])
             } else {
@@ -28,9 +28,9 @@ impl Tlas {
     }
 
     /// [`Tlas::occluded`] of each ray whose bit is set in `active`; the others' bits are zero. `N` is at most 32.
-    pub fn occluded_many<const N: usize>(&self, rays: &[Ray; N], active: u32) -> u32 {
+    pub fn occluded_interleaved<const N: usize>(&self, rays: &[Ray; N], active: u32) -> u32 {
         let mut occluded = 0;
-        self.walk_many::<true, N>(rays, active, |index, walk| {
+        self.walk_interleaved::<true, N>(rays, active, |index, walk| {
             let hit = if walk.progress.lost {
                 self.occluded(&rays[index])
             } else {
@@ -42,7 +42,7 @@ impl Tlas {
     }
 
     #[inline(always)]
-    fn walk_many<const ANY: bool, const N: usize>(
+    fn walk_interleaved<const ANY: bool, const N: usize>(
         &self,
         rays: &[Ray; N],
         active: u32,
@@ -104,7 +104,7 @@ impl<'a> Level<'a> {
 
 struct SceneWalk<'a, const ANY: bool> {
     level: Level<'a>,
-    around: ArrayVec<Level<'a>, 2>,
+    outer: ArrayVec<Level<'a>, 2>,
     progress: Progress<'a, ANY>,
     hit: Option<Hit>,
 }
@@ -116,7 +116,7 @@ impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
         Self {
             progress: Progress::new(waiting, level.ray.t_max),
             level,
-            around: ArrayVec::new(),
+            outer: ArrayVec::new(),
             hit: None,
         }
     }
@@ -128,7 +128,7 @@ impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
             return;
         };
         let outer = std::mem::replace(&mut self.level, Level { slabs, ..inner });
-        match self.around.try_push(outer) {
+        match self.outer.try_push(outer) {
             Ok(()) => self.progress.enter(),
             Err(_) => self.progress.give_up(),
         }
@@ -204,7 +204,7 @@ impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
 }
 
 impl<const ANY: bool> Walk for SceneWalk<'_, ANY> {
-    type Around = ();
+    type Context = ();
 
     #[inline(always)]
     fn go_on(&mut self) -> Place {
@@ -241,7 +241,7 @@ impl<const ANY: bool> Walk for SceneWalk<'_, ANY> {
             self.visit_shape();
             return true;
         }
-        let outer = self.around.pop();
+        let outer = self.outer.pop();
         outer.map(|outer| self.level = outer).is_some()
     }
 
@@ -296,11 +296,11 @@ mod tests {
         let scene = Tlas::build(shapes, SplitMethod::Sah);
         let rays = [Ray::new(Vec3::ZERO, dir), Ray::new(Vec3::ZERO, -dir)];
         let mut lost = [false; 2];
-        scene.walk_many::<false, 2>(&rays, 3, |index, walk| lost[index] = walk.progress.lost);
+        scene.walk_interleaved::<false, 2>(&rays, 3, |index, walk| lost[index] = walk.progress.lost);
         assert_eq!(lost, [true, false]);
         let alone = rays.map(|ray| scene.intersect(&ray));
         assert_eq!(alone.map(|hit| hit.map(|hit| hit.instance)), [Some(110), None]);
-        assert_eq!(scene.intersect_many(&rays, 3), alone);
-        assert_eq!(scene.occluded_many(&rays, 3), 1);
+        assert_eq!(scene.intersect_interleaved(&rays, 3), alone);
+        assert_eq!(scene.occluded_interleaved(&rays, 3), 1);
     }
 }

@@ -14,17 +14,17 @@ use super::traverse::{push_sorted, push_unsorted};
 /// A ray on its way.
 trait Walk {
     /// What all of them walk through.
-    type Around;
+    type Context;
 
     /// Picks the next step.
     fn go_on(&mut self) -> Place;
-    fn visit_node(&mut self, around: &Self::Around);
-    fn visit_triangles(&mut self, around: &Self::Around);
+    fn visit_node(&mut self, context: &Self::Context);
+    fn visit_triangles(&mut self, context: &Self::Context);
     /// False if it has come to its end.
-    fn visit_elsewhere(&mut self, around: &Self::Around) -> bool;
+    fn visit_elsewhere(&mut self, context: &Self::Context) -> bool;
     /// Asks for the memory of a step that is picked.
-    fn prefetch_node(&self, around: &Self::Around);
-    fn prefetch_triangles(&self, around: &Self::Around);
+    fn prefetch_node(&self, context: &Self::Context);
+    fn prefetch_triangles(&self, context: &Self::Context);
 }
 
 /// What a ray visits next.
@@ -39,34 +39,34 @@ enum Place {
 
 /// Takes the walks in `active`, a bit each, to their ends. `N` is at most 32.
 #[inline(always)]
-fn take_turns<W: Walk, const N: usize>(walks: &mut ArrayVec<W, N>, around: &W::Around, active: u32) {
+fn take_turns<W: Walk, const N: usize>(walks: &mut ArrayVec<W, N>, context: &W::Context, active: u32) {
     const { assert!(N <= u32::BITS as usize) };
     let mut turns = Turns::default();
     for index in members::<N>(active) {
         turns.give(index, walks[index].go_on());
     }
-    turns.prefetch(walks, around);
+    turns.prefetch(walks, context);
     while turns != Turns::default() {
         let now = std::mem::take(&mut turns);
         for index in members::<N>(now.at_nodes) {
             let walk = &mut walks[index];
-            walk.visit_node(around);
+            walk.visit_node(context);
             turns.give(index, walk.go_on());
         }
         let asked = turns;
-        turns.prefetch(walks, around);
+        turns.prefetch(walks, context);
         for index in members::<N>(now.at_triangles) {
             let walk = &mut walks[index];
-            walk.visit_triangles(around);
+            walk.visit_triangles(context);
             turns.give(index, walk.go_on());
         }
         for index in members::<N>(now.elsewhere) {
             let walk = &mut walks[index];
-            if walk.visit_elsewhere(around) {
+            if walk.visit_elsewhere(context) {
                 turns.give(index, walk.go_on());
             }
         }
-        turns.without(asked).prefetch(walks, around);
+        turns.without(asked).prefetch(walks, context);
     }
 }
 
@@ -96,12 +96,12 @@ impl Turns {
 
     /// Asks for the memory that the rays need, but for shapes.
     #[inline(always)]
-    fn prefetch<W: Walk, const N: usize>(self, walks: &ArrayVec<W, N>, around: &W::Around) {
+    fn prefetch<W: Walk, const N: usize>(self, walks: &ArrayVec<W, N>, context: &W::Context) {
         for index in members::<N>(self.at_nodes) {
-            walks[index].prefetch_node(around);
+            walks[index].prefetch_node(context);
         }
         for index in members::<N>(self.at_triangles) {
-            walks[index].prefetch_triangles(around);
+            walks[index].prefetch_triangles(context);
         }
     }
 }
