@@ -3,7 +3,7 @@
 
 use wide::{f32x4, i32x4};
 
-use super::sets::{Bounds, Plane, Reference, Set};
+use super::build_prim::{Plane, PrimRef, PrimSet, SimdAabb};
 
 const MAX_BINS: usize = 16;
 
@@ -15,12 +15,12 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    pub fn new(set: &Set) -> Self {
+    pub fn new(set: &PrimSet) -> Self {
         Self::over(set.centers, (4 + set.len).min(MAX_BINS))
     }
 
     /// Of `bins` slabs along each axis between the sides of `bounds`.
-    pub fn over(bounds: Bounds, bins: usize) -> Self {
+    pub fn over(bounds: SimdAabb, bins: usize) -> Self {
         let scale = f32x4::splat(bins as f32 * (1.0 - 1e-6)) / bounds.extent();
         Self {
             origin: bounds.min(),
@@ -62,7 +62,7 @@ impl Grid {
 
 /// What lies in each bin of each axis.
 pub(super) struct Bins {
-    pub bounds: [[Bounds; 3]; MAX_BINS],
+    pub bounds: [[SimdAabb; 3]; MAX_BINS],
     /// The fourth axis is not used.
     pub counts: [[i32; 4]; MAX_BINS],
 }
@@ -77,16 +77,16 @@ pub(super) struct Boundary {
 
 impl Bins {
     pub const EMPTY: Self = Self {
-        bounds: [[Bounds::EMPTY; 3]; MAX_BINS],
+        bounds: [[SimdAabb::EMPTY; 3]; MAX_BINS],
         counts: [[0; 4]; MAX_BINS],
     };
 
-    pub fn fill(grid: &Grid, references: &[Reference]) -> Self {
+    pub fn fill(grid: &Grid, prims: &[PrimRef]) -> Self {
         let mut bins = Self::EMPTY;
-        for reference in references {
-            let at = grid.bin(reference.center());
+        for prim in prims {
+            let at = grid.bin(prim.center());
             bins.count(at);
-            bins.add(at, reference.bounds());
+            bins.add(at, prim.bounds());
         }
         bins
     }
@@ -100,14 +100,14 @@ impl Bins {
     }
 
     #[inline(always)]
-    pub fn add(&mut self, at: [usize; 3], part: Bounds) {
+    pub fn add(&mut self, at: [usize; 3], part: SimdAabb) {
         for (axis, &bin) in at.iter().enumerate() {
             self.add_on(axis, bin, part);
         }
     }
 
     #[inline(always)]
-    pub fn add_on(&mut self, axis: usize, bin: usize, part: Bounds) {
+    pub fn add_on(&mut self, axis: usize, bin: usize, part: SimdAabb) {
         let bounds = &mut self.bounds[bin][axis];
         *bounds = bounds.union(part);
     }
@@ -156,13 +156,13 @@ impl Bins {
 
 /// What lies on one side of a boundary on each axis.
 struct Side {
-    bounds: [Bounds; 3],
+    bounds: [SimdAabb; 3],
     counts: i32x4,
 }
 
 impl Side {
     const EMPTY: Self = Self {
-        bounds: [Bounds::EMPTY; 3],
+        bounds: [SimdAabb::EMPTY; 3],
         counts: i32x4::ZERO,
     };
 
@@ -177,7 +177,7 @@ impl Side {
     /// No number for a side without references.
     #[inline(always)]
     fn costs(&self, align: usize, scale: f32) -> f32x4 {
-        let [x, y, z] = self.bounds.map(Bounds::extent);
+        let [x, y, z] = self.bounds.map(SimdAabb::extent);
         let [x, y, z, _] = f32x4::transpose([x, y, z, f32x4::ZERO]).map(|side| side * scale);
         let leaves = (f32x4::from_i32x4(self.counts) / align as f32).ceil();
         (x * y + y * z + z * x) * leaves

@@ -7,8 +7,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::binning::{Bins, Boundary, Grid};
+use super::build_prim::{PrimRef, PrimSet, SimdAabb};
 use super::collapse::{BinaryTree, Branch, Costs, Tree, collapse};
-use super::sets::{Bounds, Reference, Set};
 use super::spatial::{Cut, SpatialBins, divide};
 use crate::math::Aabb;
 
@@ -57,18 +57,14 @@ pub(super) fn build(
     method: SplitMethod,
     leaf_size: usize,
 ) -> Tree {
-    let reference = |index| Reference::new(&bounds(index), index as u32);
-    let mut references: Vec<Reference> = (0..count)
-        .into_par_iter()
-        .with_min_len(PARALLEL)
-        .map(reference)
-        .collect();
-    let all = references
+    let prim = |index| PrimRef::new(&bounds(index), index as u32);
+    let mut prims: Vec<PrimRef> = (0..count).into_par_iter().with_min_len(PARALLEL).map(prim).collect();
+    let all = prims
         .par_chunks(PARALLEL)
-        .map(Set::of_what_can_be_hit)
-        .reduce(|| Set::EMPTY, Set::union);
+        .map(PrimSet::of_hittable)
+        .reduce(|| PrimSet::EMPTY, PrimSet::union);
     if all.len < count {
-        references.retain(Reference::can_be_hit);
+        prims.retain(PrimRef::is_hittable);
     }
     let [x, y, z, _] = all.bounds.extent().to_array();
     let extent = x.max(y).max(z);
@@ -84,48 +80,41 @@ pub(super) fn build(
         scale,
     };
     let mut tree = BinaryTree::default();
-    if !references.is_empty() {
+    if !prims.is_empty() {
         let spare = all.len.min(u32::MAX as usize - all.len);
-        builder.grow(&mut references, &all, 0, spare, &mut tree);
+        builder.grow(&mut prims, &all, 0, spare, &mut tree);
     }
-    drop(references);
+    drop(prims);
     collapse(&tree, leaf_size)
 }
 
 /// What a set is divided into. The references of the left half come before those of the right one in place of the set's.
 struct Halves {
-    left: Set,
-    right: Set,
+    left: PrimSet,
+    right: PrimSet,
     /// Or else they are here, and only the right half's are there.
-    cut_off: Vec<Reference>,
+    cut_off: Vec<PrimRef>,
 }
 
 impl Halves {
-    fn in_place(left: Set, right: Set) -> Self {
+    fn in_place(left: PrimSet, right: PrimSet) -> Self {
         let cut_off = Vec::new();
         Self { left, right, cut_off }
     }
 }
 
 impl Builder<'_> {
-    fn is_leaf(&self, set: &Set) -> bool {
+    fn is_leaf(&self, set: &PrimSet) -> bool {
         set.len <= self.leaf_size || self.method == SplitMethod::Linear
     }
 
     /// Appends the tree over `set`, which is all of `references`, to which no more than `spare` may be added.
-    fn grow(
-        &self,
-        references: &mut [Reference],
-        set: &Set,
-        depth: usize,
-        spare: usize,
-        tree: &mut BinaryTree,
-    ) -> Costs {
+    fn grow(&self, prims: &mut [PrimRef], set: &PrimSet, depth: usize, spare: usize, tree: &mut BinaryTree) -> Costs {
         let index = tree.branches.len();
         let (leaf, costs) = Branch::leaf(set, tree.order.len());
         tree.branches.push(leaf);
         if self.is_leaf(set) {
-            tree.order.extend(references.iter().map(|reference| reference.index));
+            tree.order.extend(prims.iter().map(|prim| prim.index));
             return costs;
         }
         let by_median = self.method == SplitMethod::Median || depth >= MEDIAN_DEPTH;
@@ -134,14 +123,14 @@ impl Builder<'_> {
             right,
             mut cut_off,
         } = if by_median {
-            split_in_half(references, set)
+            split_in_half(prims, set)
         } else {
-            self.split_by_area(references, set, spare)
+            self.split_by_area(prims, set, spare)
         };
         let (of_left, of_right) = if cut_off.is_empty() {
-            references.split_at_mut(left.len)
+            prims.split_at_mut(left.len)
         } else {
-            (&mut cut_off[..], &mut references[..right.len])
+            (&mut cut_off[..], &mut prims[..right.len])
         };
         let spare = spare + set.len - left.len - right.len;
         let left_spare = (spare as u128 * left.len as u128 / (left.len + right.len) as u128) as usize;
@@ -165,13 +154,13 @@ impl Builder<'_> {
     }
 
     /// Partitions where it is cheapest.
-    fn split_by_area(&self, references: &mut [Reference], set: &Set, spare: usize) -> Halves {
-        let Some((boundary, halves)) = self.split_between_centers(references, set) else {
-            return split_in_half(references, set);
+    fn split_by_area(&self, prims: &mut [PrimRef], set: &PrimSet, spare: usize) -> Halves {
+        let Some((boundary, halves)) = self.split_between_centers(prims, set) else {
+            return split_in_half(prims, set);
         };
         match self.cut {
             Some(cut) if spare > 0 && set.len >= LEAST_CUT && self.is_worth_cutting(&boundary, &halves) => self
-                .split_by_plane(references, set, boundary.cost, cut, spare)
+                .split_by_plane(prims, set, boundary.cost, cut, spare)
                 .unwrap_or(halves),
             _ => halves,
         }
@@ -183,63 +172,59 @@ impl Builder<'_> {
         let middle = 0.5 * (before.max[axis] + behind.min[axis]);
         before.max[axis] = before.max[axis].min(middle);
         behind.min[axis] = behind.min[axis].max(middle);
-        let cost =
-            |part: &Aabb, set: &Set| Bounds::of(part).half_area(self.scale) * set.len.div_ceil(self.leaf_size) as f32;
+        let cost = |part: &Aabb, set: &PrimSet| {
+            SimdAabb::of(part).half_area(self.scale) * set.len.div_ceil(self.leaf_size) as f32
+        };
         cost(&before, left) + cost(&behind, right) < (1.0 - WORTH_CUTTING) * boundary.cost
     }
 
     /// None if it costs more, or would make more than `spare` references.
     fn split_by_plane(
         &self,
-        references: &mut [Reference],
-        set: &Set,
+        prims: &mut [PrimRef],
+        set: &PrimSet,
         most: f32,
         cut: &Cut,
         spare: usize,
     ) -> Option<Halves> {
         let grid = SpatialBins::grid(set);
-        let bins = in_chunks(
-            references,
-            |chunk| SpatialBins::fill(&grid, chunk, cut),
-            SpatialBins::merge,
-        );
+        let bins = in_chunks(prims, |chunk| SpatialBins::fill(&grid, chunk, cut), SpatialBins::merge);
         let (plane, cost) = bins.cheapest(&grid, self.leaf_size, self.scale)?;
         if cost >= most {
             return None;
         }
-        let mut sides = divide(references, plane, cut);
+        let mut sides = divide(prims, plane, cut);
         sides.sort_by_key(Vec::len);
         let [smaller, larger] = sides;
-        let is_possible = !smaller.is_empty()
-            && larger.len() < references.len()
-            && smaller.len() + larger.len() <= references.len() + spare;
+        let is_possible =
+            !smaller.is_empty() && larger.len() < prims.len() && smaller.len() + larger.len() <= prims.len() + spare;
         is_possible.then(|| {
-            references[..larger.len()].copy_from_slice(&larger);
+            prims[..larger.len()].copy_from_slice(&larger);
             Halves {
-                left: Set::of(&smaller),
-                right: Set::of(&larger),
+                left: PrimSet::of(&smaller),
+                right: PrimSet::of(&larger),
                 cut_off: smaller,
             }
         })
     }
 
     /// Partitions at the cheapest boundary between bins, `None` if all centres fall into one bin or no cost is a number.
-    fn split_between_centers(&self, references: &mut [Reference], set: &Set) -> Option<(Boundary, Halves)> {
+    fn split_between_centers(&self, prims: &mut [PrimRef], set: &PrimSet) -> Option<(Boundary, Halves)> {
         let grid = Grid::new(set);
-        let bins = in_chunks(references, |chunk| Bins::fill(&grid, chunk), Bins::merge);
+        let bins = in_chunks(prims, |chunk| Bins::fill(&grid, chunk), Bins::merge);
         let boundary = Bins::cheapest([&bins, &bins], &grid, self.leaf_size, self.scale)?;
         let Boundary { axis, bin, .. } = boundary;
 
         // Every step exchanges two references, needed or not: which side one is on cannot be foreseen, so a branch would cost more.
-        let (mut left, mut right) = (Set::EMPTY, Set::EMPTY);
-        for next in 0..references.len() {
-            let reference = references[next];
-            let center = reference.center();
+        let (mut left, mut right) = (PrimSet::EMPTY, PrimSet::EMPTY);
+        for next in 0..prims.len() {
+            let prim = prims[next];
+            let center = prim.center();
             let is_left = grid.is_before(center, axis, bin);
-            references[next] = references[left.len];
-            references[left.len] = reference;
-            left.add_if(is_left, &reference, center);
-            right.add_if(!is_left, &reference, center);
+            prims[next] = prims[left.len];
+            prims[left.len] = prim;
+            left.add_if(is_left, &prim, center);
+            right.add_if(!is_left, &prim, center);
         }
         Some((boundary, Halves::in_place(left, right)))
     }
@@ -247,26 +232,26 @@ impl Builder<'_> {
 
 /// What `of_chunk` says of all references, of large sets by all threads.
 fn in_chunks<T: Send>(
-    references: &[Reference],
-    of_chunk: impl Fn(&[Reference]) -> T + Sync + Send,
+    prims: &[PrimRef],
+    of_chunk: impl Fn(&[PrimRef]) -> T + Sync + Send,
     merge: impl Fn(T, T) -> T + Sync + Send,
 ) -> T {
-    if references.len() < PARALLEL_BINNING {
-        return of_chunk(references);
+    if prims.len() < PARALLEL_BINNING {
+        return of_chunk(prims);
     }
-    let chunks = references.par_chunks(PARALLEL_BINNING / 4);
+    let chunks = prims.par_chunks(PARALLEL_BINNING / 4);
     chunks.map(&of_chunk).reduce_with(merge).expect("there are chunks")
 }
 
 /// Halves by count along the axis on which the centres spread most; equal centres are told apart by index.
-fn split_in_half(references: &mut [Reference], set: &Set) -> Halves {
+fn split_in_half(prims: &mut [PrimRef], set: &PrimSet) -> Halves {
     let [x, y, z, _] = set.centers.extent().to_array();
     let axis = Vec3::new(x, y, z).max_position();
-    let middle = references.len() / 2;
-    references.select_nth_unstable_by(middle, |a, b| {
-        let [a_center, b_center] = [a, b].map(|reference| reference.center().as_array()[axis]);
+    let middle = prims.len() / 2;
+    prims.select_nth_unstable_by(middle, |a, b| {
+        let [a_center, b_center] = [a, b].map(|prim| prim.center().as_array()[axis]);
         a_center.total_cmp(&b_center).then(a.index.cmp(&b.index))
     });
-    let (left, right) = references.split_at(middle);
-    Halves::in_place(Set::of(left), Set::of(right))
+    let (left, right) = prims.split_at(middle);
+    Halves::in_place(PrimSet::of(left), PrimSet::of(right))
 }

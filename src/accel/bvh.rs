@@ -237,7 +237,7 @@ impl Bvh {
             Ok(())
         })?;
         for (primitive, bounds) in bounds.iter().enumerate() {
-            if seen[primitive] != can_be_hit(bounds) {
+            if seen[primitive] != is_hittable(bounds) {
                 return Err(format!("primitive {primitive} is missing or should not be there"));
             }
         }
@@ -299,6 +299,6 @@ impl Bvh {
 }
 
 /// Neither empty nor NaN, found out otherwise than by the building.
-fn can_be_hit(bounds: &Aabb) -> bool {
+fn is_hittable(bounds: &Aabb) -> bool {
     bounds.min.cmple(bounds.max).all()
 }

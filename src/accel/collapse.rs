@@ -9,8 +9,8 @@ use std::ops::Range;
 use arrayvec::ArrayVec;
 use rayon::prelude::*;
 
+use super::build_prim::PrimSet;
 use super::node::{Child, Node, WIDTH};
-use super::sets::Set;
 use crate::math::Aabb;
 
 /// The wide tree: nodes, the first of which is the root, and the primitives in the order of the leaves.
@@ -80,7 +80,7 @@ pub(super) type Costs = [f32; WIDTH];
 
 impl Branch {
     /// A leaf that starts there in the order. Also a place for what will be an inner node.
-    pub fn leaf(set: &Set, start: usize) -> (Self, Costs) {
+    pub fn leaf(set: &PrimSet, start: usize) -> (Self, Costs) {
         let kind = BranchKind::Leaf {
             start: start as u32,
             len: set.len as u32,

@@ -4,7 +4,7 @@
 use glam::Vec3;
 
 use super::binning::{Bins, Grid};
-use super::sets::{Bounds, Plane, Reference, Set};
+use super::build_prim::{Plane, PrimRef, PrimSet, SimdAabb};
 use crate::math::Aabb;
 
 /// Boxes around the two sides of a primitive's part within a box: those before and behind a plane across an axis. A side without anything
@@ -21,14 +21,14 @@ pub(super) struct SpatialBins {
 }
 
 impl SpatialBins {
-    pub fn grid(set: &Set) -> Grid {
+    pub fn grid(set: &PrimSet) -> Grid {
         Grid::over(set.bounds, BINS)
     }
 
-    pub fn fill(grid: &Grid, references: &[Reference], cut: &Cut) -> Self {
+    pub fn fill(grid: &Grid, prims: &[PrimRef], cut: &Cut) -> Self {
         let [mut begins, mut ends] = [Bins::EMPTY; 2];
-        for reference in references {
-            let bounds = reference.bounds();
+        for prim in prims {
+            let bounds = prim.bounds();
             let (first, last) = (grid.bin(bounds.min()), grid.bin(bounds.max()));
             begins.count(first);
             ends.count(last);
@@ -39,11 +39,11 @@ impl SpatialBins {
             for axis in 0..3 {
                 let mut rest = bounds.to_aabb();
                 for bin in first[axis]..last[axis] {
-                    let [here, beyond] = cut(reference.index, &rest, grid.plane(axis, bin + 1));
-                    begins.add_on(axis, bin, Bounds::of_part(&here));
+                    let [here, beyond] = cut(prim.index, &rest, grid.plane(axis, bin + 1));
+                    begins.add_on(axis, bin, SimdAabb::of_part(&here));
                     rest = beyond;
                 }
-                begins.add_on(axis, last[axis], Bounds::of_part(&rest));
+                begins.add_on(axis, last[axis], SimdAabb::of_part(&rest));
             }
         }
         ends.bounds = begins.bounds;
@@ -65,18 +65,18 @@ impl SpatialBins {
 }
 
 /// What lies before and behind the plane.
-pub(super) fn divide(references: &[Reference], plane: Plane, cut: &Cut) -> [Vec<Reference>; 2] {
+pub(super) fn divide(prims: &[PrimRef], plane: Plane, cut: &Cut) -> [Vec<PrimRef>; 2] {
     let mut sides = [Vec::new(), Vec::new()];
-    for reference in references {
-        let bounds = reference.bounds().to_aabb();
+    for prim in prims {
+        let bounds = prim.bounds().to_aabb();
         if bounds.max[plane.axis] <= plane.at {
-            sides[0].push(*reference);
+            sides[0].push(*prim);
         } else if bounds.min[plane.axis] >= plane.at {
-            sides[1].push(*reference);
+            sides[1].push(*prim);
         } else {
-            for (side, part) in sides.iter_mut().zip(cut(reference.index, &bounds, plane)) {
-                let part = Reference::new(&part, reference.index);
-                if part.can_be_hit() {
+            for (side, part) in sides.iter_mut().zip(cut(prim.index, &bounds, plane)) {
+                let part = PrimRef::new(&part, prim.index);
+                if part.is_hittable() {
                     side.push(part);
                 }
             }

@@ -12,7 +12,7 @@ const LIMIT: f32x4 = f32x4::splat(f32::MAX / 8.0);
 /// A primitive's box, and which primitive it is.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(32))]
-pub(super) struct Reference {
+pub(super) struct PrimRef {
     negated_min: [f32; 3],
     pub index: u32,
     max: [f32; 3],
@@ -20,7 +20,7 @@ pub(super) struct Reference {
     index_again: u32,
 }
 
-impl Reference {
+impl PrimRef {
     pub fn new(bounds: &Aabb, index: u32) -> Self {
         Self {
             negated_min: (-bounds.min).to_array(),
@@ -30,15 +30,15 @@ impl Reference {
         }
     }
 
-    /// Neither empty nor NaN.
+    /// Whether the box is neither empty nor NaN.
     #[inline(always)]
-    pub fn can_be_hit(&self) -> bool {
+    pub fn is_hittable(&self) -> bool {
         self.bounds().holds_points()
     }
 
     #[inline(always)]
-    pub fn bounds(&self) -> Bounds {
-        Bounds(cast(*self))
+    pub fn bounds(&self) -> SimdAabb {
+        SimdAabb(cast(*self))
     }
 
     /// Twice the centre.
@@ -51,16 +51,16 @@ impl Reference {
 
 /// A box: the lower corner negated, so that one maximum makes it grow, then the upper one, and after either a lane without meaning.
 #[derive(Clone, Copy)]
-pub(super) struct Bounds(f32x8);
+pub(super) struct SimdAabb(f32x8);
 
-impl Bounds {
+impl SimdAabb {
     pub const EMPTY: Self = Self(f32x8::splat(f32::NEG_INFINITY));
 
     pub fn of(bounds: &Aabb) -> Self {
-        Reference::new(bounds, 0).bounds()
+        PrimRef::new(bounds, 0).bounds()
     }
 
-    /// [`Bounds::EMPTY`] of a box that is empty on any axis.
+    /// [`SimdAabb::EMPTY`] of a box that is empty on any axis.
     pub fn of_part(part: &Aabb) -> Self {
         match part.is_empty() {
             true => Self::EMPTY,
@@ -99,7 +99,7 @@ impl Bounds {
         self.corners()[1]
     }
 
-    /// Neither empty nor NaN.
+    /// Whether the box is neither empty nor NaN.
     #[inline(always)]
     pub fn holds_points(self) -> bool {
         let [negated_min, max] = self.corners();
@@ -126,26 +126,26 @@ impl Bounds {
 
 /// How many references, the box around them and the box around their (doubled) centres.
 #[derive(Clone, Copy)]
-pub(super) struct Set {
+pub(super) struct PrimSet {
     pub len: usize,
-    pub bounds: Bounds,
-    pub centers: Bounds,
+    pub bounds: SimdAabb,
+    pub centers: SimdAabb,
 }
 
-impl Set {
+impl PrimSet {
     pub const EMPTY: Self = Self {
         len: 0,
-        bounds: Bounds::EMPTY,
-        centers: Bounds::EMPTY,
+        bounds: SimdAabb::EMPTY,
+        centers: SimdAabb::EMPTY,
     };
 
     /// Adds a reference if `condition` holds, without a branch on it.
     #[inline(always)]
-    pub fn add_if(&mut self, condition: bool, reference: &Reference, center: f32x4) {
+    pub fn add_if(&mut self, condition: bool, prim: &PrimRef, center: f32x4) {
         let mask = cast([-i32::from(condition); 8]);
         self.len += usize::from(condition);
-        self.bounds = self.bounds.union(reference.bounds().masked(mask));
-        self.centers = self.centers.union(Bounds::of_point(center).masked(mask));
+        self.bounds = self.bounds.union(prim.bounds().masked(mask));
+        self.centers = self.centers.union(SimdAabb::of_point(center).masked(mask));
     }
 
     pub fn union(self, other: Self) -> Self {
@@ -156,18 +156,18 @@ impl Set {
         }
     }
 
-    pub fn of_what_can_be_hit(references: &[Reference]) -> Self {
+    pub fn of_hittable(prims: &[PrimRef]) -> Self {
         let mut set = Self::EMPTY;
-        for reference in references {
-            set.add_if(reference.can_be_hit(), reference, reference.center());
+        for prim in prims {
+            set.add_if(prim.is_hittable(), prim, prim.center());
         }
         set
     }
 
-    pub fn of(references: &[Reference]) -> Self {
+    pub fn of(prims: &[PrimRef]) -> Self {
         let mut set = Self::EMPTY;
-        for reference in references {
-            set.add_if(true, reference, reference.center());
+        for prim in prims {
+            set.add_if(true, prim, prim.center());
         }
         set
     }
