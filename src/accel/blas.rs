@@ -12,7 +12,7 @@ use super::bvh::{Bvh, BvhStats};
 use super::hit::{Hit, MeshHit};
 use super::memory::{CACHE, Table};
 use super::spatial::cut_triangle;
-use super::traverse::Steps;
+use super::traverse::TraversalStats;
 use super::triangle_block::{LANES, TriangleBlock};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::triangle::{TriangleRay, is_regular};
@@ -166,31 +166,31 @@ impl Blas {
     /// The nearest hit with t_min < t < t_max; `ray` is in local space.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<MeshHit> {
-        self.closest::<false>(ray, &mut Steps::default())
+        self.closest::<false>(ray, &mut TraversalStats::default())
     }
 
-    /// [`Blas::intersect`], adding its work to `steps`.
-    pub fn intersect_counting(&self, ray: &Ray, steps: &mut Steps) -> Option<MeshHit> {
-        self.closest::<true>(ray, steps)
+    /// [`Blas::intersect`], adding its work to `stats`.
+    pub fn intersect_counting(&self, ray: &Ray, stats: &mut TraversalStats) -> Option<MeshHit> {
+        self.closest::<true>(ray, stats)
     }
 
     #[inline(always)]
-    pub(super) fn closest<const COUNT: bool>(&self, ray: &Ray, steps: &mut Steps) -> Option<MeshHit> {
+    pub(super) fn closest<const COUNT: bool>(&self, ray: &Ray, stats: &mut TraversalStats) -> Option<MeshHit> {
         if self.afar_within.contains_point(ray.origin) {
-            return self.closest_from_afar::<COUNT>(ray, steps);
+            return self.closest_from_afar::<COUNT>(ray, stats);
         }
         let mut nearest = Nearest::new(self.blocks(), ray);
         self.bvh
-            .closest::<COUNT>(ray, steps, |leaf, t_max| nearest.visit(leaf, t_max));
+            .closest::<COUNT>(ray, stats, |leaf, t_max| nearest.visit(leaf, t_max));
         nearest.hit
     }
 
     #[inline(never)]
-    fn closest_from_afar<const COUNT: bool>(&self, ray: &Ray, steps: &mut Steps) -> Option<MeshHit> {
+    fn closest_from_afar<const COUNT: bool>(&self, ray: &Ray, stats: &mut TraversalStats) -> Option<MeshHit> {
         let mut nearest = Nearest::new(self.blocks(), ray);
         let visit = |leaf, t_max: &mut f32| nearest.visit(leaf, t_max);
         self.bvh
-            .closest_from_afar::<COUNT>(ray, steps, visit, |leaf| self.prefetch(leaf));
+            .closest_from_afar::<COUNT>(ray, stats, visit, |leaf| self.prefetch(leaf));
         nearest.hit
     }
 

@@ -108,7 +108,7 @@ impl Builder<'_> {
         set.len <= self.leaf_size || self.method == SplitMethod::Linear
     }
 
-    /// Appends the tree over `set`, which is all of `references`, to which no more than `spare` may be added.
+    /// Appends the tree over `set`, which is all of `prims`, to which no more than `spare` may be added.
     fn grow(&self, prims: &mut [PrimRef], set: &PrimSet, depth: usize, spare: usize, tree: &mut BinaryTree) -> Costs {
         let index = tree.branches.len();
         let (leaf, costs) = Branch::leaf(set, tree.order.len());
@@ -178,7 +178,7 @@ impl Builder<'_> {
         cost(&before, left) + cost(&behind, right) < (1.0 - WORTH_CUTTING) * boundary.cost
     }
 
-    /// None if it costs more, or would make more than `spare` references.
+    /// None if it costs more, or would make more than `spare` prims.
     fn split_by_plane(
         &self,
         prims: &mut [PrimRef],

@@ -9,7 +9,7 @@ use super::hit::Hit;
 use super::ray_lanes::RayLanes;
 use super::rounding::Rounding;
 use super::shape_lanes::local_to;
-use super::traverse::Steps;
+use super::traverse::TraversalStats;
 use crate::geometry::local::LocalHit;
 use crate::geometry::{cylinder, disk, rectangle, sphere};
 use crate::math::{Aabb, Ray, gamma};
@@ -139,12 +139,12 @@ impl Instance {
         }
     }
 
-    /// The nearest hit of the world ray, `number` being that of the instance. `COUNT` adds the work within a mesh to `steps`.
+    /// The nearest hit of the world ray, `number` being that of the instance. `COUNT` adds the work within a mesh to `stats`.
     #[inline(always)]
-    pub(super) fn closest<const COUNT: bool>(&self, number: u32, ray: &Ray, steps: &mut Steps) -> Option<Hit> {
+    pub(super) fn closest<const COUNT: bool>(&self, number: u32, ray: &Ray, stats: &mut TraversalStats) -> Option<Hit> {
         let ray = &self.local_ray(ray);
         match &self.primitive {
-            Primitive::Mesh(blas) => blas.closest::<COUNT>(ray, steps).map(|hit| Hit::of_mesh(number, hit)),
+            Primitive::Mesh(blas) => blas.closest::<COUNT>(ray, stats).map(|hit| Hit::of_mesh(number, hit)),
             shape => shape.intersect(ray).map(|hit| Hit::of_shape(number, hit)),
         }
     }

@@ -38,4 +38,4 @@ pub use instance::{Instance, Primitive};
 pub use placement::Placement;
 pub use ray_lanes::RayLanes;
 pub use tlas::Tlas;
-pub use traverse::Steps;
+pub use traverse::TraversalStats;

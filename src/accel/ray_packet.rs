@@ -16,7 +16,7 @@ use super::node::{Child, Node, REACH, WIDTH, reach};
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::SlabLanes;
 use super::tlas::{Item, Tlas};
-use super::traverse::{STACK, Steps};
+use super::traverse::{STACK, TraversalStats};
 use crate::geometry::triangle::TriangleRay;
 use crate::math::Ray;
 use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
@@ -117,7 +117,8 @@ impl Tlas {
         match self.item(number) {
             Item::Block(block) => each_hit(rays, asked, |ray| block.closest(ray), found),
             Item::Placement(placement) => {
-                let hit = |ray: &Ray| self.closest_placed::<false>(number, placement, ray, &mut Steps::default());
+                let hit =
+                    |ray: &Ray| self.closest_placed::<false>(number, placement, ray, &mut TraversalStats::default());
                 each_hit(rays, asked, hit, found);
             }
             Item::Shape(shape) => match &shape.primitive {

@@ -15,7 +15,7 @@ use super::ray_lanes::RayLanes;
 use super::shape_block::ShapeBlock;
 use super::shape_lanes::{SlabLanes, cube, local_to, rectangle, sphere};
 use super::tiny_mesh::TinyMesh;
-use super::traverse::Steps;
+use super::traverse::TraversalStats;
 use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};
@@ -309,7 +309,7 @@ impl Nearest {
         let instance = shape.instance(scene);
         for lane in each_lane(asked) {
             let ray = self.shortened(lane, rays);
-            if let Some(hit) = instance.closest::<false>(shape.instance, &ray, &mut Steps::default()) {
+            if let Some(hit) = instance.closest::<false>(shape.instance, &ray, &mut TraversalStats::default()) {
                 self.set(lane, number, hit);
             }
         }

@@ -13,7 +13,7 @@ use super::placement::Placement;
 use super::ray_lanes::RayLanes;
 use super::shape_block::ShapeBlock;
 use super::small_scene::{Shapes, SmallScene};
-use super::traverse::Steps;
+use super::traverse::TraversalStats;
 use crate::math::lanes::{LANES, each_lane};
 use crate::math::{Aabb, Ray};
 
@@ -275,18 +275,18 @@ impl Tlas {
 
     /// The nearest hit with t_min < t < t_max.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        self.closest::<false>(ray, &mut Steps::default())
+        self.closest::<false>(ray, &mut TraversalStats::default())
     }
 
-    /// [`Tlas::intersect`], adding its work at every level to `steps`.
-    pub fn intersect_counting(&self, ray: &Ray, steps: &mut Steps) -> Option<Hit> {
-        self.closest::<true>(ray, steps)
+    /// [`Tlas::intersect`], adding its work at every level to `stats`.
+    pub fn intersect_counting(&self, ray: &Ray, stats: &mut TraversalStats) -> Option<Hit> {
+        self.closest::<true>(ray, stats)
     }
 
-    fn closest<const COUNT: bool>(&self, ray: &Ray, steps: &mut Steps) -> Option<Hit> {
+    fn closest<const COUNT: bool>(&self, ray: &Ray, stats: &mut TraversalStats) -> Option<Hit> {
         let mut nearest = None;
-        let mut inner = Steps::default();
-        self.bvh.closest::<COUNT>(ray, steps, |range, t_max| {
+        let mut inner = TraversalStats::default();
+        self.bvh.closest::<COUNT>(ray, stats, |range, t_max| {
             for &number in &self.bvh.order()[range] {
                 let ray = Ray { t_max: *t_max, ..*ray };
                 let found = match self.item(number) {
@@ -305,7 +305,7 @@ impl Tlas {
                 }
             }
         });
-        *steps += inner;
+        *stats += inner;
         nearest
     }
 
@@ -316,11 +316,11 @@ impl Tlas {
         number: u32,
         placement: &Placement,
         ray: &Ray,
-        steps: &mut Steps,
+        stats: &mut TraversalStats,
     ) -> Option<Hit> {
         let hit = self
             .group_of(placement)
-            .closest::<COUNT>(&placement.group_ray(ray), steps)?;
+            .closest::<COUNT>(&placement.group_ray(ray), stats)?;
         Some(Hit {
             instance: number,
             member: hit.instance,

@@ -13,18 +13,18 @@ use crate::math::Ray;
 
 /// The work of a traversal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Steps {
+pub struct TraversalStats {
     pub boxes: u32,
     pub primitives: u32,
 }
 
-impl Steps {
+impl TraversalStats {
     pub fn total(&self) -> u32 {
         self.boxes + self.primitives
     }
 }
 
-impl AddAssign for Steps {
+impl AddAssign for TraversalStats {
     fn add_assign(&mut self, other: Self) {
         self.boxes += other.boxes;
         self.primitives += other.primitives;
@@ -81,20 +81,20 @@ pub(super) fn push_unsorted<const ROOM: usize>(
 
 impl Bvh {
     /// Visits every leaf that may hold a hit, roughly from near to far. `leaf` gets a range of [`Bvh::order`] and the distance within
-    /// which a hit counts, and lowers that to its nearest hit. With `COUNT` its work is added to `steps` (the primitives of a visited
+    /// which a hit counts, and lowers that to its nearest hit. With `COUNT` its work is added to `stats` (the primitives of a visited
     /// leaf are counted as tested once each).
     #[inline(always)]
     pub fn closest<const COUNT: bool>(
         &self,
         ray: &Ray,
-        steps: &mut Steps,
+        stats: &mut TraversalStats,
         mut leaf: impl FnMut(Range<usize>, &mut f32),
     ) {
         let leaf = |range, t_max: &mut f32| {
             leaf(range, t_max);
             false
         };
-        self.walk::<false, COUNT, false>(ray, steps, leaf, |_| ());
+        self.walk::<false, COUNT, false>(ray, stats, leaf, |_| ());
     }
 
     /// [`Bvh::closest`] where what a leaf holds must come from afar: `ask` asks for it, and `leaf` looks at it when the next one has been
@@ -103,7 +103,7 @@ impl Bvh {
     pub(super) fn closest_from_afar<const COUNT: bool>(
         &self,
         ray: &Ray,
-        steps: &mut Steps,
+        stats: &mut TraversalStats,
         mut leaf: impl FnMut(Range<usize>, &mut f32),
         ask: impl Fn(&Range<usize>),
     ) {
@@ -111,13 +111,13 @@ impl Bvh {
             leaf(range, t_max);
             false
         };
-        self.walk::<false, COUNT, true>(ray, steps, leaf, ask);
+        self.walk::<false, COUNT, true>(ray, stats, leaf, ask);
     }
 
     /// Visits leaves until `leaf` returns true; that is the result.
     #[inline(always)]
     pub fn any(&self, ray: &Ray, mut leaf: impl FnMut(Range<usize>) -> bool) -> bool {
-        self.walk::<true, false, false>(ray, &mut Steps::default(), |range, _| leaf(range), |_| ())
+        self.walk::<true, false, false>(ray, &mut TraversalStats::default(), |range, _| leaf(range), |_| ())
     }
 
     /// [`Bvh::any`] where what a leaf holds must come from afar, as in [`Bvh::closest_from_afar`].
@@ -128,14 +128,14 @@ impl Bvh {
         mut leaf: impl FnMut(Range<usize>) -> bool,
         ask: impl Fn(&Range<usize>),
     ) -> bool {
-        self.walk::<true, false, true>(ray, &mut Steps::default(), |range, _| leaf(range), ask)
+        self.walk::<true, false, true>(ray, &mut TraversalStats::default(), |range, _| leaf(range), ask)
     }
 
     #[inline(always)]
     fn walk<const ANY: bool, const COUNT: bool, const AFAR: bool>(
         &self,
         ray: &Ray,
-        steps: &mut Steps,
+        stats: &mut TraversalStats,
         mut leaf: impl FnMut(Range<usize>, &mut f32) -> bool,
         ask: impl Fn(&Range<usize>),
     ) -> bool {
@@ -151,7 +151,7 @@ impl Bvh {
         loop {
             let node = &self.nodes[current];
             if COUNT {
-                steps.boxes += node.slots_used() as u32;
+                stats.boxes += node.slots_used() as u32;
             }
             let (enter, met) = node.entries(&slabs, reach(t_max));
             let mut next = go_down::<ANY>(node, enter, met, &mut waiting);
@@ -165,7 +165,7 @@ impl Bvh {
                 }
                 let range = self.leaf_range(child);
                 if COUNT {
-                    steps.primitives += range.len() as u32;
+                    stats.primitives += range.len() as u32;
                 }
                 let due = if AFAR {
                     ask(&range);

@@ -11,7 +11,7 @@ use super::observer::PathObserver;
 use super::path::{PathSample, trace_path};
 use super::scene::{FirstHit, RenderScene};
 use super::view::{Integrator, PathSettings, View};
-use crate::accel::Steps;
+use crate::accel::TraversalStats;
 use crate::color::{Rgb, luminance};
 
 /// Edge length of a tile in pixels.
@@ -295,10 +295,10 @@ pub(super) fn render_sample(
     let sample = match view.path_settings(pixel) {
         Some(settings) => trace_path(scene, &settings, camera.ray, camera.sampler, observer),
         None => {
-            let mut steps = Steps::default();
-            let hit = scene.geometry.intersect_counting(&camera.ray, &mut steps);
+            let mut stats = TraversalStats::default();
+            let hit = scene.geometry.intersect_counting(&camera.ray, &mut stats);
             PathSample {
-                radiance: Rgb::splat(steps.total() as f32),
+                radiance: Rgb::splat(stats.total() as f32),
                 first_hit: hit,
                 rays: 1,
                 ..PathSample::default()

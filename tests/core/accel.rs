@@ -6,7 +6,7 @@ use crate::random::Random;
 use crate::shared_data::{answered_rays, model};
 use crate::wavy_sphere::wavy_sphere;
 use glam::{Affine3A, EulerRot, Mat3A, Quat, Vec3, Vec3A};
-use sunroom::accel::{Blas, Bvh, Instance, Placement, Primitive, SplitMethod, Steps, Tlas};
+use sunroom::accel::{Blas, Bvh, Instance, Placement, Primitive, SplitMethod, Tlas, TraversalStats};
 use sunroom::geometry::mesh::MeshData;
 use sunroom::geometry::triangle::{self, Faces};
 use sunroom::math::{Aabb, Ray};
@@ -145,13 +145,13 @@ fn assert_agrees(name: &str, mesh: MeshData, ray_count: usize) {
                 (t, answer) => panic!("{name}, {method:?}: {t:?} instead of {answer:?} for {ray:?}"),
             }
             assert_eq!(blas.occluded(ray), answer.is_some(), "{name}, {method:?}, {ray:?}");
-            let mut steps = Steps::default();
-            assert_eq!(blas.intersect_counting(ray, &mut steps), hit);
+            let mut stats = TraversalStats::default();
+            assert_eq!(blas.intersect_counting(ray, &mut stats), hit);
             if let Some(hit) = hit {
                 assert!(hit.u >= 0.0 && hit.v >= 0.0 && hit.u + hit.v <= 1.0 + f32::EPSILON);
                 let own = triangle::intersect(ray, mesh.corners(hit.triangle as usize), Faces::Both);
                 assert_eq!(own.map(|own| own.t), Some(hit.t), "{name}, {method:?}, {ray:?}");
-                assert!(steps.primitives > 0 && steps.boxes > 0);
+                assert!(stats.primitives > 0 && stats.boxes > 0);
             }
         }
     }
@@ -307,7 +307,7 @@ fn hostile_boxes_are_all_found() {
                 for _ in 0..20 {
                     let ray = Ray::new(1.5 * random.in_cube(), random.direction());
                     let mut visited = vec![false; boxes.len()];
-                    bvh.closest::<false>(&ray, &mut Steps::default(), |range, _| {
+                    bvh.closest::<false>(&ray, &mut TraversalStats::default(), |range, _| {
                         bvh.order()[range].iter().for_each(|&i| visited[i as usize] = true);
                     });
                     for (bounds, visited) in boxes.iter().zip(visited) {
@@ -344,7 +344,7 @@ fn rays_that_begin_within_a_mesh_beyond_the_caches() {
             "{hit:?}, not {answer:?}"
         );
         assert_eq!(blas.occluded(&ray), answer.is_some());
-        assert_eq!(blas.intersect_counting(&ray, &mut Steps::default()), hit);
+        assert_eq!(blas.intersect_counting(&ray, &mut TraversalStats::default()), hit);
         count[usize::from(answer.is_some())] += 1;
     }
     assert!(count.iter().all(|&count| count > 30), "hits and misses");
@@ -517,9 +517,9 @@ fn instances_agree_with_brute_force() {
                 // At a rim, or where two shapes pass through each other, rounding decides.
                 strays += usize::from(!agrees);
                 assert_eq!(tlas.occluded(&ray), hit.is_some());
-                let mut steps = Steps::default();
-                assert_eq!(tlas.intersect_counting(&ray, &mut steps), hit);
-                assert!(hit.is_none() || steps.total() >= 2);
+                let mut stats = TraversalStats::default();
+                assert_eq!(tlas.intersect_counting(&ray, &mut stats), hit);
+                assert!(hit.is_none() || stats.total() >= 2);
             }
         }
     }
