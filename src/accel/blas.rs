@@ -31,7 +31,7 @@ pub struct Blas {
     cost_when_built: f32,
     /// Where rays begin that will have to wait for triangles, and know no better than to go on: the box around everything, empty if caches
     /// hold it all. Rays from outside lie side by side, and what they meet first is what they hit.
-    afar_within: Aabb,
+    prefetch_within: Aabb,
     /// Whether its vertex normals are those of its triangles: then nobody needs to look them up.
     pub(super) has_flat_normals: bool,
     /// If it is the image of a square or a cube.
@@ -79,7 +79,7 @@ impl Blas {
                 }
             });
         let mut blas = Self {
-            afar_within: Aabb::EMPTY,
+            prefetch_within: Aabb::EMPTY,
             has_flat_normals: has_flat_normals(&mesh),
             affine: AffineMesh::of(&mesh),
             mesh,
@@ -88,7 +88,7 @@ impl Blas {
             cost_when_built,
         };
         if blas.bytes() > CACHE {
-            blas.afar_within = blas.bounds();
+            blas.prefetch_within = blas.bounds();
         }
         blas
     }
@@ -176,8 +176,8 @@ impl Blas {
 
     #[inline(always)]
     pub(super) fn closest<const COUNT: bool>(&self, ray: &Ray, stats: &mut TraversalStats) -> Option<MeshHit> {
-        if self.afar_within.contains_point(ray.origin) {
-            return self.closest_from_afar::<COUNT>(ray, stats);
+        if self.prefetch_within.contains_point(ray.origin) {
+            return self.closest_prefetching::<COUNT>(ray, stats);
         }
         let mut nearest = Nearest::new(self.blocks(), ray);
         self.bvh
@@ -186,29 +186,29 @@ impl Blas {
     }
 
     #[inline(never)]
-    fn closest_from_afar<const COUNT: bool>(&self, ray: &Ray, stats: &mut TraversalStats) -> Option<MeshHit> {
+    fn closest_prefetching<const COUNT: bool>(&self, ray: &Ray, stats: &mut TraversalStats) -> Option<MeshHit> {
         let mut nearest = Nearest::new(self.blocks(), ray);
         let visit = |leaf, t_max: &mut f32| nearest.visit(leaf, t_max);
         self.bvh
-            .closest_from_afar::<COUNT>(ray, stats, visit, |leaf| self.prefetch(leaf));
+            .closest_prefetching::<COUNT>(ray, stats, visit, |leaf| self.prefetch(leaf));
         nearest.hit
     }
 
     /// Whether anything is hit with t_min < t < t_max.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        if self.afar_within.contains_point(ray.origin) {
-            return self.occluded_from_afar(ray);
+        if self.prefetch_within.contains_point(ray.origin) {
+            return self.occluded_prefetching(ray);
         }
         let lanes = TriangleRay::new(ray);
         self.bvh.any(ray, |leaf| self.any_in(leaf, &lanes, ray.t_max))
     }
 
     #[inline(never)]
-    fn occluded_from_afar(&self, ray: &Ray) -> bool {
+    fn occluded_prefetching(&self, ray: &Ray) -> bool {
         let lanes = TriangleRay::new(ray);
         let visit = |leaf| self.any_in(leaf, &lanes, ray.t_max);
-        self.bvh.any_from_afar(ray, visit, |leaf| self.prefetch(leaf))
+        self.bvh.any_prefetching(ray, visit, |leaf| self.prefetch(leaf))
     }
 
     #[inline(always)]

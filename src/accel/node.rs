@@ -146,11 +146,11 @@ impl Node {
 /// How far a box may begin that holds something as near as `t_max`, whatever the rounding of both. With less it would depend on the order of
 /// the walk which of two triangles is found where they meet.
 #[inline(always)]
-pub(super) fn reach(t_max: f32) -> f32 {
-    t_max * REACH
+pub(super) fn padded(t_max: f32) -> f32 {
+    t_max * T_MAX_PADDING
 }
 
-pub(super) const REACH: f32 = 1.0 + 64.0 * f32::EPSILON;
+pub(super) const T_MAX_PADDING: f32 = 1.0 + 64.0 * f32::EPSILON;
 
 /// A ray as the box test wants it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -168,8 +168,8 @@ impl RaySlabs {
     /// so on such an axis both faces are taken a little farther out: distances then come out as beyond all others, on the right side.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Option<Self> {
-        let usable = ray.origin.is_finite() && ray.dir.is_finite() && ray.dir != Vec3::ZERO && ray.t_max > 0.0;
-        if !usable {
+        let is_valid = ray.origin.is_finite() && ray.dir.is_finite() && ray.dir != Vec3::ZERO && ray.t_max > 0.0;
+        if !is_valid {
             return None;
         }
         let margin = (ray.origin.abs() * f32::EPSILON).max(Vec3::splat(LEAST_MARGIN));

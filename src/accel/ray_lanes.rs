@@ -84,15 +84,15 @@ impl RayLanes {
         }
     }
 
-    /// A bit for each of the rays `asked` of which `is_so` holds.
+    /// A bit for each of the rays `active` of which `condition` holds.
     #[inline(always)]
-    pub(super) fn those(&self, asked: u32, is_so: impl Fn(&Ray) -> bool) -> u32 {
-        each_lane(asked).fold(0, |bits, lane| bits | u32::from(is_so(&self.get(lane))) << lane)
+    pub(super) fn lanes_where(&self, active: u32, condition: impl Fn(&Ray) -> bool) -> u32 {
+        each_lane(active).fold(0, |bits, lane| bits | u32::from(condition(&self.get(lane))) << lane)
     }
 
     /// A bit for each that is a ray and may meet something: finite, with a direction, and of some length.
     #[inline(always)]
-    pub(super) fn usable(&self) -> u32 {
+    pub(super) fn valid_mask(&self) -> u32 {
         let largest = Lanes::splat(f32::MAX);
         let is_finite =
             |v: Vec3Lanes| v.x.abs().simd_le(largest) & v.y.abs().simd_le(largest) & v.z.abs().simd_le(largest);

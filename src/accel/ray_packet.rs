@@ -12,7 +12,7 @@ use super::blas::Blas;
 use super::bvh::Bvh;
 use super::hit::{Hit, MeshHit};
 use super::instance::Primitive;
-use super::node::{Child, Node, REACH, WIDTH, reach};
+use super::node::{Child, Node, T_MAX_PADDING, WIDTH, padded};
 use super::ray_lanes::RayLanes;
 use super::shape_lanes::SlabLanes;
 use super::tlas::{Item, Tlas};
@@ -23,7 +23,7 @@ use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
 
 /// A child that waits for its turn.
 #[derive(Clone, Copy)]
-struct Waiting {
+struct StackEntry {
     child: Child,
     /// The rays that meet its box, a bit each.
     rays: u32,
@@ -31,30 +31,30 @@ struct Waiting {
     enter: f32,
 }
 
-impl Waiting {
+impl StackEntry {
     /// What waits before the first step of a walk.
     #[inline(always)]
     fn at_root(rays: u32) -> ArrayVec<Self, STACK> {
-        let mut waiting = ArrayVec::new();
-        waiting.push(Self {
+        let mut stack = ArrayVec::new();
+        stack.push(Self {
             child: Child::ROOT,
             rays,
             enter: 0.0,
         });
-        waiting
+        stack
     }
 }
 
 impl Blas {
     /// [`Self::intersect`] for the rays in `active`; `found` is told of the nearest hit of each one that has any.
     pub(super) fn intersect_packet(&self, rays: &RayLanes, active: u32, mut found: impl FnMut(usize, MeshHit)) {
-        let active = active & rays.usable();
+        let active = active & rays.valid_mask();
         let blocks = self.blocks();
         let lone = triangle_rays(rays);
         let mut nearest: [Option<MeshHit>; LANES] = [None; LANES];
-        self.bvh.walk_packet::<false>(rays, active, |range, asked, t_max| {
+        self.bvh.walk_packet::<false>(rays, active, |range, mask, t_max| {
             for number in Self::blocks_of(range) {
-                for lane in each_lane(asked) {
+                for lane in each_lane(mask) {
                     let own = nearest[lane].map(|hit| hit.slot);
                     if let Some(hit) = blocks[number].closest(number, &lone[lane], t_max.as_array()[lane], own) {
                         t_max.as_mut_array()[lane] = hit.t;
@@ -73,17 +73,17 @@ impl Blas {
 
     /// [`Self::occluded`] for the rays in `active`, a bit each.
     pub(super) fn occluded_packet(&self, rays: &RayLanes, active: u32) -> u32 {
-        let active = active & rays.usable();
+        let active = active & rays.valid_mask();
         let blocks = self.blocks();
         let lone = triangle_rays(rays);
-        self.bvh.walk_packet::<true>(rays, active, |range, asked, t_max| {
+        self.bvh.walk_packet::<true>(rays, active, |range, mask, t_max| {
             let blocks = &blocks[Self::blocks_of(range)];
             let hits = |lane: usize| {
                 blocks
                     .iter()
                     .any(|block| block.any(&lone[lane], t_max.as_array()[lane]))
             };
-            each_lane(asked).fold(0, |bits, lane| bits | u32::from(hits(lane)) << lane)
+            each_lane(mask).fold(0, |bits, lane| bits | u32::from(hits(lane)) << lane)
         })
     }
 }
@@ -91,17 +91,17 @@ impl Blas {
 impl Tlas {
     /// [`Self::intersect_lanes`] for rays that have much in common.
     pub fn intersect_packet(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
-        let active = active & rays.usable();
+        let active = active & rays.valid_mask();
         if let Some(small) = &self.small_scene {
             let hits = small.closest::<true>(self.shapes(), rays, active);
             self.prefetch_normals(&hits);
             return hits;
         }
         let mut nearest = [None; LANES];
-        self.bvh.walk_packet::<false>(rays, active, |range, asked, t_max| {
+        self.bvh.walk_packet::<false>(rays, active, |range, mask, t_max| {
             for &number in &self.bvh.order()[range] {
                 let rays = RayLanes { t_max: *t_max, ..*rays };
-                self.intersect_item(number, &rays, asked, |lane, hit| {
+                self.intersect_item(number, &rays, mask, |lane, hit| {
                     t_max.as_mut_array()[lane] = hit.t;
                     nearest[lane] = Some(hit);
                 });
@@ -113,21 +113,21 @@ impl Tlas {
     }
 
     #[inline(always)]
-    fn intersect_item(&self, number: u32, rays: &RayLanes, asked: u32, mut found: impl FnMut(usize, Hit)) {
+    fn intersect_item(&self, number: u32, rays: &RayLanes, mask: u32, mut found: impl FnMut(usize, Hit)) {
         match self.item(number) {
-            Item::Block(block) => each_hit(rays, asked, |ray| block.closest(ray), found),
+            Item::Block(block) => each_hit(rays, mask, |ray| block.closest(ray), found),
             Item::Placement(placement) => {
                 let hit =
                     |ray: &Ray| self.closest_placed::<false>(number, placement, ray, &mut TraversalStats::default());
-                each_hit(rays, asked, hit, found);
+                each_hit(rays, mask, hit, found);
             }
             Item::Shape(shape) => match &shape.primitive {
-                Primitive::Mesh(mesh) => mesh.intersect_packet(&shape.local_rays(rays), asked, |lane, hit| {
+                Primitive::Mesh(mesh) => mesh.intersect_packet(&shape.local_rays(rays), mask, |lane, hit| {
                     found(lane, Hit::of_mesh(number, hit));
                 }),
                 other => {
                     let hit = |ray: &Ray| Some(Hit::of_shape(number, other.intersect(&shape.local_ray(ray))?));
-                    each_hit(rays, asked, hit, found);
+                    each_hit(rays, mask, hit, found);
                 }
             },
         }
@@ -135,35 +135,33 @@ impl Tlas {
 
     /// [`Self::occluded_lanes`] for rays that have much in common.
     pub fn occluded_packet(&self, rays: &RayLanes, active: u32) -> u32 {
-        let active = active & rays.usable();
+        let active = active & rays.valid_mask();
         if let Some(small) = &self.small_scene {
             return small.any::<true>(self.shapes(), rays, active);
         }
-        self.bvh.walk_packet::<true>(rays, active, |range, asked, _| {
+        self.bvh.walk_packet::<true>(rays, active, |range, mask, _| {
             let numbers = self.bvh.order()[range].iter();
-            numbers.fold(0, |met, &number| {
-                met | self.occluded_by_item(number, rays, asked & !met)
-            })
+            numbers.fold(0, |met, &number| met | self.occluded_by_item(number, rays, mask & !met))
         })
     }
 
     #[inline(always)]
-    fn occluded_by_item(&self, number: u32, rays: &RayLanes, asked: u32) -> u32 {
+    fn occluded_by_item(&self, number: u32, rays: &RayLanes, mask: u32) -> u32 {
         match self.item(number) {
-            Item::Block(block) => rays.those(asked, |ray| block.any(ray)),
-            Item::Placement(placement) => rays.those(asked, |ray| self.occluded_placed(placement, ray)),
+            Item::Block(block) => rays.lanes_where(mask, |ray| block.any(ray)),
+            Item::Placement(placement) => rays.lanes_where(mask, |ray| self.occluded_placed(placement, ray)),
             Item::Shape(shape) => match &shape.primitive {
-                Primitive::Mesh(mesh) => mesh.occluded_packet(&shape.local_rays(rays), asked),
-                other => rays.those(asked, |ray| other.intersect(&shape.local_ray(ray)).is_some()),
+                Primitive::Mesh(mesh) => mesh.occluded_packet(&shape.local_rays(rays), mask),
+                other => rays.lanes_where(mask, |ray| other.intersect(&shape.local_ray(ray)).is_some()),
             },
         }
     }
 }
 
-/// `found` is told of what `intersect` finds for each of the rays `asked`.
+/// `found` is told of what `intersect` finds for each of the rays `mask`.
 #[inline(always)]
-fn each_hit(rays: &RayLanes, asked: u32, intersect: impl Fn(&Ray) -> Option<Hit>, mut found: impl FnMut(usize, Hit)) {
-    for lane in each_lane(asked) {
+fn each_hit(rays: &RayLanes, mask: u32, intersect: impl Fn(&Ray) -> Option<Hit>, mut found: impl FnMut(usize, Hit)) {
+    for lane in each_lane(mask) {
         if let Some(hit) = intersect(&rays.get(lane)) {
             found(lane, hit);
         }
@@ -192,26 +190,26 @@ impl Bvh {
         let mut t_max = rays.t_max;
         let mut farthest = f32::INFINITY;
         let mut boxes = BoxesMet::NONE;
-        let mut waiting = Waiting::at_root(left);
-        while let Some(next) = waiting.pop() {
-            let asked = next.rays & left;
-            if asked == 0 || !ANY && next.enter > farthest {
+        let mut stack = StackEntry::at_root(left);
+        while let Some(next) = stack.pop() {
+            let mask = next.rays & left;
+            if mask == 0 || !ANY && next.enter > farthest {
                 continue;
             }
             if !next.child.is_leaf() {
                 let node = &self.nodes[next.child.index()];
-                boxes.find(node, &slabs, common, asked, t_max * Lanes::splat(REACH));
-                push_met::<ANY>(node, &boxes, boxes.slots, &mut waiting);
+                boxes.find(node, &slabs, common, mask, t_max * Lanes::splat(T_MAX_PADDING));
+                push_met::<ANY>(node, &boxes, boxes.slots, &mut stack);
                 continue;
             }
-            met |= leaf(self.leaf_range(next.child), asked, &mut t_max);
+            met |= leaf(self.leaf_range(next.child), mask, &mut t_max);
             if ANY {
                 left &= !met;
                 if left == 0 {
                     break;
                 }
             } else {
-                farthest = reach(each_lane(left).fold(0.0, |farthest, lane| t_max.as_array()[lane].max(farthest)));
+                farthest = padded(each_lane(left).fold(0.0, |farthest, lane| t_max.as_array()[lane].max(farthest)));
             }
         }
         met
@@ -229,10 +227,16 @@ impl Bvh {
             return;
         }
         let mut boxes = BoxesMet::NONE;
-        let mut waiting = Waiting::at_root(active);
-        while let Some(next) = waiting.pop() {
+        let mut stack = StackEntry::at_root(active);
+        while let Some(next) = stack.pop() {
             let node = &self.nodes[next.child.index()];
-            boxes.find(node, &slabs, common, next.rays, rays.t_max * Lanes::splat(REACH));
+            boxes.find(
+                node,
+                &slabs,
+                common,
+                next.rays,
+                rays.t_max * Lanes::splat(T_MAX_PADDING),
+            );
             let mut crowds = 0;
             for slot in each_lane(boxes.slots) {
                 // Known to be less, but not by the compiler.
@@ -245,7 +249,7 @@ impl Bvh {
                     }
                 }
             }
-            push_met::<true>(node, &boxes, crowds, &mut waiting);
+            push_met::<true>(node, &boxes, crowds, &mut stack);
         }
     }
 }
@@ -270,13 +274,13 @@ impl BoxesMet {
         slots: 0,
     };
 
-    /// By the rays in `asked`, whose common signs are `common`.
+    /// By the rays in `mask`, whose common signs are `common`.
     #[inline(always)]
-    fn find(&mut self, node: &Node, slabs: &SlabLanes, common: Option<[bool; 3]>, asked: u32, t_max: Lanes) {
+    fn find(&mut self, node: &Node, slabs: &SlabLanes, common: Option<[bool; 3]>, mask: u32, t_max: Lanes) {
         match common {
             Some(down) => {
                 let up = [!down[0], !down[1], !down[2]];
-                self.find_by(asked, |slot| {
+                self.find_by(mask, |slot| {
                     slabs.enter_by(
                         node.faces_in_lanes(slot, down),
                         node.faces_in_lanes(slot, up),
@@ -285,7 +289,7 @@ impl BoxesMet {
                     )
                 });
             }
-            None => self.find_by(asked, |slot| {
+            None => self.find_by(mask, |slot| {
                 let [lower, upper] = [[false; 3], [true; 3]];
                 slabs.enter_between(
                     node.faces_in_lanes(slot, lower),
@@ -298,11 +302,11 @@ impl BoxesMet {
 
     /// All boxes are tested, whether or not they are met: that takes no guesses. `enter` gives where rays enter one, and which.
     #[inline(always)]
-    fn find_by(&mut self, asked: u32, enter: impl Fn(usize) -> (Lanes, Lanes)) {
+    fn find_by(&mut self, mask: u32, enter: impl Fn(usize) -> (Lanes, Lanes)) {
         let mut slots = 0;
         for slot in 0..WIDTH {
             let (enter, met) = enter(slot);
-            let rays = met.to_bitmask() & asked;
+            let rays = met.to_bitmask() & mask;
             self.enters[slot] = enter;
             self.rays[slot] = rays;
             slots |= u32::from(rays != 0) << slot;
@@ -313,11 +317,11 @@ impl BoxesMet {
 
 /// The children in `slots`, which are met, the nearest on top unless any hit will do.
 #[inline(always)]
-fn push_met<const ANY: bool>(node: &Node, boxes: &BoxesMet, slots: u32, waiting: &mut ArrayVec<Waiting, STACK>) {
-    let base = waiting.len();
+fn push_met<const ANY: bool>(node: &Node, boxes: &BoxesMet, slots: u32, stack: &mut ArrayVec<StackEntry, STACK>) {
+    let base = stack.len();
     for slot in each_lane(slots) {
         let slot = slot % WIDTH;
-        let mut entry = Waiting {
+        let mut entry = StackEntry {
             child: node.children[slot],
             rays: boxes.rays[slot],
             enter: 0.0,
@@ -326,14 +330,14 @@ fn push_met<const ANY: bool>(node: &Node, boxes: &BoxesMet, slots: u32, waiting:
             entry.enter = least(lanes_of(entry.rays).select(boxes.enters[slot], Lanes::splat(f32::INFINITY)));
         }
         // The stack is deep enough by construction.
-        let _ = waiting.try_push(entry);
+        let _ = stack.try_push(entry);
         if !ANY {
-            let mut place = waiting.len() - 1;
-            while place > base && waiting[place - 1].enter < entry.enter {
-                waiting[place] = waiting[place - 1];
+            let mut place = stack.len() - 1;
+            while place > base && stack[place - 1].enter < entry.enter {
+                stack[place] = stack[place - 1];
                 place -= 1;
             }
-            waiting[place] = entry;
+            stack[place] = entry;
         }
     }
 }

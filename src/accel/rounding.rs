@@ -33,8 +33,8 @@ impl Rounding {
 
     /// For a shape within `bounds` that rays meet as a whole, in a space of its own: its size counts wherever the hit is.
     pub fn of_whole(mut self, world_from_local: &Affine3A, bounds: &Aabb) -> Self {
-        let reach = bounds.min.abs().max(bounds.max.abs());
-        self.of_translation += gamma(6) * (absolute(&world_from_local.matrix3) * Vec3A::from(reach));
+        let extent = bounds.min.abs().max(bounds.max.abs());
+        self.of_translation += gamma(6) * (absolute(&world_from_local.matrix3) * Vec3A::from(extent));
         self
     }
 }

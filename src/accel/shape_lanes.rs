@@ -182,7 +182,7 @@ impl SlabLanes {
     /// The same of the box between two corners.
     #[inline(always)]
     pub fn enter_between(&self, min: Vec3Lanes, max: Vec3Lanes, t_max: Lanes) -> (Lanes, Lanes) {
-        let (a, b) = (self.reach(min, self.lower), self.reach(max, self.upper));
+        let (a, b) = (self.distances(min, self.lower), self.distances(max, self.upper));
         let near = Vec3Lanes::of(a.x.fast_min(b.x), a.y.fast_min(b.y), a.z.fast_min(b.z));
         let far = Vec3Lanes::of(a.x.fast_max(b.x), a.y.fast_max(b.y), a.z.fast_max(b.z));
         within(near, far, t_max)
@@ -201,15 +201,15 @@ impl SlabLanes {
             )
         };
         within(
-            self.reach(near, origins(down)),
-            self.reach(far, origins(down.map(|down| !down))),
+            self.distances(near, origins(down)),
+            self.distances(far, origins(down.map(|down| !down))),
             t_max,
         )
     }
 
-    /// Where the rays reach three planes.
+    /// The distances at which the rays meet three planes.
     #[inline(always)]
-    fn reach(&self, planes: Vec3Lanes, origins: Vec3Lanes) -> Vec3Lanes {
+    fn distances(&self, planes: Vec3Lanes, origins: Vec3Lanes) -> Vec3Lanes {
         Vec3Lanes::of(
             planes.x.mul_sub(self.inverse.x, origins.x),
             planes.y.mul_sub(self.inverse.y, origins.y),

@@ -158,8 +158,8 @@ impl SmallScene {
                         None => {}
                     }
                 }
-                Kind::Blocks => nearest.ask_blocks(active, number, scene.blocks, rays),
-                Kind::Other => nearest.ask(active, number, shape, scene, rays),
+                Kind::Blocks => nearest.test_blocks(active, number, scene.blocks, rays),
+                Kind::Other => nearest.test_each(active, number, shape, scene, rays),
             }
         }
         let met = nearest.shape.simd_ge(Lanes::ZERO).to_bitmask() & active;
@@ -221,7 +221,7 @@ impl SmallScene {
                         }
                     }
                     Kind::Blocks => any_of_blocks(left, scene.blocks, rays),
-                    Kind::Other => rays.those(left, |ray| shape.instance(scene).occluded(ray)),
+                    Kind::Other => rays.lanes_where(left, |ray| shape.instance(scene).occluded(ray)),
                 };
         }
         hit
@@ -303,11 +303,11 @@ impl Nearest {
         }
     }
 
-    /// The rays of the lanes `asked` ask the shape one by one.
+    /// The rays of the lanes `mask` ask the shape one by one.
     #[inline(always)]
-    fn ask(&mut self, asked: u32, number: Lanes, shape: &SceneShape, scene: Shapes, rays: &RayLanes) {
+    fn test_each(&mut self, mask: u32, number: Lanes, shape: &SceneShape, scene: Shapes, rays: &RayLanes) {
         let instance = shape.instance(scene);
-        for lane in each_lane(asked) {
+        for lane in each_lane(mask) {
             let ray = self.shortened(lane, rays);
             if let Some(hit) = instance.closest::<false>(shape.instance, &ray, &mut TraversalStats::default()) {
                 self.set(lane, number, hit);
@@ -315,12 +315,12 @@ impl Nearest {
         }
     }
 
-    /// The rays of the lanes `asked` ask the blocks whose boxes they meet.
+    /// The rays of the lanes `mask` ask the blocks whose boxes they meet.
     #[inline(never)]
-    fn ask_blocks(&mut self, asked: u32, number: Lanes, blocks: &[ShapeBlock], rays: &RayLanes) {
+    fn test_blocks(&mut self, mask: u32, number: Lanes, blocks: &[ShapeBlock], rays: &RayLanes) {
         let slabs = SlabLanes::new(rays);
         for block in blocks {
-            let met = slabs.meets(&block.bounds, self.t).to_bitmask() & asked;
+            let met = slabs.meets(&block.bounds, self.t).to_bitmask() & mask;
             for lane in each_lane(met) {
                 if let Some(hit) = block.closest(&self.shortened(lane, rays)) {
                     self.set(lane, number, hit);
@@ -337,14 +337,14 @@ impl Nearest {
     }
 }
 
-/// A bit for each of the lanes in `asked` whose ray meets anything in the blocks.
+/// A bit for each of the lanes in `mask` whose ray meets anything in the blocks.
 #[inline(never)]
-fn any_of_blocks(asked: u32, blocks: &[ShapeBlock], rays: &RayLanes) -> u32 {
+fn any_of_blocks(mask: u32, blocks: &[ShapeBlock], rays: &RayLanes) -> u32 {
     let slabs = SlabLanes::new(rays);
     let mut hit = 0;
     for block in blocks {
-        let met = slabs.meets(&block.bounds, rays.t_max).to_bitmask() & asked & !hit;
-        hit |= rays.those(met, |ray| block.any(ray));
+        let met = slabs.meets(&block.bounds, rays.t_max).to_bitmask() & mask & !hit;
+        hit |= rays.lanes_where(met, |ray| block.any(ray));
     }
     hit
 }

@@ -330,7 +330,7 @@ impl Tlas {
 
     /// [`Self::intersect`] for each of the lanes in `active`; None in the others. Their surfaces are expected to be asked for next.
     pub fn intersect_lanes(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
-        let active = active & rays.usable();
+        let active = active & rays.valid_mask();
         let hits = if let Some(small) = &self.small_scene {
             small.closest::<false>(self.shapes(), rays, active)
         } else if self.is_large {
@@ -348,14 +348,14 @@ impl Tlas {
 
     /// [`Self::occluded`] for each of the lanes in `active`, a bit per lane; clear in the others.
     pub fn occluded_lanes(&self, rays: &RayLanes, active: u32) -> u32 {
-        let active = active & rays.usable();
+        let active = active & rays.valid_mask();
         if let Some(small) = &self.small_scene {
             return small.any::<false>(self.shapes(), rays, active);
         }
         if self.is_large {
             return self.occluded_interleaved(&rays.rays(), active);
         }
-        rays.those(active, |ray| self.occluded(ray))
+        rays.lanes_where(active, |ray| self.occluded(ray))
     }
 
     /// Whether anything is hit with t_min < t < t_max.

@@ -7,7 +7,7 @@ use wide::f32x8;
 
 use super::build::MAX_DEPTH;
 use super::bvh::Bvh;
-use super::node::{Child, Node, RaySlabs, WIDTH, reach};
+use super::node::{Child, Node, RaySlabs, WIDTH, padded};
 use super::order::{far_to_near, met_first, nearest};
 use crate::math::Ray;
 
@@ -42,9 +42,9 @@ pub(super) fn push_sorted<const ROOM: usize>(
     node: &Node,
     enter: f32x8,
     met: f32x8,
-    waiting: &mut ArrayVec<u64, ROOM>,
+    stack: &mut ArrayVec<u64, ROOM>,
 ) -> Result<(), CapacityError> {
-    push_far_to_near(enter, met, node.children, waiting)
+    push_far_to_near(enter, met, node.children, stack)
 }
 
 /// As [`push_sorted`], of any children.
@@ -53,14 +53,14 @@ pub(super) fn push_far_to_near<const ROOM: usize>(
     enter: f32x8,
     met: f32x8,
     children: [Child; WIDTH],
-    waiting: &mut ArrayVec<u64, ROOM>,
+    stack: &mut ArrayVec<u64, ROOM>,
 ) -> Result<(), CapacityError> {
     let sorted = far_to_near(enter, met, children.each_ref().map(|child| child.0));
-    let height = waiting.len() + met.to_bitmask().count_ones() as usize;
+    let height = stack.len() + met.to_bitmask().count_ones() as usize;
     let pushed: [u64; WIDTH] =
         std::array::from_fn(|lane| u64::from(sorted.entries[lane].to_bits()) << 32 | u64::from(sorted.children[lane]));
-    waiting.try_extend_from_slice(&pushed)?;
-    waiting.truncate(height);
+    stack.try_extend_from_slice(&pushed)?;
+    stack.truncate(height);
     Ok(())
 }
 
@@ -69,13 +69,13 @@ pub(super) fn push_far_to_near<const ROOM: usize>(
 pub(super) fn push_unsorted<const ROOM: usize>(
     node: &Node,
     met: f32x8,
-    waiting: &mut ArrayVec<u64, ROOM>,
+    stack: &mut ArrayVec<u64, ROOM>,
 ) -> Result<(), CapacityError> {
     let mask = met.to_bitmask();
-    let height = waiting.len() + mask.count_ones() as usize;
+    let height = stack.len() + mask.count_ones() as usize;
     let pushed: [u64; WIDTH] = met_first(mask, node.children.each_ref().map(|child| child.0)).map(u64::from);
-    waiting.try_extend_from_slice(&pushed)?;
-    waiting.truncate(height);
+    stack.try_extend_from_slice(&pushed)?;
+    stack.truncate(height);
     Ok(())
 }
 
@@ -97,21 +97,21 @@ impl Bvh {
         self.walk::<false, COUNT, false>(ray, stats, leaf, |_| ());
     }
 
-    /// [`Bvh::closest`] where what a leaf holds must come from afar: `ask` asks for it, and `leaf` looks at it when the next one has been
+    /// [`Bvh::closest`] where what a leaf holds must come from afar: `prefetch` asks for it, and `leaf` looks at it when the next one has been
     /// found. Until then the walk goes on, maybe behind a hit.
     #[inline(always)]
-    pub(super) fn closest_from_afar<const COUNT: bool>(
+    pub(super) fn closest_prefetching<const COUNT: bool>(
         &self,
         ray: &Ray,
         stats: &mut TraversalStats,
         mut leaf: impl FnMut(Range<usize>, &mut f32),
-        ask: impl Fn(&Range<usize>),
+        prefetch: impl Fn(&Range<usize>),
     ) {
         let leaf = |range, t_max: &mut f32| {
             leaf(range, t_max);
             false
         };
-        self.walk::<false, COUNT, true>(ray, stats, leaf, ask);
+        self.walk::<false, COUNT, true>(ray, stats, leaf, prefetch);
     }
 
     /// Visits leaves until `leaf` returns true; that is the result.
@@ -120,45 +120,45 @@ impl Bvh {
         self.walk::<true, false, false>(ray, &mut TraversalStats::default(), |range, _| leaf(range), |_| ())
     }
 
-    /// [`Bvh::any`] where what a leaf holds must come from afar, as in [`Bvh::closest_from_afar`].
+    /// [`Bvh::any`] where what a leaf holds must come from afar, as in [`Bvh::closest_prefetching`].
     #[inline(always)]
-    pub(super) fn any_from_afar(
+    pub(super) fn any_prefetching(
         &self,
         ray: &Ray,
         mut leaf: impl FnMut(Range<usize>) -> bool,
-        ask: impl Fn(&Range<usize>),
+        prefetch: impl Fn(&Range<usize>),
     ) -> bool {
-        self.walk::<true, false, true>(ray, &mut TraversalStats::default(), |range, _| leaf(range), ask)
+        self.walk::<true, false, true>(ray, &mut TraversalStats::default(), |range, _| leaf(range), prefetch)
     }
 
     #[inline(always)]
-    fn walk<const ANY: bool, const COUNT: bool, const AFAR: bool>(
+    fn walk<const ANY: bool, const COUNT: bool, const PREFETCH: bool>(
         &self,
         ray: &Ray,
         stats: &mut TraversalStats,
         mut leaf: impl FnMut(Range<usize>, &mut f32) -> bool,
-        ask: impl Fn(&Range<usize>),
+        prefetch: impl Fn(&Range<usize>),
     ) -> bool {
         let Some(slabs) = RaySlabs::new(ray) else {
             return false;
         };
         let mut t_max = ray.t_max;
         // Children that wait, and where the ray enters them.
-        let mut waiting = ArrayVec::<u64, STACK>::new();
+        let mut stack = ArrayVec::<u64, STACK>::new();
         // The leaf whose memory is on its way.
-        let mut asked: Option<Range<usize>> = None;
+        let mut pending: Option<Range<usize>> = None;
         let mut current = 0;
         loop {
             let node = &self.nodes[current];
             if COUNT {
                 stats.boxes += node.slots_used() as u32;
             }
-            let (enter, met) = node.entries(&slabs, reach(t_max));
-            let mut next = go_down::<ANY>(node, enter, met, &mut waiting);
+            let (enter, met) = node.entries(&slabs, padded(t_max));
+            let mut next = go_down::<ANY>(node, enter, met, &mut stack);
             current = loop {
-                let child = next.take().or_else(|| go_back(&mut waiting, reach(t_max)));
+                let child = next.take().or_else(|| go_back(&mut stack, padded(t_max)));
                 let Some(child) = child else {
-                    return asked.is_some_and(|range| leaf(range, &mut t_max) && ANY);
+                    return pending.is_some_and(|range| leaf(range, &mut t_max) && ANY);
                 };
                 if !child.is_leaf() {
                     break child.index();
@@ -167,9 +167,9 @@ impl Bvh {
                 if COUNT {
                     stats.primitives += range.len() as u32;
                 }
-                let due = if AFAR {
-                    ask(&range);
-                    asked.replace(range)
+                let due = if PREFETCH {
+                    prefetch(&range);
+                    pending.replace(range)
                 } else {
                     Some(range)
                 };
@@ -183,12 +183,7 @@ impl Bvh {
 
 /// The child to go on with, the nearest one or with `ANY` any that is met; the others wait.
 #[inline(always)]
-fn go_down<const ANY: bool>(
-    node: &Node,
-    enter: f32x8,
-    met: f32x8,
-    waiting: &mut ArrayVec<u64, STACK>,
-) -> Option<Child> {
+fn go_down<const ANY: bool>(node: &Node, enter: f32x8, met: f32x8, stack: &mut ArrayVec<u64, STACK>) -> Option<Child> {
     let mut others = met.to_bitmask();
     if others == 0 {
         return None;
@@ -197,24 +192,24 @@ fn go_down<const ANY: bool>(
         // Found before they are in order: that is not waited for.
         let next = node.children[nearest(enter, met)];
         // The stack is deep enough by construction.
-        let _ = push_sorted(node, enter, met, waiting);
-        waiting.pop();
+        let _ = push_sorted(node, enter, met, stack);
+        stack.pop();
         return Some(next);
     }
     let next = node.children[others.trailing_zeros() as usize % WIDTH];
     others &= others - 1;
     while others != 0 {
-        waiting.push(u64::from(node.children[others.trailing_zeros() as usize % WIDTH].0));
+        stack.push(u64::from(node.children[others.trailing_zeros() as usize % WIDTH].0));
         others &= others - 1;
     }
     Some(next)
 }
 
-/// To what waits and is entered within `reach`.
+/// To what waits and is entered within `t_limit`.
 #[inline(always)]
-fn go_back(waiting: &mut ArrayVec<u64, STACK>, reach: f32) -> Option<Child> {
-    while let Some(top) = waiting.pop() {
-        if f32::from_bits((top >> 32) as u32) <= reach {
+fn go_back(stack: &mut ArrayVec<u64, STACK>, t_limit: f32) -> Option<Child> {
+    while let Some(top) = stack.pop() {
+        if f32::from_bits((top >> 32) as u32) <= t_limit {
             return Some(Child(top as u32));
         }
     }

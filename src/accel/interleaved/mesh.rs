@@ -24,7 +24,7 @@ impl Blas {
         mut found: impl FnMut(usize, MeshHit),
     ) {
         self.walk_lanes::<false>(rays, active, |index, ray, walk| {
-            let hit = if walk.progress.lost {
+            let hit = if walk.progress.gave_up {
                 self.intersect(ray)
             } else {
                 walk.hit
@@ -39,7 +39,7 @@ impl Blas {
     pub(in crate::accel) fn occluded_lanes(&self, rays: &RayLanes, active: u32) -> u32 {
         let mut occluded = 0;
         self.walk_lanes::<true>(rays, active, |index, ray, walk| {
-            let hit = if walk.progress.lost {
+            let hit = if walk.progress.gave_up {
                 self.occluded(ray)
             } else {
                 walk.hit.is_some()
@@ -56,7 +56,7 @@ impl Blas {
         active: u32,
         mut finish: impl FnMut(usize, &Ray, &MeshWalk<ANY>),
     ) {
-        let active = active & rays.usable();
+        let active = active & rays.valid_mask();
         let mut starts = [Start::NOWHERE; LANES];
         self.bvh
             .descend_packet(rays, active, |lane, child, enter| starts[lane].push(child, enter));
@@ -117,15 +117,15 @@ impl Start {
     }
 
     #[inline(always)]
-    fn push_to(&self, waiting: &mut Stack) {
+    fn push_to(&self, stack: &mut Stack) {
         if self.count > WIDTH {
-            waiting.push(u64::from(Child::ROOT.0));
+            stack.push(u64::from(Child::ROOT.0));
             return;
         }
         let places = f32x8::new([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
         let used = places.simd_lt(f32x8::splat(self.count as f32));
         // A new stack has room.
-        let _ = push_far_to_near(f32x8::new(self.enters), used, self.children, waiting);
+        let _ = push_far_to_near(f32x8::new(self.enters), used, self.children, stack);
     }
 }
 
@@ -145,8 +145,8 @@ impl<'a, const ANY: bool> Walk for MeshWalk<'a, ANY> {
     type Context = MeshTables<'a>;
 
     #[inline(always)]
-    fn go_on(&mut self) -> Place {
-        let next = self.progress.go_on();
+    fn next_step(&mut self) -> Place {
+        let next = self.progress.next_step();
         match (next.is_leaf(), next == Child::NONE) {
             (false, _) => Place::Node,
             (true, false) => Place::Triangles,

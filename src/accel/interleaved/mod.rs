@@ -8,7 +8,7 @@ mod scene;
 
 use arrayvec::ArrayVec;
 
-use super::node::{Child, Node, RaySlabs, reach};
+use super::node::{Child, Node, RaySlabs, padded};
 use super::traverse::{push_sorted, push_unsorted};
 
 /// A ray on its way.
@@ -17,7 +17,7 @@ trait Walk {
     type Context;
 
     /// Picks the next step.
-    fn go_on(&mut self) -> Place;
+    fn next_step(&mut self) -> Place;
     fn visit_node(&mut self, context: &Self::Context);
     fn visit_triangles(&mut self, context: &Self::Context);
     /// False if it has come to its end.
@@ -43,7 +43,7 @@ fn take_turns<W: Walk, const N: usize>(walks: &mut ArrayVec<W, N>, context: &W::
     const { assert!(N <= u32::BITS as usize) };
     let mut turns = Turns::default();
     for index in members::<N>(active) {
-        turns.give(index, walks[index].go_on());
+        turns.give(index, walks[index].next_step());
     }
     turns.prefetch(walks, context);
     while turns != Turns::default() {
@@ -51,22 +51,22 @@ fn take_turns<W: Walk, const N: usize>(walks: &mut ArrayVec<W, N>, context: &W::
         for index in members::<N>(now.at_nodes) {
             let walk = &mut walks[index];
             walk.visit_node(context);
-            turns.give(index, walk.go_on());
+            turns.give(index, walk.next_step());
         }
-        let asked = turns;
+        let prefetched = turns;
         turns.prefetch(walks, context);
         for index in members::<N>(now.at_triangles) {
             let walk = &mut walks[index];
             walk.visit_triangles(context);
-            turns.give(index, walk.go_on());
+            turns.give(index, walk.next_step());
         }
         for index in members::<N>(now.elsewhere) {
             let walk = &mut walks[index];
             if walk.visit_elsewhere(context) {
-                turns.give(index, walk.go_on());
+                turns.give(index, walk.next_step());
             }
         }
-        turns.without(asked).prefetch(walks, context);
+        turns.without(prefetched).prefetch(walks, context);
     }
 }
 
@@ -117,10 +117,10 @@ fn members<const N: usize>(mut mask: u32) -> impl Iterator<Item = usize> {
 }
 
 /// Children that may wait in all spaces together; those of a million triangles are about fifty at most.
-const WAITING: usize = 96;
+const STACK_LEN: usize = 96;
 
 /// Children that wait, and where the ray enters them.
-type Stack = ArrayVec<u64, WAITING>;
+type Stack = ArrayVec<u64, STACK_LEN>;
 
 /// Waits below all children of a space.
 const OUTWARD: u64 = Child::NONE.0 as u64;
@@ -128,52 +128,52 @@ const OUTWARD: u64 = Child::NONE.0 as u64;
 /// How far a ray has come. Without `ANY` it looks for its nearest hit.
 struct Progress<'a, const ANY: bool> {
     /// As a lone ray's, those of inner spaces on top.
-    waiting: &'a mut Stack,
+    stack: &'a mut Stack,
     next: Child,
     t_max: f32,
     /// The ray needs more than there is room for, and must go alone.
-    lost: bool,
+    gave_up: bool,
 }
 
 impl<'a, const ANY: bool> Progress<'a, ANY> {
     #[inline(always)]
-    fn new(waiting: &'a mut Stack, t_max: f32) -> Self {
+    fn new(stack: &'a mut Stack, t_max: f32) -> Self {
         Self {
-            waiting,
+            stack,
             next: Child::NONE,
             t_max,
-            lost: false,
+            gave_up: false,
         }
     }
 
     /// Into a space, from its root on.
     #[inline(always)]
     fn enter(&mut self) {
-        let entered = self.waiting.try_push(OUTWARD).is_ok() && self.waiting.try_push(u64::from(Child::ROOT.0)).is_ok();
+        let entered = self.stack.try_push(OUTWARD).is_ok() && self.stack.try_push(u64::from(Child::ROOT.0)).is_ok();
         if !entered {
             self.give_up();
         }
     }
 
     fn give_up(&mut self) {
-        self.lost = true;
-        self.waiting.clear();
+        self.gave_up = true;
+        self.stack.clear();
     }
 
     /// To the nearest that waits.
     #[inline(always)]
-    fn go_on(&mut self) -> Child {
-        self.next = Child(self.waiting.pop().unwrap_or(OUTWARD) as u32);
+    fn next_step(&mut self) -> Child {
+        self.next = Child(self.stack.pop().unwrap_or(OUTWARD) as u32);
         self.next
     }
 
     #[inline(always)]
     fn visit(&mut self, node: &Node, slabs: &RaySlabs) {
-        let (enter, met) = node.entries(slabs, reach(self.t_max));
+        let (enter, met) = node.entries(slabs, padded(self.t_max));
         let pushed = if ANY {
-            push_unsorted(node, met, self.waiting)
+            push_unsorted(node, met, self.stack)
         } else {
-            push_sorted(node, enter, met, self.waiting)
+            push_sorted(node, enter, met, self.stack)
         };
         if pushed.is_err() {
             self.give_up();
@@ -185,17 +185,17 @@ impl<'a, const ANY: bool> Progress<'a, ANY> {
     fn shorten(&mut self, t: f32) {
         self.t_max = t;
         if ANY {
-            self.waiting.clear();
+            self.stack.clear();
             return;
         }
         // What is entered behind the hit waits no longer. To find that out later would be a guess at every step.
-        let farthest = u64::from(reach(t).to_bits()) << 32 | u64::from(u32::MAX);
+        let farthest = u64::from(padded(t).to_bits()) << 32 | u64::from(u32::MAX);
         let mut kept = 0;
-        for place in 0..self.waiting.len() {
-            let entry = self.waiting[place];
-            self.waiting[kept] = entry;
+        for place in 0..self.stack.len() {
+            let entry = self.stack[place];
+            self.stack[kept] = entry;
             kept += usize::from(entry <= farthest);
         }
-        self.waiting.truncate(kept);
+        self.stack.truncate(kept);
     }
 }

@@ -18,7 +18,7 @@ impl Tlas {
     pub fn intersect_interleaved<const N: usize>(&self, rays: &[Ray; N], active: u32) -> [Option<Hit>; N] {
         let mut hits = [None; N];
         self.walk_interleaved::<false, N>(rays, active, |index, walk| {
-            hits[index] = if walk.progress.lost {
+            hits[index] = if walk.progress.gave_up {
                 self.intersect(&rays[index])
             } else {
                 walk.hit
@@ -31,7 +31,7 @@ impl Tlas {
     pub fn occluded_interleaved<const N: usize>(&self, rays: &[Ray; N], active: u32) -> u32 {
         let mut occluded = 0;
         self.walk_interleaved::<true, N>(rays, active, |index, walk| {
-            let hit = if walk.progress.lost {
+            let hit = if walk.progress.gave_up {
                 self.occluded(&rays[index])
             } else {
                 walk.hit.is_some()
@@ -112,9 +112,9 @@ struct SceneWalk<'a, const ANY: bool> {
 impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
     /// Of a ray that goes nowhere yet.
     #[inline(always)]
-    fn new(level: Level<'a>, waiting: &'a mut Stack) -> Self {
+    fn new(level: Level<'a>, stack: &'a mut Stack) -> Self {
         Self {
-            progress: Progress::new(waiting, level.ray.t_max),
+            progress: Progress::new(stack, level.ray.t_max),
             level,
             outer: ArrayVec::new(),
             hit: None,
@@ -207,8 +207,8 @@ impl<const ANY: bool> Walk for SceneWalk<'_, ANY> {
     type Context = ();
 
     #[inline(always)]
-    fn go_on(&mut self) -> Place {
-        let next = self.progress.go_on();
+    fn next_step(&mut self) -> Place {
+        let next = self.progress.next_step();
         match (next.is_leaf(), next == Child::NONE || self.level.blocks.is_empty()) {
             (false, _) => Place::Node,
             (true, false) => Place::Triangles,
@@ -295,9 +295,9 @@ mod tests {
         shapes.push(placed(Primitive::Sphere, 2f32.powi(61) * dir, 2f32.powi(58)));
         let scene = Tlas::build(shapes, SplitMethod::Sah);
         let rays = [Ray::new(Vec3::ZERO, dir), Ray::new(Vec3::ZERO, -dir)];
-        let mut lost = [false; 2];
-        scene.walk_interleaved::<false, 2>(&rays, 3, |index, walk| lost[index] = walk.progress.lost);
-        assert_eq!(lost, [true, false]);
+        let mut gave_up = [false; 2];
+        scene.walk_interleaved::<false, 2>(&rays, 3, |index, walk| gave_up[index] = walk.progress.gave_up);
+        assert_eq!(gave_up, [true, false]);
         let alone = rays.map(|ray| scene.intersect(&ray));
         assert_eq!(alone.map(|hit| hit.map(|hit| hit.instance)), [Some(110), None]);
         assert_eq!(scene.intersect_interleaved(&rays, 3), alone);
