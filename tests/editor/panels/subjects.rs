@@ -8,7 +8,7 @@ use sunroom::scene::{
     PlaceAndTime, ReconstructionFilter, Roughness, Sensor, Shape, ShapeKind, SquarePath, SunPosition, SunSky, Texture,
 };
 
-use crate::{entity, light};
+use super::{entity, light};
 
 pub fn with_material(material: Material) -> Inspected {
     Inspected {

@@ -1,12 +1,8 @@
 //! Drives the picture without a window: what mouse and keys do there comes out as commands.
-#![cfg(feature = "window")]
-
-mod editor_support;
 
 use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
-use editor_support::{context, presses};
 use egui_kittest::Harness;
 use sunroom::app::editor::camera::navigation::Navigation;
 use sunroom::app::editor::camera::screen::Screen;
@@ -29,6 +25,8 @@ use sunroom::app::editor::viewport::viewport;
 use sunroom::engine::CurrentScene;
 use sunroom::math::Aabb;
 use sunroom::render::camera::Camera;
+
+use crate::support::{context, presses};
 
 fn entity(index: u32) -> Entity {
     Entity::from_raw_u32(index).expect("a small index is valid")

@@ -19,7 +19,7 @@ use sunroom::app::editor::picture::denoiser::DenoiserState;
 use sunroom::app::editor::session::layout::Layout;
 use sunroom::engine::{RenderState, RenderStatus};
 
-use crate::{Panel, Shown, click, entity, item, show, show_at};
+use super::{Panel, Shown, click, entity, item, show, show_at};
 
 fn menus(denoiser: DenoiserState) -> Harness<'static, Shown<Model>> {
     let model = Model {

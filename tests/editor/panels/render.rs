@@ -10,7 +10,7 @@ use sunroom::app::editor::model::{ComparisonModel, MixingModel, RenderModel};
 use sunroom::app::editor::panels::render;
 use sunroom::scene::{IntegratorSettings, Strategy};
 
-use crate::{Shown, click, entity, show, slide};
+use super::{Shown, click, entity, show, slide};
 
 fn render_panel(model: RenderModel) -> Harness<'static, Shown<RenderModel>> {
     show(model, |ui, model, commands| {

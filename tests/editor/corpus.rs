@@ -1,20 +1,10 @@
-//! Replays the corpus of the editor's parsers, and seeded mutations of it, as `core/fuzz_corpus.rs` does for the kernel's. See
+//! Replays the corpus of the editor's parsers, and seeded mutations of it, as `tests/core/fuzz_corpus.rs` does for the kernel's. See
 //! `fuzz/README.md`.
-#![cfg(feature = "window")]
 
 use std::path::Path;
 
-#[path = "../fuzz/editor_entries.rs"]
-mod editor_entries;
-#[path = "support/meaning.rs"]
-mod meaning;
-#[path = "../fuzz/replay.rs"]
-mod replay;
-#[path = "support/split_mix.rs"]
-mod split_mix;
-
-use editor_entries::ENTRIES;
-use replay::{Input, files, mutations, run};
+use crate::editor_entries::ENTRIES;
+use crate::replay::{Input, files, mutations, run};
 
 /// Of each entry's corpus in an ordinary test run; the variable `MUTATIONS` sets another number.
 const MUTATIONS: usize = 300;

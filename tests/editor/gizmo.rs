@@ -1,6 +1,5 @@
 //! Drags the gizmo's handles without a window: what is under the pointer stays under it, nothing leaps, and objects stand where they
 //! should.
-#![cfg(feature = "window")]
 
 use std::f32::consts::{FRAC_PI_2, PI};
 

@@ -1,13 +1,12 @@
 //! The program as a user of the command line meets it: exit codes, files, figures.
 
-mod program_support;
-
 use std::path::Path;
 use std::process::Output;
 
-use program_support::{Workshop, sunroom};
 use sunroom::render::image_io::ImageRgb;
 use sunroom::texture::load_image;
+
+use crate::workshop::{Workshop, sunroom};
 
 /// A floor under a square lamp, 40 x 30 pixels.
 const SCENE: &str = r#"<scene version="3.0.0">
@@ -798,7 +797,7 @@ fn options(text: &str) -> std::collections::BTreeSet<&str> {
 
 #[test]
 fn the_page_about_the_command_line_has_the_options_of_the_program() {
-    let page = include_str!("../docs/command-line.md");
+    let page = include_str!("../../docs/command-line.md");
     let mut help = String::new();
     for command in ["", "edit", "render", "check", "convert", "bench", "bench rays"] {
         let output = sunroom().args(command.split_whitespace()).arg("--help").output();
@@ -817,7 +816,7 @@ fn the_page_about_the_format_has_every_bsdf_and_light_with_their_parameters() {
     use sunroom::scene::encode::{lights, objects};
     use sunroom::scene::{Emitter, Material};
 
-    let page = include_str!("../docs/scene-format.md");
+    let page = include_str!("../../docs/scene-format.md");
     let here = Path::new("/");
     let materials = Material::PLUGINS.into_iter().filter_map(Material::of_plugin);
     let materials = materials.map(|material| objects::material(&material, here));

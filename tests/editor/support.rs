@@ -1,5 +1,4 @@
 //! What tests of the editor share.
-#![allow(dead_code, reason = "every test binary uses its own part")]
 
 use bevy_egui::egui;
 use sunroom::app::editor::command::bvh_overlay::BvhOverlay;

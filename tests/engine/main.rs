@@ -1,10 +1,17 @@
-//! What tests of the engine share.
+//! The engine without a window: what it rebuilds, when it stops, and what it makes of the lights.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod light_mixing;
+mod rebuilding;
+mod stopping;
 
 use bevy::prelude::*;
 use sunroom::scene::{ActiveSensor, DocumentOrder, Film, Sensor, ToWorld};
 
 /// Looks along +z from the origin, with a film of so many pixels and four samples of each.
-pub fn look_along(world: &mut World, width: u32, height: u32) {
+fn look_along(world: &mut World, width: u32, height: u32) {
     let film = Film {
         width,
         height,

@@ -1,14 +1,12 @@
 //! Drives the program over scenes whose files are no ordinary files. Each run must end with a message that names the file.
 
-mod program_support;
-
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use program_support::{Workshop, sunroom};
+use crate::workshop::{Workshop, sunroom};
 
 /// Far longer than any of these runs takes on a busy machine; only a run that never ends takes so long.
 const PATIENCE: Duration = Duration::from_secs(300);

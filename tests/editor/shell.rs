@@ -1,15 +1,11 @@
 //! Drives what belongs to the window more than to the scene, without a window: the palette, the overview of keys, the preferences and the
 //! questions before something is lost.
-#![cfg(feature = "window")]
-
-mod editor_support;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Context, Key};
-use editor_support::context;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use sunroom::app::editor::automation::script::parse::VERBS;
@@ -34,6 +30,8 @@ use sunroom::app::editor::window::shortcuts::shortcuts;
 use sunroom::app::editor::window::{recovery_question, save_question, toasts, trust_question};
 use sunroom::render::tonemap::ToneMap;
 use sunroom::scene::write::{OnChange, SaveError};
+
+use crate::support::context;
 
 /// What is shown, what came of it, and whether it is still there.
 struct Shown<T> {
@@ -339,7 +337,7 @@ fn files_outside_the_scenes_folder_are_asked_about() {
 /// `docs/scripts.md` has the tables of the program.
 #[test]
 fn the_page_about_scripts_lists_what_the_program_accepts() {
-    let page = include_str!("../docs/scripts.md");
+    let page = include_str!("../../docs/scripts.md");
     let rows: Vec<Vec<String>> = page
         .lines()
         .filter(|line| line.starts_with("| `"))

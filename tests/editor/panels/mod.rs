@@ -1,9 +1,6 @@
 //! Drives the editor's panels without a window: what the user does comes out as commands, and showing a panel changes nothing. One module
 //! for each panel; here is what moves the mouse.
-#![cfg(feature = "window")]
 
-#[path = "../editor_support/mod.rs"]
-mod editor_support;
 mod inspector;
 mod lights;
 mod materials;

@@ -8,8 +8,8 @@ use sunroom::app::editor::model::{Inspected, Model};
 use sunroom::color::Rgb;
 use sunroom::scene::{AreaLight, Emitter, EmitterKind, Shape, SquarePath};
 
-use crate::inspector::inspect;
-use crate::{Shown, click, drag, entity, light, slide};
+use super::inspector::inspect;
+use super::{Shown, click, drag, entity, light, slide};
 
 pub fn lamp(emitter: Emitter) -> Harness<'static, Shown<Model>> {
     inspect(Inspected {

@@ -11,10 +11,7 @@ use sunroom::scene::read::read;
 use sunroom::scene::write::{gather, save_description, to_document};
 use sunroom::scene::*;
 
-#[path = "support/meaning.rs"]
-mod meaning;
-
-use meaning::meaning;
+use crate::meaning::meaning;
 
 fn describe_at(text: &str, path: &Path) -> (SceneDescription, Diagnostics) {
     let mut document = document::parse_str(text, path, &[]);

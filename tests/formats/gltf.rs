@@ -1,7 +1,5 @@
 //! glTF files where scenes are expected: rendered, checked, converted, saved and read again when they change.
 
-mod gltf_support;
-
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::Arc;
@@ -14,7 +12,7 @@ use sunroom::scene::write::{SaveError, save_description};
 use sunroom::scene::*;
 use tempfile::TempDir;
 
-use gltf_support::Parts;
+use crate::gltf_support::Parts;
 
 /// Side by side a wall and a smaller one, in their materials, before a camera, in sunlight.
 const REST: &str = r#"

@@ -22,8 +22,8 @@ use sunroom::app::editor::viewport::viewport;
 use sunroom::engine::CurrentScene;
 use sunroom::render::camera::Camera;
 
-use crate::editor_support::{context, presses};
-use crate::{click, drag, entity, item, press_at, show_beside_picture, with_outline};
+use super::{click, drag, entity, item, press_at, show_beside_picture, with_outline};
+use crate::support::{context, presses};
 
 /// The picture in a panel of 340 x 240 points, with a text field and a number above it.
 pub struct Picture {

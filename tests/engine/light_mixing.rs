@@ -1,8 +1,5 @@
 //! Light mixing: a finished picture with its lights changed is the picture of the scene with its lights changed.
 
-mod engine_support;
-mod support;
-
 use std::f32::consts::FRAC_PI_2;
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
@@ -10,7 +7,6 @@ use std::sync::atomic::AtomicBool;
 use bevy::asset::AssetPlugin;
 use bevy::math::{Affine3A, Quat, Vec3};
 use bevy::prelude::*;
-use engine_support::look_along;
 use sunroom::accel::Primitive;
 use sunroom::color::Rgb;
 use sunroom::engine::{EnginePlugin, Limits, Outcome, RenderControl, RenderFilm, render_to_completion};
@@ -23,7 +19,9 @@ use sunroom::render::tile::{render_preview, tiles};
 use sunroom::render::view::{Strategy, View};
 use sunroom::scene::{AreaLight, DocumentOrder, Emitter, EmitterKind, ScenePlugin, Shape, ShapeKind, ToWorld};
 use sunroom::shading::{Bsdf, Dielectric, DielectricModel, Diffuse};
-use support::{SceneBuilder, camera, render, view};
+
+use crate::look_along;
+use crate::support::{SceneBuilder, camera, render, view};
 
 /// A box with one red and one green wall, open to a uniform sky, with a square lamp, a round one and a ball of glass. `strengths`
 /// multiply the light of the square lamp, the round lamp and the sky.

@@ -1,5 +1,4 @@
 //! Files outside the folder of a scene in the window: when the user is asked, what an answer allows, and that no edit is lost by it.
-#![cfg(feature = "window")]
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

@@ -1,21 +1,18 @@
 //! Edits of a scene without a window: what is undone, redone and replayed.
-#![cfg(feature = "window")]
 
-use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
 
 use bevy::prelude::*;
+use sunroom::app::editor::automation::monkey::Snapshot;
 use sunroom::app::editor::automation::monkey::edits::{PART, names, random_edit};
 use sunroom::app::editor::automation::monkey::random::Random;
-use sunroom::app::editor::automation::monkey::{Monkey, Snapshot, windowless};
 use sunroom::app::editor::automation::script::parse::{self, Step};
 use sunroom::app::editor::command::Command;
 use sunroom::app::editor::command::selection::Selection;
 use sunroom::app::editor::commands::apply;
 use sunroom::app::editor::commands::bare_world::bare_world;
 use sunroom::app::editor::session::history::History;
-use sunroom::app::editor::session::options::{Length, MonkeyOptions};
 use sunroom::app::editor::session::requests::Requests;
 use sunroom::engine::{LightGroup, RenderFilm};
 use sunroom::scene::write::{self, gather};
@@ -330,66 +327,6 @@ fn after_a_save_the_file_and_the_things_still_belong_together() {
     let summary = spawn::update(&mut world, &read().into());
     assert_eq!((summary.removed > 0, summary.kept), (true, 0), "{summary:?}");
     assert_eq!(names::<With<Shape>>(&mut world), ["a"]);
-}
-
-/// Plays so many acts on a scene of our own without a window; the outcome, and what the monkey has done.
-fn play(steps: usize, seed: u64, folder: &std::path::Path) -> (AppExit, String) {
-    let [scene, log] = ["scene.xml", "log.txt"].map(|name| folder.join(name));
-    let text = "<scene version=\"3.0.0\">
-        <sensor type=\"perspective\" id=\"eye\">
-            <transform name=\"to_world\"><lookat origin=\"0, 1, 6\" target=\"0, 0, 0\" up=\"0, 1, 0\"/></transform>
-            <film type=\"hdrfilm\"><integer name=\"width\" value=\"32\"/><integer name=\"height\" value=\"24\"/></film>
-        </sensor>
-        <bsdf type=\"plastic\" id=\"shiny\"/>
-        <shape type=\"sphere\" id=\"ball\"><ref id=\"shiny\"/></shape>
-        <shape type=\"cube\"><bsdf type=\"diffuse\"/></shape>
-        <emitter type=\"constant\" id=\"sky\"/></scene>";
-    std::fs::write(&scene, text).expect("a scene");
-    let options = MonkeyOptions {
-        length: Length::Steps(steps),
-        seed,
-        scenes: vec![scene.clone()],
-        log: Some(log.clone()),
-        longest_frame: None,
-    };
-    let outcome = windowless(Monkey::new(options).expect("a folder"), Some(1)).run();
-    assert_eq!(
-        std::fs::read_to_string(scene).expect("the scene"),
-        text,
-        "the user's file"
-    );
-    // Folders have random names.
-    let log = std::fs::read_to_string(log).expect("a log");
-    let mut shown = String::new();
-    for line in log.lines() {
-        let name = line
-            .find("sunroom-monkey-")
-            .map(|at| (at, at + "sunroom-monkey-".len() + 6));
-        match name {
-            Some((begin, end)) => writeln!(shown, "{}{}", &line[..begin], &line[end..]).expect("a string"),
-            None => writeln!(shown, "{line}").expect("a string"),
-        }
-    }
-    (outcome, shown)
-}
-
-/// With changed and broken files, reloads, imports, rendering, undo to the start and redo, and all that was saved opened again.
-#[test]
-fn a_monkey_leaves_the_editor_whole_and_does_the_same_again() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (outcome, first) = play(400, 5, folder.path());
-    assert_eq!(outcome, AppExit::Success);
-    assert!(first.lines().count() > 400 && first.contains("another program writes"));
-    let (outcome, again) = play(400, 5, folder.path());
-    assert_eq!(outcome, AppExit::Success);
-    let differs = first
-        .lines()
-        .zip(again.lines())
-        .zip(1..)
-        .find(|((one, two), _)| one != two);
-    assert_eq!(differs, None);
-    let (_, other) = play(40, 6, folder.path());
-    assert!(!first.starts_with(&other));
 }
 
 /// A world with the scene of this file, as a window of its own has it.

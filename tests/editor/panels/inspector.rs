@@ -11,8 +11,8 @@ use sunroom::app::editor::model::{Inspected, InspectedMesh, Model, Outline};
 use sunroom::app::editor::panels::inspector::{InspectorState, inspector};
 use sunroom::scene::{Lens, Material, Sensor, Shape, ShapeKind};
 
-use crate::subjects::{awkward, every_inspected, with_material};
-use crate::{Shown, click, drag, entity, item, light, slide};
+use super::subjects::{awkward, every_inspected, with_material};
+use super::{Shown, click, drag, entity, item, light, slide};
 
 pub fn inspect(inspected: Inspected) -> Harness<'static, Shown<Model>> {
     inspect_in(INSPECTOR_WIDTH, inspected)

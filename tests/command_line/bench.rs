@@ -1,12 +1,14 @@
 //! `sunroom bench`: figures that make sense, for people and machines, and a comparison with an earlier run.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::Value;
 
+use crate::workshop::sunroom;
+
 fn bench(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_sunroom"));
+    let mut command = sunroom();
     command.current_dir(folder).arg("bench").args(arguments);
     command.output().expect("the program starts")
 }

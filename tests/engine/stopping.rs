@@ -1,18 +1,17 @@
 //! When pictures stop, and that going on loses nothing.
 
-mod engine_support;
-
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
 use bevy::asset::AssetPlugin;
 use bevy::math::{Affine3A, Rect, Vec3};
 use bevy::prelude::*;
-use engine_support::look_along;
 use sunroom::color::Rgb;
 use sunroom::engine::{EnginePlugin, RenderControl, RenderFilm, RenderState, RenderStatus, StopReason};
 use sunroom::render::film::Film;
 use sunroom::scene::{DocumentOrder, Emitter, EmitterKind, ScenePlugin, Shape, ShapeKind, ToWorld};
+
+use crate::look_along;
 
 const ENDLESS: u32 = 1 << 30;
 

@@ -1,5 +1,4 @@
 //! The program and a folder of files for it, for tests that run the command line.
-#![allow(dead_code, reason = "every test binary uses its own part")]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

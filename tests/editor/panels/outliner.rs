@@ -9,7 +9,7 @@ use sunroom::app::editor::model::{Model, Outline};
 use sunroom::app::editor::panels::outliner;
 use sunroom::app::editor::panels::outliner::state::OutlinerState;
 
-use crate::{Shown, click, drag_between, entity, item, press_at, with_outline};
+use super::{Shown, click, drag_between, entity, item, press_at, with_outline};
 
 #[test]
 fn the_outliner_selects_and_finds() {

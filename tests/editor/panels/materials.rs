@@ -12,9 +12,9 @@ use sunroom::app::editor::panels::library::{self, LibraryState};
 use sunroom::color::Rgb;
 use sunroom::scene::{ConductorIor, Material, Parameter, Shape, SquarePath, Texture};
 
-use crate::inspector::inspect;
-use crate::subjects::{checkerboard, textured, with_material};
-use crate::{click, drag, drag_between, entity, item, show_beside_picture, slide};
+use super::inspector::inspect;
+use super::subjects::{checkerboard, textured, with_material};
+use super::{click, drag, drag_between, entity, item, show_beside_picture, slide};
 
 fn only_material(commands: &[Command]) -> &Material {
     match commands.last() {

@@ -1,0 +1,8 @@
+//! The program as a user of the command line meets it. What is measured of a process is measured of the program's own.
+
+mod bench;
+mod commands;
+mod foreign_files;
+#[cfg(feature = "window")]
+mod monkey;
+mod workshop;

@@ -1,0 +1,20 @@
+//! The editor without a window: commands, handles, mouse and keys, panels, and the parsers of its files.
+#![cfg(feature = "window")]
+
+#[path = "../../fuzz/editor_entries.rs"]
+mod editor_entries;
+#[path = "../support/meaning.rs"]
+mod meaning;
+#[path = "../../fuzz/replay.rs"]
+mod replay;
+#[path = "../support/split_mix.rs"]
+mod split_mix;
+mod support;
+
+mod corpus;
+mod editing;
+mod gizmo;
+mod panels;
+mod shell;
+mod trust;
+mod viewport;

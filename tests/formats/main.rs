@@ -1,0 +1,15 @@
+//! Scenes from files to entities, and back into files.
+
+#[path = "../gltf_support/mod.rs"]
+mod gltf_support;
+#[path = "../support/meaning.rs"]
+mod meaning;
+
+mod dialect;
+mod emitters;
+mod gltf;
+mod groups;
+mod hot_reload;
+mod saving;
+mod scene;
+mod sensors;
