@@ -13,7 +13,6 @@ use super::authored::{Authored, name_of};
 use super::blas_cache::{BlasCache, BuildPolicy, MeshKey};
 use super::clipping::clipping_warning;
 use super::control::{RenderControl, WakeUp};
-use super::current::CurrentScene;
 use super::detect::Dirty;
 use super::discard::Discard;
 use super::light_groups::{LightGroup, group_lights};
@@ -26,6 +25,7 @@ use super::pack::material::material_table;
 use super::pack::surface::{SurfaceSource, pack_surfaces};
 use super::pack::texture::TexturePacker;
 use super::pack::view::pack_view;
+use super::packed_scene::PackedScene;
 use super::renderer::Renderer;
 use super::status::BvhStatus;
 use crate::accel::{SplitMethod, Tlas};
@@ -141,7 +141,7 @@ impl Extracted {
 pub(super) fn extract_scene(
     mut dirty: ResMut<Dirty>,
     mut extracted: ResMut<Extracted>,
-    mut current: ResMut<CurrentScene>,
+    mut packed: ResMut<PackedScene>,
     mut cache: ResMut<BlasCache>,
     renderer: Res<Renderer>,
     control: Res<RenderControl>,
@@ -187,13 +187,13 @@ pub(super) fn extract_scene(
     if !same {
         extracted.since = extracted.since.or(dirty.since);
     }
-    let now = CurrentScene {
+    let now = PackedScene {
         scene: Some(extracted.scene.clone()),
         entity_of_instance: extracted.entity_of_instance.clone(),
         material_of_entity: extracted.material_of_entity.clone(),
         view: extracted.view.clone(),
     };
-    discard.discard((old, std::mem::replace(&mut *current, now)));
+    discard.discard((old, std::mem::replace(&mut *packed, now)));
     *dirty = Dirty::NOTHING;
 }
 

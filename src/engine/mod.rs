@@ -7,7 +7,6 @@ pub mod blocking;
 mod clipping;
 mod collect;
 pub mod control;
-pub mod current;
 mod detect;
 mod discard;
 mod dispatch;
@@ -17,6 +16,7 @@ mod goal;
 mod job;
 mod light_groups;
 mod pack;
+pub mod packed_scene;
 mod priority;
 mod renderer;
 mod report;
@@ -30,11 +30,11 @@ use bevy::prelude::*;
 
 pub use blocking::{Limits, Outcome, RenderError, load_to_completion, render_to_completion};
 pub use control::{InputStamp, RenderControl, ViewMode, WakeUp};
-pub use current::CurrentScene;
 pub use film::RenderFilm;
 pub use goal::StopReason;
 pub use light_groups::LightGroup;
 pub use pack::material::pack_loose;
+pub use packed_scene::PackedScene;
 pub use priority::{yield_to_all, yield_to_window};
 pub use status::{BvhStatus, LatencyStats, RenderState, RenderStatus};
 
@@ -64,7 +64,7 @@ impl Plugin for EnginePlugin {
         app.init_resource::<RenderControl>()
             .init_resource::<RenderStatus>()
             .init_resource::<RenderFilm>()
-            .init_resource::<CurrentScene>()
+            .init_resource::<PackedScene>()
             .init_resource::<InputStamp>()
             .init_resource::<WakeUp>()
             .init_resource::<detect::Dirty>()

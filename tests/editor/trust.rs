@@ -21,7 +21,7 @@ use sunroom::app::editor::session::requests::{CommandQueue, Requests};
 use sunroom::app::editor::session::toasts::Toasts;
 use sunroom::app::editor::session::trust::{TrustedFolders, follow_access};
 use sunroom::app::editor::session::view_settings::ViewSettings;
-use sunroom::engine::{CurrentScene, RenderControl, RenderFilm};
+use sunroom::engine::{PackedScene, RenderControl, RenderFilm};
 use sunroom::scene::write::{self, SaveError};
 use sunroom::scene::*;
 use tempfile::TempDir;
@@ -59,7 +59,7 @@ impl Window {
             .init_resource::<Toasts>()
             .init_resource::<CommandQueue>()
             .init_resource::<RenderControl>()
-            .init_resource::<CurrentScene>()
+            .init_resource::<PackedScene>()
             .init_resource::<Selection>()
             .init_resource::<History>()
             .init_resource::<LightMix>()

@@ -22,7 +22,7 @@ use sunroom::app::editor::viewport::icons::{Icon, IconKind};
 use sunroom::app::editor::viewport::model::ViewportModel;
 use sunroom::app::editor::viewport::state::ViewportState;
 use sunroom::app::editor::viewport::viewport;
-use sunroom::engine::CurrentScene;
+use sunroom::engine::PackedScene;
 use sunroom::math::Aabb;
 use sunroom::render::camera::Camera;
 
@@ -78,7 +78,7 @@ fn window() -> Harness<'static, Window> {
         pose: Affine3A::from_translation(lamp()),
     };
     let selection = Selection::of([entity(1)]);
-    let (boxes, outline, current) = (BoxList::default(), SelectionOutline::default(), CurrentScene::default());
+    let (boxes, outline, packed) = (BoxList::default(), SelectionOutline::default(), PackedScene::default());
     let things = Outline::default();
     let mut harness = Harness::builder().with_size(SIZE).build_ui_state(
         move |ui, window: &mut Window| {
@@ -98,11 +98,11 @@ fn window() -> Harness<'static, Window> {
                     targets: &[window.target],
                     length_step: 0.5,
                     up: Vec3::Y,
-                    current: &current,
+                    packed: &packed,
                 },
                 locked: &locked,
                 things: &things,
-                current: &current,
+                packed: &packed,
                 paths: &Default::default(),
                 legend: None,
                 captions: &[],

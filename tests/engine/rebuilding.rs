@@ -10,7 +10,7 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 use sunroom::color::Rgb;
 use sunroom::engine::{
-    CurrentScene, EnginePlugin, Limits, Outcome, RenderControl, RenderError, RenderFilm, RenderState, RenderStatus,
+    EnginePlugin, Limits, Outcome, PackedScene, RenderControl, RenderError, RenderFilm, RenderState, RenderStatus,
     WakeUp, render_to_completion,
 };
 use sunroom::geometry::mesh::{MeshData, MtlMaterial};
@@ -153,7 +153,7 @@ impl Room {
     fn scene(&self) -> RenderScene {
         self.app
             .world()
-            .resource::<CurrentScene>()
+            .resource::<PackedScene>()
             .scene
             .clone()
             .expect("a scene has been packed")
@@ -394,7 +394,7 @@ fn removed_shapes_leave_no_ghosts() {
     let mut room = room();
     room.finish();
     let count = |room: &Room| {
-        let scene = room.app.world().resource::<CurrentScene>();
+        let scene = room.app.world().resource::<PackedScene>();
         (
             scene.scene.as_ref().map(|scene| scene.geometry.instances().len()),
             scene.entity_of_instance.to_vec(),
@@ -433,7 +433,7 @@ fn order_in_tables_is_the_documents() {
     let mut room = room();
     room.get_mut::<DocumentOrder>(room.lamp).0 = 0;
     room.finish();
-    let scene = room.app.world().resource::<CurrentScene>();
+    let scene = room.app.world().resource::<PackedScene>();
     assert_eq!(*scene.entity_of_instance, [room.lamp, room.floor, room.ball]);
 }
 

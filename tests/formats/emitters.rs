@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use sunroom::app::headless::headless;
 use sunroom::color::{Rgb, linear_from_srgb};
 use sunroom::document::{self, Diagnostics};
-use sunroom::engine::{CurrentScene, RenderControl};
+use sunroom::engine::{PackedScene, RenderControl};
 use sunroom::light::{LightId, LightReference, LightSample, SurfaceHit};
 use sunroom::material::Material as Packed;
 use sunroom::math::Ray;
@@ -329,8 +329,8 @@ impl Open {
     }
 
     fn scene(&self) -> RenderScene {
-        let current = self.app.world().resource::<CurrentScene>();
-        current.scene.clone().expect("the scene has been packed")
+        let packed = self.app.world().resource::<PackedScene>();
+        packed.scene.clone().expect("the scene has been packed")
     }
 
     /// Of the first light, from far away in this direction.
@@ -415,7 +415,7 @@ fn an_edited_picture_is_another_sky() {
     let old = open.scene().lights;
     write_picture(open.folder.path().join("sky.exr"), 4, &[Rgb::new(3.0, 2.0, 1.0); 12]);
     open.until("the other sky", |world| {
-        let scene = world.resource::<CurrentScene>().scene.as_ref();
+        let scene = world.resource::<PackedScene>().scene.as_ref();
         scene.is_some_and(|scene| {
             close(
                 scene.lights.radiance_from(LightId(0), Vec3::X),

@@ -11,7 +11,7 @@ use flate2::write::ZlibEncoder;
 use sunroom::app::headless::{headless, render_only};
 use sunroom::color::Rgb;
 use sunroom::document;
-use sunroom::engine::{CurrentScene, EnginePlugin, Limits, RenderControl, RenderFilm, render_to_completion};
+use sunroom::engine::{EnginePlugin, Limits, PackedScene, RenderControl, RenderFilm, render_to_completion};
 use sunroom::math::Ray;
 use sunroom::render::scene::RenderScene;
 use sunroom::scene::read::read;
@@ -72,7 +72,7 @@ fn packed(scene: &SceneDescription) -> (App, RenderScene) {
     let mut app = app();
     spawn::spawn_fresh(app.world_mut(), &scene.clone().into());
     app.update();
-    let packed = app.world().resource::<CurrentScene>().scene.clone();
+    let packed = app.world().resource::<PackedScene>().scene.clone();
     (app, packed.expect("a scene that was packed"))
 }
 
@@ -139,10 +139,10 @@ fn very_many_instances_are_one_thing_and_stay_as_they_were_written() {
 
     let (mut app, packed) = packed(&scene);
     assert_eq!(packed.geometry.placements().len(), count + 1);
-    let current = app.world().resource::<CurrentScene>();
-    assert_eq!(current.entity_of_instance.len(), count + 2);
-    assert_eq!(current.entity_of_instance[1], current.entity_of_instance[count]);
-    assert_ne!(current.entity_of_instance[1], current.entity_of_instance[count + 1]);
+    let packed = app.world().resource::<PackedScene>();
+    assert_eq!(packed.entity_of_instance.len(), count + 2);
+    assert_eq!(packed.entity_of_instance[1], packed.entity_of_instance[count]);
+    assert_ne!(packed.entity_of_instance[1], packed.entity_of_instance[count + 1]);
 
     // Written back and read again nothing is different.
     let gathered = write::gather::describe(app.world_mut());
@@ -280,7 +280,7 @@ fn update_until(app: &mut App, condition: impl Fn(&App) -> bool) {
 
 /// Of each shape that is there.
 fn widths(app: &App) -> Vec<f32> {
-    let scene = app.world().resource::<CurrentScene>().scene.clone().unwrap();
+    let scene = app.world().resource::<PackedScene>().scene.clone().unwrap();
     let instances = scene.geometry.instances();
     instances.iter().map(|one| one.world_bounds().extent().x).collect()
 }

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use glam::Vec2;
 use sunroom::app::headless::headless;
 use sunroom::document::{self, Severity};
-use sunroom::engine::{CurrentScene, Limits, load_to_completion};
+use sunroom::engine::{Limits, PackedScene, load_to_completion};
 use sunroom::render::view::View;
 use sunroom::scene::read::read;
 use sunroom::scene::write::to_document;
@@ -62,8 +62,8 @@ fn app(body: &str) -> App {
 
 fn view_of(body: &str) -> View {
     let app = app(body);
-    let current = app.world().resource::<CurrentScene>();
-    current.view.clone().expect("a camera")
+    let packed = app.world().resource::<PackedScene>();
+    packed.view.clone().expect("a camera")
 }
 
 /// Film and lens coordinates, and the ray's origin, direction and length that Mitsuba 3.9.1's `sample_ray` gives there.

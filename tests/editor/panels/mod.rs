@@ -70,7 +70,7 @@ fn show_beside_picture(
             let picture = ui.available_rect_before_wrap();
             let response = ui.interact(picture, egui::Id::new("picture"), egui::Sense::click_and_drag());
             let takers = Takers {
-                current: &Default::default(),
+                packed: &Default::default(),
                 things: &given.outline,
                 locked: &Default::default(),
             };

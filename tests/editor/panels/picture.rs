@@ -19,7 +19,7 @@ use sunroom::app::editor::viewport::gizmo::interaction::GizmoModel;
 use sunroom::app::editor::viewport::model::ViewportModel;
 use sunroom::app::editor::viewport::state::ViewportState;
 use sunroom::app::editor::viewport::viewport;
-use sunroom::engine::CurrentScene;
+use sunroom::engine::PackedScene;
 use sunroom::render::camera::Camera;
 
 use super::{click, drag, entity, item, press_at, show_beside_picture, with_outline};
@@ -42,7 +42,7 @@ pub fn picture() -> Harness<'static, Picture> {
         number: 1.0,
         pose: Affine3A::IDENTITY,
     };
-    let (boxes, outline, current) = (BoxList::default(), SelectionOutline::default(), CurrentScene::default());
+    let (boxes, outline, packed) = (BoxList::default(), SelectionOutline::default(), PackedScene::default());
     let (selection, things) = (Selection::of([entity(1)]), Outline::default());
     let mut harness = Harness::builder().with_size(egui::vec2(340.0, 240.0)).build_ui_state(
         move |ui, picture: &mut Picture| {
@@ -67,10 +67,10 @@ pub fn picture() -> Harness<'static, Picture> {
                     targets: &[],
                     length_step: 1.0,
                     up: Vec3::Y,
-                    current: &current,
+                    packed: &packed,
                 },
                 locked: &locked,
-                current: &current,
+                packed: &packed,
                 things: &things,
                 paths: &Default::default(),
                 legend: None,

@@ -6,16 +6,16 @@ use bevy::math::{Affine3A, Vec2, Vec3};
 use bevy::prelude::Entity;
 
 use crate::accel::Detail;
-use crate::engine::CurrentScene;
+use crate::engine::PackedScene;
 use crate::math::{Aabb, Ray, offset_origin};
 use crate::render::camera::Camera;
 
 /// The shape seen at a place of the picture, (0, 0) top left, (1, 1) bottom right.
-pub fn pick(current: &CurrentScene, film: Vec2) -> Option<Entity> {
-    let (scene, view) = (current.scene.as_ref()?, current.view.as_ref()?);
+pub fn pick(packed: &PackedScene, film: Vec2) -> Option<Entity> {
+    let (scene, view) = (packed.scene.as_ref()?, packed.view.as_ref()?);
     let ray = view.camera.ray(film, Vec2::splat(0.5));
     let hit = scene.geometry.intersect(&ray)?;
-    current.entity_of_instance.get(hit.instance as usize).copied()
+    packed.entity_of_instance.get(hit.instance as usize).copied()
 }
 
 /// A place on a surface.
@@ -42,8 +42,8 @@ const MOST_PASSED: usize = 256;
 const BEHIND: f32 = 1e-5;
 
 /// The first surface along a ray, as if the entities that `is_passed` names were not there. The ray's direction need not have unit length.
-pub fn surface(current: &CurrentScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<SeenSurface> {
-    let geometry = &current.scene.as_ref()?.geometry;
+pub fn surface(packed: &PackedScene, ray: &Ray, is_passed: impl Fn(Entity) -> bool) -> Option<SeenSurface> {
+    let geometry = &packed.scene.as_ref()?.geometry;
     let step = BEHIND * (ray.origin.abs().max_element() / ray.dir.length().max(f32::MIN_POSITIVE));
     let mut passed = 0.0;
     for _ in 0..MOST_PASSED {
@@ -54,7 +54,7 @@ pub fn surface(current: &CurrentScene, ray: &Ray, is_passed: impl Fn(Entity) -> 
             ..*ray
         };
         let hit = geometry.intersect(&rest)?;
-        let entity = *current.entity_of_instance.get(hit.instance as usize)?;
+        let entity = *packed.entity_of_instance.get(hit.instance as usize)?;
         if !is_passed(entity) {
             let point = geometry.surface_in(&rest, &hit, Detail::Plain);
             let normal = point.geometric_normal;
@@ -71,21 +71,21 @@ pub fn surface(current: &CurrentScene, ray: &Ray, is_passed: impl Fn(Entity) -> 
 }
 
 /// The first place on a surface in the middle of the picture.
-pub fn ahead(current: &CurrentScene) -> Option<SeenSurface> {
-    let camera = &current.view.as_ref()?.camera;
-    surface(current, &camera.ray(Vec2::splat(0.5), Vec2::splat(0.5)), |_| false)
+pub fn ahead(packed: &PackedScene) -> Option<SeenSurface> {
+    let camera = &packed.view.as_ref()?.camera;
+    surface(packed, &camera.ray(Vec2::splat(0.5), Vec2::splat(0.5)), |_| false)
 }
 
 /// How far that is from the camera, not from where it begins to see.
-pub fn distance_ahead(current: &CurrentScene) -> Option<f32> {
-    let camera = &current.view.as_ref()?.camera;
-    ahead(current).map(|seen| camera.project(seen.position).1)
+pub fn distance_ahead(packed: &PackedScene) -> Option<f32> {
+    let camera = &packed.view.as_ref()?.camera;
+    ahead(packed).map(|seen| camera.project(seen.position).1)
 }
 
 /// World units from the lower to the upper edge of the picture, or across it where that is less, at the depth of a point; None without a
 /// view, and behind the camera. `pose`: world from camera.
-pub fn view_height(current: &CurrentScene, pose: &Affine3A, at: Vec3) -> Option<f32> {
-    let camera = &current.view.as_ref()?.camera;
+pub fn view_height(packed: &PackedScene, pose: &Affine3A, at: Vec3) -> Option<f32> {
+    let camera = &packed.view.as_ref()?.camera;
     let (place, depth) = camera.project(at);
     // Short enough that its ends are seen alike.
     let step = 1e-2 * depth;
@@ -98,22 +98,22 @@ pub fn view_height(current: &CurrentScene, pose: &Affine3A, at: Vec3) -> Option<
 }
 
 /// World bounds of everything; None without geometry.
-pub fn scene_bounds(current: &CurrentScene) -> Option<Aabb> {
-    let bounds = current.scene.as_ref()?.geometry.bounds();
+pub fn scene_bounds(packed: &PackedScene) -> Option<Aabb> {
+    let bounds = packed.scene.as_ref()?.geometry.bounds();
     (!bounds.is_empty()).then_some(bounds)
 }
 
 /// World bounds of one shape; None if it is not in the picture.
-pub fn bounds_of(current: &CurrentScene, entity: Entity) -> Option<Aabb> {
-    bounds_of_each(current, &[entity]).pop().flatten()
+pub fn bounds_of(packed: &PackedScene, entity: Entity) -> Option<Aabb> {
+    bounds_of_each(packed, &[entity]).pop().flatten()
 }
 
 /// World bounds of each of some shapes; None for those that are not in the picture.
-pub fn bounds_of_each(current: &CurrentScene, entities: &[Entity]) -> Vec<Option<Aabb>> {
+pub fn bounds_of_each(packed: &PackedScene, entities: &[Entity]) -> Vec<Option<Aabb>> {
     let mut bounds = vec![Aabb::EMPTY; entities.len()];
-    if let Some(scene) = &current.scene {
+    if let Some(scene) = &packed.scene {
         let places: HashMap<Entity, usize> = entities.iter().copied().zip(0..).collect();
-        for (item, entity) in (0..).zip(current.entity_of_instance.iter()) {
+        for (item, entity) in (0..).zip(packed.entity_of_instance.iter()) {
             if let Some(&place) = places.get(entity)
                 && let Some(own) = scene.geometry.bounds_of(item)
             {
@@ -145,18 +145,18 @@ pub(crate) mod tests {
     use crate::render::scene::RenderScene;
 
     /// Unit spheres at these places, each an entity.
-    pub fn spheres(places: &[Vec3]) -> (CurrentScene, Vec<Entity>) {
+    pub fn spheres(places: &[Vec3]) -> (PackedScene, Vec<Entity>) {
         let mut world = World::new();
         let entities: Vec<Entity> = places.iter().map(|_| world.spawn_empty().id()).collect();
         let shapes = places
             .iter()
             .map(|place| (Primitive::Sphere, Affine3A::from_translation(*place)));
-        let current = CurrentScene {
+        let packed = PackedScene {
             scene: Some(scene_of(shapes)),
             entity_of_instance: entities.clone().into(),
-            ..CurrentScene::default()
+            ..PackedScene::default()
         };
-        (current, entities)
+        (packed, entities)
     }
 
     /// Nothing but shapes where they are.
@@ -173,13 +173,13 @@ pub(crate) mod tests {
 
     #[test]
     fn what_is_passed_over_is_not_in_the_way() {
-        let (current, entities) = spheres(&[
+        let (packed, entities) = spheres(&[
             Vec3::new(0.0, 0.0, 5.0),
             Vec3::new(0.2, 0.0, 5.5),
             Vec3::new(0.0, 0.0, 1e3),
         ]);
         let ray = Ray::new(Vec3::ZERO, Vec3::Z * 2.0);
-        let seen = |passed: &[Entity]| surface(&current, &ray, |entity| passed.contains(&entity));
+        let seen = |passed: &[Entity]| surface(&packed, &ray, |entity| passed.contains(&entity));
         assert_eq!(seen(&[]).map(|seen| seen.entity), Some(entities[0]));
         assert_eq!(seen(&entities[..1]).map(|seen| seen.entity), Some(entities[1]));
         let far = seen(&entities[..2]);
@@ -192,9 +192,9 @@ pub(crate) mod tests {
 
     #[test]
     fn bounds_are_of_those_asked_for() {
-        let (current, entities) = spheres(&[Vec3::ZERO, Vec3::X * 5.0]);
+        let (packed, entities) = spheres(&[Vec3::ZERO, Vec3::X * 5.0]);
         let stranger = Entity::PLACEHOLDER;
-        let found = bounds_of_each(&current, &[entities[1], stranger]);
+        let found = bounds_of_each(&packed, &[entities[1], stranger]);
         assert!(found[0].is_some_and(|bounds| (bounds.center() - Vec3::X * 5.0).length() < 1e-4));
         assert_eq!(found[1], None);
     }

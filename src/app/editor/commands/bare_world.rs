@@ -12,7 +12,7 @@ use crate::app::editor::session::history::History;
 use crate::app::editor::session::requests::{CommandQueue, Requests};
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::engine::{CurrentScene, RenderControl, RenderFilm};
+use crate::engine::{PackedScene, RenderControl, RenderFilm};
 use crate::scene::write::KnownTexts;
 use crate::scene::{ActiveSensor, FreeView, OpenScene, SceneFile, SceneStatus, Trust};
 
@@ -27,7 +27,7 @@ pub fn bare_world() -> World {
     world.init_resource::<Pacing>();
     world.init_resource::<RenderControl>();
     world.init_resource::<RenderFilm>();
-    world.init_resource::<CurrentScene>();
+    world.init_resource::<PackedScene>();
     world.init_resource::<ActiveSensor>();
     world.init_resource::<FreeView>();
     world.init_resource::<EditorModel>();

@@ -7,7 +7,7 @@ use crate::app::editor::camera::picking;
 use crate::app::editor::command::material_tree::{Inside, MaterialTree, materials_inside};
 use crate::app::editor::command::presets::Preset;
 use crate::app::editor::session::history::Edit;
-use crate::engine::CurrentScene;
+use crate::engine::PackedScene;
 use crate::scene::insert::{free_name, names, next_order};
 use crate::scene::{
     DeclaredIn, DocumentOrder, FirstNested, Locked, Material, MaterialUsers, SceneId, SecondNested, Shape, UsesMaterial,
@@ -25,7 +25,7 @@ pub fn drop_at(edit: &mut Edit, material: Entity, at: Vec2) -> Result<(), String
 
 /// The shape that is seen at a place of the picture, for a material; an error where there is none, or one that is locked.
 pub fn shape_at(edit: &Edit, at: Vec2) -> Result<Entity, String> {
-    let found = picking::pick(edit.world.resource::<CurrentScene>(), at);
+    let found = picking::pick(edit.world.resource::<PackedScene>(), at);
     let shape = found.ok_or("There is nothing that could take the material.")?;
     if edit.world.get::<Locked>(shape).is_some() {
         return Err("What is there is locked.".to_owned());

@@ -44,7 +44,7 @@ use crate::app::editor::session::history::{self, Edit, History};
 use crate::app::editor::session::requests::{CommandQueue, Requests};
 use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::engine::{CurrentScene, InputStamp, RenderControl, RenderFilm, WakeUp};
+use crate::engine::{InputStamp, PackedScene, RenderControl, RenderFilm, WakeUp};
 use crate::scene::write::OnChange;
 use crate::scene::{
     ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, Sensor, Shape, ToWorld,
@@ -194,7 +194,7 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
             select(world, &things, Extend::Replace);
         }
         Command::Pick(film, how) => {
-            let found = picking::pick(world.resource::<CurrentScene>(), film);
+            let found = picking::pick(world.resource::<PackedScene>(), film);
             let found = found.filter(|entity| world.get::<Locked>(*entity).is_none());
             match (found, how) {
                 (None, Extend::Add | Extend::Toggle) => {}

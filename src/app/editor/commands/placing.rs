@@ -8,7 +8,7 @@ use crate::app::editor::camera::{picking, pose};
 use crate::app::editor::command::Direction;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::engine::CurrentScene;
+use crate::engine::PackedScene;
 use crate::math::Ray;
 use crate::scene::ToWorld;
 
@@ -46,15 +46,15 @@ fn along(direction: Direction, upright: Vec3, up: Vec3, pose: &Affine3A) -> Vec3
 pub fn drop(edit: &mut Edit) -> Result<(), String> {
     let selected = things::selected(edit)?;
     let up = edit.world.resource::<ViewSettings>().navigation.up;
-    let current = edit.world.resource::<CurrentScene>();
-    let bounds = picking::bounds_of_each(current, &selected);
+    let packed = edit.world.resource::<PackedScene>();
+    let bounds = picking::bounds_of_each(packed, &selected);
     let falls = selected.iter().zip(bounds).filter_map(|(&entity, bounds)| {
         let place = Vec3::from(edit.world.get::<ToWorld>(entity)?.0.translation);
         let (middle, half) = bounds.map_or((place, 0.0), |bounds| {
             (bounds.center(), 0.5 * bounds.extent().dot(up.abs()))
         });
         // From the middle: what has sunk in a little comes up again.
-        let below = picking::surface(current, &Ray::new(middle, -up), |other| selected.contains(&other))?;
+        let below = picking::surface(packed, &Ray::new(middle, -up), |other| selected.contains(&other))?;
         Some((entity, below.position + up * half - middle))
     });
     let falls: Vec<(Entity, Vec3)> = falls.collect();

@@ -19,7 +19,7 @@ use crate::app::editor::session::trust::TrustedFolders;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::words::files::gone;
 use crate::document::Severity;
-use crate::engine::{CurrentScene, RenderControl};
+use crate::engine::{PackedScene, RenderControl};
 use crate::scene::{ActiveSensor, FileReadAgain, FreeView, SceneFile, SceneState, SceneStatus, ToWorld, find_camera};
 
 /// What is read of the scene's file waits while the user is asked what is to become of its changes.
@@ -203,20 +203,20 @@ fn failure(path: &Path, has_good_scene: bool) -> String {
 /// Keeps the size that flying is scaled by: that of everything, but no more than the first view of a scene suggests. A floor of a
 /// kilometre must not make a still life on it a matter of one key press.
 pub fn measure_scene(
-    current: Res<CurrentScene>,
+    packed: Res<PackedScene>,
     status: Res<SceneStatus>,
     mut settings: ResMut<ViewSettings>,
     mut looked_at: Local<Option<(u64, f32)>>,
 ) {
-    if !current.is_changed() {
+    if !packed.is_changed() {
         return;
     }
-    let Some(bounds) = picking::scene_bounds(&current) else {
+    let Some(bounds) = picking::scene_bounds(&packed) else {
         return;
     };
     let is_other_scene = |(load, _)| status.fresh_load && load != status.revision;
     if looked_at.is_none_or(is_other_scene) {
-        let distance = picking::distance_ahead(&current).unwrap_or(f32::INFINITY);
+        let distance = picking::distance_ahead(&packed).unwrap_or(f32::INFINITY);
         *looked_at = Some((status.revision, distance));
     }
     let ahead = looked_at.map_or(f32::INFINITY, |(_, distance)| distance);

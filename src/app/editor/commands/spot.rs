@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use crate::app::editor::camera::picking::{self, SeenSurface};
 use crate::app::editor::camera::pose;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::engine::CurrentScene;
+use crate::engine::PackedScene;
 use crate::math::{Aabb, Ray};
 use crate::scene::{AreaLight, Emitter, MemberOf, Shape, ToWorld};
 
@@ -44,23 +44,23 @@ type Place = (Vec3, Option<SeenSurface>);
 /// `lift`: from the foot to where it is placed, in half sizes.
 pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> Spot {
     let taken = Taken::of(world, is_light);
-    let nothing = CurrentScene::default();
-    let current = world.get_resource::<CurrentScene>().unwrap_or(&nothing);
+    let nothing = PackedScene::default();
+    let packed = world.get_resource::<PackedScene>().unwrap_or(&nothing);
     let up = world.resource::<ViewSettings>().navigation.up;
     let pose = pose::view_pose(world).unwrap_or_default();
-    let ground = Ground::of(current, up);
-    let surface = picking::ahead(current).filter(|_| taken.has_shapes);
+    let ground = Ground::of(packed, up);
+    let surface = picking::ahead(packed).filter(|_| taken.has_shapes);
     let seen = match surface {
         Some(surface) => surface.position,
         None if taken.has_shapes => looked_at(&pose, &ground),
         None => Vec3::ZERO,
     };
     let suits = || match taken.has_shapes {
-        true => picking::view_height(current, &pose, seen).map_or(FIRST, |height| rounded(SIZE_IN_VIEW * height)),
+        true => picking::view_height(packed, &pose, seen).map_or(FIRST, |height| rounded(SIZE_IN_VIEW * height)),
         false => FIRST,
     };
     let size = size.unwrap_or_else(suits);
-    let taken = taken.only_like(current, size, up);
+    let taken = taken.only_like(packed, size, up);
     let ahead = Vec3::from(pose.matrix3.z_axis).normalize_or(Vec3::Z);
     let right = -Vec3::from(pose.matrix3.x_axis)
         .reject_from(up)
@@ -71,17 +71,17 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
         // Before what does not face up, and on what is below.
         Some(surface) => {
             let before = surface.before(OFF * size);
-            let step = match is_free(current, before, towards_eye, |_| false) {
+            let step = match is_free(packed, before, towards_eye, |_| false) {
                 true => towards_eye,
                 false => Vec3::ZERO,
             };
-            fall(current, before + step, &ground)
+            fall(packed, before + step, &ground)
         }
-        None if taken.has_shapes => fall(current, seen + towards_eye - ahead * (OFF * size), &ground),
+        None if taken.has_shapes => fall(packed, seen + towards_eye - ahead * (OFF * size), &ground),
         None => (seen, None),
     };
     let is_passed = |entity: Entity| {
-        let bounds = picking::bounds_of(current, entity);
+        let bounds = picking::bounds_of(packed, entity);
         bounds.is_some_and(|bounds| is_like(&bounds, size, up))
     };
     // Beside a thing among things, whichever side of it is seen.
@@ -94,7 +94,7 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
         let mut place = start;
         for _ in 0..MOST_TRIED {
             let (foot, on) = place;
-            let beside = match on.and_then(|on| picking::bounds_of(current, on.entity)) {
+            let beside = match on.and_then(|on| picking::bounds_of(packed, on.entity)) {
                 Some(bounds) if is_like(&bounds, size, up) => {
                     bounds.center() + way * (0.5 * bounds.extent().dot(way.abs()))
                 }
@@ -104,11 +104,11 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
             let next = beside + way * size;
             // As high as its middle, as far as its far side.
             let step = (next - foot).reject_from(up) + way * size;
-            if !is_free(current, foot + up * size, step, is_passed) {
+            if !is_free(packed, foot + up * size, step, is_passed) {
                 return None;
             }
             // From above all that is like it.
-            place = fall(current, next + up * (APART * size), &ground);
+            place = fall(packed, next + up * (APART * size), &ground);
         }
         Some(place)
     };
@@ -122,12 +122,12 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
 /// How far up from there is free, at most `wanted`.
 pub fn headroom(world: &World, spot: &Spot, wanted: f32) -> f32 {
     let up = world.resource::<ViewSettings>().navigation.up;
-    let Some(current) = world.get_resource::<CurrentScene>() else {
+    let Some(packed) = world.get_resource::<PackedScene>() else {
         return wanted;
     };
     let off = OFF * wanted;
     let start = spot.on.map_or(spot.foot + up * off, |on| on.before(off));
-    let above = picking::surface(current, &Ray::new(start, up), |_| false);
+    let above = picking::surface(packed, &Ray::new(start, up), |_| false);
     above.map_or(wanted, |above| wanted.min(0.9 * above.position.distance(spot.foot)))
 }
 
@@ -164,9 +164,9 @@ impl Taken {
     }
 
     /// Without what a new thing may stand in the middle of, as a floor. What is in the picture has its middle there.
-    fn only_like(mut self, current: &CurrentScene, size: f32, up: Vec3) -> Self {
+    fn only_like(mut self, packed: &PackedScene, size: f32, up: Vec3) -> Self {
         let entities: Vec<Entity> = self.places.iter().map(|(entity, _)| *entity).collect();
-        let mut bounds = picking::bounds_of_each(current, &entities).into_iter();
+        let mut bounds = picking::bounds_of_each(packed, &entities).into_iter();
         self.places.retain_mut(|(_, place)| match bounds.next().flatten() {
             Some(bounds) => {
                 *place = bounds.center();
@@ -197,8 +197,8 @@ struct Ground {
 }
 
 impl Ground {
-    fn of(current: &CurrentScene, up: Vec3) -> Self {
-        let bounds = picking::scene_bounds(current);
+    fn of(packed: &PackedScene, up: Vec3) -> Self {
+        let bounds = picking::scene_bounds(packed);
         let lowest = |bounds: Aabb| bounds.center().dot(up) - 0.5 * bounds.extent().dot(up.abs());
         let height = bounds.map_or(0.0, lowest);
         Self { up, height, bounds }
@@ -228,13 +228,13 @@ fn looked_at(pose: &Affine3A, ground: &Ground) -> Vec3 {
 }
 
 /// Whether nothing is on the way but what may be passed.
-fn is_free(current: &CurrentScene, from: Vec3, step: Vec3, is_passed: impl Fn(Entity) -> bool) -> bool {
-    step == Vec3::ZERO || picking::surface(current, &Ray::segment(from, from + step), is_passed).is_none()
+fn is_free(packed: &PackedScene, from: Vec3, step: Vec3, is_passed: impl Fn(Entity) -> bool) -> bool {
+    step == Vec3::ZERO || picking::surface(packed, &Ray::segment(from, from + step), is_passed).is_none()
 }
 
 /// The first surface below a point, or the ground.
-fn fall(current: &CurrentScene, from: Vec3, ground: &Ground) -> Place {
-    let below = picking::surface(current, &Ray::new(from, -ground.up), |_| false);
+fn fall(packed: &PackedScene, from: Vec3, ground: &Ground) -> Place {
+    let below = picking::surface(packed, &Ray::new(from, -ground.up), |_| false);
     (below.map_or(ground.under(from), |below| below.position), below)
 }
 
@@ -277,12 +277,12 @@ mod tests {
         world.init_resource::<ViewSettings>();
         world.init_resource::<Requests>();
         world.init_resource::<Toasts>();
-        world.insert_resource(CurrentScene {
+        world.insert_resource(PackedScene {
             view: Some(View {
                 camera: Camera::new(pose, 40.0, 1.0, near, 1e3, None),
                 ..studio::view(16)
             }),
-            ..CurrentScene::default()
+            ..PackedScene::default()
         });
         world
     }
@@ -293,9 +293,9 @@ mod tests {
             .iter()
             .map(|(_, pose)| world.spawn((Shape::default(), ToWorld(*pose))).id());
         let entities: Vec<Entity> = entities.collect();
-        let mut current = world.resource_mut::<CurrentScene>();
-        current.scene = Some(scene_of(shapes.iter().cloned()));
-        current.entity_of_instance = entities.into();
+        let mut packed = world.resource_mut::<PackedScene>();
+        packed.scene = Some(scene_of(shapes.iter().cloned()));
+        packed.entity_of_instance = entities.into();
     }
 
     /// Its top is at y = 0.

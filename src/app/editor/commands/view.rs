@@ -14,7 +14,7 @@ use crate::app::editor::command::stored_view::StoredView;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::toasts::Toasts;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::engine::{CurrentScene, ViewMode};
+use crate::engine::{PackedScene, ViewMode};
 use crate::math::Aabb;
 use crate::scene::{ActiveSensor, FreeView, Lens, Sensor, ToWorld};
 
@@ -39,7 +39,7 @@ pub fn distance_looked(world: &World, pose: &Affine3A) -> f32 {
     let forward = Vec3::from(pose.matrix3.z_axis).normalize_or_zero();
     let selected = selected_bounds(world);
     let selected = (!selected.is_empty()).then(|| (selected.center() - Vec3::from(pose.translation)).dot(forward));
-    let ahead = || picking::distance_ahead(world.resource::<CurrentScene>());
+    let ahead = || picking::distance_ahead(world.resource::<PackedScene>());
     let nowhere = || 0.5 * world.resource::<ViewSettings>().navigation.scene_size;
     let distance = selected.filter(|distance| *distance > 0.0);
     distance.or_else(ahead).unwrap_or_else(nowhere)
@@ -105,10 +105,10 @@ pub fn look_through_first(world: &mut World, sensor: Option<Entity>) {
 
 /// World bounds of the selected things that have a place; empty without any.
 fn selected_bounds(world: &World) -> Aabb {
-    let current = world.resource::<CurrentScene>();
+    let packed = world.resource::<PackedScene>();
     let selection = world.resource::<Selection>().entities();
     let bounds = selection.iter().filter_map(|entity| {
-        picking::bounds_of(current, *entity).or_else(|| {
+        picking::bounds_of(packed, *entity).or_else(|| {
             // A light or a camera: where it is.
             let place = Vec3::from(world.get::<ToWorld>(*entity)?.0.translation);
             let half = 0.05 * world.resource::<ViewSettings>().navigation.scene_size;
@@ -128,7 +128,7 @@ pub fn frame_selection(world: &mut World) -> Result<(), String> {
 }
 
 pub fn frame_all(world: &mut World) -> Result<(), String> {
-    let bounds = picking::scene_bounds(world.resource::<CurrentScene>());
+    let bounds = picking::scene_bounds(world.resource::<PackedScene>());
     frame(world, bounds.ok_or("The scene is empty.")?);
     Ok(())
 }
@@ -137,7 +137,7 @@ fn frame(world: &mut World, bounds: Aabb) {
     let Some(pose) = view_pose(world) else {
         return;
     };
-    let view = world.resource::<CurrentScene>().view.as_ref();
+    let view = world.resource::<PackedScene>().view.as_ref();
     let half_fov = view.map_or(0.3, |view| picking::half_fov(&view.camera));
     let aspect = view.map_or(1.0, |view| view.width as f32 / view.height as f32);
     let framed = if pose::is_orthographic(world) {
@@ -154,8 +154,8 @@ const SHARP_EVERYWHERE: &str = "An orthographic camera is sharp everywhere.";
 
 /// On what is seen there; the aperture of a pinhole becomes a two-hundredth of the distance.
 pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), String> {
-    let current = edit.world.resource::<CurrentScene>();
-    let (Some(scene), Some(view)) = (&current.scene, &current.view) else {
+    let packed = edit.world.resource::<PackedScene>();
+    let (Some(scene), Some(view)) = (&packed.scene, &packed.view) else {
         return Err("There is no picture.".to_owned());
     };
     let ray = view.camera.ray(film, Vec2::splat(0.5));

@@ -10,7 +10,7 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{Color32, Mesh, Rect, pos2};
 
 use crate::app::editor::command::selection::Selection;
-use crate::engine::{CurrentScene, RenderFilm};
+use crate::engine::{PackedScene, RenderFilm};
 use crate::render::film::Film;
 use crate::render::tile::{Tile, tiles};
 
@@ -191,7 +191,7 @@ impl SelectionOutline {
     pub fn update(
         &mut self,
         film: &RenderFilm,
-        current: &CurrentScene,
+        packed: &PackedScene,
         selection: &Selection,
         hovered: Option<Entity>,
         (revision, changed): (u64, &[Tile]),
@@ -200,7 +200,7 @@ impl SelectionOutline {
         let is_known = self.film_job == Some(film.job);
         if !is_known {
             self.film_job = Some(film.job);
-            self.entity_of_instance = current.entity_of_instance.clone();
+            self.entity_of_instance = packed.entity_of_instance.clone();
         }
         let is_complete = self.complete_job == Some(film.job);
         let before = self.made_from.as_ref().map(|(.., revision)| *revision);

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 
 use crate::app::editor::command::inspected_paths::InspectedPaths;
 use crate::app::editor::words::kinds::material_kind;
-use crate::engine::CurrentScene;
+use crate::engine::PackedScene;
 use crate::render::inspect::{RecordedPath, record_paths};
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
@@ -55,8 +55,8 @@ impl Names<'_, '_> {
 }
 
 /// Traces them again when something changed; that takes less than a frame.
-pub fn follow_paths(mut inspector: ResMut<PathInspector>, current: Res<CurrentScene>, names: Names) {
-    let (Some(wanted), Some(scene), Some(view)) = (inspector.wanted, &current.scene, &current.view) else {
+pub fn follow_paths(mut inspector: ResMut<PathInspector>, packed: Res<PackedScene>, names: Names) {
+    let (Some(wanted), Some(scene), Some(view)) = (inspector.wanted, &packed.scene, &packed.view) else {
         if !inspector.paths.is_empty() {
             inspector.paths = Arc::default();
             inspector.made_of = None;
@@ -79,12 +79,7 @@ pub fn follow_paths(mut inspector: ResMut<PathInspector>, current: Res<CurrentSc
         names: path
             .vertices
             .iter()
-            .map(|vertex| {
-                names.of(current
-                    .entity_of_instance
-                    .get(vertex.surface.instance as usize)
-                    .copied())
-            })
+            .map(|vertex| names.of(packed.entity_of_instance.get(vertex.surface.instance as usize).copied()))
             .collect(),
         path,
     });

@@ -26,7 +26,7 @@ use crate::app::editor::picture::outline::SelectionOutline;
 use crate::app::editor::picture::overlay::{self, BoxList};
 use crate::app::editor::picture::texture::Picture;
 use crate::app::editor::session::view_settings::ViewSettings;
-use crate::engine::{CurrentScene, RenderFilm};
+use crate::engine::{PackedScene, RenderFilm};
 use crate::math::Aabb;
 use crate::scene::{
     ActiveSensor, Emitter, EmitterKind, Film, FreeView, Hidden, Locked, MemberOf, Placements, SceneState, SceneStatus,
@@ -71,8 +71,8 @@ struct CollectedBoxes {
 }
 
 impl CollectedBoxes {
-    fn update(&mut self, current: &CurrentScene, overlay: &BvhOverlay) {
-        let Some(scene) = current.scene.as_ref().filter(|_| overlay.shown) else {
+    fn update(&mut self, packed: &PackedScene, overlay: &BvhOverlay) {
+        let Some(scene) = packed.scene.as_ref().filter(|_| overlay.shown) else {
             *self = Self::default();
             return;
         };
@@ -95,14 +95,14 @@ struct SelectionBounds {
 }
 
 impl SelectionBounds {
-    fn update(&mut self, current: &CurrentScene, selection: &Selection) {
-        let Some(scene) = &current.scene else {
+    fn update(&mut self, packed: &PackedScene, selection: &Selection) {
+        let Some(scene) = &packed.scene else {
             *self = Self::default();
             return;
         };
         let is_same = |(of, geometry): &(Selection, _)| of == selection && Arc::ptr_eq(geometry, &scene.geometry);
         if !self.of.as_ref().is_some_and(is_same) {
-            self.bounds = picking::bounds_of_each(current, selection.entities());
+            self.bounds = picking::bounds_of_each(packed, selection.entities());
             self.of = Some((selection.clone(), scene.geometry.clone()));
         }
     }
@@ -111,7 +111,7 @@ impl SelectionBounds {
 /// What of the world is seen in the viewport.
 #[derive(SystemParam)]
 pub struct Sources<'w, 's> {
-    current: Res<'w, CurrentScene>,
+    packed: Res<'w, PackedScene>,
     selection: Res<'w, Selection>,
     status: Res<'w, SceneStatus>,
     active: Res<'w, ActiveSensor>,
@@ -199,12 +199,12 @@ pub fn gather_viewport(
     if sources.unlocked.read().count() > 0 || !sources.newly_locked.is_empty() {
         seen.locked = sources.locked.iter().collect();
     }
-    let (current, selection) = (&sources.current, &sources.selection);
-    seen.boxes.update(current, &settings.overlay);
-    seen.bounds.update(current, selection);
+    let (packed, selection) = (&sources.packed, &sources.selection);
+    seen.boxes.update(packed, &settings.overlay);
+    seen.bounds.update(packed, selection);
     seen.outline.update(
         &sources.film,
-        current,
+        packed,
         selection,
         state.pointer.hovered,
         (sources.picture.revision, &sources.picture.changed),

@@ -9,12 +9,12 @@ use crate::app::editor::camera::picking;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::dragged::{Dragged, DraggedPreset};
 use crate::app::editor::model::Outline;
-use crate::engine::CurrentScene;
+use crate::engine::PackedScene;
 
 /// What may be there to take a material.
 #[derive(Clone, Copy, Debug)]
 pub struct Takers<'a> {
-    pub current: &'a CurrentScene,
+    pub packed: &'a PackedScene,
     pub things: &'a Outline,
     pub locked: &'a EntityHashSet,
 }
@@ -27,7 +27,7 @@ impl Takers<'_> {
 
     /// What letting go does at a place of the picture.
     fn hint(&self, at: Vec2) -> String {
-        let Some(shape) = picking::pick(self.current, at) else {
+        let Some(shape) = picking::pick(self.packed, at) else {
             return "Drop it on a shape".to_owned();
         };
         let item = self.things.shapes.iter().find(|item| item.entity == shape);
@@ -86,8 +86,8 @@ mod tests {
     #[test]
     fn the_hint_names_what_takes_it() {
         // What the studio looks at.
-        let (mut current, balls) = spheres(&[Vec3::new(0.0, 0.0, 0.96)]);
-        current.view = Some(studio::view(16));
+        let (mut packed, balls) = spheres(&[Vec3::new(0.0, 0.0, 0.96)]);
+        packed.view = Some(studio::view(16));
         let named = |entity: Entity, name: &str| Item {
             entity,
             name: name.to_owned(),
@@ -107,7 +107,7 @@ mod tests {
         };
         let (none, locked) = (EntityHashSet::default(), EntityHashSet::from_iter([balls[0]]));
         let takers = |locked| Takers {
-            current: &current,
+            packed: &packed,
             things: &things,
             locked,
         };

@@ -72,7 +72,7 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
         toolbar(ui, panel, model.gizmo.settings, model.gizmo.length_step, commands);
     }
     let takers = Takers {
-        current: model.current,
+        packed: model.packed,
         things: model.things,
         locked: model.locked,
     };

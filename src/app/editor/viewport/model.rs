@@ -15,7 +15,7 @@ use crate::app::editor::picture::legend::Legend;
 use crate::app::editor::picture::outline::SelectionOutline;
 use crate::app::editor::picture::overlay::BoxList;
 use crate::app::editor::picture::paths::PathInspector;
-use crate::engine::CurrentScene;
+use crate::engine::PackedScene;
 use crate::render::camera::Camera;
 
 /// What the viewport shows.
@@ -41,7 +41,7 @@ pub struct ViewportModel<'a> {
     /// What things are called.
     pub things: &'a Outline,
     /// To ask what is where.
-    pub current: &'a CurrentScene,
+    pub packed: &'a PackedScene,
     /// Of false colours, where there are any.
     pub legend: Option<&'a Legend>,
     pub captions: &'a [Caption],

@@ -150,7 +150,7 @@ impl PointerState {
             PointerButton::Primary if modifiers.shift || model.keys.tool == Tool::Region => Hold::Box { from: pointer },
             PointerButton::Middle => Hold::Pan {
                 last: pointer,
-                depth: picking::surface(model.current, &screen.ray(pointer), |_| false)
+                depth: picking::surface(model.packed, &screen.ray(pointer), |_| false)
                     .map_or(NOWHERE * model.navigation.scene_size, |seen| {
                         screen.depth(seen.position)
                     }),
@@ -211,7 +211,7 @@ impl PointerState {
             *pose = model.navigation.narrow(*pose, screen.film(pointer), screen, notches);
         } else {
             let ray = screen.ray(pointer);
-            let target = picking::surface(model.current, &ray, |_| false);
+            let target = picking::surface(model.packed, &ray, |_| false);
             *pose = model
                 .navigation
                 .dolly(*pose, &ray, target.map(|seen| seen.position), notches);
@@ -240,7 +240,7 @@ fn center(screen: &Screen, model: &ViewportModel, pose: Affine3A) -> Vec3 {
         return selected.center();
     }
     let ahead = screen.ray(screen.picture.center());
-    match picking::surface(model.current, &ahead, |_| false) {
+    match picking::surface(model.packed, &ahead, |_| false) {
         Some(seen) => seen.position,
         None => Vec3::from(pose.translation) + screen.forward() * (NOWHERE * model.navigation.scene_size),
     }
@@ -248,7 +248,7 @@ fn center(screen: &Screen, model: &ViewportModel, pose: Affine3A) -> Vec3 {
 
 fn under(pointer: Pos2, screen: &Screen, model: &ViewportModel) -> Option<Entity> {
     let icon = icons::icon_at(screen, model.icons, pointer);
-    let entity = icon.or_else(|| picking::pick(model.current, screen.film(pointer)));
+    let entity = icon.or_else(|| picking::pick(model.packed, screen.film(pointer)));
     entity.filter(|entity| !model.locked.contains(entity))
 }
 

@@ -15,7 +15,7 @@ use crate::app::editor::model::looks::Ball;
 use crate::app::editor::model::{EditorModel, Model};
 use crate::app::editor::picture::pacing::Pacing;
 use crate::app::editor::picture::studio::{Look, Studio};
-use crate::engine::{CurrentScene, WakeUp, pack_loose, yield_to_all, yield_to_window};
+use crate::engine::{PackedScene, WakeUp, pack_loose, yield_to_all, yield_to_window};
 use crate::render::tonemap::Display;
 
 /// How good a picture is to be.
@@ -87,12 +87,12 @@ pub fn update_previews(
     mut model: ResMut<EditorModel>,
     mut contexts: EguiContexts,
     widgets: Res<Widgets>,
-    current: Res<CurrentScene>,
+    packed: Res<PackedScene>,
     wake_up: Res<WakeUp>,
     pacing: Res<Pacing>,
 ) -> Result {
     previews.load_library(&model.0, &widgets);
-    let wanted = wanted(&model.0, &widgets, &current, &previews.presets);
+    let wanted = wanted(&model.0, &widgets, &packed, &previews.presets);
     let finished = previews.take_passes(contexts.ctx_mut()?);
     let is_wanted = |work: &Work| {
         wanted
@@ -116,7 +116,7 @@ pub fn update_previews(
         previews.work = start(wanted.ball, wanted.look.clone(), quality, wake_up.clone());
     }
     previews.are_done = previews.work.is_none() && previews.next(&wanted, true).is_none();
-    previews.let_go(&current, &wanted);
+    previews.let_go(&packed, &wanted);
     model.0.looks.balls = previews.shown();
     Ok(())
 }
@@ -130,7 +130,7 @@ struct Wanted {
 }
 
 /// What panels show, the most important first.
-fn wanted(model: &Model, widgets: &Widgets, current: &CurrentScene, presets: &[Look]) -> Vec<Wanted> {
+fn wanted(model: &Model, widgets: &Widgets, packed: &PackedScene, presets: &[Look]) -> Vec<Wanted> {
     let inspected = model.inspected.iter().flat_map(|inspected| &inspected.materials);
     let inspected = inspected
         .enumerate()
@@ -138,11 +138,11 @@ fn wanted(model: &Model, widgets: &Widgets, current: &CurrentScene, presets: &[L
     let listed = widgets.outliner.materials_in_sight.iter();
     let of_scene = inspected.chain(listed.map(|&material| (material, LISTED)));
     let of_scene = of_scene.filter_map(|(entity, quality)| {
-        let scene = current.scene.as_ref()?;
+        let scene = packed.scene.as_ref()?;
         let look = Look {
             materials: scene.materials.clone(),
             textures: scene.textures.clone(),
-            material: *current.material_of_entity.get(&entity)?,
+            material: *packed.material_of_entity.get(&entity)?,
         };
         let ball = Ball::Material(entity);
         Some(Wanted {
@@ -195,9 +195,9 @@ impl Previews {
 
     /// Forgets pictures of materials that are not in the scene any more: each keeps the tables alive that it was rendered from, with their
     /// textures.
-    fn let_go(&mut self, current: &CurrentScene, wanted: &[Wanted]) {
+    fn let_go(&mut self, packed: &PackedScene, wanted: &[Wanted]) {
         self.pictures.retain(|ball, _| match ball {
-            Ball::Material(entity) => current.material_of_entity.contains_key(entity),
+            Ball::Material(entity) => packed.material_of_entity.contains_key(entity),
             Ball::Preset(_) => true,
         });
         if self.pictures.len() > MOST {

@@ -33,7 +33,7 @@ use crate::app::editor::viewport::gizmo::interaction::GizmoModel;
 use crate::app::editor::viewport::model::ViewportModel;
 use crate::app::editor::viewport::state::ViewportState;
 use crate::app::editor::viewport::{PICTURE, viewport};
-use crate::engine::CurrentScene;
+use crate::engine::PackedScene;
 use crate::scene::{ActiveSensor, SceneStatus};
 
 /// What is seen of the scene.
@@ -41,7 +41,7 @@ use crate::scene::{ActiveSensor, SceneStatus};
 pub struct Scene<'w> {
     seen: Res<'w, ViewportScene>,
     settings: Res<'w, ViewSettings>,
-    current: Res<'w, CurrentScene>,
+    packed: Res<'w, PackedScene>,
     selection: Res<'w, Selection>,
     status: Res<'w, SceneStatus>,
     active: Res<'w, ActiveSensor>,
@@ -132,7 +132,7 @@ pub fn show_window(
         proportions: seen.proportions,
         placeholder: &seen.placeholder,
         pose: seen.pose,
-        camera: scene.current.view.as_ref().map(|view| view.camera),
+        camera: scene.packed.view.as_ref().map(|view| view.camera),
         boxes: seen.boxes(),
         outline: &seen.outline,
         icons: &seen.icons,
@@ -141,11 +141,11 @@ pub fn show_window(
             targets: &seen.targets,
             length_step: settings.gizmo.steps.length_in(settings.navigation.scene_size),
             up: settings.navigation.up,
-            current: &scene.current,
+            packed: &scene.packed,
         },
         locked: &seen.locked,
         things: &model.outline,
-        current: &scene.current,
+        packed: &scene.packed,
         legend: seen.legend.as_ref(),
         captions: &seen.captions,
         region: model.render.region,

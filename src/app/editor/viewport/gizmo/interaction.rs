@@ -15,7 +15,7 @@ use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::gizmo_settings::{GizmoSettings, Mode};
 use crate::app::editor::input::press::Press;
-use crate::engine::CurrentScene;
+use crate::engine::PackedScene;
 
 /// What the gizmo acts on.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +27,7 @@ pub struct GizmoModel<'a> {
     pub length_step: f32,
     /// The world's upward direction, an axis.
     pub up: Vec3,
-    pub current: &'a CurrentScene,
+    pub packed: &'a PackedScene,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -292,7 +292,7 @@ impl Held {
         let may_rest = self.drag.mode() == Mode::Move && self.drag.constraint == Constraint::Free;
         let change = if may_rest && modifiers.shift && self.drag.typed.is_empty() {
             let is_dragged = |entity| self.drag.targets.iter().any(|target| target.entity == entity);
-            let surface = picking::surface(model.current, &screen.ray(pointer), is_dragged);
+            let surface = picking::surface(model.packed, &screen.ray(pointer), is_dragged);
             surface
                 .map(|seen| self.drag.onto_surface(seen.position, model.up))
                 .or(self.change)

@@ -1,4 +1,4 @@
-//! The scene as it was last packed, for those who want to ask it something: what is under the mouse, which boxes to draw.
+//! The scene as it was last packed, for queries of the editor: what is under the mouse, which boxes to draw.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -9,9 +9,9 @@ use crate::material::MaterialId;
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
 
-/// May be ahead of the picture by a frame or two.
+/// The tables that the next picture is rendered from. They may be ahead of the shown picture by a frame or two.
 #[derive(Resource, Debug, Default)]
-pub struct CurrentScene {
+pub struct PackedScene {
     pub scene: Option<RenderScene>,
     /// The shape behind each instance of `scene.geometry`, then behind each placement.
     pub entity_of_instance: Arc<[Entity]>,
