@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use bevy::prelude::*;
 
 use super::control::{RenderControl, WakeUp};
-use super::discard::Discard;
+use super::deferred_drop::DeferredDrop;
 use super::film::RenderFilm;
 use super::renderer::Renderer;
 use super::status::RenderStatus;
@@ -21,7 +21,7 @@ pub(super) fn collect_results(
     mut status: ResMut<RenderStatus>,
     control: Res<RenderControl>,
     wake_up: Res<WakeUp>,
-    discard: Res<Discard>,
+    deferred: Res<DeferredDrop>,
 ) {
     let Some(job) = renderer.job_mut().filter(|job| job.is_running()) else {
         return;
@@ -34,7 +34,7 @@ pub(super) fn collect_results(
     // Before collecting, which may end the run.
     let first_result = job.first_result();
     // Through change detection only if there is something, for the display looks at that.
-    let collected = job.collect(film.bypass_change_detection(), Instant::now() + budget, &discard);
+    let collected = job.collect(film.bypass_change_detection(), Instant::now() + budget, &deferred);
     if collected == 0 {
         return;
     }

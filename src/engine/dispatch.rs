@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::blas_cache::BlasCache;
 use super::control::{RenderControl, WakeUp};
-use super::discard::Discard;
+use super::deferred_drop::DeferredDrop;
 use super::extract::Extracted;
 use super::film::RenderFilm;
 use super::goal::Goal;
@@ -20,7 +20,7 @@ pub(super) struct Demand<'w> {
     cache: Res<'w, BlasCache>,
     scene_status: Res<'w, SceneStatus>,
     wake_up: Res<'w, WakeUp>,
-    discard: Res<'w, Discard>,
+    deferred: Res<'w, DeferredDrop>,
 }
 
 pub(super) fn dispatch_job(
@@ -72,7 +72,7 @@ pub(super) fn dispatch_job(
         // The old job goes first, so that its workers stop while the new one is being set up.
         if let Some(old) = job.take() {
             old.cancel();
-            demand.discard.discard(old);
+            demand.deferred.drop_later(old);
         }
         let reserved = film.bypass_change_detection().reserve(&view);
         let mut new = Job::new(

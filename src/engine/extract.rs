@@ -13,8 +13,8 @@ use super::authored::{Authored, name_of};
 use super::blas_cache::{BlasCache, BuildPolicy, MeshKey};
 use super::clipping::clipping_warning;
 use super::control::{RenderControl, WakeUp};
+use super::deferred_drop::DeferredDrop;
 use super::detect::Dirty;
-use super::discard::Discard;
 use super::light_groups::{LightGroup, group_lights};
 use super::pack::Checker;
 use super::pack::environment::Environments;
@@ -146,7 +146,7 @@ pub(super) fn extract_scene(
     renderer: Res<Renderer>,
     control: Res<RenderControl>,
     wake_up: Res<WakeUp>,
-    discard: Res<Discard>,
+    deferred: Res<DeferredDrop>,
     authored: Authored,
 ) {
     if cache.poll() {
@@ -193,7 +193,7 @@ pub(super) fn extract_scene(
         material_of_entity: extracted.material_of_entity.clone(),
         view: extracted.view.clone(),
     };
-    discard.discard((old, std::mem::replace(&mut *packed, now)));
+    deferred.drop_later((old, std::mem::replace(&mut *packed, now)));
     *dirty = Dirty::NOTHING;
 }
 

@@ -9,7 +9,7 @@ use bevy::math::{Rect, UVec2};
 use crossbeam_channel::TryRecvError;
 use rayon::ThreadPool;
 
-use super::discard::Discard;
+use super::deferred_drop::DeferredDrop;
 use super::film::RenderFilm;
 use super::goal::{Goal, StopReason};
 use super::light_groups::LightGroup;
@@ -295,8 +295,8 @@ impl Job {
     }
 
     /// Puts what has arrived into the film, until `deadline`. Returns how many tiles that were.
-    /// What is needed no more goes into `discard`.
-    pub fn collect(&mut self, film: &mut RenderFilm, deadline: Instant, discard: &Discard) -> usize {
+    /// What is needed no more is handed to `deferred`.
+    pub fn collect(&mut self, film: &mut RenderFilm, deadline: Instant, deferred: &DeferredDrop) -> usize {
         let mut collected = 0;
         let mut spent = Spent::default();
         while let Some(run) = &self.run {
@@ -327,7 +327,7 @@ impl Job {
             }
         }
         if collected > 0 {
-            discard.discard(spent);
+            deferred.drop_later(spent);
             film.samples = self.least_samples();
             self.noise = self.noise_of_tiles.relative(self.active.iter().copied());
         }

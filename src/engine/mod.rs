@@ -7,8 +7,8 @@ pub mod blocking;
 mod clipping;
 mod collect;
 pub mod control;
+mod deferred_drop;
 mod detect;
-mod discard;
 mod dispatch;
 mod extract;
 pub mod film;
@@ -68,7 +68,7 @@ impl Plugin for EnginePlugin {
             .init_resource::<InputStamp>()
             .init_resource::<WakeUp>()
             .init_resource::<detect::Dirty>()
-            .init_resource::<discard::Discard>()
+            .init_resource::<deferred_drop::DeferredDrop>()
             .init_resource::<extract::Extracted>()
             .init_resource::<blas_cache::BlasCache>()
             .init_resource::<renderer::Renderer>()

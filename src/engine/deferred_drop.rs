@@ -1,29 +1,29 @@
-//! Gives memory back on a thread of its own. What tracing threads have allocated lies in their heaps: whoever frees it waits until none
-//! of them is just allocating, and they may have to wait for a core; large pieces go back to the system page by page. The window must
-//! not wait for either.
+//! Frees memory on a thread of its own, so that the window does not wait for it. Memory that render threads have allocated lies in their
+//! heaps: freeing it waits for a lock that such a thread may hold while it has no core, and large pieces go back to the system page by page.
 
 use bevy::prelude::*;
 use crossbeam_channel::{Sender, unbounded};
 
+/// A channel to the thread that drops what is sent.
 #[derive(Resource, Clone)]
-pub(super) struct Discard {
+pub(super) struct DeferredDrop {
     sender: Sender<Box<dyn Send>>,
 }
 
-impl Default for Discard {
+impl Default for DeferredDrop {
     fn default() -> Self {
         let (sender, receiver) = unbounded::<Box<dyn Send>>();
         // Without the thread the channel is closed, and what is sent is dropped by the sender.
         let _ = std::thread::Builder::new()
-            .name("discard".to_owned())
+            .name("deferred drop".to_owned())
             .spawn(move || receiver.iter().for_each(drop));
         Self { sender }
     }
 }
 
-impl Discard {
-    /// Drops it soon.
-    pub fn discard(&self, garbage: impl Send + 'static) {
+impl DeferredDrop {
+    /// Drops `garbage` on the other thread.
+    pub fn drop_later(&self, garbage: impl Send + 'static) {
         let _ = self.sender.send(Box::new(garbage));
     }
 }
@@ -47,7 +47,7 @@ mod tests {
     #[test]
     fn it_is_dropped_elsewhere() {
         let (sender, dropped) = channel();
-        Discard::default().discard(Tells(sender));
+        DeferredDrop::default().drop_later(Tells(sender));
         let thread = dropped.recv_timeout(Duration::from_secs(600)).expect("dropped");
         assert_ne!(thread, std::thread::current().id());
     }
