@@ -7,10 +7,10 @@ use super::control::{RenderControl, WakeUp};
 use super::deferred_drop::DeferredDrop;
 use super::extract::Extracted;
 use super::film::RenderFilm;
-use super::goal::Goal;
 use super::job::{Beginning, Job};
 use super::renderer::Renderer;
 use super::status::RenderStatus;
+use super::stop_condition::StopCondition;
 use super::wake::Waker;
 use crate::scene::{SceneState, SceneStatus};
 
@@ -54,8 +54,8 @@ pub(super) fn dispatch_job(
     let current = job
         .as_ref()
         .is_some_and(|job| job.is_of(&demand.extracted.scene, &view, &demand.extracted.light_groups));
-    let goal = Goal::new(&control, demand.extracted.sample_count);
-    let is_inexact = goal.is_exact && job.as_ref().is_some_and(|job| !job.can_end_exactly_at(goal.samples));
+    let stop = StopCondition::new(&control, demand.extracted.sample_count);
+    let is_inexact = stop.is_exact && job.as_ref().is_some_and(|job| !job.can_end_exactly_at(stop.samples));
     if !current || control.restart_requested || is_inexact {
         if control.restart_requested {
             control.restart_requested = false;
@@ -88,7 +88,7 @@ pub(super) fn dispatch_job(
         *job = Some(new);
     }
     if let Some(job) = job {
-        job.run(pool, &goal, Waker::new(&demand.wake_up));
+        job.run(pool, &stop, Waker::new(&demand.wake_up));
         if !control.interactive && job.failure.is_none() {
             // Otherwise the last picture stays in the film until the first tile of the new one is there.
             job.begin_in(film.bypass_change_detection());

@@ -11,10 +11,10 @@ use rayon::ThreadPool;
 
 use super::deferred_drop::DeferredDrop;
 use super::film::RenderFilm;
-use super::goal::{Goal, StopReason};
 use super::light_groups::LightGroup;
 use super::run::{Run, TileResult, Work};
 use super::schedule::{WorkItem, WorkQueue, pass_end, sort_from_center, tiles_in};
+use super::stop_condition::{StopCondition, StopReason};
 use super::wake::Waker;
 use crate::render::noise::PictureNoise;
 use crate::render::scene::RenderScene;
@@ -165,9 +165,9 @@ impl Job {
         self.active.iter().map(|&index| self.done[index]).min().unwrap_or(0)
     }
 
-    /// Which of the goal's limits is reached, if one is.
-    pub fn reached(&self, goal: &Goal) -> Option<StopReason> {
-        goal.reached(self.least_samples(), self.seconds(), self.noise)
+    /// The limit of `stop` that is reached, if one is.
+    pub fn reached(&self, stop: &StopCondition) -> Option<StopReason> {
+        stop.reached(self.least_samples(), self.seconds(), self.noise)
     }
 
     /// Whether going on leads to a picture of exactly so many samples, summed up in the same passes as if nothing else had been asked for
@@ -198,18 +198,18 @@ impl Job {
         (self.ran + now).as_secs_f64()
     }
 
-    /// Starts, goes on or stops, by whether the goal is reached.
-    pub fn run(&mut self, pool: &ThreadPool, goal: &Goal, waker: Waker) {
-        self.set_region(goal.region);
-        let reached = self.reached(goal);
-        if goal.is_exact && reached.is_some() && !self.is_running() {
-            self.stops.insert(goal.samples);
+    /// Starts, goes on, or pauses where a limit of `stop` is reached.
+    pub fn run(&mut self, pool: &ThreadPool, stop: &StopCondition, waker: Waker) {
+        self.set_region(stop.region);
+        let reached = self.reached(stop);
+        if stop.is_exact && reached.is_some() && !self.is_running() {
+            self.stops.insert(stop.samples);
         }
         if matches!(reached, Some(StopReason::Time | StopReason::Noise)) {
             self.pause();
         }
         if let Some(run) = &self.run {
-            run.queue.set_target(goal.samples);
+            run.queue.set_target(stop.samples);
             return;
         }
         if self.failure.is_some() || reached.is_some() {
@@ -225,7 +225,7 @@ impl Job {
         };
         self.preview_left = previews.len();
         let tiles: Vec<(usize, u32)> = self.active.iter().map(|&index| (index, self.done[index])).collect();
-        let queue = WorkQueue::new(&tiles, goal.samples, &previews, step);
+        let queue = WorkQueue::new(&tiles, stop.samples, &previews, step);
         self.running_since = Some(Instant::now());
         self.run = Some(Run::start(pool, queue, self.preview_left, self.work(), waker));
     }

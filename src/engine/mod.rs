@@ -12,7 +12,6 @@ mod detect;
 mod dispatch;
 mod extract;
 pub mod film;
-mod goal;
 mod job;
 mod light_groups;
 mod pack;
@@ -23,6 +22,7 @@ mod report;
 mod run;
 mod schedule;
 pub mod status;
+mod stop_condition;
 mod wake;
 
 use bevy::asset::AssetEventSystems;
@@ -31,12 +31,12 @@ use bevy::prelude::*;
 pub use blocking::{Limits, Outcome, RenderError, load_to_completion, render_to_completion};
 pub use control::{InputStamp, RenderControl, ViewMode, WakeUp};
 pub use film::RenderFilm;
-pub use goal::StopReason;
 pub use light_groups::LightGroup;
 pub use pack::material::pack_loose;
 pub use packed_scene::PackedScene;
 pub use priority::{yield_to_all, yield_to_window};
 pub use status::{BvhStatus, LatencyStats, RenderState, RenderStatus};
+pub use stop_condition::StopReason;
 
 /// The steps of a frame, in this order, in `PostUpdate`.
 ///

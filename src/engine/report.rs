@@ -6,10 +6,10 @@ use super::blas_cache::BlasCache;
 use super::control::RenderControl;
 use super::detect::Dirty;
 use super::extract::Extracted;
-use super::goal::Goal;
 use super::job::Job;
 use super::renderer::Renderer;
 use super::status::{RenderState, RenderStatus};
+use super::stop_condition::StopCondition;
 use crate::scene::{SceneState, SceneStatus};
 
 /// Messages shown at most; a scene of a thousand broken spheres has said it by then.
@@ -25,8 +25,8 @@ pub(super) fn report_status(
     scene: Res<SceneStatus>,
 ) {
     let job = renderer.job();
-    let goal = Goal::new(&control, extracted.sample_count);
-    let reached = job.and_then(|job| job.reached(&goal));
+    let stop = StopCondition::new(&control, extracted.sample_count);
+    let reached = job.and_then(|job| job.reached(&stop));
     let samples = job.map_or(0, Job::least_samples);
     let seconds = job.map_or(0.0, Job::seconds);
     let per_second = |count: u64| {
@@ -63,7 +63,7 @@ pub(super) fn report_status(
         && scene.files_loading() == 0
         && scene.state != SceneState::Loading;
     status.samples = samples;
-    status.target = goal.samples;
+    status.target = stop.samples;
     status.stopped_by = reached;
     status.noise = job.and_then(|job| job.noise);
     status.size = job.map_or(UVec2::ZERO, |job| UVec2::new(job.view.width, job.view.height));

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use bevy::prelude::*;
 
-use super::goal::StopReason;
+use super::stop_condition::StopReason;
 
 /// The state of rendering, brought up to date once per frame.
 #[derive(Resource, Clone, Debug)]

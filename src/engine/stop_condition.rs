@@ -1,15 +1,15 @@
-//! When a picture is finished: whichever of its limits is reached first.
+//! The condition under which a picture is finished: one of its limits is reached.
 
 use bevy::math::Rect;
 
 use super::control::RenderControl;
 
-/// What a job works towards; it may change while the job runs.
+/// The limits of a job. They may change while it runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Goal {
+pub(super) struct StopCondition {
     /// Samples per pixel, at least 1.
     pub samples: u32,
-    /// Neither more nor fewer samples than that: see [`RenderControl::exact_samples`].
+    /// Whether neither more nor fewer samples are wanted, see [`RenderControl::exact_samples`].
     pub is_exact: bool,
     seconds: Option<f32>,
     noise: Option<f32>,
@@ -28,8 +28,8 @@ pub enum StopReason {
 /// Below this number the spread of samples says little: few samples of a rare bright thing have not met it yet, and agree.
 const FEWEST_FOR_NOISE: u32 = 16;
 
-impl Goal {
-    /// `sample_count`: of the film, where the control does not say.
+impl StopCondition {
+    /// `sample_count` is the film's, which counts where `control` does not say.
     pub fn new(control: &RenderControl, sample_count: u32) -> Self {
         let exact = control.exact_samples;
         Self {
@@ -41,6 +41,7 @@ impl Goal {
         }
     }
 
+    /// The limit that is reached after `samples` per pixel, `seconds` of rendering and with an estimated relative `noise`.
     pub fn reached(&self, samples: u32, seconds: f64, noise: Option<f32>) -> Option<StopReason> {
         let in_time = self.seconds.is_none_or(|limit| seconds < f64::from(limit));
         let is_quiet = |limit| samples >= FEWEST_FOR_NOISE && noise.is_some_and(|noise| noise <= limit);
@@ -68,23 +69,23 @@ mod tests {
             noise_target: Some(0.1),
             ..RenderControl::default()
         };
-        let goal = Goal::new(&control, 8);
-        assert_eq!(goal.reached(63, 1.9, Some(0.2)), None);
-        assert_eq!(goal.reached(63, 1.9, None), None);
-        assert_eq!(goal.reached(64, 1.0, None), Some(StopReason::Samples));
-        assert_eq!(goal.reached(1, 2.0, None), Some(StopReason::Time));
-        assert_eq!(goal.reached(16, 1.0, Some(0.1)), Some(StopReason::Noise));
+        let stop = StopCondition::new(&control, 8);
+        assert_eq!(stop.reached(63, 1.9, Some(0.2)), None);
+        assert_eq!(stop.reached(63, 1.9, None), None);
+        assert_eq!(stop.reached(64, 1.0, None), Some(StopReason::Samples));
+        assert_eq!(stop.reached(1, 2.0, None), Some(StopReason::Time));
+        assert_eq!(stop.reached(16, 1.0, Some(0.1)), Some(StopReason::Noise));
         // Too few to know.
-        assert_eq!(goal.reached(15, 1.0, Some(0.0)), None);
+        assert_eq!(stop.reached(15, 1.0, Some(0.0)), None);
         // A demand for an exact number takes the place of all limits.
         let exact = RenderControl {
             exact_samples: Some(100),
             ..control
         };
-        let exact = Goal::new(&exact, 8);
+        let exact = StopCondition::new(&exact, 8);
         assert_eq!(exact.reached(99, 1e9, Some(0.0)), None);
         assert_eq!(exact.reached(100, 0.0, None), Some(StopReason::Samples));
-        let film = Goal::new(&RenderControl::default(), 8);
+        let film = StopCondition::new(&RenderControl::default(), 8);
         assert_eq!(film.reached(7, 1e9, Some(0.0)), None);
         assert_eq!(film.reached(8, 0.0, None), Some(StopReason::Samples));
     }
