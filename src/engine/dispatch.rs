@@ -5,13 +5,13 @@ use bevy::prelude::*;
 use super::blas_cache::BlasCache;
 use super::control::{RenderControl, WakeUp};
 use super::deferred_drop::DeferredDrop;
+use super::event_loop_waker::EventLoopWaker;
 use super::extract::Extracted;
 use super::film::RenderFilm;
 use super::job::{Beginning, Job};
 use super::renderer::Renderer;
 use super::status::RenderStatus;
 use super::stop_condition::StopCondition;
-use super::wake::Waker;
 use crate::scene::{SceneState, SceneStatus};
 
 #[derive(bevy::ecs::system::SystemParam)]
@@ -88,7 +88,7 @@ pub(super) fn dispatch_job(
         *job = Some(new);
     }
     if let Some(job) = job {
-        job.run(pool, &stop, Waker::new(&demand.wake_up));
+        job.run(pool, &stop, EventLoopWaker::new(&demand.wake_up));
         if !control.interactive && job.failure.is_none() {
             // Otherwise the last picture stays in the film until the first tile of the new one is there.
             job.begin_in(film.bypass_change_detection());

@@ -10,12 +10,12 @@ use crossbeam_channel::TryRecvError;
 use rayon::ThreadPool;
 
 use super::deferred_drop::DeferredDrop;
+use super::event_loop_waker::EventLoopWaker;
 use super::film::RenderFilm;
 use super::light_groups::LightGroup;
 use super::run::{Run, TileResult, Work};
 use super::schedule::{WorkItem, WorkQueue, pass_end, sort_from_center, tiles_in};
 use super::stop_condition::{StopCondition, StopReason};
-use super::wake::Waker;
 use crate::render::noise::PictureNoise;
 use crate::render::scene::RenderScene;
 use crate::render::tile::{Tile, TilePreview, TileSamples, render_preview, render_tile, tiles};
@@ -199,7 +199,7 @@ impl Job {
     }
 
     /// Starts, goes on, or pauses where a limit of `stop` is reached.
-    pub fn run(&mut self, pool: &ThreadPool, stop: &StopCondition, waker: Waker) {
+    pub fn run(&mut self, pool: &ThreadPool, stop: &StopCondition, waker: EventLoopWaker) {
         self.set_region(stop.region);
         let reached = self.reached(stop);
         if stop.is_exact && reached.is_some() && !self.is_running() {

@@ -10,6 +10,7 @@ pub mod control;
 mod deferred_drop;
 mod detect;
 mod dispatch;
+mod event_loop_waker;
 mod extract;
 pub mod film;
 mod job;
@@ -23,7 +24,6 @@ mod run;
 mod schedule;
 pub mod status;
 mod stop_condition;
-mod wake;
 
 use bevy::asset::AssetEventSystems;
 use bevy::prelude::*;

@@ -12,8 +12,8 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{Receiver, SendTimeoutError, Sender, bounded};
 use rayon::ThreadPool;
 
+use super::event_loop_waker::EventLoopWaker;
 use super::schedule::{WorkItem, WorkQueue};
-use super::wake::Waker;
 use crate::render::tile::{TilePreview, TileSamples};
 
 /// Results that may wait to be collected, some 50 kB each. A preview is a fraction of that and has room as a whole, so that workers do
@@ -53,7 +53,7 @@ struct Shared {
     queue: Arc<WorkQueue>,
     first_result: Arc<OnceLock<Instant>>,
     work: Box<Work>,
-    waker: Waker,
+    waker: EventLoopWaker,
     /// Results that should not wait any longer.
     many: usize,
     /// Items of the preview that are still to come.
@@ -63,7 +63,13 @@ struct Shared {
 
 impl Run {
     /// Sets all threads of `pool` to work. `preview_items`: how many of the queue's items are previews.
-    pub fn start(pool: &ThreadPool, queue: WorkQueue, preview_items: usize, work: Box<Work>, waker: Waker) -> Self {
+    pub fn start(
+        pool: &ThreadPool,
+        queue: WorkQueue,
+        preview_items: usize,
+        work: Box<Work>,
+        waker: EventLoopWaker,
+    ) -> Self {
         let workers = pool.current_num_threads();
         let capacity = CAPACITY.max(ROOM_PER_WORKER * workers) + preview_items;
         let capacity = capacity.min(LARGEST_CAPACITY);
@@ -135,7 +141,7 @@ impl Shared {
                 }
                 // Before there is no more room, and workers wait.
                 _ if results.len() >= self.many => self.waker.wake_now(),
-                _ => self.waker.wake_sometimes(),
+                _ => self.waker.wake_throttled(),
             }
         }
     }
@@ -202,7 +208,7 @@ mod tests {
             WorkQueue::new(&(0..items).map(|index| (index, 0)).collect::<Vec<_>>(), 1, &[], 1),
             0,
             work,
-            Waker::new(&WakeUp::default()),
+            EventLoopWaker::new(&WakeUp::default()),
         )
     }
 
@@ -242,7 +248,7 @@ mod tests {
             WorkQueue::new(&items, 1, &[], 1),
             0,
             sample_work(),
-            Waker::new(&hook),
+            EventLoopWaker::new(&hook),
         );
         // All of them end without anybody collecting, for there is room. Somebody is woken while the second half is filled, and at the end.
         let deadline = Instant::now() + Duration::from_secs(600);
@@ -281,7 +287,7 @@ mod tests {
             WorkQueue::new(&items, 1, &[], 1),
             0,
             sample_work(),
-            Waker::new(&hook),
+            EventLoopWaker::new(&hook),
         );
         // The hook is called when half of the room is taken.
         let mut results = run.results.iter();

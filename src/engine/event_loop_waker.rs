@@ -1,19 +1,19 @@
-//! Waking an event loop that sleeps, from the worker threads and not too often.
+//! Wakes an event loop that sleeps, from the worker threads and not too often.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::control::WakeUp;
 
-/// Between two calls for results that are nothing special.
+/// The least time between two calls of [`EventLoopWaker::wake_throttled`] that have an effect.
 const INTERVAL: Duration = Duration::from_millis(50);
 
-pub(super) struct Waker {
+pub(super) struct EventLoopWaker {
     hook: Option<Arc<dyn Fn() + Send + Sync>>,
     last: Mutex<Instant>,
 }
 
-impl Waker {
+impl EventLoopWaker {
     pub fn new(wake_up: &WakeUp) -> Self {
         Self {
             hook: wake_up.0.clone(),
@@ -21,8 +21,8 @@ impl Waker {
         }
     }
 
-    /// Calls the hook, unless that was done a moment ago.
-    pub fn wake_sometimes(&self) {
+    /// Calls the hook, unless this function did so less than [`INTERVAL`] ago.
+    pub fn wake_throttled(&self) {
         let Some(hook) = &self.hook else {
             return;
         };
@@ -33,6 +33,7 @@ impl Waker {
         }
     }
 
+    /// Calls the hook.
     pub fn wake_now(&self) {
         if let Some(hook) = &self.hook {
             hook();
