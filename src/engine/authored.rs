@@ -34,7 +34,7 @@ pub(super) struct Authored<'w, 's> {
         Without<Hidden>,
     >,
     pub groups: Query<'w, 's, (Entity, &'static DocumentOrder), With<ShapeGroup>>,
-    pub clothes: Query<
+    pub surface_bindings: Query<
         'w,
         's,
         (

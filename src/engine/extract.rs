@@ -322,11 +322,11 @@ impl Extracted {
         let (materials, ids) = (packed.materials, packed.ids);
         let sources = self.layout.shapes.iter().map(|record| {
             // A shape that has just gone has made the instances dirty: it is not among them.
-            let clothes = authored.clothes.get(record.entity).ok();
+            let bindings = authored.surface_bindings.get(record.entity).ok();
             SurfaceSource {
-                name: clothes.map_or_else(String::new, |(order, id, ..)| name_of("shape", *order, id)),
-                material: clothes.and_then(|(_, _, uses, _)| uses.map(|uses| uses.0)),
-                light: clothes.and_then(|(_, _, _, light)| light),
+                name: bindings.map_or_else(String::new, |(order, id, ..)| name_of("shape", *order, id)),
+                material: bindings.and_then(|(_, _, uses, _)| uses.map(|uses| uses.0)),
+                light: bindings.and_then(|(_, _, _, light)| light),
             }
         });
         let packed = pack_surfaces(
