@@ -191,13 +191,13 @@ pub struct Settings<'w, 's> {
 }
 
 #[derive(SystemParam)]
-pub struct Looks<'w> {
+pub struct PictureState<'w> {
     mix: Res<'w, LightMix>,
     film: Res<'w, RenderFilm>,
     comparison: Res<'w, Comparison>,
 }
 
-impl Looks<'_> {
+impl PictureState<'_> {
     fn lights(&self, outline: &Outline) -> Vec<(Entity, String)> {
         let names: HashMap<Entity, &str> = outline
             .lights
@@ -220,7 +220,7 @@ impl Looks<'_> {
 pub fn gather_status(
     mut model: ResMut<EditorModel>,
     settings: Settings,
-    looks: Looks,
+    picture: PictureState,
     status: Res<RenderStatus>,
     scene: Res<SceneStatus>,
     denoiser: Res<Denoiser>,
@@ -245,24 +245,24 @@ pub fn gather_status(
     model.render.strategy_split = settings.control.strategy_split;
     let mixing = &mut model.render.mixing;
     mixing.is_on = settings.control.light_layers;
-    if looks.mix.is_changed() {
-        mixing.mix = looks.mix.clone();
+    if picture.mix.is_changed() {
+        mixing.mix = picture.mix.clone();
     }
-    let (groups, outline) = (&looks.film.light_groups, &model.outline);
+    let (groups, outline) = (&picture.film.light_groups, &model.outline);
     if !named
         .as_ref()
         .is_some_and(|(of, by)| Arc::ptr_eq(of, groups) && Arc::ptr_eq(by, outline))
     {
-        mixing.lights = looks.lights(outline);
+        mixing.lights = picture.lights(outline);
         *named = Some((groups.clone(), outline.clone()));
     }
     model.render.comparison = ComparisonModel {
-        snapshot: looks.comparison.snapshot.as_ref().map(|snapshot| snapshot.samples),
-        view: looks.comparison.view,
-        figures: looks
+        snapshot: picture.comparison.snapshot.as_ref().map(|snapshot| snapshot.samples),
+        view: picture.comparison.view,
+        figures: picture
             .comparison
             .figures
-            .filter(|measured| measured.job == looks.film.job),
+            .filter(|measured| measured.job == picture.film.job),
     };
     if scene.is_changed() && model.status.scene != scene.path {
         model.scene_files = Arc::new(scene_files(scene.path.as_deref()));

@@ -5,8 +5,8 @@ pub mod difference;
 pub mod freedom;
 pub(crate) mod gather;
 pub(crate) mod inspection;
-pub mod looks;
 pub mod mixed;
+pub mod panel_textures;
 pub mod thumbnails;
 
 use std::path::PathBuf;
@@ -26,8 +26,8 @@ use crate::engine::RenderStatus;
 use crate::scene::{
     AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, Material, SamplerSettings, Sensor, Shape,
 };
-use looks::Looks;
 use mixed::Mixed;
+use panel_textures::PanelTextures;
 
 /// One line of the outliner.
 #[derive(Clone, Debug, PartialEq)]
@@ -247,7 +247,7 @@ pub struct Model {
     /// The active one of the selection.
     pub inspected: Option<Inspected>,
     pub history: Arc<HistoryModel>,
-    pub looks: Looks,
+    pub textures: PanelTextures,
     pub presets: Arc<Vec<Preset>>,
     pub render: RenderModel,
     pub notices: Arc<Vec<Notice>>,

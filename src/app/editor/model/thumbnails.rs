@@ -7,7 +7,7 @@ use std::sync::{Arc, Weak};
 use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
 
-use super::looks::Thumbnail;
+use super::panel_textures::Thumbnail;
 use super::{EditorModel, Model};
 use crate::color::srgb_from_linear;
 use crate::scene::{Emitter, Material, Parameter, Pictures, Texture, TextureMap};
@@ -66,7 +66,7 @@ pub fn update_thumbnails(
         };
         (path.clone(), thumbnail)
     });
-    model.0.looks.pictures = shown.collect();
+    model.0.textures.pictures = shown.collect();
     Ok(())
 }
 
@@ -106,8 +106,8 @@ fn emitter_pictures(emitter: &Emitter, found: &mut Vec<PathBuf>) {
 
 /// The picture with its longer edge at most [`EDGE`] pixels, each the mean of a few of its own; what is brighter than white is white.
 fn shrunk(image: &Image) -> egui::ColorImage {
-    /// Looks per pixel along each edge: enough that lines do not vanish, few enough for pictures of any size.
-    const LOOKS: u32 = 3;
+    /// Samples per pixel along each edge: enough that lines do not vanish, few enough for pictures of any size.
+    const SAMPLES: u32 = 3;
     let longer = image.width().max(image.height());
     let scaled = |edge: u32| (edge * EDGE.min(longer) / longer).max(1);
     let (width, height) = (scaled(image.width()), scaled(image.height()));
@@ -115,14 +115,14 @@ fn shrunk(image: &Image) -> egui::ColorImage {
     for y in 0..height {
         for x in 0..width {
             let place = |at: u32, look: u32, size: u32, from: u32| {
-                let step = u64::from(at * LOOKS + look) * 2 + 1;
-                (step * u64::from(from) / (2 * u64::from(size * LOOKS))) as u32
+                let step = u64::from(at * SAMPLES + look) * 2 + 1;
+                (step * u64::from(from) / (2 * u64::from(size * SAMPLES))) as u32
             };
-            let looks = (0..LOOKS).flat_map(|v| (0..LOOKS).map(move |u| (u, v)));
-            let sum: bevy::math::Vec3 = looks
+            let samples = (0..SAMPLES).flat_map(|v| (0..SAMPLES).map(move |u| (u, v)));
+            let sum: bevy::math::Vec3 = samples
                 .map(|(u, v)| image.pixel(place(x, u, width, image.width()), place(y, v, height, image.height())))
                 .sum();
-            let mean = sum / (LOOKS * LOOKS) as f32;
+            let mean = sum / (SAMPLES * SAMPLES) as f32;
             let [r, g, b] = mean
                 .to_array()
                 .map(|linear| (srgb_from_linear(linear.clamp(0.0, 1.0)) * 255.0).round() as u8);

@@ -11,7 +11,7 @@ use super::sensor::field_of_view;
 use super::texture_slot::picture_row;
 use super::{color_field, fields};
 use crate::app::editor::command::conversion::emitter_turned_into;
-use crate::app::editor::model::looks::Looks;
+use crate::app::editor::model::panel_textures::PanelTextures;
 use crate::app::editor::words::kinds::{EMITTER_KINDS, in_words};
 use crate::color::Rgb;
 use crate::scene::{
@@ -19,13 +19,13 @@ use crate::scene::{
 };
 
 /// The check box makes a shape emit, or not.
-pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, looks: &Looks) -> Edit {
+pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, textures: &PanelTextures) -> Edit {
     let mut emits = light.is_some();
     let toggled = fields::checkbox(ui, "Emits light", &mut emits);
     if toggled {
         *light = emits.then(AreaLight::default);
     }
-    let mut rows = Rows::new(ui, "area", looks);
+    let mut rows = Rows::new(ui, "area", textures);
     if let Some(light) = light {
         light.visit(&mut rows);
     }
@@ -35,7 +35,7 @@ pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, looks: &Looks) -> 
     }
 }
 
-pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, looks: &Looks) -> Edit {
+pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, textures: &PanelTextures) -> Edit {
     let plugin = emitter.plugin();
     let mut wanted = plugin;
     let options = Emitter::PLUGINS.map(|plugin| (plugin, in_words(&EMITTER_KINDS, plugin)));
@@ -48,7 +48,7 @@ pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, looks: &Looks) -> Edit {
             wants_picture,
         };
     }
-    let mut rows = Rows::new(ui, plugin, looks);
+    let mut rows = Rows::new(ui, plugin, textures);
     emitter.visit(&mut rows);
     rows.edit
 }
@@ -78,7 +78,7 @@ impl EmitterVisitor for Rows<'_> {
     }
 
     fn picture(&mut self, name: &'static str, value: &mut PathBuf) {
-        if picture_row(self.ui, self.caption(name), value, self.looks()) {
+        if picture_row(self.ui, self.caption(name), value, self.textures()) {
             self.edit.wants_picture = Some((name, SquarePath::WHOLE));
         }
     }

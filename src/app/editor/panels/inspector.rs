@@ -74,7 +74,7 @@ fn sections(
     if inspected.shape.is_some() {
         section(ui, "Emission", |ui| {
             let mut edited = inspected.area_light.clone();
-            let edit = emission::area_light(ui, &mut edited, &model.looks);
+            let edit = emission::area_light(ui, &mut edited, &model.textures);
             if edit.changed {
                 commands.push(Command::SetAreaLight(inspected.entity, edited));
             }
@@ -84,7 +84,7 @@ fn sections(
     if let Some(emitter) = &inspected.emitter {
         section(ui, "Light", |ui| {
             let mut edited = emitter.clone();
-            let edit = emission::emitter(ui, &mut edited, &model.looks);
+            let edit = emission::emitter(ui, &mut edited, &model.textures);
             if edit.changed {
                 commands.push(Command::SetEmitter(inspected.entity, edited));
             }
@@ -275,7 +275,7 @@ fn material_rows(ui: &mut Ui, inspected: &Inspected, model: &Model, commands: &m
             material_header(ui, entry, model, commands);
             let mut edited = entry.material.clone();
             let edit = fields::compared(ui, &entry.mixed, |ui| {
-                material::material(ui, &mut edited, entry.place, &model.looks)
+                material::material(ui, &mut edited, entry.place, &model.textures)
             });
             if edit.changed {
                 commands.push(Command::SetMaterial(entry.entity, Box::new(edited)));

@@ -6,7 +6,7 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::dragged::DraggedPreset;
 use crate::app::editor::command::presets::Preset;
 use crate::app::editor::model::Model;
-use crate::app::editor::model::looks::Ball;
+use crate::app::editor::model::panel_textures::Ball;
 
 /// What the panel remembers between frames.
 #[derive(Clone, Debug, Default)]
@@ -66,7 +66,7 @@ fn cell(
     }
     state.in_sight.push(place);
     let face = Rect::from_min_size(rect.min, vec2(BALL, BALL));
-    model.looks.paint_ball(ui, Ball::Preset(place), face);
+    model.textures.paint_ball(ui, Ball::Preset(place), face);
     if response.hovered() {
         let stroke = ui.visuals().selection.stroke;
         ui.painter().rect_stroke(face, 2.0, stroke, egui::StrokeKind::Inside);

@@ -11,7 +11,7 @@ use super::plain_value::PlainValue;
 use super::texture_slot::Slot;
 use crate::app::editor::command::conversion::turned_into;
 use crate::app::editor::model::MaterialPlace;
-use crate::app::editor::model::looks::Looks;
+use crate::app::editor::model::panel_textures::PanelTextures;
 use crate::app::editor::words::kinds::{in_words, material_kind, plugin_name};
 use crate::app::editor::words::parameters as words;
 use crate::color::Rgb;
@@ -41,7 +41,7 @@ pub struct Edit {
 }
 
 /// `place`: what the material is within another.
-pub fn material(ui: &mut Ui, material: &mut Material, place: MaterialPlace, looks: &Looks) -> Edit {
+pub fn material(ui: &mut Ui, material: &mut Material, place: MaterialPlace, textures: &PanelTextures) -> Edit {
     let plugin = material.plugin();
     let mut wanted = plugin;
     // What has others inside keeps its kind here.
@@ -62,7 +62,7 @@ pub fn material(ui: &mut Ui, material: &mut Material, place: MaterialPlace, look
             wants_picture: None,
         };
     }
-    let mut rows = Rows::new(ui, plugin, looks);
+    let mut rows = Rows::new(ui, plugin, textures);
     material.visit(&mut rows);
     rows.edit
 }
@@ -72,16 +72,16 @@ pub struct Rows<'u> {
     pub ui: &'u mut Ui,
     pub edit: Edit,
     plugin: &'static str,
-    looks: &'u Looks,
+    textures: &'u PanelTextures,
 }
 
 impl<'u> Rows<'u> {
-    pub fn new(ui: &'u mut Ui, plugin: &'static str, looks: &'u Looks) -> Self {
+    pub fn new(ui: &'u mut Ui, plugin: &'static str, textures: &'u PanelTextures) -> Self {
         Self {
             ui,
             edit: Edit::default(),
             plugin,
-            looks,
+            textures,
         }
     }
 
@@ -103,7 +103,7 @@ impl<'u> Rows<'u> {
         let slot = Slot {
             caption: self.caption(name),
             plain,
-            looks: self.looks,
+            textures: self.textures,
             place: SquarePath::WHOLE,
         };
         let edit = slot.show(self.ui, value, otherwise, plain_rows);
@@ -118,8 +118,8 @@ impl<'u> Rows<'u> {
         words::find(self.plugin, name).map_or("", |words| words.suffix)
     }
 
-    pub fn looks(&self) -> &'u Looks {
-        self.looks
+    pub fn textures(&self) -> &'u PanelTextures {
+        self.textures
     }
 }
 

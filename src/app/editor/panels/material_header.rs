@@ -5,7 +5,7 @@ use bevy_egui::egui::{self, Ui};
 
 use crate::app::editor::command::Command;
 use crate::app::editor::command::material_tree::{MaterialTree, WRAPPERS, can_wrap};
-use crate::app::editor::model::looks::Ball;
+use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{InspectedMaterial, MaterialPlace, Model};
 use crate::app::editor::words::kinds::{material_kind, plugin_name};
 use crate::scene::Material;
@@ -22,7 +22,7 @@ pub fn material_header(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, co
     ui.add_space(4.0);
     ui.horizontal_top(|ui| {
         let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(edge), egui::Sense::hover());
-        model.looks.paint_ball(ui, Ball::Material(entry.entity), rect);
+        model.textures.paint_ball(ui, Ball::Material(entry.entity), rect);
         ui.vertical(|ui| {
             let title = egui::RichText::new(title(entry)).italics();
             ui.add(egui::Label::new(title).truncate());

@@ -9,7 +9,7 @@ use super::color_field;
 use super::fields::{self, Caption, name_cell};
 use super::plain_value::PlainValue;
 use super::texture::{self, TextureKind};
-use crate::app::editor::model::looks::Looks;
+use crate::app::editor::model::panel_textures::PanelTextures;
 use crate::app::editor::words::parameters as words;
 use crate::color::Rgb;
 use crate::scene::{Parameter, SquarePath, Texture};
@@ -35,7 +35,7 @@ pub struct Slot<'a> {
     pub caption: Caption<'a>,
     /// What the value without a texture is called.
     pub plain: &'static str,
-    pub looks: &'a Looks,
+    pub textures: &'a PanelTextures,
     pub place: SquarePath,
 }
 
@@ -102,7 +102,7 @@ impl Slot<'_> {
         ui.horizontal(|ui| {
             let label = name_cell(ui, self.caption);
             ui.spacing_mut().item_spacing.x = 4.0;
-            let picture = thumbnail(ui, texture, self.looks);
+            let picture = thumbnail(ui, texture, self.textures);
             let text = format!(
                 "{} {}",
                 if is_open { "\u{23f7}" } else { "\u{23f5}" },
@@ -157,7 +157,7 @@ impl Slot<'_> {
                     let slot = Slot {
                         caption: caption(name),
                         plain: "colour",
-                        looks: self.looks,
+                        textures: self.textures,
                         place: self.place.within(square),
                     };
                     let shown = slot.show(ui, color, Rgb::splat(0.5), |ui, caption, color| {
@@ -177,12 +177,12 @@ impl Slot<'_> {
 }
 
 /// A picture file that is no texture, as that of an environment; true when another is wanted.
-pub fn picture_row(ui: &mut Ui, caption: Caption<'_>, path: &Path, looks: &Looks) -> bool {
+pub fn picture_row(ui: &mut Ui, caption: Caption<'_>, path: &Path, textures: &PanelTextures) -> bool {
     let texture = Texture::of_picture(path.to_owned(), None);
     ui.horizontal(|ui| {
         let label = name_cell(ui, caption);
         ui.spacing_mut().item_spacing.x = 4.0;
-        let picture = thumbnail(ui, &texture, looks);
+        let picture = thumbnail(ui, &texture, textures);
         let name = match shown_name(&texture) {
             name if name.is_empty() => "Choose\u{2026}".to_owned(),
             name => name,
@@ -215,11 +215,11 @@ fn shown_name(texture: &Texture) -> String {
 }
 
 /// A small picture of the texture; a bitmap that is not there is crossed out.
-fn thumbnail(ui: &mut Ui, texture: &Texture, looks: &Looks) -> egui::Response {
+fn thumbnail(ui: &mut Ui, texture: &Texture, textures: &PanelTextures) -> egui::Response {
     let (rect, response) = ui.allocate_exact_size(THUMBNAIL, egui::Sense::click());
-    paint(ui, rect, texture, looks);
+    paint(ui, rect, texture, textures);
     match texture {
-        Texture::Bitmap(bitmap) => match looks.picture(&bitmap.path) {
+        Texture::Bitmap(bitmap) => match textures.picture(&bitmap.path) {
             Some(picture) => response.on_hover_ui(|ui| {
                 let [width, height] = picture.size;
                 let longer = width.max(height) as f32;
@@ -233,11 +233,11 @@ fn thumbnail(ui: &mut Ui, texture: &Texture, looks: &Looks) -> egui::Response {
     }
 }
 
-fn paint(ui: &Ui, rect: egui::Rect, texture: &Texture, looks: &Looks) {
+fn paint(ui: &Ui, rect: egui::Rect, texture: &Texture, textures: &PanelTextures) {
     let painter = ui.painter();
     let frame = ui.visuals().widgets.noninteractive.bg_stroke;
     match texture {
-        Texture::Bitmap(bitmap) => match looks.picture(&bitmap.path) {
+        Texture::Bitmap(bitmap) => match textures.picture(&bitmap.path) {
             Some(picture) => {
                 let whole = egui::Rect::from_min_max(egui::Pos2::ZERO, egui::pos2(1.0, 1.0));
                 painter.image(picture.texture, rect, whole, Color32::WHITE);
@@ -258,7 +258,7 @@ fn paint(ui: &Ui, rect: egui::Rect, texture: &Texture, looks: &Looks) {
                         let [r, g, b] = color.to_array();
                         painter.rect_filled(square, 0.0, egui::Rgba::from_rgb(r, g, b));
                     }
-                    Parameter::Texture(inside) => paint(ui, square, inside, looks),
+                    Parameter::Texture(inside) => paint(ui, square, inside, textures),
                 }
             }
         }

@@ -11,7 +11,7 @@ use crossbeam_channel::{Receiver, Sender, unbounded};
 
 use super::widgets::Widgets;
 use crate::app::editor::command::material_tree::flattened;
-use crate::app::editor::model::looks::Ball;
+use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{EditorModel, Model};
 use crate::app::editor::picture::pacing::Pacing;
 use crate::app::editor::picture::studio::{Look, Studio};
@@ -117,7 +117,7 @@ pub fn update_previews(
     }
     previews.are_done = previews.work.is_none() && previews.next(&wanted, true).is_none();
     previews.let_go(&packed, &wanted);
-    model.0.looks.balls = previews.shown();
+    model.0.textures.balls = previews.shown();
     Ok(())
 }
 

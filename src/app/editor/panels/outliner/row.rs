@@ -9,7 +9,7 @@ use super::state::{OutlinerState, Renaming, how};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::dragged::Dragged;
 use crate::app::editor::command::selection::Extend;
-use crate::app::editor::model::looks::Ball;
+use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{Item, Model};
 
 /// Width of the drawing of a thing's kind, and the edge of a material's ball, in points.
@@ -94,7 +94,9 @@ impl Row<'_> {
         if self.is_material {
             state.materials_in_sight.push(self.item.entity);
             let face = Rect::from_center_size(rect.center(), vec2(BALL, BALL));
-            self.model.looks.paint_ball(ui, Ball::Material(self.item.entity), face);
+            self.model
+                .textures
+                .paint_ball(ui, Ball::Material(self.item.entity), face);
         } else {
             let color = ui.visuals().weak_text_color();
             marks::kind(ui.painter(), rect.center(), self.item.kind, color);

@@ -8,7 +8,7 @@ use bevy_egui::egui;
 
 /// The textures that panels show, found by what they depict.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Looks {
+pub struct PanelTextures {
     /// Thumbnails of pictures by absolute path.
     pub pictures: HashMap<PathBuf, Thumbnail>,
     /// Rendered balls.
@@ -30,7 +30,7 @@ pub struct Thumbnail {
     pub size: [u32; 2],
 }
 
-impl Looks {
+impl PanelTextures {
     /// Paints the rendered ball, or a plain disc as long as there is no picture.
     pub fn paint_ball(&self, ui: &egui::Ui, ball: Ball, rect: egui::Rect) {
         match self.balls.get(&ball) {
