@@ -162,7 +162,10 @@ impl Plugin for EditorPlugin {
             .add_systems(PreUpdate, input::typing::order_keys.before(InputSystems))
             .add_systems(
                 PreUpdate,
-                (input::quiet::drop_repeated_modifiers, input::leaving::note_pointer_gone)
+                (
+                    input::modifier_dedup::drop_repeated_modifiers,
+                    input::leaving::note_pointer_gone,
+                )
                     .after(EguiPreUpdateSet::ProcessInput)
                     .before(EguiPreUpdateSet::BeginPass),
             )

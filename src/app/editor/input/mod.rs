@@ -3,6 +3,6 @@
 pub mod actions;
 pub mod keys;
 pub(crate) mod leaving;
+pub(crate) mod modifier_dedup;
 pub mod press;
-pub(crate) mod quiet;
 pub(crate) mod typing;

@@ -1,12 +1,12 @@
-//! Keeps the window asleep while nothing happens: egui draws once more after every event, and `bevy_egui` reports the modifier keys anew in
-//! every frame, whether they changed or not.
+//! Drops repeated reports of the modifier keys, so that the window sleeps while nothing happens: `bevy_egui` reports the modifiers in every
+//! frame, whether they changed or not, and egui draws once more after every event.
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use bevy_egui::EguiInput;
 use bevy_egui::egui::{Event, Modifiers};
 
-/// Leaves the reports of modifiers that differ from the last ones. After egui's events have been gathered, before it is given them.
+/// Removes the reports of modifiers that equal the last ones. It runs after egui's events have been gathered and before egui gets them.
 pub fn drop_repeated_modifiers(
     mut inputs: Query<(Entity, &mut EguiInput)>,
     mut known: Local<EntityHashMap<Modifiers>>,
