@@ -256,7 +256,7 @@ mod tests {
     use super::*;
     use crate::accel::Primitive;
     use crate::app::editor::camera::picking::tests::scene_of;
-    use crate::app::editor::picture::studio;
+    use crate::app::editor::picture::material_ball;
     use crate::app::editor::session::requests::Requests;
     use crate::app::editor::session::toasts::Toasts;
     use crate::render::camera::Camera;
@@ -280,7 +280,7 @@ mod tests {
         world.insert_resource(PackedScene {
             view: Some(View {
                 camera: Camera::new(pose, 40.0, 1.0, near, 1e3, None),
-                ..studio::view(16)
+                ..material_ball::view(16)
             }),
             ..PackedScene::default()
         });

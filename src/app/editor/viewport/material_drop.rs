@@ -81,13 +81,13 @@ mod tests {
     use super::*;
     use crate::app::editor::camera::picking::tests::spheres;
     use crate::app::editor::model::Item;
-    use crate::app::editor::picture::studio;
+    use crate::app::editor::picture::material_ball;
 
     #[test]
     fn the_hint_names_what_takes_it() {
-        // What the studio looks at.
+        // What the camera of the material ball looks at.
         let (mut packed, balls) = spheres(&[Vec3::new(0.0, 0.0, 0.96)]);
-        packed.view = Some(studio::view(16));
+        packed.view = Some(material_ball::view(16));
         let named = |entity: Entity, name: &str| Item {
             entity,
             name: name.to_owned(),

@@ -13,8 +13,8 @@ use super::widgets::Widgets;
 use crate::app::editor::command::material_tree::flattened;
 use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{EditorModel, Model};
+use crate::app::editor::picture::material_ball::{BallMaterial, MaterialBall};
 use crate::app::editor::picture::pacing::Pacing;
-use crate::app::editor::picture::studio::{Look, Studio};
 use crate::engine::{PackedScene, WakeUp, pack_loose, yield_to_all, yield_to_window};
 use crate::render::tonemap::Display;
 
@@ -42,7 +42,7 @@ const MOST: usize = 128;
 
 /// What is rendered of a ball.
 struct Picture {
-    look: Look,
+    look: BallMaterial,
     texture: egui::TextureHandle,
     quality: Quality,
 }
@@ -50,7 +50,7 @@ struct Picture {
 /// A picture under way.
 struct Work {
     ball: Ball,
-    look: Look,
+    look: BallMaterial,
     /// That it will have in the end.
     quality: Quality,
     cancel: Arc<AtomicBool>,
@@ -73,10 +73,10 @@ impl Drop for Work {
 pub struct Previews {
     pictures: HashMap<Ball, Picture>,
     /// The looks of the library, in its order.
-    presets: Vec<Look>,
+    presets: Vec<BallMaterial>,
     work: Option<Work>,
     /// Its thread ended before its time: trying again would do no good.
-    given_up: Option<Look>,
+    given_up: Option<BallMaterial>,
     /// Every picture that is in sight is as good as it is to be.
     are_done: bool,
 }
@@ -124,13 +124,13 @@ pub fn update_previews(
 /// A picture that somebody looks at.
 struct Wanted {
     ball: Ball,
-    look: Look,
+    look: BallMaterial,
     quality: Quality,
     is_inspected: bool,
 }
 
 /// What panels show, the most important first.
-fn wanted(model: &Model, widgets: &Widgets, packed: &PackedScene, presets: &[Look]) -> Vec<Wanted> {
+fn wanted(model: &Model, widgets: &Widgets, packed: &PackedScene, presets: &[BallMaterial]) -> Vec<Wanted> {
     let inspected = model.inspected.iter().flat_map(|inspected| &inspected.materials);
     let inspected = inspected
         .enumerate()
@@ -139,7 +139,7 @@ fn wanted(model: &Model, widgets: &Widgets, packed: &PackedScene, presets: &[Loo
     let of_scene = inspected.chain(listed.map(|&material| (material, LISTED)));
     let of_scene = of_scene.filter_map(|(entity, quality)| {
         let scene = packed.scene.as_ref()?;
-        let look = Look {
+        let look = BallMaterial {
             materials: scene.materials.clone(),
             textures: scene.textures.clone(),
             material: *packed.material_of_entity.get(&entity)?,
@@ -185,7 +185,7 @@ impl Previews {
         let (materials, outermost) = flattened(model.presets.iter().map(|preset| &preset.tree));
         let (materials, textures, ids) = pack_loose(&materials);
         let (materials, textures) = (Arc::new(materials), Arc::new(textures));
-        let looks = outermost.into_iter().map(|place| Look {
+        let looks = outermost.into_iter().map(|place| BallMaterial {
             materials: materials.clone(),
             textures: textures.clone(),
             material: ids[place],
@@ -272,7 +272,7 @@ impl Previews {
     }
 }
 
-fn start(ball: Ball, look: Look, quality: Quality, wake_up: WakeUp) -> Option<Work> {
+fn start(ball: Ball, look: BallMaterial, quality: Quality, wake_up: WakeUp) -> Option<Work> {
     let cancel = Arc::new(AtomicBool::new(false));
     let (sender, passes) = unbounded();
     let (flag, shown) = (cancel.clone(), look.clone());
@@ -304,16 +304,16 @@ fn start(ball: Ball, look: Look, quality: Quality, wake_up: WakeUp) -> Option<Wo
 }
 
 /// Twice as many samples in every pass as there are, until there are enough or nobody wants them any more.
-fn render(look: &Look, quality: Quality, cancel: &AtomicBool, passes: &Sender<Pass>, wake_up: &WakeUp) {
+fn render(look: &BallMaterial, quality: Quality, cancel: &AtomicBool, passes: &Sender<Pass>, wake_up: &WakeUp) {
     let Quality { edge, samples } = quality;
-    let Some(studio) = Studio::new(look, edge) else {
+    let Some(ball) = MaterialBall::new(look, edge) else {
         return;
     };
-    let mut film = studio.film();
+    let mut film = ball.film();
     let mut rgba = vec![0; (4 * edge * edge) as usize];
     while film.sample_count() < samples {
         let more = film.sample_count().max(1);
-        if studio.refine(&mut film, more, cancel).is_none() {
+        if ball.refine(&mut film, more, cancel).is_none() {
             return;
         }
         Display::default().encode_rgba(&film.radiance(), &mut rgba);
@@ -347,7 +347,7 @@ mod tests {
         let paint = Material::Plain(Bsdf::Diffuse(Diffuse {
             reflectance: Rgb::splat(0.5),
         }));
-        let look = Look {
+        let look = BallMaterial {
             materials: Arc::new(MaterialTable::new(vec![paint]).expect("no circles")),
             textures: Arc::default(),
             material: MaterialId(0),
@@ -371,7 +371,7 @@ mod tests {
         previews.load_library(&model, &widgets);
         assert_eq!(previews.presets.len(), model.presets.len());
         for (look, preset) in previews.presets.iter().zip(model.presets.iter()) {
-            assert!(Studio::new(look, 8).is_some(), "{}", preset.path());
+            assert!(MaterialBall::new(look, 8).is_some(), "{}", preset.path());
         }
     }
 }

@@ -1,4 +1,4 @@
-//! A small studio for one material: a ball of it on a checkerboard under two soft boxes, rendered by the kernel from the very tables that
+//! The preview of a material: a ball of it on a checkerboard under two soft boxes, rendered by the kernel from the very tables that
 //! the picture is rendered from. Knows nothing of windows or entities.
 
 use std::sync::Arc;
@@ -23,13 +23,13 @@ use crate::texture::{Checkerboard, Parameter, Texture, TextureTable};
 
 /// One material, as the tables of a scene have it.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct BallMaterial {
     pub materials: Arc<MaterialTable>,
     pub textures: Arc<TextureTable>,
     pub material: MaterialId,
 }
 
-impl PartialEq for Look {
+impl PartialEq for BallMaterial {
     /// Whether the two look the same, whatever else is in their tables.
     fn eq(&self, other: &Self) -> bool {
         let same_tables =
@@ -43,7 +43,7 @@ impl PartialEq for Look {
     }
 }
 
-impl Look {
+impl BallMaterial {
     /// Tables hold no circles.
     fn looks_like(&self, own: MaterialId, other: &Self, its: MaterialId) -> bool {
         let (Some(own), Some(its)) = (self.materials.get(own), other.materials.get(its)) else {
@@ -78,8 +78,8 @@ fn without_nested(material: &Material) -> (Vec<MaterialId>, Material) {
     (ids, plain)
 }
 
-/// A studio and how it is looked at.
-pub struct Studio {
+/// The scene with the ball, and the view of it.
+pub struct MaterialBall {
     scene: RenderScene,
     view: View,
 }
@@ -89,9 +89,9 @@ const SQUARE: f32 = 0.5;
 /// Half the edge of floor and wall.
 const ROOM: f32 = 12.0;
 
-impl Studio {
-    /// A square picture with an edge of `edge` pixels. None if the look is not in its own table.
-    pub fn new(look: &Look, edge: u32) -> Option<Self> {
+impl MaterialBall {
+    /// The picture will be a square with an edge of `edge` pixels. None if the material is not in its own table.
+    pub fn new(look: &BallMaterial, edge: u32) -> Option<Self> {
         look.materials.get(look.material)?;
         let (textures, squares) = look.textures.with(Texture::Checkerboard(Checkerboard {
             colors: [0.55, 0.22].map(|grey| Parameter::Constant(Rgb::splat(grey))),
@@ -220,8 +220,8 @@ pub fn view(edge: u32) -> View {
 mod tests {
     use super::*;
 
-    fn look(materials: Vec<Material>, material: u32) -> Look {
-        Look {
+    fn look(materials: Vec<Material>, material: u32) -> BallMaterial {
+        BallMaterial {
             materials: Arc::new(MaterialTable::new(materials).expect("no circles")),
             textures: Arc::default(),
             material: MaterialId(material),
@@ -235,11 +235,11 @@ mod tests {
     const EDGE: u32 = 24;
 
     /// Mean over the middle of the ball.
-    fn middle(look: &Look, samples: u32) -> Rgb {
-        let studio = Studio::new(look, EDGE).expect("the material is there");
-        let mut film = studio.film();
+    fn middle(look: &BallMaterial, samples: u32) -> Rgb {
+        let ball = MaterialBall::new(look, EDGE).expect("the material is there");
+        let mut film = ball.film();
         let go_on = AtomicBool::new(false);
-        studio.refine(&mut film, samples, &go_on).expect("not cancelled");
+        ball.refine(&mut film, samples, &go_on).expect("not cancelled");
         let places = (10..14).flat_map(|y| (10..14).map(move |x| (x, y)));
         let sum: Rgb = places
             .filter_map(|(x, y)| film.pixel(x, y))
@@ -269,18 +269,18 @@ mod tests {
     #[test]
     fn passes_add_up_to_the_picture_of_one() {
         let look = look(vec![paint(Rgb::splat(0.5))], 0);
-        let studio = Studio::new(&look, EDGE).expect("the material is there");
+        let ball = MaterialBall::new(&look, EDGE).expect("the material is there");
         let go_on = AtomicBool::new(false);
-        let (mut at_once, mut in_passes) = (studio.film(), studio.film());
-        studio.refine(&mut at_once, 8, &go_on).expect("not cancelled");
+        let (mut at_once, mut in_passes) = (ball.film(), ball.film());
+        ball.refine(&mut at_once, 8, &go_on).expect("not cancelled");
         for samples in [1, 1, 2, 4] {
-            studio.refine(&mut in_passes, samples, &go_on).expect("not cancelled");
+            ball.refine(&mut in_passes, samples, &go_on).expect("not cancelled");
         }
         assert_eq!(in_passes.sample_count(), 8);
         let pairs = at_once.radiance().into_iter().zip(in_passes.radiance());
         // The same samples, summed in another order.
         assert!(pairs.into_iter().all(|(a, b)| a.abs_diff_eq(b, 1e-4)));
-        assert!(studio.refine(&mut in_passes, 1, &AtomicBool::new(true)).is_none());
+        assert!(ball.refine(&mut in_passes, 1, &AtomicBool::new(true)).is_none());
     }
 
     #[test]
@@ -297,6 +297,6 @@ mod tests {
         assert_ne!(one, swapped);
         let repainted = look(vec![red, paint(Rgb::ONE), two_sided(0, 1)], 2);
         assert_ne!(one, repainted);
-        assert!(Studio::new(&look(vec![blue], 5), EDGE).is_none());
+        assert!(MaterialBall::new(&look(vec![blue], 5), EDGE).is_none());
     }
 }
