@@ -24,9 +24,9 @@ use sunroom::app::editor::panels::preferences::preferences;
 use sunroom::app::editor::session::requests::Requests;
 use sunroom::app::editor::session::save_question::SaveQuestion;
 use sunroom::app::editor::session::toasts::{Toasts, Tone, Topic};
-use sunroom::app::editor::window::guard::{Guard, Unsaved};
 use sunroom::app::editor::window::palette::Palette;
 use sunroom::app::editor::window::shortcuts::shortcuts;
+use sunroom::app::editor::window::unsaved_question::{UnsavedQuestion, UnsavedState};
 use sunroom::app::editor::window::{recovery_question, save_question, toasts, trust_question};
 use sunroom::render::tonemap::ToneMap;
 use sunroom::scene::write::{OnChange, SaveError};
@@ -167,7 +167,7 @@ fn the_overview_has_every_key_and_closes_by_its_own() {
 
 /// A window whose scene has edits until it is saved.
 struct Window {
-    guard: Guard,
+    question: UnsavedQuestion,
     edits: bool,
     dialog_open: bool,
     said: Vec<Command>,
@@ -175,7 +175,7 @@ struct Window {
 
 fn window(said: Command) -> Harness<'static, Shown<Window>> {
     let window = Window {
-        guard: Guard::default(),
+        question: UnsavedQuestion::default(),
         edits: true,
         dialog_open: false,
         said: vec![said],
@@ -183,13 +183,13 @@ fn window(said: Command) -> Harness<'static, Shown<Window>> {
     show(window, |egui, shown| {
         let window = &mut shown.it;
         let mut commands = std::mem::take(&mut window.said);
-        let unsaved = Unsaved {
+        let unsaved = UnsavedState {
             name: "box.xml",
             edits: window.edits,
             dialog_open: window.dialog_open,
         };
-        window.guard.hold(&mut commands, window.edits);
-        window.guard.show(egui, unsaved, &mut commands);
+        window.question.hold(&mut commands, window.edits);
+        window.question.show(egui, unsaved, &mut commands);
         shown.commands.append(&mut commands);
     })
 }

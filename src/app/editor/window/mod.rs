@@ -3,7 +3,6 @@
 pub(crate) mod dialogs;
 pub(crate) mod docking;
 pub(crate) mod dropping;
-pub mod guard;
 pub mod palette;
 pub(crate) mod preview;
 pub mod recovery_question;
@@ -14,4 +13,5 @@ pub(crate) mod style;
 pub mod toasts;
 pub mod trust_question;
 pub(crate) mod ui;
+pub mod unsaved_question;
 pub mod widgets;

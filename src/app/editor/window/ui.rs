@@ -7,8 +7,8 @@ use bevy_egui::{EguiClipboard, EguiContexts, egui};
 use super::dialogs::Dialogs;
 use super::docking::{Panels, docked_panels};
 use super::dropping::{self, DroppedFiles};
-use super::guard::{Guard, Unsaved};
 use super::sheet::{self, SheetModel};
+use super::unsaved_question::{UnsavedQuestion, UnsavedState};
 use super::widgets::Widgets;
 use super::{recovery_question, save_question, toasts, trust_question};
 use crate::app::editor::command::Command;
@@ -67,7 +67,7 @@ pub struct Shell<'w, 's> {
     dropped: ResMut<'w, DroppedFiles>,
     clipboard: ResMut<'w, EguiClipboard>,
     mouse: Res<'w, AccumulatedMouseMotion>,
-    guard: Local<'s, Guard>,
+    unsaved_question: Local<'s, UnsavedQuestion>,
 }
 
 pub fn show_window(
@@ -107,7 +107,7 @@ pub fn show_window(
         && requests.sheet.is_none()
         && shell.recovery.offer.is_none()
         && shell.trusted.question.is_none()
-        && !shell.guard.is_asking();
+        && !shell.unsaved_question.is_asking();
     let action_context = ActionContext {
         display: settings.display,
         overlay: settings.overlay,
@@ -211,13 +211,13 @@ pub fn show_window(
         commands.push(Command::Quit);
     }
     let file = model.status.scene.as_deref().and_then(std::path::Path::file_name);
-    let unsaved = Unsaved {
+    let unsaved = UnsavedState {
         name: &file.map_or("the scene".into(), |name| name.to_string_lossy()),
         edits: model.status.unsaved,
         dialog_open: requests.dialog.is_some() || requests.save_question.is_some(),
     };
-    shell.guard.hold(commands, unsaved.edits);
-    shell.guard.show(&context, unsaved, commands);
+    shell.unsaved_question.hold(commands, unsaved.edits);
+    shell.unsaved_question.show(&context, unsaved, commands);
     toasts::show(&mut said.toasts, &context, widgets.viewport_place, commands);
     said.queue.0.append(commands);
     *is_typing = context

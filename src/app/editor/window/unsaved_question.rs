@@ -1,15 +1,15 @@
-//! Commands that would lose unsaved edits wait until the user has said what is to become of those.
+//! The question what to do with unsaved edits. A command that would lose them waits until it is answered.
 
 use bevy_egui::egui::{self, Id, Modal, Ui};
 
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::{Command, Effect};
 
-/// What waits, if anything does.
+/// The command that waits for an answer, if there is one.
 #[derive(Debug, Default)]
-pub struct Guard {
+pub struct UnsavedQuestion {
     waiting: Option<Waiting>,
-    /// It was held back in this very frame.
+    /// Whether it was held back in this very frame.
     is_new: bool,
 }
 
@@ -22,33 +22,33 @@ struct Waiting {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Step {
     Asking,
-    /// For the scene to be saved, and for so many frames on its own.
+    /// The scene is being saved; so many frames have passed since then without a dialog.
     Saving(u32),
 }
 
-/// What the guard has to know.
+/// What the question depends on.
 #[derive(Clone, Copy, Debug)]
-pub struct Unsaved<'a> {
-    /// Of the scene.
+pub struct UnsavedState<'a> {
+    /// The scene's name.
     pub name: &'a str,
-    /// There are edits that no file has.
+    /// Whether there are edits that no file has.
     pub edits: bool,
-    /// The user is choosing a file.
+    /// Whether the user is choosing a file.
     pub dialog_open: bool,
 }
 
-/// A save is done within the frame; one frame more until the panels know.
-const PATIENCE: u32 = 3;
+/// After so many frames the edits are still there: the save failed or was cancelled. A save takes one frame, and the panels know one later.
+const FRAMES_UNTIL_SAVED: u32 = 3;
 
-impl Guard {
-    /// Keys and mouse are for the question.
+impl UnsavedQuestion {
+    /// Whether the question is open and takes keys and mouse.
     pub fn is_asking(&self) -> bool {
         self.waiting
             .as_ref()
             .is_some_and(|waiting| waiting.step == Step::Asking)
     }
 
-    /// Holds back what would lose edits, and all that was said after it.
+    /// Holds back the first command that would lose edits, and drops those after it.
     pub fn hold(&mut self, commands: &mut Vec<Command>, edits: bool) {
         self.is_new = false;
         let loses = |command: &Command| {
@@ -77,8 +77,8 @@ impl Guard {
         }
     }
 
-    /// Shows the question, and lets the command go once it is answered. To be called after [`Self::hold`].
-    pub fn show(&mut self, context: &egui::Context, unsaved: Unsaved, commands: &mut Vec<Command>) {
+    /// Shows the question, and hands the command on once it is answered. To be called after [`Self::hold`].
+    pub fn show(&mut self, context: &egui::Context, unsaved: UnsavedState, commands: &mut Vec<Command>) {
         let Some(waiting) = &mut self.waiting else {
             return;
         };
@@ -89,8 +89,7 @@ impl Guard {
         match &mut waiting.step {
             Step::Saving(frames) => {
                 *frames = if unsaved.dialog_open { 0 } else { *frames + 1 };
-                if *frames > PATIENCE {
-                    // It failed, or the user thought better of it.
+                if *frames > FRAMES_UNTIL_SAVED {
                     self.waiting = None;
                 }
             }
@@ -140,7 +139,7 @@ fn question(context: &egui::Context, name: &str, command: &Command) -> Option<An
     modal.inner.or(closed.then_some(Answer::Cancel))
 }
 
-/// Where the edits are to go there is nothing to save.
+/// The buttons. The command to revert has none to save.
 fn answers(ui: &mut Ui, reverts: bool) -> Option<Answer> {
     let mut answer = None;
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
