@@ -61,7 +61,7 @@ impl Plugin for EditorPlugin {
         let mut toasts = Toasts::default();
         memory::budget().prefer_limit(preferences.memory_limit());
         if let Some(problem) = &preferences_file.problem {
-            toasts.complain(Topic::Other, problem, None);
+            toasts.error(Topic::Other, problem, None);
         }
         // Nobody could answer the question.
         let (trusted_folders, trust) = match options.is_attended() {

@@ -92,7 +92,7 @@ pub fn save_scene(world: &mut World, path: &Path, on_change: OnChange) -> Result
         }
     };
     world.resource_mut::<History>().note_saved();
-    world.resource_mut::<Toasts>().say(match trouble {
+    world.resource_mut::<Toasts>().info(match trouble {
         None => format!("Saved {}", path.display()),
         Some(trouble) => format!("Saved, but it cannot be opened again as it is: {trouble}"),
     });
@@ -132,7 +132,7 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), String> {
         write_image(path, &picture, &display.tone())
     };
     written.map_err(|error| error.to_string())?;
-    world.resource_mut::<Toasts>().say(format!("Saved {}", path.display()));
+    world.resource_mut::<Toasts>().info(format!("Saved {}", path.display()));
     Ok(())
 }
 

@@ -33,7 +33,7 @@ pub fn bake(edit: &mut Edit) -> Result<(), String> {
         return Err(refusals.join(" "));
     }
     if !refusals.is_empty() {
-        edit.world.resource_mut::<Toasts>().say(refusals.join(" "));
+        edit.world.resource_mut::<Toasts>().info(refusals.join(" "));
     }
     edit.world.insert_resource(left);
     Ok(())

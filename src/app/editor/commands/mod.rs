@@ -72,8 +72,8 @@ pub fn apply_commands(world: &mut World) {
         match outcome {
             Ok(()) if is_about_file => toasts.forget(Topic::Saving),
             Ok(()) => {}
-            Err(message) if is_about_file => toasts.complain(Topic::Saving, message, None),
-            Err(message) => toasts.refuse(message),
+            Err(message) if is_about_file => toasts.error(Topic::Saving, message, None),
+            Err(message) => toasts.reject(message),
         }
     }
 }

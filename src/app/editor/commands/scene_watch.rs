@@ -84,17 +84,17 @@ pub fn follow_scene(
                 settings.navigation.scene_size = NEW_SCENE;
             }
             if status.path.is_some() && !recovery.is_returning() {
-                toasts.say(format!("Opened {file}"));
+                toasts.info(format!("Opened {file}"));
             }
         } else {
             let has_news = news.is_some();
             if let Some(news) = news {
-                toasts.say(news);
+                toasts.info(news);
             }
             if !status.reload.is_unchanged() {
-                toasts.say(format!("Reloaded {file}: {}", status.reload.text()));
+                toasts.info(format!("Reloaded {file}: {}", status.reload.text()));
             } else if is_answer && !has_news {
-                toasts.say(format!("Reloaded {file}: nothing new in it"));
+                toasts.info(format!("Reloaded {file}: nothing new in it"));
             }
         }
     }
@@ -108,7 +108,7 @@ pub fn follow_scene(
             Some(first) => (format!("{message}: {}", first.message), diagnostics.excerpt(first)),
             None => (message, None),
         };
-        toasts.complain(Topic::SceneFile, message, excerpt);
+        toasts.error(Topic::SceneFile, message, excerpt);
         requests.wanted_panel = Some(Panel::Messages);
     }
 }
@@ -122,7 +122,7 @@ pub fn follow_files(
 ) {
     for FileReadAgain(path) in read_again.read() {
         let file = path.file_name().unwrap_or_default().to_string_lossy();
-        toasts.say(format!("Reloaded {file}"));
+        toasts.info(format!("Reloaded {file}"));
     }
     if !status.is_changed() {
         return;
@@ -183,7 +183,7 @@ pub fn choose_camera(world: &mut World) {
         Err(error) => {
             world
                 .resource_mut::<Toasts>()
-                .complain(Topic::Other, error.to_string(), None);
+                .error(Topic::Other, error.to_string(), None);
             if is_required {
                 world.write_message(AppExit::error());
             }

@@ -66,7 +66,7 @@ pub fn store(world: &mut World, number: usize) {
     let place = number.checked_sub(1);
     if let Some(place) = place.and_then(|place| settings.bookmarks.get_mut(place)) {
         *place = view;
-        world.resource_mut::<Toasts>().say(format!("View {number} stored"));
+        world.resource_mut::<Toasts>().info(format!("View {number} stored"));
     }
 }
 

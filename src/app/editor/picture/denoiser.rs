@@ -156,7 +156,7 @@ pub fn collect_denoised(
     match outcome {
         Ok(denoised) => denoiser.shown = Some(denoised),
         Err(DenoiseError::Cancelled) => {}
-        Err(error) => toasts.say(error.to_string()),
+        Err(error) => toasts.info(error.to_string()),
     }
 }
 

@@ -224,7 +224,7 @@ pub fn follow_scene(
             status.path = offer.note.scene;
             history.note_unsaved();
             recovery.mine.push(aside);
-            toasts.say("Recovered; save the scene to keep it");
+            toasts.info("Recovered; save the scene to keep it");
         }
         None => recovery.offer = left_over(&all, status.path.as_deref(), seen.0 == 0),
     }

@@ -123,7 +123,7 @@ pub fn follow_views(
     if settings.bookmarks != file.written
         && let Err(error) = file.store(settings.bookmarks)
     {
-        toasts.refuse(format!("The view is not remembered: {error}"));
+        toasts.reject(format!("The view is not remembered: {error}"));
     }
 }
 

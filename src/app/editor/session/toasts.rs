@@ -32,13 +32,13 @@ pub struct Toast {
     pub since: Instant,
 }
 
-/// Notes and warnings are shown so long.
+/// The time for which notes and warnings are shown.
 pub const SHOWN: Duration = Duration::from_secs(5);
-/// Of which they fade so long.
+/// The last part of that time, in which they fade.
 pub const FADING: Duration = Duration::from_millis(400);
-/// Between two pictures of something that fades.
+/// The time between two frames of something that fades.
 pub const FADE_STEP: Duration = Duration::from_millis(40);
-/// Older ones give way.
+/// The most messages that are shown at once; the oldest make room.
 pub const MOST: usize = 5;
 
 /// The messages that are shown, the newest last.
@@ -47,36 +47,37 @@ pub struct Toasts(Vec<Toast>);
 
 impl Toasts {
     /// Something was done.
-    pub fn say(&mut self, message: impl Into<String>) {
+    pub fn info(&mut self, message: impl Into<String>) {
         let message = message.into();
         info!("{message}");
         self.add(Tone::Note, Topic::Other, message, None);
     }
 
-    /// Something that was asked for cannot be done.
-    pub fn refuse(&mut self, message: impl Into<String>) {
+    /// Tells that something the user asked for cannot be done.
+    pub fn reject(&mut self, message: impl Into<String>) {
         let message = message.into();
         info!("{message}");
         self.add(Tone::Warning, Topic::Other, message, None);
     }
 
-    /// Something has happened that is perhaps not meant.
+    /// Tells of something that the user may not have wanted.
     pub fn warn(&mut self, message: impl Into<String>) {
         let message = message.into();
         warn!("{message}");
         self.add(Tone::Warning, Topic::Other, message, None);
     }
 
-    /// Something is broken, until it is dismissed or mended. `excerpt`: the lines of a file that it is about.
-    pub fn complain(&mut self, topic: Topic, message: impl Into<String>, excerpt: Option<String>) {
+    /// Tells of an error. It is shown until it is dismissed, or until [`Self::forget`] says that it is mended. `excerpt` holds the lines of the
+    /// file that the error is about.
+    pub fn error(&mut self, topic: Topic, message: impl Into<String>, excerpt: Option<String>) {
         let message = message.into();
         error!("{message}");
         self.add(Tone::Error, topic, message, excerpt);
     }
 
-    /// Without a line in the log.
+    /// Adds a message without a line in the log.
     pub fn add(&mut self, tone: Tone, topic: Topic, text: String, excerpt: Option<String>) {
-        // Of the same again only the newest.
+        // A message that is repeated replaces its older copy.
         self.0.retain(|toast| toast.text != text);
         if tone == Tone::Error && topic != Topic::Other {
             self.forget(topic);
@@ -94,12 +95,12 @@ impl Toasts {
         }
     }
 
-    /// It is mended.
+    /// Removes the error about `topic`, which is mended.
     pub fn forget(&mut self, topic: Topic) {
         self.0.retain(|toast| toast.tone != Tone::Error || toast.topic != topic);
     }
 
-    /// When the next one changes by itself; None while nothing will.
+    /// The time until the next message fades or goes. None while none will.
     pub fn wait(&self) -> Option<Duration> {
         let waits = self
             .0

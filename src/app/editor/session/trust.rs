@@ -228,7 +228,7 @@ fn allow_folders(world: &mut World, folders: &[PathBuf]) {
     folders.iter().for_each(|folder| access.allow(folder));
     if let Err(error) = world.resource::<TrustedFolders>().remember(folders) {
         let message = format!("The folders cannot be remembered: {error}");
-        world.resource_mut::<Toasts>().complain(Topic::Other, &message, None);
+        world.resource_mut::<Toasts>().error(Topic::Other, &message, None);
     }
 }
 

@@ -72,7 +72,7 @@ impl Dialogs {
             }
             match picked(*kind, path) {
                 Ok(command) => commands.push(command),
-                Err(message) => toasts.refuse(message),
+                Err(message) => toasts.reject(message),
             }
             requests.dialog = None;
         } else if *dialog.state() != DialogState::Open {
