@@ -1,13 +1,14 @@
 //! Value tags: `<float name= value=>` to `<rgb>`, and the steps of a `<transform>`.
 
 use std::borrow::Cow;
+use std::fmt::Display;
 
 use glam::{Mat4, Vec3};
 
 use super::spectrum::{CLAMPED, Role, SampledSpectrum};
 use super::tag::Tag;
 use super::transform::{direction, left_of};
-use super::value::{self, quote};
+use super::value::{self, unexpected};
 use super::{Diagnostics, Span, TransformOp, Value};
 
 /// The tags of single values; a transform has children and is not one.
@@ -61,8 +62,7 @@ pub fn read_spectrum(text: &str, span: Span, role: Role, diagnostics: &mut Diagn
         let sampled = report(SampledSpectrum::parse_list(text), span, diagnostics)?;
         return Some(sampled_color(&sampled, span, role, diagnostics));
     }
-    let number = value::parse_float(text)
-        .map_err(|_| format!("expected a number or `wavelength:value` pairs, found {}", quote(text)));
+    let number = value::parse_float(text).map_err(|_| unexpected("a number or `wavelength:value` pairs", text));
     report(number.map(Value::Spectrum), span, diagnostics)
 }
 
@@ -197,6 +197,6 @@ fn number((text, span): (Cow<str>, Span), diagnostics: &mut Diagnostics) -> Opti
     report(value::parse_float(&text), span, diagnostics)
 }
 
-fn report<T>(parsed: Result<T, String>, span: Span, diagnostics: &mut Diagnostics) -> Option<T> {
-    parsed.map_err(|message| diagnostics.error(span, message)).ok()
+fn report<T>(parsed: Result<T, impl Display>, span: Span, diagnostics: &mut Diagnostics) -> Option<T> {
+    parsed.map_err(|error| diagnostics.error(span, error.to_string())).ok()
 }

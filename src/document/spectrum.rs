@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::Category;
 use super::cie::{D65, FIRST_NM, OBSERVER, SAMPLES, STEP_NM};
-use super::value::{fields, parse_float};
+use super::value::{ValueError, fields, parse_float};
 
 /// Linear Rec. 709 from CIE XYZ (ITU-R BT.709 primaries, D65 white).
 const REC709_FROM_XYZ: DMat3 = DMat3::from_cols_array(&[
@@ -44,6 +44,25 @@ impl Role {
 /// The warning for a spectrum whose colour had to be clamped.
 pub const CLAMPED: &str = "no mixture of red, green and blue gives this spectrum; the nearest colour is taken";
 
+/// Why a text is no sampled spectrum. Lines count from 1.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SpectrumError {
+    #[error(transparent)]
+    Value(#[from] ValueError),
+    #[error("expected `wavelength:value`, found `{0}`")]
+    NoPair(String),
+    #[error("line {0}: {1}")]
+    Line(usize, ValueError),
+    #[error("line {0}: expected a wavelength and a value")]
+    Columns(usize),
+    #[error("the number of wavelengths is {wavelengths}, but the number of values is {values}")]
+    Uneven { wavelengths: usize, values: usize },
+    #[error("a spectrum needs at least two wavelengths")]
+    TooShort,
+    #[error("wavelengths must increase, but {next} follows {before}")]
+    Unordered { before: f32, next: f32 },
+}
+
 /// A sampled spectrum; the wavelengths (nm) increase.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampledSpectrum {
@@ -57,36 +76,36 @@ pub fn equal_energy_white() -> Vec3 {
 
 impl SampledSpectrum {
     /// "400:0.1, 500:0.2, 700:0.9".
-    pub fn parse_list(text: &str) -> Result<Self, String> {
+    pub fn parse_list(text: &str) -> Result<Self, SpectrumError> {
         let pairs = fields(text).map(|pair| {
             let (wavelength, value) = pair
                 .split_once(':')
-                .ok_or_else(|| format!("expected `wavelength:value`, found `{pair}`"))?;
+                .ok_or_else(|| SpectrumError::NoPair(pair.to_owned()))?;
             Ok((parse_float(wavelength)?, parse_float(value)?))
         });
-        Self::new(pairs.collect::<Result<_, String>>()?)
+        Self::new(pairs.collect::<Result<_, SpectrumError>>()?)
     }
 
     /// A file with one `wavelength value` on each line; `#` starts a comment.
-    pub fn parse_file(text: &str) -> Result<Self, String> {
+    pub fn parse_file(text: &str) -> Result<Self, SpectrumError> {
         let mut pairs = Vec::new();
         for (number, line) in text.lines().enumerate() {
             let content = line.split('#').next().unwrap_or_default();
             let numbers: Vec<f32> = fields(content)
                 .map(parse_float)
                 .collect::<Result<_, _>>()
-                .map_err(|what| format!("line {}: {what}", number + 1))?;
+                .map_err(|error| SpectrumError::Line(number + 1, error))?;
             match numbers[..] {
                 [] => {}
                 [wavelength, value] => pairs.push((wavelength, value)),
-                _ => return Err(format!("line {}: expected a wavelength and a value", number + 1)),
+                _ => return Err(SpectrumError::Columns(number + 1)),
             }
         }
         Self::new(pairs)
     }
 
     /// Values at equal distances, the first at `first_nm` and the last at `last_nm`; `values` is a list of numbers.
-    pub fn parse_regular(first_nm: f32, last_nm: f32, values: &str) -> Result<Self, String> {
+    pub fn parse_regular(first_nm: f32, last_nm: f32, values: &str) -> Result<Self, SpectrumError> {
         let values = parse_numbers(values)?;
         let step = (last_nm - first_nm) / values.len().saturating_sub(1).max(1) as f32;
         let pairs = values.iter().enumerate();
@@ -94,26 +113,22 @@ impl SampledSpectrum {
     }
 
     /// As many wavelengths as values, both lists of numbers.
-    pub fn parse_irregular(wavelengths: &str, values: &str) -> Result<Self, String> {
+    pub fn parse_irregular(wavelengths: &str, values: &str) -> Result<Self, SpectrumError> {
         let (wavelengths, values) = (parse_numbers(wavelengths)?, parse_numbers(values)?);
         if wavelengths.len() != values.len() {
-            let (expected, found) = (wavelengths.len(), values.len());
-            return Err(format!(
-                "the number of wavelengths is {expected}, but the number of values is {found}"
-            ));
+            let (wavelengths, values) = (wavelengths.len(), values.len());
+            return Err(SpectrumError::Uneven { wavelengths, values });
         }
         Self::new(wavelengths.into_iter().zip(values).collect())
     }
 
-    fn new(pairs: Vec<(f32, f32)>) -> Result<Self, String> {
+    fn new(pairs: Vec<(f32, f32)>) -> Result<Self, SpectrumError> {
         if pairs.len() < 2 {
-            return Err("a spectrum needs at least two wavelengths".to_owned());
+            return Err(SpectrumError::TooShort);
         }
         if let Some(two) = pairs.windows(2).find(|two| two[0].0 >= two[1].0) {
-            return Err(format!(
-                "wavelengths must increase, but {} follows {}",
-                two[1].0, two[0].0
-            ));
+            let (before, next) = (two[0].0, two[1].0);
+            return Err(SpectrumError::Unordered { before, next });
         }
         let points = pairs.into_iter().map(|(nm, value)| (nm.into(), value.into())).collect();
         Ok(Self { points })
@@ -189,7 +204,7 @@ fn integrate(role: Role, mut value: impl FnMut(f64) -> f64) -> (Vec3, bool) {
     )
 }
 
-fn parse_numbers(text: &str) -> Result<Vec<f32>, String> {
+fn parse_numbers(text: &str) -> Result<Vec<f32>, ValueError> {
     fields(text).map(parse_float).collect()
 }
 
@@ -235,12 +250,19 @@ mod tests {
         assert!(
             SampledSpectrum::parse_list("400:0.1, 0.2")
                 .unwrap_err()
+                .to_string()
                 .contains("`0.2`")
         );
-        assert!(SampledSpectrum::parse_list("400:x, 500:1").unwrap_err().contains("`x`"));
+        assert!(
+            SampledSpectrum::parse_list("400:x, 500:1")
+                .unwrap_err()
+                .to_string()
+                .contains("`x`")
+        );
         assert!(
             SampledSpectrum::parse_list("500:1, 400:1")
                 .unwrap_err()
+                .to_string()
                 .contains("increase")
         );
         assert!(SampledSpectrum::parse_list("").is_err());
@@ -252,6 +274,7 @@ mod tests {
         assert!(
             SampledSpectrum::parse_file("400 1\n500\n")
                 .unwrap_err()
+                .to_string()
                 .contains("line 2")
         );
     }

@@ -1,4 +1,4 @@
-//! The text of an attribute as a value. Every error says what was expected and quotes what was found.
+//! The text of an attribute as a value.
 
 use arrayvec::ArrayVec;
 use glam::Vec3;
@@ -15,6 +15,25 @@ pub fn quote(text: &str) -> String {
     }
 }
 
+/// Why a text is not the value that was expected.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ValueError {
+    #[error("expected {expected}, found {found}")]
+    Unexpected { expected: &'static str, found: String },
+    #[error("{found} is too large for {kind}")]
+    TooLarge { kind: &'static str, found: String },
+}
+
+pub(super) fn unexpected(expected: &'static str, text: &str) -> ValueError {
+    let found = quote(text);
+    ValueError::Unexpected { expected, found }
+}
+
+fn too_large(kind: &'static str, text: &str) -> ValueError {
+    let found = quote(text);
+    ValueError::TooLarge { kind, found }
+}
+
 /// The parts of a list: separated by blanks, commas or both.
 pub fn fields(text: &str) -> impl Iterator<Item = &str> {
     text.split([' ', ',', '\t', '\n', '\r'])
@@ -22,52 +41,52 @@ pub fn fields(text: &str) -> impl Iterator<Item = &str> {
 }
 
 /// A finite number.
-pub fn parse_float(text: &str) -> Result<f32, String> {
+pub fn parse_float(text: &str) -> Result<f32, ValueError> {
     let text = text.trim();
     let digits = || text.contains(|c: char| c.is_ascii_digit());
     match text.parse::<f32>() {
         Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) if digits() => Err(format!("{} is too large for a number", quote(text))),
-        Ok(_) => Err(format!("expected a finite number, found {}", quote(text))),
-        Err(_) => Err(format!("expected a number, found {}", quote(text))),
+        Ok(_) if digits() => Err(too_large("a number", text)),
+        Ok(_) => Err(unexpected("a finite number", text)),
+        Err(_) => Err(unexpected("a number", text)),
     }
 }
 
-pub fn parse_integer(text: &str) -> Result<i64, String> {
+pub fn parse_integer(text: &str) -> Result<i64, ValueError> {
     use std::num::IntErrorKind::{NegOverflow, PosOverflow};
     let text = text.trim();
     text.parse::<i64>().map_err(|error| match error.kind() {
-        PosOverflow | NegOverflow => format!("{} is too large for an integer", quote(text)),
-        _ => format!("expected an integer, found {}", quote(text)),
+        PosOverflow | NegOverflow => too_large("an integer", text),
+        _ => unexpected("an integer", text),
     })
 }
 
 /// "true" or "false"; old files also write "True".
-pub fn parse_boolean(text: &str) -> Result<bool, String> {
+pub fn parse_boolean(text: &str) -> Result<bool, ValueError> {
     let text = text.trim();
     if text.eq_ignore_ascii_case("true") {
         Ok(true)
     } else if text.eq_ignore_ascii_case("false") {
         Ok(false)
     } else {
-        Err(format!("expected `true` or `false`, found {}", quote(text)))
+        Err(unexpected("`true` or `false`", text))
     }
 }
 
 /// `x, y, z`.
-pub fn parse_vec3(text: &str) -> Result<Vec3, String> {
+pub fn parse_vec3(text: &str) -> Result<Vec3, ValueError> {
     match parse_floats(text)?[..] {
         [x, y, z] => Ok(Vec3::new(x, y, z)),
-        _ => Err(format!("expected three numbers, found {}", quote(text))),
+        _ => Err(unexpected("three numbers", text)),
     }
 }
 
 /// `x, y, z`, or one number for all three.
-pub fn parse_vec3_or_splat(text: &str) -> Result<Vec3, String> {
+pub fn parse_vec3_or_splat(text: &str) -> Result<Vec3, ValueError> {
     match parse_floats(text)?[..] {
         [all] => Ok(Vec3::splat(all)),
         [x, y, z] => Ok(Vec3::new(x, y, z)),
-        _ => Err(format!("expected one number or three, found {}", quote(text))),
+        _ => Err(unexpected("one number or three", text)),
     }
 }
 
@@ -75,28 +94,25 @@ pub fn parse_vec3_or_splat(text: &str) -> Result<Vec3, String> {
 const MOST_NUMBERS: usize = 17;
 
 /// As many numbers as there are; more than any value here needs are not looked at.
-pub fn parse_floats(text: &str) -> Result<ArrayVec<f32, MOST_NUMBERS>, String> {
+pub fn parse_floats(text: &str) -> Result<ArrayVec<f32, MOST_NUMBERS>, ValueError> {
     fields(text).take(MOST_NUMBERS).map(parse_float).collect()
 }
 
 /// `r, g, b` or one number, linear; or `#rrggbb`, `#rgb`, which are sRGB.
-pub fn parse_rgb(text: &str) -> Result<Vec3, String> {
+pub fn parse_rgb(text: &str) -> Result<Vec3, ValueError> {
     let text = text.trim();
     if let Some(digits) = text.strip_prefix('#') {
-        return parse_hex(digits).ok_or_else(|| format!("expected a colour like `#ff8000`, found {}", quote(text)));
+        return parse_hex(digits).ok_or_else(|| unexpected("a colour like `#ff8000`", text));
     }
     match parse_floats(text)?[..] {
         [all] => Ok(Vec3::splat(all)),
         [r, g, b] => Ok(Vec3::new(r, g, b)),
-        _ => Err(format!(
-            "expected a colour: three numbers, one, or `#rrggbb`, found {}",
-            quote(text)
-        )),
+        _ => Err(unexpected("a colour: three numbers, one, or `#rrggbb`", text)),
     }
 }
 
 /// As [`parse_rgb`], but numbers are sRGB as well: the `<srgb>` of old files.
-pub fn parse_srgb(text: &str) -> Result<Vec3, String> {
+pub fn parse_srgb(text: &str) -> Result<Vec3, ValueError> {
     let color = parse_rgb(text)?;
     if text.trim().starts_with('#') {
         return Ok(color);
@@ -104,7 +120,7 @@ pub fn parse_srgb(text: &str) -> Result<Vec3, String> {
     let linear = color.map(linear_from_srgb);
     match linear.is_finite() {
         true => Ok(linear),
-        false => Err(format!("{} is too large for a colour", quote(text))),
+        false => Err(too_large("a colour", text)),
     }
 }
 
@@ -147,19 +163,21 @@ mod tests {
             ("1e39", "`1e39` is too large for a number"),
             ("1,5", "expected a number, found `1,5`"),
         ] {
-            assert_eq!(parse_float(text).unwrap_err(), expected);
+            assert_eq!(parse_float(text).unwrap_err().to_string(), expected);
         }
         assert_eq!(parse_integer("-12"), Ok(-12));
-        assert_eq!(parse_integer("1.0").unwrap_err(), "expected an integer, found `1.0`");
+        let error = parse_integer("1.0").unwrap_err().to_string();
+        assert_eq!(error, "expected an integer, found `1.0`");
         let huge = "9".repeat(30);
         assert!(
             parse_integer(&huge)
                 .unwrap_err()
+                .to_string()
                 .ends_with("is too large for an integer")
         );
         assert_eq!(parse_boolean("True"), Ok(true));
         assert!(parse_boolean("1").is_err());
-        assert!(parse_float(&"x".repeat(10_000)).unwrap_err().len() < 100);
+        assert!(parse_float(&"x".repeat(10_000)).unwrap_err().to_string().len() < 100);
     }
 
     #[test]
@@ -170,7 +188,8 @@ mod tests {
         assert_eq!(parse_rgb("#808080"), Ok(Vec3::splat(linear_from_srgb(128.0 / 255.0))));
         assert_eq!(parse_srgb("#808080"), parse_rgb("#808080"));
         assert_eq!(parse_srgb("0.5"), Ok(Vec3::splat(linear_from_srgb(0.5))));
-        assert_eq!(parse_srgb("1e38").unwrap_err(), "`1e38` is too large for a colour");
+        let error = parse_srgb("1e38").unwrap_err().to_string();
+        assert_eq!(error, "`1e38` is too large for a colour");
         for bad in ["#ff", "#gggggg", "#ffééé", "1, 2", "1 2 3 4", "red"] {
             assert!(parse_rgb(bad).is_err(), "{bad}");
         }

@@ -7,13 +7,14 @@ use std::time::Instant;
 
 use bevy::prelude::*;
 use crossbeam_channel::{Receiver, Sender, unbounded};
-use rayon::ThreadPool;
+use rayon::{ThreadPool, ThreadPoolBuildError};
 
 use super::control::WakeUp;
 use super::run::text_of_panic;
 use crate::accel::{Blas, BvhStats, SplitMethod};
 use crate::geometry::mesh::MeshData;
 use crate::geometry::primitives::{unit_cube, unit_triangle};
+use crate::memory::Shortage;
 use crate::scene::TriangleMesh;
 
 /// Meshes up to this size are built where they are asked for: that takes about a millisecond, less than a frame.
@@ -41,6 +42,18 @@ pub(super) struct BuiltMesh {
     pub build_ms: f64,
 }
 
+/// Why a mesh has no acceleration structure.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum BuildError {
+    #[error("{triangles} triangles with flipped texture coordinates need {shortage}")]
+    Memory { triangles: usize, shortage: Shortage },
+    #[error("no threads for building: {0}")]
+    Threads(#[from] ThreadPoolBuildError),
+    /// A fault of the program, with its message.
+    #[error("building an acceleration structure failed: {0}")]
+    Panic(String),
+}
+
 struct Entry {
     /// What was asked for last.
     data: Arc<MeshData>,
@@ -49,14 +62,14 @@ struct Entry {
     built: Option<BuiltMesh>,
     /// The build that is running.
     ticket: Option<u64>,
-    failure: Option<String>,
+    failure: Option<BuildError>,
     used: bool,
 }
 
 struct Finished {
     key: MeshKey,
     ticket: u64,
-    result: Result<BuiltMesh, String>,
+    result: Result<BuiltMesh, BuildError>,
 }
 
 #[derive(Resource)]
@@ -123,8 +136,8 @@ impl BlasCache {
         self.entries.values().filter(|entry| entry.ticket.is_some()).count()
     }
 
-    pub fn failures(&self) -> impl Iterator<Item = &str> {
-        self.entries.values().filter_map(|entry| entry.failure.as_deref())
+    pub fn failures(&self) -> impl Iterator<Item = &BuildError> {
+        self.entries.values().filter_map(|entry| entry.failure.as_ref())
     }
 
     /// The meshes in use, each once.
@@ -196,7 +209,7 @@ impl BlasCache {
             };
             match self.pool(policy.threads) {
                 Ok(pool) => pool.spawn(task),
-                Err(error) => entry.finish(Err(error)),
+                Err(error) => entry.finish(Err(error.into())),
             }
         }
         self.entries.insert(key, entry);
@@ -214,25 +227,24 @@ impl BlasCache {
     }
 
     /// The pool of so many threads, in place of one with another number.
-    fn pool(&mut self, threads: usize) -> Result<&ThreadPool, String> {
+    fn pool(&mut self, threads: usize) -> Result<&ThreadPool, ThreadPoolBuildError> {
         let pool = match self.pool.take() {
             Some(pool) if pool.current_num_threads() == threads => pool,
             _ => rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .thread_name(|index| format!("build {index}"))
-                .build()
-                .map_err(|error| format!("no threads for building: {error}"))?,
+                .build()?,
         };
         Ok(self.pool.insert(pool))
     }
 }
 
 impl Entry {
-    fn finish(&mut self, result: Result<BuiltMesh, String>) {
+    fn finish(&mut self, result: Result<BuiltMesh, BuildError>) {
         self.ticket = None;
         match result {
             Ok(built) => self.built = Some(built),
-            Err(text) => self.failure = Some(text),
+            Err(error) => self.failure = Some(error),
         }
     }
 }
@@ -243,13 +255,13 @@ fn build(
     upside_down: bool,
     method: SplitMethod,
     similar: Option<Arc<Blas>>,
-) -> Result<BuiltMesh, String> {
+) -> Result<BuiltMesh, BuildError> {
     let begin = Instant::now();
     if upside_down {
         let flipped = data.with_flipped_tex_coords();
         let flipped = flipped.map_err(|shortage| {
             let triangles = data.triangles.len();
-            format!("{triangles} triangles with flipped texture coordinates need {shortage}")
+            BuildError::Memory { triangles, shortage }
         });
         data = Arc::new(flipped?);
     }
@@ -263,12 +275,7 @@ fn build(
     let blas = catch_unwind(AssertUnwindSafe(|| {
         refitted().unwrap_or_else(|| Blas::build(data.clone(), method))
     }))
-    .map_err(|payload| {
-        format!(
-            "building an acceleration structure failed: {}",
-            text_of_panic(payload.as_ref())
-        )
-    })?;
+    .map_err(|payload| BuildError::Panic(text_of_panic(payload.as_ref())))?;
     Ok(BuiltMesh {
         stats: blas.stats(),
         blas: Arc::new(blas),

@@ -10,7 +10,7 @@ use bevy::asset::AssetServer;
 use bevy::prelude::*;
 
 use super::authored::{Authored, name_of};
-use super::blas_cache::{BlasCache, BuildPolicy, MeshKey};
+use super::blas_cache::{BlasCache, BuildError, BuildPolicy, MeshKey};
 use super::clipping::clipping_warning;
 use super::control::{RenderControl, WakeUp};
 use super::deferred_drop::DeferredDrop;
@@ -268,7 +268,9 @@ impl Extracted {
             list.extend(packed);
         }
         cache.end_use();
-        self.errors.instances.extend(cache.failures().map(str::to_owned));
+        self.errors
+            .instances
+            .extend(cache.failures().map(BuildError::to_string));
 
         let (layout, instances) = Layout::new(in_world, members, placed);
         let old = std::mem::replace(&mut self.layout, layout);

@@ -184,7 +184,7 @@ fn lines_that_cannot_be_done_say_why() {
     ];
     for (line, part) in cases {
         let _ = apply(&mut world, Command::Select(Vec::new(), Default::default()));
-        let error = parse::line(&mut world, line).expect_err(line);
+        let error = parse::line(&mut world, line).expect_err(line).to_string();
         assert!(error.contains(part), "{line}: {error}");
     }
 }
@@ -249,7 +249,9 @@ fn what_was_inside_of_a_material_goes_when_it_becomes_another() {
         "paste <shape type=\"cube\"><bsdf type=\"twosided\" id=\"clay\"><bsdf type=\"diffuse\"/></bsdf></shape>";
     assert!(say(&mut world, paste));
     let before = state(&mut world);
-    let message = parse::line(&mut world, "set clay reflectance 0.2").expect_err("that is inside");
+    let message = parse::line(&mut world, "set clay reflectance 0.2")
+        .expect_err("that is inside")
+        .to_string();
     let expected = "there is no `reflectance`; the material is made of `diffuse`";
     assert!(message.starts_with(expected), "{message}");
     for (plugin, expected) in [
@@ -412,7 +414,7 @@ fn windows_that_save_at_the_same_moment_lose_nothing() {
                     assert!(say(&mut world, &format!("set ball-{ball} position {place},{ball},0")));
                     // An error is that the others have been saving for too long, as may be on a busy machine.
                     while let Err(error) = apply(&mut world, Command::Save) {
-                        assert!(error.contains("try again"), "{error}");
+                        assert!(error.to_string().contains("try again"), "{error}");
                     }
                     assert!(!is_asked(&world), "ball {ball}, save {place}");
                 }
@@ -635,7 +637,9 @@ fn a_name_that_several_things_have_is_none() {
         };
         world.spawn((DocumentOrder(order), Name::new("sphere"), shape, ToWorld::default()));
     }
-    let error = parse::line(&mut world, "set sphere radius 2").expect_err("three of them");
+    let error = parse::line(&mut world, "set sphere radius 2")
+        .expect_err("three of them")
+        .to_string();
     assert!(error.contains("3 things called \"sphere\""), "{error}");
     // An id wins over names.
     let mut shapes = world.query_filtered::<Entity, With<Shape>>();

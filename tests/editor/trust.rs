@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use bevy::math::{Affine3A, Vec3A};
 use bevy::prelude::*;
 use sunroom::app::editor::command::Command;
+use sunroom::app::editor::command::error::CommandError;
 use sunroom::app::editor::command::file_access::Question;
 use sunroom::app::editor::command::light_mix::{FilmLights, LightMix};
 use sunroom::app::editor::command::recovery_offer::{Note, Offer};
@@ -150,7 +151,7 @@ impl Window {
             .expect("it can be done");
     }
 
-    fn apply(&mut self, command: Command) -> Result<(), String> {
+    fn apply(&mut self, command: Command) -> Result<(), CommandError> {
         apply(self.app.world_mut(), command)
     }
 
@@ -454,7 +455,10 @@ fn saving_and_pasting_read_nothing_outside() {
         "<bsdf type='diffuse'><spectrum name='reflectance' filename='{}'/></bsdf>",
         spectrum.display()
     );
-    let said = window.apply(Command::Paste(spectrum)).expect_err("it is refused");
+    let said = window
+        .apply(Command::Paste(spectrum))
+        .expect_err("it is refused")
+        .to_string();
     assert!(said.contains("outside the scene's folder"), "{said}");
     window.app.update();
     assert_eq!(window.question().folders, [window.path("outside")]);

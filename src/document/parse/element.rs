@@ -233,12 +233,12 @@ impl Parser {
                 .map_err(|error| error.to_string())
                 .and_then(|text| {
                     let parsed = SampledSpectrum::parse_file(text.trim_start_matches('\u{feff}'));
-                    parsed.map_err(|what| match self.diagnostics.is_outside(&path) {
+                    parsed.map_err(|error| match self.diagnostics.is_outside(&path) {
                         // The message quotes the file.
                         true => format!(
                             "{file}: expected lines of a wavelength and a value, with wavelengths that increase"
                         ),
-                        false => format!("{file}: {what}"),
+                        false => format!("{file}: {error}"),
                     })
                 });
             return match sampled {

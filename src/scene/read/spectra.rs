@@ -9,7 +9,7 @@ use glam::Vec3;
 use super::picture_search::PictureSearch;
 use super::textures::read_texture;
 use crate::color::Rgb;
-use crate::document::spectrum::{BlackBody, CLAMPED, Role, SampledSpectrum};
+use crate::document::spectrum::{BlackBody, CLAMPED, Role, SampledSpectrum, SpectrumError};
 use crate::document::{Category, Reader, Value};
 use crate::scene::Parameter;
 
@@ -163,7 +163,7 @@ fn raw_constant(reader: &mut Reader) -> Option<Rgb> {
     }
 }
 
-fn sampled(spectrum: Result<SampledSpectrum, String>, reader: &mut Reader) -> Option<SampledSpectrum> {
-    let report = |message| reader.error_at("values", message);
+fn sampled(spectrum: Result<SampledSpectrum, SpectrumError>, reader: &mut Reader) -> Option<SampledSpectrum> {
+    let report = |error: SpectrumError| reader.error_at("values", error.to_string());
     spectrum.map_err(report).ok()
 }

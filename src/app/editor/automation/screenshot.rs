@@ -12,12 +12,9 @@ pub fn window_is_complete(pacing: &Pacing, previews: &Previews) -> bool {
 }
 
 /// A captured window as PNG.
-pub fn save_window(image: &Image, path: &std::path::Path) -> Result<(), String> {
-    let picture = image.clone().try_into_dynamic().map_err(|error| error.to_string())?;
+pub fn save_window(image: &Image, path: &std::path::Path) -> Result<(), Box<dyn std::error::Error>> {
+    let picture = image.clone().try_into_dynamic()?;
     let mut png = std::io::Cursor::new(Vec::new());
-    picture
-        .to_rgb8()
-        .write_to(&mut png, image::ImageFormat::Png)
-        .map_err(|error| error.to_string())?;
-    write_atomically(path, png.into_inner()).map_err(|error| error.to_string())
+    picture.to_rgb8().write_to(&mut png, image::ImageFormat::Png)?;
+    Ok(write_atomically(path, png.into_inner())?)
 }

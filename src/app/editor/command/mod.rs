@@ -7,6 +7,7 @@ pub mod compare_view;
 pub mod conversion;
 pub mod display;
 pub mod dragged;
+pub mod error;
 pub mod file_access;
 pub mod gizmo_settings;
 pub mod inspected_paths;
@@ -409,14 +410,6 @@ impl Command {
     /// Whether it gives one thing a value that others of its sort have, too.
     pub fn is_about_one(&self) -> bool {
         self.effect() == Effect::Drag && !self.targets().is_empty()
-    }
-
-    /// Whether it reads or writes a file.
-    pub fn is_about_file(&self) -> bool {
-        matches!(
-            self,
-            Self::Save | Self::SaveScene(_) | Self::SaveChanged(..) | Self::SaveImage(_) | Self::Import(_)
-        )
     }
 
     /// Whether it is one of many that follow each other while the view or something in it moves.

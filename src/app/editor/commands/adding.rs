@@ -10,7 +10,9 @@ use super::spot::{self, Spot};
 use super::things::{check_name, select_new};
 use crate::app::editor::camera::pose;
 use crate::app::editor::command::addition::{Addition, AdditionKind};
+use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::Edit;
+use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::trust;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::words::files::{ENVIRONMENTS, extension};
@@ -29,7 +31,7 @@ const FLAT: f32 = 0.01;
 /// Radians; turns by it never come back to where one was.
 const GOLDEN_ANGLE: f32 = 2.399_963;
 
-pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), String> {
+pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
     check_name(addition.name.as_deref().unwrap_or_default())?;
     let up = edit.world.resource::<ViewSettings>().navigation.up;
     let is_light = matches!(addition.kind, AdditionKind::AreaLight | AdditionKind::Emitter(_));
@@ -135,11 +137,11 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), String> {
 }
 
 /// One that lights what is `distance` world units away about as much as a white sky would.
-fn emitter(plugin: &'static str, distance: f32) -> Result<Emitter, String> {
+fn emitter(plugin: &'static str, distance: f32) -> Result<Emitter, CommandError> {
     let mut emitter = Emitter::of_plugin(plugin).ok_or_else(|| format!("There is no light called \"{plugin}\"."))?;
     match &mut emitter.kind {
         EmitterKind::Environment { .. } => {
-            return Err("An environment map comes with its picture: import that.".to_owned());
+            return Err("An environment map comes with its picture: import that.".into());
         }
         EmitterKind::Projector { .. } => {}
         EmitterKind::Point { intensity } | EmitterKind::Spot { intensity, .. } => {
@@ -218,11 +220,14 @@ fn camera(world: &World) -> (Affine3A, Sensor, Film) {
 }
 
 /// A file's content joins the scene.
-pub fn import(edit: &mut Edit, path: &Path) -> Result<(), String> {
+pub fn import(edit: &mut Edit, path: &Path) -> Result<(), CommandError> {
     let path = read::settle(path);
     let extension = extension(&path);
     if !path.is_file() {
-        return Err(format!("{}: there is no such file.", path.display()));
+        return Err(CommandError::file(format!(
+            "{}: there is no such file.",
+            path.display()
+        )));
     }
     match extension.as_str() {
         "obj" => add_mesh(edit, path, MeshFormat::Obj),
@@ -232,21 +237,22 @@ pub fn import(edit: &mut Edit, path: &Path) -> Result<(), String> {
         "xml" | "gltf" | "glb" => {
             let trust = edit.world.get_resource::<Trust>().cloned().unwrap_or_default();
             let access = trust.access(&path);
-            let mut document = load_document(&path, &[], access).map_err(|error| error.to_string())?;
+            let mut document = load_document(&path, &[], access).map_err(CommandError::file)?;
             let scene = read::read(&mut document);
             let refused = document.access.refused();
             if document.diagnostics.has_errors() && !refused.is_empty() {
                 trust::ask_about_import(edit.world, &path, refused);
             }
-            insert_all(edit, without_cameras(scene), &document.diagnostics)?;
+            insert_all(edit, without_cameras(scene), &document.diagnostics).map_err(CommandError::file)?;
         }
         _ => {
-            return Err(format!(
+            return Err(CommandError::file(format!(
                 "{}: not a file that can be imported (obj, ply, serialized, xml, gltf, glb, hdr, exr, png, jpg, pfm)",
                 path.display()
-            ));
+            )));
         }
     }
+    edit.world.resource_mut::<Toasts>().forget(Topic::Saving);
     Ok(())
 }
 
@@ -335,10 +341,10 @@ fn set_sky(edit: &mut Edit, emitter: Emitter, pose: Affine3A, name: &str) -> Ent
 }
 
 /// Plugins as XML: a whole scene, or single elements.
-pub fn paste(edit: &mut Edit, text: &str) -> Result<(), String> {
+pub fn paste(edit: &mut Edit, text: &str) -> Result<(), CommandError> {
     let text = text.trim();
     if !text.starts_with('<') {
-        return Err("The clipboard holds no XML.".to_owned());
+        return Err("The clipboard holds no XML.".into());
     }
     let is_scene = text.contains("<scene");
     let text = if is_scene {
@@ -350,9 +356,10 @@ pub fn paste(edit: &mut Edit, text: &str) -> Result<(), String> {
     let access = edit.world.get_resource::<SceneAccess>().map(SceneAccess::get);
     let mut document = parse_within(&*text, Path::new(CLIPBOARD), &[], access.unwrap_or_default());
     let scene = read::read(&mut document);
-    insert_all(edit, scene, &document.diagnostics)
+    Ok(insert_all(edit, scene, &document.diagnostics)?)
 }
 
+/// The error is a sentence for the user.
 fn insert_all(edit: &mut Edit, scene: SceneDescription, diagnostics: &Diagnostics) -> Result<(), String> {
     if diagnostics.has_errors() {
         let first = diagnostics

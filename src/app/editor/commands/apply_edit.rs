@@ -7,6 +7,7 @@ use super::things::{need, replace, transform};
 use super::{adding, materials, mixing, placing, several, view};
 use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::Command;
+use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::trust;
@@ -16,8 +17,8 @@ use crate::scene::{
     SamplerSettings, SceneId, Sensor, Shape, ToWorld, UsesMaterial,
 };
 
-/// The error is a sentence for the user; the caller takes back what was done before it.
-pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
+/// After an error the caller takes back what was done before it.
+pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
     match command {
         Command::Import(path) => {
             adding::import(edit, &path)?;
@@ -58,7 +59,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), String> {
         Command::MoveCameraToView => {
             let sensor = edit.world.resource::<ActiveSensor>().0;
             let (Some(sensor), Some(pose)) = (sensor, view_pose(edit.world)) else {
-                return Err("There is no camera.".to_owned());
+                return Err("There is no camera.".into());
             };
             if let Some(lens) = edit.world.resource::<FreeView>().lens
                 && let Some(seen) = edit.world.get::<Sensor>(sensor).copied()

@@ -9,6 +9,7 @@ use bevy::prelude::*;
 use super::placing;
 use super::things::{call, check_name, delete, is_no_name, selected};
 use crate::app::editor::command::Direction;
+use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::history::Edit;
 use crate::scene::insert::{free_name, names, next_order};
@@ -17,7 +18,7 @@ use crate::scene::{
     ToWorld,
 };
 
-pub fn delete_selection(edit: &mut Edit) -> Result<(), String> {
+pub fn delete_selection(edit: &mut Edit) -> Result<(), CommandError> {
     for entity in selected(edit)? {
         delete(edit, entity);
     }
@@ -26,7 +27,7 @@ pub fn delete_selection(edit: &mut Edit) -> Result<(), String> {
 }
 
 /// Copies use the same materials and groups; they are selected then.
-pub fn duplicate(edit: &mut Edit) -> Result<(), String> {
+pub fn duplicate(edit: &mut Edit) -> Result<(), CommandError> {
     let mut taken = names(edit.world);
     let mut order = next_order(edit.world);
     let mut copies = Vec::new();
@@ -35,7 +36,7 @@ pub fn duplicate(edit: &mut Edit) -> Result<(), String> {
     for original in selected(edit)? {
         let mut state = ObjectState::of(edit.world, original);
         if state.placements.is_some() {
-            return Err("So many instances cannot be doubled.".to_owned());
+            return Err("So many instances cannot be doubled.".into());
         }
         let name = state.name.as_ref().map_or("copy", |name| name.as_str());
         let name = free_name(&taken, name);
@@ -56,11 +57,11 @@ pub fn duplicate(edit: &mut Edit) -> Result<(), String> {
     Ok(())
 }
 
-pub fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), String> {
+pub fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), CommandError> {
     let name = name.trim();
     if name.is_empty() {
         if edit.world.get::<ShapeGroup>(entity).is_some() {
-            return Err("A group needs its name: instances refer to it.".to_owned());
+            return Err("A group needs its name: instances refer to it.".into());
         }
         edit.remove::<SceneId>(entity);
         return Ok(());
@@ -79,13 +80,13 @@ pub fn rename(edit: &mut Edit, entity: Entity, name: &str) -> Result<(), String>
         .get::<Name>(entity)
         .is_some_and(|known| known.as_str() == name);
     if !is_own && names(edit.world).contains(name) {
-        return Err(format!("There is something called \"{name}\" already."));
+        return Err(format!("There is something called \"{name}\" already.").into());
     }
     call(edit, entity, name);
     Ok(())
 }
 
-pub fn group(edit: &mut Edit) -> Result<(), String> {
+pub fn group(edit: &mut Edit) -> Result<(), CommandError> {
     let members = selected(edit)?;
     let taken = names(edit.world);
     let folders = taken.iter().filter_map(|name| Some(name.split_once('/')?.0.to_owned()));
@@ -94,9 +95,9 @@ pub fn group(edit: &mut Edit) -> Result<(), String> {
 }
 
 /// Folders are written as the part of names before the last `/`.
-pub fn put_into(edit: &mut Edit, things: Vec<Entity>, folder: Option<&str>) -> Result<(), String> {
+pub fn put_into(edit: &mut Edit, things: Vec<Entity>, folder: Option<&str>) -> Result<(), CommandError> {
     if folder.is_some_and(|folder| folder.chars().any(is_no_name)) {
-        return Err("The folder's name has a character that names cannot have.".to_owned());
+        return Err("The folder's name has a character that names cannot have.".into());
     }
     let mut taken = names(edit.world);
     for thing in things {

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use bevy::prelude::*;
 
 use super::finished;
+use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::{Command, FileDialogKind};
 use crate::app::editor::session::history::History;
 use crate::app::editor::session::options::SceneDefines;
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::save_question::SaveQuestion;
-use crate::app::editor::session::toasts::Toasts;
+use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::document;
 use crate::engine::{RenderState, RenderStatus};
@@ -38,10 +39,10 @@ pub fn open_scene(world: &mut World, path: PathBuf) {
 }
 
 /// As if the file had changed on disk.
-pub fn reload_scene(world: &mut World) -> Result<(), String> {
+pub fn reload_scene(world: &mut World) -> Result<(), CommandError> {
     let path = own_path(world)?;
     if !world.resource::<SceneFile>().is_followed() {
-        return Err("These edits were recovered: save the scene, or revert to the file.".to_owned());
+        return Err("These edits were recovered: save the scene, or revert to the file.".into());
     }
     let defines = world.resource::<SceneDefines>().0.clone();
     let keeps_edits = true;
@@ -53,21 +54,21 @@ pub fn reload_scene(world: &mut World) -> Result<(), String> {
     Ok(())
 }
 
-pub fn revert_scene(world: &mut World) -> Result<(), String> {
+pub fn revert_scene(world: &mut World) -> Result<(), CommandError> {
     let path = own_path(world)?;
     open_scene(world, path);
     Ok(())
 }
 
-fn own_path(world: &World) -> Result<PathBuf, String> {
+fn own_path(world: &World) -> Result<PathBuf, CommandError> {
     let path = world.resource::<SceneStatus>().path.clone();
-    path.ok_or_else(|| "The scene has no file yet.".to_owned())
+    path.ok_or_else(|| "The scene has no file yet.".into())
 }
 
-pub fn save(world: &mut World) -> Result<(), String> {
+pub fn save(world: &mut World) -> Result<(), CommandError> {
     let status = world.resource::<SceneStatus>();
     if status.state == SceneState::Loading {
-        return Err("A scene is still being read.".to_owned());
+        return Err("A scene is still being read.".into());
     }
     match status.path.clone() {
         Some(path) => save_scene(world, &path, OnChange::Refuse),
@@ -79,42 +80,52 @@ pub fn save(world: &mut World) -> Result<(), String> {
 }
 
 /// Asks the user where others have changed the file so that saving would lose something.
-pub fn save_scene(world: &mut World, path: &Path, on_change: OnChange) -> Result<(), String> {
+pub fn save_scene(world: &mut World, path: &Path, on_change: OnChange) -> Result<(), CommandError> {
     if world.resource::<SceneStatus>().state == SceneState::Loading {
-        return Err("A scene is still being read.".to_owned());
+        return Err("A scene is still being read.".into());
     }
     let trouble = match write::save_with(world, path, on_change) {
         Ok(trouble) => trouble,
         Err(error) => {
-            let question = SaveQuestion::about(&error, path).ok_or_else(|| error.to_string())?;
+            let question = SaveQuestion::about(&error, path).ok_or_else(|| CommandError::file(error))?;
             world.resource_mut::<Requests>().save_question = Some(question);
             return Ok(());
         }
     };
     world.resource_mut::<History>().note_saved();
-    world.resource_mut::<Toasts>().info(match trouble {
-        None => format!("Saved {}", path.display()),
-        Some(trouble) => format!("Saved, but it cannot be opened again as it is: {trouble}"),
-    });
+    say_saved(
+        world,
+        match trouble {
+            None => format!("Saved {}", path.display()),
+            Some(trouble) => format!("Saved, but it cannot be opened again as it is: {trouble}"),
+        },
+    );
     Ok(())
+}
+
+/// Errors of saving before are mended.
+fn say_saved(world: &mut World, message: String) {
+    let mut toasts = world.resource_mut::<Toasts>();
+    toasts.forget(Topic::Saving);
+    toasts.info(message);
 }
 
 /// What the last command would ask the user, taken back, as an error for those who cannot answer.
-pub fn unanswered(world: &mut World, command: &Command) -> Result<(), String> {
+pub fn unanswered(world: &mut World, command: &Command) -> Result<(), CommandError> {
     let mut requests = world.resource_mut::<Requests>();
     if let Some(question) = requests.save_question.take() {
-        return Err(question.refusal());
+        return Err(question.refusal().into());
     }
     if *command == Command::Save && requests.dialog == Some(FileDialogKind::SaveScene) {
         requests.dialog = None;
-        return Err("The scene has no file yet: name one with `save-to FILE`.".to_owned());
+        return Err("The scene has no file yet: name one with `save-to FILE`.".into());
     }
     Ok(())
 }
 
-pub fn save_image(world: &mut World, path: &Path) -> Result<(), String> {
+pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     if world.resource::<RenderStatus>().state == RenderState::Idle {
-        return Err("There is no picture to save.".to_owned());
+        return Err("There is no picture to save.".into());
     }
     let display = world.resource::<ViewSettings>().display;
     let is_png = FileFormat::from_path(path).is_ok_and(|format| format == FileFormat::Png);
@@ -131,8 +142,8 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), String> {
         };
         write_image(path, &picture, &display.tone())
     };
-    written.map_err(|error| error.to_string())?;
-    world.resource_mut::<Toasts>().info(format!("Saved {}", path.display()));
+    written.map_err(CommandError::file)?;
+    say_saved(world, format!("Saved {}", path.display()));
     Ok(())
 }
 
@@ -147,13 +158,13 @@ pub fn keep_image(world: &World) -> Option<String> {
 }
 
 /// The selection as XML text, handed to the clipboard by the window.
-pub fn copy(world: &mut World) -> Result<(), String> {
+pub fn copy(world: &mut World) -> Result<(), CommandError> {
     let selected = world.resource::<Selection>().entities().to_vec();
     if selected.is_empty() {
-        return Err("Nothing is selected.".to_owned());
+        return Err("Nothing is selected.".into());
     }
     if selected.iter().any(|entity| world.get::<Placements>(*entity).is_some()) {
-        return Err("So many instances cannot be copied.".to_owned());
+        return Err("So many instances cannot be copied.".into());
     }
     let part = insert::describe_part(world, &selected);
     let document = write::to_fragment(&part);

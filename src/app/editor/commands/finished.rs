@@ -4,6 +4,7 @@ use bevy::prelude::*;
 
 use super::view;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::{FilmLights, LightMix};
 use crate::app::editor::picture::compare::{Comparison, Measured, PixelComparison, Snapshot, figures};
 use crate::app::editor::picture::denoiser::Denoiser;
@@ -69,7 +70,7 @@ pub fn factors(world: &World) -> Vec<Rgb> {
     world.resource::<LightMix>().factors(groups, lights)
 }
 
-pub fn expose(world: &mut World) -> Result<(), String> {
+pub fn expose(world: &mut World) -> Result<(), CommandError> {
     let stops = auto_exposure(&picture(world).pixels).ok_or("The picture is black.")?;
     let display = world.resource::<ViewSettings>().display;
     // Steps that are worth reading.
@@ -78,10 +79,10 @@ pub fn expose(world: &mut World) -> Result<(), String> {
     Ok(())
 }
 
-pub fn take_snapshot(world: &mut World) -> Result<(), String> {
+pub fn take_snapshot(world: &mut World) -> Result<(), CommandError> {
     let picture = picture(world);
     if picture.pixels.is_empty() {
-        return Err("There is no picture to keep.".to_owned());
+        return Err("There is no picture to keep.".into());
     }
     let samples = world.resource::<RenderFilm>().samples;
     let mut comparison = world.resource_mut::<Comparison>();
@@ -95,7 +96,7 @@ pub fn take_snapshot(world: &mut World) -> Result<(), String> {
     Ok(())
 }
 
-pub fn measure(world: &mut World) -> Result<(), String> {
+pub fn measure(world: &mut World) -> Result<(), CommandError> {
     let picture = picture(world);
     let film = world.resource::<RenderFilm>();
     let (job, samples) = (film.job, film.film.sample_count());
@@ -106,7 +107,7 @@ pub fn measure(world: &mut World) -> Result<(), String> {
     comparison.figures = found.map(|figures| Measured { figures, job, samples });
     match found {
         Some(_) => Ok(()),
-        None => Err("The picture and the snapshot differ in size.".to_owned()),
+        None => Err("The picture and the snapshot differ in size.".into()),
     }
 }
 

@@ -4,6 +4,7 @@ use bevy::prelude::*;
 
 use super::things::{delete, need, outer_materials};
 use crate::app::editor::camera::picking;
+use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::material_tree::{Inside, MaterialTree, materials_inside};
 use crate::app::editor::command::presets::Preset;
 use crate::app::editor::session::history::Edit;
@@ -14,9 +15,9 @@ use crate::scene::{
 };
 
 /// An error where there is nothing, or nothing that may be changed.
-pub fn drop_at(edit: &mut Edit, material: Entity, at: Vec2) -> Result<(), String> {
+pub fn drop_at(edit: &mut Edit, material: Entity, at: Vec2) -> Result<(), CommandError> {
     if edit.world.get::<Material>(material).is_none() {
-        return Err("Only materials can be dropped into the picture.".to_owned());
+        return Err("Only materials can be dropped into the picture.".into());
     }
     let shape = shape_at(edit, at)?;
     edit.set(shape, UsesMaterial(material));
@@ -24,17 +25,17 @@ pub fn drop_at(edit: &mut Edit, material: Entity, at: Vec2) -> Result<(), String
 }
 
 /// The shape that is seen at a place of the picture, for a material; an error where there is none, or one that is locked.
-pub fn shape_at(edit: &Edit, at: Vec2) -> Result<Entity, String> {
+pub fn shape_at(edit: &Edit, at: Vec2) -> Result<Entity, CommandError> {
     let found = picking::pick(edit.world.resource::<PackedScene>(), at);
     let shape = found.ok_or("There is nothing that could take the material.")?;
     if edit.world.get::<Locked>(shape).is_some() {
-        return Err("What is there is locked.".to_owned());
+        return Err("What is there is locked.".into());
     }
     Ok(shape)
 }
 
 /// Gives shapes a material of the library. One of its name that is still like it is used again.
-pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result<(), String> {
+pub fn use_preset(edit: &mut Edit, preset: &Preset, shapes: &[Entity]) -> Result<(), CommandError> {
     for &shape in shapes {
         need::<Shape>(edit, shape)?;
     }
@@ -78,7 +79,7 @@ fn tree_of(world: &World, material: Entity) -> Option<MaterialTree> {
 
 /// Makes materials, or those of shapes, become the tree; a shape without one gets a new one. Several shapes that share a material share it on.
 /// An error where the tree has no place inside of what is around the material.
-pub fn build(edit: &mut Edit, targets: &[Entity], tree: &MaterialTree) -> Result<(), String> {
+pub fn build(edit: &mut Edit, targets: &[Entity], tree: &MaterialTree) -> Result<(), CommandError> {
     let mut done = Vec::new();
     for &target in targets {
         let material = if edit.world.get::<Material>(target).is_some() {
@@ -105,7 +106,7 @@ pub fn build(edit: &mut Edit, targets: &[Entity], tree: &MaterialTree) -> Result
 }
 
 /// An error where a material that refracts is inside of `twosided`: no scene file may have that.
-pub fn check_sides(world: &World, material: Entity) -> Result<(), String> {
+pub fn check_sides(world: &World, material: Entity) -> Result<(), CommandError> {
     let get = |entity: Entity| world.get::<Material>(entity);
     let outer = outer_materials(world, material)
         .into_iter()
@@ -118,9 +119,7 @@ pub fn check_sides(world: &World, material: Entity) -> Result<(), String> {
             && let Some(refractive) = get(inner).filter(|inner| inner.refracts())
         {
             let plugin = refractive.plugin();
-            return Err(format!(
-                "`{plugin}` has two sides already: `twosided` does not take it."
-            ));
+            return Err(format!("`{plugin}` has two sides already: `twosided` does not take it.").into());
         }
     }
     Ok(())

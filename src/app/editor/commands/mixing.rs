@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 
+use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::{LightMix, bake_area, bake_emitter};
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::toasts::Toasts;
@@ -10,11 +11,11 @@ use crate::engine::RenderFilm;
 use crate::scene::{AreaLight, Emitter};
 
 /// Lights that cannot be multiplied keep their place in the mix, and are named in a message.
-pub fn bake(edit: &mut Edit) -> Result<(), String> {
+pub fn bake(edit: &mut Edit) -> Result<(), CommandError> {
     let mix = edit.world.resource::<LightMix>().clone();
     let gains = mix.gains(&edit.world.resource::<RenderFilm>().light_groups);
     if gains.is_empty() {
-        return Err("The mix is neutral.".to_owned());
+        return Err("The mix is neutral.".into());
     }
     // Solo and mute stay, and what is said of lights that are not in the picture.
     let mut left = mix.clone();
@@ -30,7 +31,7 @@ pub fn bake(edit: &mut Edit) -> Result<(), String> {
         }
     }
     if refusals.len() == all {
-        return Err(refusals.join(" "));
+        return Err(refusals.join(" ").into());
     }
     if !refusals.is_empty() {
         edit.world.resource_mut::<Toasts>().info(refusals.join(" "));

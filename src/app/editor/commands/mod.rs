@@ -29,6 +29,7 @@ use bevy::prelude::*;
 
 use crate::app::editor::camera::picking;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::selection::{Extend, Selection};
@@ -66,14 +67,11 @@ pub fn apply_commands(world: &mut World) {
         motion.note_change();
     }
     for command in commands {
-        let is_about_file = command.is_about_file();
-        let outcome = apply(world, command);
+        let Err(error) = apply(world, command) else { continue };
         let mut toasts = world.resource_mut::<Toasts>();
-        match outcome {
-            Ok(()) if is_about_file => toasts.forget(Topic::Saving),
-            Ok(()) => {}
-            Err(message) if is_about_file => toasts.error(Topic::Saving, message, None),
-            Err(message) => toasts.reject(message),
+        match error {
+            CommandError::Refused(reason) => toasts.reject(reason),
+            CommandError::File(error) => toasts.error(Topic::Saving, error.to_string(), None),
         }
     }
 }
@@ -92,7 +90,7 @@ fn keep_for_later(world: &mut World, commands: Vec<Command>) -> Vec<Command> {
 }
 
 /// Applies a command in this frame and returns its error. A question to the user is returned as an error as well.
-pub fn apply_now(world: &mut World, command: Command) -> Result<(), String> {
+pub fn apply_now(world: &mut World, command: Command) -> Result<(), CommandError> {
     note_input(world, command.restarts_picture());
     apply(world, command.clone())?;
     files::unanswered(world, &command)
@@ -105,8 +103,8 @@ fn note_input(world: &mut World, restarts: bool) {
     world.resource_mut::<Pacing>().note_commands(restarts);
 }
 
-/// Does what the command says. The error is a sentence for the user; nothing is changed then.
-pub fn apply(world: &mut World, command: Command) -> Result<(), String> {
+/// Does what the command says. After an error nothing is changed.
+pub fn apply(world: &mut World, command: Command) -> Result<(), CommandError> {
     flight::make_way(world, &command);
     let effect = command.effect();
     match effect {
@@ -117,7 +115,7 @@ pub fn apply(world: &mut World, command: Command) -> Result<(), String> {
     Ok(())
 }
 
-fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), String> {
+fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), CommandError> {
     let (label, targets) = (command.label(), command.targets());
     let verb = verb(world, &command);
     let interaction = world.resource::<Requests>().interaction;
@@ -129,9 +127,9 @@ fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), String>
             edit.finish(title, merges.then_some((interaction, (label, targets))));
             Ok(())
         }
-        Err(message) => {
+        Err(error) => {
             edit.abandon();
-            Err(message)
+            Err(error)
         }
     }
 }
@@ -157,7 +155,7 @@ fn verb(world: &World, command: &Command) -> &'static str {
     if is_turn { "Rotate" } else { "Scale" }
 }
 
-fn act(world: &mut World, command: Command) -> Result<(), String> {
+fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
     match command {
         Command::NewScene => files::new_scene(world),
         Command::OpenScene(path) => files::open_scene(world, path),
@@ -257,7 +255,7 @@ fn act(world: &mut World, command: Command) -> Result<(), String> {
             let is_paused = world.resource::<RenderControl>().paused;
             let film = world.resource::<RenderFilm>();
             if is_paused && film.samples == 0 {
-                return Err("Rendering is paused before there is a sample of every pixel.".to_owned());
+                return Err("Rendering is paused before there is a sample of every pixel.".into());
             }
             let mix = finished::factors(world);
             world.resource_scope(|world, mut denoiser: Mut<Denoiser>| {

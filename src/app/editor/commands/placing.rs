@@ -6,13 +6,14 @@ use bevy::prelude::*;
 use super::things;
 use crate::app::editor::camera::{picking, pose};
 use crate::app::editor::command::Direction;
+use crate::app::editor::command::error::CommandError;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::PackedScene;
 use crate::math::Ray;
 use crate::scene::ToWorld;
 
-pub fn nudge(edit: &mut Edit, direction: Direction) -> Result<(), String> {
+pub fn nudge(edit: &mut Edit, direction: Direction) -> Result<(), CommandError> {
     let selected = things::selected(edit)?;
     let by = step(edit.world, direction);
     move_each(edit, selected.into_iter().map(|entity| (entity, by)).collect())
@@ -43,7 +44,7 @@ fn along(direction: Direction, upright: Vec3, up: Vec3, pose: &Affine3A) -> Vec3
     Vec3::AXES[axis] * wanted[axis].signum()
 }
 
-pub fn drop(edit: &mut Edit) -> Result<(), String> {
+pub fn drop(edit: &mut Edit) -> Result<(), CommandError> {
     let selected = things::selected(edit)?;
     let up = edit.world.resource::<ViewSettings>().navigation.up;
     let packed = edit.world.resource::<PackedScene>();
@@ -59,12 +60,12 @@ pub fn drop(edit: &mut Edit) -> Result<(), String> {
     });
     let falls: Vec<(Entity, Vec3)> = falls.collect();
     if falls.is_empty() {
-        return Err("There is nothing below.".to_owned());
+        return Err("There is nothing below.".into());
     }
     move_each(edit, falls)
 }
 
-fn move_each(edit: &mut Edit, moves: Vec<(Entity, Vec3)>) -> Result<(), String> {
+fn move_each(edit: &mut Edit, moves: Vec<(Entity, Vec3)>) -> Result<(), CommandError> {
     let moved = moves.into_iter().filter_map(|(entity, by)| {
         let mut pose = edit.world.get::<ToWorld>(entity)?.0;
         pose.translation += Vec3A::from(by);

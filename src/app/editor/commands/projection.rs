@@ -6,14 +6,15 @@ use bevy::prelude::*;
 use super::view;
 use crate::app::editor::camera::navigation;
 use crate::app::editor::camera::pose::{self, is_orthographic, lens_of_view};
+use crate::app::editor::command::error::CommandError;
 use crate::scene::{ActiveSensor, Film, FreeView, Sensor};
 
 /// What is in the middle stays as large: the selection, or what is ahead.
-pub fn switch(world: &mut World) -> Result<(), String> {
-    let missing = || "There is no camera.".to_owned();
-    let pose = pose::view_pose(world).ok_or_else(missing)?;
-    let active = world.resource::<ActiveSensor>().0.ok_or_else(missing)?;
-    let sensor = *world.get::<Sensor>(active).ok_or_else(missing)?;
+pub fn switch(world: &mut World) -> Result<(), CommandError> {
+    const MISSING: &str = "There is no camera.";
+    let pose = pose::view_pose(world).ok_or(MISSING)?;
+    let active = world.resource::<ActiveSensor>().0.ok_or(MISSING)?;
+    let sensor = *world.get::<Sensor>(active).ok_or(MISSING)?;
     let film = world.get::<Film>(active).copied().unwrap_or_default();
     let aspect = film.width.max(1) as f32 / film.height.max(1) as f32;
     let half_width = (0.5 * sensor.fov_axis.horizontal(sensor.fov, aspect))
@@ -27,7 +28,7 @@ pub fn switch(world: &mut World) -> Result<(), String> {
         in_perspective(pose, distance, half_width)
     };
     if !pose.is_finite() {
-        return Err("The view is too far away for that.".to_owned());
+        return Err("The view is too far away for that.".into());
     }
     let lens = lens_of_view(world, orthographic);
     let pose = Some(pose);

@@ -3,13 +3,14 @@
 use bevy::prelude::*;
 use bevy::window::{MonitorSelection, PrimaryWindow, WindowCloseRequested, WindowMode};
 
+use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::session::layout::Layout;
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::{recovery, trust};
 use crate::memory;
 
-pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), String> {
+pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), CommandError> {
     match command {
         ShellCommand::ShowPanel(panel) => world.get_resource_or_init::<Layout>().show(panel),
         ShellCommand::ClosePanel(panel) => world.get_resource_or_init::<Layout>().close(panel),

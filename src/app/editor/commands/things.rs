@@ -3,6 +3,7 @@
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
+use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::{Extend, Selection};
 use crate::app::editor::session::history::Edit;
 use crate::scene::insert::next_order;
@@ -12,21 +13,21 @@ use crate::scene::{
 };
 
 /// An error unless the entity has a component of this type.
-pub fn need<C: Component>(edit: &Edit, entity: Entity) -> Result<(), String> {
+pub fn need<C: Component>(edit: &Edit, entity: Entity) -> Result<(), CommandError> {
     match edit.world.get::<C>(entity) {
         Some(_) => Ok(()),
-        None => Err("That cannot be done to this thing.".to_owned()),
+        None => Err("That cannot be done to this thing.".into()),
     }
 }
 
 /// Another value for a component that is there.
-pub fn replace<C: Component + PartialEq>(edit: &mut Edit, entity: Entity, value: C) -> Result<(), String> {
+pub fn replace<C: Component + PartialEq>(edit: &mut Edit, entity: Entity, value: C) -> Result<(), CommandError> {
     need::<C>(edit, entity)?;
     edit.set(entity, value);
     Ok(())
 }
 
-pub fn selected(edit: &Edit) -> Result<Vec<Entity>, String> {
+pub fn selected(edit: &Edit) -> Result<Vec<Entity>, CommandError> {
     let selection = edit.world.resource::<Selection>().entities();
     let free: Vec<Entity> = selection
         .iter()
@@ -34,8 +35,8 @@ pub fn selected(edit: &Edit) -> Result<Vec<Entity>, String> {
         .filter(|entity| ObjectState::is_in_scene(edit.world, *entity) && edit.world.get::<Locked>(*entity).is_none())
         .collect();
     match (selection.is_empty(), free.is_empty()) {
-        (true, _) => Err("Nothing is selected.".to_owned()),
-        (false, true) => Err("What is selected is locked.".to_owned()),
+        (true, _) => Err("Nothing is selected.".into()),
+        (false, true) => Err("What is selected is locked.".into()),
         (false, false) => Ok(free),
     }
 }
@@ -103,9 +104,9 @@ pub fn outer_materials(world: &World, material: Entity) -> Vec<Entity> {
 }
 
 /// What the file could not have as an id.
-pub fn check_name(name: &str) -> Result<(), String> {
+pub fn check_name(name: &str) -> Result<(), CommandError> {
     match name.chars().find(|c| is_no_name(*c)) {
-        Some(wrong) => Err(format!("Names cannot have {wrong:?} in them.")),
+        Some(wrong) => Err(format!("Names cannot have {wrong:?} in them.").into()),
         None => Ok(()),
     }
 }
@@ -120,7 +121,7 @@ pub fn call(edit: &mut Edit, entity: Entity, name: &str) {
     edit.set(entity, Name::new(name.to_owned()));
 }
 
-pub fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), String> {
+pub fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), CommandError> {
     for (entity, pose) in poses {
         if edit.world.get::<Placements>(entity).is_some() {
             return Err("So many instances stay where the file has them.".into());

@@ -9,6 +9,7 @@ use crate::app::editor::camera::pose::{self, view_pose};
 use crate::app::editor::camera::{navigation, picking};
 use crate::app::editor::command::axis_view::AxisView;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::stored_view::StoredView;
 use crate::app::editor::session::history::Edit;
@@ -70,7 +71,7 @@ pub fn store(world: &mut World, number: usize) {
     }
 }
 
-pub fn recall(world: &mut World, number: usize) -> Result<(), String> {
+pub fn recall(world: &mut World, number: usize) -> Result<(), CommandError> {
     let bookmarks = world.resource::<ViewSettings>().bookmarks;
     let stored = number.checked_sub(1).and_then(|place| *bookmarks.get(place)?);
     let view = stored.ok_or_else(|| format!("There is no view {number}: Ctrl+{number} stores one."))?;
@@ -118,16 +119,16 @@ fn selected_bounds(world: &World) -> Aabb {
     bounds.fold(Aabb::EMPTY, Aabb::union)
 }
 
-pub fn frame_selection(world: &mut World) -> Result<(), String> {
+pub fn frame_selection(world: &mut World) -> Result<(), CommandError> {
     let bounds = selected_bounds(world);
     if bounds.is_empty() {
-        return Err("Nothing that is in the picture is selected.".to_owned());
+        return Err("Nothing that is in the picture is selected.".into());
     }
     frame(world, bounds);
     Ok(())
 }
 
-pub fn frame_all(world: &mut World) -> Result<(), String> {
+pub fn frame_all(world: &mut World) -> Result<(), CommandError> {
     let bounds = picking::scene_bounds(world.resource::<PackedScene>());
     frame(world, bounds.ok_or("The scene is empty.")?);
     Ok(())
@@ -153,26 +154,26 @@ fn frame(world: &mut World, bounds: Aabb) {
 const SHARP_EVERYWHERE: &str = "An orthographic camera is sharp everywhere.";
 
 /// On what is seen there; the aperture of a pinhole becomes a two-hundredth of the distance.
-pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), String> {
+pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), CommandError> {
     let packed = edit.world.resource::<PackedScene>();
     let (Some(scene), Some(view)) = (&packed.scene, &packed.view) else {
-        return Err("There is no picture.".to_owned());
+        return Err("There is no picture.".into());
     };
     let ray = view.camera.ray(film, Vec2::splat(0.5));
     let hit = scene.geometry.intersect(&ray).ok_or("There is nothing to focus on.")?;
     let (_, distance) = view.camera.project(ray.at(hit.t));
     let Some(camera) = edit.world.resource::<ActiveSensor>().0 else {
-        return Err("There is no camera.".to_owned());
+        return Err("There is no camera.".into());
     };
     if pose::is_orthographic(edit.world) {
-        return Err(SHARP_EVERYWHERE.to_owned());
+        return Err(SHARP_EVERYWHERE.into());
     }
     let Some(mut sensor) = edit.world.get::<Sensor>(camera).copied() else {
         return Ok(());
     };
     match &mut sensor.lens {
         // The view has another one.
-        Lens::Orthographic => return Err(SHARP_EVERYWHERE.to_owned()),
+        Lens::Orthographic => return Err(SHARP_EVERYWHERE.into()),
         Lens::Thin { focus_distance, .. } => *focus_distance = distance,
         Lens::Pinhole => {
             sensor.lens = Lens::Thin {

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 
+use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::selection::Selection;
 use crate::scene::insert::{free_name, names};
@@ -322,14 +323,14 @@ impl<'w> Edit<'w> {
     }
 
     /// An error if something stands so that no file could say it.
-    pub fn check_poses(&self) -> Result<(), String> {
+    pub fn check_poses(&self) -> Result<(), CommandError> {
         let mut poses = self
             .before
             .iter()
             .filter_map(|(entity, _)| self.world.get::<ToWorld>(*entity));
         match poses.all(ToWorld::is_invertible) {
             true => Ok(()),
-            false => Err("Nothing can be so far away, so large, so small or so flat.".to_owned()),
+            false => Err("Nothing can be so far away, so large, so small or so flat.".into()),
         }
     }
 

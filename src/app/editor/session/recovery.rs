@@ -10,6 +10,7 @@ use bevy::tasks::{IoTaskPool, Task, block_on, futures::check_ready};
 
 use super::history::History;
 use super::toasts::{Toasts, Tone, Topic};
+use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::recovery_offer::{Note, Offer};
 use crate::files::{self, LARGEST_NOTE, write_atomically};
@@ -313,7 +314,7 @@ pub fn clean_up(mut exits: MessageReader<AppExit>, mut recovery: ResMut<Recovery
 }
 
 /// Opens what was written aside.
-pub fn recover(world: &mut World, offer: Offer) -> Result<(), String> {
+pub fn recover(world: &mut World, offer: Offer) -> Result<(), CommandError> {
     let path = offer.folder.join(SCENE);
     let aside = Aside::claim(&offer.folder).ok_or(IN_USE)?;
     // The names in it are those of the scene's own files.
@@ -330,7 +331,7 @@ pub fn recover(world: &mut World, offer: Offer) -> Result<(), String> {
     Ok(())
 }
 
-pub fn discard(offer: &Offer) -> Result<(), String> {
+pub fn discard(offer: &Offer) -> Result<(), CommandError> {
     Aside::claim(&offer.folder).ok_or(IN_USE)?.remove();
     Ok(())
 }
@@ -374,7 +375,7 @@ mod tests {
             (&folder, Some(path.as_path()))
         );
         assert_eq!(left_over(&all, Some(Path::new("/other.xml")), true), None);
-        assert_eq!(discard(&offer), Ok(()));
+        assert!(discard(&offer).is_ok());
         assert_eq!(find(&all, |_| true), None);
         assert!(!folder.exists());
     }

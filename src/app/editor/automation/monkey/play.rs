@@ -14,6 +14,7 @@ use super::snapshot::Snapshot;
 use super::state::{Monkey, PATIENCE, PATIENCE_FOR_SCENES, Phase, Round, Waiting};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::compare_view::CompareView;
+use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::commands;
@@ -146,7 +147,7 @@ impl Monkey {
         }
         let place = self.folder.place_for_copy(number);
         let outcome = self.attempt(world, Command::SaveScene(place.clone()));
-        let outcome = outcome.and_then(|()| self.folder.add_copy(place).map_err(|error| error.to_string()));
+        let outcome = outcome.and_then(|()| self.folder.add_copy(place).map_err(CommandError::file));
         if let Err(error) = outcome {
             self.fault(Criterion::Run, format!("a copy of the scene cannot be made: {error}"));
         }
@@ -246,7 +247,7 @@ impl Monkey {
         let outcome = self.attempt(world, Command::SaveScene(saved.clone()));
         let toasts = world.resource::<Toasts>().texts().last();
         let trouble = toasts.filter(|text| text.starts_with("Saved, but")).map(str::to_owned);
-        if let Some(trouble) = outcome.err().or(trouble) {
+        if let Some(trouble) = outcome.err().map(|error| error.to_string()).or(trouble) {
             self.fault(Criterion::Saving, trouble);
         }
         self.wait_for_scene(world);
@@ -365,7 +366,7 @@ impl Monkey {
     }
 
     /// The error is what the user would be told.
-    fn attempt(&mut self, world: &mut World, command: Command) -> Result<(), String> {
+    fn attempt(&mut self, world: &mut World, command: Command) -> Result<(), CommandError> {
         let watch = Stopwatch::start();
         let outcome = commands::apply_now(world, command);
         self.editing += watch.elapsed();

@@ -7,29 +7,22 @@ use bevy::math::Affine3A;
 
 use crate::color::Rgb;
 use crate::document::paths::settle;
-use crate::document::value::{parse_boolean, parse_float, parse_integer, parse_rgb, parse_vec3};
+use crate::document::value::{ValueError, parse_boolean, parse_float, parse_integer, parse_rgb, parse_vec3};
 use crate::scene::{
     AreaLight, ConductorIor, Distribution, Emitter, EmitterVisitor, Film, FovAxis, Ior, Lens, Material, Parameter,
     ParameterVisitor, PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SunPosition, Texture,
 };
 
 /// Why a parameter was not set.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum AssignError {
-    Unknown {
-        known: Vec<&'static str>,
-    },
-    /// What is wrong with the value.
-    Value(String),
-}
-
-impl From<AssignError> for String {
-    fn from(error: AssignError) -> Self {
-        match error {
-            AssignError::Unknown { known } => format!("expected {}", known.join(" or ")),
-            AssignError::Value(error) => error,
-        }
-    }
+    #[error("expected {}", known.join(" or "))]
+    Unknown { known: Vec<&'static str> },
+    #[error(transparent)]
+    Value(#[from] ValueError),
+    /// The value is of the right kind, but the parameter does not take it.
+    #[error("{0}")]
+    Refused(String),
 }
 
 /// The parameter that is looked for, and whether it was there.
@@ -37,7 +30,7 @@ struct Assign<'t> {
     wanted: &'t str,
     text: &'t str,
     known: Vec<&'static str>,
-    outcome: Option<Result<(), String>>,
+    outcome: Option<Result<(), AssignError>>,
 }
 
 pub fn material(material: &mut Material, parameter: &str, text: &str) -> Result<(), AssignError> {
@@ -54,18 +47,18 @@ pub fn emitter(emitter: &mut Emitter, parameter: &str, text: &str) -> Result<(),
 
 pub fn shape(shape: &mut Shape, parameter: &str, text: &str) -> Result<(), AssignError> {
     assign(parameter, text, |visitor| {
-        visitor.value("flip_normals", &mut shape.flip_normals, parse_boolean);
+        visitor.parsed("flip_normals", &mut shape.flip_normals, parse_boolean);
         match &mut shape.kind {
             ShapeKind::Sphere { center, radius } => {
-                visitor.value("center", center, parse_vec3);
+                visitor.parsed("center", center, parse_vec3);
                 visitor.bounded("radius", radius, f32::MIN_POSITIVE..=f32::MAX);
             }
             ShapeKind::Cylinder { p0, p1, radius } => {
-                visitor.value("p0", p0, parse_vec3);
-                visitor.value("p1", p1, parse_vec3);
+                visitor.parsed("p0", p0, parse_vec3);
+                visitor.parsed("p1", p1, parse_vec3);
                 visitor.bounded("radius", radius, f32::MIN_POSITIVE..=f32::MAX);
             }
-            ShapeKind::Mesh(mesh) => visitor.value("face_normals", &mut mesh.face_normals, parse_boolean),
+            ShapeKind::Mesh(mesh) => visitor.parsed("face_normals", &mut mesh.face_normals, parse_boolean),
             ShapeKind::Rectangle
             | ShapeKind::Cube
             | ShapeKind::Disk
@@ -95,7 +88,7 @@ pub fn sensor(sensor: &mut Sensor, parameter: &str, text: &str) -> Result<(), As
 pub fn film(film: &mut Film, parameter: &str, text: &str) -> Result<(), AssignError> {
     let pixels = |text: &str| match parse_integer(text)? {
         number @ 1..=65536 => Ok(number as u32),
-        other => Err(format!("expected 1 to 65536, found {other}")),
+        other => Err(AssignError::Refused(format!("expected 1 to 65536, found {other}"))),
     };
     assign(parameter, text, |visitor| {
         visitor.value("width", &mut film.width, pixels);
@@ -110,9 +103,9 @@ pub fn pose(pose: &mut Affine3A, parameter: &str, text: &str) -> Result<(), Assi
     let (z, y, x) = rotation.to_euler(bevy::math::EulerRot::ZYX);
     let mut degrees = bevy::math::Vec3::new(x, y, z).map(f32::to_degrees);
     assign(parameter, text, |visitor| {
-        visitor.value("position", &mut position, parse_vec3);
-        visitor.value("rotation", &mut degrees, parse_vec3);
-        visitor.value("scale", &mut scale, crate::document::value::parse_vec3_or_splat);
+        visitor.parsed("position", &mut position, parse_vec3);
+        visitor.parsed("rotation", &mut degrees, parse_vec3);
+        visitor.parsed("scale", &mut scale, crate::document::value::parse_vec3_or_splat);
     })?;
     let [x, y, z] = degrees.map(f32::to_radians).to_array();
     let rotation = bevy::math::Quat::from_euler(bevy::math::EulerRot::ZYX, z, y, x);
@@ -137,13 +130,13 @@ fn assign(wanted: &str, text: &str, visit: impl FnOnce(&mut Assign)) -> Result<(
     visit(&mut visitor);
     let known = visitor.known;
     match visitor.outcome {
-        Some(outcome) => outcome.map_err(AssignError::Value),
+        Some(outcome) => outcome,
         None => Err(AssignError::Unknown { known }),
     }
 }
 
 impl Assign<'_> {
-    fn value<T>(&mut self, name: &'static str, value: &mut T, parse: impl FnOnce(&str) -> Result<T, String>) {
+    fn value<T>(&mut self, name: &'static str, value: &mut T, parse: impl FnOnce(&str) -> Result<T, AssignError>) {
         self.known.push(name);
         if name == self.wanted {
             let parsed = parse(self.text).map(|parsed| *value = parsed);
@@ -151,12 +144,17 @@ impl Assign<'_> {
         }
     }
 
+    /// A value that may be anything that can be read.
+    fn parsed<T>(&mut self, name: &'static str, value: &mut T, parse: impl FnOnce(&str) -> Result<T, ValueError>) {
+        self.value(name, value, |text| Ok(parse(text)?));
+    }
+
     fn bounded(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>) {
         self.value(name, value, |text| within(parse_float(text)?, &range));
     }
 }
 
-pub(super) fn within(number: f32, range: &RangeInclusive<f32>) -> Result<f32, String> {
+pub(super) fn within(number: f32, range: &RangeInclusive<f32>) -> Result<f32, AssignError> {
     if range.contains(&number) {
         return Ok(number);
     }
@@ -166,15 +164,15 @@ pub(super) fn within(number: f32, range: &RangeInclusive<f32>) -> Result<f32, St
         (start, f32::MAX) => format!("at least {start}"),
         (start, end) => format!("{start} to {end}"),
     };
-    Err(format!("expected {expected}, found {number}"))
+    Err(AssignError::Refused(format!("expected {expected}, found {number}")))
 }
 
-fn color(most: f32) -> impl Fn(&str) -> Result<Rgb, String> {
+fn color(most: f32) -> impl Fn(&str) -> Result<Rgb, AssignError> {
     move |text| {
         let color = parse_rgb(text)?;
         let fits = color.min_element() >= 0.0 && color.max_element() <= most;
         fits.then_some(color)
-            .ok_or_else(|| format!("expected a colour within 0 to {most}, found `{text}`"))
+            .ok_or_else(|| AssignError::Refused(format!("expected a colour within 0 to {most}, found `{text}`")))
     }
 }
 
@@ -196,7 +194,7 @@ impl ParameterVisitor for Assign<'_> {
     }
 
     fn flag(&mut self, name: &'static str, value: &mut bool) {
-        self.value(name, value, parse_boolean);
+        self.parsed(name, value, parse_boolean);
     }
 
     fn ior(&mut self, name: &'static str, value: &mut Ior) {
@@ -204,7 +202,7 @@ impl ParameterVisitor for Assign<'_> {
             Ok(index) => Ok(Ior::Number(within(index, &(0.1..=10.0))?)),
             Err(_) => crate::shading::ior::dielectric_ior(text)
                 .map(|_| Ior::Named(text.to_owned()))
-                .ok_or_else(|| format!("`{text}` is neither a number nor a known dielectric")),
+                .ok_or_else(|| AssignError::Refused(format!("`{text}` is neither a number nor a known dielectric"))),
         });
     }
 
@@ -213,7 +211,7 @@ impl ParameterVisitor for Assign<'_> {
             let is_known = text == "none" || crate::shading::ior::CONDUCTORS.iter().any(|metal| metal.0 == text);
             is_known
                 .then(|| ConductorIor::Named(text.to_owned()))
-                .ok_or_else(|| format!("`{text}` is no known metal"))
+                .ok_or_else(|| AssignError::Refused(format!("`{text}` is no known metal")))
         });
     }
 
@@ -221,7 +219,9 @@ impl ParameterVisitor for Assign<'_> {
         self.value("distribution", value, |text| match text {
             "ggx" => Ok(Distribution::Ggx),
             "beckmann" => Ok(Distribution::Beckmann),
-            other => Err(format!("expected ggx or beckmann, found `{other}`")),
+            other => Err(AssignError::Refused(format!(
+                "expected ggx or beckmann, found `{other}`"
+            ))),
         });
     }
 
@@ -256,7 +256,9 @@ impl EmitterVisitor for Assign<'_> {
             let number = i32::try_from(parse_integer(text)?)
                 .ok()
                 .filter(|number| range.contains(number));
-            number.ok_or_else(|| format!("expected {} to {}, found {text}", range.start(), range.end()))
+            number.ok_or_else(|| {
+                AssignError::Refused(format!("expected {} to {}, found {text}", range.start(), range.end()))
+            })
         });
     }
 

@@ -5,6 +5,7 @@
 //! again if the scene was changed in between. What a script saves therefore does not depend on the speed of the machine.
 
 pub mod assign;
+pub mod error;
 pub mod parse;
 mod rendering;
 
@@ -23,10 +24,10 @@ use crate::app::editor::picture::pacing::Pacing;
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::window::preview::Previews;
 use crate::app::terminal;
-use crate::document::Severity;
 use crate::engine::{RenderControl, RenderState, RenderStatus};
 use crate::files::{self, FileError, LARGEST_NOTE};
 use crate::scene::{SceneState, SceneStatus};
+use error::ScriptError;
 use parse::{Step, Wait};
 
 /// Frames after which what a command has led to has begun: it is applied in one, noticed in the next.
@@ -93,7 +94,7 @@ pub fn run_script(world: &mut World) {
 }
 
 /// The error: it never will be.
-fn is_ready(world: &World, script: &mut Script) -> Result<bool, String> {
+fn is_ready(world: &World, script: &mut Script) -> Result<bool, ScriptError> {
     if script.frames < FRAMES_TO_BEGIN || script.screenshot_awaited {
         return Ok(false);
     }
@@ -102,10 +103,7 @@ fn is_ready(world: &World, script: &mut Script) -> Result<bool, String> {
         return Ok(false);
     }
     if script.opens && scene.state == SceneState::Failed {
-        let mut found = scene.diagnostics.list.iter();
-        let first = found.find(|found| found.severity == Severity::Error);
-        let reason = first.map_or(String::new(), |error| format!(": {}", scene.diagnostics.line(error)));
-        return Err(format!("the scene cannot be read{reason}"));
+        return Err(ScriptError::Scene);
     }
     let status = world.resource::<RenderStatus>();
     if !status.is_up_to_date || world.resource::<Denoiser>().state() == DenoiserState::Running {
@@ -119,9 +117,9 @@ fn is_ready(world: &World, script: &mut Script) -> Result<bool, String> {
         (RenderState::Done, Wait::Samples(samples)) if status.samples < samples => return Ok(false),
         (RenderState::Done, _) => {}
         (RenderState::Loading | RenderState::Building | RenderState::Rendering, _) => return Ok(false),
-        (RenderState::Idle, _) => return Err("there is no camera: no samples can be waited for".to_owned()),
-        (RenderState::Paused, _) => return Err("rendering is paused: no samples can be waited for".to_owned()),
-        (RenderState::Failed, _) => return Err("rendering has failed: no samples can be waited for".to_owned()),
+        (RenderState::Idle, _) => return Err(ScriptError::Wait("there is no camera")),
+        (RenderState::Paused, _) => return Err(ScriptError::Wait("rendering is paused")),
+        (RenderState::Failed, _) => return Err(ScriptError::Wait("rendering has failed")),
     }
     script.wait = None;
     Ok(true)
@@ -166,7 +164,7 @@ impl Script {
     }
 
     /// The next line that says something; None after the last one.
-    fn read_line(&mut self, world: &mut World) -> Option<Result<Step, String>> {
+    fn read_line(&mut self, world: &mut World) -> Option<Result<Step, ScriptError>> {
         while let Some((number, text)) = self.lines.pop_front() {
             match parse::line(world, &text) {
                 Ok(None) => {}
@@ -183,7 +181,7 @@ impl Script {
         None
     }
 
-    fn fail(&mut self, world: &mut World, error: &str) {
+    fn fail(&mut self, world: &mut World, error: &ScriptError) {
         terminal::line(format_args!("error: {}:{}: {error}", self.path.display(), self.number));
         let door = world.get_resource_mut::<ExitDoor>();
         if let Some(picture) = door.and_then(|mut door| door.give_up()) {
@@ -195,7 +193,7 @@ impl Script {
         world.write_message(AppExit::error());
     }
 
-    fn begin(&mut self, world: &mut World, step: Step) -> Result<(), String> {
+    fn begin(&mut self, world: &mut World, step: Step) -> Result<(), ScriptError> {
         self.frames = 0;
         match step {
             Step::Do(command) => {
@@ -205,8 +203,8 @@ impl Script {
                 commands::apply_now(world, command).map_err(|error| {
                     // The program ends with the script, and its samples with it.
                     match saves_image.then(|| commands::keep_image(world)).flatten() {
-                        Some(kept) => format!("{error}; {kept}"),
-                        None => error,
+                        Some(kept) => ScriptError::Kept { error, kept },
+                        None => error.into(),
                     }
                 })?;
             }
@@ -226,9 +224,9 @@ impl Script {
                           mut script: ResMut<Script>,
                           mut exit: MessageWriter<AppExit>| {
                         script.screenshot_awaited = false;
-                        if let Err(message) = save_window(&captured.image, &path) {
+                        if let Err(error) = save_window(&captured.image, &path) {
                             let (file, line) = (script.path.display(), script.number);
-                            terminal::line(format_args!("error: {file}:{line}: {message}"));
+                            terminal::line(format_args!("error: {file}:{line}: {error}"));
                             exit.write(AppExit::error());
                         }
                     },

@@ -6,6 +6,7 @@ use bevy::math::{Affine3A, Quat};
 use bevy::prelude::*;
 
 use super::assign::{self, AssignError};
+use super::error::ScriptError;
 use super::rendering;
 use crate::app::editor::camera::navigation::scale_of;
 use crate::app::editor::camera::pose::view_pose;
@@ -91,8 +92,7 @@ pub const VERBS: [(&str, &str); 40] = [
     ("screenshot", "FILE"),
 ];
 
-/// The error says what was expected, without the place of the line.
-pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, String> {
+pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> {
     let text = text.trim();
     if text.is_empty() || text.starts_with('#') {
         return Ok(None);
@@ -113,12 +113,14 @@ pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, String> {
         return Ok(Some(Step::Do(command)));
     }
     let step = verb_step(world, verb, &arguments);
-    step.map(Some).map_err(|error| {
-        let usage = VERBS.iter().find(|(name, _)| name == verb);
-        usage.map_or(error.clone(), |(name, usage)| {
-            format!("{error} (usage: {name} {usage})")
+    step.map(Some)
+        .map_err(|error| match VERBS.iter().find(|(name, _)| name == verb) {
+            Some((verb, usage)) => {
+                let error = Box::new(error);
+                ScriptError::Usage { error, verb, usage }
+            }
+            None => error,
         })
-    })
 }
 
 fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
@@ -136,7 +138,7 @@ fn context<'a>(world: &World, selection: &'a Selection) -> ActionContext<'a> {
     }
 }
 
-fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, String> {
+fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, ScriptError> {
     let command = match (verb, arguments) {
         ("open", [path]) => Command::OpenScene(path.into()),
         ("save-to", [path]) => Command::SaveScene(path.into()),
@@ -148,7 +150,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("select-also", names) => Command::Select(all_named(world, names)?, Extend::Add),
         ("pick", [place]) => match crate::document::value::parse_floats(place)?[..] {
             [x, y] => Command::Pick(Vec2::new(x, y), Extend::Replace),
-            _ => return Err("expected two numbers".to_owned()),
+            _ => return Err("expected two numbers".into()),
         },
         ("add", [kind, options @ ..]) => Command::Add(addition(kind, options)?),
         ("move", [name, by]) => {
@@ -177,7 +179,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             let material = Material::of_plugin(plugin);
             let material = material.ok_or_else(|| unknown("material", plugin, Material::PLUGINS))?;
             if *material.nested_count().start() > 0 {
-                return Err(format!("a {plugin} has others inside: paste it as XML"));
+                return Err(format!("a {plugin} has others inside: paste it as XML").into());
             }
             let is_two_sided = world.get::<Material>(entity) == Some(&Material::TwoSided);
             let wrapper = (is_two_sided && can_wrap("twosided", &material)).then_some("twosided");
@@ -270,8 +272,8 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         ("wait", ["done"]) => return Ok(Step::Wait(Wait::Done)),
         ("wait", [samples]) => return Ok(Step::Wait(Wait::Samples(count(samples)?))),
         ("screenshot", [path]) => return Ok(Step::Screenshot(path.into())),
-        _ if VERBS.iter().any(|(name, _)| *name == verb) => return Err(format!("`{verb}` takes other words")),
-        _ if actions::find(verb).is_some() => return Err(format!("`{verb}` takes no words behind it")),
+        _ if VERBS.iter().any(|(name, _)| *name == verb) => return Err(format!("`{verb}` takes other words").into()),
+        _ if actions::find(verb).is_some() => return Err(format!("`{verb}` takes no words behind it").into()),
         _ => {
             let actions = actions::ACTIONS.iter().map(|action| action.name);
             return Err(unknown(
@@ -285,7 +287,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
 }
 
 /// Blanks separate words; quotes keep them together, `key=value` needs none around the whole.
-fn words(text: &str) -> Result<Vec<String>, String> {
+fn words(text: &str) -> Result<Vec<String>, ScriptError> {
     let mut words = Vec::new();
     let mut word: Option<String> = None;
     let mut quoted = false;
@@ -300,23 +302,23 @@ fn words(text: &str) -> Result<Vec<String>, String> {
         }
     }
     if quoted {
-        return Err("a quotation mark is not closed".to_owned());
+        return Err("a quotation mark is not closed".into());
     }
     words.extend(word);
     Ok(words)
 }
 
-fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item = &'c str>) -> String {
+fn unknown<'c>(what: &str, name: &str, known: impl IntoIterator<Item = &'c str>) -> ScriptError {
     let help = did_you_mean(name, known).map_or(String::new(), |help| format!("; {help}"));
-    format!("there is no {what} called \"{name}\"{help}")
+    format!("there is no {what} called \"{name}\"{help}").into()
 }
 
-fn count(text: &str) -> Result<u32, String> {
-    u32::try_from(parse_integer(text)?).map_err(|_| format!("expected a whole number from 0 on, found `{text}`"))
+fn count(text: &str) -> Result<u32, ScriptError> {
+    u32::try_from(parse_integer(text)?).map_err(|_| format!("expected a whole number from 0 on, found `{text}`").into())
 }
 
 /// Ids first, then names. Several things of one name are an error: a wrong one would be changed without a word.
-fn named(world: &mut World, name: &str) -> Result<Entity, String> {
+fn named(world: &mut World, name: &str) -> Result<Entity, ScriptError> {
     let mut things = world.query::<(&DocumentOrder, Entity, Option<&SceneId>, Option<&Name>)>();
     let (mut by_id, mut by_name) = (Vec::new(), Vec::new());
     for (_, entity, id, called) in things.iter(world) {
@@ -340,15 +342,15 @@ fn named(world: &mut World, name: &str) -> Result<Entity, String> {
     Err(unknown("thing", name, names.iter().map(String::as_str)))
 }
 
-fn ambiguous(name: &str, count: usize) -> String {
-    format!("there are {count} things called \"{name}\": give the one that is meant an id of its own")
+fn ambiguous(name: &str, count: usize) -> ScriptError {
+    format!("there are {count} things called \"{name}\": give the one that is meant an id of its own").into()
 }
 
-fn all_named(world: &mut World, names: &[&str]) -> Result<Vec<Entity>, String> {
+fn all_named(world: &mut World, names: &[&str]) -> Result<Vec<Entity>, ScriptError> {
     names.iter().map(|name| named(world, name)).collect()
 }
 
-fn addition(kind: &str, options: &[&str]) -> Result<Addition, String> {
+fn addition(kind: &str, options: &[&str]) -> Result<Addition, ScriptError> {
     let known = AdditionKind::of_name(kind).ok_or_else(|| {
         let names: Vec<&str> = AdditionKind::all().map(AdditionKind::name).collect();
         format!("\"{kind}\" cannot be added, only {}", names.join(", "))
@@ -362,7 +364,7 @@ fn addition(kind: &str, options: &[&str]) -> Result<Addition, String> {
                 let size = assign::within(parse_float(size)?, &(f32::MIN_POSITIVE..=f32::MAX))?;
                 addition.size = Some(size);
             }
-            _ => return Err(format!("expected name=, at= or size=, found `{option}`")),
+            _ => return Err(format!("expected name=, at= or size=, found `{option}`").into()),
         }
     }
     // The same whatever the camera sees.
@@ -372,7 +374,11 @@ fn addition(kind: &str, options: &[&str]) -> Result<Addition, String> {
     Ok(addition)
 }
 
-fn transformed(world: &mut World, name: &str, change: impl FnOnce(Affine3A) -> Affine3A) -> Result<Command, String> {
+fn transformed(
+    world: &mut World,
+    name: &str,
+    change: impl FnOnce(Affine3A) -> Affine3A,
+) -> Result<Command, ScriptError> {
     let entity = named(world, name)?;
     let pose = world.get::<ToWorld>(entity).ok_or("it has no place")?.0;
     Ok(Command::Transform(vec![(entity, change(pose))]))
@@ -383,7 +389,7 @@ fn about_origin(change: Affine3A, pose: Affine3A) -> Affine3A {
     to_origin * change * to_origin.inverse() * pose
 }
 
-fn looking(from: Vec3, at: Vec3) -> Result<Affine3A, String> {
+fn looking(from: Vec3, at: Vec3) -> Result<Affine3A, ScriptError> {
     let forward = (at - from).try_normalize().ok_or("the two places are the same")?;
     let up = if forward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
     let left = up.cross(forward).normalize();
@@ -406,7 +412,7 @@ fn material_of(world: &World, entity: Entity) -> Option<Entity> {
 }
 
 /// Makes the command that sets a parameter of any component of the thing. The error for an unknown parameter names those that there are.
-fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Result<Command, String> {
+fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Result<Command, ScriptError> {
     let mut known = Vec::new();
     if let Some(pose) = world.get::<ToWorld>(entity) {
         known = vec!["position", "rotation", "scale"];
@@ -428,7 +434,7 @@ fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Resul
                 match $assign(&mut edited, parameter, value) {
                     Ok(()) => return Ok($command(edited)),
                     Err(AssignError::Unknown { known: names }) => known.extend(names),
-                    Err(AssignError::Value(error)) => wrong_value = wrong_value.or(Some(error)),
+                    Err(error) => wrong_value = wrong_value.or(Some(error)),
                 }
             }
         };
@@ -452,7 +458,10 @@ fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Resul
             Box::new(edited)
         ));
     }
-    Err(wrong_value.unwrap_or_else(|| no_parameter(world, parameter, &known, material)))
+    Err(match wrong_value {
+        Some(error) => error.into(),
+        None => no_parameter(world, parameter, &known, material).into(),
+    })
 }
 
 /// The message where a thing has parameters called `known`, and `material`, but no such parameter.

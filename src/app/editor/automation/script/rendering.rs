@@ -1,51 +1,52 @@
-//! The words of scripts about rendering and the finished picture. Errors say what was expected.
+//! The words of scripts about rendering and the finished picture.
 
 use bevy::prelude::*;
 
 use super::assign::within;
+use super::error::ScriptError;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::light_mix::{Channel, LightMix};
 use crate::color::Rgb;
 use crate::document::value::{parse_float, parse_floats, parse_rgb};
 
-pub fn switch(text: &str) -> Result<bool, String> {
+pub fn switch(text: &str) -> Result<bool, ScriptError> {
     match text {
         "on" => Ok(true),
         "off" => Ok(false),
-        _ => Err(format!("expected `on` or `off`, found `{text}`")),
+        _ => Err(format!("expected `on` or `off`, found `{text}`").into()),
     }
 }
 
 /// None is no limit.
-pub fn limit(text: &str) -> Result<Option<f32>, String> {
+pub fn limit(text: &str) -> Result<Option<f32>, ScriptError> {
     match text {
         "none" => Ok(None),
-        number => within(parse_float(number)?, &(0.0..=f32::MAX)).map(Some),
+        number => Ok(Some(within(parse_float(number)?, &(0.0..=f32::MAX))?)),
     }
 }
 
-pub fn region(words: &[&str]) -> Result<Option<Rect>, String> {
+pub fn region(words: &[&str]) -> Result<Option<Rect>, ScriptError> {
     match words {
         ["none"] => Ok(None),
         [from, to] => Ok(Some(Rect::from_corners(place(from)?, place(to)?))),
-        _ => Err("expected `none` or two corners".to_owned()),
+        _ => Err("expected `none` or two corners".into()),
     }
 }
 
-fn place(text: &str) -> Result<Vec2, String> {
+fn place(text: &str) -> Result<Vec2, ScriptError> {
     match parse_floats(text)?[..] {
         [x, y] => Ok(Vec2::new(x, y)),
-        _ => Err(format!("expected two numbers, found `{text}`")),
+        _ => Err(format!("expected two numbers, found `{text}`").into()),
     }
 }
 
 /// `gain`: strength, and colour where it is not white. Solo and mute stay.
-pub fn mix(mix: &LightMix, light: Entity, gain: &[&str]) -> Result<Command, String> {
+pub fn mix(mix: &LightMix, light: Entity, gain: &[&str]) -> Result<Command, ScriptError> {
     let (strength, color) = match gain {
         [strength] => (parse_float(strength)?, Rgb::ONE),
         [strength, color] => (parse_float(strength)?, parse_rgb(color)?),
-        _ => return Err("expected a strength and perhaps a colour".to_owned()),
+        _ => return Err("expected a strength and perhaps a colour".into()),
     };
     let mut mix = mix.clone();
     let channel = Channel {
@@ -57,11 +58,11 @@ pub fn mix(mix: &LightMix, light: Entity, gain: &[&str]) -> Result<Command, Stri
     Ok(Command::SetLightMix(mix))
 }
 
-pub fn compare_view(words: &[&str]) -> Result<CompareView, String> {
+pub fn compare_view(words: &[&str]) -> Result<CompareView, ScriptError> {
     match words {
         ["off"] => Ok(CompareView::Off),
         ["difference"] => Ok(CompareView::Difference),
-        ["wipe", share] => parse_float(share).map(CompareView::Wipe),
-        _ => Err("expected `off`, `wipe FRACTION` or `difference`".to_owned()),
+        ["wipe", share] => Ok(CompareView::Wipe(parse_float(share)?)),
+        _ => Err("expected `off`, `wipe FRACTION` or `difference`".into()),
     }
 }

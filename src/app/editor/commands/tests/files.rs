@@ -4,6 +4,7 @@ use super::*;
 use crate::app::editor::command::file_access::Question;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::session::requests::Requests;
+use crate::app::editor::session::toasts::Tone;
 use crate::app::editor::session::trust::TrustedFolders;
 use crate::files::{LARGEST_NOTE, read_text};
 use crate::scene::{SceneAccess, SceneStatus, Trust, spawn};
@@ -17,7 +18,9 @@ fn a_question_that_nobody_can_answer_is_an_error() {
     std::fs::write(&path, text).expect("a file");
     let mut world = bare_world();
     world.init_resource::<SceneStatus>();
-    let error = apply_now(&mut world, Command::Save).expect_err("there is no file");
+    let error = apply_now(&mut world, Command::Save)
+        .expect_err("there is no file")
+        .to_string();
     assert!(error.contains("save-to FILE"), "{error}");
     assert_eq!(world.resource::<Requests>().dialog, None);
 
@@ -46,13 +49,33 @@ fn a_question_that_nobody_can_answer_is_an_error() {
     apply_now(&mut world, Command::SetShape(ball, smaller)).expect("it can be changed");
     let theirs = merged.replace("value='2'", "value='3'");
     std::fs::write(&path, &theirs).expect("a file");
-    let error = apply_now(&mut world, Command::Save).expect_err("both changed the radius");
+    let error = apply_now(&mut world, Command::Save)
+        .expect_err("both changed the radius")
+        .to_string();
     assert!(
         error.contains("one thing was edited both") && error.contains("merge"),
         "{error}"
     );
     assert!(world.resource::<Requests>().save_question.is_none());
     assert_eq!(read_text(&path, LARGEST_NOTE).expect("a file"), theirs);
+}
+
+#[test]
+fn a_fault_of_a_file_stays_until_it_is_mended() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mesh = folder.path().join("mesh.obj");
+    let mut world = bare_world();
+    let mut tones_after = |commands: Vec<Command>| {
+        world.resource_mut::<CommandQueue>().0 = commands;
+        apply_commands(&mut world);
+        let toasts = world.resource_mut::<Toasts>().current().to_vec();
+        toasts.iter().map(|toast| toast.tone).collect::<Vec<Tone>>()
+    };
+    let import = || Command::Import(mesh.clone());
+    let tones = tones_after(vec![Command::Delete, import()]);
+    assert_eq!(tones, [Tone::Warning, Tone::Error]);
+    std::fs::write(&mesh, "v 0 0 0").expect("a file");
+    assert_eq!(tones_after(vec![import()]), [Tone::Warning]);
 }
 
 /// A scene that cannot be imported without files outside its folder is asked about, as when it is opened.
@@ -77,7 +100,9 @@ fn an_import_of_files_outside_the_scenes_folder_is_asked_about() {
     world.insert_resource(Trust::Folders(Vec::new()));
     world.init_resource::<SceneAccess>();
     world.init_resource::<TrustedFolders>();
-    let error = apply(&mut world, Command::Import(scene.clone())).expect_err("it may not be read");
+    let error = apply(&mut world, Command::Import(scene.clone()))
+        .expect_err("it may not be read")
+        .to_string();
     assert!(error.contains("part.xml") && error.contains("outside"), "{error}");
     let question = world.resource::<TrustedFolders>().question.clone();
     let Some(Question { files, import, .. }) = &question else {

@@ -75,7 +75,9 @@ fn what_refracts_does_not_come_inside_of_two_sides() {
     ];
     for command in wrong {
         let steps = world.resource::<History>().len();
-        let error = apply(&mut world, command).expect_err("no file could hold it");
+        let error = apply(&mut world, command)
+            .expect_err("no file could hold it")
+            .to_string();
         assert!(error.contains("two sides already"), "{error}");
         assert_eq!(world.get::<Material>(inner), Some(&Material::default()));
         assert_eq!(world.resource::<History>().len(), steps);

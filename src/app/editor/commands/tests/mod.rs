@@ -157,7 +157,7 @@ fn what_fails_leaves_nothing_behind() {
         &mut world,
         Command::Paste("<shape type=\"sphere\"><float name=\"radius\"/></shape>".into()),
     );
-    assert!(failed.is_err_and(|message| message.contains("clipboard.xml:1:")));
+    assert!(failed.is_err_and(|error| error.to_string().contains("clipboard.xml:1:")));
     assert!(apply(&mut world, Command::Rename(ball, "a.b".into())).is_err());
     assert_eq!(
         (ObjectState::of(&world, ball), world.resource::<History>().len()),

@@ -1,0 +1,47 @@
+//! Why a script ends early.
+
+use std::borrow::Cow;
+
+use super::assign::AssignError;
+use crate::app::editor::command::error::CommandError;
+use crate::document::value::ValueError;
+
+/// Why a line of a script is not carried out, without the place of the line.
+#[derive(Debug, thiserror::Error)]
+pub enum ScriptError {
+    /// A word of the line names nothing, or stands in the wrong place.
+    #[error("{0}")]
+    Words(Cow<'static, str>),
+    #[error(transparent)]
+    Value(#[from] ValueError),
+    #[error(transparent)]
+    Assign(#[from] AssignError),
+    #[error("{error} (usage: {verb} {usage})")]
+    Usage {
+        error: Box<ScriptError>,
+        verb: &'static str,
+        usage: &'static str,
+    },
+    #[error(transparent)]
+    Command(#[from] CommandError),
+    /// The picture could not be saved, and where it is kept instead.
+    #[error("{error}; {kept}")]
+    Kept { error: CommandError, kept: String },
+    /// The log says why.
+    #[error("the scene cannot be read")]
+    Scene,
+    #[error("{0}: no samples can be waited for")]
+    Wait(&'static str),
+}
+
+impl From<&'static str> for ScriptError {
+    fn from(reason: &'static str) -> Self {
+        Self::Words(reason.into())
+    }
+}
+
+impl From<String> for ScriptError {
+    fn from(reason: String) -> Self {
+        Self::Words(reason.into())
+    }
+}
