@@ -14,11 +14,28 @@ const MOST_REFUSED: usize = 1000;
 /// As many links in a row are followed as the kernel of Linux follows.
 const MOST_LINKS: usize = 40;
 
+/// A folder that may be read, or a file that stands for itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Folder {
+    /// Absolute, as it was named: its own links are the user's, and are followed.
+    named: PathBuf,
+    canonical: PathBuf,
+}
+
+impl Folder {
+    fn new(path: &Path) -> Self {
+        Self {
+            named: std::path::absolute(path).unwrap_or_else(|_| path.to_owned()),
+            canonical: canonical(path),
+        }
+    }
+}
+
 /// A permission to read files. Clones share the list of the files that were refused.
 #[derive(Clone, Debug, Default)]
 pub struct Access {
-    /// Canonical; None if every file may be read.
-    folders: Option<Vec<PathBuf>>,
+    /// None if every file may be read.
+    folders: Option<Vec<Folder>>,
     /// The scene's own folder, canonical.
     own: Option<PathBuf>,
     refused: Arc<Mutex<BTreeSet<PathBuf>>>,
@@ -33,7 +50,7 @@ impl Access {
     /// Only files in these folders, and below them, may be read.
     pub fn within(folders: impl IntoIterator<Item = PathBuf>) -> Self {
         Self {
-            folders: Some(folders.into_iter().map(|folder| canonical(&folder)).collect()),
+            folders: Some(folders.into_iter().map(|folder| Folder::new(&folder)).collect()),
             ..Self::default()
         }
     }
@@ -60,13 +77,13 @@ impl Access {
         let Some(own) = &self.own else {
             return true;
         };
-        resolved(path).is_some_and(|path| path.starts_with(own))
+        resolved(path, |_| true).is_some_and(|path| path.starts_with(own))
     }
 
     /// Permits this folder as well; what was refused in it counts as refused no more. A file in place of a folder stands for itself.
     pub fn allow(&mut self, folder: &Path) {
         if let Some(folders) = &mut self.folders {
-            let folder = canonical(folder);
+            let folder = Folder::new(folder);
             if !folders.contains(&folder) {
                 folders.push(folder);
             }
@@ -102,12 +119,19 @@ impl Access {
         found
     }
 
-    /// Gives the answer of [`Self::permits`], and remembers nothing.
+    /// Gives the answer of [`Self::permits`], and remembers nothing. A path that leads through other places is refused also if it ends in a
+    /// permitted folder: the answer must not tell whether those places exist.
     pub fn covers(&self, path: &Path) -> bool {
         let Some(folders) = &self.folders else {
             return true;
         };
-        resolved(path).is_some_and(|path| folders.iter().any(|folder| path.starts_with(folder)))
+        let is_inside = |place: &Path| folders.iter().any(|folder| place.starts_with(&folder.canonical));
+        let leads_in =
+            |place: &Path| is_inside(place) || folders.iter().any(|folder| folder.canonical.starts_with(place));
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let from_folder = |folder: &Folder| Some(folder.canonical.join(path.strip_prefix(&folder.named).ok()?));
+        let path = folders.iter().find_map(from_folder).unwrap_or(path);
+        resolved(&path, leads_in).is_some_and(|path| is_inside(&path))
     }
 
     /// The files and folders that were refused so far and exist, in alphabetical order.
@@ -147,29 +171,45 @@ impl PartialEq for Access {
 }
 
 fn canonical(folder: &Path) -> PathBuf {
-    resolved(folder).unwrap_or_else(|| folder.to_owned())
+    let resolved = || resolved(folder, |_| true);
+    folder
+        .canonicalize()
+        .ok()
+        .or_else(resolved)
+        .unwrap_or_else(|| folder.to_owned())
 }
 
-/// Absolute and without links, also without those that lead to nothing. The part of the path that does not exist stays as it is; None if that
-/// part leads upwards, or through more than [`MOST_LINKS`] such links.
-fn resolved(path: &Path) -> Option<PathBuf> {
-    let mut absolute = std::path::absolute(path).or_else(|_| std::env::current_dir()).ok()?;
-    for _ in 0..MOST_LINKS {
-        let (existing, canonical) = absolute
-            .ancestors()
-            .find_map(|part| Some((part, part.canonicalize().ok()?)))?;
-        let rest = absolute.strip_prefix(existing).ok()?;
-        let mut parts = rest.components();
-        let Some(first) = parts.next() else {
-            return Some(canonical);
-        };
-        let Ok(target) = canonical.join(first).read_link() else {
-            let is_plain = rest.components().all(|part| matches!(part, Component::Normal(_)));
-            return is_plain.then(|| canonical.join(rest));
-        };
-        let mut place = canonical.join(target);
-        place.extend(parts);
-        absolute = place;
+/// Absolute and without links, also without those that lead to nothing. The part of the path that does not exist stays as it is. None if that
+/// part leads upwards, if the path leads through more than [`MOST_LINKS`] links, or through a place that `may_pass` refuses; nothing is looked up there.
+fn resolved(path: &Path, may_pass: impl Fn(&Path) -> bool) -> Option<PathBuf> {
+    let mut absolute = std::path::absolute(path).ok()?;
+    'links: for _ in 0..=MOST_LINKS {
+        let mut place = PathBuf::new();
+        let mut parts = absolute.components();
+        while let Some(part) = parts.next() {
+            match part {
+                Component::Prefix(_) => {
+                    place.push(part);
+                    continue;
+                }
+                // Where drives have letters, the canonical root is spelt otherwise.
+                Component::RootDir => place = place.join(part).canonicalize().ok()?,
+                Component::ParentDir if !place.is_dir() => return None,
+                Component::ParentDir => {
+                    place.pop();
+                }
+                _ => place.push(part),
+            }
+            if !may_pass(&place) {
+                return None;
+            }
+            if let Ok(target) = place.read_link() {
+                place.pop();
+                absolute = place.join(target).join(parts.as_path());
+                continue 'links;
+            }
+        }
+        return Some(place);
     }
     None
 }
@@ -260,6 +300,38 @@ mod tests {
         }
         for name in ["scene/a", "scene/inner-link", "way-in/a"] {
             assert!(access.permits(&path(name)), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_scene_cannot_learn_what_is_outside_by_ways_that_lead_back_in() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        for name in ["own/inside", "other", "beside"] {
+            fs::create_dir_all(path(name)).unwrap();
+        }
+        fs::write(path("own/a"), "").unwrap();
+        let access = Access::within([path("own"), path("other")]);
+        for name in [
+            "own/inside/../a",
+            "own/../own/a",
+            "other/../own/a",
+            "own/../other/../own/a",
+        ] {
+            assert!(access.covers(&path(name)), "{name}");
+        }
+        for name in ["own/../beside/../own/a", "own/../absent/../own/a", "beside/../own/a"] {
+            assert!(!access.covers(&path(name)), "{name}");
+        }
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::symlink;
+            symlink(path("own"), path("way-in")).unwrap();
+            symlink(path("beside"), path("own/way-out")).unwrap();
+            symlink("../beside/../own/a", path("own/way-round")).unwrap();
+            for name in ["own/../way-in/a", "own/way-out/../own/a", "own/way-round"] {
+                assert!(!access.covers(&path(name)), "{name}");
+            }
         }
     }
 
