@@ -24,9 +24,9 @@ pub struct MeshSearch {
 /// What a search came to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Found {
-    /// The file, absolute; also one that the scene may not read, if it can be nowhere else.
+    /// The file, absolute. If there is none, the place in the folder of the file that holds the name, where the scene may not read it.
     At(PathBuf),
-    /// The places looked at, never empty.
+    /// The places looked at, the first of them in the folder of the file that holds the name.
     Nowhere(Vec<PathBuf>),
 }
 
@@ -88,11 +88,11 @@ impl MeshSearch {
             return Found::At(found.clone());
         }
         let first = places.first().cloned().unwrap_or_default();
-        places.retain(|path| self.access.covers(path));
-        match places.is_empty() {
-            true => Found::At(first),
-            false => Found::Nowhere(places),
+        if !self.access.covers(&first) {
+            return Found::At(first);
         }
+        places.retain(|path| self.access.covers(path));
+        Found::Nowhere(places)
     }
 }
 
@@ -190,5 +190,10 @@ mod tests {
         assert_eq!(access.refused(), [settle(&path("assets/b.ply"))]);
         let first = settle(&path("assets/c.ply"));
         assert_eq!(search.find("../assets/c.ply", &path("scenes")), Found::At(first));
+        // What is refused is said of the file that is named, also where other folders may be looked at.
+        let access = Access::within(["scenes", "assets"].map(path));
+        let search = MeshSearch::new(&path("scenes"), &[]).within(access);
+        let named = settle(&path("elsewhere/c.ply"));
+        assert_eq!(search.find("../elsewhere/c.ply", &path("scenes")), Found::At(named));
     }
 }
