@@ -24,6 +24,9 @@ pub enum FileError {
     /// `limit` is in bytes.
     #[error("is larger than {} MiB, the most that is read of such a file", limit >> 20)]
     TooLarge { limit: u64 },
+    /// Holds the memory budget in words.
+    #[error("is larger than {0}")]
+    OverBudget(String),
     #[error("is not UTF-8 text")]
     NotUtf8,
     /// Refused by an [`Access`](super::Access).

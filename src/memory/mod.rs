@@ -9,14 +9,17 @@ mod machine;
 mod size;
 
 use std::fmt;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock};
 
-pub use self::size::{Bytes, parse_size};
-use crate::files::LARGEST_DATA;
+pub use self::size::{Bytes, NoSize, parse_size};
+use crate::files::{self, Access, FileError, LARGEST_DATA};
 
 /// The environment variable with the budget, such as `8GB`.
 pub const VARIABLE: &str = "SUNROOM_MEMORY";
+
+const REMEDY: &str = "`--memory SIZE` or SUNROOM_MEMORY sets another budget";
 
 /// A number of bytes that reservations share.
 #[derive(Debug)]
@@ -45,14 +48,30 @@ pub fn default_limit() -> u64 {
 }
 
 /// What `SUNROOM_MEMORY` says in bytes, or what is wrong with it; None if it is not set.
-pub fn budget_of_variable() -> Option<Result<u64, String>> {
+pub fn budget_of_variable() -> Option<Result<u64, NoSize>> {
     let text = std::env::var_os(VARIABLE).filter(|text| !text.is_empty())?;
     Some(parse_size(&text.to_string_lossy()))
 }
 
-/// The longest mesh or picture file that is read, in bytes: its content lies in memory before the size of what it holds is known.
-pub fn largest_data_file() -> u64 {
-    LARGEST_DATA.min(budget().limit())
+/// Reads a mesh or picture file. It is at most as long as the budget: its content lies in memory before the size of what it holds is known.
+pub fn read_data(path: &Path, access: &Access) -> Result<Vec<u8>, FileError> {
+    data_result(budget().limit(), |limit| access.read(path, limit))
+}
+
+/// Whether [`read_data`] can read a file that may be read, by the file's metadata alone.
+pub fn check_data(path: &Path) -> Result<(), FileError> {
+    data_result(budget().limit(), |limit| files::check(path, limit))
+}
+
+/// What is done with the most bytes of a file, where `budget` is in bytes.
+fn data_result<T>(budget: u64, act: impl FnOnce(u64) -> Result<T, FileError>) -> Result<T, FileError> {
+    act(LARGEST_DATA.min(budget)).map_err(|error| match error {
+        FileError::TooLarge { limit } if limit == budget => {
+            let limit = Bytes(limit);
+            FileError::OverBudget(format!("the memory budget of {limit}; {REMEDY}"))
+        }
+        other => other,
+    })
 }
 
 /// Reserves from the budget of the process.
@@ -184,7 +203,7 @@ impl fmt::Display for Shortage {
             0 => write!(f, ", and the budget is {limit}")?,
             _ => write!(f, ", and of the budget of {limit} other data take {others}")?,
         }
-        write!(f, "; `--memory SIZE` or {VARIABLE} sets another budget")
+        write!(f, "; {REMEDY}")
     }
 }
 
@@ -211,6 +230,21 @@ mod tests {
         first.resize(90).unwrap();
         drop(first);
         assert_eq!(BUDGET.reserved(), 0);
+    }
+
+    #[test]
+    fn a_file_longer_than_the_budget_is_refused_with_the_budget() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.hdr");
+        std::fs::write(&path, [0; 2000]).unwrap();
+        let message = data_result(1000, |limit| files::check(&path, limit))
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.contains("the memory budget of 1.0 kB") && message.contains("--memory"),
+            "{message}"
+        );
+        data_result(2000, |limit| files::check(&path, limit)).unwrap();
     }
 
     #[test]

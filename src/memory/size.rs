@@ -23,8 +23,13 @@ impl fmt::Display for Bytes {
     }
 }
 
+/// The error for a text that is no size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected a size with its unit, such as 8GB or 512MB")]
+pub struct NoSize;
+
 /// The bytes of a size with its unit: `8GB`, `512 MB`, `1.5GiB`, `8G`. Upper and lower case are the same.
-pub fn parse_size(text: &str) -> Result<u64, String> {
+pub fn parse_size(text: &str) -> Result<u64, NoSize> {
     let text = text.trim();
     let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
     let (number, unit) = text.split_at(split);
@@ -35,23 +40,21 @@ pub fn parse_size(text: &str) -> Result<u64, String> {
         Some('m') => 2,
         Some('g') => 3,
         Some('t') => 4,
-        _ => return Err(EXPECTED.to_owned()),
+        _ => return Err(NoSize),
     };
     let base: f64 = match unit.get(1..).unwrap_or_default() {
         "" | "b" => 1000.0,
         "ib" => 1024.0,
-        _ => return Err(EXPECTED.to_owned()),
+        _ => return Err(NoSize),
     };
-    let number: f64 = number.trim().parse().map_err(|_| EXPECTED)?;
+    let number: f64 = number.trim().parse().map_err(|_| NoSize)?;
     let bytes = number * base.powi(power);
     if bytes.is_finite() && bytes >= 1.0 {
         Ok(bytes as u64)
     } else {
-        Err(EXPECTED.to_owned())
+        Err(NoSize)
     }
 }
-
-const EXPECTED: &str = "expected a size with its unit, such as 8GB or 512MB";
 
 #[cfg(test)]
 mod tests {

@@ -12,7 +12,7 @@ use bevy::asset::io::{
 };
 use bevy::prelude::*;
 
-use crate::files::{self, FileError};
+use crate::files::FileError;
 use crate::memory;
 use crate::scene::SceneAccess;
 
@@ -37,7 +37,7 @@ impl AssetReader for FileSource {
         if !self.access.get().covers(path) {
             return Ok(VecReader::new(Vec::new()));
         }
-        match files::check(path, memory::largest_data_file()) {
+        match memory::check_data(path) {
             Ok(()) => Ok(VecReader::new(Vec::new())),
             Err(FileError::Io(error)) if error.kind() == std::io::ErrorKind::NotFound => Err(not_found(path)),
             Err(error) => Err(AssetReaderError::Io(Arc::new(error.into()))),

@@ -57,7 +57,7 @@ impl AssetLoader for TextureMapLoader {
 
 /// A picture file of any kind, read from the disk if `access` permits.
 pub fn load_picture(path: &Path, access: &Access) -> Result<TextureMap, TextureMapError> {
-    let bytes = access.read(path, memory::largest_data_file())?;
+    let bytes = memory::read_data(path, access)?;
     let image = Arc::new(load_image(&bytes)?);
     Ok(TextureMap {
         negative_pixels: image.negative_pixels(),

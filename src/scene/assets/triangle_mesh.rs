@@ -93,7 +93,7 @@ impl From<LoadedMesh> for MeshShape {
 
 /// A whole mesh file of any kind, read from the disk as far as `access` permits.
 pub fn load_mesh(path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadError> {
-    let bytes = &access.read(path, memory::largest_data_file())?;
+    let bytes = &memory::read_data(path, access)?;
     if !serialized::is_serialized(bytes) {
         return read_mesh(bytes, path, access);
     }
