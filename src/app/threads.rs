@@ -7,7 +7,7 @@ use bevy::ecs::schedule::{Schedules, SingleThreadedExecutor};
 use bevy::prelude::*;
 
 /// More threads than the largest machines have cores; each costs memory, and the system refuses to start many more.
-const MOST_WORKERS: usize = 1024;
+pub const MOST_WORKERS: usize = 1024;
 
 /// The number of workers.
 ///

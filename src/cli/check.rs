@@ -68,16 +68,21 @@ fn check(scene: &Path, args: &CheckArgs) -> bool {
     }
     let engine = app.world().resource::<RenderStatus>();
     let is_shown = report_left_out(engine, scene, args.strict);
+    let found = summary(status, engine);
     if has_errors || !engine.shortages.is_empty() {
-        report::line(format_args!("{shown}: {}", summary(status, engine)));
+        report::line(format_args!("{shown}: {found}"));
         return false;
     }
     if !is_good || !is_shown {
         report::refused_for_warnings(scene);
         return false;
     }
+    let warnings = match found.is_empty() {
+        true => String::new(),
+        false => format!("{found}, "),
+    };
     let content = content(app.world_mut());
-    report::line(format_args!("{shown}: no errors, {content}"));
+    report::line(format_args!("{shown}: no errors, {warnings}{content}"));
     list_cameras(app.world_mut());
     true
 }

@@ -13,6 +13,7 @@ const FIRST_SCENE: &str = "scenes/cornell-box.xml";
 
 pub fn run(args: EditArgs) -> ExitCode {
     args.memory.apply();
+    args.threads.report_limit();
     let all = args.scene.iter().chain(&args.monkey.more_scenes);
     if let Some(scene) = all.into_iter().find(|scene| !scene.is_file()) {
         return report::error(format_args!("{}: there is no such file", scene.display()));

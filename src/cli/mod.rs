@@ -23,6 +23,7 @@ use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
+use sunroom::app::threads::MOST_WORKERS;
 use sunroom::document::paths::settle;
 use sunroom::document::suggest::did_you_mean;
 use sunroom::files::FileError;
@@ -99,6 +100,17 @@ struct ThreadArgs {
     threads: Option<i32>,
 }
 
+impl ThreadArgs {
+    /// Says so if fewer threads are started than the user asks for.
+    fn report_limit(&self) {
+        if let Some(asked) = self.threads.filter(|&asked| asked > MOST_WORKERS as i32) {
+            report::line(format_args!(
+                "warning: {asked} threads are more than are started; {MOST_WORKERS} threads trace rays"
+            ));
+        }
+    }
+}
+
 #[derive(Args)]
 struct MemoryArgs {
     /// Memory for pictures, meshes and the film, such as 8GB [default: $SUNROOM_MEMORY, or three quarters of the machine's]
@@ -159,19 +171,17 @@ struct EditArgs {
 pub fn run() -> ExitCode {
     // Said first: the other arguments mean nothing then.
     if let Some(message) = no_command() {
-        report::error(message);
-        return ExitCode::from(2);
+        return report::wrong_usage(message);
     }
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
             let _ = error.print();
-            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+            return ExitCode::from(if error.use_stderr() { report::WRONG_USAGE } else { 0 });
         }
     };
     if let Some(Err(message)) = memory::budget_of_variable() {
-        report::error(format_args!("{}: {message}", memory::VARIABLE));
-        return ExitCode::from(2);
+        return report::wrong_usage(format_args!("{}: {message}", memory::VARIABLE));
     }
     match cli.command {
         None => edit(cli.edit),

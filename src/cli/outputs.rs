@@ -7,7 +7,7 @@ use sunroom::files::check_writable;
 use sunroom::render::image_io::{FileFormat, ImageIoError, ImageRgb, encode, write_image, write_to_temporary_folder};
 use sunroom::render::tonemap::Display;
 
-use super::report;
+use super::report::{self, Failure};
 
 /// `-` among the outputs.
 pub fn is_stdout(path: &Path) -> bool {
@@ -15,9 +15,9 @@ pub fn is_stdout(path: &Path) -> bool {
 }
 
 /// Tries the outputs of a picture before it is rendered. A disk that becomes full cannot be foreseen.
-pub fn check_pictures(outputs: &[PathBuf]) -> Result<(), ImageIoError> {
+pub fn check_pictures(outputs: &[PathBuf]) -> Result<(), Failure> {
     for path in outputs.iter().filter(|path| !is_stdout(path)) {
-        FileFormat::from_path(path)?;
+        FileFormat::from_path(path).map_err(|error| Failure::Usage(error.to_string()))?;
         check_writable(path).map_err(|source| ImageIoError::Write {
             path: path.clone(),
             source,

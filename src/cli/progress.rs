@@ -109,8 +109,11 @@ fn print(done: f64, status: &RenderStatus, time: Option<Duration>) {
 }
 
 impl Lines {
-    /// Whether a line is to be printed; it counts as printed then.
+    /// Whether a line is to be printed before the end; it counts as printed then.
     fn is_due(&mut self, done: f64, status: &RenderStatus) -> bool {
+        if done >= 1.0 {
+            return false;
+        }
         let tenths = (10.0 * done) as u32;
         let is_due = match &self.0 {
             // The line about the first samples also tells when an interrupt leaves a whole picture.
@@ -129,7 +132,7 @@ impl Lines {
 
     /// Whether the picture has got samples since the last line.
     fn lack_the_end(&self, status: &RenderStatus) -> bool {
-        self.0.as_ref().is_some_and(|said| said.samples != status.samples)
+        self.0.as_ref().map_or(0, |said| said.samples) != status.samples
     }
 }
 
@@ -163,5 +166,8 @@ mod tests {
         assert!(!lines.lack_the_end(&status(200, 16.0)));
         assert!(lines.lack_the_end(&status(201, 16.0)));
         assert!(!Lines::default().lack_the_end(&status(0, 16.0)));
+        // The end of the time may come before the last samples.
+        assert!(!lines.is_due(1.0, &status(201, 17.0)));
+        assert!(Lines::default().lack_the_end(&status(1, 16.0)));
     }
 }

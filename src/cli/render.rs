@@ -24,6 +24,7 @@ use sunroom::scene::{Film as SensorFilm, Strategy};
 use super::check::{has_only_warnings, report_left_out, report_scene};
 use super::ending::{Ending, INTERRUPTED};
 use super::progress::Progress;
+use super::report::Failure;
 use super::stats::{Bvh, Stats, StatsFormat, milliseconds, peak_memory_bytes};
 use super::{MemoryArgs, SceneArgs, ThreadArgs, TrustArgs, outputs, parse, report};
 
@@ -127,15 +128,16 @@ enum ToneMapName {
 
 pub fn run(args: RenderArgs) -> ExitCode {
     args.memory.apply();
+    args.threads.report_limit();
     match render(&args) {
         Ok(code) => code,
-        Err(error) => report::error(error),
+        Err(failure) => failure.report(),
     }
 }
 
 type Error = Box<dyn std::error::Error>;
 
-fn render(args: &RenderArgs) -> Result<ExitCode, Error> {
+fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
     outputs::check_pictures(&args.output)?;
     if args.denoise && !cfg!(feature = "denoise") {
         return Err(DenoiseError::NotBuilt.into());
@@ -282,7 +284,7 @@ fn cancel_on_interrupt() -> Result<Arc<AtomicBool>, Error> {
 }
 
 /// What the command line says beats what the file says.
-fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Error> {
+fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failure> {
     let mut integrator = world.resource_mut::<IntegratorSettings>();
     if let Some(depth) = args.max_depth {
         integrator.max_depth = u32::try_from(depth).ok();
@@ -304,7 +306,7 @@ fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Error> {
         None => {}
     }
     if let Some(camera) = &args.camera {
-        let camera = find_camera(world, camera)?;
+        let camera = find_camera(world, camera).map_err(|error| Failure::Usage(error.to_string()))?;
         world.insert_resource(ActiveSensor(Some(camera)));
     }
     let window = world
@@ -332,11 +334,10 @@ fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Error> {
         );
         if !SensorFilm::is_possible(size.x, size.y) {
             let most = SensorFilm::MOST_PIXELS;
-            return Err(format!(
+            return Err(Failure::Usage(format!(
                 "a film of {} x {} pixels is too large: at most {most} are possible",
                 size.x, size.y
-            )
-            .into());
+            )));
         }
         world.resource_mut::<RenderControl>().film_size_override = Some(size);
     }

@@ -7,6 +7,39 @@ use std::process::ExitCode;
 
 use sunroom::document::Diagnostics;
 
+/// The exit code for a command line that is wrong. It is clap's.
+pub const WRONG_USAGE: u8 = 2;
+
+/// Why a command cannot be done.
+pub enum Failure {
+    /// What the command line asks for is wrong.
+    Usage(String),
+    /// A scene, a file or the machine is at fault.
+    Fault(Box<dyn std::error::Error>),
+}
+
+impl<E: Into<Box<dyn std::error::Error>>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self::Fault(error.into())
+    }
+}
+
+impl Failure {
+    /// Prints `error: ...` and gives the exit code.
+    pub fn report(self) -> ExitCode {
+        match self {
+            Self::Usage(message) => wrong_usage(message),
+            Self::Fault(cause) => error(cause),
+        }
+    }
+}
+
+/// Prints `error: ...` and gives the exit code for a command line that is wrong.
+pub fn wrong_usage(message: impl Display) -> ExitCode {
+    error(message);
+    ExitCode::from(WRONG_USAGE)
+}
+
 /// Prints `error: ...` and gives the exit code for a fault of a scene or a file.
 pub fn error(message: impl Display) -> ExitCode {
     line(format_args!("error: {message}"));

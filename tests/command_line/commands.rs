@@ -183,7 +183,7 @@ fn wrong_usage_is_2_and_wrong_files_are_1() {
     assert_code(&render(&scene, &shop.path("a.png"), &["--time", "yesterday"]), 2);
 
     let no_format = render(&scene, &shop.path("a.docx"), &[]);
-    assert_code(&no_format, 1);
+    assert_code(&no_format, 2);
     assert!(
         stderr(&no_format).contains("exr"),
         "names the formats: {}",
@@ -201,8 +201,8 @@ fn wrong_usage_is_2_and_wrong_files_are_1() {
 fn what_cannot_be_is_refused_before_it_takes_all_memory() {
     let shop = Workshop::new();
     let (scene, out) = (shop.scene(SCENE), shop.path("out.png"));
-    let output = render(&scene, &out, &["--width", "65536", "--height", "65536"]);
-    assert_code(&output, 1);
+    let output = render(&scene, &out, &["--size", "65536x65536"]);
+    assert_code(&output, 2);
     assert!(
         stderr(&output).contains("65536 x 65536 pixels is too large"),
         "{}",
@@ -294,6 +294,11 @@ fn check_says_what_could_not_be_shown() {
         assert_code(&output, code);
         let text = stderr(&output);
         assert!(text.contains("warning") && text.contains("left out"), "{text}");
+        assert_eq!(
+            text.contains("no errors, 1 warning, 3 shapes, 1 light"),
+            code == 0,
+            "{text}"
+        );
     }
 }
 
@@ -402,7 +407,7 @@ fn cameras_are_listed_and_chosen() {
         assert_eq!((image.width, image.height), (12, 20));
     }
     let output = render(&scene, &shop.path("b.exr"), &["--camera", "below"]);
-    assert_code(&output, 1);
+    assert_code(&output, 2);
     let expected = "there is no camera `below`; there are 0: perspective, 1: above";
     assert!(stderr(&output).contains(expected), "{}", stderr(&output));
 }
@@ -474,6 +479,9 @@ fn the_end_names_the_written_files_and_the_final_samples() {
     let expected = format!("the picture is in {}, {}", exr.display(), png.display());
     assert_eq!(last[0], expected);
     assert!(last[1].starts_with("100 %  7/7 spp"), "{said}");
+    let timed = stderr(&render(&scene, &exr, &["--time", "300ms", "--threads", "5000"]));
+    assert_eq!(timed.matches("100 %").count(), 1, "{timed}");
+    assert!(timed.contains("1024 threads trace rays"), "{timed}");
     assert_eq!(stderr(&render(&scene, &exr, &["-q", "--spp", "1"])), "");
 }
 

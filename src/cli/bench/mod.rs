@@ -77,10 +77,12 @@ struct CommonArgs {
 type Error = Box<dyn std::error::Error>;
 
 pub fn run(args: BenchArgs) -> ExitCode {
-    match &args.subject {
-        None => args.renders.common.memory.apply(),
-        Some(Subject::Rays(args)) => args.common.memory.apply(),
-    }
+    let common = match &args.subject {
+        None => &args.renders.common,
+        Some(Subject::Rays(args)) => &args.common,
+    };
+    common.memory.apply();
+    common.threads.report_limit();
     let outcome = match &args.subject {
         None => renders::Plan::new(&args.renders).and_then(|plan| {
             let planned = plan.subjects();
