@@ -3,14 +3,14 @@
 /// Longer names get no suggestion: the cost is quadratic in their length.
 const LONGEST: usize = 48;
 
-/// The candidate nearest to `name`, if it is near enough to be a slip of the pen: at most a third of the letters differ. None for a name that
-/// is a candidate: it is no slip.
+/// The candidate nearest to `name`, if it is near enough to be a slip of the pen: at most a third of the letters, rounded up, differ. None for a
+/// name that is a candidate: it is no slip.
 pub fn closest<'c>(name: &str, candidates: impl IntoIterator<Item = &'c str>) -> Option<&'c str> {
     let length = name.chars().count();
     if length == 0 || length > LONGEST {
         return None;
     }
-    let allowed = (length / 3).max(1);
+    let allowed = length.div_ceil(3);
     let found = candidates
         .into_iter()
         .filter(|candidate| candidate.len() <= 4 * LONGEST && candidate.chars().count().abs_diff(length) <= allowed)
@@ -58,6 +58,7 @@ mod tests {
         let known = ["alpha", "alpha_u", "distribution", "eta", "k"];
         assert_eq!(closest("alpah", known), Some("alpha"));
         assert_eq!(closest("Alpha", known), Some("alpha"));
+        assert_eq!(closest("alfa", known), Some("alpha"));
         assert_eq!(closest("distrbution", known), Some("distribution"));
         assert_eq!(closest("reflectance", known), None);
         assert_eq!(closest("", known), None);

@@ -217,7 +217,7 @@ impl ParameterVisitor for FromFile<'_, '_, '_> {
         if ior_names::is_conductor(name) {
             *value = ConductorIor::Named(name.to_owned());
         } else {
-            let help = format!("known are {}", ior_names::CONDUCTORS.join(", "));
+            let help = ior_names::conductor_help(name);
             unknown_name(self.reader, "material", format!("`{name}` is not a known metal"), help);
         }
     }

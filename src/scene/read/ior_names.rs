@@ -2,6 +2,8 @@
 //!
 //! The numbers behind them are the renderer's, which this layer does not know; a test holds both lists equal.
 
+use crate::document::suggest::closest;
+
 /// For `int_ior` and `ext_ior`.
 pub const DIELECTRICS: [&str; 23] = [
     "vacuum",
@@ -36,6 +38,27 @@ pub const CONDUCTORS: [&str; 42] = [
     "Te-e", "ThF4", "TiC", "TiN", "TiO2", "TiO2-e", "V_palik", "VC", "VN", "W",
 ];
 
+/// What people call some of the conductors.
+const METALS: [(&str, &str); 8] = [
+    ("aluminium", "Al"),
+    ("aluminum", "Al"),
+    ("chromium", "Cr"),
+    ("copper", "Cu"),
+    ("gold", "Au"),
+    ("mirror", "none"),
+    ("silver", "Ag"),
+    ("tungsten", "W"),
+];
+
+/// The help for a name that is no conductor. Symbols are too short to tell which of them was meant.
+pub fn conductor_help(name: &str) -> String {
+    let is_meant = |word: &str| word == name || closest(name, [word]).is_some();
+    match METALS.iter().find(|(word, _)| is_meant(word)) {
+        Some((_, symbol)) => format!("did you mean `{symbol}`?"),
+        None => format!("known are {}", CONDUCTORS.join(", ")),
+    }
+}
+
 /// Case does not matter.
 pub fn is_dielectric(name: &str) -> bool {
     DIELECTRICS.iter().any(|known| known.eq_ignore_ascii_case(name))
@@ -50,6 +73,15 @@ pub fn is_conductor(name: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn words_for_metals_are_understood() {
+        for name in ["Gold", "gold", "glod"] {
+            assert_eq!(conductor_help(name), "did you mean `Au`?", "{name}");
+        }
+        assert!(METALS.iter().all(|(_, symbol)| is_conductor(symbol)));
+        assert!(conductor_help("Fe").starts_with("known are none, a-C"));
+    }
 
     #[test]
     fn the_renderer_knows_every_name_and_no_other() {
