@@ -105,7 +105,7 @@ pub(super) fn apply_scenes(
     for id in own.into_iter().chain(asked) {
         if let Some(cause) = now.failed.get(&id) {
             fail(world, id, |path| {
-                let mut diagnostics = one_error(format!("the scene cannot be read: {cause}"));
+                let mut diagnostics = one_error(cause.clone());
                 diagnostics.sources.push(SourceFile {
                     path: path.to_owned(),
                     text: Arc::default(),
