@@ -32,7 +32,7 @@ pub struct SourceFile {
     pub byte_order_mark: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
     /// A choice that was made, and that somebody may want to know of.
     Note,

@@ -17,6 +17,7 @@ use sunroom::app::editor::panels::menu_bar::{MenuState, menu_bar};
 use sunroom::app::editor::panels::{diagnostics, history, status};
 use sunroom::app::editor::picture::denoiser::DenoiserState;
 use sunroom::app::editor::session::layout::Layout;
+use sunroom::document::Severity;
 use sunroom::engine::{RenderState, RenderStatus};
 
 use super::{Panel, Shown, click, entity, item, show, show_at};
@@ -97,15 +98,23 @@ fn without_a_denoiser_there_is_nothing_to_press() {
 
 #[test]
 fn messages_show_place_and_help() {
-    let notices = vec![Notice {
-        is_error: true,
+    let error = Notice {
+        severity: Severity::Error,
         place: Some("box.xml:12:5".into()),
         text: "unknown plugin `glas`".into(),
         help: Some("did you mean `dielectric`?".into()),
         excerpt: Some("12 | <bsdf type=\"glas\">\n     ^^^^".into()),
-    }];
+    };
+    let note = Notice {
+        severity: Severity::Note,
+        place: None,
+        text: "rotations are read as degrees".into(),
+        help: None,
+        excerpt: None,
+    };
+    let notices = vec![error, note];
     let harness = show(notices, |ui, notices, _| diagnostics::diagnostics(ui, notices));
-    for text in ["error", "box.xml:12:5", "unknown plugin `glas`"] {
+    for text in ["error", "box.xml:12:5", "unknown plugin `glas`", "note"] {
         assert!(harness.query_by_label(text).is_some(), "{text}");
     }
     assert!(harness.query_by_label_contains("did you mean").is_some());

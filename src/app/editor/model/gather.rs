@@ -1,5 +1,6 @@
 //! From the world to the panels' [`Model`], once per frame. Lists are made anew only when something in them changed.
 
+use std::cmp::Reverse;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -310,16 +311,29 @@ fn scene_files(open: Option<&Path>) -> Vec<std::path::PathBuf> {
 }
 
 fn notices(scene: &SceneStatus, engine_errors: &[String], preferences: &PreferencesFile) -> Vec<Notice> {
-    let plain = |is_error: bool, text: &str| Notice {
-        is_error,
+    let plain = |severity: Severity, text: &str| Notice {
+        severity,
         place: None,
         text: text.to_owned(),
         help: None,
         excerpt: None,
     };
-    let mut notices: Vec<Notice> = engine_errors.iter().map(|error| plain(true, error)).collect();
-    notices.extend(preferences.problem.iter().map(|problem| plain(true, problem)));
-    notices.extend(scene.mesh_errors.iter().map(|problem| plain(true, &problem.message)));
+    let mut notices: Vec<Notice> = engine_errors
+        .iter()
+        .map(|error| plain(Severity::Error, error))
+        .collect();
+    notices.extend(
+        preferences
+            .problem
+            .iter()
+            .map(|problem| plain(Severity::Error, problem)),
+    );
+    notices.extend(
+        scene
+            .mesh_errors
+            .iter()
+            .map(|problem| plain(Severity::Error, &problem.message)),
+    );
     let diagnostics = &scene.diagnostics;
     notices.extend(
         diagnostics
@@ -328,13 +342,18 @@ fn notices(scene: &SceneStatus, engine_errors: &[String], preferences: &Preferen
             .map(|diagnostic| notice(diagnostics, diagnostic)),
     );
     let damaged = scene.damaged_pictures.iter();
-    notices.extend(damaged.map(|problem| plain(true, &problem.message)));
+    notices.extend(damaged.map(|problem| plain(Severity::Error, &problem.message)));
     // A picture that is not there is a warning, as on the command line: the rest is worth seeing.
     let missing = scene.picture_problems.iter();
     let warnings = missing.chain(&scene.picture_warnings).chain(&scene.mesh_warnings);
-    notices.extend(warnings.map(|warning| plain(false, &warning.message)));
-    notices.extend(scene.files_gone.iter().map(|path| plain(false, &files::gone(path))));
-    notices.sort_by_key(|notice| !notice.is_error);
+    notices.extend(warnings.map(|warning| plain(Severity::Warning, &warning.message)));
+    notices.extend(
+        scene
+            .files_gone
+            .iter()
+            .map(|path| plain(Severity::Warning, &files::gone(path))),
+    );
+    notices.sort_by_key(|notice| Reverse(notice.severity));
     notices
 }
 
@@ -347,7 +366,7 @@ fn notice(all: &Diagnostics, diagnostic: &Diagnostic) -> Notice {
             format!("{file}:{line}:{column}")
         });
     Notice {
-        is_error: diagnostic.severity == Severity::Error,
+        severity: diagnostic.severity,
         place,
         text: diagnostic.message.clone(),
         help: diagnostic.help.clone(),
@@ -378,11 +397,11 @@ mod tests {
         };
         let (preferences, _) = PreferencesFile::open(None);
         let notices = notices(&scene, &[], &preferences);
-        let of_kind = |is_error| {
-            let all = notices.iter().filter(move |notice| notice.is_error == is_error);
+        let of_kind = |severity| {
+            let all = notices.iter().filter(move |notice| notice.severity == severity);
             all.map(|notice| notice.text.as_str()).collect::<Vec<_>>()
         };
-        assert_eq!(of_kind(true), ["damaged"]);
-        assert_eq!(of_kind(false), ["missing", "negative", "duplicates"]);
+        assert_eq!(of_kind(Severity::Error), ["damaged"]);
+        assert_eq!(of_kind(Severity::Warning), ["missing", "negative", "duplicates"]);
     }
 }

@@ -22,6 +22,7 @@ use crate::app::editor::command::presets::Preset;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::picture::compare::Measured;
 use crate::app::editor::picture::denoiser::DenoiserState;
+use crate::document::Severity;
 use crate::engine::RenderStatus;
 use crate::scene::{
     AccelMethod, AreaLight, Emitter, Film, IntegratorSettings, Material, SamplerSettings, Sensor, Shape,
@@ -213,7 +214,7 @@ pub struct ComparisonModel {
 /// One message of the diagnostics panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Notice {
-    pub is_error: bool,
+    pub severity: Severity,
     /// `file:line:column`, where it is about a place.
     pub place: Option<String>,
     pub text: String,

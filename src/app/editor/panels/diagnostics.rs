@@ -4,6 +4,7 @@ use bevy_egui::egui::{self, RichText, Ui};
 
 use super::excerpt::excerpt;
 use crate::app::editor::model::Notice;
+use crate::document::Severity;
 
 pub fn diagnostics(ui: &mut Ui, notices: &[Notice]) {
     if notices.is_empty() {
@@ -20,11 +21,12 @@ pub fn diagnostics(ui: &mut Ui, notices: &[Notice]) {
 fn one(ui: &mut Ui, notice: &Notice) {
     ui.horizontal_wrapped(|ui| {
         let visuals = ui.visuals();
-        let (word, color) = match notice.is_error {
-            true => ("error", visuals.error_fg_color),
-            false => ("warning", visuals.warn_fg_color),
+        let color = match notice.severity {
+            Severity::Error => visuals.error_fg_color,
+            Severity::Warning => visuals.warn_fg_color,
+            Severity::Note => visuals.weak_text_color(),
         };
-        ui.label(RichText::new(word).strong().color(color));
+        ui.label(RichText::new(notice.severity.to_string()).strong().color(color));
         if let Some(place) = &notice.place {
             let color = ui.visuals().hyperlink_color;
             ui.label(RichText::new(place).monospace().small().color(color));

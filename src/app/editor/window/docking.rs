@@ -13,6 +13,7 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::app::editor::viewport::model::ViewportModel;
 use crate::app::editor::viewport::state::ViewportState;
 use crate::app::editor::viewport::viewport;
+use crate::document::Severity;
 
 /// What the panels show and say.
 pub struct Panels<'a> {
@@ -98,7 +99,7 @@ impl TabViewer for Panels<'_> {
             return panel.title().into();
         }
         let title = RichText::new(format!("{} ({})", panel.title(), notices.len()));
-        if notices.iter().any(|notice| notice.is_error) {
+        if notices.iter().any(|notice| notice.severity == Severity::Error) {
             title.color(self.error_color).into()
         } else {
             title.into()
