@@ -84,12 +84,12 @@ fn lines(outline: &Outline, filter: &str, folding: &Folding) -> Vec<Line> {
         if found.is_empty() {
             continue;
         }
-        let count = found.len();
+        let (roots, inside) = nesting(items, &found);
+        let count = roots.len();
         lines.push(Line::Heading { name, count });
         if wanted.is_empty() && folding.closed.contains(name) {
             continue;
         }
-        let (roots, inside) = nesting(items, &found);
         let mut writer = Writer {
             group,
             items,
@@ -277,7 +277,7 @@ mod tests {
         let mut folding = Folding::default();
         assert_eq!(
             text(&outline, "", &folding),
-            ["Materials 4", "0 cloth", "0 round", "0 about"]
+            ["Materials 3", "0 cloth", "0 round", "0 about"]
         );
         folding.open.insert(outline.materials[0].entity);
         assert_eq!(text(&outline, "", &folding)[1..3], ["0 cloth", "1 weave"]);
