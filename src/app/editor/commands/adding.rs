@@ -53,7 +53,10 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
     let Spot { foot, size, on } = spot;
     // A light that is not placed hangs above what it shines on.
     let above = match addition.at {
-        None if is_light && has_spot(addition.kind) => foot + up * spot::headroom(edit.world, &spot, ABOVE * size),
+        None if is_light && has_spot(addition.kind) => {
+            let above = foot + up * spot::headroom(edit.world, &spot, ABOVE * size);
+            spot::rounded_place(above, size)
+        }
         _ => foot,
     };
     // What is flat does not lie in what it lies on.

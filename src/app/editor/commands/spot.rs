@@ -251,6 +251,12 @@ pub fn rounded(size: f32) -> f32 {
     (((size / digit).round() * digit) as f32).max(f32::MIN_POSITIVE)
 }
 
+/// To a hundredth of `size` or finer, so that the numbers are short in a file.
+pub fn rounded_place(place: Vec3, size: f32) -> Vec3 {
+    let step = 0.01 * 10f64.powf(f64::from(size.max(f32::MIN_POSITIVE)).log10().floor());
+    place.map(|number| ((f64::from(number) / step).round() * step) as f32)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -262,6 +268,13 @@ mod tests {
     use crate::render::camera::Camera;
     use crate::render::view::View;
     use crate::scene::{ActiveSensor, FreeView, ShapeKind};
+
+    #[test]
+    fn a_rounded_place_has_short_numbers() {
+        let place = Vec3::new(0.123_456, 2.987_65, -31.415_92);
+        assert_eq!(rounded_place(place, 0.5), Vec3::new(0.123, 2.988, -31.416));
+        assert_eq!(rounded_place(1e3 * place, 700.0), Vec3::new(123.0, 2988.0, -31416.0));
+    }
 
     /// Looks along -z at the origin, a little from above; only beyond `near` it sees.
     fn world(near: f32) -> World {
