@@ -231,6 +231,7 @@ fn a_recovered_scene_stays_when_its_files_are_allowed() {
     let note = Note {
         scene: Some(window.path("scene/a.xml")),
         time: 1,
+        ..Note::default()
     };
     let folder = window.path(aside);
     window.write(

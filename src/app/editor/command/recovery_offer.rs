@@ -5,12 +5,15 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 /// What is known of edits that were written aside.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Note {
     /// None: of a scene that was never saved.
     pub scene: Option<PathBuf>,
     /// Seconds since 1970.
     pub time: u64,
+    /// Number of shapes, lights and cameras; None in notes of older versions.
+    #[serde(default)]
+    pub things: Option<usize>,
 }
 
 /// Edits that can be had back.

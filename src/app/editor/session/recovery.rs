@@ -121,6 +121,7 @@ fn write_aside(folder: &Path, scene: &SceneDescription, path: Option<PathBuf>) -
     let note = Note {
         scene: path,
         time: since_1970.as_secs(),
+        things: Some(scene.shapes.len() + scene.emitters.len() + scene.sensors.len()),
     };
     let text = serde_json::to_vec_pretty(&note).map_err(|error| error.to_string())?;
     write_atomically(&folder.join(NOTE), text).map_err(described)?;
@@ -357,6 +358,7 @@ mod tests {
         Note {
             scene: scene.map(Path::to_owned),
             time,
+            things: None,
         }
     }
 
@@ -371,8 +373,8 @@ mod tests {
         write_aside(&folder, &SceneDescription::empty(), Some(path.clone())).expect("it can be written");
         let offer = left_over(&all, Some(&path), false).expect("there is one");
         assert_eq!(
-            (&offer.folder, offer.note.scene.as_deref()),
-            (&folder, Some(path.as_path()))
+            (&offer.folder, offer.note.scene.as_deref(), offer.note.things),
+            (&folder, Some(path.as_path()), Some(0))
         );
         assert_eq!(left_over(&all, Some(Path::new("/other.xml")), true), None);
         assert!(discard(&offer).is_ok());

@@ -6,7 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use bevy_egui::egui::{self, Id, Modal};
 
 use crate::app::editor::command::Command;
-use crate::app::editor::command::recovery_offer::Offer;
+use crate::app::editor::command::recovery_offer::{Note, Offer};
 use crate::app::editor::command::shell::ShellCommand;
 
 /// Asks what is to become of the edits; `offer` is None once that is answered.
@@ -19,10 +19,7 @@ pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &m
         ui.set_width(420.0);
         ui.heading("Recover unsaved edits?");
         ui.add_space(4.0);
-        let scene = match &asked.note.scene {
-            Some(path) => path.display().to_string(),
-            None => "a scene that was never saved".to_owned(),
-        };
+        let scene = name_of(&asked.note);
         let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let since = |time: u64| ago(since_1970.as_secs().saturating_sub(time));
         let age = since(asked.note.time);
@@ -53,6 +50,15 @@ pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &m
     if answer.is_some() || modal.should_close() {
         commands.extend(answer.map(Command::Shell));
         *offer = None;
+    }
+}
+
+fn name_of(note: &Note) -> String {
+    match (&note.scene, note.things) {
+        (Some(path), _) => path.display().to_string(),
+        (None, None) => "a scene that was never saved".to_owned(),
+        (None, Some(1)) => "a scene of 1 thing that was never saved".to_owned(),
+        (None, Some(things)) => format!("a scene of {things} things that was never saved"),
     }
 }
 
@@ -100,6 +106,18 @@ mod tests {
         assert!(told(2000).is_some_and(|text| text.contains("changed after that, now")));
         assert_eq!(told(u64::MAX), None);
         assert!(about_file(None, 0, |_| String::new()).is_some_and(|text| text.contains("not there")));
+    }
+
+    #[test]
+    fn a_scene_without_a_file_is_known_by_its_size() {
+        let named = |things| {
+            name_of(&Note {
+                things,
+                ..Note::default()
+            })
+        };
+        assert_eq!(named(Some(3)), "a scene of 3 things that was never saved");
+        assert_eq!(named(None), "a scene that was never saved");
     }
 
     #[test]
