@@ -12,8 +12,8 @@ const WIDTH: f32 = 380.0;
 /// Points that the gizmo's bar takes at the upper edge of the picture.
 const BELOW_BAR: f32 = 46.0;
 
-/// At the right of `place`, below the bar at its upper edge.
-pub fn show(toasts: &mut Toasts, context: &egui::Context, place: Rect, commands: &mut Vec<Command>) {
+/// At the right of `place`, below the bar at its upper edge. Errors wait while a question is open: the answer may mend them.
+pub fn show(toasts: &mut Toasts, asks: bool, context: &egui::Context, place: Rect, commands: &mut Vec<Command>) {
     let current = toasts.current();
     if current.is_empty() {
         return;
@@ -27,7 +27,8 @@ pub fn show(toasts: &mut Toasts, context: &egui::Context, place: Rect, commands:
         .constrain_to(place)
         .show(context, |ui| {
             ui.set_width(width);
-            for (index, toast) in current.iter().enumerate().rev() {
+            let waits = |toast: &Toast| asks && toast.tone == Tone::Error;
+            for (index, toast) in current.iter().enumerate().rev().filter(|(_, toast)| !waits(toast)) {
                 ui.push_id(toast.since, |ui| {
                     if toast_frame(ui, toast, commands) {
                         dismissed = Some(index);

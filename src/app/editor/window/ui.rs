@@ -218,7 +218,8 @@ pub fn show_window(
     };
     shell.unsaved_question.hold(commands, unsaved.edits);
     shell.unsaved_question.show(&context, unsaved, commands);
-    toasts::show(&mut said.toasts, &context, widgets.viewport_place, commands);
+    let asks = shell.trusted.question.is_some();
+    toasts::show(&mut said.toasts, asks, &context, widgets.viewport_place, commands);
     said.queue.0.append(commands);
     *is_typing = context
         .memory(|memory| memory.focused())
