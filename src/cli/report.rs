@@ -7,10 +7,10 @@ use std::process::ExitCode;
 
 use sunroom::document::Diagnostics;
 
-/// The exit code for a command line that is wrong. It is clap's.
+/// Exit code for a command line that is wrong; clap uses it as well.
 pub const WRONG_USAGE: u8 = 2;
 
-/// Why a command cannot be done.
+/// Says why a command cannot be done.
 pub enum Failure {
     /// What the command line asks for is wrong.
     Usage(String),

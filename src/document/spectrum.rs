@@ -44,7 +44,7 @@ impl Role {
 /// The warning for a spectrum whose colour had to be clamped.
 pub const CLAMPED: &str = "no mixture of red, green and blue gives this spectrum; the nearest colour is taken";
 
-/// Why a text is no sampled spectrum. Lines count from 1.
+/// Says why a text is no sampled spectrum. Lines count from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SpectrumError {
     #[error(transparent)]

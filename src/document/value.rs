@@ -15,7 +15,7 @@ pub fn quote(text: &str) -> String {
     }
 }
 
-/// Why a text is not the value that was expected.
+/// Says what was expected and quotes what was found.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ValueError {
     #[error("expected {expected}, found {found}")]

@@ -42,7 +42,7 @@ pub(super) struct BuiltMesh {
     pub build_ms: f64,
 }
 
-/// Why a mesh has no acceleration structure.
+/// Says why a mesh has no acceleration structure.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum BuildError {
     #[error("{triangles} triangles with flipped texture coordinates need {shortage}")]

@@ -14,7 +14,7 @@ const MOST_REFUSED: usize = 1000;
 /// As many links in a row are followed as the kernel of Linux follows.
 const MOST_LINKS: usize = 40;
 
-/// A folder that may be read, or a file that stands for itself.
+/// Names a folder that may be read, or a file that stands for itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Folder {
     /// Absolute, as it was named: its own links are the user's, and are followed.
@@ -179,8 +179,8 @@ fn canonical(folder: &Path) -> PathBuf {
         .unwrap_or_else(|| folder.to_owned())
 }
 
-/// Absolute and without links, also without those that lead to nothing. The part of the path that does not exist stays as it is. None if that
-/// part leads upwards, if the path leads through more than [`MOST_LINKS`] links, or through a place that `may_pass` refuses; nothing is looked up there.
+/// Makes a path absolute and follows its links, also those that lead to nothing. The part that does not exist stays as it is. None if that part
+/// leads upwards, or if the path leads through more than [`MOST_LINKS`] links or a place that `may_pass` refuses; nothing is looked up there.
 fn resolved(path: &Path, may_pass: impl Fn(&Path) -> bool) -> Option<PathBuf> {
     let mut absolute = std::path::absolute(path).ok()?;
     'links: for _ in 0..=MOST_LINKS {

@@ -58,12 +58,12 @@ pub fn read_data(path: &Path, access: &Access) -> Result<Vec<u8>, FileError> {
     data_result(budget().limit(), |limit| access.read(path, limit))
 }
 
-/// Whether [`read_data`] can read a file that may be read, by the file's metadata alone.
+/// Tells by the metadata alone whether [`read_data`] can read a file, if it may be read.
 pub fn check_data(path: &Path) -> Result<(), FileError> {
     data_result(budget().limit(), |limit| files::check(path, limit))
 }
 
-/// What is done with the most bytes of a file, where `budget` is in bytes.
+/// Hands the longest length of a file to `act`, and names the budget if it is the reason for an error. Both are in bytes.
 fn data_result<T>(budget: u64, act: impl FnOnce(u64) -> Result<T, FileError>) -> Result<T, FileError> {
     act(LARGEST_DATA.min(budget)).map_err(|error| match error {
         FileError::TooLarge { limit } if limit == budget => {

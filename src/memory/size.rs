@@ -23,7 +23,7 @@ impl fmt::Display for Bytes {
     }
 }
 
-/// The error for a text that is no size.
+/// Says that a text is no size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("expected a size with its unit, such as 8GB or 512MB")]
 pub struct NoSize;

@@ -194,7 +194,8 @@ fn wrong_usage_is_2_and_wrong_files_are_1() {
     assert!(stderr(&no_folder).contains("nowhere"));
     let no_scene = render(&shop.path("absent.xml"), &shop.path("a.png"), &[]);
     assert_code(&no_scene, 1);
-    assert!(stderr(&no_scene).contains("absent.xml"), "{}", stderr(&no_scene));
+    let expected = "absent.xml: no such file";
+    assert!(stderr(&no_scene).contains(expected), "{}", stderr(&no_scene));
 }
 
 #[test]

@@ -260,9 +260,10 @@ mod memory {
             let file = std::fs::File::create(folder.join(name)).expect("a file");
             file.set_len(30 << 30).expect("a file with a hole");
             write_scene(&shop, "scene.xml", &content);
-            let outcome = run(folder, &["check", "--memory", "20MiB", "scene.xml"]);
+            let outcome = run(folder, &["check", "--memory", "20MB", "scene.xml"]);
             assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
-            assert!(outcome.stderr.contains("is larger than 20 MiB"), "{}", outcome.stderr);
+            let expected = "is larger than the memory budget of 20.0 MB; `--memory SIZE`";
+            assert!(outcome.stderr.contains(expected), "{}", outcome.stderr);
         }
     }
 

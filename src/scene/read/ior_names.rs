@@ -38,7 +38,7 @@ pub const CONDUCTORS: [&str; 42] = [
     "Te-e", "ThF4", "TiC", "TiN", "TiO2", "TiO2-e", "V_palik", "VC", "VN", "W",
 ];
 
-/// What people call some of the conductors.
+/// Words for some of the conductors, with their names in files.
 const METALS: [(&str, &str); 8] = [
     ("aluminium", "Al"),
     ("aluminum", "Al"),
@@ -50,7 +50,7 @@ const METALS: [(&str, &str); 8] = [
     ("tungsten", "W"),
 ];
 
-/// The help for a name that is no conductor. Symbols are too short to tell which of them was meant.
+/// Advises on a name that is no conductor. Symbols are too short to tell which of them was meant.
 pub fn conductor_help(name: &str) -> String {
     let is_meant = |word: &str| word == name || closest(name, [word]).is_some();
     match METALS.iter().find(|(word, _)| is_meant(word)) {

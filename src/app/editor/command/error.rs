@@ -1,9 +1,9 @@
-//! Why a command is not carried out.
+//! [`CommandError`] says why a command is not carried out.
 
 use std::borrow::Cow;
 use std::error::Error;
 
-/// Why a command was not carried out; nothing is changed then. Its text is a sentence for the user.
+/// Says why a command was not carried out, in a sentence for the user; nothing is changed then.
 #[derive(Debug, thiserror::Error)]
 pub enum CommandError {
     /// The scene, the selection or the picture does not allow it.

@@ -11,7 +11,7 @@ pub struct Note {
     pub scene: Option<PathBuf>,
     /// Seconds since 1970.
     pub time: u64,
-    /// Number of shapes, lights and cameras; None in notes of older versions.
+    /// Counts shapes, lights and cameras; None in notes of older versions.
     #[serde(default)]
     pub things: Option<usize>,
 }

@@ -103,7 +103,7 @@ pub fn save_scene(world: &mut World, path: &Path, on_change: OnChange) -> Result
     Ok(())
 }
 
-/// Errors of saving before are mended.
+/// Says that something is saved, which mends earlier errors of saving.
 fn say_saved(world: &mut World, message: String) {
     let mut toasts = world.resource_mut::<Toasts>();
     toasts.forget(Topic::Saving);

@@ -251,7 +251,7 @@ pub fn rounded(size: f32) -> f32 {
     (((size / digit).round() * digit) as f32).max(f32::MIN_POSITIVE)
 }
 
-/// To a hundredth of `size` or finer, so that the numbers are short in a file.
+/// Rounds to a hundredth of `size` or finer, so that the numbers are short in a file.
 pub fn rounded_place(place: Vec3, size: f32) -> Vec3 {
     let step = 0.01 * 10f64.powf(f64::from(size.max(f32::MIN_POSITIVE)).log10().floor());
     place.map(|number| ((f64::from(number) / step).round() * step) as f32)

@@ -438,9 +438,9 @@ fn separate_ids(world: &mut World, changes: &[Change]) {
 }
 
 /// An error, in words, if there is nothing to undo.
-pub fn undo(world: &mut World) -> Result<(), &'static str> {
+pub fn undo(world: &mut World) -> Result<(), CommandError> {
     let Some(mut entry) = world.resource_mut::<History>().done.pop() else {
-        return Err("There is nothing to undo.");
+        return Err("There is nothing to undo.".into());
     };
     for change in entry.changes.iter().rev() {
         change.change.write(world, change.entity, Side::Before);
@@ -460,9 +460,9 @@ pub fn undo(world: &mut World) -> Result<(), &'static str> {
 }
 
 /// An error, in words, if there is nothing to do again.
-pub fn redo(world: &mut World) -> Result<(), &'static str> {
+pub fn redo(world: &mut World) -> Result<(), CommandError> {
     let Some(entry) = world.resource_mut::<History>().undone.pop() else {
-        return Err("There is nothing to do again.");
+        return Err("There is nothing to do again.".into());
     };
     for change in &entry.changes {
         change.change.write(world, change.entity, Side::After);

@@ -13,7 +13,7 @@ use crate::scene::{
     ParameterVisitor, PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SunPosition, Texture,
 };
 
-/// Why a parameter was not set.
+/// Says why a parameter was not set.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum AssignError {
     #[error("expected {}", known.join(" or "))]
@@ -144,7 +144,7 @@ impl Assign<'_> {
         }
     }
 
-    /// A value that may be anything that can be read.
+    /// Sets a value that may be anything that can be read.
     fn parsed<T>(&mut self, name: &'static str, value: &mut T, parse: impl FnOnce(&str) -> Result<T, ValueError>) {
         self.value(name, value, |text| Ok(parse(text)?));
     }

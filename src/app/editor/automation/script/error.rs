@@ -1,4 +1,4 @@
-//! Why a script ends early.
+//! [`ScriptError`] says why a script ends early.
 
 use std::borrow::Cow;
 
@@ -6,7 +6,7 @@ use super::assign::AssignError;
 use crate::app::editor::command::error::CommandError;
 use crate::document::value::ValueError;
 
-/// Why a line of a script is not carried out, without the place of the line.
+/// Says why a line of a script is not carried out, without the place of the line.
 #[derive(Debug, thiserror::Error)]
 pub enum ScriptError {
     /// A word of the line names nothing, or stands in the wrong place.
@@ -24,7 +24,7 @@ pub enum ScriptError {
     },
     #[error(transparent)]
     Command(#[from] CommandError),
-    /// The picture could not be saved, and where it is kept instead.
+    /// The picture could not be saved; `kept` says where it is instead.
     #[error("{error}; {kept}")]
     Kept { error: CommandError, kept: String },
     /// The log says why.

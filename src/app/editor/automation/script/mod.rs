@@ -236,3 +236,24 @@ impl Script {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_reason_why_a_scene_is_not_opened_is_left_to_the_log() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("script.txt");
+        std::fs::write(&path, "open absent.xml").expect("a file");
+        let mut script = Script::read(&path).expect("a script");
+        (script.opens, script.frames) = (true, FRAMES_TO_BEGIN);
+        let mut world = World::new();
+        world.insert_resource(SceneStatus {
+            state: SceneState::Failed,
+            ..SceneStatus::default()
+        });
+        let error = is_ready(&world, &mut script).expect_err("it failed");
+        assert_eq!(error.to_string(), "the scene cannot be read");
+    }
+}
