@@ -1,9 +1,7 @@
 //! The keyboard: which keys fly, and which are commands.
 
-use bevy::ecs::system::SystemParam;
-use bevy::input::keyboard::{Key as LogicalKey, KeyCode, KeyboardFocusLost, KeyboardInput};
+use bevy::input::keyboard::{Key as LogicalKey, KeyCode, KeyboardInput};
 use bevy::math::Vec3;
-use bevy::prelude::{Local, MessageReader};
 use bevy_egui::egui::{InputState, Key, Modifiers};
 use bevy_egui::helpers::{bevy_to_egui_key, bevy_to_egui_physical_key};
 
@@ -18,38 +16,26 @@ pub fn fly_direction(input: &InputState) -> Vec3 {
     Vec3::new(axis(Key::A, Key::D), axis(Key::E, Key::Q), axis(Key::W, Key::S))
 }
 
-/// The modifier keys that are down. egui knows them once per frame only: of Control and S pressed and let go within one slow frame it
-/// would keep the S alone.
-#[derive(Debug, Default)]
-pub struct HeldModifiers(Vec<(KeyCode, Modifiers)>);
+/// The presses among a frame's events, in order, with the frame's modifiers: [`super::typing::order_keys`] gives no frame two states of them.
+pub fn presses<'a>(events: impl Iterator<Item = &'a KeyboardInput>, modifiers: Modifiers) -> Vec<Press> {
+    let pressed = events.filter(|event| event.state.is_pressed() && !event.repeat);
+    pressed.filter_map(|event| press(event, modifiers)).collect()
+}
 
-impl HeldModifiers {
-    /// Follows one event; returns the press it is, if it is one.
-    fn follow(&mut self, event: &KeyboardInput) -> Option<Press> {
-        let is_down = event.state.is_pressed();
-        if !is_down {
-            self.0.retain(|(code, _)| *code != event.key_code);
-            return None;
-        }
-        if event.repeat {
-            return None;
-        }
-        if let Some(modifier) = modifier(&event.logical_key) {
-            self.0.retain(|(code, _)| *code != event.key_code);
-            self.0.push((event.key_code, modifier));
-            return None;
-        }
-        let numpad = numpad_digit(event.key_code);
-        let key = numpad
-            .or_else(|| bevy_to_egui_key(&event.logical_key))
-            .or_else(|| bevy_to_egui_physical_key(&event.key_code))?;
-        let modifiers = self.0.iter().fold(Modifiers::NONE, |all, (_, held)| all | *held);
-        Some(Press {
-            key,
-            modifiers,
-            numpad: numpad.is_some(),
-        })
+/// None for modifier keys and for keys that egui does not know.
+fn press(event: &KeyboardInput, modifiers: Modifiers) -> Option<Press> {
+    if is_modifier(&event.logical_key) {
+        return None;
     }
+    let numpad = numpad_digit(event.key_code);
+    let key = numpad
+        .or_else(|| bevy_to_egui_key(&event.logical_key))
+        .or_else(|| bevy_to_egui_physical_key(&event.key_code))?;
+    Some(Press {
+        key,
+        modifiers,
+        numpad: numpad.is_some(),
+    })
 }
 
 /// Whatever Num Lock makes of it.
@@ -69,43 +55,12 @@ fn numpad_digit(code: KeyCode) -> Option<Key> {
     digits.into_iter().find(|(known, _)| *known == code).map(|(_, key)| key)
 }
 
-/// What a key is that changes what others mean.
-pub fn modifier(key: &LogicalKey) -> Option<Modifiers> {
-    let is_mac = cfg!(target_os = "macos");
+/// Whether the key changes the meaning of others.
+pub fn is_modifier(key: &LogicalKey) -> bool {
     match key {
-        LogicalKey::Control => Some(Modifiers {
-            ctrl: true,
-            command: !is_mac,
-            ..Modifiers::NONE
-        }),
-        LogicalKey::Super if is_mac => Some(Modifiers {
-            mac_cmd: true,
-            command: true,
-            ..Modifiers::NONE
-        }),
-        LogicalKey::Shift => Some(Modifiers::SHIFT),
-        LogicalKey::Alt => Some(Modifiers::ALT),
-        _ => None,
-    }
-}
-
-/// The keyboard's events since the last frame.
-#[derive(SystemParam)]
-pub struct KeyEvents<'w, 's> {
-    events: MessageReader<'w, 's, KeyboardInput>,
-    focus_lost: MessageReader<'w, 's, KeyboardFocusLost>,
-    held: Local<'s, HeldModifiers>,
-}
-
-impl KeyEvents<'_, '_> {
-    /// The presses, in order. To be called each frame, whoever has the keyboard.
-    pub fn presses(&mut self) -> Vec<Press> {
-        let held = &mut *self.held;
-        let presses = self.events.read().filter_map(|event| held.follow(event)).collect();
-        if self.focus_lost.read().count() > 0 {
-            held.0.clear();
-        }
-        presses
+        LogicalKey::Control | LogicalKey::Shift | LogicalKey::Alt => true,
+        LogicalKey::Super => cfg!(target_os = "macos"),
+        _ => false,
     }
 }
 
@@ -162,10 +117,8 @@ mod tests {
         }
     }
 
-    fn commands(events: &[KeyboardInput]) -> Vec<Command> {
-        let mut held = HeldModifiers::default();
-        let presses: Vec<Press> = events.iter().filter_map(|event| held.follow(event)).collect();
-        assert!(held.0.is_empty(), "{held:?}");
+    fn commands(events: &[KeyboardInput], modifiers: Modifiers) -> Vec<Command> {
+        let presses = presses(events.iter(), modifiers);
         let context = ActionContext {
             display: DisplaySettings::default(),
             overlay: BvhOverlay::default(),
@@ -181,15 +134,14 @@ mod tests {
     }
 
     #[test]
-    fn a_shortcut_tapped_within_a_frame_keeps_its_modifier() {
+    fn modifier_keys_are_no_presses() {
         let s = || LogicalKey::Character("s".into());
         let events = [
             event(KeyCode::ControlLeft, LogicalKey::Control, ButtonState::Pressed),
             event(KeyCode::KeyS, s(), ButtonState::Pressed),
             event(KeyCode::KeyS, s(), ButtonState::Released),
-            event(KeyCode::ControlLeft, LogicalKey::Control, ButtonState::Released),
         ];
-        assert_eq!(commands(&events), [Command::Save]);
+        assert_eq!(commands(&events, Modifiers::COMMAND), [Command::Save]);
     }
 
     #[test]
@@ -206,7 +158,7 @@ mod tests {
             tab(ButtonState::Pressed),
             tab(ButtonState::Released),
         ];
-        let modes: Vec<DisplayMode> = commands(&events)
+        let modes: Vec<DisplayMode> = commands(&events, Modifiers::NONE)
             .into_iter()
             .filter_map(|command| match command {
                 Command::SetDisplay(display) => Some(display.mode),

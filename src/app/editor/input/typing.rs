@@ -6,7 +6,7 @@ use bevy::input::keyboard::{Key, KeyboardFocusLost, KeyboardInput};
 use bevy::prelude::*;
 use bevy::window::{RequestRedraw, WindowEvent};
 
-use super::keys::modifier;
+use super::keys::is_modifier;
 
 /// Before anything reads the keyboard.
 pub fn order_keys(
@@ -56,7 +56,7 @@ fn before_button<'a>(events: impl Iterator<Item = &'a WindowEvent>) -> Option<us
 fn batch(keys: &[KeyboardInput]) -> usize {
     let (mut has_press, mut has_left) = (false, false);
     let next = keys.iter().position(|key| {
-        let is_modifier = modifier(&key.logical_key).is_some();
+        let is_modifier = is_modifier(&key.logical_key);
         let is_next = has_left || (is_modifier && has_press);
         has_press |= !is_modifier && key.state.is_pressed();
         // Slow frames would never come to the end of those that a held key repeats.

@@ -1,5 +1,6 @@
 //! The arrangement of the window: menus above, lists left and right, the status line below, the picture in between.
 
+use bevy::input::keyboard::KeyboardInput;
 use bevy::input::mouse::AccumulatedMouseMotion;
 use bevy::prelude::*;
 use bevy_egui::{EguiClipboard, EguiContexts, egui};
@@ -15,7 +16,7 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::input::actions::ActionContext;
-use crate::app::editor::input::keys::KeyEvents;
+use crate::app::editor::input::keys;
 use crate::app::editor::input::press::Press;
 use crate::app::editor::model::EditorModel;
 use crate::app::editor::panels::menu_bar::{MenuState, menu_bar};
@@ -79,13 +80,14 @@ pub fn show_window(
     mut dialogs: ResMut<Dialogs>,
     mut shell: Shell,
     scene: Scene,
-    mut keys: KeyEvents,
+    mut key_events: MessageReader<KeyboardInput>,
     mut focus: Local<Option<egui::Id>>,
     mut is_typing: Local<bool>,
 ) -> Result {
-    let presses = keys.presses();
-    count_interactions(contexts.ctx_mut()?, &presses, &state, &mut said.requests, &mut focus);
     let context = contexts.ctx_mut()?.clone();
+    let modifiers = context.input(|input| input.modifiers);
+    let presses = keys::presses(key_events.read(), modifiers);
+    count_interactions(&context, &presses, &state, &mut said.requests, &mut focus);
     // A field that is left and a list that closes in this frame still had its keys.
     let presses = match *is_typing || egui::Popup::is_any_open(&context) {
         true => Vec::new(),
@@ -227,8 +229,7 @@ pub fn show_window(
     Ok(())
 }
 
-/// Copies, cuts and pastes things while nothing is being typed. By the presses, not by egui's events: those do without a modifier that was
-/// let go of within a slow frame.
+/// Copies, cuts and pastes things while nothing is being typed.
 fn use_clipboard(
     context: &egui::Context,
     presses: &[Press],
