@@ -1,5 +1,5 @@
-//! Meshes that are an affine image of a square or of a cube, as most walls, floors and boxes are: one test finds which face a ray meets,
-//! and the place on the face which of its two triangles.
+//! Meshes that are an affine image of a square or of a cube, as most walls, floors and boxes are. One test finds the face that a ray meets,
+//! and the place on the face says which of its two triangles is hit.
 
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 
@@ -8,32 +8,32 @@ use crate::geometry::mesh::MeshData;
 /// The image of the square [-1, 1]² in the plane z = 0, or of the cube [-1, 1]³.
 #[derive(Clone, Debug)]
 pub(super) struct AffineMesh {
-    /// Into the mesh's space. A square's third axis is a normal of any length.
+    /// The transform into the mesh's space. A square's third axis is a normal of any length.
     pub placed: DAffine3,
-    /// A square's only one, or a cube's at x = -1, x = 1, y = -1, and so on.
+    /// The only face of a square, or those of a cube at x = -1, x = 1, y = -1, and so on.
     pub faces: Vec<Face>,
 }
 
-/// Two triangles that make up a parallelogram. A place on the cube's face across an axis is given by the coordinates along the two axes
-/// that follow it in turn, on the square by x and y.
+/// Two triangles that make up a parallelogram. A place on it is given by two coordinates: on a cube's face across an axis those along the two
+/// axes that follow it in turn, on the square x and y.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Face([Half; 2]);
 
 #[derive(Clone, Copy, Debug)]
 struct Half {
-    /// In the mesh.
+    /// Index into the mesh's triangles.
     triangle: u32,
-    /// The corner of the face that is not its own.
+    /// The corner of the face that the triangle does not have.
     lacks: Vec2,
-    /// Weights of its corners 1 and 2, to be multiplied by a place and 1.
+    /// The weights of its corners 1 and 2 are the dot products of these with (place, 1).
     u: Vec3,
     v: Vec3,
 }
 
 impl AffineMesh {
-    /// None if it is neither of them within the rounding of its corners, or shows a triangle twice.
+    /// None if the mesh is neither within the rounding of its corners, or has a triangle twice.
     pub fn of(mesh: &MeshData) -> Option<Self> {
-        // Triangles that no ray can hit may be there.
+        // Triangles that no ray can hit may be there, too.
         if mesh.triangles.len() > 2 * 12 {
             return None;
         }
@@ -67,7 +67,8 @@ impl AffineMesh {
     }
 }
 
-/// The transform under which the points are the corners, if `between` and the two others are those of one face, and which point is which.
+/// Finds the transform that takes the corners of the square or cube to the points, and the corner that belongs to each point. `between` is the
+/// corner of one face between `s` and `t`.
 fn fit(points: &[DVec3], [between, s, t]: [DVec3; 3], is_cube: bool) -> Option<(DAffine3, Vec<DVec3>)> {
     let middle = points.iter().sum::<DVec3>() / points.len() as f64;
     let third = |x: DVec3, y: DVec3, z: DVec3| if is_cube { z } else { x.cross(y).normalize() };
@@ -76,7 +77,7 @@ fn fit(points: &[DVec3], [between, s, t]: [DVec3; 3], is_cube: bool) -> Option<(
     let own = if is_cube { DVec3::ONE } else { DVec3::new(1.0, 1.0, 0.0) };
     let signs: Vec<DVec3> = points.iter().map(|&p| own * (first * (p - middle)).signum()).collect();
 
-    // The best that all corners together say of the axes.
+    // The axes are a least squares fit to all corners.
     let axis = |k: usize| points.iter().zip(&signs).map(|(&p, sign)| sign[k] * p).sum::<DVec3>() / points.len() as f64;
     let (x, y) = (axis(0), axis(1));
     let linear = DMat3::from_cols(x, y, third(x, y, axis(2)));
@@ -92,10 +93,10 @@ fn fit(points: &[DVec3], [between, s, t]: [DVec3; 3], is_cube: bool) -> Option<(
     (points.iter().zip(&signs).all(fits) && placed.is_finite()).then_some((placed, signs))
 }
 
-/// Of boxes so thin that their corners are mere rounding this is exceeded; in units of half an edge.
+/// The farthest that a corner may be off, in units of half an edge. Boxes so thin that their corners are mere rounding exceed it.
 const MOST_OFF: f64 = 1e-4;
 
-/// Each two triangles that have all corners of a face between them. `signs` are the corners' coordinates.
+/// Pairs the triangles that make up a face. `signs` are the coordinates of the corners.
 fn faces(triangles: &[(u32, [usize; 3])], signs: &[DVec3]) -> Option<Vec<Face>> {
     let mut halves = vec![Vec::with_capacity(2); triangles.len() / 2];
     for &(triangle, corners) in triangles {
@@ -123,7 +124,7 @@ fn faces(triangles: &[(u32, [usize; 3])], signs: &[DVec3]) -> Option<Vec<Face>> 
 }
 
 impl Face {
-    /// The triangle there, and the weights of its corners 1 and 2.
+    /// The triangle at `place`, and the weights of its corners 1 and 2 there.
     #[inline(always)]
     pub fn at(&self, place: Vec2) -> (u32, f32, f32) {
         let half = &self.0[usize::from(place.dot(self.0[0].lacks) > 0.0)];

@@ -7,7 +7,7 @@ use super::build_prim::{Plane, PrimRef, PrimSet, SimdAabb};
 
 const MAX_BINS: usize = 16;
 
-/// Where bins lie: equal slices on each axis of the box around the centres, or for spatial splits around the primitives.
+/// The layout of bins: equal slices along each axis of a box, around the centres or, for spatial splits, around the primitives.
 pub(super) struct Grid {
     origin: f32x4,
     scale: f32x4,
@@ -19,7 +19,7 @@ impl Grid {
         Self::over(set.centers, (4 + set.len).min(MAX_BINS))
     }
 
-    /// Of `bins` slabs along each axis between the sides of `bounds`.
+    /// A grid of `bins` slabs along each axis between the sides of `bounds`.
     pub fn over(bounds: SimdAabb, bins: usize) -> Self {
         let scale = f32x4::splat(bins as f32 * (1.0 - 1e-6)) / bounds.extent();
         Self {
@@ -30,7 +30,7 @@ impl Grid {
         }
     }
 
-    /// Between a bin and the one before it, for bins over the primitives' own coordinates.
+    /// The plane between a bin and the one before it, for bins over the primitives' own coordinates.
     pub fn plane(&self, axis: usize, bin: usize) -> Plane {
         let [origin, scale] = [self.origin, self.scale].map(|numbers| numbers.as_array()[axis]);
         let at = origin + bin as f32 / scale;
@@ -47,7 +47,7 @@ impl Grid {
         axes >> axis & 1 != 0
     }
 
-    /// On each axis the number of a bin and what is left.
+    /// The position on each axis in units of bins.
     #[inline(always)]
     fn position(&self, center: f32x4) -> f32x4 {
         (center - self.origin) * self.scale
@@ -60,10 +60,10 @@ impl Grid {
     }
 }
 
-/// What lies in each bin of each axis.
+/// The boxes and counts of the primitives in each bin of each axis.
 pub(super) struct Bins {
     pub bounds: [[SimdAabb; 3]; MAX_BINS],
-    /// The fourth axis is not used.
+    /// The number of primitives by bin and axis; the fourth axis is not used.
     pub counts: [[i32; 4]; MAX_BINS],
 }
 
@@ -71,7 +71,7 @@ pub(super) struct Bins {
 pub(super) struct Boundary {
     pub axis: usize,
     pub bin: usize,
-    /// The sides' areas times their leaves.
+    /// The sum over both sides of area times number of leaves.
     pub cost: f32,
 }
 
@@ -123,7 +123,8 @@ impl Bins {
         self
     }
 
-    /// The cheapest boundary, by what the first bins say of its left side and the second ones of its right. None if no cost is a number.
+    /// Finds the cheapest boundary. `of_left` has the bins of what lies on its left side, `of_right` those of its right. None if no cost is a
+    /// number.
     pub fn cheapest([of_left, of_right]: [&Self; 2], grid: &Grid, align: usize, scale: f32) -> Option<Boundary> {
         let mut right_costs = [f32x4::ZERO; MAX_BINS];
         let mut side = Side::EMPTY;
@@ -154,7 +155,7 @@ impl Bins {
     }
 }
 
-/// What lies on one side of a boundary on each axis.
+/// The primitives on one side of a boundary, on each axis.
 struct Side {
     bounds: [SimdAabb; 3],
     counts: i32x4,
@@ -174,7 +175,7 @@ impl Side {
         self.counts += i32x4::new(bins.counts[bin]);
     }
 
-    /// No number for a side without references.
+    /// The cost of the side on each axis: NaN if it has no references.
     #[inline(always)]
     fn costs(&self, align: usize, scale: f32) -> f32x4 {
         let [x, y, z] = self.bounds.map(SimdAabb::extent);

@@ -1,4 +1,4 @@
-//! A mesh made ready for rays: its hierarchy, and its triangles once more in the order of the leaves.
+//! A mesh prepared for rays: its hierarchy, and a copy of its triangles in the order of the leaves.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use crate::geometry::mesh::MeshData;
 use crate::geometry::triangle::{TriangleRay, is_regular};
 use crate::math::{Aabb, Ray};
 
-/// A hierarchy fitted to other vertices may cost so many times what it did when it was built.
+/// The most that the expected work may grow by refitting, as a factor of that of the built hierarchy.
 const MOST_COST_REFITTED: f32 = 1.2;
 
 /// One mesh's acceleration structure, in the mesh's local space.
@@ -27,19 +27,19 @@ pub struct Blas {
     mesh: Arc<MeshData>,
     pub(super) bvh: Bvh,
     blocks: Table<TriangleBlock>,
-    /// The expected work of a ray when the hierarchy was built, not merely fitted to other vertices.
+    /// The expected work of a ray when the hierarchy was built, before any refitting.
     cost_when_built: f32,
-    /// Where rays begin that will have to wait for triangles, and know no better than to go on: the box around everything, empty if caches
-    /// hold it all. Rays from outside lie side by side, and what they meet first is what they hit.
+    /// Rays that begin in this box prefetch triangles and go on while they wait. It is the box around everything, or empty if the mesh fits into
+    /// a cache. Rays from outside are coherent and hit what they meet first, so they do not profit.
     prefetch_within: Aabb,
-    /// Whether its vertex normals are those of its triangles: then nobody needs to look them up.
+    /// Whether the vertex normals equal those of the triangles, so that they need not be looked up.
     pub(super) has_flat_normals: bool,
-    /// If it is the image of a square or a cube.
+    /// The transform and the faces, if the mesh is the image of a square or a cube.
     pub(super) affine: Option<AffineMesh>,
 }
 
 impl Blas {
-    /// Triangles without area, with corners that are not finite or do not exist, are left out: no ray can hit them.
+    /// Triangles without area are left out, and so are those with corners that are not finite or do not exist: no ray can hit them.
     pub fn build(mesh: Arc<MeshData>, method: SplitMethod) -> Self {
         let cut = |index, part: &Aabb, plane| cut_triangle(mesh.corners(index as usize), part, plane);
         let bvh = Bvh::over(
@@ -53,8 +53,8 @@ impl Blas {
         Self::with_hierarchy(mesh, bvh, cost_when_built)
     }
 
-    /// The same hierarchy around `mesh`, whose triangles are those of the mesh before with vertices elsewhere. None if they are not, or if
-    /// that would be much worse than to build anew, as it is where many leaves hold parts of triangles.
+    /// The same hierarchy around `mesh`, which has the same triangles with moved vertices. None if the triangles differ, or if a new hierarchy
+    /// would be much better, as it is where many leaves hold parts of triangles.
     pub fn refit(&self, mesh: Arc<MeshData>) -> Option<Self> {
         let is_regular = |mesh: &MeshData, index| mesh.regular_corners(index).is_some();
         let is_held_as_before = |index| is_regular(&mesh, index) == is_regular(&self.mesh, index);
@@ -101,31 +101,31 @@ impl Blas {
         &self.bvh
     }
 
-    /// What takes the square [-1, 1]² of the plane z = 0 to the mesh, if that is two triangles that make up its image.
+    /// The transform from the square [-1, 1]² in the plane z = 0 to the mesh, if the mesh is two triangles that make up its image.
     pub fn local_from_square(&self) -> Option<DAffine3> {
         let mesh = self.affine.as_ref().filter(|mesh| mesh.faces.len() == 1)?;
         Some(mesh.placed)
     }
 
-    /// Local bounds of what can be hit.
+    /// The local bounds of the triangles that can be hit.
     pub fn bounds(&self) -> Aabb {
         self.bvh.bounds()
     }
 
-    /// The hierarchy's figures; `bytes` includes the triangles in leaf order, but not the mesh.
+    /// Figures of the hierarchy; `bytes` includes the triangles in leaf order, but not the mesh.
     pub fn stats(&self) -> BvhStats {
         let mut stats = self.bvh.stats();
         stats.bytes = self.bytes();
         stats
     }
 
-    /// Of the hierarchy and the triangles in leaf order.
+    /// The memory of the hierarchy and the triangles in leaf order, in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.bvh.bytes() + size_of_val(self.blocks())
     }
 
-    /// Checks the structure: as [`Bvh::validate`], but a triangle may be in several leaves if their boxes cover it together, which is looked
-    /// at in some points of it.
+    /// Checks the structure as [`Bvh::validate`] does, but a triangle may be in several leaves if their boxes cover it together. That is checked at
+    /// some of its points.
     pub fn validate(&self) -> Result<(), String> {
         let mut boxes = vec![Vec::new(); self.mesh.triangles.len()];
         self.bvh.validate_structure(|triangle, leaf| {
@@ -149,7 +149,7 @@ impl Blas {
             if boxes.len() == 1 && boxes[0].contains(&around) {
                 continue;
             }
-            // What points between the corners lose by rounding.
+            // The rounding of points between the corners.
             let margin = 4.0 * f32::EPSILON * around.min.abs().max(around.max.abs());
             let is_held = |point: Vec3| {
                 let holds =
@@ -217,7 +217,7 @@ impl Blas {
         blocks.iter().any(|block| block.any(ray, t_max))
     }
 
-    /// Asks for the memory of a leaf's first block.
+    /// Prefetches a leaf's first block.
     #[inline(always)]
     fn prefetch(&self, leaf: &Range<usize>) {
         if let Some(block) = self.blocks().get(leaf.start / LANES) {
@@ -225,7 +225,7 @@ impl Blas {
         }
     }
 
-    /// The corners of the triangle that was hit. Where rays have just been, they are near.
+    /// The corners of the triangle that was hit, from its block: it is in a cache, because the ray has just been tested against it.
     #[inline(always)]
     pub(super) fn corners(&self, hit: &Hit) -> [Vec3; 3] {
         match self.blocks.get(hit.slot as usize / LANES) {
@@ -234,20 +234,20 @@ impl Blas {
         }
     }
 
-    /// In the order of the leaves.
+    /// The triangles in the order of the leaves.
     #[inline(always)]
     pub(super) fn blocks(&self) -> &[TriangleBlock] {
         &self.blocks
     }
 
-    /// Where among the blocks a leaf's triangles are, which are in `range` of the order.
+    /// The blocks of the leaf whose triangles are in `range` of the order.
     #[inline(always)]
     pub(super) fn blocks_of(range: Range<usize>) -> Range<usize> {
         range.start / LANES..range.end.div_ceil(LANES)
     }
 }
 
-/// What a lone ray has found so far.
+/// The nearest hit that a single ray has found so far.
 struct Nearest<'a> {
     blocks: &'a [TriangleBlock],
     ray: TriangleRay,
@@ -290,11 +290,11 @@ fn has_flat_normals(mesh: &MeshData) -> bool {
         };
         !is_regular([a, b, c]) || triangle.iter().all(is_like)
     };
-    // Most meshes can be told by their first triangle.
+    // The first triangle decides for most meshes.
     mesh.triangles.first().is_some_and(is_flat) && mesh.triangles.par_iter().all(is_flat)
 }
 
-/// Its corners, and points between them.
+/// The corners of a triangle, and points between them.
 fn points_of([a, b, c]: [Vec3; 3]) -> impl Iterator<Item = Vec3> {
     const STEPS: u32 = 16;
     let weights = (0..=STEPS).flat_map(|u| (0..=STEPS - u).map(move |v| [u, v]));

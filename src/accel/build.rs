@@ -1,7 +1,7 @@
-//! Building a hierarchy: a binary tree from the top down, which `collapse` makes wide.
+//! Builds a hierarchy: first a binary tree from the top down, which `collapse` then makes wide.
 //!
-//! The surface area heuristic is binned over all three axes (see `binning`). Subtrees are built in parallel; what is built depends on the
-//! input only.
+//! The surface area heuristic is binned over all three axes (see `binning`). Subtrees are built in parallel, and the result does not depend on
+//! the threads.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -15,11 +15,11 @@ use crate::math::Aabb;
 /// How sets of primitives are divided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SplitMethod {
-    /// Not at all: one flat list, within one box.
+    /// They are not divided: all primitives are one list within one box.
     Linear,
-    /// Into halves of equal count along the axis on which the centres spread most.
+    /// They are divided into halves of equal count along the axis on which the centres spread most.
     Median,
-    /// Where the surface area heuristic expects the least work.
+    /// They are divided where the surface area heuristic expects the least work.
     #[default]
     Sah,
 }
@@ -33,23 +33,23 @@ pub(super) const MAX_DEPTH: usize = MEDIAN_DEPTH + 33;
 const PARALLEL: usize = 4096;
 const PARALLEL_BINNING: usize = 1 << 16;
 
-/// A set is only split by a plane if this share of its cost is saved where its halves end in the middle of what they have in common: most
-/// have little to gain, and to look for planes takes long.
+/// A spatial split is only tried if at least this share of a set's cost would be saved by cutting the overlap of its halves in the middle. The
+/// search for planes takes long, and most sets gain little.
 const WORTH_CUTTING: f32 = 0.07;
-/// Nor are smaller sets: their leaves would be filled less.
+/// Smaller sets are not split by planes either, since their leaves would be filled less.
 const LEAST_CUT: usize = 256;
 
 struct Builder<'a> {
     method: SplitMethod,
     leaf_size: usize,
-    /// Where primitives may be held in parts.
+    /// Cuts primitives, where leaves may hold parts of them.
     cut: Option<&'a Cut<'a>>,
-    /// Makes areas independent of the scene's unit, so that neither huge nor tiny scenes leave f32.
+    /// A factor that makes areas independent of the scene's unit, so that they stay within f32 in huge and tiny scenes.
     scale: f32,
 }
 
-/// Over `count` boxes, with leaves of up to `leaf_size` primitives; a linear list is one leaf of all. What can be `cut` may be held by
-/// several leaves, each with a box around a part of it.
+/// Builds over `count` boxes, with leaves of up to `leaf_size` primitives; a linear list is one leaf of all. With `cut` several leaves may hold
+/// the same primitive, each with a box around a part of it.
 pub(super) fn build(
     count: usize,
     bounds: impl Fn(usize) -> Aabb + Sync,
@@ -88,11 +88,11 @@ pub(super) fn build(
     collapse(&tree, leaf_size)
 }
 
-/// What a set is divided into. The references of the left half come before those of the right one in place of the set's.
+/// The two halves of a set. Their references replace those of the set, the left half's first.
 struct Halves {
     left: PrimSet,
     right: PrimSet,
-    /// Or else they are here, and only the right half's are there.
+    /// If it is not empty, the left half's references are here, and only the right half's are in place of the set's.
     cut_off: Vec<PrimRef>,
 }
 
@@ -108,7 +108,7 @@ impl Builder<'_> {
         set.len <= self.leaf_size || self.method == SplitMethod::Linear
     }
 
-    /// Appends the tree over `set`, which is all of `prims`, to which no more than `spare` may be added.
+    /// Appends the tree over `set`, the summary of `prims`. Spatial splits below may add up to `spare` references.
     fn grow(&self, prims: &mut [PrimRef], set: &PrimSet, depth: usize, spare: usize, tree: &mut BinaryTree) -> Costs {
         let index = tree.branches.len();
         let (leaf, costs) = Branch::leaf(set, tree.order.len());
@@ -153,7 +153,7 @@ impl Builder<'_> {
         tree.branches[index].set_children(costs, right_index, set.bounds.half_area(self.scale))
     }
 
-    /// Partitions where it is cheapest.
+    /// Partitions the set where the surface area heuristic is least.
     fn split_by_area(&self, prims: &mut [PrimRef], set: &PrimSet, spare: usize) -> Halves {
         let Some((boundary, halves)) = self.split_between_centers(prims, set) else {
             return split_in_half(prims, set);
@@ -178,7 +178,7 @@ impl Builder<'_> {
         cost(&before, left) + cost(&behind, right) < (1.0 - WORTH_CUTTING) * boundary.cost
     }
 
-    /// None if it costs more, or would make more than `spare` prims.
+    /// Splits the set by a plane. None if that costs more than `most` or adds more than `spare` references.
     fn split_by_plane(
         &self,
         prims: &mut [PrimRef],
@@ -215,7 +215,7 @@ impl Builder<'_> {
         let boundary = Bins::cheapest([&bins, &bins], &grid, self.leaf_size, self.scale)?;
         let Boundary { axis, bin, .. } = boundary;
 
-        // Every step exchanges two references, needed or not: which side one is on cannot be foreseen, so a branch would cost more.
+        // Every step exchanges two references, needed or not: a branch would cost more, since processors cannot predict the side.
         let (mut left, mut right) = (PrimSet::EMPTY, PrimSet::EMPTY);
         for next in 0..prims.len() {
             let prim = prims[next];
@@ -230,7 +230,7 @@ impl Builder<'_> {
     }
 }
 
-/// What `of_chunk` says of all references, of large sets by all threads.
+/// Computes `of_chunk` for all references. Large sets are handled in chunks by all threads, whose results are merged.
 fn in_chunks<T: Send>(
     prims: &[PrimRef],
     of_chunk: impl Fn(&[PrimRef]) -> T + Sync + Send,
@@ -243,7 +243,7 @@ fn in_chunks<T: Send>(
     chunks.map(&of_chunk).reduce_with(merge).expect("there are chunks")
 }
 
-/// Halves by count along the axis on which the centres spread most; equal centres are told apart by index.
+/// Splits into halves of equal count along the axis on which the centres spread most. The index decides between equal centres.
 fn split_in_half(prims: &mut [PrimRef], set: &PrimSet) -> Halves {
     let [x, y, z, _] = set.centers.extent().to_array();
     let axis = Vec3::new(x, y, z).max_position();

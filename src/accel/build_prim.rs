@@ -1,4 +1,4 @@
-//! What a hierarchy is built from: references to primitives, and sets of them with their boxes.
+//! The input of a hierarchy's build: references to primitives, and sets of them with their boxes.
 
 use bytemuck::{Pod, Zeroable, cast};
 use glam::Vec3;
@@ -9,14 +9,14 @@ use crate::math::Aabb;
 /// Coordinates are clamped to this when centres are taken, so that sums of two and differences of sums stay finite.
 const LIMIT: f32x4 = f32x4::splat(f32::MAX / 8.0);
 
-/// A primitive's box, and which primitive it is.
+/// A reference to a primitive: its box and its index.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(super) struct PrimRef {
     negated_min: [f32; 3],
     pub index: u32,
     max: [f32; 3],
-    /// The index once more, so that a centre, as a difference, has no more than zero in its fourth lane.
+    /// The index once more, so that the fourth lane of a centre, a difference, is zero.
     index_again: u32,
 }
 
@@ -49,7 +49,7 @@ impl PrimRef {
     }
 }
 
-/// A box: the lower corner negated, so that one maximum makes it grow, then the upper one, and after either a lane without meaning.
+/// A box in one vector: the negated lower corner and the upper corner, each followed by an unused lane. A union is then a single maximum.
 #[derive(Clone, Copy)]
 pub(super) struct SimdAabb(f32x8);
 
@@ -60,7 +60,7 @@ impl SimdAabb {
         PrimRef::new(bounds, 0).bounds()
     }
 
-    /// [`SimdAabb::EMPTY`] of a box that is empty on any axis.
+    /// As [`SimdAabb::of`], but gives [`SimdAabb::EMPTY`] for a box that is empty on any axis.
     pub fn of_part(part: &Aabb) -> Self {
         match part.is_empty() {
             true => Self::EMPTY,
@@ -78,7 +78,7 @@ impl SimdAabb {
         Self(other.0.fast_max(self.0))
     }
 
-    /// This, or the empty box where `mask` is clear.
+    /// The box itself where `mask` is set, the empty box where it is clear.
     #[inline(always)]
     pub fn masked(self, mask: f32x8) -> Self {
         Self(mask.select(self.0, Self::EMPTY.0))
@@ -124,7 +124,7 @@ impl SimdAabb {
     }
 }
 
-/// How many references, the box around them and the box around their (doubled) centres.
+/// The summary of some references: their number, the box around them and the box around their doubled centres.
 #[derive(Clone, Copy)]
 pub(super) struct PrimSet {
     pub len: usize,

@@ -1,4 +1,4 @@
-//! The hierarchy itself: what it stores, its figures, its check. Building is in `build`, walking in `traverse`.
+//! The hierarchy itself: what it stores, its figures, its check. It is built in `build` and traversed in `traverse`.
 
 use std::ops::Range;
 
@@ -20,7 +20,7 @@ pub struct Bvh {
     /// Primitive indices in leaf order. Each leaf starts at a multiple of `leaf_size`; gaps hold [`NO_PRIMITIVE`].
     order: Vec<u32>,
     leaf_size: usize,
-    /// How many primitives the only leaf of a linear list has.
+    /// The number of primitives in the only leaf of a linear list; None for other hierarchies.
     linear: Option<usize>,
     /// Levels of nodes, at most [`MAX_DEPTH`].
     pub(super) depth: usize,
@@ -31,12 +31,12 @@ pub struct Bvh {
 pub struct BvhStats {
     pub nodes: usize,
     pub leaves: usize,
-    /// Of nodes, the root being at depth 1.
+    /// The greatest depth of a node; the root is at depth 1.
     pub max_depth: usize,
     /// Expected work of a random ray that meets the root's box: the sum over all children of (box area / root area), times the number of
     /// primitives for leaves.
     pub sah_cost: f32,
-    /// Memory held.
+    /// The memory in bytes.
     pub bytes: usize,
 }
 
@@ -47,7 +47,7 @@ pub struct BvhBox {
     /// 0 for the box around everything, 1 for the root's children, and so on.
     pub depth: usize,
     pub is_leaf: bool,
-    /// Of a leaf; zero for all others.
+    /// The number of primitives of a leaf; zero for other boxes.
     pub primitives: u32,
 }
 
@@ -58,7 +58,7 @@ impl Bvh {
         Self::over(bounds.len(), |index| bounds[index], None, method, leaf_size)
     }
 
-    /// [`Bvh::build`] over `count` boxes that are asked for once.
+    /// [`Bvh::build`] over `count` boxes. `bounds` is called once for each.
     pub(super) fn over(
         count: usize,
         bounds: impl Fn(usize) -> Aabb + Sync,
@@ -84,7 +84,7 @@ impl Bvh {
         self.linear.is_some()
     }
 
-    /// Where the leaf `child` lies in the order.
+    /// The range of the order that the leaf `child` holds.
     #[inline(always)]
     pub(super) fn leaf_range(&self, child: Child) -> Range<usize> {
         let start = child.index() * self.leaf_size;
@@ -96,7 +96,7 @@ impl Bvh {
         &self.order
     }
 
-    /// How many primitives the order lists, some maybe more than once.
+    /// The number of primitives in the order; one that several leaves hold is counted in each.
     pub(super) fn listed(&self) -> usize {
         self.order
             .par_iter()
@@ -105,7 +105,7 @@ impl Bvh {
     }
 
     /// The same tree around boxes that have moved (Wald, Boulos and Shirley, Ray tracing deformable scenes using dynamic bounding volume
-    /// hierarchies, 2007). None of those that it holds may be empty or have a NaN. It gets worse the more they moved apart.
+    /// hierarchies, 2007). No box that the tree holds may be empty or have a NaN. The tree is the slower the more the boxes moved apart.
     pub(super) fn refit(&self, bounds: impl Fn(usize) -> Aabb + Sync) -> Self {
         let mut fitted = self.clone();
         fitted.nodes.par_iter_mut().for_each(|node| {
@@ -196,8 +196,8 @@ impl Bvh {
         stats
     }
 
-    /// The surface area heuristic's expectation for a random ray that meets the box around everything: each child's box counts 1, times its
-    /// share of that box's area, and a leaf what its primitives do instead. Zero where that is no number.
+    /// The work that the surface area heuristic expects of a random ray that meets the box around everything. It sums over all child boxes the
+    /// share of the box's area in that of the whole, times 1 for a node, or times the sum of `of_primitive` for a leaf. Zero if that is no number.
     pub fn expected_work(&self, of_primitive: impl Fn(u32) -> f64) -> f64 {
         let root_area = f64::from(self.bounds().half_area());
         let mut work = 0.0;
@@ -220,8 +220,8 @@ impl Bvh {
         if work.is_finite() { work } else { 0.0 }
     }
 
-    /// Checks the structure against the boxes it was built from: every box that can be hit in exactly one leaf, each child within its
-    /// parent's box, no cycle, depth within what the traversal's stack holds.
+    /// Checks the structure against the boxes it was built from: every box that can be hit is in exactly one leaf, each child is within its
+    /// parent's box, there is no cycle, and the depth is within what the traversal's stack holds.
     pub fn validate(&self, bounds: &[Aabb]) -> Result<(), String> {
         let mut seen = vec![false; bounds.len()];
         self.validate_structure(|primitive, leaf| {
@@ -244,7 +244,7 @@ impl Bvh {
         Ok(())
     }
 
-    /// [`Bvh::validate`] but for what leaves hold, which `visit` looks at: each primitive with its leaf's box.
+    /// [`Bvh::validate`] without the content of leaves. `visit` checks that: it gets each primitive with its leaf's box.
     pub(super) fn validate_structure(
         &self,
         mut visit: impl FnMut(u32, &Aabb) -> Result<(), String>,
@@ -298,7 +298,7 @@ impl Bvh {
     }
 }
 
-/// Neither empty nor NaN, found out otherwise than by the building.
+/// Whether the box is neither empty nor NaN. It is computed in another way than in the build, which it checks.
 fn is_hittable(bounds: &Aabb) -> bool {
     bounds.min.cmple(bounds.max).all()
 }

@@ -1,7 +1,7 @@
-//! From a binary tree to wide nodes.
+//! Turns a binary tree into one of wide nodes.
 //!
-//! Of all ways to merge a binary tree's inner nodes into nodes of eight children this takes the one whose nodes have the least surface in
-//! all, found from the leaves up by dynamic programming (Ylitie, Karras and Laine, Efficient incoherent ray traversal on GPUs through
+//! There are many ways to merge a binary tree's inner nodes into nodes of eight children. This takes the one whose nodes have the least total
+//! surface, found from the leaves up by dynamic programming (Ylitie, Karras and Laine, Efficient incoherent ray traversal on GPUs through
 //! compressed wide BVHs, 2017, section 3.3). Leaves stay as they are.
 
 use std::ops::Range;
@@ -17,7 +17,7 @@ use crate::math::Aabb;
 pub(super) struct Tree {
     pub nodes: Vec<Node>,
     pub order: Vec<u32>,
-    /// Levels of nodes.
+    /// The number of levels of nodes.
     pub depth: usize,
 }
 
@@ -32,15 +32,15 @@ impl Tree {
     }
 }
 
-/// Fills a leaf up to its size.
+/// The index that fills a leaf up to its size.
 pub(super) const NO_PRIMITIVE: u32 = u32::MAX;
 
-/// What is made wide.
+/// The binary tree that is made wide.
 #[derive(Default)]
 pub(super) struct BinaryTree {
-    /// Nodes, each followed by its left child.
+    /// The nodes. Each inner node is followed by its left child.
     pub branches: Vec<Branch>,
-    /// The primitives that leaves hold runs of.
+    /// The primitives, of which each leaf holds a run.
     pub order: Vec<u32>,
 }
 
@@ -69,8 +69,8 @@ enum BranchKind {
     Inner {
         /// The index of the right child.
         right: u32,
-        /// If this gets two, three, ... slots of a wide node, how many of them go to the left child; zero where it is best to take one slot
-        /// for a wide node here, as it is with one slot. That node has all slots to give, so that the last is never zero.
+        /// The number of slots that go to the left child if this branch gets two, three, ... slots of a wide node above. Zero if a wide node of
+        /// its own is better, which takes one slot. Such a node has all slots to give, so the last number is never zero.
         left_slots: [u8; WIDTH - 1],
     },
 }
@@ -79,7 +79,7 @@ enum BranchKind {
 pub(super) type Costs = [f32; WIDTH];
 
 impl Branch {
-    /// A leaf that starts there in the order. Also a place for what will be an inner node.
+    /// A leaf that starts at `start` in the order. [`Self::set_children`] may make it an inner node later.
     pub fn leaf(set: &PrimSet, start: usize) -> (Self, Costs) {
         let kind = BranchKind::Leaf {
             start: start as u32,
@@ -89,7 +89,7 @@ impl Branch {
         (Self { bounds, kind }, [0.0; WIDTH])
     }
 
-    /// Makes this the node over two whose costs are known; `own_area` is that of its box.
+    /// Makes this the inner node over two children with known costs. `own_area` is the half area of its box.
     pub fn set_children(&mut self, [left, right]: [Costs; 2], right_index: usize, own_area: f32) -> Costs {
         let mut costs = [f32::INFINITY; WIDTH];
         let mut left_slots = [1; WIDTH];
@@ -115,7 +115,7 @@ impl Branch {
         costs
     }
 
-    /// Moves this within the lists, with all that is below it.
+    /// Adds the offsets of lists that this branch is appended to.
     fn advance(&mut self, branches: usize, order: usize) {
         match &mut self.kind {
             BranchKind::Inner { right, .. } => *right += branches as u32,
@@ -134,7 +134,7 @@ pub(super) fn collapse(binary: &BinaryTree, leaf_size: usize) -> Tree {
     tree
 }
 
-/// Ranges of at least this many branches are worth another thread.
+/// Ranges of at least this many branches are split among threads.
 const PARALLEL: usize = 2048;
 
 struct Collapse<'a> {
@@ -143,8 +143,8 @@ struct Collapse<'a> {
 }
 
 impl Collapse<'_> {
-    /// Gives the wide node `node`, which is at `depth`, the children that the first of `branches` has for it, and appends all below them:
-    /// what is in `branches`, whose number says whether that is much.
+    /// Fills the wide node `node` at `depth` with the children below the first of `branches`, and appends everything below them. `branches` is the
+    /// range of the whole subtree.
     fn fill(&self, tree: &mut Tree, node: usize, branches: Range<usize>, depth: usize) {
         tree.depth = tree.depth.max(depth);
         let mut children = ArrayVec::<usize, WIDTH>::new();
@@ -196,7 +196,7 @@ impl Collapse<'_> {
         tree.depth = tree.depth.max(subtree.depth);
     }
 
-    /// The branches that fill up to `slots` slots for branch `index`.
+    /// Collects the branches that fill up to `slots` slots for branch `index`.
     fn gather(&self, index: usize, slots: usize, children: &mut ArrayVec<usize, WIDTH>) {
         match self.binary.branches[index].kind {
             BranchKind::Inner { right, left_slots } if slots > 1 && left_slots[slots - 2] > 0 => {
@@ -213,7 +213,7 @@ impl Collapse<'_> {
         let block = order.len() / self.leaf_size;
         order.extend_from_slice(&self.binary.order[start..start + len]);
         order.resize(order.len().next_multiple_of(self.leaf_size), NO_PRIMITIVE);
-        // A linear list says how long it is itself.
+        // A linear list keeps its length elsewhere.
         Child::leaf(block, len.min(self.leaf_size))
     }
 }

@@ -1,4 +1,4 @@
-//! What the hierarchies answer: what a ray hits, and the surface there.
+//! The results of ray queries: what a ray hits, and the surface there.
 
 use glam::{Vec2, Vec3};
 
@@ -8,7 +8,7 @@ use crate::math::Frame;
 /// A hit in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Parameter of the world ray.
+    /// The parameter of the world ray.
     pub t: f32,
     /// Index into [`super::Tlas::instances`], or beyond them into [`super::Tlas::placements`].
     pub instance: u32,
@@ -26,7 +26,7 @@ pub struct Hit {
 impl Hit {
     pub(super) const NO_SLOT: u32 = u32::MAX;
 
-    /// With a shape that is no mesh.
+    /// A hit of a shape that is no mesh.
     #[inline(always)]
     pub(super) fn of_shape(instance: u32, hit: LocalHit) -> Self {
         Self {
@@ -66,7 +66,7 @@ pub struct MeshHit {
     pub slot: u32,
 }
 
-/// Where a ray met a surface, in world space.
+/// The point at which a ray met a surface, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
     pub position: Vec3,
@@ -84,7 +84,7 @@ pub struct SurfacePoint {
     pub dp_dv: Vec3,
 }
 
-/// How much of a [`SurfacePoint`] is wanted: what depends on texture coordinates can cost as much as all the rest.
+/// The parts of a [`SurfacePoint`] that are wanted. Those that depend on texture coordinates can cost as much as all the rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
     Plain,
@@ -92,7 +92,7 @@ pub enum Detail {
 }
 
 impl SurfacePoint {
-    /// Around the shading normal with s along `dp_du`, the frame that anisotropic scattering and normal maps refer to.
+    /// The frame around the shading normal with s along `dp_du`, to which anisotropic scattering and normal maps refer.
     pub fn shading_frame(&self) -> Frame {
         Frame::from_normal_and_tangent(self.shading_normal, self.dp_du)
     }

@@ -30,13 +30,13 @@ pub struct Instance {
     pub primitive: Primitive,
     pub world_from_local: Affine3A,
     pub local_from_world: Affine3A,
-    /// Shade with the geometric normal even if the mesh has vertex normals.
+    /// Whether to shade with the geometric normal even if the mesh has vertex normals.
     pub face_normals: bool,
-    /// Turn both normals around.
+    /// Whether both normals are turned around.
     pub flip_normals: bool,
     /// Whether the transform turns a right hand into a left one.
     pub(super) mirrored: bool,
-    /// One over the scale of a transform that keeps angles.
+    /// One over the scale, if the transform keeps angles.
     pub(super) similarity: Option<f32>,
     pub(super) rounding: Rounding,
     /// Unit world normal of the local plane z = 0, on the side of its +z.
@@ -139,7 +139,7 @@ impl Instance {
         }
     }
 
-    /// The nearest hit of the world ray, `number` being that of the instance. `COUNT` adds the work within a mesh to `stats`.
+    /// The nearest hit of the world ray with this instance, which is the `number`-th. `COUNT` adds the work within a mesh to `stats`.
     #[inline(always)]
     pub(super) fn closest<const COUNT: bool>(&self, number: u32, ray: &Ray, stats: &mut TraversalStats) -> Option<Hit> {
         let ray = &self.local_ray(ray);

@@ -1,4 +1,4 @@
-//! Memory that is read here and there: in pages as large as the system has, and asked for some time before it is needed.
+//! Memory that is read in no order: it lies in large pages where the system has them, and is prefetched.
 
 use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut};
@@ -6,7 +6,7 @@ use std::ops::{Deref, DerefMut};
 use bytemuck::Pod;
 use memmap2::MmapMut;
 
-/// Has the cache line at the start of `value` brought near. Without effect but on time, and without that on processors that are not x86.
+/// Prefetches the cache line at the start of `value`. It only saves time, and does nothing on processors other than x86.
 #[inline(always)]
 pub(super) fn prefetch<T>(value: &T) {
     #[cfg(target_arch = "x86_64")]
@@ -15,17 +15,17 @@ pub(super) fn prefetch<T>(value: &T) {
     let _ = value;
 }
 
-/// Bytes of what a core has in reach without much waiting.
+/// The bytes of cache that a core reads from without a long wait.
 pub(super) const CACHE: usize = 4 << 20;
 
-/// A list whose length stays. Of pages of the usual size a processor remembers too few to cover a large one.
+/// A list of fixed length. A large one lies in large pages, since the processor's table of pages (TLB) covers too few of the usual size.
 #[derive(Debug)]
 pub(super) enum Table<T> {
     Small(Vec<T>),
     Large(MmapMut, PhantomData<T>),
 }
 
-/// In bytes: of a large page.
+/// The size of a large page in bytes.
 const LARGE: usize = 2 << 20;
 
 impl<T: Pod> Table<T> {
@@ -33,7 +33,7 @@ impl<T: Pod> Table<T> {
         let bytes = len * size_of::<T>();
         match (bytes >= LARGE).then(|| MmapMut::map_anon(bytes)) {
             Some(Ok(map)) => {
-                // Where there are none the usual ones will do.
+                // Where the system has no large pages, those of the usual size do.
                 #[cfg(target_os = "linux")]
                 let _ = map.advise(memmap2::Advice::HugePage);
                 Self::Large(map, PhantomData)

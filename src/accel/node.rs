@@ -54,7 +54,7 @@ impl Child {
         self.0 & Self::LEAF != 0
     }
 
-    /// Of a node or of a leaf's block.
+    /// The index of the node or of the leaf's block.
     #[inline(always)]
     pub fn index(self) -> usize {
         let mask = if self.is_leaf() {
@@ -65,7 +65,7 @@ impl Child {
         (self.0 & mask) as usize
     }
 
-    /// Of a leaf's primitives.
+    /// The number of a leaf's primitives.
     #[inline(always)]
     pub fn count(self) -> usize {
         (self.0 >> Self::COUNT_SHIFT & (MAX_LEAF as u32 - 1)) as usize + 1
@@ -86,7 +86,7 @@ impl Node {
         self.children[slot] = child;
     }
 
-    /// Has the children that are nodes, and the leaves, farther back by that many.
+    /// Moves the indices of children back: of nodes by `nodes`, of leaves by `blocks`.
     pub fn advance(&mut self, nodes: usize, blocks: usize) {
         let used = self.slots_used();
         for child in &mut self.children[..used] {
@@ -106,26 +106,26 @@ impl Node {
         }
     }
 
-    /// Around all children.
+    /// The box around all children.
     pub fn all_bounds(&self) -> Aabb {
         (0..self.slots_used()).fold(Aabb::EMPTY, |bounds, slot| bounds.union(self.bounds(slot)))
     }
 
-    /// On each axis the upper or the lower face of a child's box, in every lane.
+    /// The upper or the lower face of a child's box on each axis, in every lane.
     #[inline(always)]
     pub fn faces_in_lanes(&self, slot: usize, upper: [bool; 3]) -> Vec3Lanes {
         let plane = |axis: usize| Lanes::splat(self.planes[axis][usize::from(upper[axis])].as_array()[slot]);
         Vec3Lanes::of(plane(0), plane(1), plane(2))
     }
 
-    /// Asks for its memory, which is four cache lines wherever it begins.
+    /// Prefetches the node, which is four cache lines wherever it begins.
     #[inline(always)]
     pub fn prefetch(&self) {
         self.planes.iter().for_each(prefetch);
         prefetch(&self.children);
     }
 
-    /// Where `ray` enters each box, and all bits set in the lanes of those that it meets before `t_max`.
+    /// The distances at which `ray` enters each box, and a mask of the lanes whose box it meets before `t_max`.
     #[inline(always)]
     pub fn entries(&self, ray: &RaySlabs, t_max: f32) -> (f32x8, f32x8) {
         let slab = |axis: usize| {
@@ -143,8 +143,8 @@ impl Node {
     }
 }
 
-/// How far a box may begin that holds something as near as `t_max`, whatever the rounding of both. With less it would depend on the order of
-/// the walk which of two triangles is found where they meet.
+/// The farthest distance at which a box may begin that holds a hit at `t_max`, whatever the rounding of both. Without the padding the order of
+/// the traversal would decide which of two triangles is found where they touch.
 #[inline(always)]
 pub(super) fn padded(t_max: f32) -> f32 {
     t_max * T_MAX_PADDING
@@ -152,20 +152,20 @@ pub(super) fn padded(t_max: f32) -> f32 {
 
 pub(super) const T_MAX_PADDING: f32 = 1.0 + 64.0 * f32::EPSILON;
 
-/// A ray as the box test wants it.
+/// A ray prepared for box tests.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RaySlabs {
-    /// The origin as the lower and the upper faces see it: equal but on axes without direction.
+    /// The origins for the lower and the upper faces. They differ only on axes along which the direction is zero.
     origin_lower: [f32; 3],
     origin_upper: [f32; 3],
     inverse: [f32; 3],
 }
 
 impl RaySlabs {
-    /// `None` if the ray can hit nothing: not finite, without direction, or with an empty interval.
+    /// `None` if the ray can hit nothing: it is not finite, has no direction, or its interval is empty.
     ///
     /// A zero direction component gets the largest finite inverse. A ray that runs within a face must not leave the box at 0 * inverse = 0,
-    /// so on such an axis both faces are taken a little farther out: distances then come out as beyond all others, on the right side.
+    /// so on such an axis both faces lie a little farther out. The distances to them are then beyond all others, with the right signs.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Option<Self> {
         let is_valid = ray.origin.is_finite() && ray.dir.is_finite() && ray.dir != Vec3::ZERO && ray.t_max > 0.0;

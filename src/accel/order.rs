@@ -1,31 +1,30 @@
-//! The children that a ray meets, sorted from far to near or at least without the others, so that a walk can put them on its stack as they
-//! are.
+//! Sorts the children that a ray meets from far to near, so that a traversal can push them on its stack as they are.
 //!
-//! A sort of eight lanes without branches (bitonic: Batcher, Sorting networks and their applications, 1968): how many children are met, and
-//! in what order, is what a processor guesses worst.
+//! The sort of eight lanes has no branches (bitonic: Batcher, Sorting networks and their applications, 1968), because processors cannot
+//! predict how many children are met and in which order.
 
 use wide::{f32x8, u32x4, u32x8};
 
 use super::node::WIDTH;
 
-/// The first of both are those of the children that are met; what follows is arbitrary.
+/// Sorted children. Those that are met come first in both arrays; what follows is arbitrary.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FarToNear {
-    /// Where the ray enters, rounded down by at most 7 units in the last place.
+    /// The distances at which the ray enters, rounded down by at most 7 units in the last place.
     pub entries: [f32; WIDTH],
     pub children: [u32; WIDTH],
 }
 
-/// The bits of an entry distance that make way for the number of a lane.
+/// The lowest bits of an entry distance, which hold the number of a lane instead.
 const LANE: u32 = WIDTH as u32 - 1;
-/// Turns the order of distances, which have no sign, around; and leaves the lanes alone.
+/// Flips the bits of a distance, which has no sign, so that the order of distances is reversed. The bits of the lane stay.
 const REVERSED: u32 = !LANE & i32::MAX as u32;
 
-/// `entries` are not negative, `met` has all bits set in the lanes that count and none in others.
+/// Sorts `children` by `entries`, which are not negative. `met` has all bits set in the lanes that count and none in others.
 #[inline(always)]
 pub(super) fn far_to_near(entries: f32x8, met: f32x8, children: [u32; WIDTH]) -> FarToNear {
     let met: u32x8 = bytemuck::cast(met);
-    // What is not met comes last.
+    // Children that are not met come last.
     let mut keys = keys(entries) | !met;
 
     // Each lane is compared with a partner; the upper one of the two keeps the greater.
@@ -47,7 +46,7 @@ pub(super) fn far_to_near(entries: f32x8, met: f32x8, children: [u32; WIDTH]) ->
     }
 }
 
-/// The lane of the child that [`far_to_near`] puts last of those that are met, of which there must be one.
+/// The lane of the nearest child that is met, the one that [`far_to_near`] puts last. At least one must be met.
 #[inline(always)]
 pub(super) fn nearest(entries: f32x8, met: f32x8) -> usize {
     let met: u32x8 = bytemuck::cast(met);
@@ -56,7 +55,7 @@ pub(super) fn nearest(entries: f32x8, met: f32x8) -> usize {
     (a.max(b).max(c.max(d)) & LANE) as usize
 }
 
-/// The nearer, the greater, and no two alike; the lane is in the lowest bits.
+/// Keys for sorting: they are greater for nearer children and all different, since the lane is in the lowest bits.
 #[inline(always)]
 fn keys(entries: f32x8) -> u32x8 {
     let distance: u32x8 = bytemuck::cast(entries);
@@ -64,14 +63,14 @@ fn keys(entries: f32x8) -> u32x8 {
     ((distance & !LANE) | lanes) ^ REVERSED
 }
 
-/// The children whose bit is set in `met` first, in order; what follows is arbitrary.
+/// Puts the children whose bits are set in `met` first, in their order; what follows is arbitrary.
 #[inline(always)]
 pub(super) fn met_first(met: u32, children: [u32; WIDTH]) -> [u32; WIDTH] {
     let lanes = u32x8::new(LANES_OF[met as usize % LANES_OF.len()]);
     u32x8::new(children).shuffle_wrapping(lanes).to_array()
 }
 
-/// The bits that are set in each byte, then zeros.
+/// For each byte the positions of the bits that are set, followed by zeros.
 static LANES_OF: [[u32; WIDTH]; 1 << WIDTH] = {
     let mut table = [[0; WIDTH]; 1 << WIDTH];
     let mut mask = 0;

@@ -1,19 +1,19 @@
-//! A group of shapes placed in the world: what a million of must fit into memory.
+//! A group of shapes placed in the world. A placement is small, since a scene may have millions.
 //!
-//! Only the way into the group is stored; the way out is needed once per hit, and found again by inversion then.
+//! Only the transform into the group is stored. The inverse is needed once per hit, and computed then.
 
 use glam::{Affine3A, DAffine3, DMat3, Mat3, Vec3, Vec3A};
 
 use super::hit::SurfacePoint;
 use crate::math::{Aabb, Ray, gamma};
 
-/// Where a group stands.
+/// One placement of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     /// Index into [`super::Tlas::groups`].
     pub group: u32,
     group_from_world: Mat3,
-    /// The group's origin in the world, which is taken off first, as in [`super::Instance::local_ray`].
+    /// The group's origin in the world, which is subtracted first, as in [`super::Instance::local_ray`].
     origin: Vec3,
 }
 
@@ -50,7 +50,7 @@ impl Placement {
         }
     }
 
-    /// The exact inverse of the way in, as rays see it.
+    /// The exact inverse of the transform that rays are taken through.
     fn exact_world_from_group(&self) -> DAffine3 {
         DAffine3 {
             matrix3: self.group_from_world.as_dmat3().inverse(),
@@ -63,7 +63,7 @@ impl Placement {
         Affine3A::from_mat3_translation(exact.matrix3.as_mat3(), exact.translation.as_vec3())
     }
 
-    /// World bounds of a group with these bounds of its own, a little wider than exact.
+    /// The world bounds of a group with the local bounds `group`, a little wider than exact.
     pub(super) fn world_bounds(&self, group: &Aabb) -> Aabb {
         if group.is_empty() {
             return Aabb::EMPTY;
@@ -81,7 +81,7 @@ impl Placement {
         }
     }
 
-    /// A surface of the group, taken to the world. Normals go by the inverse transpose and keep their side, as in Mitsuba.
+    /// Transforms a surface of the group to the world. Normals go by the inverse transpose and keep their side, as in Mitsuba.
     pub(super) fn place(&self, point: &SurfacePoint) -> SurfacePoint {
         let world_from_group = self.exact_world_from_group();
         let linear = world_from_group.matrix3.as_mat3();

@@ -40,7 +40,7 @@ impl RayLanes {
         t_max: Lanes::ZERO,
     };
 
-    /// At most as many as there are lanes; the others are [`Self::NOWHERE`].
+    /// Takes at most as many rays as there are lanes; the other lanes are [`Self::NOWHERE`].
     pub fn of(rays: &[Ray]) -> Self {
         let mut lanes = Self::NOWHERE;
         for (lane, ray) in rays.iter().enumerate() {
@@ -49,7 +49,7 @@ impl RayLanes {
         lanes
     }
 
-    /// The same in every lane.
+    /// The same ray in every lane.
     #[inline(always)]
     pub(super) fn splat(ray: &Ray) -> Self {
         Self {
@@ -60,7 +60,7 @@ impl RayLanes {
         }
     }
 
-    /// One by one.
+    /// The rays as an array.
     #[inline(always)]
     pub(super) fn rays(&self) -> [Ray; LANES] {
         std::array::from_fn(|lane| self.get(lane))
@@ -84,13 +84,13 @@ impl RayLanes {
         }
     }
 
-    /// A bit for each of the rays `active` of which `condition` holds.
+    /// The mask of the rays in `active` for which `condition` holds.
     #[inline(always)]
     pub(super) fn lanes_where(&self, active: u32, condition: impl Fn(&Ray) -> bool) -> u32 {
         each_lane(active).fold(0, |bits, lane| bits | u32::from(condition(&self.get(lane))) << lane)
     }
 
-    /// A bit for each that is a ray and may meet something: finite, with a direction, and of some length.
+    /// The mask of the rays that may hit something: they are finite, and have a direction and a positive t_max.
     #[inline(always)]
     pub(super) fn valid_mask(&self) -> u32 {
         let largest = Lanes::splat(f32::MAX);

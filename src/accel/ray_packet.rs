@@ -1,8 +1,8 @@
-//! Sixteen rays that have much in common, walked as one: each box that any of them may meet is tested against all of them at once.
+//! Packet traversal: each box that any of sixteen rays may meet is tested against all of them at once.
 //!
 //! Rays of one pixel, and those from what they meet to one light, visit nearly the same nodes and triangles, which are then fetched once
-//! for all (Wald, Slusallek, Benthin and Wagner, Interactive Rendering with Coherent Ray Tracing, Eurographics 2001). Rays without
-//! anything in common are slower than with [`super::interleaved`]. Where surfaces coincide, a ray may meet another one of them than alone.
+//! for all (Wald, Slusallek, Benthin and Wagner, Interactive Rendering with Coherent Ray Tracing, Eurographics 2001). Incoherent rays are
+//! slower than with [`super::interleaved`]. Where surfaces coincide, a ray may hit another one of them than it would if traced by itself.
 
 use std::ops::Range;
 
@@ -21,18 +21,18 @@ use crate::geometry::triangle::TriangleRay;
 use crate::math::Ray;
 use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
 
-/// A child that waits for its turn.
+/// A child on the stack.
 #[derive(Clone, Copy)]
 struct StackEntry {
     child: Child,
     /// The rays that meet its box, a bit each.
     rays: u32,
-    /// Where the first of them enters it.
+    /// The least distance at which one of them enters it.
     enter: f32,
 }
 
 impl StackEntry {
-    /// What waits before the first step of a walk.
+    /// The stack before the first step of a traversal.
     #[inline(always)]
     fn at_root(rays: u32) -> ArrayVec<Self, STACK> {
         let mut stack = ArrayVec::new();
@@ -46,7 +46,7 @@ impl StackEntry {
 }
 
 impl Blas {
-    /// [`Self::intersect`] for the rays in `active`; `found` is told of the nearest hit of each one that has any.
+    /// [`Self::intersect`] for the rays in `active`. Calls `found` with the lane and the nearest hit of each ray that has one.
     pub(super) fn intersect_packet(&self, rays: &RayLanes, active: u32, mut found: impl FnMut(usize, MeshHit)) {
         let active = active & rays.valid_mask();
         let blocks = self.blocks();
@@ -89,7 +89,7 @@ impl Blas {
 }
 
 impl Tlas {
-    /// [`Self::intersect_lanes`] for rays that have much in common.
+    /// [`Self::intersect_lanes`] for coherent rays.
     pub fn intersect_packet(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let active = active & rays.valid_mask();
         if let Some(small) = &self.small_scene {
@@ -133,7 +133,7 @@ impl Tlas {
         }
     }
 
-    /// [`Self::occluded_lanes`] for rays that have much in common.
+    /// [`Self::occluded_lanes`] for coherent rays.
     pub fn occluded_packet(&self, rays: &RayLanes, active: u32) -> u32 {
         let active = active & rays.valid_mask();
         if let Some(small) = &self.small_scene {
@@ -158,7 +158,7 @@ impl Tlas {
     }
 }
 
-/// `found` is told of what `intersect` finds for each of the rays `mask`.
+/// Calls `found` with each hit that `intersect` finds for the rays in `mask`.
 #[inline(always)]
 fn each_hit(rays: &RayLanes, mask: u32, intersect: impl Fn(&Ray) -> Option<Hit>, mut found: impl FnMut(usize, Hit)) {
     for lane in each_lane(mask) {
@@ -174,8 +174,9 @@ fn triangle_rays(rays: &RayLanes) -> ArrayVec<TriangleRay, LANES> {
 }
 
 impl Bvh {
-    /// `leaf` is given the place of a leaf's primitives in the order, the rays that may meet them and how far each ray reaches, which it
-    /// shortens; it returns those that it has met. With `ANY` these are done. Returns all that were met.
+    /// Traverses the hierarchy with the rays in `active`. `leaf` gets the range of a leaf's primitives in the order, the rays that may meet them,
+    /// and each ray's t_max, which it lowers to a hit; it returns the rays that hit something. With `ANY` these are done. Returns all rays that
+    /// hit something.
     #[inline(always)]
     fn walk_packet<const ANY: bool>(
         &self,
@@ -215,8 +216,8 @@ impl Bvh {
         met
     }
 
-    /// Takes the rays in `active` down together as long as [`CROWD`] of them go the same way. `alone` is told of the children that are left
-    /// to each ray by itself, and where it enters them.
+    /// Descends with the rays in `active` together as long as [`CROWD`] of them meet the same child. Calls `alone` with the lane, the child and
+    /// the entry distance where a ray has to go on by itself.
     #[inline(always)]
     pub(super) fn descend_packet(&self, rays: &RayLanes, active: u32, mut alone: impl FnMut(usize, Child, f32)) {
         let slabs = SlabLanes::new(rays);
@@ -239,7 +240,7 @@ impl Bvh {
             );
             let mut crowds = 0;
             for slot in each_lane(boxes.slots) {
-                // Known to be less, but not by the compiler.
+                // The compiler does not know that the slot is less.
                 let slot = slot % WIDTH;
                 if is_crowd(node.children[slot], boxes.rays[slot]) {
                     crowds |= 1 << slot;
@@ -254,16 +255,16 @@ impl Bvh {
     }
 }
 
-/// From this number of rays on a node costs less for all together than for one after the other.
+/// From this number of rays on, a node costs less for all together than for one after the other.
 const CROWD: u32 = 8;
 
 /// The boxes of a node that a packet meets.
 struct BoxesMet {
-    /// Where each ray enters each.
+    /// The distances at which each ray enters each box.
     enters: [Lanes; WIDTH],
-    /// The rays that meet each, a bit each.
+    /// The rays that meet each box, a bit each.
     rays: [u32; WIDTH],
-    /// Those that are met by any, a bit each.
+    /// The boxes that any ray meets, a bit each.
     slots: u32,
 }
 
@@ -274,7 +275,7 @@ impl BoxesMet {
         slots: 0,
     };
 
-    /// By the rays in `mask`, whose common signs are `common`.
+    /// Tests the boxes of `node` against the rays in `mask`, whose common signs are `common`.
     #[inline(always)]
     fn find(&mut self, node: &Node, slabs: &SlabLanes, common: Option<[bool; 3]>, mask: u32, t_max: Lanes) {
         match common {
@@ -300,7 +301,7 @@ impl BoxesMet {
         }
     }
 
-    /// All boxes are tested, whether or not they are met: that takes no guesses. `enter` gives where rays enter one, and which.
+    /// Tests all boxes without a branch. `enter` gives the distances at which the rays enter the box of a slot, and the mask of those that do.
     #[inline(always)]
     fn find_by(&mut self, mask: u32, enter: impl Fn(usize) -> (Lanes, Lanes)) {
         let mut slots = 0;
@@ -315,7 +316,7 @@ impl BoxesMet {
     }
 }
 
-/// The children in `slots`, which are met, the nearest on top unless any hit will do.
+/// Pushes the children in `slots`, which are met, the nearest on top unless any hit will do.
 #[inline(always)]
 fn push_met<const ANY: bool>(node: &Node, boxes: &BoxesMet, slots: u32, stack: &mut ArrayVec<StackEntry, STACK>) {
     let base = stack.len();

@@ -1,21 +1,21 @@
-//! What rounding moves: in the tests of boxes, and in the transforms of instances.
+//! Bounds on rounding errors, in the tests of boxes and in the transforms of instances.
 
 use glam::{Affine3A, Mat3A, Vec3A};
 
 use crate::math::{Aabb, gamma};
 
-/// Widens the exit distance by the rounding of both distances.
+/// The factor that widens an exit distance by the rounding of both distances.
 pub(super) const EXIT_SCALE: f32 = 1.0 + 2.0 * gamma(3);
 
-/// Times the largest inverse this is 3e20, farther than any hit that f32 could resolve.
+/// The least margin around a box's faces. Times the largest inverse it is 3e20, farther than any hit that f32 could resolve.
 pub(super) const LEAST_MARGIN: f32 = 1e-18;
 
-/// What bounds the rounding of an instance's transforms, per coordinate, in world units.
+/// Bounds on the rounding of an instance's transforms, per coordinate, in world units.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rounding {
-    /// From the local error, as it arrives in the world.
+    /// The factor of the local error.
     pub of_error: Mat3A,
-    /// From the magnitudes of the local position.
+    /// The factor of the magnitudes of the local position.
     pub of_position: Mat3A,
     pub of_translation: Vec3A,
 }
@@ -31,7 +31,7 @@ impl Rounding {
         }
     }
 
-    /// For a shape within `bounds` that rays meet as a whole, in a space of its own: its size counts wherever the hit is.
+    /// The same for a shape within `bounds` that rays meet as a whole, in a space of its own. Its size counts then, wherever the hit is.
     pub fn of_whole(mut self, world_from_local: &Affine3A, bounds: &Aabb) -> Self {
         let extent = bounds.min.abs().max(bounds.max.abs());
         self.of_translation += gamma(6) * (absolute(&world_from_local.matrix3) * Vec3A::from(extent));

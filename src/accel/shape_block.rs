@@ -1,5 +1,5 @@
-//! Spheres, rectangles and disks that lie next to each other, tested together by one ray: as in [`super::small_scene`], but with a shape per lane
-//! in place of a ray.
+//! Spheres, rectangles and disks that lie next to each other are tested together against one ray: a shape per lane, where
+//! [`super::small_scene`] has a ray per lane.
 
 use std::ops::Range;
 
@@ -17,29 +17,29 @@ use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};
 
-/// As many shapes are worth a block.
+/// The least number of shapes that is worth a block.
 const FEWEST: usize = 3;
 
-/// Up to sixteen of them.
+/// Up to sixteen shapes.
 #[derive(Clone, Debug)]
 pub(super) struct ShapeBlock {
-    /// In the world.
+    /// Their bounds in the world.
     pub bounds: Aabb,
-    /// Rows of their matrices from the world, and their places in the world.
+    /// The rows of their matrices from the world, and their places in the world.
     rows: [Vec3Lanes; 3],
     place: Vec3Lanes,
-    /// If all of them are spheres in the world as well, the squares of their radii.
+    /// The squares of their radii, if all of them are spheres that the transform keeps round.
     squared_radii: Option<Lanes>,
-    /// A bit per lane.
+    /// The lanes that hold spheres, a bit each; rectangles and disks likewise.
     spheres: u32,
     rectangles: u32,
     disks: u32,
-    /// Their numbers among the instances; only the first lanes are used.
+    /// Their indices among the instances; only the first lanes are used.
     members: [u32; LANES],
 }
 
 impl ShapeBlock {
-    /// Of the shapes that have others of their size next to them; the rest are not for blocks, or better off alone. A linear list has none.
+    /// Makes blocks of shapes that have others of their size next to them. The others are faster by themselves. A linear list has no blocks.
     pub fn gather(instances: &[Instance], method: SplitMethod) -> Vec<Self> {
         if method == SplitMethod::Linear {
             return Vec::new();
@@ -56,7 +56,7 @@ impl ShapeBlock {
                 .iter()
                 .fold(Aabb::EMPTY, |all, &member| all.union(bounds[member as usize]))
         };
-        // A floor below many things would give all of them its box.
+        // A floor in the block of many small things would give the block its box.
         let dwarfs = |place: usize, members: &[u32]| {
             let others = around(&members[..place]).union(around(&members[place + 1..]));
             bounds[members[place] as usize].half_area() > 2.0 * others.half_area()
@@ -108,7 +108,7 @@ impl ShapeBlock {
         block
     }
 
-    /// Numbers among the instances.
+    /// The indices of the shapes among the instances.
     pub fn members(&self) -> &[u32] {
         let used = (self.spheres | self.rectangles | self.disks).count_ones();
         &self.members[..used as usize]
@@ -165,10 +165,10 @@ impl ShapeBlock {
     }
 }
 
-/// Radii whose squares keep their digits.
+/// The range of radii whose squares neither overflow nor lose digits.
 const SQUARABLE: Range<f32> = 1e-15..1e15;
 
-/// Of a sphere that is one in the world.
+/// The radius of a sphere that the transform keeps round.
 fn radius(shape: &Instance) -> Option<f32> {
     let Primitive::Sphere = shape.primitive else {
         return None;
@@ -176,7 +176,7 @@ fn radius(shape: &Instance) -> Option<f32> {
     let axes = shape.exact_world_from_local().matrix3;
     let squares = axes.transpose() * axes;
     let square = squares.x_axis.x;
-    // As good as single precision can tell.
+    // The tolerance is what single precision can tell.
     let is_round = squares.abs_diff_eq(DMat3::from_diagonal(DVec3::splat(square)), 2e-7 * square);
     let radius = square.sqrt() as f32;
     (is_round && SQUARABLE.contains(&radius)).then_some(radius)

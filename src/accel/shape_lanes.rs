@@ -1,4 +1,4 @@
-//! Shapes against rays, in lanes: one shape against sixteen rays, or sixteen shapes against one. Rays are in their shape's space.
+//! Tests of shapes in lanes: one shape against sixteen rays, or sixteen shapes against one. Rays are in the space of their shape.
 
 use glam::Vec3;
 
@@ -10,16 +10,16 @@ use crate::math::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, copy_sign};
 /// Where lines meet a cube.
 pub(super) struct CubeLanes {
     pub t: Lanes,
-    /// On the face, as [`super::affine_mesh::Face::at`] takes it.
+    /// The place on the face, as [`super::affine_mesh::Face::at`] takes it.
     pub u: Lanes,
     pub v: Lanes,
-    /// The face: of x = -1, of x = 1, of y = -1, and so on; a small whole number.
+    /// The number of the face, a small whole number: 0 for x = -1, 1 for x = 1, 2 for y = -1, and so on.
     pub face: Lanes,
     /// The lanes whose ray meets it before `t_max`.
     pub met: Lanes,
 }
 
-/// World `rays` in spaces whose origins are at `places`, by the rows of the matrices to there; as [`super::instance::Instance::local_ray`].
+/// Transforms world `rays` to spaces with origins at `places`, by the `rows` of the matrices; as [`super::instance::Instance::local_ray`].
 #[inline(always)]
 pub(super) fn local(rays: &RayLanes, rows: &[Vec3Lanes; 3], places: Vec3Lanes) -> RayLanes {
     let turned = |v: Vec3Lanes| Vec3Lanes::of(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v));
@@ -34,7 +34,7 @@ pub(super) fn local(rays: &RayLanes, rows: &[Vec3Lanes; 3], places: Vec3Lanes) -
 /// [`local`] for one space.
 #[inline(always)]
 pub(super) fn local_to(rays: &RayLanes, rows: &[Vec3; 3], place: Vec3) -> RayLanes {
-    // Not by `map` of the array, which goes through memory.
+    // `map` of the array would go through memory.
     let row = |row: usize| Vec3Lanes::splat(rows[row]);
     local(rays, &[row(0), row(1), row(2)], Vec3Lanes::splat(place))
 }
@@ -75,7 +75,7 @@ pub(super) fn round(ray: &RayLanes, squared_radius: Lanes, t_max: Lanes) -> (Lan
     let c = o.length_squared() - squared_radius;
     // The distance of the centre from the line, from a product whose digits do not cancel for far origins.
     let discriminant = a.mul_sub(squared_radius, o.cross(d).length_squared());
-    // Before the dear operations: the line passes through, and not all of it behind the origin.
+    // Before the expensive operations: the line passes through the sphere, and not only behind the origin.
     let ahead = discriminant.simd_ge(zero) & b.fast_min(c).simd_lt(zero);
     if ahead.none() {
         return (zero, ahead);
@@ -90,11 +90,11 @@ pub(super) fn round(ray: &RayLanes, squared_radius: Lanes, t_max: Lanes) -> (Lan
     (near_counts.select(near, far), met)
 }
 
-/// The cube [-1, 1]³, by the slab method, from within where `t_min` is in it. What is on one side of a face is never taken for the other.
+/// Intersects the cube [-1, 1]³ by the slab method, from within if the ray at `t_min` is in it. The side of a face that a ray comes from is exact.
 #[inline(always)]
 pub(super) fn cube(ray: &RayLanes, t_max: Lanes) -> CubeLanes {
     let (zero, largest) = (Lanes::ZERO, Lanes::splat(f32::MAX));
-    // Multiplied and added with a single rounding, so that the signs are right. Directions without a component get the largest inverse.
+    // A fused multiply-add rounds once, so that the signs are right. A zero component of the direction gets the largest inverse.
     let axis = |origin: Lanes, dir: Lanes| {
         let inverse = inverse_within(dir, largest);
         let half = inverse.abs();
@@ -125,11 +125,11 @@ pub(super) fn cube(ray: &RayLanes, t_max: Lanes) -> CubeLanes {
     }
 }
 
-/// Rays as boxes want them. The test is that of [`super::node`] but for the order of its operations, which are two for each face, and a margin
-/// that makes up for it.
+/// Rays prepared for box tests. The test is that of [`super::node`] with another order of operations, only two for each face, and a margin that
+/// makes up for their rounding.
 pub(super) struct SlabLanes {
     inverse: Vec3Lanes,
-    /// The origins over the directions, as the lower and the upper faces see them, which lie a little farther out.
+    /// The origins divided by the directions, for the lower and for the upper faces, which lie a little farther out.
     lower: Vec3Lanes,
     upper: Vec3Lanes,
 }
@@ -137,7 +137,7 @@ pub(super) struct SlabLanes {
 impl SlabLanes {
     #[inline(always)]
     pub fn new(ray: &RayLanes) -> Self {
-        // More than what rounding the sum and the product here can take away.
+        // The margin exceeds what rounding the sum and the product here can take away.
         let margin = ray.origin.map(|o| {
             o.abs()
                 .mul_add(Lanes::splat(2.0 * f32::EPSILON), Lanes::splat(LEAST_MARGIN))
@@ -154,7 +154,7 @@ impl SlabLanes {
         }
     }
 
-    /// On each axis whether all rays in `active` go down, or `None` if they differ.
+    /// Whether all rays in `active` go down on each axis, or `None` if they differ on one.
     #[inline(always)]
     pub fn common_signs(&self, active: u32) -> Option<[bool; 3]> {
         let negative = |inverse: Lanes| inverse.to_bitmask() & active;
@@ -173,13 +173,13 @@ impl SlabLanes {
         self.enter(bounds, t_max).1
     }
 
-    /// Where they enter it, too.
+    /// The distances at which the rays enter a box, and whether they may meet it before `t_max`.
     #[inline(always)]
     pub fn enter(&self, bounds: &Aabb, t_max: Lanes) -> (Lanes, Lanes) {
         self.enter_between(Vec3Lanes::splat(bounds.min), Vec3Lanes::splat(bounds.max), t_max)
     }
 
-    /// The same of the box between two corners.
+    /// [`Self::enter`] for the box between two corners.
     #[inline(always)]
     pub fn enter_between(&self, min: Vec3Lanes, max: Vec3Lanes, t_max: Lanes) -> (Lanes, Lanes) {
         let (a, b) = (self.distances(min, self.lower), self.distances(max, self.upper));
@@ -188,7 +188,7 @@ impl SlabLanes {
         within(near, far, t_max)
     }
 
-    /// The same given the planes that all rays enter by, one for each axis, those that they leave by, and their [common
+    /// [`Self::enter`] given the planes by which all rays enter, one for each axis, those by which they leave, and their [common
     /// signs](Self::common_signs).
     #[inline(always)]
     pub fn enter_by(&self, near: Vec3Lanes, far: Vec3Lanes, down: [bool; 3], t_max: Lanes) -> (Lanes, Lanes) {
@@ -218,7 +218,7 @@ impl SlabLanes {
     }
 }
 
-/// Of directions without a component the largest number of whose product with the origin nothing is lost.
+/// One over `dir`, limited to the largest number whose product with the origin loses nothing. Zero components get that number.
 #[inline(always)]
 fn inverse(origin: Lanes, dir: Lanes) -> Lanes {
     const EXPONENT: WordLanes = WordLanes::new([0xff << 23; LANES]);
@@ -234,7 +234,7 @@ pub(super) fn inverse_within(dir: Lanes, largest: Lanes) -> Lanes {
     (Lanes::ONE / dir).fast_max(-largest).fast_min(largest)
 }
 
-/// The largest entry, and whether it comes before all exits and `t_max`.
+/// The last of the entries, and whether it comes before all exits and `t_max`.
 #[inline(always)]
 fn within(near: Vec3Lanes, far: Vec3Lanes, t_max: Lanes) -> (Lanes, Lanes) {
     let enter = near.x.fast_max(near.y).fast_max(near.z.fast_max(Lanes::ZERO));

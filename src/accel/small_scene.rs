@@ -1,9 +1,9 @@
-//! Scenes of a few shapes: sixteen rays at once against one shape after the other, without a hierarchy.
+//! Scenes of a few shapes need no hierarchy: sixteen rays at once are tested against one shape after the other.
 //!
-//! Rays of different paths have little in common, but where there are only a few shapes most of them have to be tested anyway. Rectangles,
-//! spheres, boxes and meshes of a few triangles are tested in vectors, a ray per lane; of other meshes only the bounds, and then the rays that
-//! meet these go into them together; where many shapes lie next to each other, blocks of them. Where surfaces coincide, the ray of a lane may meet
-//! another one of them than a lone ray.
+//! Rays of different paths are incoherent, but where there are only a few shapes most of them have to be tested anyway. Rectangles, spheres,
+//! boxes and meshes of a few triangles are tested in vectors, a ray per lane. Of other meshes only the bounds are tested so, and the rays that
+//! meet them traverse the mesh together. Many shapes next to each other are tested in blocks. Where surfaces coincide, a ray may hit another one
+//! of them than it would if traced by itself.
 
 use glam::{Vec2, Vec3};
 
@@ -20,11 +20,12 @@ use crate::geometry::local::LocalHit;
 use crate::math::lanes::{LANES, Lanes, each_lane, lanes_of};
 use crate::math::{Aabb, Ray};
 
-/// Above these the hierarchy wins: of shapes that are alone, and of blocks.
+/// The most shapes that are in no block. The hierarchy is faster above this.
 const MOST_SHAPES: usize = 24;
+/// The most blocks, likewise.
 const MOST_BLOCKS: usize = 64;
 
-/// The shapes that [`SmallScene`] was made of.
+/// The shapes that a [`SmallScene`] was made of.
 #[derive(Clone, Copy)]
 pub(super) struct Shapes<'a> {
     pub instances: &'a [Instance],
@@ -42,7 +43,7 @@ struct SceneShape {
     /// Index into the instances.
     instance: u32,
     kind: Kind,
-    /// Rows of the matrix from the world, and the place in the world. Squares and cubes have their own, not that of their mesh.
+    /// The rows of the matrix from the world, and the place in the world. Squares and cubes have their own matrix, not that of their mesh.
     rows: [Vec3; 3],
     place: Vec3,
 }
@@ -51,7 +52,7 @@ struct SceneShape {
 enum Kind {
     Rectangle,
     Sphere,
-    /// Meshes that are images of a square or of a cube, whose faces they have.
+    /// A mesh that is an image of a square, or below of a cube, with its faces.
     Square(Face),
     Cube(Vec<Face>),
     TinyMesh(TinyMesh),
@@ -67,16 +68,16 @@ struct Nearest {
     t: Lanes,
     u: Lanes,
     v: Lanes,
-    /// Index into the shapes, a small whole number.
+    /// The index into the shapes, a small whole number; negative where nothing is hit.
     shape: Lanes,
-    /// The triangle or a cube's face, likewise.
+    /// The index of the triangle or of the cube's face, likewise.
     triangle: Lanes,
-    /// With shapes that were asked by one ray after the other, the whole hits.
+    /// The whole hits, with shapes that are tested against one ray after the other.
     whole: [Option<Hit>; LANES],
 }
 
 impl SmallScene {
-    /// None if they are too many, even with those in `blocks` taken together.
+    /// None if there are too many shapes, even if those in a block count as one.
     pub fn new(scene: Shapes) -> Option<Self> {
         let Shapes { instances, blocks } = scene;
         let mut alone = vec![true; instances.len()];
@@ -101,7 +102,7 @@ impl SmallScene {
         Some(Self { shapes })
     }
 
-    /// Of the lanes in `active`. With `COHERENT` rays go through meshes as a packet.
+    /// The nearest hits of the lanes in `active`. With `COHERENT` the rays traverse meshes as a packet.
     pub fn closest<const COHERENT: bool>(&self, scene: Shapes, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let mut nearest = Nearest {
             t: rays.t_max,
@@ -132,7 +133,7 @@ impl SmallScene {
                     if near.none() {
                         continue;
                     }
-                    // The weights are divided once, for the triangle that is left.
+                    // Only the weights of the nearest triangle are divided by their sum.
                     let mut sum = Lanes::ONE;
                     mesh.each_hit(&local, |t, weights, triangle| {
                         let met = near & t.simd_lt(nearest.t) & t.simd_gt(rays.t_min) & weights.inside;
@@ -294,7 +295,7 @@ impl Nearest {
         self.triangle = met.select(triangle, self.triangle);
     }
 
-    /// The ray of a lane up to the hit so far.
+    /// The ray of a lane, up to its nearest hit so far.
     #[inline(always)]
     fn shortened(&self, lane: usize, rays: &RayLanes) -> Ray {
         Ray {

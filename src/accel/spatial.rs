@@ -1,5 +1,5 @@
-//! Spatial splits: a set of references is divided by a plane, and what lies on both sides of it is held by both (Stich, Friedrich and
-//! Dietrich, Spatial splits in bounding volume hierarchies, 2009). That pays where primitives are long or large beside their neighbours.
+//! Spatial splits: a plane divides a set of references, and both sides hold the primitives that lie on both (Stich, Friedrich and Dietrich,
+//! Spatial splits in bounding volume hierarchies, 2009). They pay off where primitives are long, or large beside their neighbours.
 
 use glam::Vec3;
 
@@ -7,14 +7,15 @@ use super::binning::{Bins, Grid};
 use super::build_prim::{Plane, PrimRef, PrimSet, SimdAabb};
 use crate::math::Aabb;
 
-/// Boxes around the two sides of a primitive's part within a box: those before and behind a plane across an axis. A side without anything
-/// is empty.
+/// A function that cuts the part of a primitive within a box by a plane across an axis, and gives the boxes around what lies before and
+/// behind the plane. The box of a side that holds nothing is empty.
 pub(super) type Cut<'a> = dyn Fn(u32, &Aabb, Plane) -> [Aabb; 2] + Sync + 'a;
 
-/// Planes that are tried on each axis, and one.
+/// The number of slabs along each axis; the planes between them are tried.
 const BINS: usize = 16;
 
-/// Bins of what begins in them and of what ends there; both have the boxes of all that lies in them.
+/// Two sets of bins: one counts the primitives that begin in a bin, the other those that end there. The boxes of both are those of all parts
+/// of primitives in the bin.
 pub(super) struct SpatialBins {
     begins: Bins,
     ends: Bins,
@@ -57,14 +58,14 @@ impl SpatialBins {
         }
     }
 
-    /// The cheapest plane, and its cost.
+    /// Finds the cheapest plane, with its cost.
     pub fn cheapest(&self, grid: &Grid, align: usize, scale: f32) -> Option<(Plane, f32)> {
         let boundary = Bins::cheapest([&self.begins, &self.ends], grid, align, scale)?;
         Some((grid.plane(boundary.axis, boundary.bin), boundary.cost))
     }
 }
 
-/// What lies before and behind the plane.
+/// Gives the references before and behind the plane.
 pub(super) fn divide(prims: &[PrimRef], plane: Plane, cut: &Cut) -> [Vec<PrimRef>; 2] {
     let mut sides = [Vec::new(), Vec::new()];
     for prim in prims {
@@ -85,7 +86,7 @@ pub(super) fn divide(prims: &[PrimRef], plane: Plane, cut: &Cut) -> [Vec<PrimRef
     sides
 }
 
-/// A [`Cut`] of a triangle.
+/// Cuts a triangle, as [`Cut`] wants it.
 pub(super) fn cut_triangle(corners: [Vec3; 3], part: &Aabb, plane: Plane) -> [Aabb; 2] {
     let Plane { axis, at } = plane;
     let mut sides = [Aabb::EMPTY; 2];
@@ -101,7 +102,7 @@ pub(super) fn cut_triangle(corners: [Vec3; 3], part: &Aabb, plane: Plane) -> [Aa
             let (from, to) = (corner.as_dvec3(), next.as_dvec3());
             let mut crossing = from.lerp(to, (f64::from(at) - from[axis]) / (to[axis] - from[axis]));
             crossing[axis] = f64::from(at);
-            // Around the exact point.
+            // A box that holds the exact point whatever the rounding.
             let error = 4.0 * f64::EPSILON * from.abs().max(to.abs());
             let [min, max] = [crossing - error, crossing + error].map(|corner| corner.as_vec3().to_array());
             let around = Aabb {

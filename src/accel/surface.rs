@@ -1,8 +1,8 @@
 //! The world-space surface at a hit.
 //!
-//! Conventions are Mitsuba 3's: a mesh's geometric normal is that of the transformed triangle (a mirroring transform turns it around),
-//! the vertex normals of its file go by the inverse transpose and are not made to agree with it, and vertex normals that were computed
-//! from the triangles turn around with them; the normals of other shapes go by the inverse transpose.
+//! The conventions are Mitsuba 3's. A mesh's geometric normal is that of the transformed triangle, so a mirroring transform turns it around.
+//! Vertex normals from a file go by the inverse transpose and may disagree with it; vertex normals that were computed from the triangles turn
+//! around with them. The normals of other shapes go by the inverse transpose.
 
 use glam::{Affine3A, Vec2, Vec3, Vec3A};
 
@@ -25,12 +25,12 @@ impl Tlas {
         }
     }
 
-    /// The surface at `hit`, which must be what `ray` met here, with everything.
+    /// The surface at `hit`, which must be a hit of `ray` here, in full detail.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         self.surface_in(ray, hit, Detail::Parametrised)
     }
 
-    /// Asks for the memory of the normals that will be looked up, of all at once, unless it is near anyway.
+    /// Prefetches the vertex normals at all hits, unless the scene fits into a cache.
     pub(super) fn prefetch_normals(&self, hits: &[Option<Hit>]) {
         if !(self.is_large && self.has_vertex_normals) {
             return;
@@ -98,7 +98,7 @@ impl Instance {
         }
     }
 
-    /// If it is a mesh with vertex normals that count.
+    /// The mesh, if the shape is one with vertex normals that are used.
     #[inline(always)]
     pub(super) fn with_vertex_normals(&self) -> Option<&Blas> {
         match &self.primitive {
@@ -124,7 +124,7 @@ impl Instance {
         if self.flip_normals { -1.0 } else { 1.0 }
     }
 
-    /// Of a shape in the plane z = 0, but for its parametrisation.
+    /// The surface of a shape in the plane z = 0, without its parametrisation.
     #[inline(always)]
     fn plane_surface(&self, hit: &Hit) -> SurfacePoint {
         let Affine3A {
@@ -150,7 +150,7 @@ impl Instance {
         }
     }
 
-    /// With derivatives in world space. `position` is local, `geometric` the world's unit normal.
+    /// The parametrisation, with derivatives in world space. `position` is local, `geometric` the unit normal in the world.
     #[inline(never)]
     fn parametrisation(&self, hit: &Hit, position: Vec3, geometric: Vec3) -> Parametrisation {
         let local = match &self.primitive {
@@ -182,7 +182,7 @@ impl Instance {
     /// Unit world normal.
     fn geometric_normal(&self, local: &LocalSurface) -> Vec3 {
         if let (Primitive::Sphere, Some(inverse)) = (&self.primitive, self.similarity) {
-            // Of unit length as it comes from the unit sphere.
+            // A point of the unit sphere has unit length.
             return (inverse * (self.world_from_local.matrix3 * Vec3A::from(local.normal))).into();
         }
         let normal = unit_or_none(self.world_normal(local.normal)).unwrap_or(Vec3::Z);
@@ -198,15 +198,16 @@ impl Instance {
         unit_or_none(normal.into()).unwrap_or(Vec3::Z)
     }
 
-    /// By the inverse transpose, not of unit length; the result's scale does not overflow or vanish for sensible transforms.
+    /// Transforms a normal by the inverse transpose. The result is not of unit length, but neither overflows nor vanishes for sensible transforms.
     fn world_normal(&self, local: Vec3) -> Vec3 {
-        // Near 1 by a power of two, which is quicker found than a quotient.
+        // The scale brings the normal near 1 by a power of two, which is faster than a division.
         let exponent = local.abs().max_element().to_bits() & 0x7f80_0000;
         let scale = f32::from_bits(0x7f00_0000_u32.wrapping_sub(exponent).max(LEAST_SCALE));
         (self.local_from_world.matrix3.transpose() * Vec3A::from(scale * local)).into()
     }
 
-    /// The interpolated vertex normal: each taken to the world and made unit first, as if the mesh had been stored transformed. Not flipped.
+    /// The interpolated vertex normal, not flipped. Each normal is taken to the world and normalised first, as if the mesh had been stored
+    /// transformed.
     fn vertex_normal(&self, mesh: &MeshData, triangle: u32, barycentric: Vec2) -> Option<Vec3> {
         let corners = mesh.triangles.get(triangle as usize)?;
         let Vec2 { x: u, y: v } = barycentric;
@@ -214,7 +215,7 @@ impl Instance {
         let normals = [a?, b?, c?];
         let mean = |[a, b, c]: [Vec3; 3]| (1.0 - u - v) * a + u * b + v * c;
         let normal = if self.similarity.is_some() {
-            // They stay as long as each other.
+            // Their lengths stay in proportion, so that one transform suffices.
             unit_or_none(self.world_normal(mean(normals)))?
         } else {
             unit_or_none(mean(
@@ -228,7 +229,7 @@ impl Instance {
         })
     }
 
-    /// The local error taken to the world, with the rounding of the way out and of a next ray's way back in.
+    /// The local error in world units, with the rounding of the transform to the world and of the next ray's transform back.
     fn world_error(&self, local: &LocalSurface) -> f32 {
         let error = self.rounding.of_error * Vec3A::from(local.error)
             + self.rounding.of_position * Vec3A::from(local.position.abs())

@@ -1,8 +1,8 @@
 //! Meshes of a few triangles, against sixteen rays at once.
 //!
-//! Signed volumes of the ray with each edge, from the sum and the difference of its corners (Davidovic et al., Efficient and robust edge
-//! functions, 2012), and once for all triangles that share it: what lies on one side of it for one of them lies on the other side for its
-//! neighbour, so that no ray slips through an edge. (Through a corner one may, that comes within rounding of it.)
+//! The test is watertight: it takes signed volumes of the ray with each edge from the sum and the difference of the edge's corners (Davidovic
+//! et al., Efficient and robust edge functions, 2012). A volume is computed once for the triangles that share the edge, so that no ray passes
+//! between them. Only a ray within rounding of a corner may.
 
 use arrayvec::ArrayVec;
 use glam::Vec3;
@@ -16,28 +16,28 @@ const MOST_TRIANGLES: usize = 16;
 const MOST_CORNERS: usize = 16;
 const MOST_EDGES: usize = 32;
 
-/// A mesh with corners at the same place made one.
+/// A mesh in which corners at the same place are one.
 #[derive(Clone, Debug)]
 pub(super) struct TinyMesh {
     bounds: Aabb,
     corners: Vec<Vec3>,
-    /// From the first corner to the second.
+    /// Each edge runs from its first corner to its second.
     edges: Vec<[usize; 2]>,
     triangles: Vec<TinyTriangle>,
 }
 
 #[derive(Clone, Debug)]
 struct TinyTriangle {
-    /// In the mesh.
+    /// Index into the mesh's triangles.
     index: u32,
-    /// The edges opposite of its corners, and 1, or -1 for an edge that it runs along backwards.
+    /// The edges opposite its corners, each with 1, or with -1 if the triangle runs along the edge backwards.
     edges: [(usize, f32); 3],
     corner: usize,
     /// Not of unit length.
     normal: Vec3,
 }
 
-/// Where lines meet a triangle's plane.
+/// The points at which lines meet a triangle's plane.
 pub(super) struct WeightLanes {
     /// Weights of corners 1 and 2, times `sum`.
     pub u: Lanes,
@@ -48,7 +48,7 @@ pub(super) struct WeightLanes {
 }
 
 impl TinyMesh {
-    /// None if it is too large, or nothing of it can be hit.
+    /// None if the mesh is too large, or if no ray can hit it.
     pub fn new(mesh: &MeshData) -> Option<Self> {
         if mesh.triangles.len() > MOST_TRIANGLES {
             return None;
@@ -100,15 +100,15 @@ impl TinyMesh {
         &self.bounds
     }
 
-    /// The mesh's number of the `number`-th triangle.
+    /// The index in the mesh of the `number`-th triangle.
     pub fn triangle(&self, number: usize) -> u32 {
         self.triangles[number].index
     }
 
-    /// Hands over, for each triangle, the parameters at which local `rays` meet its plane, until `visit` returns true.
+    /// Calls `visit` for each triangle with the parameters at which the local `rays` meet its plane, until it returns true.
     #[inline(always)]
     pub fn each_hit(&self, rays: &RayLanes, mut visit: impl FnMut(Lanes, WeightLanes, usize) -> bool) {
-        // Corners from the origins, and their products with the directions. They are large: filled where they are.
+        // The corners seen from the origins, and their cross products with the directions. The list is large, so it is filled in place.
         let mut corners = ArrayVec::<[Vec3Lanes; 2], MOST_CORNERS>::new();
         for &corner in &self.corners {
             let (p, d) = (Vec3Lanes::splat(corner) - rays.origin, rays.dir);
@@ -137,7 +137,7 @@ impl TinyMesh {
             let sum = w + u + v;
             let normal = Vec3Lanes::splat(triangle.normal);
             let t = corners[triangle.corner][0].dot(normal) / rays.dir.dot(normal);
-            // Seen from its edge it may have no weights.
+            // A triangle seen from its edge may have no weights.
             let inside = inside & sum.simd_ne(zero);
             if visit(t, WeightLanes { u, v, sum, inside }, number) {
                 return;

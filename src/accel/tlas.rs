@@ -1,4 +1,4 @@
-//! The hierarchy over everything in the world: what the integrator asks.
+//! The hierarchy over everything in the world, which the integrator traces rays against.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -24,21 +24,21 @@ use crate::math::{Aabb, Ray};
 pub struct Tlas {
     instances: Vec<Instance>,
     groups: Vec<Arc<Tlas>>,
-    /// Per group, the number of shapes before its first member.
+    /// The number of shapes before the first member of each group.
     first_shape: Vec<usize>,
     placements: Vec<Placement>,
     blocks: Vec<ShapeBlock>,
-    /// Over the instances that are in no block and, counted on from all of them, the placements and then the blocks.
+    /// The hierarchy over items. Their numbers count the instances, of which those in blocks are left out, then the placements, then the blocks.
     pub(super) bvh: Bvh,
-    /// If there are few shapes and nothing else.
+    /// The same without a hierarchy, if there are only a few shapes.
     pub(super) small_scene: Option<SmallScene>,
-    /// Whether it does not fit into a cache with all its meshes and groups: rays had better wait together.
+    /// Whether the hierarchies, with those of all meshes and groups, are too large for a cache. Rays are interleaved then.
     pub(super) is_large: bool,
-    /// Whether any of its meshes has vertex normals that count.
+    /// Whether any mesh has vertex normals that are used.
     pub(super) has_vertex_normals: bool,
 }
 
-/// What a leaf of the hierarchy holds.
+/// An item that a leaf of the hierarchy holds.
 pub(super) enum Item<'a> {
     Shape(&'a Instance),
     Placement(&'a Placement),
@@ -46,12 +46,12 @@ pub(super) enum Item<'a> {
 }
 
 impl Tlas {
-    /// Of shapes alone.
+    /// Builds over shapes, without groups.
     pub fn build(instances: Vec<Instance>, method: SplitMethod) -> Self {
         Self::with_placements(instances, Vec::new(), Vec::new(), method)
     }
 
-    /// Placements of a group that does not exist, or that has placements itself, hold nothing.
+    /// Builds over shapes and placed groups. A placement of a group that does not exist, or that has placements itself, is empty.
     pub fn with_placements(
         instances: Vec<Instance>,
         groups: Vec<Arc<Tlas>>,
@@ -125,7 +125,7 @@ impl Tlas {
         self.bvh.bounds()
     }
 
-    /// Triangles of all meshes, those of groups as often as they are placed.
+    /// The number of triangles of all meshes, those of groups as often as they are placed.
     pub fn triangles(&self) -> u64 {
         let of_shape = |instance: &Instance| match &instance.primitive {
             Primitive::Mesh(blas) => blas.mesh().triangles.len() as u64,
@@ -139,7 +139,7 @@ impl Tlas {
         self.instances.iter().map(of_shape).sum::<u64>() + placed.sum::<u64>()
     }
 
-    /// World bounds of what [`Hit::instance`] names.
+    /// The world bounds of the instance or placement that [`Hit::instance`] names.
     pub fn bounds_of(&self, item: u32) -> Option<Aabb> {
         let item = item as usize;
         match item.checked_sub(self.instances.len()) {
@@ -219,7 +219,7 @@ impl Tlas {
         &self.groups[placement.group as usize]
     }
 
-    /// Of all hierarchies; one that stands in several groups is counted in each.
+    /// The memory of all hierarchies in bytes. A mesh that is in several groups is counted in each.
     fn bytes(&self) -> usize {
         let meshes: HashMap<*const Blas, usize> = self
             .instances
@@ -233,18 +233,17 @@ impl Tlas {
         own + meshes.values().sum::<usize>() + self.groups.iter().map(|group| group.bytes()).sum::<usize>()
     }
 
-    /// Figures of the hierarchy over instances and placements alone; those of groups and meshes are theirs. `bytes` includes the
-    /// placements and blocks.
+    /// Figures of the hierarchy over instances and placements, without those of groups and meshes. `bytes` includes the placements and blocks.
     pub fn stats(&self) -> BvhStats {
         let mut stats = self.bvh.stats();
         stats.bytes += size_of_val(self.placements.as_slice()) + size_of_val(self.blocks.as_slice());
         stats
     }
 
-    /// [`Bvh::expected_work`] of the hierarchy over everything and those in its leaves together: a mesh or a group counts what its own does,
-    /// shapes in a block one each.
+    /// [`Bvh::expected_work`] of all hierarchies together: in a leaf a mesh or a group counts the expected work of its own hierarchy, and each
+    /// shape of a block counts one.
     pub fn expected_work(&self) -> f64 {
-        // Each mesh is asked once, however often it stands there.
+        // The work of a mesh is computed once, however many instances it has.
         let mut of_mesh: HashMap<*const Blas, f64> = HashMap::new();
         let of_shape: Vec<f64> = self
             .instances
@@ -309,7 +308,7 @@ impl Tlas {
         nearest
     }
 
-    /// Kept out of line: most scenes have no groups, and their rays should not carry a second walk's stack.
+    /// This is kept out of line, because most scenes have no groups, and their rays should not carry the stack of a second traversal.
     #[inline(never)]
     pub(super) fn closest_placed<const COUNT: bool>(
         &self,
@@ -328,7 +327,7 @@ impl Tlas {
         })
     }
 
-    /// [`Self::intersect`] for each of the lanes in `active`; None in the others. Their surfaces are expected to be asked for next.
+    /// [`Self::intersect`] for each of the lanes in `active`; None in the others. The normals are prefetched, since callers look them up next.
     pub fn intersect_lanes(&self, rays: &RayLanes, active: u32) -> [Option<Hit>; LANES] {
         let active = active & rays.valid_mask();
         let hits = if let Some(small) = &self.small_scene {
@@ -375,5 +374,5 @@ impl Tlas {
     }
 }
 
-/// Instances are dear to test, boxes are cheap.
+/// The most items in a leaf: an instance costs much more to test than a box.
 const LEAF_SIZE: usize = 1;

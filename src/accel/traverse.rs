@@ -1,4 +1,4 @@
-//! The walk through a [`Bvh`], nearest child first; what a leaf holds is the caller's business.
+//! Traverses a [`Bvh`], nearest child first. The caller tests what a leaf holds.
 
 use std::ops::{AddAssign, Range};
 
@@ -11,7 +11,7 @@ use super::node::{Child, Node, RaySlabs, WIDTH, padded};
 use super::order::{far_to_near, met_first, nearest};
 use crate::math::Ray;
 
-/// The work of a traversal.
+/// The work of a traversal: the numbers of boxes and primitives that were tested.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TraversalStats {
     pub boxes: u32,
@@ -31,12 +31,12 @@ impl AddAssign for TraversalStats {
     }
 }
 
-/// Stack entries for the deepest hierarchy: every node on the way down leaves at most all but one of its children behind. The last pushes
-/// all its slots, those that are not met on top.
+/// Stack entries for the deepest hierarchy: every node on the way down leaves at most all but one of its children on the stack. The last one
+/// pushes all its slots before those that are not met are dropped.
 pub(super) const STACK: usize = MAX_DEPTH * (WIDTH - 1) + WIDTH;
 
-/// Puts the children that are met onto a stack, the nearest on top, each below the bits of where the ray enters. It fails if less than
-/// [`WIDTH`] places are left, and then does nothing.
+/// Pushes the children that are met, the nearest on top. An entry has the bits of the entry distance above those of the child. Fails, and does
+/// nothing, if less than [`WIDTH`] places are left.
 #[inline(always)]
 pub(super) fn push_sorted<const ROOM: usize>(
     node: &Node,
@@ -47,7 +47,7 @@ pub(super) fn push_sorted<const ROOM: usize>(
     push_far_to_near(enter, met, node.children, stack)
 }
 
-/// As [`push_sorted`], of any children.
+/// As [`push_sorted`], for any children.
 #[inline(always)]
 pub(super) fn push_far_to_near<const ROOM: usize>(
     enter: f32x8,
@@ -64,7 +64,7 @@ pub(super) fn push_far_to_near<const ROOM: usize>(
     Ok(())
 }
 
-/// As [`push_sorted`], but in no order and at no distance: where any hit will do.
+/// As [`push_sorted`], but unsorted and with distances of zero, for traversals that look for any hit.
 #[inline(always)]
 pub(super) fn push_unsorted<const ROOM: usize>(
     node: &Node,
@@ -80,9 +80,8 @@ pub(super) fn push_unsorted<const ROOM: usize>(
 }
 
 impl Bvh {
-    /// Visits every leaf that may hold a hit, roughly from near to far. `leaf` gets a range of [`Bvh::order`] and the distance within
-    /// which a hit counts, and lowers that to its nearest hit. With `COUNT` its work is added to `stats` (the primitives of a visited
-    /// leaf are counted as tested once each).
+    /// Visits every leaf that may hold a hit, roughly from near to far. `leaf` gets a range of [`Bvh::order`] and t_max, which it lowers to its
+    /// nearest hit. With `COUNT` the work is added to `stats` (the primitives of a visited leaf are counted as tested once each).
     #[inline(always)]
     pub fn closest<const COUNT: bool>(
         &self,
@@ -97,8 +96,8 @@ impl Bvh {
         self.walk::<false, COUNT, false>(ray, stats, leaf, |_| ());
     }
 
-    /// [`Bvh::closest`] where what a leaf holds must come from afar: `prefetch` asks for it, and `leaf` looks at it when the next one has been
-    /// found. Until then the walk goes on, maybe behind a hit.
+    /// [`Bvh::closest`] for primitives that are in no cache: a leaf is handed to `prefetch` at once, but to `leaf` only when the next leaf has been
+    /// found. In between the traversal may visit nodes behind a hit.
     #[inline(always)]
     pub(super) fn closest_prefetching<const COUNT: bool>(
         &self,
@@ -120,7 +119,7 @@ impl Bvh {
         self.walk::<true, false, false>(ray, &mut TraversalStats::default(), |range, _| leaf(range), |_| ())
     }
 
-    /// [`Bvh::any`] where what a leaf holds must come from afar, as in [`Bvh::closest_prefetching`].
+    /// [`Bvh::any`] for primitives that are in no cache, see [`Bvh::closest_prefetching`].
     #[inline(always)]
     pub(super) fn any_prefetching(
         &self,
@@ -143,9 +142,9 @@ impl Bvh {
             return false;
         };
         let mut t_max = ray.t_max;
-        // Children that wait, and where the ray enters them.
+        // The children still to be visited, and the distances at which the ray enters them.
         let mut stack = ArrayVec::<u64, STACK>::new();
-        // The leaf whose memory is on its way.
+        // The leaf that is being prefetched.
         let mut pending: Option<Range<usize>> = None;
         let mut current = 0;
         loop {
@@ -181,7 +180,7 @@ impl Bvh {
     }
 }
 
-/// The child to go on with, the nearest one or with `ANY` any that is met; the others wait.
+/// The child to go on with: the nearest one, or with `ANY` any that is met. The others are pushed.
 #[inline(always)]
 fn go_down<const ANY: bool>(node: &Node, enter: f32x8, met: f32x8, stack: &mut ArrayVec<u64, STACK>) -> Option<Child> {
     let mut others = met.to_bitmask();
@@ -189,7 +188,7 @@ fn go_down<const ANY: bool>(node: &Node, enter: f32x8, met: f32x8, stack: &mut A
         return None;
     }
     if !ANY {
-        // Found before they are in order: that is not waited for.
+        // The nearest is found without waiting for the sort.
         let next = node.children[nearest(enter, met)];
         // The stack is deep enough by construction.
         let _ = push_sorted(node, enter, met, stack);
@@ -205,7 +204,7 @@ fn go_down<const ANY: bool>(node: &Node, enter: f32x8, met: f32x8, stack: &mut A
     Some(next)
 }
 
-/// To what waits and is entered within `t_limit`.
+/// Pops the next child that is entered within `t_limit`.
 #[inline(always)]
 fn go_back(stack: &mut ArrayVec<u64, STACK>, t_limit: f32) -> Option<Child> {
     while let Some(top) = stack.pop() {

@@ -1,4 +1,4 @@
-//! Triangles tested together: the arithmetic of [`crate::geometry::triangle`] over the lanes of a block.
+//! Triangles that are tested together, with the arithmetic of [`crate::geometry::triangle`] in the lanes of a block.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -11,7 +11,7 @@ use crate::geometry::triangle::TriangleRay;
 pub(super) const LANES: usize = 8;
 type Lanes = f32x8;
 
-/// Corners in structure-of-arrays form. Unused lanes are no numbers, which no ray hits.
+/// Up to eight triangles in structure-of-arrays form. Unused lanes hold NaN, which no ray hits.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct TriangleBlock {
@@ -43,7 +43,7 @@ impl TriangleBlock {
         [corner(0), corner(1), corner(2)]
     }
 
-    /// Ray parameters, weights, and a bit for each lane whose triangle is met within t_min < t <= t_max.
+    /// Computes ray parameters, weights, and a bit for each lane whose triangle is met within t_min < t <= t_max.
     #[inline(always)]
     fn test(&self, ray: &TriangleRay, t_max: f32) -> (Lanes, [Lanes; 3], u32) {
         let [x, y, z] = ray.axes.map(|axis| &self.corners[axis]);
@@ -57,14 +57,14 @@ impl TriangleBlock {
         let inside = lowest.simd_ge(zero) | highest.simd_le(zero);
         let [t_numerator, determinant] = ray.plane(corners, Lanes::splat);
         let t = t_numerator / determinant;
-        // A degenerate triangle gives t = 0 / 0, which no comparison lets through; one that is seen from its edge may have no weights.
+        // A degenerate triangle gives t = 0 / 0, for which every comparison fails; one that is seen from its edge may have no weights.
         let hits =
             inside & (u + v + w).simd_ne(zero) & t.simd_gt(Lanes::splat(ray.t_min)) & t.simd_le(Lanes::splat(t_max));
         (t, weights, hits.to_bitmask())
     }
 
-    /// The nearest hit, `number` being that of the block. Of two hits at the same distance the first slot counts, so that it does not matter
-    /// which is found first: `t_max` is where the slot `found` is hit, or else what a hit must be nearer than.
+    /// The nearest hit in this block, which is the `number`-th. `t_max` is the distance at which the slot `found` is hit, or the limit if there
+    /// is none. Of two hits at the same distance the lower slot counts, so that the order of tests does not matter.
     #[inline(always)]
     pub fn closest(&self, number: usize, ray: &TriangleRay, t_max: f32, found: Option<u32>) -> Option<MeshHit> {
         let (distance, weights, mut hits) = self.test(ray, t_max);
@@ -96,10 +96,10 @@ impl TriangleBlock {
         })
     }
 
-    /// Asks for its memory.
+    /// Prefetches the corners.
     #[inline(always)]
     pub fn prefetch(&self) {
-        // Of the vectors each second one begins a cache line.
+        // Every second vector begins a cache line.
         self.corners.as_flattened().iter().step_by(2).for_each(prefetch);
     }
 

@@ -1,4 +1,4 @@
-//! Sixteen rays within one mesh: down together as long as several go the same way, then each on its own.
+//! Sixteen rays within one mesh: they descend together as long as several go the same way, and are then interleaved.
 
 use arrayvec::ArrayVec;
 use wide::f32x8;
@@ -15,7 +15,7 @@ use crate::math::Ray;
 use crate::math::lanes::LANES;
 
 impl Blas {
-    /// [`Self::intersect`] of the rays in `active`; `found` is told of the nearest hit of each one that has any.
+    /// [`Self::intersect`] of the rays in `active`. Calls `found` with the lane and the nearest hit of each ray that has one.
     #[inline(always)]
     pub(in crate::accel) fn intersect_lanes(
         &self,
@@ -62,7 +62,7 @@ impl Blas {
             .descend_packet(rays, active, |lane, child, enter| starts[lane].push(child, enter));
         let slabs = RaySlabLanes::new(rays);
         let rays = rays.rays();
-        // They are large: made where they stay.
+        // The stacks are large, so they are made where they stay.
         let mut stacks: [Stack; LANES] = std::array::from_fn(|_| Stack::new());
         let mut walks = ArrayVec::<MeshWalk<ANY>, LANES>::new();
         for (index, stack) in stacks.iter_mut().enumerate() {
@@ -77,7 +77,7 @@ impl Blas {
             });
         }
         if self.bvh.is_linear() {
-            // Its leaf has many blocks.
+            // The only leaf of a linear list has many blocks.
             walks.iter_mut().for_each(|walk| walk.progress.give_up());
         }
         let mesh = MeshTables {
@@ -91,12 +91,12 @@ impl Blas {
     }
 }
 
-/// The children that a ray begins with, in no order.
+/// The children that a ray begins with, unsorted.
 #[derive(Clone, Copy)]
 struct Start {
     enters: [f32; WIDTH],
     children: [Child; WIDTH],
-    /// Also of those that there is no room for.
+    /// The number of children, also if there are more than fit.
     count: usize,
 }
 

@@ -1,7 +1,7 @@
-//! Rays walked several at a time, a step of each in turn: while the memory that one needs is on its way, the others work. In large scenes
-//! most of a lone ray's time is waiting.
+//! Interleaved traversal: several rays take a step each in turn, so that the others go on while the memory that one needs is being fetched. A
+//! single ray spends most of its time on such waits in large scenes.
 //!
-//! The steps at inner nodes are taken together, those at triangles and those at shapes, so that the processor has little to guess.
+//! Steps at inner nodes are taken together, and so are those at triangles and those at shapes, so that branches are easy to predict.
 
 mod mesh;
 mod scene;
@@ -11,33 +11,33 @@ use arrayvec::ArrayVec;
 use super::node::{Child, Node, RaySlabs, padded};
 use super::traverse::{push_sorted, push_unsorted};
 
-/// A ray on its way.
+/// The traversal of one ray.
 trait Walk {
-    /// What all of them walk through.
+    /// The data that all walks share.
     type Context;
 
     /// Picks the next step.
     fn next_step(&mut self) -> Place;
     fn visit_node(&mut self, context: &Self::Context);
     fn visit_triangles(&mut self, context: &Self::Context);
-    /// False if it has come to its end.
+    /// Returns false if the traversal is over.
     fn visit_elsewhere(&mut self, context: &Self::Context) -> bool;
-    /// Asks for the memory of a step that is picked.
+    /// Prefetches the memory of the step that was picked.
     fn prefetch_node(&self, context: &Self::Context);
     fn prefetch_triangles(&self, context: &Self::Context);
 }
 
-/// What a ray visits next.
+/// The place of a ray's next step.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Place {
     Node,
     Triangles,
-    /// A shape, or what is around the present space.
+    /// A shape, or the space around the present one.
     Elsewhere,
     Nowhere,
 }
 
-/// Takes the walks in `active`, a bit each, to their ends. `N` is at most 32.
+/// Runs the walks in `active`, a bit each, to their ends. `N` is at most 32.
 #[inline(always)]
 fn take_turns<W: Walk, const N: usize>(walks: &mut ArrayVec<W, N>, context: &W::Context, active: u32) {
     const { assert!(N <= u32::BITS as usize) };
@@ -70,7 +70,7 @@ fn take_turns<W: Walk, const N: usize>(walks: &mut ArrayVec<W, N>, context: &W::
     }
 }
 
-/// The rays that have a step to take, by where, a bit for each.
+/// The rays that have a step to take, by the place of the step, a bit for each.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 struct Turns {
     at_nodes: u32,
@@ -94,7 +94,7 @@ impl Turns {
         }
     }
 
-    /// Asks for the memory that the rays need, but for shapes.
+    /// Prefetches what the rays need, except for shapes.
     #[inline(always)]
     fn prefetch<W: Walk, const N: usize>(self, walks: &ArrayVec<W, N>, context: &W::Context) {
         for index in members::<N>(self.at_nodes) {
@@ -106,7 +106,7 @@ impl Turns {
     }
 }
 
-/// The places of the bits that are set, all below `N`.
+/// The positions of the bits that are set, all below `N`.
 #[inline(always)]
 fn members<const N: usize>(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -116,22 +116,22 @@ fn members<const N: usize>(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Children that may wait in all spaces together; those of a million triangles are about fifty at most.
+/// The length of a stack for all spaces together. A million triangles need about fifty entries at most.
 const STACK_LEN: usize = 96;
 
-/// Children that wait, and where the ray enters them.
+/// The children still to be visited, and the distances at which the ray enters them.
 type Stack = ArrayVec<u64, STACK_LEN>;
 
-/// Waits below all children of a space.
+/// The entry below all children of a space: it leads back to the space around it.
 const OUTWARD: u64 = Child::NONE.0 as u64;
 
-/// How far a ray has come. Without `ANY` it looks for its nearest hit.
+/// The state of a ray's traversal. Without `ANY` it looks for the nearest hit.
 struct Progress<'a, const ANY: bool> {
-    /// As a lone ray's, those of inner spaces on top.
+    /// The stack, as of a single ray, with the entries of inner spaces on top.
     stack: &'a mut Stack,
     next: Child,
     t_max: f32,
-    /// The ray needs more than there is room for, and must go alone.
+    /// Whether the stack is too small for the ray, which then has to be traced by itself.
     gave_up: bool,
 }
 
@@ -146,7 +146,7 @@ impl<'a, const ANY: bool> Progress<'a, ANY> {
         }
     }
 
-    /// Into a space, from its root on.
+    /// Enters a space at its root.
     #[inline(always)]
     fn enter(&mut self) {
         let entered = self.stack.try_push(OUTWARD).is_ok() && self.stack.try_push(u64::from(Child::ROOT.0)).is_ok();
@@ -160,7 +160,7 @@ impl<'a, const ANY: bool> Progress<'a, ANY> {
         self.stack.clear();
     }
 
-    /// To the nearest that waits.
+    /// Pops the nearest child.
     #[inline(always)]
     fn next_step(&mut self) -> Child {
         self.next = Child(self.stack.pop().unwrap_or(OUTWARD) as u32);
@@ -180,7 +180,7 @@ impl<'a, const ANY: bool> Progress<'a, ANY> {
         }
     }
 
-    /// Something is hit at `t`.
+    /// Lowers t_max to a hit at `t`.
     #[inline(always)]
     fn shorten(&mut self, t: f32) {
         self.t_max = t;
@@ -188,7 +188,7 @@ impl<'a, const ANY: bool> Progress<'a, ANY> {
             self.stack.clear();
             return;
         }
-        // What is entered behind the hit waits no longer. To find that out later would be a guess at every step.
+        // Entries behind the hit are removed now. To skip them later would be a branch at every step that is hard to predict.
         let farthest = u64::from(padded(t).to_bits()) << 32 | u64::from(u32::MAX);
         let mut kept = 0;
         for place in 0..self.stack.len() {

@@ -1,4 +1,4 @@
-//! Rays through a whole scene, from the world into its groups and meshes. Each takes the very steps that it would take alone.
+//! Interleaved rays through a whole scene, from the world into its groups and meshes. Each takes the very steps that it takes by itself.
 
 use arrayvec::ArrayVec;
 
@@ -48,7 +48,7 @@ impl Tlas {
         active: u32,
         mut finish: impl FnMut(usize, &SceneWalk<ANY>),
     ) {
-        // They are large: made where they stay.
+        // The stacks are large, so they are made where they stay.
         let mut stacks: [Stack; N] = std::array::from_fn(|_| Stack::new());
         let mut walks = ArrayVec::<SceneWalk<ANY>, N>::new();
         for (ray, stack) in rays.iter().zip(&mut stacks) {
@@ -72,17 +72,17 @@ impl Tlas {
 struct Level<'a> {
     /// The world or the group.
     scene: &'a Tlas,
-    /// The mesh's, or else the scene's.
+    /// The hierarchy of the mesh, or of the scene outside of meshes.
     bvh: &'a Bvh,
-    /// The mesh's, or else none.
+    /// The blocks of the mesh; empty outside of meshes.
     blocks: &'a [TriangleBlock],
     ray: Ray,
     slabs: RaySlabs,
-    /// Within a mesh.
+    /// The ray as triangle tests want it, within a mesh.
     triangle_ray: TriangleRay,
-    /// Which in the world the group is.
+    /// The index of the group's placement in the world.
     placement: Option<u32>,
-    /// Which in the scene the mesh is.
+    /// The index of the mesh's instance in the scene.
     shape: u32,
 }
 
@@ -110,7 +110,7 @@ struct SceneWalk<'a, const ANY: bool> {
 }
 
 impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
-    /// Of a ray that goes nowhere yet.
+    /// A walk that has not begun: its stack is empty.
     #[inline(always)]
     fn new(level: Level<'a>, stack: &'a mut Stack) -> Self {
         Self {
@@ -121,7 +121,7 @@ impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
         }
     }
 
-    /// Into a space within the present one.
+    /// Enters a space within the present one.
     #[inline(always)]
     fn enter(&mut self, inner: Level<'a>) {
         let Some(slabs) = RaySlabs::new(&inner.ray) else {
@@ -140,7 +140,7 @@ impl<'a, const ANY: bool> SceneWalk<'a, ANY> {
         let level = self.level;
         let bvh = &level.scene.bvh;
         let &[item] = &bvh.order()[bvh.leaf_range(self.progress.next)] else {
-            // A linear list.
+            // Only a linear list has other leaves.
             return self.progress.give_up();
         };
         let ray = Ray {

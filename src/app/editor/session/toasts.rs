@@ -46,7 +46,7 @@ pub const MOST: usize = 5;
 pub struct Toasts(Vec<Toast>);
 
 impl Toasts {
-    /// Something was done.
+    /// Tells that something was done.
     pub fn info(&mut self, message: impl Into<String>) {
         let message = message.into();
         info!("{message}");
