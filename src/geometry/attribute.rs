@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 
-use super::mesh::MeshData;
 use crate::color::linear_from_srgb8;
 
 /// A named array of values. Its name begins with `vertex_` or `face_`, as in Mitsuba, whatever it belongs to.
@@ -50,12 +49,13 @@ impl AttributeValues {
 }
 
 impl MeshAttribute {
-    /// The value on a triangle of `mesh`, interpolated between corners by their weights; a single number is a grey. Zero outside of the mesh.
-    pub fn value(&self, mesh: &MeshData, triangle: u32, barycentric: Vec3) -> Vec3 {
+    /// The value on one of the mesh's `triangles`, interpolated between corners by their weights; a single number is a grey. Zero outside of the
+    /// mesh.
+    pub fn value(&self, triangles: &[[u32; 3]], triangle: u32, barycentric: Vec3) -> Vec3 {
         match self.domain {
             AttributeDomain::Triangle => self.element(triangle),
             AttributeDomain::Vertex => {
-                let Some(&[a, b, c]) = mesh.triangles.get(triangle as usize) else {
+                let Some(&[a, b, c]) = triangles.get(triangle as usize) else {
                     return Vec3::ZERO;
                 };
                 barycentric.x * self.element(a) + barycentric.y * self.element(b) + barycentric.z * self.element(c)

@@ -2,7 +2,11 @@
 
 use std::fmt;
 
+use glam::Vec3;
+use rayon::prelude::*;
+
 use super::mesh::MeshData;
+use super::vertex_normals::{angle_weighted_normals, unit};
 use crate::memory::{self, Reservation, Shortage};
 
 /// A mesh that was read, and what of the file was left out or mended on the way, one sentence each.
@@ -225,5 +229,33 @@ impl Warnings {
             sentences.push(format!("{} further warnings", self.left_out));
         }
         sentences
+    }
+}
+
+/// Computes all normals if the file has none. Otherwise normalises those it has, and computes those that are no directions.
+pub(super) fn complete_normals(mesh: &mut MeshData, warnings: &mut Warnings) {
+    if mesh.normals.is_empty() {
+        mesh.normals = angle_weighted_normals(&mesh.positions, &mesh.triangles);
+        mesh.has_computed_normals = true;
+        return;
+    }
+    mesh.normals
+        .par_iter_mut()
+        .for_each(|normal| *normal = unit(*normal).unwrap_or(Vec3::NAN));
+    if !mesh.normals.iter().any(|normal| normal.is_nan()) {
+        return;
+    }
+    let computed = angle_weighted_normals(&mesh.positions, &mesh.triangles);
+    for (normal, computed) in mesh
+        .normals
+        .iter_mut()
+        .zip(computed)
+        .filter(|(normal, _)| normal.is_nan())
+    {
+        *normal = computed;
+        warnings.add(
+            "normals",
+            "a normal that is zero or not finite is computed from the triangles instead",
+        );
     }
 }

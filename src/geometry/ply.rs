@@ -12,12 +12,11 @@ use rayon::prelude::*;
 
 use super::attribute::AttributeDomain;
 use super::mesh::{HIERARCHY_BYTES, MeshData};
-use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings};
+use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings, complete_normals};
 use super::ply_attributes::Attributes;
 use super::ply_header::{Element, Format, Header, Kind, Scalar, parse_header};
 use super::ply_records::Records;
 use super::ply_source::{Ascii, Binary, Source};
-use super::vertex_normals::complete_normals;
 
 /// Reads a whole PLY file. Errors name the line, or in a binary body the byte.
 pub fn load_ply(bytes: &[u8]) -> Result<LoadedMesh, MeshError> {

@@ -10,8 +10,7 @@ use flate2::bufread::ZlibDecoder;
 use glam::{Vec2, Vec3};
 
 use super::mesh::{HIERARCHY_BYTES, MeshData};
-use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings};
-use super::vertex_normals::complete_normals;
+use super::mesh_file::{LoadedMesh, MeshError, MeshMemory, Place, Warnings, complete_normals};
 
 const MAGIC: u16 = 0x041c;
 

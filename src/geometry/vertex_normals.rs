@@ -8,9 +8,6 @@ use glam::Vec3;
 use rayon::prelude::*;
 use wide::{f32x4, u32x4};
 
-use super::mesh::MeshData;
-use super::mesh_file::Warnings;
-
 /// The normal of a vertex that no triangle with an area touches; never seen by a ray, but unit length all the same.
 pub const NORMAL_OF_LONE_VERTEX: Vec3 = Vec3::X;
 
@@ -147,34 +144,6 @@ fn cross(a: [f32x4; 3], b: [f32x4; 3]) -> [f32x4; 3] {
 #[inline(always)]
 fn largest(v: [f32x4; 3]) -> f32x4 {
     v[0].abs().fast_max(v[1].abs()).fast_max(v[2].abs())
-}
-
-/// Computes all normals where the file has none, and those it has but that are no directions; the others become unit length.
-pub(super) fn complete_normals(mesh: &mut MeshData, warnings: &mut Warnings) {
-    if mesh.normals.is_empty() {
-        mesh.normals = angle_weighted_normals(&mesh.positions, &mesh.triangles);
-        mesh.has_computed_normals = true;
-        return;
-    }
-    mesh.normals
-        .par_iter_mut()
-        .for_each(|normal| *normal = unit(*normal).unwrap_or(Vec3::NAN));
-    if !mesh.normals.iter().any(|normal| normal.is_nan()) {
-        return;
-    }
-    let computed = angle_weighted_normals(&mesh.positions, &mesh.triangles);
-    for (normal, computed) in mesh
-        .normals
-        .iter_mut()
-        .zip(computed)
-        .filter(|(normal, _)| normal.is_nan())
-    {
-        *normal = computed;
-        warnings.add(
-            "normals",
-            "a normal that is zero or not finite is computed from the triangles instead",
-        );
-    }
 }
 
 /// The direction of `vector`, whatever its length, even where the square of that is beyond an `f32`; `None` for zero and what is not finite.

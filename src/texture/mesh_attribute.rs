@@ -20,7 +20,7 @@ impl MeshAttribute {
             Some(
                 at.mesh
                     .attribute(&self.name)?
-                    .value(at.mesh, at.triangle, at.barycentric),
+                    .value(&at.mesh.triangles, at.triangle, at.barycentric),
             )
         })
         .map_or(Rgb::ZERO, |value| self.scale * value)

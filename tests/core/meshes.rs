@@ -762,7 +762,7 @@ fn colours_of_a_ply_file_become_attributes() {
     // The list parts the first paint from the others, which cannot begin a group.
     assert_eq!(names, ["vertex_color", "vertex_heat", "face_paint_color"]);
 
-    let value = |name: &str, triangle, at| mesh.attribute(name).unwrap().value(&mesh, triangle, at);
+    let value = |name: &str, triangle, at| mesh.attribute(name).unwrap().value(&mesh.triangles, triangle, at);
     let color = value("vertex_color", 0, Vec3::new(0.5, 0.25, 0.25));
     // Whole numbers are encoded as sRGB: 188 is 0.5029 linear.
     assert!(
