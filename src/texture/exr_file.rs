@@ -9,7 +9,7 @@ use exr::meta::MetaData;
 use exr::prelude::*;
 
 use super::image::{ENVIRONMENT_BYTES, Image, Samples, Transfer};
-use super::image_file::{ImageFileError, Promise, hold};
+use super::image_header::{ImageFileError, PromisedSize, hold};
 use crate::memory::Reservation;
 
 pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
@@ -46,7 +46,7 @@ pub(super) fn load_exr(bytes: &[u8]) -> std::result::Result<Image, ImageFileErro
 
 /// Reserves, before pixels are read, what the headers promise: all layers are read before the colour is taken from one of them.
 fn reserve(bytes: &[u8]) -> std::result::Result<Reservation, ImageFileError> {
-    let mut all = Promise {
+    let mut all = PromisedSize {
         width: 0,
         height: 0,
         decoded_bytes: 0,

@@ -1,46 +1,15 @@
 //! Bytes of a file -> [`Image`]: PNG, JPEG, BMP, TGA, PPM and PGM (encoded for displays), EXR, Radiance HDR and PFM (linear). The
 //! content decides which it is, never the name.
-//!
-//! What a header promises is weighed against the length of the file before memory is taken for it.
 
 use std::io::Cursor;
 
 use ::image::codecs::hdr::HdrDecoder;
 use ::image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
-use thiserror::Error;
 
 use super::image::{ENVIRONMENT_BYTES, Image, Samples, Transfer};
+use super::image_header::{ImageFileError, PromisedSize, damaged, hold};
 use super::{exr_file, jpeg_file, pfm_file};
-use crate::memory::{self, Reservation, Shortage};
-
-/// Why bytes are no picture. The file's name is the caller's to add.
-#[derive(Debug, Error)]
-pub enum ImageFileError {
-    #[error("not a picture in a known format: PNG, JPEG, BMP, TGA, PPM, EXR, HDR or PFM")]
-    UnknownFormat,
-    #[error("pictures in the format {0} are not read; save it as PNG, JPEG, HDR or EXR")]
-    UnsupportedFormat(String),
-    #[error("a picture of {width} x {height} pixels is promised, which is more than a file of {bytes} bytes can hold")]
-    TooLarge { width: u64, height: u64, bytes: usize },
-    #[error("{width} x {height} pixels need {shortage}")]
-    Memory {
-        width: u64,
-        height: u64,
-        shortage: Shortage,
-    },
-    #[error("the picture has no pixels")]
-    Empty,
-    #[error("the picture is damaged: {0}")]
-    Damaged(String),
-    #[error("the EXR picture has no channels R, G, B, nor Y, and more than one: {0}")]
-    Channels(String),
-    #[error("{0}; save the EXR picture with ZIP compression and full resolution, without depth samples")]
-    UnsupportedExr(String),
-}
-
-/// No format packs more bytes of a picture into one: DWAB needs two bytes for a constant block of 64 halves, and deflate packs 1032
-/// of those into one.
-const MOST_PER_BYTE: u64 = 64 * 1032;
+use crate::memory::{self, Reservation};
 
 /// Reads a whole file.
 pub fn load_image(bytes: &[u8]) -> Result<Image, ImageFileError> {
@@ -106,7 +75,7 @@ fn decode_reserved(
 ) -> Result<(DynamicImage, Reservation), ImageFileError> {
     let (width, height) = decoder.dimensions();
     let pixels = u64::from(width) * u64::from(height);
-    let size = Promise {
+    let size = PromisedSize {
         width: width.into(),
         height: height.into(),
         decoded_bytes: decoder.total_bytes(),
@@ -114,54 +83,6 @@ fn decode_reserved(
     };
     let memory = size.reserve(file_bytes)?;
     Ok((DynamicImage::from_decoder(decoder).map_err(damaged)?, memory))
-}
-
-fn damaged(error: ::image::ImageError) -> ImageFileError {
-    ImageFileError::Damaged(error.to_string())
-}
-
-/// What the header of a picture promises.
-pub(super) struct Promise {
-    /// In pixels.
-    pub width: u64,
-    pub height: u64,
-    /// Bytes that the file must hold, before compression.
-    pub decoded_bytes: u64,
-    /// Bytes of memory that decoding takes at most, and the picture afterwards.
-    pub memory_bytes: u64,
-}
-
-impl Promise {
-    /// Refuses what cannot come from so short a file, and what does not fit into the budget.
-    pub fn reserve(&self, file_bytes: usize) -> Result<Reservation, ImageFileError> {
-        let (width, height) = (self.width, self.height);
-        if width == 0 || height == 0 {
-            return Err(ImageFileError::Empty);
-        }
-        if self.decoded_bytes > MOST_PER_BYTE.saturating_mul(file_bytes as u64) {
-            return Err(ImageFileError::TooLarge {
-                width,
-                height,
-                bytes: file_bytes,
-            });
-        }
-        memory::reserve(self.memory_bytes).map_err(|shortage| ImageFileError::Memory {
-            width,
-            height,
-            shortage,
-        })
-    }
-}
-
-/// The picture with what is reserved for it, from now on only for the samples that are left.
-pub(super) fn hold(image: Image, mut memory: Reservation) -> Result<Image, ImageFileError> {
-    let bytes = image.memory_bytes().min(memory.bytes());
-    memory.resize(bytes).map_err(|shortage| ImageFileError::Memory {
-        width: image.width().into(),
-        height: image.height().into(),
-        shortage,
-    })?;
-    Ok(image.holding(memory))
 }
 
 /// TGA begins with no magic number: whether the first 18 bytes make sense as its header.

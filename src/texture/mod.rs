@@ -8,6 +8,7 @@ mod checkerboard;
 mod exr_file;
 mod image;
 mod image_file;
+mod image_header;
 mod jpeg_file;
 mod mesh_attribute;
 mod pfm_file;
@@ -20,7 +21,8 @@ use crate::geometry::mesh::MeshData;
 pub use bitmap::{Bitmap, Filter, Wrap};
 pub use checkerboard::Checkerboard;
 pub use image::{Image, Samples, Transfer};
-pub use image_file::{ImageFileError, decode_picture, load_image};
+pub use image_file::{decode_picture, load_image};
+pub use image_header::ImageFileError;
 pub use mesh_attribute::MeshAttribute;
 
 /// An index into a [`TextureTable`].

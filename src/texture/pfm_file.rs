@@ -1,7 +1,7 @@
 //! Reads portable float maps: one or three channels of 32-bit floats, rows from the bottom up (Debevec, "PFM: Portable FloatMap").
 
 use super::image::{ENVIRONMENT_BYTES, Image, Samples, Transfer};
-use super::image_file::{ImageFileError, Promise, hold};
+use super::image_header::{ImageFileError, PromisedSize, hold};
 
 /// `bytes` begin with `PF` (colour) or `Pf` (grey). The scale's sign names the byte order; its size multiplies the samples, as in Mitsuba.
 pub(super) fn load_pfm(bytes: &[u8]) -> Result<Image, ImageFileError> {
@@ -28,7 +28,7 @@ pub(super) fn load_pfm(bytes: &[u8]) -> Result<Image, ImageFileError> {
     let row = u64::from(width) * channels as u64 * 4;
     let wanted = row.saturating_mul(height.into());
     let pixels = u64::from(width) * u64::from(height);
-    let promise = Promise {
+    let promise = PromisedSize {
         width: width.into(),
         height: height.into(),
         decoded_bytes: wanted,
