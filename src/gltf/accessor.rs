@@ -1,32 +1,8 @@
 //! Accessors: typed, strided, sparse views of buffers, read as numbers (glTF 2.0, section 3.6.2). Every range is checked.
 
-use super::schema::{Accessor, Root};
+use super::schema::Accessor;
+use super::zeros::MOST_ZEROS;
 use super::{Gltf, GltfError};
-
-/// Elements without bytes of their own behind them (accessors that are all zeros but for sparse values) have a limit for each accessor and for all
-/// meshes together: nothing else in the file bounds them.
-const MOST_ZEROS: usize = 1 << 26;
-
-/// Bytes of memory for such an element, in the mesh and in its file.
-const ZERO_BYTES: u64 = 64;
-
-/// How many such elements the meshes of a file have, without the accessors that are beyond the limit by themselves.
-pub(super) fn count_zeros(root: &Root) -> usize {
-    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-    let accessors = primitives.flat_map(|primitive| primitive.attributes.values());
-    let zeros = accessors
-        .filter_map(|&index| root.accessors.get(index))
-        .filter(|accessor| accessor.buffer_view.is_none() && accessor.count <= MOST_ZEROS);
-    zeros.fold(0, |sum, accessor| sum.saturating_add(accessor.count))
-}
-
-/// Bytes of memory for so many such elements; none where they are too many, for then no mesh is made of them.
-pub(super) fn zero_bytes(zeros: usize) -> u64 {
-    match zeros <= MOST_ZEROS {
-        true => ZERO_BYTES * zeros as u64,
-        false => 0,
-    }
-}
 
 /// The type of one number.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -6,6 +6,7 @@
 
 mod accessor;
 mod camera;
+mod error;
 pub mod files;
 mod material;
 mod mesh;
@@ -14,61 +15,13 @@ mod picture;
 pub mod scene;
 mod schema;
 mod uri;
+mod zeros;
 
 use std::borrow::Cow;
 
+pub use self::error::{GltfError, ReadFile};
 use self::schema::Root;
-use crate::memory::{self, Held, Shortage};
-
-/// Reads a file by its name, relative to the glTF file.
-pub type ReadFile<'a> = dyn FnMut(&str) -> std::io::Result<Vec<u8>> + 'a;
-
-/// Why a file could not be read.
-#[derive(Debug, thiserror::Error)]
-pub enum GltfError {
-    #[error("{0}")]
-    Container(&'static str),
-    #[error("{0}")]
-    Json(serde_json::Error),
-    #[error("glTF version `{0}` is not supported, only 2.0 is")]
-    Version(String),
-    #[error("the file requires the extension {0}, which is not supported")]
-    Extension(String),
-    /// An index that names nothing.
-    #[error("{what} {index} is not there: the file has {count}")]
-    Index {
-        what: &'static str,
-        index: usize,
-        count: usize,
-    },
-    #[error("accessor {index} {what}")]
-    Accessor { index: usize, what: String },
-    #[error("buffer view {index} reaches beyond its buffer")]
-    View { index: usize },
-    #[error("buffer {index} has {held} bytes where {promised} are promised")]
-    Buffer { index: usize, held: usize, promised: usize },
-    #[error("primitive {index}: {what}")]
-    Primitive { index: usize, what: String },
-    #[error("node {0} is its own ancestor, or the child of two nodes")]
-    Tree(usize),
-    #[error("image {index}: {what}")]
-    Image { index: usize, what: String },
-    /// Of the scene that the file becomes.
-    #[error("`{name}` of {owner} is too large for a number of single precision")]
-    Number { name: String, owner: String },
-    /// The largest coordinate of the scene, and the largest for which a camera can be placed.
-    #[error("the scene has no camera, and reaches to {reach:e}: a camera is placed only up to {limit:e}")]
-    Reach { reach: f32, limit: f32 },
-    #[error("the URI `{uri}` {what}")]
-    Uri { uri: String, what: &'static str },
-    #[error("the buffers and meshes need {0}")]
-    Memory(Shortage),
-    #[error("{name}: {source}")]
-    File { name: String, source: std::io::Error },
-    /// A part that cannot be written.
-    #[error("{name} cannot be kept: {source}")]
-    Keep { name: String, source: std::io::Error },
-}
+use crate::memory::{self, Held};
 
 /// Extensions that a file may require.
 const SUPPORTED: [&str; 11] = [
@@ -131,8 +84,8 @@ impl Gltf {
         if let Some(name) = root.extensions_required.iter().find(|name| !is_supported(name)) {
             return Err(GltfError::Extension(name.clone()));
         }
-        let zeros = accessor::count_zeros(&root);
-        let mut needed = accessor::zero_bytes(zeros);
+        let zeros = zeros::count_zeros(&root);
+        let mut needed = zeros::zero_bytes(zeros);
         let mut memory = memory::reserve(needed).map_err(GltfError::Memory)?;
         let mut buffers = Vec::with_capacity(root.buffers.len());
         for (index, buffer) in root.buffers.iter().enumerate() {

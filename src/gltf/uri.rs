@@ -1,9 +1,9 @@
 //! What the URIs of a glTF file stand for: data in the URI itself, or a file beside the file.
 
-use super::GltfError;
+use super::error::{GltfError, ReadFile};
 
 /// The content of a URI (RFC 2397 for `data:`). `read` gets a relative path with its escapes resolved.
-pub fn content(uri: &str, read: &mut super::ReadFile) -> Result<Vec<u8>, GltfError> {
+pub fn content(uri: &str, read: &mut ReadFile) -> Result<Vec<u8>, GltfError> {
     if let Some(data) = uri.strip_prefix("data:") {
         let (kind, data) = data.split_once(',').ok_or_else(|| bad(uri, "has no comma"))?;
         return if kind.ends_with(";base64") {

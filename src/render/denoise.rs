@@ -7,95 +7,23 @@
 
 #[cfg(feature = "denoise")]
 mod ffi;
+mod request;
 
 use std::sync::atomic::AtomicBool;
 
-use thiserror::Error;
-
-use crate::color::Rgb;
+#[cfg(feature = "denoise")]
 use glam::Vec3;
 
-/// Time against quality. On a CPU the last two cost about the same.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum DenoiseQuality {
-    /// For the moving picture.
-    Fast,
-    Balanced,
-    #[default]
-    High,
-}
-
-/// A noisy picture, row by row from the top left. All slices are `width * height` long.
-#[derive(Clone, Copy, Debug)]
-pub struct DenoiseInput<'a> {
-    pub width: u32,
-    pub height: u32,
-    /// Linear radiance, before exposure and tone mapping. Broken numbers are replaced before the filter sees them.
-    pub color: &'a [Rgb],
-    /// Colour of the first surface that is not a mirror, in [0, 1] per component; 1 for mirrors that are not followed.
-    pub albedo: Option<&'a [Rgb]>,
-    /// Normal of the same surface in world space, any length up to 1. Only together with `albedo`.
-    pub normal: Option<&'a [Vec3]>,
-    /// Denoise `albedo` and `normal` on their own first. Better edges wherever they are noisy; up to three times the time.
-    pub prefilter: bool,
-    pub quality: DenoiseQuality,
-    /// `None`: one for each core.
-    pub threads: Option<usize>,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum DenoiseError {
-    #[error("this program was built without the denoiser (cargo feature `denoise`)")]
-    NotBuilt,
-    /// The flag was seen. Not a fault.
-    #[error("denoising was cancelled")]
-    Cancelled,
-    #[error("{what} has {len} pixels, the picture {width} x {height}")]
-    WrongSize {
-        what: &'static str,
-        len: usize,
-        width: u32,
-        height: u32,
-    },
-    #[error("the denoiser takes normals only together with albedo")]
-    NormalWithoutAlbedo,
-    #[error("the denoiser finds no processor that it can run on: {0}")]
-    NoDevice(String),
-    #[error("the denoiser failed: {0}")]
-    Failed(String),
-}
+pub use self::request::{DenoiseError, DenoiseInput, DenoiseQuality};
+use crate::color::Rgb;
 
 /// The picture without noise, in the order of `color`, all of it finite and not negative.
 ///
 /// `cancel` is looked at while the filter runs: from when it is set it takes some tenths of a second at worst until
 /// [`DenoiseError::Cancelled`] comes back. Calls from several threads are independent of each other.
 pub fn denoise(input: &DenoiseInput, cancel: &AtomicBool) -> Result<Vec<Rgb>, DenoiseError> {
-    check(input)?;
+    input.check()?;
     run(input, cancel)
-}
-
-fn check(input: &DenoiseInput) -> Result<(), DenoiseError> {
-    let (width, height) = (input.width, input.height);
-    let images = [
-        ("color", Some(input.color)),
-        ("albedo", input.albedo),
-        ("normal", input.normal),
-    ];
-    for (what, pixels) in images {
-        let len = pixels.map_or(input.color.len(), <[Vec3]>::len);
-        if len != width as usize * height as usize {
-            return Err(DenoiseError::WrongSize {
-                what,
-                len,
-                width,
-                height,
-            });
-        }
-    }
-    if input.normal.is_some() && input.albedo.is_none() {
-        return Err(DenoiseError::NormalWithoutAlbedo);
-    }
-    Ok(())
 }
 
 #[cfg(not(feature = "denoise"))]

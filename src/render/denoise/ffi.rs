@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::Vec3;
 use oidn::sys;
 
-use super::{DenoiseError, DenoiseQuality};
+use super::request::{DenoiseError, DenoiseQuality};
 
 /// What all filters of one picture have in common.
 pub struct Job<'a> {

@@ -1,0 +1,28 @@
+//! Zeros: elements of accessors without a buffer view, all zero except for sparse values. No bytes of the file stand for them, so that only a
+//! limit bounds their number.
+
+use super::schema::Root;
+
+/// The most zeros of one accessor, and of all meshes together.
+pub const MOST_ZEROS: usize = 1 << 26;
+
+/// Bytes of memory for such an element, in the mesh and in its file.
+const ZERO_BYTES: u64 = 64;
+
+/// The number of zeros in the meshes of a file, without the accessors that exceed the limit by themselves.
+pub fn count_zeros(root: &Root) -> usize {
+    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let accessors = primitives.flat_map(|primitive| primitive.attributes.values());
+    let zeros = accessors
+        .filter_map(|&index| root.accessors.get(index))
+        .filter(|accessor| accessor.buffer_view.is_none() && accessor.count <= MOST_ZEROS);
+    zeros.fold(0, |sum, accessor| sum.saturating_add(accessor.count))
+}
+
+/// Bytes of memory for so many zeros. It is zero if they are too many, because no mesh is made of them then.
+pub fn zero_bytes(zeros: usize) -> u64 {
+    match zeros <= MOST_ZEROS {
+        true => ZERO_BYTES * zeros as u64,
+        false => 0,
+    }
+}
