@@ -9,7 +9,8 @@ use sunroom::app::headless::render_only;
 use sunroom::engine::{Limits, RenderStatus, load_to_completion};
 use sunroom::scene::{AreaLight, Emitter, OpenScene, SceneStatus, Shape, cameras};
 
-use super::{DefineArgs, MemoryArgs, TrustArgs, report};
+use super::args::{DefineArgs, MemoryArgs, TrustArgs};
+use super::report;
 
 #[derive(Args)]
 pub struct CheckArgs {

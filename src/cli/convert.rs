@@ -11,7 +11,8 @@ use sunroom::scene::picture_check::check_pictures;
 use sunroom::scene::read;
 use sunroom::scene::write::{self, Extensions};
 
-use super::{MemoryArgs, SceneArgs, TrustArgs, report};
+use super::args::{MemoryArgs, SceneArgs, TrustArgs};
+use super::report;
 
 #[derive(Args)]
 pub struct ConvertArgs {

@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use sunroom::app::editor::automation::monkey::{Monkey, run_windowless};
 use sunroom::app::windowed::{self, WindowOptions};
 
-use super::{EditArgs, outputs, report};
+use super::args::EditArgs;
+use super::{outputs, report};
 
 /// What opens when nothing is asked for.
 const FIRST_SCENE: &str = "scenes/cornell-box.xml";

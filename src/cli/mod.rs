@@ -4,6 +4,7 @@
 //! at fault, or the picture has pixels without a sample; 2 wrong usage (clap's); 130 interrupted, and the picture with the samples so far is
 //! written.
 
+mod args;
 mod bench;
 mod check;
 mod convert;
@@ -18,17 +19,14 @@ mod render;
 mod report;
 mod stats;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, CommandFactory, Parser, Subcommand};
-
-use sunroom::app::threads::MOST_WORKERS;
-use sunroom::document::paths::settle;
+use clap::{CommandFactory, Parser, Subcommand};
 use sunroom::document::suggest::did_you_mean;
-use sunroom::files::FileError;
 use sunroom::memory;
-use sunroom::scene::Trust;
+
+use args::EditArgs;
 
 /// A small level editor whose viewport is a path tracer.
 #[derive(Parser)]
@@ -52,119 +50,6 @@ enum Command {
     Convert(convert::ConvertArgs),
     /// Measure how fast this machine and this version are
     Bench(bench::BenchArgs),
-}
-
-/// Which scene, and the values of its parameters.
-#[derive(Args)]
-struct SceneArgs {
-    /// Scene file (Mitsuba 3 XML, or glTF 2.0)
-    scene: PathBuf,
-    #[command(flatten)]
-    defines: DefineArgs,
-}
-
-#[derive(Args)]
-struct TrustArgs {
-    /// Read nothing outside the scene's own folder, whatever the scene names and wherever its links lead
-    #[arg(long)]
-    untrusted: bool,
-}
-
-impl TrustArgs {
-    /// What the scene in this file may read. An error if the file itself is a link that leads out of its folder: messages quote the lines of a
-    /// scene, which would be those of a file that it may not read.
-    fn trust(&self, scene: &Path) -> Result<Trust, String> {
-        if !self.untrusted {
-            return Ok(Trust::Everything);
-        }
-        let trust = Trust::Folders(Vec::new());
-        let path = settle(scene);
-        match trust.access(&path).covers(&path) {
-            true => Ok(trust),
-            false => Err(format!("{}: {}", scene.display(), FileError::Outside)),
-        }
-    }
-}
-
-#[derive(Args)]
-struct DefineArgs {
-    /// Give the scene's parameter $NAME a value
-    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = parse::define)]
-    defines: Vec<(String, String)>,
-}
-
-#[derive(Args)]
-struct ThreadArgs {
-    /// Threads that trace rays; a negative number leaves that many cores free
-    #[arg(short, long, allow_negative_numbers = true)]
-    threads: Option<i32>,
-}
-
-impl ThreadArgs {
-    /// Says so if fewer threads are started than the user asks for.
-    fn report_limit(&self) {
-        if let Some(asked) = self.threads.filter(|&asked| asked > MOST_WORKERS as i32) {
-            report::line(format_args!(
-                "warning: {asked} threads are more than are started; {MOST_WORKERS} threads trace rays"
-            ));
-        }
-    }
-}
-
-#[derive(Args)]
-struct MemoryArgs {
-    /// Memory for pictures, meshes and the film, such as 8GB [default: $SUNROOM_MEMORY, or three quarters of the machine's]
-    #[arg(long, value_name = "SIZE", value_parser = memory::parse_size)]
-    memory: Option<u64>,
-}
-
-impl MemoryArgs {
-    fn apply(&self) {
-        if let Some(bytes) = self.memory {
-            memory::budget().name_limit(bytes);
-        }
-    }
-}
-
-#[derive(Args)]
-struct EditArgs {
-    /// Scene file (Mitsuba 3 XML, or glTF 2.0); the Cornell box if there is none
-    scene: Option<PathBuf>,
-    #[command(flatten)]
-    defines: DefineArgs,
-    #[command(flatten)]
-    threads: ThreadArgs,
-    #[command(flatten)]
-    memory: MemoryArgs,
-    /// Camera to begin with, by its id or its index from 0 on
-    #[arg(long, value_name = "NAME|INDEX")]
-    camera: Option<String>,
-    /// Size of the window
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse::size)]
-    window: (u32, u32),
-    /// Save the whole window as PNG once the picture has --after-spp samples
-    #[arg(long, value_name = "OUT.png")]
-    screenshot: Option<PathBuf>,
-    /// Do the commands of a file, one a line, as a user would
-    #[arg(long, value_name = "FILE")]
-    script: Option<PathBuf>,
-    /// Samples per pixel before the screenshot
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    after_spp: u32,
-    /// Quit after the screenshot (or the measurement, or else the samples)
-    #[arg(long)]
-    exit: bool,
-    /// Fly, drag a mesh, change a material and a light, undo: N times each, and print how long the picture took to follow
-    #[arg(long, value_name = "N", group = "unattended")]
-    measure_latency: Option<u32>,
-    /// With --measure-latency or --monkey: do not draw the window, so that what a software graphics driver takes is not in the figures
-    #[arg(long, requires = "unattended", conflicts_with = "screenshot")]
-    undrawn: bool,
-    #[command(flatten)]
-    monkey: monkey::MonkeyArgs,
-    /// With --exit: fail if it is not done after this time
-    #[arg(long, value_name = "TIME", default_value = "10m", value_parser = parse::duration)]
-    timeout: std::time::Duration,
 }
 
 /// Does what the arguments of the process ask for.

@@ -21,12 +21,13 @@ use sunroom::scene::{
 };
 use sunroom::scene::{Film as SensorFilm, Strategy};
 
+use super::args::{MemoryArgs, SceneArgs, ThreadArgs, TrustArgs};
 use super::check::{has_only_warnings, report_left_out, report_scene};
 use super::ending::{Ending, INTERRUPTED};
 use super::progress::Progress;
 use super::report::Failure;
 use super::stats::{Bvh, Stats, StatsFormat, milliseconds, peak_memory_bytes};
-use super::{MemoryArgs, SceneArgs, ThreadArgs, TrustArgs, outputs, parse, report};
+use super::{outputs, parse, report};
 
 #[derive(Args)]
 pub struct RenderArgs {

@@ -18,8 +18,9 @@ use sunroom::geometry::{obj::load_obj, ply::load_ply};
 use sunroom::math::Ray;
 use sunroom::math::lanes::LANES;
 
-use super::results::{Rate, RayResult, Results};
-use super::{Error, RayBenchArgs, compare, median};
+use super::args::RayBenchArgs;
+use super::compare;
+use super::results::{Error, Rate, RayResult, Results, median};
 
 /// Distances closer than this, relative to their size, are the same: another program rounds in another order.
 const SAME_DISTANCE: f32 = 1e-4;

@@ -10,8 +10,9 @@ use sunroom::color::Rgb;
 use sunroom::engine::{Limits, RenderFilm, RenderStatus, load_to_completion, render_to_completion};
 use sunroom::scene::{OpenScene, SamplerSettings, SceneStatus};
 
-use super::results::{RenderResult, Results};
-use super::{Error, RenderBenchArgs, compare, median};
+use super::args::RenderBenchArgs;
+use super::compare;
+use super::results::{Error, RenderResult, Results, median};
 use crate::cli::check::report_scene;
 use crate::cli::report;
 

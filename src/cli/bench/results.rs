@@ -6,7 +6,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use sunroom::files::{self, LARGEST_NOTE};
 
-use super::Error;
+/// Why a measurement cannot be made or compared.
+pub type Error = Box<dyn std::error::Error>;
 
 /// Of the JSON; a later one may have other fields.
 const VERSION: u32 = 1;
@@ -168,5 +169,29 @@ impl Results {
             }
         }
         Ok(())
+    }
+}
+
+/// The median: of an even number of values the mean of the two in the middle, and NaN of none.
+pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    match values.len() {
+        0 => f64::NAN,
+        count if count % 2 == 1 => values[middle],
+        _ => 0.5 * (values[middle - 1] + values[middle]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_are_in_the_middle() {
+        assert_eq!(median([3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median([4.0, 1.0, 2.0, 3.0]), 2.5);
+        assert!(median([]).is_nan());
     }
 }
