@@ -372,9 +372,10 @@ mod tests {
             .expect("a folder");
         write_aside(&folder, &SceneDescription::empty(), Some(path.clone())).expect("it can be written");
         let offer = left_over(&all, Some(&path), false).expect("there is one");
+        let camera_and_sky = Some(2);
         assert_eq!(
             (&offer.folder, offer.note.scene.as_deref(), offer.note.things),
-            (&folder, Some(path.as_path()), Some(0))
+            (&folder, Some(path.as_path()), camera_and_sky)
         );
         assert_eq!(left_over(&all, Some(Path::new("/other.xml")), true), None);
         assert!(discard(&offer).is_ok());
