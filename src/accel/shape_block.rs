@@ -114,41 +114,47 @@ impl ShapeBlock {
         &self.members[..used as usize]
     }
 
-    /// Distances, places in the plane, and the bits of those that are met.
     #[inline(always)]
-    fn test(&self, ray: &Ray) -> (Lanes, [Lanes; 2], u32) {
+    fn test(&self, ray: &Ray) -> BlockHits {
         let rays = RayLanes::splat(ray);
         if let Some(squares) = self.squared_radii {
             let around = RayLanes {
                 origin: rays.origin - self.place,
                 ..rays
             };
-            let (t, met) = round(&around, squares, rays.t_max);
-            return (t, [Lanes::ZERO; 2], met.to_bitmask() & self.spheres);
+            let hit = round(&around, squares, rays.t_max);
+            return BlockHits {
+                t: hit.t,
+                u: hit.u,
+                v: hit.v,
+                met: hit.met.to_bitmask() & self.spheres,
+            };
         }
         let local = local(&rays, &self.rows, self.place);
         let (mut t, mut met) = (Lanes::ZERO, Lanes::ZERO);
         let (mut u, mut v) = (Lanes::ZERO, Lanes::ZERO);
         if self.spheres != 0 {
-            (t, met) = sphere(&local, local.t_max);
-            met &= lanes_of(self.spheres);
+            let hit = sphere(&local, local.t_max);
+            t = hit.t;
+            met = hit.met & lanes_of(self.spheres);
         }
         if self.rectangles | self.disks != 0 {
-            let (distance, x, y, before) = plane(&local, local.t_max);
-            let disk = x.mul_add(x, y * y).simd_le(Lanes::ONE) & lanes_of(self.disks);
-            let rectangle = in_rectangle(x, y) & lanes_of(self.rectangles);
-            let here = before & (disk | rectangle);
-            t = here.select(distance, t);
+            let hit = plane(&local, local.t_max);
+            let disk = hit.u.mul_add(hit.u, hit.v * hit.v).simd_le(Lanes::ONE) & lanes_of(self.disks);
+            let rectangle = in_rectangle(hit.u, hit.v) & lanes_of(self.rectangles);
+            let here = hit.met & (disk | rectangle);
+            t = here.select(hit.t, t);
             met |= here;
-            (u, v) = (here & x, here & y);
+            (u, v) = (here & hit.u, here & hit.v);
         }
-        (t, [u, v], met.to_bitmask())
+        let met = met.to_bitmask();
+        BlockHits { t, u, v, met }
     }
 
     /// The nearest hit.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let (t, [u, v], met) = self.test(ray);
+        let BlockHits { t, u, v, met } = self.test(ray);
         let t = t.as_array();
         let nearest = each_lane(met).reduce(|a, b| if t[b] < t[a] { b } else { a })?;
         let hit = LocalHit {
@@ -161,8 +167,16 @@ impl ShapeBlock {
 
     #[inline]
     pub fn any(&self, ray: &Ray) -> bool {
-        self.test(ray).2 != 0
+        self.test(ray).met != 0
     }
+}
+
+/// A ray against the shapes of a block: the hit with each, and the mask of those that are met.
+struct BlockHits {
+    t: Lanes,
+    u: Lanes,
+    v: Lanes,
+    met: u32,
 }
 
 /// The range of radii whose squares neither overflow nor lose digits.

@@ -7,15 +7,15 @@ use super::rounding::{EXIT_SCALE, LEAST_MARGIN};
 use crate::math::Aabb;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, WordLanes, copy_sign};
 
-/// Where lines meet a cube.
-pub(super) struct CubeLanes {
+/// A hit of one shape in each lane.
+pub(super) struct ShapeHitLanes {
     pub t: Lanes,
-    /// The place on the face, as [`super::affine_mesh::Face::at`] takes it.
+    /// The place on the shape: on a cube's face as [`super::affine_mesh::Face::at`] takes it, zero on a sphere.
     pub u: Lanes,
     pub v: Lanes,
-    /// The number of the face, a small whole number: 0 for x = -1, 1 for x = 1, 2 for y = -1, and so on.
-    pub face: Lanes,
-    /// The lanes whose ray meets it before `t_max`.
+    /// The face of a cube: 0 for x = -1, 1 for x = 1, 2 for y = -1, and so on; zero for other shapes.
+    pub part: Lanes,
+    /// The lanes whose ray meets the shape before `t_max`. The other fields count only there.
     pub met: Lanes,
 }
 
@@ -39,19 +39,25 @@ pub(super) fn local_to(rays: &RayLanes, rows: &[Vec3; 3], place: Vec3) -> RayLan
     local(rays, &[row(0), row(1), row(2)], Vec3Lanes::splat(place))
 }
 
-/// The plane z = 0: t, x, y, and whether it is met before `t_max`.
+/// Intersects the plane z = 0; `u` and `v` are x and y.
 #[inline(always)]
-pub(super) fn plane(ray: &RayLanes, t_max: Lanes) -> (Lanes, Lanes, Lanes, Lanes) {
+pub(super) fn plane(ray: &RayLanes, t_max: Lanes) -> ShapeHitLanes {
     let t = -ray.origin.z / ray.dir.z;
-    let (x, y) = (t.mul_add(ray.dir.x, ray.origin.x), t.mul_add(ray.dir.y, ray.origin.y));
-    (t, x, y, t.simd_gt(ray.t_min) & t.simd_lt(t_max))
+    ShapeHitLanes {
+        t,
+        u: t.mul_add(ray.dir.x, ray.origin.x),
+        v: t.mul_add(ray.dir.y, ray.origin.y),
+        part: Lanes::ZERO,
+        met: t.simd_gt(ray.t_min) & t.simd_lt(t_max),
+    }
 }
 
-/// As [`crate::geometry::rectangle::intersect`]: t, u, v, and whether it is met before `t_max`.
+/// Intersects a rectangle as [`crate::geometry::rectangle::intersect`] does.
 #[inline(always)]
-pub(super) fn rectangle(ray: &RayLanes, t_max: Lanes) -> (Lanes, Lanes, Lanes, Lanes) {
-    let (t, x, y, met) = plane(ray, t_max);
-    (t, x, y, met & in_rectangle(x, y))
+pub(super) fn rectangle(ray: &RayLanes, t_max: Lanes) -> ShapeHitLanes {
+    let mut hit = plane(ray, t_max);
+    hit.met &= in_rectangle(hit.u, hit.v);
+    hit
 }
 
 #[inline(always)]
@@ -59,16 +65,23 @@ pub(super) fn in_rectangle(x: Lanes, y: Lanes) -> Lanes {
     x.abs().simd_le(Lanes::ONE) & y.abs().simd_le(Lanes::ONE)
 }
 
-/// As [`crate::geometry::sphere::intersect`], in single precision: the nearest distance within, and whether it is met before `t_max`.
+/// Intersects a sphere as [`crate::geometry::sphere::intersect`] does, but in single precision.
 #[inline(always)]
-pub(super) fn sphere(ray: &RayLanes, t_max: Lanes) -> (Lanes, Lanes) {
+pub(super) fn sphere(ray: &RayLanes, t_max: Lanes) -> ShapeHitLanes {
     round(ray, Lanes::ONE, t_max)
 }
 
-/// A sphere around the origin, given its squared radius.
+/// Intersects a sphere around the origin, given its squared radius.
 #[inline(always)]
-pub(super) fn round(ray: &RayLanes, squared_radius: Lanes, t_max: Lanes) -> (Lanes, Lanes) {
+pub(super) fn round(ray: &RayLanes, squared_radius: Lanes, t_max: Lanes) -> ShapeHitLanes {
     let zero = Lanes::ZERO;
+    let hit = |t: Lanes, met: Lanes| ShapeHitLanes {
+        t,
+        u: zero,
+        v: zero,
+        part: zero,
+        met,
+    };
     let (o, d) = (ray.origin, ray.dir);
     let a = d.length_squared();
     let b = o.dot(d);
@@ -78,7 +91,7 @@ pub(super) fn round(ray: &RayLanes, squared_radius: Lanes, t_max: Lanes) -> (Lan
     // Before the expensive operations: the line passes through the sphere, and not only behind the origin.
     let ahead = discriminant.simd_ge(zero) & b.fast_min(c).simd_lt(zero);
     if ahead.none() {
-        return (zero, ahead);
+        return hit(zero, ahead);
     }
     let root = discriminant.fast_max(zero).sqrt();
     let q = -(b + copy_sign(root, b));
@@ -87,12 +100,12 @@ pub(super) fn round(ray: &RayLanes, squared_radius: Lanes, t_max: Lanes) -> (Lan
     let inside = |t: Lanes| t.simd_gt(ray.t_min) & t.simd_lt(t_max);
     let near_counts = inside(near);
     let met = ahead & (near_counts | inside(far));
-    (near_counts.select(near, far), met)
+    hit(near_counts.select(near, far), met)
 }
 
 /// Intersects the cube [-1, 1]³ by the slab method, from within if the ray at `t_min` is in it. The side of a face that a ray comes from is exact.
 #[inline(always)]
-pub(super) fn cube(ray: &RayLanes, t_max: Lanes) -> CubeLanes {
+pub(super) fn cube(ray: &RayLanes, t_max: Lanes) -> ShapeHitLanes {
     let (zero, largest) = (Lanes::ZERO, Lanes::splat(f32::MAX));
     // A fused multiply-add rounds once, so that the signs are right. A zero component of the direction gets the largest inverse.
     let axis = |origin: Lanes, dir: Lanes| {
@@ -116,11 +129,11 @@ pub(super) fn cube(ray: &RayLanes, t_max: Lanes) -> CubeLanes {
     let on_y = from_within.select(y.1, y.0).simd_eq(t);
     let by_axis = |x: Lanes, y: Lanes, z: Lanes| on_x.select(x, on_y.select(y, z));
     let upper = by_axis(at.x, at.y, at.z).simd_gt(zero) & Lanes::ONE;
-    CubeLanes {
+    ShapeHitLanes {
         t,
         u: by_axis(at.y, at.z, at.x),
         v: by_axis(at.z, at.x, at.y),
-        face: by_axis(zero, Lanes::splat(2.0), Lanes::splat(4.0)) + upper,
+        part: by_axis(zero, Lanes::splat(2.0), Lanes::splat(4.0)) + upper,
         met,
     }
 }

@@ -13,7 +13,7 @@ use super::hit::Hit;
 use super::instance::{Instance, Primitive};
 use super::ray_lanes::RayLanes;
 use super::shape_block::ShapeBlock;
-use super::shape_lanes::{SlabLanes, cube, local_to, rectangle, sphere};
+use super::shape_lanes::{ShapeHitLanes, SlabLanes, cube, local_to, rectangle, sphere};
 use super::tiny_mesh::TinyMesh;
 use super::traverse::TraversalStats;
 use crate::geometry::local::LocalHit;
@@ -71,7 +71,7 @@ struct Nearest {
     /// The index into the shapes, a small whole number; negative where nothing is hit.
     shape: Lanes,
     /// The index of the triangle or of the cube's face, likewise.
-    triangle: Lanes,
+    part: Lanes,
     /// The whole hits, with shapes that are tested against one ray after the other.
     whole: [Option<Hit>; LANES],
 }
@@ -109,23 +109,20 @@ impl SmallScene {
             u: Lanes::ZERO,
             v: Lanes::ZERO,
             shape: Lanes::splat(-1.0),
-            triangle: Lanes::ZERO,
+            part: Lanes::ZERO,
             whole: [None; LANES],
         };
         for (number, shape) in self.shapes.iter().enumerate() {
             let number = Lanes::splat(number as f32);
             match &shape.kind {
                 Kind::Rectangle | Kind::Square(_) => {
-                    let (t, u, v, met) = rectangle(&shape.local(rays), nearest.t);
-                    nearest.take(met, [t, u, v, number, Lanes::ZERO]);
+                    nearest.take(number, &rectangle(&shape.local(rays), nearest.t));
                 }
                 Kind::Sphere => {
-                    let (t, met) = sphere(&shape.local(rays), nearest.t);
-                    nearest.take(met, [t, Lanes::ZERO, Lanes::ZERO, number, Lanes::ZERO]);
+                    nearest.take(number, &sphere(&shape.local(rays), nearest.t));
                 }
                 Kind::Cube(_) => {
-                    let hit = cube(&shape.local(rays), nearest.t);
-                    nearest.take(hit.met, [hit.t, hit.u, hit.v, number, hit.face]);
+                    nearest.take(number, &cube(&shape.local(rays), nearest.t));
                 }
                 Kind::TinyMesh(mesh) => {
                     let local = shape.local(rays);
@@ -137,9 +134,15 @@ impl SmallScene {
                     let mut sum = Lanes::ONE;
                     mesh.each_hit(&local, |t, weights, triangle| {
                         let met = near & t.simd_lt(nearest.t) & t.simd_gt(rays.t_min) & weights.inside;
-                        let triangle = Lanes::splat(triangle as f32);
                         sum = met.select(weights.sum, sum);
-                        nearest.take(met, [t, weights.u, weights.v, number, triangle]);
+                        let hit = ShapeHitLanes {
+                            t,
+                            u: weights.u,
+                            v: weights.v,
+                            part: Lanes::splat(triangle as f32),
+                            met,
+                        };
+                        nearest.take(number, &hit);
                         false
                     });
                     nearest.u /= sum;
@@ -167,14 +170,14 @@ impl SmallScene {
         let mut hits = nearest.whole;
         for lane in each_lane(met) {
             let shape = &self.shapes[nearest.shape.as_array()[lane] as usize];
-            let triangle = nearest.triangle.as_array()[lane] as usize;
+            let part = nearest.part.as_array()[lane] as usize;
             let (u, v) = (nearest.u.as_array()[lane], nearest.v.as_array()[lane]);
             let place = Vec2::new(u, v);
             let (primitive, u, v) = match &shape.kind {
                 Kind::Rectangle | Kind::Sphere => (0, u, v),
                 Kind::Square(face) => face.at(place),
-                Kind::Cube(faces) => faces[triangle].at(place),
-                Kind::TinyMesh(mesh) => (mesh.triangle(triangle), u, v),
+                Kind::Cube(faces) => faces[part].at(place),
+                Kind::TinyMesh(mesh) => (mesh.triangle(part), u, v),
                 Kind::Boxed(_) | Kind::Other | Kind::Blocks => continue,
             };
             let t = nearest.t.as_array()[lane];
@@ -196,8 +199,8 @@ impl SmallScene {
             }
             hit |= active
                 & match &shape.kind {
-                    Kind::Rectangle | Kind::Square(_) => rectangle(&shape.local(rays), rays.t_max).3.to_bitmask(),
-                    Kind::Sphere => sphere(&shape.local(rays), rays.t_max).1.to_bitmask(),
+                    Kind::Rectangle | Kind::Square(_) => rectangle(&shape.local(rays), rays.t_max).met.to_bitmask(),
+                    Kind::Sphere => sphere(&shape.local(rays), rays.t_max).met.to_bitmask(),
                     Kind::Cube(_) => cube(&shape.local(rays), rays.t_max).met.to_bitmask(),
                     Kind::TinyMesh(mesh) => {
                         let local = shape.local(rays);
@@ -285,14 +288,15 @@ impl SceneShape {
 }
 
 impl Nearest {
-    /// Where `met` holds: distance, u, v, shape, triangle.
+    /// Takes a hit of the `number`-th shape in the lanes that meet it.
     #[inline(always)]
-    fn take(&mut self, met: Lanes, [t, u, v, shape, triangle]: [Lanes; 5]) {
-        self.t = met.select(t, self.t);
-        self.u = met.select(u, self.u);
-        self.v = met.select(v, self.v);
-        self.shape = met.select(shape, self.shape);
-        self.triangle = met.select(triangle, self.triangle);
+    fn take(&mut self, number: Lanes, hit: &ShapeHitLanes) {
+        let met = hit.met;
+        self.t = met.select(hit.t, self.t);
+        self.u = met.select(hit.u, self.u);
+        self.v = met.select(hit.v, self.v);
+        self.shape = met.select(number, self.shape);
+        self.part = met.select(hit.part, self.part);
     }
 
     /// The ray of a lane, up to its nearest hit so far.
