@@ -11,7 +11,7 @@ use super::reading::{self, FileError};
 /// Refused files are remembered up to this number; a scene can name any number of them.
 const MOST_REFUSED: usize = 1000;
 
-/// As many links in a row are followed as the kernel of Linux follows.
+/// The most links in a row that are followed, as in the kernel of Linux.
 const MOST_LINKS: usize = 40;
 
 /// Names a folder that may be read, or a file that stands for itself.
@@ -42,12 +42,12 @@ pub struct Access {
 }
 
 impl Access {
-    /// Every file may be read.
+    /// Allows every file.
     pub fn everywhere() -> Self {
         Self::default()
     }
 
-    /// Only files in these folders, and below them, may be read.
+    /// Allows only files in these folders and below them.
     pub fn within(folders: impl IntoIterator<Item = PathBuf>) -> Self {
         Self {
             folders: Some(folders.into_iter().map(|folder| Folder::new(&folder)).collect()),
@@ -243,9 +243,9 @@ mod tests {
             let error = access.read(&path(name), 100).expect_err(name);
             assert!(matches!(error, FileError::Outside), "{name}: {error}");
         }
-        // What is not there is judged by its name.
+        // A file that does not exist is judged by its name.
         assert!(access.read(&path("scene/nothing"), 100).unwrap_err().is_not_found());
-        // Of what is not there nothing is remembered.
+        // Nothing is remembered of files that do not exist.
         let refused = ["d", "scene/../d", "scene-beside/c", "scene/inside/../../d"];
         let sorted = |names: &[&str]| names.iter().map(|name| path(name)).collect::<BTreeSet<PathBuf>>();
         assert_eq!(BTreeSet::from_iter(access.clone().refused()), sorted(&refused));

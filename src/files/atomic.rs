@@ -31,7 +31,7 @@ pub fn write_atomically(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()
     if let Ok(old) = fs::metadata(&target.path) {
         file.as_file().set_permissions(old.permissions())?;
     }
-    // Not through `file` itself: its errors name the temporary file, which the user does not know.
+    // Writing through `file` itself would give errors that name the temporary file, which the user does not know.
     file.as_file_mut().write_all(content.as_ref())?;
     file.as_file().sync_all()?;
     file.persist(&target.path).map_err(|error| error.error)?;
@@ -86,9 +86,9 @@ impl Target {
         // The permissions of an ordinary new file: by default only the owner may read temporary files.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        // Only the kind of the error: its full message names the temporary file.
+        // Only the kind of the error is kept: its full message names the temporary file.
         let file = builder.tempfile_in(self.folder()).map_err(|error| error.kind())?;
-        // Where files cannot be locked the program writes without, and leftovers stay.
+        // Where files cannot be locked, the program writes without a lock, and leftovers stay.
         let _ = file.as_file().try_lock();
         Ok(file)
     }
@@ -123,7 +123,7 @@ fn is_old_temporary_file(entry: &DirEntry) -> bool {
     let name = entry.file_name();
     let name = name.as_encoded_bytes();
     let is_ours = name.starts_with(PREFIX.as_bytes()) && name.ends_with(SUFFIX.as_bytes());
-    // The metadata of an entry are those of a link itself.
+    // The metadata of an entry are those of a link itself, not of its target.
     let about = entry.metadata().ok().filter(|about| is_ours && about.is_file());
     let modified = about.and_then(|about| about.modified().ok());
     let age = modified.and_then(|time| time.elapsed().ok());

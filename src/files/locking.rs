@@ -10,14 +10,14 @@ pub struct FolderLock {
     _folder: Option<File>,
 }
 
-/// Another program has had the lock for all of the time.
+/// Another program held the lock for the whole time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FolderBusy;
 
 /// Waits for the lock of a folder, at most for `longest`. Where folders cannot be locked nothing is, which is no error: locks are a service
 /// to other programs that ask for them, too.
 pub fn lock_folder(folder: &Path, longest: Duration) -> Result<FolderLock, FolderBusy> {
-    // Nothing but a folder is opened, which neither blocks nor has effects.
+    // Only a folder is opened, which neither blocks nor has effects.
     let opened = folder.is_dir().then(|| File::open(folder).ok());
     let Some(file) = opened.flatten() else {
         return Ok(FolderLock { _folder: None });

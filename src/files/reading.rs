@@ -60,7 +60,7 @@ pub fn open(path: &Path, limit: u64) -> Result<File, FileError> {
     // Opening a device may have effects of its own, so the path is checked first.
     check(path, limit)?;
     let file = open_without_blocking(path)?;
-    // Another file may have taken the place of the checked one.
+    // Another file may have replaced the checked one.
     check_metadata(&file.metadata()?, limit)?;
     Ok(file)
 }
@@ -82,7 +82,7 @@ pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
     Ok(bytes)
 }
 
-/// As [`read()`], for text.
+/// [`read()`] for text.
 pub fn read_text(path: &Path, limit: u64) -> Result<String, FileError> {
     String::from_utf8(read(path, limit)?).map_err(|_| FileError::NotUtf8)
 }

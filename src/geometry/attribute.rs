@@ -1,4 +1,4 @@
-//! Further values of a mesh: one number or colour per vertex or per triangle.
+//! Attributes of a mesh: one number or colour for each vertex or triangle.
 
 use glam::Vec3;
 
@@ -9,13 +9,13 @@ use crate::color::linear_from_srgb8;
 pub struct MeshAttribute {
     pub name: String,
     pub domain: AttributeDomain,
-    /// Per element: 1, or 3 for a colour.
+    /// The number of channels of an element: 1, or 3 for a colour.
     pub channels: usize,
     /// `channels` for each vertex or triangle, element by element.
     pub values: AttributeValues,
 }
 
-/// What an attribute has one value for.
+/// The elements of a mesh that have a value each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AttributeDomain {
     Vertex,

@@ -47,7 +47,7 @@ pub fn surface(ray: &Ray, t: f32) -> LocalSurface {
     }
 }
 
-/// At a point of the cylinder: uv = (angle from +x towards +y in turns, in [0, 1), z).
+/// The parametrisation at a point of the cylinder: uv = (angle from +x towards +y in turns, in [0, 1), z).
 pub fn parametrisation(position: Vec3) -> Parametrisation {
     Parametrisation {
         uv: uv(position),

@@ -1,4 +1,4 @@
-//! Numbers of text files, read faster than the standard library does where they are plain and short, and to the very same value.
+//! Reads the numbers of text files. Plain and short ones are read faster than by the standard library, with the very same result.
 //!
 //! A decimal of up to 15 digits and its power of ten are exact in an `f64`, so that one product or quotient of them is rounded once (Clinger,
 //! "How to read floating point numbers accurately", 1990). Rounding that once more to `f32` goes wrong only where the `f64` lies half-way

@@ -1,4 +1,4 @@
-//! What every shape's intersection and surface functions return, in the shape's own local space.
+//! The results of every shape's intersection and surface functions, in the shape's own local space.
 
 use glam::{Vec2, Vec3};
 
@@ -15,7 +15,7 @@ pub struct LocalHit {
 /// The surface at a hit, in local space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalSurface {
-    /// On the surface but for rounding: never origin + t dir.
+    /// The point on the surface within rounding. It is never computed as origin + t dir.
     pub position: Vec3,
     /// Bound, per coordinate, on how far `position` may lie off the surface as the intersection test sees it. Displacement within the
     /// surface is not counted: it cannot make a ray that leaves meet the surface again.
@@ -24,11 +24,11 @@ pub struct LocalSurface {
     pub normal: Vec3,
 }
 
-/// Where a point lies in Mitsuba 3's parametrisation of its shape; local space. Apart from [`LocalSurface`], for most paths never ask.
+/// A point in Mitsuba 3's parametrisation of its shape, in local space. It is not part of [`LocalSurface`], because most paths do not need it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Parametrisation {
     pub uv: Vec2,
-    /// How `position` moves with u and with v; both zero where the parametrisation is degenerate on a whole triangle.
+    /// The derivatives of `position` by u and by v. Both are zero where the parametrisation is degenerate on a whole triangle.
     pub dp_du: Vec3,
     pub dp_dv: Vec3,
 }

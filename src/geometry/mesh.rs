@@ -23,17 +23,17 @@ pub struct MeshData {
     /// Whether the file has no normals and all of them were computed from the triangles. They then follow the order of the corners: a
     /// mirroring transform turns them around with the triangles, as in Mitsuba, which computes them after the transform.
     pub has_computed_normals: bool,
-    /// As in the file. Mitsuba's `obj` shape flips v (`flip_tex_coords` is true there by default, false for `ply`): see
-    /// [`MeshData::flip_tex_coords`].
+    /// The texture coordinates as they are in the file. Mitsuba's `obj` shape flips v (`flip_tex_coords` is true there by default, false for
+    /// `ply`): see [`MeshData::flip_tex_coords`].
     pub uvs: Vec<Vec2>,
     pub triangles: Vec<[u32; 3]>,
-    /// What else the file has to say of vertices or faces, each name once.
+    /// Further values of vertices or faces in the file, each name once.
     pub attributes: Vec<MeshAttribute>,
     /// Index into `materials` per triangle, or empty when the file names none.
     pub material_of_triangle: Vec<u16>,
     /// The materials of the file itself (OBJ's MTL), used by shapes that name no bsdf.
     pub materials: Vec<MtlMaterial>,
-    /// What a reader has reserved for the mesh and its acceleration structure.
+    /// The memory reserved for the mesh and its acceleration structure.
     pub memory: Held,
 }
 
@@ -41,7 +41,7 @@ pub struct MeshData {
 /// 57 bytes; the whole process grows by 120 bytes per triangle with mesh and structure).
 pub(super) const HIERARCHY_BYTES: u64 = 100;
 
-/// A material of an MTL library, as numbers; what they mean as a BSDF is decided by whoever builds one.
+/// A material of an MTL library, as numbers. The scene decides what they mean as a BSDF.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MtlMaterial {
     pub name: String,
@@ -85,7 +85,7 @@ impl MeshData {
         Some([a?, b?, c?]).filter(|&corners| is_regular(corners))
     }
 
-    /// In this mesh's own space; zero for a degenerate triangle.
+    /// The area of a triangle in the mesh's own space; zero if it is degenerate.
     pub fn area_of_triangle(&self, triangle: usize) -> f32 {
         let [a, b, c] = self.corners(triangle);
         0.5 * (b - a).cross(c - a).length()

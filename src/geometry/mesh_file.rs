@@ -1,4 +1,4 @@
-//! What every mesh file reader gives back: the mesh with its warnings, or one error that says where and what.
+//! The result of every mesh file reader: the mesh with its warnings, or one error that says where and what.
 
 use std::fmt;
 
@@ -83,7 +83,7 @@ pub enum MeshError {
     Memory { what: String, shortage: Shortage },
 }
 
-/// What a reader reserves while it reads a mesh.
+/// The memory that a reader reserves while it reads a mesh.
 pub(super) struct MeshMemory {
     reservation: Reservation,
 }
@@ -97,7 +97,7 @@ impl MeshMemory {
         }
     }
 
-    /// Reserves so many bytes besides.
+    /// Reserves `bytes` more.
     pub fn add(&mut self, bytes: u64, what: impl FnOnce() -> String) -> Result<(), MeshError> {
         let sum = self.reservation.bytes().saturating_add(bytes);
         let resized = self.reservation.resize(sum);
@@ -189,7 +189,7 @@ impl Warnings {
         }
     }
 
-    /// Adds those of what comes after.
+    /// Adds the warnings of a later part.
     pub fn append(&mut self, after: Self) {
         for kind in after.kinds {
             match self.known(&kind.message) {
@@ -232,7 +232,7 @@ impl Warnings {
     }
 }
 
-/// Computes all normals if the file has none. Otherwise normalises those it has, and computes those that are no directions.
+/// Computes all normals if the file has none. Otherwise normalises them, and computes those that are zero or not finite.
 pub(super) fn complete_normals(mesh: &mut MeshData, warnings: &mut Warnings) {
     if mesh.normals.is_empty() {
         mesh.normals = angle_weighted_normals(&mesh.positions, &mesh.triangles);

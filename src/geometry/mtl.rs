@@ -55,7 +55,7 @@ pub fn read_mtl(bytes: &[u8], library: &str, warnings: &mut Warnings) -> Vec<Mtl
 struct Statements {
     /// One per line, every number finite and in range.
     text: String,
-    /// Of each material in turn.
+    /// The maps of each material.
     maps: Vec<MtlMaps>,
 }
 

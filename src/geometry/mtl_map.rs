@@ -7,12 +7,12 @@ use glam::Vec2;
 /// A picture over the mesh's own uv, as a library names it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MtlMap {
-    /// From the folder of the mesh, with the way to the library's folder in front.
+    /// The path relative to the folder of the mesh; it begins with the path to the library's folder.
     pub file: PathBuf,
     /// uv times `scale` plus `offset` is where the picture is looked up; v counts from the bottom up, as OBJ has it.
     pub scale: Vec2,
     pub offset: Vec2,
-    /// Outside of the unit square lies the edge, not a repetition.
+    /// Whether the picture's edge continues outside of the unit square, instead of a repetition.
     pub clamp: bool,
 }
 
@@ -48,7 +48,7 @@ impl MtlMaps {
     }
 }
 
-/// What follows the keyword: options, then a name that may have blanks. None without a name.
+/// Parses what follows the keyword: options, then a name that may have blanks. None without a name.
 pub(super) fn parse_map(text: &str) -> Option<MtlMap> {
     let mut map = MtlMap {
         file: PathBuf::new(),
@@ -58,7 +58,7 @@ pub(super) fn parse_map(text: &str) -> Option<MtlMap> {
     };
     let mut rest = text.trim();
     while let Some((option, after)) = rest.split_once(char::is_whitespace).filter(|_| rest.starts_with('-')) {
-        // Up to so many numbers, or a word.
+        // An option takes up to this many numbers, or a word.
         let (numbers, takes_word) = match option {
             "-s" | "-o" | "-t" => (3, false),
             "-mm" => (2, false),

@@ -31,11 +31,11 @@ pub fn load_obj(bytes: &[u8], library: &mut dyn FnMut(&str) -> io::Result<Vec<u8
     load_in_stretches(bytes, STRETCH, library)
 }
 
-/// In bytes: enough for a thread to be busy with, little enough for all to end at once.
+/// The size of a stretch in bytes: large enough to keep a thread busy, small enough for all threads to end at about the same time.
 const STRETCH: usize = 1 << 18;
-/// Statements in memory take about so many bytes for each byte of text.
+/// The bytes of memory that statements take for each byte of text.
 const BYTES_PER_BYTE: u64 = 4;
-/// More libraries than any real file names, few enough to look for.
+/// The most libraries that are looked for, more than any real file names.
 const MOST_LIBRARIES: usize = 64;
 
 fn load_in_stretches(
@@ -158,7 +158,7 @@ impl Statements {
         self.parts.par_iter().find_map_first(first_error).map_or(Ok(()), Err)
     }
 
-    /// Everything but the materials. `material_of_triangle` holds nothing yet.
+    /// Builds the mesh without its materials; `material_of_triangle` holds nothing yet.
     fn build(&self, warnings: &mut Warnings) -> MeshData {
         let mut vertices = SharedVertices::new(self.positions.len());
         let ids: Vec<Vec<u32>> = self.parts.iter().map(|part| vertices.ids_of(&part.corners)).collect();
@@ -235,7 +235,7 @@ impl Statements {
             }
             return Ok(());
         }
-        // Of several materials of one name the first counts.
+        // Of several materials with one name the first counts.
         let mut index_of_name: HashMap<&str, usize> = HashMap::new();
         for (index, material) in self.materials.iter().enumerate() {
             index_of_name.entry(&material.name).or_insert(index);
@@ -245,7 +245,7 @@ impl Statements {
             stand_ins.push(default_material(name));
             self.materials.len() + stand_ins.len() - 1
         };
-        // Per part and name it uses.
+        // The indices of the materials, by part and by name that the part uses.
         let mut indices: Vec<Vec<usize>> = Vec::with_capacity(self.parts.len());
         for part in &self.parts {
             let mut of_part = Vec::with_capacity(part.used_names.len());
@@ -322,7 +322,8 @@ fn read_libraries(
 mod tests {
     use super::*;
 
-    /// Every turn of the format, with what a stretch cannot know alone: lines, materials in use, indices that count backwards.
+    /// A text with every feature of the format, and with what a stretch cannot know by itself: lines, materials in use, indices that count
+    /// backwards.
     const TRICKY: &str = "\u{feff}# tricky\r\nmtllib a.mtl\\\n b.mtl\r\nv 0 0 0\rv 1 0 0\nv 1 1 0 0.5 0.5 0.5\nv 0 1 \\\r\n0\nf 1 2 3\nusemtl red\n\
         vt 0 0\nvt 1\nvt 1 1 1\nvt nan 1\nvn 0 0 1\nvn 0 0 0\nf 1/1 2/2 3/3 4/4\nf -4/-4/-2 -3/-3/-1 -2/-2/-2\ng one\n\nusemtl none\nodd 1\n\
         f 9 10 11\nusemtl red\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nvn 0 0 2\nf -4//-1 -3//-1 -2//-1 -1//-1\nmtllib c.mtl\nf 1 2\ns off\n\

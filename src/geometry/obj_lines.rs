@@ -17,7 +17,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// How many have been taken from the text.
+    /// The number of lines that have been taken from the text.
     pub fn taken(&self) -> u32 {
         self.next_number - 1
     }
@@ -68,8 +68,8 @@ fn before_backslash(line: &[u8]) -> Option<&[u8]> {
     line.trim_ascii_end().strip_suffix(b"\\")
 }
 
-/// Up to the first LF or CR, or to the end. Looks at eight bytes at a time: in their difference from a byte eight times over, the lowest byte that is
-/// zero is found by what its subtraction borrows (Warren, "Hacker's delight", 6-1).
+/// The part up to the first LF or CR, or to the end. Looks at eight bytes at a time: in their difference from a byte repeated eight times, the
+/// borrows of the subtraction show the lowest byte that is zero (Warren, "Hacker's delight", 6-1).
 #[inline]
 fn length_of_line(bytes: &[u8]) -> usize {
     const ONES: u64 = u64::MAX / 255;

@@ -27,11 +27,11 @@ pub struct Face {
     pub corner_count: u32,
     /// Index into the names this part uses, or [`NONE`] before the first of them.
     pub material: u32,
-    /// Of the part, from 1.
+    /// The line within the part, from 1.
     pub line: u32,
 }
 
-/// How much a text holds.
+/// The numbers of statements in a text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     pub lines: u32,
@@ -55,7 +55,7 @@ impl std::ops::Add for Counts {
 
 #[derive(Default)]
 pub struct Part {
-    /// What the file holds before; nothing if that is not known yet.
+    /// The counts of the file before this part; zero if they are not known yet.
     before: Counts,
     knows_before: bool,
     /// The lines up to an error.
@@ -78,7 +78,7 @@ pub struct Part {
 }
 
 impl Part {
-    /// `before`: what the file holds before `text`, if that is known.
+    /// Reads a part. `before` holds the counts of the file before `text`, if they are known.
     pub fn read(text: &[u8], before: Option<Counts>) -> Self {
         let mut part = Self {
             before: before.unwrap_or_default(),
@@ -121,7 +121,7 @@ impl Part {
         &self.corners[face.first_corner as usize..][..face.corner_count as usize]
     }
 
-    /// In the file.
+    /// The place of a face in the file.
     pub fn place_of(&self, face: &Face) -> Place {
         Place::Line((self.before.lines + face.line).into())
     }

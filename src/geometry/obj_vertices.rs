@@ -6,13 +6,13 @@ use super::obj_part::{Corner, NONE};
 
 /// The vertices so far, numbered by first use.
 pub struct SharedVertices {
-    /// Where each vertex comes from.
+    /// The corner that each vertex was made of.
     corners: Vec<Corner>,
-    /// Per vertex the one at the same position that was added before it, or [`NONE`].
+    /// For each vertex the one at the same position that was added before it, or [`NONE`].
     older: Vec<u32>,
-    /// Per position the vertex that was added last.
+    /// For each position the vertex that was added last.
     newest: Vec<u32>,
-    /// Those of crowded positions.
+    /// The vertices of crowded positions.
     others: HashMap<Corner, u32>,
 }
 
@@ -20,7 +20,7 @@ pub struct SharedVertices {
 const CROWD: usize = 8;
 
 impl SharedVertices {
-    /// Of corners at so many positions.
+    /// Prepares for corners at `positions` positions.
     pub fn new(positions: usize) -> Self {
         Self {
             corners: Vec::with_capacity(positions),

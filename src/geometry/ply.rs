@@ -166,7 +166,7 @@ fn list_length(count: Scalar, source: &mut impl Source) -> Result<u64, MeshError
     }
 }
 
-/// What of a vertex is geometry, in this order; what nobody wants goes to the next place, and attributes follow.
+/// The properties of a vertex that are geometry, in this order. The next place takes those that are not needed, and attributes follow.
 const SLOTS: [&[&str]; 8] = [
     &["x"],
     &["y"],
@@ -288,7 +288,7 @@ fn vertex_index(item: Scalar, source: &mut impl Source, vertex_count: u64) -> Re
 }
 
 fn checked_index(index: f64, source: &impl Source, vertex_count: u64) -> Result<u32, MeshError> {
-    // Not of negative or broken numbers.
+    // Negative or broken numbers fail this test.
     if index as u32 as f64 == index && index < vertex_count as f64 {
         Ok(index as u32)
     } else {

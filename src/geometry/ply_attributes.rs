@@ -15,9 +15,9 @@ use crate::color::linear_from_srgb;
 /// Attributes while an element is read: numbers are set in any order, and one record after the other is pushed.
 pub(super) struct Attributes {
     attributes: Vec<MeshAttribute>,
-    /// Per place of a record, the type the file has it in.
+    /// For each place of a record the type that it has in the file.
     types: Vec<Scalar>,
-    /// Per property of the element, its place in the record.
+    /// For each property of the element its place in the record.
     places: Vec<Option<usize>>,
     record: Vec<f64>,
 }
@@ -57,7 +57,7 @@ impl Attributes {
         result
     }
 
-    /// Where the number of a property goes; `None` if it is no attribute.
+    /// The place of a property in the record; `None` if it is no attribute.
     pub fn place_of(&self, property: usize) -> Option<usize> {
         self.places[property]
     }
@@ -66,7 +66,7 @@ impl Attributes {
         self.record[place] = number;
     }
 
-    /// Reads those of all records, each of one vertex or triangle.
+    /// Reads the attributes of all records, each of one vertex or triangle.
     pub fn read(&mut self, records: &Records) {
         if self.attributes.is_empty() {
             return;

@@ -2,7 +2,7 @@
 
 use super::mesh_file::{MeshError, Place, excerpt};
 
-/// What the body is written as.
+/// The encoding of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     Ascii,
@@ -114,10 +114,10 @@ pub enum Kind {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Element {
     pub name: String,
-    /// As promised; whether so many are there is another matter.
+    /// The number of elements that the header promises. The body may have fewer.
     pub count: u64,
     pub properties: Vec<Property>,
-    /// Where the header declares it.
+    /// The line of the header that declares the element.
     pub line: u64,
 }
 

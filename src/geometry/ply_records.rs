@@ -18,13 +18,13 @@ const STRETCH: usize = 1 << 12;
 pub(super) struct Records<'a> {
     numbers: BinaryNumbers<'a>,
     length: usize,
-    /// Where each of the element's properties begins in a record.
+    /// The offset of each of the element's properties in a record.
     offsets: Vec<usize>,
 }
 
 impl<'a> Records<'a> {
-    /// At the beginning of `body`, if a list has `items` items wherever there is one. `None` where there is a list all the same, or where
-    /// the body is too short.
+    /// The records at the beginning of `body`, if every list has `items` items. `None` if there is a list although `items` is `None`, or if the
+    /// body is too short.
     pub fn new(element: &Element, items: Option<usize>, body: BinaryNumbers<'a>) -> Option<Self> {
         let mut length = 0;
         let mut offsets = Vec::with_capacity(element.properties.len());
@@ -57,7 +57,7 @@ impl<'a> Records<'a> {
         }
     }
 
-    /// Per record the vector of `N` properties.
+    /// The vectors of `N` properties of all records.
     pub fn vectors<const N: usize, V: From<[f32; N]> + Clone + Default + Send>(
         &self,
         properties: [(usize, Scalar); N],
@@ -101,7 +101,7 @@ impl<'a> Records<'a> {
         (!is_odd.into_inner()).then_some(triangles)
     }
 
-    /// What `read` makes of each record.
+    /// The results of `read` for all records.
     fn read<T: Clone + Default + Send>(&self, read: impl Fn(&[u8]) -> T + Sync) -> Vec<T> {
         let mut all = vec![T::default(); self.numbers.bytes.len() / self.length];
         all.par_chunks_mut(STRETCH)

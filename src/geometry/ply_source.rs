@@ -8,13 +8,13 @@ use super::ply_header::Scalar;
 pub(super) trait Source {
     fn number(&mut self, scalar: Scalar) -> Result<f64, MeshError>;
     fn skip(&mut self, count: u64, scalar: Scalar) -> Result<(), MeshError>;
-    /// Of the number read last.
+    /// The place of the number that was read last.
     fn place(&self) -> Place;
-    /// Of what was not read yet.
+    /// The place of what follows.
     fn next_place(&self) -> Place;
-    /// What was not read yet.
+    /// The bytes that have not been read yet.
     fn rest(&self) -> &[u8];
-    /// What was not read yet, with the order of bytes in its numbers. `None` of a text.
+    /// The bytes that have not been read yet, with the order of bytes in their numbers. `None` for a text.
     fn binary(&self) -> Option<BinaryNumbers<'_>>;
 
     fn bytes_left(&self) -> u64 {
@@ -39,7 +39,7 @@ impl BinaryNumbers<'_> {
 
 pub(super) struct Binary<'a, const BIG_ENDIAN: bool> {
     rest: &'a [u8],
-    /// Of the end of `rest` in the file.
+    /// The offset of the end of `rest` in the file.
     end: u64,
     last: u64,
 }
@@ -140,7 +140,7 @@ impl<'a> Ascii<'a> {
 impl Source for Ascii<'_> {
     fn number(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
         let word = self.word()?;
-        // Most are short whole numbers, above all in faces.
+        // Most numbers are short and whole, above all in faces.
         if word.len() <= 9 && word.iter().all(u8::is_ascii_digit) {
             return Ok(word
                 .iter()
@@ -148,7 +148,7 @@ impl Source for Ascii<'_> {
                 .into());
         }
         let parsed = std::str::from_utf8(word).ok().and_then(|text| match scalar {
-            // Rounded once, so that the text gives the very float a binary file of it would hold.
+            // The text is rounded once, so that it gives the same float as a binary file would hold.
             Scalar::F32 => text.parse::<f32>().ok().map(f64::from),
             _ => text.parse().ok(),
         });

@@ -49,7 +49,7 @@ fn flattened(corners: &[Vec3]) -> Option<Vec<DVec2>> {
     Some(local.iter().map(project).collect())
 }
 
-/// Twice the signed area of a triangle; positive when counter-clockwise.
+/// Twice the signed area of a triangle; it is positive if the corners turn counter-clockwise.
 fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - b)
 }

@@ -21,7 +21,7 @@ pub fn surface(x: f32, y: f32) -> LocalSurface {
     }
 }
 
-/// At local (x, y): uv runs from 0 to 1 along x and y.
+/// The parametrisation at local (x, y): uv runs from 0 to 1 along x and y.
 pub fn parametrisation(x: f32, y: f32) -> Parametrisation {
     Parametrisation {
         uv: Vec2::new(0.5 * x + 0.5, 0.5 * y + 0.5),

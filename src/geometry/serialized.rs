@@ -22,7 +22,7 @@ const HAS_TEXTURE_COORDINATES: u32 = 0x2;
 const HAS_COLORS: u32 = 0x8;
 const DOUBLE_PRECISION: u32 = 0x2000;
 
-/// Deflate packs at most so many bytes into one.
+/// The most bytes that deflate packs into one.
 const MOST_PER_BYTE: u64 = 1032;
 
 /// The longest name of a shape, in bytes.
@@ -33,7 +33,7 @@ pub fn is_serialized(bytes: &[u8]) -> bool {
     bytes.starts_with(&MAGIC.to_le_bytes())
 }
 
-/// Where the shapes begin, in the order of the file's table.
+/// A file with the offsets of its shapes, in the order of the file's table.
 pub struct SerializedFile<'a> {
     bytes: &'a [u8],
     version: u16,
@@ -103,7 +103,7 @@ fn offsets(bytes: &[u8], version: u16) -> Result<Vec<u64>, MeshError> {
         u64::from_le_bytes(wide)
     };
     let offsets: Vec<u64> = table.chunks_exact(width).map(offset).collect();
-    // Else a small file could hold one shape a million times.
+    // Otherwise a small file could hold one shape a million times.
     if !offsets.is_sorted_by(|before, after| before < after) {
         return Err(syntax(
             end,
@@ -154,7 +154,7 @@ impl<'a> Unpacked<'a> {
         Ok(array)
     }
 
-    /// Of what comes next.
+    /// The place of what comes next.
     fn place(&self) -> Place {
         Place::Unpacked(self.read)
     }

@@ -12,14 +12,14 @@ use glam::{Vec2, Vec3};
 use super::local::{LocalHit, LocalSurface, Parametrisation};
 use crate::math::{Ray, gamma};
 
-/// Which sides of a triangle can be hit. The front is the side from which its corners turn counter-clockwise.
+/// The sides of a triangle that can be hit. The front is the side from which its corners turn counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Faces {
     Both,
     FrontOnly,
 }
 
-/// What the test's arithmetic needs of a number: f32, or a vector of them for several triangles at once.
+/// The operations that the test needs of a number: f32, or a vector of them for several triangles at once.
 pub(crate) trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {}
 
 impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T {}
@@ -27,12 +27,12 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T
 /// A ray as the test wants it. Axes are turned so that the third one is that of the largest component of the direction.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TriangleRay {
-    /// Of the scene's axes, the one that each of the turned ones is.
+    /// The axis of the scene that each of the permuted axes is.
     pub axes: [usize; 3],
-    /// In turned axes, as what follows.
+    /// The origin in permuted axes; all that follows is in them, too.
     origin: [f32; 3],
     dir: [f32; 3],
-    /// How much of each of the first two axes goes with the third.
+    /// The shear along the first two axes for each unit of the third.
     shear: [f32; 2],
     pub t_min: f32,
 }
@@ -69,8 +69,8 @@ impl TriangleRay {
         ]
     }
 
-    /// Of corners [relative](Self::relative) to the origin: barycentric weights of corners 0, 1, 2, times their sum. The ray's line meets
-    /// the triangle if none is negative, or none positive.
+    /// The barycentric weights of corners 0, 1, 2, times their sum, of corners [relative](Self::relative) to the origin. The ray's line meets the
+    /// triangle if none is negative, or none positive.
     #[inline(always)]
     pub fn weights<T: Number>(&self, [a, b, c]: [[T; 3]; 3], splat: impl Fn(f32) -> T) -> [T; 3] {
         let shear = [splat(self.shear[0]), splat(self.shear[1])];
@@ -79,8 +79,8 @@ impl TriangleRay {
         [area(b, c), area(c, a), area(a, b)]
     }
 
-    /// Of corners [relative](Self::relative) to the origin: the plane is met at the first number over the second, which is negative when
-    /// the ray meets the front.
+    /// The numerator and the denominator of the distance to the plane of corners [relative](Self::relative) to the origin. The denominator is
+    /// negative when the ray meets the front.
     #[inline(always)]
     pub fn plane<T: Number>(&self, [a, b, c]: [[T; 3]; 3], splat: impl Fn(f32) -> T) -> [T; 2] {
         let normal = cross(sub(b, a), sub(c, a));
@@ -89,7 +89,7 @@ impl TriangleRay {
     }
 }
 
-/// Twice that of the triangle of `p`, `q` and the origin, exactly negated when they change places.
+/// Twice the area of the triangle of `p`, `q` and the origin. It is exactly negated when `p` and `q` are swapped.
 #[inline(always)]
 fn area<T: Number>(p: [T; 2], q: [T; 2]) -> T {
     p[0] * q[1] - p[1] * q[0]
@@ -162,8 +162,8 @@ pub fn surface(corners: [Vec3; 3], u: f32, v: f32) -> LocalSurface {
     }
 }
 
-/// At the weights `u`, `v` of corners 1 and 2 the parametrisation that takes the values `uvs` at the corners; without them uv is (u, v).
-/// Where they have no area, the derivatives are zero.
+/// The parametrisation at the weights `u`, `v` of corners 1 and 2 that takes the values `uvs` at the corners; without them uv is (u, v). Where they
+/// have no area, the derivatives are zero.
 pub fn parametrisation(corners: [Vec3; 3], u: f32, v: f32, uvs: Option<[Vec2; 3]>) -> Parametrisation {
     let (edge_b, edge_c) = (corners[1] - corners[0], corners[2] - corners[0]);
     let Some(uvs) = uvs else {

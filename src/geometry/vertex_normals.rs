@@ -68,18 +68,19 @@ fn add_normals(positions: &[Vec3], triangles: &[[u32; 3]], first: usize, sums: &
     }
 }
 
-/// Of [`LANES`] triangles.
+/// The normals and angles of [`LANES`] triangles.
 struct Weighted {
     normal: [f32x4; 3],
-    /// At each corner, in [0, π].
+    /// The angle at each corner, in [0, π].
     angles: [f32x4; 3],
 }
 
-/// Of at most [`LANES`] triangles. Edges are scaled by a power of two to lengths around 1, then so is their cross product, so that nothing under- or
-/// overflows; an angle is the arc whose tangent is the length of the cross product, the same at all corners, over the dot product.
+/// Computes the normals and angles of at most [`LANES`] triangles. Edges are scaled by a power of two to lengths around 1, then so is their cross
+/// product, so that nothing under- or overflows. The tangent of an angle is the length of the cross product, the same at all corners, over the dot
+/// product.
 #[inline(always)]
 fn weighted(positions: &[Vec3], block: &[[u32; 3]]) -> Weighted {
-    // What is beyond the end of the mesh is never looked at.
+    // Lanes beyond the end of the mesh are never read.
     let triangle = |lane: usize| block[lane.min(block.len() - 1)];
     let triangles = [triangle(0), triangle(1), triangle(2), triangle(3)];
     let corner = |k: usize| {
@@ -257,7 +258,7 @@ mod tests {
 
     #[test]
     fn sums_do_not_depend_on_the_number_of_threads() {
-        // In order, and with rows far from their neighbours, so that all threads meet all triangles.
+        // Rows are next to their neighbours, or far from them, so that all threads meet all triangles.
         for stride in [1, 37] {
             let (positions, triangles) = sheet(80, 1.0, |row| row * stride % 80);
             assert!(triangles.len() > FEWEST_TO_SHARE);

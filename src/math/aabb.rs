@@ -44,7 +44,7 @@ impl Aabb {
         }
     }
 
-    /// What is in both; empty if nothing is.
+    /// The box of the points that are in both; empty if there are none.
     pub fn intersection(self, other: Self) -> Self {
         Self {
             min: self.min.max(other.min),
@@ -108,7 +108,7 @@ impl Aabb {
         }))
     }
 
-    /// Also on its faces.
+    /// Whether the point is in the box or on its faces.
     pub fn contains_point(&self, point: Vec3) -> bool {
         self.min.cmple(point).all() && point.cmple(self.max).all()
     }

@@ -7,7 +7,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 use glam::Vec3;
 use wide::{f32x16, u32x16};
 
-/// How many lie side by side.
+/// The number of lanes.
 pub const LANES: usize = 16;
 
 /// A number per lane.
@@ -113,7 +113,7 @@ impl Vec3Lanes {
         self.dot(self)
     }
 
-    /// Of unit length; not finite where there is no direction.
+    /// The vectors scaled to unit length; not finite where they have no direction.
     #[inline(always)]
     pub fn normalize(self) -> Self {
         self * (Lanes::ONE / self.length_squared().sqrt())
@@ -129,7 +129,7 @@ impl Vec3Lanes {
         self.x.fast_max(self.y).fast_max(self.z)
     }
 
-    /// Where it is not the zero vector; also where it is no number.
+    /// A mask of the lanes that are not the zero vector; NaN counts as not zero.
     #[inline(always)]
     pub fn is_not_zero(self) -> Lanes {
         let zero = Lanes::ZERO;
@@ -146,7 +146,7 @@ impl Vec3Lanes {
         )
     }
 
-    /// Where `condition` holds `yes`, else `no`.
+    /// Selects `yes` where `condition` holds, else `no`.
     #[inline(always)]
     pub fn select(condition: Lanes, yes: Self, no: Self) -> Self {
         Self::of(
@@ -216,7 +216,7 @@ impl Mul<Lanes> for Vec3Lanes {
     }
 }
 
-/// By the reciprocal, which is not the exact quotient.
+/// Multiplies by the reciprocal, which is not the exact quotient.
 impl Div<Lanes> for Vec3Lanes {
     type Output = Self;
     #[inline(always)]
@@ -226,7 +226,7 @@ impl Div<Lanes> for Vec3Lanes {
 }
 
 impl FrameLanes {
-    /// Around unit vectors, as [`crate::math::Frame::from_normal`].
+    /// Frames around unit vectors, as [`crate::math::Frame::from_normal`].
     #[inline(always)]
     pub fn from_normal(n: Vec3Lanes) -> Self {
         let one = Lanes::ONE;

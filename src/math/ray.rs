@@ -9,7 +9,7 @@ use glam::Vec3;
 pub struct Ray {
     pub origin: Vec3,
     pub dir: Vec3,
-    /// At least 0.
+    /// The least t of a hit, at least 0.
     pub t_min: f32,
     pub t_max: f32,
 }

@@ -24,10 +24,10 @@ pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
 
     fn equals(self, other: Self) -> Self::Mask;
 
-    /// Where `condition` holds `yes`, else `no`.
+    /// Selects `yes` where `condition` holds, else `no`.
     fn select(condition: Self::Mask, yes: Self, no: Self) -> Self;
 
-    /// Where `word` is `least` or more.
+    /// A mask of where `word` is `least` or more.
     fn is_at_least(word: Self::Word, least: u32) -> Self::Mask;
 }
 

@@ -1,4 +1,4 @@
-//! How much memory the process may use: the machine's, or less where a control group or a resource limit says so.
+//! Finds how much memory the process may use: the machine's, or less where a control group or a resource limit says so.
 
 #[cfg(target_os = "linux")]
 use std::path::{Path, PathBuf};
@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 #[cfg(target_os = "linux")]
 use crate::files::{LARGEST_NOTE, read_text};
 
-/// In bytes; taken where the system does not say.
+/// The bytes that are assumed where the system does not say.
 const ASSUMED: u64 = 8 << 30;
 
-/// In bytes.
+/// The memory that the process may use, in bytes.
 pub fn memory_bytes() -> u64 {
     limits().into_iter().min().unwrap_or(ASSUMED)
 }
@@ -30,7 +30,7 @@ fn limits() -> Vec<u64> {
     limits
 }
 
-/// Of `/proc/meminfo`.
+/// The machine's memory in bytes, from the text of `/proc/meminfo`.
 #[cfg(target_os = "linux")]
 fn physical(text: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;

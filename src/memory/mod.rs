@@ -47,7 +47,7 @@ pub fn default_limit() -> u64 {
     machine::memory_bytes() / 4 * 3
 }
 
-/// What `SUNROOM_MEMORY` says in bytes, or what is wrong with it; None if it is not set.
+/// The bytes that `SUNROOM_MEMORY` names, or what is wrong with it; None if it is not set.
 pub fn budget_of_variable() -> Option<Result<u64, NoSize>> {
     let text = std::env::var_os(VARIABLE).filter(|text| !text.is_empty())?;
     Some(parse_size(&text.to_string_lossy()))
@@ -102,12 +102,12 @@ impl Budget {
         }
     }
 
-    /// In bytes.
+    /// The limit in bytes.
     pub fn limit(&self) -> u64 {
         self.limit.load(Ordering::Relaxed)
     }
 
-    /// In bytes.
+    /// The reserved bytes.
     pub fn reserved(&self) -> u64 {
         self.reserved.load(Ordering::Relaxed)
     }
@@ -132,7 +132,7 @@ impl Reservation {
         self.bytes
     }
 
-    /// After an error the reservation is as before.
+    /// Changes the size to `bytes`. After an error the reservation is as before.
     pub fn resize(&mut self, bytes: u64) -> Result<(), Shortage> {
         let limit = self.budget.limit();
         let own = self.bytes;
@@ -188,7 +188,7 @@ impl PartialEq for Held {
 /// Why bytes cannot be reserved. The message begins with the size, for a sentence such as "the picture needs ...".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct Shortage {
-    /// In bytes, as all of these.
+    /// The bytes that were asked for. The other numbers are bytes as well.
     pub asked: u64,
     /// Reserved for other data.
     pub others: u64,

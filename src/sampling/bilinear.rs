@@ -13,7 +13,7 @@ const HALF_STEP: f64 = 0.5 / (1 << 24) as f64;
 /// A draw from a [`PiecewiseBilinear2d`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SquareSample {
-    /// In [0, 1]^2.
+    /// The sampled point, in [0, 1]^2.
     pub position: Vec2,
     /// Density per unit area at `position`, positive.
     pub pdf: f32,
@@ -26,14 +26,14 @@ pub struct PiecewiseBilinear2d {
     rows: usize,
     /// Densities, row by row.
     nodes: Vec<f32>,
-    /// Per node, the integral along its row from the left edge to it.
+    /// The integral from the left edge to each node along its row.
     along_row: Vec<f32>,
-    /// Per row, the integral over the square up to it.
+    /// The integral over the square up to each row.
     up_to_row: Vec<f64>,
-    /// Per row, the columns before which equal shares of the row lie: where to look for a share (Chen and Asau, On generating random
-    /// variates from an empirical distribution, 1974).
+    /// The columns before which equal shares of each row lie, where the search for a share begins (Chen and Asau, On generating random variates
+    /// from an empirical distribution, 1974).
     guides: Vec<u32>,
-    /// Such shares per row.
+    /// The number of such shares in a row.
     shares: usize,
 }
 
@@ -44,8 +44,8 @@ impl PiecewiseBilinear2d {
     /// Bytes of memory for each node of the grid: density, integral and half an entry of the guides.
     pub const BYTES_PER_NODE: u64 = 10;
 
-    /// From `rows` rows of `columns` function values of any scale. Negative and non-finite values count as zero. `None` if none is
-    /// positive, or if there are fewer than two rows or columns.
+    /// Builds from `rows` rows of `columns` function values of any scale. Negative and non-finite values count as zero. `None` if none is positive,
+    /// or if there are fewer than two rows or columns.
     pub fn new(columns: usize, rows: usize, values: &[f32]) -> Option<Self> {
         if columns < 2 || rows < 2 || values.len() != columns * rows {
             return None;

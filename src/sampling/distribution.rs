@@ -8,18 +8,18 @@ use super::ONE_MINUS_EPSILON;
 /// Uniform numbers have 24 bits; a discrete distribution shares out exactly these 2^24 cells, so that `pmf` is the true frequency.
 const CELLS: u32 = 1 << 24;
 
-/// Up to this many positive weights each of them is granted a cell of its own.
+/// The most positive weights of which each is granted a cell of its own.
 const MOST_GRANTED: usize = (CELLS / 2) as usize;
 
 /// A draw from a [`DiscreteDistribution`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiscreteSample {
-    /// Which weight was chosen.
+    /// The index of the weight that was chosen.
     pub index: u32,
-    /// With what probability.
+    /// The probability of the choice.
     pub pmf: f32,
-    /// What is left of the random number, uniform in [0, 1). It has 24 bits less those spent on the choice: with thousands of weights
-    /// draw a fresh number instead.
+    /// The rest of the random number, uniform in [0, 1). It has 24 bits less those spent on the choice: with thousands of weights draw a fresh
+    /// number instead.
     pub remapped_u: f32,
 }
 
@@ -34,7 +34,7 @@ pub struct DiscreteDistribution {
 }
 
 impl DiscreteDistribution {
-    /// From weights of any scale. Negative and non-finite weights count as zero. `None` if none is positive.
+    /// Builds from weights of any scale. Negative and non-finite weights count as zero. `None` if none is positive.
     ///
     /// Every positive weight stays possible, however small: the probabilities are those of the weights within 2^-24 per weight.
     pub fn new(weights: &[f32]) -> Option<Self> {
@@ -82,7 +82,7 @@ impl DiscreteDistribution {
         })
     }
 
-    /// How many weights it was made of.
+    /// The number of weights that it was built from.
     pub fn len(&self) -> usize {
         self.boundaries.len() - 1
     }
@@ -125,7 +125,7 @@ impl DiscreteDistribution {
 /// A draw from a [`PiecewiseConstant1d`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContinuousSample {
-    /// In [0, 1).
+    /// The sampled number, in [0, 1).
     pub x: f32,
     /// Density at `x`, per unit of x.
     pub pdf: f32,
@@ -142,7 +142,7 @@ pub struct PiecewiseConstant1d {
 }
 
 impl PiecewiseConstant1d {
-    /// From function values of any scale, one per step. Negative and non-finite values count as zero. `None` if none is positive.
+    /// Builds from function values of any scale, one for each step. Negative and non-finite values count as zero. `None` if none is positive.
     pub fn new(values: &[f32]) -> Option<Self> {
         let total: f64 = values.iter().map(|&value| usable(value)).sum();
         if total <= 0.0 {

@@ -16,7 +16,7 @@ pub struct SamplerLanes {
 }
 
 impl SamplerLanes {
-    /// Those of [`Sampler::new`] for the pixels (x, y) and sample indices of all lanes.
+    /// The samplers of [`Sampler::new`] for the pixels (x, y) and sample indices of all lanes.
     pub fn of_pixels(kind: SequenceKind, [x, y]: [WordLanes; 2], index: WordLanes, seed: u32) -> Self {
         let [of_pixel, ..] = pcg3d([x, y, word(seed)]);
         let [_, of_block, _] = pcg3d([x >> BLOCK_BITS, y >> BLOCK_BITS, word(seed)]);
@@ -38,7 +38,7 @@ impl SamplerLanes {
         }
     }
 
-    /// What [`Sampler::at_1d`] gives at these dimensions.
+    /// The numbers of [`Sampler::at_1d`] at these dimensions.
     #[inline(always)]
     pub fn at_1d(&self, dimension: WordLanes) -> Lanes {
         unit_floats(match self.kind {
@@ -50,7 +50,7 @@ impl SamplerLanes {
         })
     }
 
-    /// What [`Sampler::at_2d`] gives at these dimensions.
+    /// The numbers of [`Sampler::at_2d`] at these dimensions.
     #[inline(always)]
     pub fn at_2d(&self, dimension: WordLanes) -> [Lanes; 2] {
         let [x, y] = match self.kind {
@@ -249,7 +249,7 @@ pub fn concentric_disk([u, v]: [Lanes; 2]) -> [Lanes; 2] {
     let eighth = Lanes::splat(FRAC_PI_4) * ratio;
     let angle = is_wide.select(eighth, Lanes::splat(FRAC_PI_2) - eighth);
     let (sin, cos) = angle.sin_cos();
-    // 0 / 0 in the very middle.
+    // In the very middle it is 0 / 0.
     let is_off_centre = radius.simd_ne(Lanes::ZERO);
     [(radius * cos) & is_off_centre, (radius * sin) & is_off_centre]
 }

@@ -15,7 +15,7 @@ use super::{
 };
 use glam::{UVec2, Vec2};
 
-/// Which numbers a [`Sampler`] hands out.
+/// The kind of numbers that a [`Sampler`] gives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SequenceKind {
     /// White noise.
@@ -31,13 +31,11 @@ pub(crate) const SPREAD_DIMENSIONS: u32 = 7;
 /// Blocks of pixels that share a sequence there have an edge of 2^`BLOCK_BITS`.
 pub(super) const BLOCK_BITS: u32 = 4;
 
-/// Of the four places in a quad of pixels, and of quads in a larger one, the higher bits; the lower ones are next to them.
+/// A mask of the higher bits of the place in a quad of pixels, and of the quad in a larger one; the lower bits are next to them.
 pub(super) const QUADS: u32 = 0x55;
 
-/// What the bits of a pixel's place do to the index into the sequence. 2^p pixels of an aligned square with their first 2^n samples have
-/// 2^(n + p) points, which are a (t, n + p, 2)-net: t = 0 for up to 16 samples of 2 x 2 pixels and 8 samples of 4 x 4, t <= 3 for up to 4,096
-/// samples of any square. (With t = 0 throughout, index, place, x and y would be nets in four dimensions, which base 2 does not have.)
-/// Found by a random search for small t, where few samples count more.
+/// The effect of the bits of a pixel's place on the index into the sequence. (With t = 0 throughout, index, place, x and y would be nets in four
+/// dimensions, which base 2 does not have.) Found by a random search for small t, where few samples count more.
 pub(super) const OF_PLACE: [u32; 2 * BLOCK_BITS as usize] = [
     0xf4d372, 0x194c6b, 0xebcd64, 0x6500de, 0xb61727, 0x6d3e1e, 0x0a1176, 0xbe79db,
 ];
@@ -52,7 +50,7 @@ pub struct Sampler {
     pub(super) counter: Counter<u32>,
 }
 
-/// What the numbers of a sample follow from, beside the dimension: of one sample, or of one in each lane.
+/// The seeds of a sample's numbers, which follow from them and the dimension: of one sample, or of one in each lane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Counter<Word> {
     /// A hash of the pixel and the seed, and one of the pixel's block and the seed.

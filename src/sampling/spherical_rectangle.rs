@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 /// Cosine of the edges' angle up to which a parallelogram counts as a rectangle: the rounding of an `f32` transform, no more.
 const PERPENDICULARITY: f64 = 1e-5;
 
-/// Below this solid angle (sr) area sampling is as good, and this one runs out of digits in single precision.
+/// Below this solid angle (sr) sampling by area is as good, and this method runs out of digits in single precision.
 pub(super) const SMALLEST_SOLID_ANGLE: f64 = 1e-3;
 
 /// A rectangle, prepared to be looked at from many points.
@@ -41,7 +41,7 @@ pub struct SphericalRectangle {
     b0: f64,
     b1: f64,
     a0: f64,
-    /// Of the angle at which the solid angle left of x is zero.
+    /// The angle at which the solid angle left of x is zero.
     start: Turn,
     solid_angle: f64,
 }
@@ -54,7 +54,7 @@ struct Turn {
 }
 
 impl Turn {
-    /// By an angle in [-pi / 2, pi / 2], of its sine.
+    /// The turn by an angle in [-pi / 2, pi / 2], given its sine.
     fn of_sine(sin: f64) -> Self {
         let cos = (1.0 - sin * sin).max(0.0).sqrt();
         Self { cos, sin }
@@ -92,8 +92,8 @@ impl Rectangle {
         (self.corner, axes, [self.width as f32, self.height as f32])
     }
 
-    /// From a point in the same space, on either side. `None` if it lies in the rectangle's plane, or if the solid angle is tiny: sample by
-    /// area then.
+    /// The rectangle as seen from a point in the same space, on either side. `None` if the point lies in the rectangle's plane, or if the solid
+    /// angle is tiny: sample by area then.
     pub fn seen_from(&self, origin: Vec3) -> Option<SphericalRectangle> {
         let Self { x, y, .. } = *self;
         let origin = origin.as_dvec3();
@@ -117,7 +117,7 @@ impl Rectangle {
         let last = g2.then(g3);
         let all = g0.then(g1).then(last);
         let turned = all.sin.atan2(all.cos);
-        // More than half a hemisphere of it, which is a negative angle or a rounded whole turn, is seen only from closely before it.
+        // The rectangle fills more than half a hemisphere, a negative angle or a rounded whole turn, only for points closely before it.
         let is_before = x0 < 0.0 && x1 > 0.0 && y0 < 0.0 && y1 > 0.0;
         let is_close = is_before && -z0 < self.width.min(self.height);
         let solid_angle = if is_close && turned <= SMALLEST_SOLID_ANGLE {
@@ -177,7 +177,7 @@ impl SphericalRectangle {
         } else {
             x
         };
-        // On the segment of that x equal steps of the sine of the elevation are equal solid angles.
+        // On the segment of this x, equal steps of the sine of the elevation are equal solid angles.
         let distance = length(x, self.z0);
         let (h0, h1) = (self.y0 / length(self.y0, distance), self.y1 / length(self.y1, distance));
         let h = h0 + v * (h1 - h0);

@@ -27,7 +27,7 @@ pub struct RectangleSampleLanes {
     pub position: Vec3Lanes,
     /// Steradian; the density of the direction is its reciprocal.
     pub solid_angle: Lanes,
-    /// Where the solid angle is not too small; elsewhere the rest means nothing.
+    /// A mask of the lanes whose solid angle is not too small. The other fields count only there.
     pub is_valid: Lanes,
 }
 
@@ -85,7 +85,7 @@ impl RectangleLanes {
 
         let solid_angle = self.solid_angle([x0, x1], [y0, y1], height);
 
-        // As in the scalar one, with z0 = -height.
+        // This is the scalar form with z0 = -height.
         let [n0, n2, n3] = [-y0, y1, -x0].map(|offset| offset / length(offset, height));
         let last = Turns::of_sines(n2 * n3).then(Turns::of_sines(n3 * n0));
         let start = Turns {
@@ -116,10 +116,10 @@ impl RectangleLanes {
         }
     }
 
-    /// Of [x0, x1] x [y0, y1] at `height` over the origin.
+    /// The rectangle [x0, x1] x [y0, y1] at `height` over the origin.
     #[inline(always)]
     fn solid_angle(&self, x: [Lanes; 2], y: [Lanes; 2], height: Lanes) -> Lanes {
-        // At a scale where no product of six lengths overflows.
+        // The scale is such that no product of six lengths overflows.
         let largest = |[a, b]: [Lanes; 2]| a.abs().fast_max(b.abs());
         let scale = Lanes::ONE / largest(x).fast_max(largest(y)).fast_max(height);
         let [x0, x1] = x.map(|x| x * scale);
@@ -141,7 +141,7 @@ impl RectangleLanes {
         let second = (a * c).mul_add(d, ac.mul_add(d, ad.mul_add(c, dc * a)));
         let half = (volume * (first + second)).atan2(first.mul_sub(second, volume * volume));
         let whole = half + half;
-        // More than a hemisphere it cannot be: rounding has turned it around.
+        // It cannot be more than a hemisphere: rounding has turned it around.
         whole
             .simd_lt(Lanes::ZERO)
             .select(whole + Lanes::splat(2.0 * TAU), whole)
@@ -162,7 +162,7 @@ mod tests {
         )
     }
 
-    /// Against the scalar one in double precision, from near and far, beside and before, on both sides.
+    /// Compares with the scalar form in double precision, from near and far, beside and before, on both sides.
     #[test]
     fn samples_are_those_of_one() {
         let corner = Vec3::new(0.3, -0.4, 1.0);
@@ -187,7 +187,7 @@ mod tests {
                     let seen = rectangle.seen_from(origins.get(lane));
                     let is_valid = sample.is_valid.to_bitmask() >> lane & 1 == 1;
                     let Some(seen) = seen.filter(|_| is_valid) else {
-                        // On the border rounding decides.
+                        // On the border rounding decides which form sees the rectangle.
                         assert!(seen.is_none_or(|seen| seen.solid_angle() < 1.01 * SMALLEST_SOLID_ANGLE as f32));
                         continue;
                     };

@@ -22,7 +22,7 @@ pub struct SphericalTriangle {
     a: DVec3,
     b: DVec3,
     c: DVec3,
-    /// Of the angle at `a` on the sphere.
+    /// The sine of the angle at `a` on the sphere; the cosine follows.
     sin_alpha: f64,
     cos_alpha: f64,
     solid_angle: f64,
@@ -85,7 +85,7 @@ impl SphericalTriangle {
         // At u = 0 both vanish: c' is `a` itself.
         let q = if q.is_nan() { 1.0 } else { q };
         let cut = q * self.a + (1.0 - q * q).sqrt() * perpendicular(self.c, self.a);
-        // On the arc from `b` to c' equal steps of the cosine from `b` are equal solid angles.
+        // On the arc from `b` to c', equal steps of the cosine from `b` are equal solid angles.
         let z = 1.0 - v * (1.0 - cut.dot(self.b));
         let direction = z * self.b + (1.0 - z * z).max(0.0).sqrt() * perpendicular(cut, self.b);
         let distance = (self.corner - self.origin).dot(self.normal) / direction.dot(self.normal);

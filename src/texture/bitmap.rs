@@ -8,7 +8,7 @@ use glam::{Affine2, Vec2};
 use super::Image;
 use crate::color::{Rgb, luminance};
 
-/// How values between texel centres come about.
+/// The interpolation of values between texel centres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
     /// The texel that the point lies in.
@@ -17,12 +17,12 @@ pub enum Filter {
     Bilinear,
 }
 
-/// What lies outside of the unit square.
+/// The continuation of a picture outside of the unit square.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
     #[default]
     Repeat,
-    /// Every other repetition is turned around.
+    /// The picture is repeated, and every other repetition is mirrored.
     Mirror,
     /// The texels of the edge.
     Clamp,
@@ -40,7 +40,7 @@ pub struct Bitmap {
     pub to_uv: Affine2,
 }
 
-/// Two bitmaps are the same if they look at the very same picture in the same way; samples are not compared.
+/// Two bitmaps are equal if they show the same picture in the same way; samples are not compared.
 impl PartialEq for Bitmap {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.image, &other.image)
@@ -63,8 +63,8 @@ impl Bitmap {
         }
     }
 
-    /// How the luminance changes with u and v; zero for the nearest texel. (Mitsuba 3.9 scales by the picture's size after `to_uv` instead of before
-    /// it, which differs where `to_uv` rotates a picture that is not square.)
+    /// The derivative of the luminance by u and v; zero for the nearest texel. (Mitsuba 3.9 scales by the picture's size after `to_uv` instead of
+    /// before it, which differs where `to_uv` rotates a picture that is not square.)
     pub(super) fn gradient(&self, uv: Vec2) -> Vec2 {
         if self.filter == Filter::Nearest {
             return Vec2::ZERO;
@@ -96,7 +96,7 @@ impl Bitmap {
         let (x, y) = (whole(at.x), whole(at.y));
         let fraction = at - at.floor();
         let corners = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)].map(|(x, y)| self.texel(x, y));
-        // What is not a number has none.
+        // A place that is not a number has no fraction.
         (corners, if fraction.is_finite() { fraction } else { Vec2::ZERO })
     }
 
@@ -175,7 +175,7 @@ mod tests {
             (0.75, 0.75, 4.0),
             (0.5, 0.25, 0.5),
             (0.5, 0.5, 1.75),
-            // Outside of the outermost centres the edge goes on.
+            // Outside of the outermost centres the edge continues.
             (0.1, -3.0, 0.0),
             (7.0, 0.5, 2.5),
         ] {
@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn wraps_meet_their_neighbours() {
-        // At u = 0 half of the last texel for repeat, the first alone for mirror and clamp.
+        // u = 0 shows half of the last texel with repeat, and the first texel alone with mirror and clamp.
         for (wrap, expected) in [(Wrap::Repeat, 0.5), (Wrap::Mirror, 0.0), (Wrap::Clamp, 0.0)] {
             assert_eq!(value(&four(Filter::Bilinear, wrap), 0.0, 0.25), expected);
         }

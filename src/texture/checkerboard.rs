@@ -14,12 +14,12 @@ pub struct Checkerboard {
 }
 
 impl Checkerboard {
-    /// What the square that `uv` lies in looks like.
+    /// The colour of the square that `uv` lies in.
     pub(super) fn color(&self, uv: Vec2) -> Parameter<Rgb> {
         self.colors[usize::from(self.is_odd(uv))]
     }
 
-    /// What gives the number of the square that `uv` lies in.
+    /// The number of the square that `uv` lies in.
     pub(super) fn number(&self, uv: Vec2) -> Parameter<Rgb> {
         self.colors[usize::from(!self.is_odd(uv))]
     }

@@ -31,11 +31,11 @@ impl Samples {
     }
 }
 
-/// How the samples stand for light.
+/// The transfer function from samples to light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transfer {
     Linear,
-    /// Only integers are ever stored so.
+    /// sRGB; only integers are stored so.
     Srgb,
 }
 
@@ -51,7 +51,7 @@ pub struct Image {
     channels: usize,
     samples: Samples,
     transfer: Transfer,
-    /// Of the linear and of the raw values, once asked for.
+    /// The means of the linear and of the raw values, once they were needed.
     means: [OnceLock<Rgb>; 2],
     memory: Held,
 }
@@ -126,7 +126,7 @@ impl Image {
         }
     }
 
-    /// How many pixels have a channel below zero, which only pictures of floats can have.
+    /// The number of pixels that have a channel below zero, which only pictures of floats can have.
     pub fn negative_pixels(&self) -> usize {
         fn count<T>(samples: &[T], channels: usize, is_negative: impl Fn(&T) -> bool) -> usize {
             let pixels = samples.chunks_exact(channels);
@@ -157,7 +157,7 @@ impl Image {
         self.texel(x, y, false)
     }
 
-    /// As [`Self::pixel`]; `raw` leaves out the decoding to linear.
+    /// [`Self::pixel`], but `raw` leaves out the decoding to linear.
     pub(super) fn texel(&self, x: u32, y: u32, raw: bool) -> Rgb {
         let first = (y as usize * self.width as usize + x as usize) * self.channels;
         let decoded = self.transfer == Transfer::Srgb && !raw;
@@ -173,7 +173,7 @@ impl Image {
         }
     }
 
-    /// Of the pixel that comes first.
+    /// The colour of the pixel whose samples come first.
     #[inline(always)]
     fn color<T: Copy>(&self, samples: &[T], value: impl Fn(T) -> f32) -> Rgb {
         match self.channels {
@@ -202,7 +202,7 @@ impl Image {
     }
 }
 
-/// Too many to compute at each look, and 16-bit pictures are not rare.
+/// They are too many to compute each time, and 16-bit pictures are not rare.
 static LINEAR_FROM_16_BITS: LazyLock<Box<[f32]>> = LazyLock::new(|| {
     (0..=u16::MAX)
         .map(|code| linear_from_srgb(f32::from(code) / 65_535.0))

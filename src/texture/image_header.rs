@@ -1,4 +1,4 @@
-//! What readers of picture files share: the errors, and the check of the size that a header promises.
+//! The common part of readers of picture files: the errors, and the check of the size that a header promises.
 //!
 //! The promised size is compared with the length of the file before memory is taken for it.
 

@@ -9,7 +9,7 @@ const TEMPORARY: u8 = 0x01;
 /// Whether the markers of a file lead to the one that ends the picture (ITU-T T.81, section B.1.1). What follows it is of no interest.
 pub(super) fn is_whole(bytes: &[u8]) -> bool {
     let mut rest = bytes;
-    // Between segments lies entropy-coded data, in which 0xff is followed by 0 where it begins no marker.
+    // Between segments lies entropy-coded data, in which 0xff is followed by 0 unless it begins a marker.
     while let Some(at) = rest.windows(2).position(|two| two[0] == 0xff && has_meaning(two[1])) {
         let after = &rest[at + 2..];
         rest = match rest[at + 1] {
@@ -27,7 +27,7 @@ pub(super) fn is_whole(bytes: &[u8]) -> bool {
     false
 }
 
-/// Of the byte behind a 0xff: a marker that ends entropy-coded data. Another 0xff is a fill byte.
+/// Whether the byte behind a 0xff is a marker that ends entropy-coded data. Another 0xff is a fill byte.
 fn has_meaning(code: u8) -> bool {
     !matches!(code, 0 | TEMPORARY | 0xff) && !RESTARTS.contains(&code)
 }

@@ -8,7 +8,7 @@ use crate::color::Rgb;
 /// The attribute of that name of whatever mesh it is looked up on; black on surfaces without it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshAttribute {
-    /// With its prefix: `vertex_color`, `face_material_id`.
+    /// The name with its prefix: `vertex_color`, `face_material_id`.
     pub name: Arc<str>,
     /// Multiplies the value.
     pub scale: f32,

@@ -1,4 +1,4 @@
-//! What varies over a surface: the contract of every texture, and the dispatch to them.
+//! Values that vary over a surface: the contract of every texture, and the dispatch to them.
 //!
 //! A texture maps a [`TexturePoint`] to a colour (linear Rec. 709) or a number. Parameters of materials and lights are either constant
 //! or name a texture of the scene's [`TextureTable`]; light transport sees numbers only.
@@ -36,7 +36,7 @@ pub enum Parameter<T> {
     Texture(TextureId),
 }
 
-/// Where a texture is looked up.
+/// The point at which a texture is looked up.
 #[derive(Clone, Copy, Debug)]
 pub struct TexturePoint<'a> {
     pub uv: Vec2,
@@ -45,7 +45,7 @@ pub struct TexturePoint<'a> {
 }
 
 impl TexturePoint<'_> {
-    /// Where there is no mesh.
+    /// A point without a mesh.
     pub fn of_uv(uv: Vec2) -> Self {
         Self { uv, mesh: None }
     }
@@ -111,7 +111,8 @@ impl TextureTable {
         }
     }
 
-    /// How [`Self::float`] changes with u and v, in units per unit of uv: what bumps are made of. Zero but for bilinear bitmaps, as in Mitsuba.
+    /// The derivative of [`Self::float`] by u and v, in units per unit of uv, from which bumps are made. Zero but for bilinear bitmaps, as in
+    /// Mitsuba.
     pub fn gradient(&self, parameter: Parameter<f32>, at: &TexturePoint) -> Vec2 {
         match parameter {
             Parameter::Constant(_) => Vec2::ZERO,
