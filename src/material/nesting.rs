@@ -8,8 +8,8 @@ use super::bump::{Bump, BumpOptions, Orientation, displaced_normal};
 use super::definition::{Material, MaterialId};
 use super::scattering::{LARGEST_MIX, Part, Scattering};
 use crate::accel::SurfacePoint;
-use crate::shading::Bsdf;
 use crate::shading::lanes::BsdfLanes;
+use crate::shading::{Bsdf, TransportMode};
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
 /// Materials inside each other; the stack is finite.
@@ -145,11 +145,12 @@ pub(super) fn resolve<'a>(
     id: MaterialId,
     point: &SurfacePoint,
     wo: Vec3,
+    mode: TransportMode,
     textures: &TextureTable,
     at: &TexturePoint,
 ) -> Scattering<'a> {
     // It is large: made where it will stay.
-    let mut scattering = Scattering::new(wo);
+    let mut scattering = Scattering::new(wo, mode);
     let upright = Orientation {
         frame: point.shading_frame(),
         side: 1.0,

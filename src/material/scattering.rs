@@ -1,6 +1,6 @@
 //! How one place of a surface scatters light: a weighted list of models, and a share that passes straight through.
 //!
-//! Directions are unit vectors in world space; `wo` is part of the value. Contracts are those of [`crate::shading`].
+//! Directions are unit vectors in world space; `wo` and the mode of transport are part of the value. Contracts are those of [`crate::shading`].
 
 use std::borrow::Cow;
 
@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 
 use super::bump::{Bump, Orientation};
 use crate::color::Rgb;
-use crate::shading::{Bsdf, BsdfSample};
+use crate::shading::{Bsdf, BsdfSample, TransportMode};
 
 /// Models that a material may mix at one place.
 pub const LARGEST_MIX: usize = 8;
@@ -30,6 +30,7 @@ pub(super) struct Part<'a> {
 #[derive(Clone, Debug)]
 pub struct Scattering<'a> {
     wo: Vec3,
+    mode: TransportMode,
     parts: ArrayVec<Part<'a>, LARGEST_MIX>,
     /// Share of the light that goes on as if nothing were there.
     null_share: f32,
@@ -67,18 +68,19 @@ pub struct ScatterSample {
 #[derive(Clone, Debug)]
 pub struct Single<'a> {
     wo: Vec3,
+    mode: TransportMode,
     part: Part<'a>,
 }
 
 impl Single<'_> {
     /// As [`Scattering::eval_and_pdf`].
     pub fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
-        self.part.eval_and_pdf(wi)
+        self.part.eval_and_pdf(wi, self.mode)
     }
 
     /// As [`Scattering::sample`].
     pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<ScatterSample> {
-        Some(only(self.wo, &self.part, self.part.sample(u_lobe, u)?, 1.0))
+        Some(only(self.wo, &self.part, self.part.sample(u_lobe, u, self.mode)?, 1.0))
     }
 }
 
@@ -104,18 +106,18 @@ impl Part<'_> {
     }
 
     /// f |cos wi| and its density, both times the weight.
-    fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
+    fn eval_and_pdf(&self, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
         let factor = self.factor(wi);
         if factor == 0.0 {
             return (Rgb::ZERO, 0.0);
         }
-        let (value, pdf) = self.bsdf.eval_and_pdf(self.wo, self.orientation.to_local(wi));
+        let (value, pdf) = self.bsdf.eval_and_pdf(self.wo, self.orientation.to_local(wi), mode);
         (self.weight * factor * value, self.weight * pdf)
     }
 
     /// In world space and with the bump's factor; not weighted.
-    fn sample(&self, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
-        let sample = self.bsdf.sample(self.wo, u_lobe, u)?;
+    fn sample(&self, u_lobe: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        let sample = self.bsdf.sample(self.wo, u_lobe, u, mode)?;
         let wi = self.orientation.to_world(sample.wi);
         let factor = self.factor(wi);
         (factor > 0.0).then_some(BsdfSample {
@@ -127,9 +129,10 @@ impl Part<'_> {
 }
 
 impl<'a> Scattering<'a> {
-    pub(super) fn new(wo: Vec3) -> Self {
+    pub(super) fn new(wo: Vec3, mode: TransportMode) -> Self {
         Self {
             wo,
+            mode,
             parts: ArrayVec::new(),
             null_share: 0.0,
         }
@@ -147,7 +150,7 @@ impl<'a> Scattering<'a> {
     /// f |cos wi| and the solid angle density with which [`Self::sample`] returns `wi`, both without delta and null lobes.
     pub fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
         self.parts.iter().fold((Rgb::ZERO, 0.0), |(value, pdf), part| {
-            let (part_value, part_pdf) = part.eval_and_pdf(wi);
+            let (part_value, part_pdf) = part.eval_and_pdf(wi, self.mode);
             (value + part_value, pdf + part_pdf)
         })
     }
@@ -155,7 +158,7 @@ impl<'a> Scattering<'a> {
     /// A direction for the path to go on, from independent uniform numbers. None if the light is absorbed.
     pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<ScatterSample> {
         if let ([part], 0.0) = (&self.parts[..], self.null_share) {
-            return Some(only(self.wo, part, part.sample(u_lobe, u)?, 1.0));
+            return Some(only(self.wo, part, part.sample(u_lobe, u, self.mode)?, 1.0));
         }
         if u_lobe < self.null_share {
             return Some(ScatterSample {
@@ -178,7 +181,7 @@ impl<'a> Scattering<'a> {
         }
         let part = &self.parts[chosen];
         let u_part = (left / part.weight).clamp(0.0, 1.0 - f32::EPSILON);
-        let sample = part.sample(u_part, u)?;
+        let sample = part.sample(u_part, u, self.mode)?;
         if sample.is_delta {
             return Some(only(self.wo, part, sample, part.weight));
         }
@@ -187,7 +190,7 @@ impl<'a> Scattering<'a> {
         let start = (pdf * sample.weight, pdf);
         let others = self.parts.iter().enumerate().filter(|&(index, _)| index != chosen);
         let (value, pdf) = others.fold(start, |(value, pdf), (_, other)| {
-            let (other_value, other_pdf) = other.eval_and_pdf(sample.wi);
+            let (other_value, other_pdf) = other.eval_and_pdf(sample.wi, self.mode);
             (value + other_value, pdf + other_pdf)
         });
         Some(ScatterSample {
@@ -203,7 +206,11 @@ impl<'a> Scattering<'a> {
     pub fn take_single(&mut self) -> Option<Single<'a>> {
         let is_single = self.null_share == 0.0 && matches!(&self.parts[..], [part] if !part.bsdf.has_null_lobe());
         let part = if is_single { self.parts.pop() } else { None };
-        part.map(|part| Single { wo: self.wo, part })
+        part.map(|part| Single {
+            wo: self.wo,
+            mode: self.mode,
+            part,
+        })
     }
 
     /// What a shadow ray against `wo` finds of the light behind.

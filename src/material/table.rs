@@ -7,7 +7,7 @@ use super::nesting::{self, MaterialTableError};
 use super::scattering::Scattering;
 use crate::accel::{Detail, SurfacePoint};
 use crate::color::Rgb;
-use crate::shading::Bsdf;
+use crate::shading::{Bsdf, TransportMode};
 use crate::texture::{TexturePoint, TextureTable};
 
 /// All materials of a scene.
@@ -127,15 +127,17 @@ impl MaterialTable {
         }
     }
 
-    /// How the surface at `point` scatters light to `wo`, a unit vector in world space. `at` is where its textures are looked up.
+    /// How the surface at `point` scatters what a path carries that has come from `wo`, a unit vector in world space. `at` is where its
+    /// textures are looked up.
     pub fn scattering(
         &self,
         id: MaterialId,
         point: &SurfacePoint,
         wo: Vec3,
+        mode: TransportMode,
         textures: &TextureTable,
         at: &TexturePoint,
     ) -> Scattering<'_> {
-        nesting::resolve(&self.materials, id, point, wo, textures, at)
+        nesting::resolve(&self.materials, id, point, wo, mode, textures, at)
     }
 }

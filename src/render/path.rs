@@ -20,6 +20,7 @@ use crate::light::{LightId, LightReference, LightSample, SurfaceHit};
 use crate::material::{Lobe, ScatterSample, Scattering};
 use crate::math::{Ray, offset_origin};
 use crate::sampling::Sampler;
+use crate::shading::TransportMode;
 
 /// One sample of the radiance arriving along `-ray.dir` at the ray's origin. `observer` is told of it and cannot change it; with `()`
 /// there is none.
@@ -120,7 +121,7 @@ impl PathState {
         let slot = scene.slot(&hit);
         let point = scene.surface(&self.ray, &hit, &slot);
         self.arrive(scene, settings, &hit, &slot, &point, observer);
-        let scattering = scene.scattering(slot.material, &hit, &point, -self.ray.dir);
+        let scattering = scene.scattering(slot.material, &hit, &point, -self.ray.dir, TransportMode::Radiance);
         let vertex = Vertex {
             point: &point,
             slot,

@@ -8,6 +8,7 @@ use crate::accel::{Detail, Hit, Primitive, SurfacePoint, Tlas};
 use crate::light::{LightId, LightTable};
 use crate::material::{MaterialId, MaterialTable, Scattering};
 use crate::math::Ray;
+use crate::shading::TransportMode;
 use crate::texture::{MeshPoint, TexturePoint, TextureTable};
 
 /// Everything light transport needs to know of a scene; cloning clones five pointers.
@@ -94,9 +95,17 @@ impl RenderScene {
         }
     }
 
-    /// How the surface at `hit` scatters light to `wo`, a unit vector in world space.
-    pub fn scattering(&self, material: MaterialId, hit: &Hit, point: &SurfacePoint, wo: Vec3) -> Scattering<'_> {
+    /// How the surface at `hit` scatters what a path carries that has come from `wo`, a unit vector in world space.
+    pub fn scattering(
+        &self,
+        material: MaterialId,
+        hit: &Hit,
+        point: &SurfacePoint,
+        wo: Vec3,
+        mode: TransportMode,
+    ) -> Scattering<'_> {
         let at = self.texture_point(hit, point);
-        self.materials.scattering(material, point, wo, &self.textures, &at)
+        self.materials
+            .scattering(material, point, wo, mode, &self.textures, &at)
     }
 }

@@ -6,6 +6,7 @@ use super::scene::RenderScene;
 use crate::color::Rgb;
 use crate::light::Target;
 use crate::math::{Ray, offset_origin};
+use crate::shading::TransportMode;
 
 /// The share of a light's radiance that arrives at `origin` from `target`, in the direction `wi`, through at most `crossings` surfaces
 /// that let it pass. Counts the rays it traces into `rays`.
@@ -43,7 +44,9 @@ pub(super) fn transmittance(
         }
         let slot = scene.slot(&hit);
         let point = scene.surface(&shadow, &hit, &slot);
-        arriving *= scene.scattering(slot.material, &hit, &point, -wi).transmittance();
+        // What passes straight through is not refracted: any mode will do.
+        let scattering = scene.scattering(slot.material, &hit, &point, -wi, TransportMode::Radiance);
+        arriving *= scattering.transmittance();
         if arriving == Rgb::ZERO {
             break;
         }

@@ -1,7 +1,7 @@
 //! A smooth interface between two transparent media: reflection and refraction, chosen by the Fresnel reflectance.
 
 use super::{
-    BsdfSample,
+    BsdfSample, TransportMode,
     fresnel::{self, DielectricModel},
     mirrored,
 };
@@ -21,7 +21,7 @@ pub struct Dielectric {
 }
 
 impl Dielectric {
-    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32) -> Option<BsdfSample> {
+    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, mode: TransportMode) -> Option<BsdfSample> {
         if wo.z == 0.0 {
             return None;
         }
@@ -38,8 +38,7 @@ impl Dielectric {
         } else {
             BsdfSample {
                 wi: Vec3::new(-eta_ti * wo.x, -eta_ti * wo.y, fresnel.cos_t),
-                // Radiance, unlike power, is compressed with the solid angle where the path enters the denser medium.
-                weight: self.specular_transmittance * (eta_ti * eta_ti),
+                weight: self.specular_transmittance * mode.refraction_factor(eta_ti),
                 pdf: 1.0 - fresnel.reflectance,
                 is_delta: true,
                 eta: eta_it,

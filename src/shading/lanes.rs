@@ -6,7 +6,7 @@
 use std::f32::consts::{FRAC_1_PI, TAU};
 
 use super::fresnel::DielectricModel;
-use super::{Bsdf, ConductorSpecular, Microfacet};
+use super::{Bsdf, ConductorSpecular, Microfacet, TransportMode};
 use crate::math::lanes::{Lanes, Vec3Lanes, copy_sign, lanes_of};
 use crate::sampling::lanes::cosine_hemisphere;
 
@@ -135,7 +135,7 @@ impl BsdfLanes {
 
     /// As [`Bsdf::sample`].
     #[inline(always)]
-    pub fn sample(&self, wo: Vec3Lanes, u_lobe: Lanes, u: [Lanes; 2]) -> BsdfSampleLanes {
+    pub fn sample(&self, wo: Vec3Lanes, u_lobe: Lanes, u: [Lanes; 2], mode: TransportMode) -> BsdfSampleLanes {
         let zero = Lanes::ZERO;
         let facing = wo.z.simd_gt(zero);
         let mut sample = BsdfSampleLanes {
@@ -164,7 +164,7 @@ impl BsdfLanes {
             sample.choose(lanes_of(self.conductor), mirrored);
         }
         if self.dielectric != 0 {
-            sample.choose(lanes_of(self.dielectric), self.sample_dielectric(wo, u_lobe));
+            sample.choose(lanes_of(self.dielectric), self.sample_dielectric(wo, u_lobe, mode));
         }
         sample
     }
@@ -205,7 +205,7 @@ impl BsdfLanes {
 
     /// As [`super::Dielectric`].
     #[inline(always)]
-    fn sample_dielectric(&self, wo: Vec3Lanes, u_lobe: Lanes) -> BsdfSampleLanes {
+    fn sample_dielectric(&self, wo: Vec3Lanes, u_lobe: Lanes, mode: TransportMode) -> BsdfSampleLanes {
         let (zero, one) = (Lanes::ZERO, Lanes::ONE);
         let eta = self.alpha_or_index;
         let outside = wo.z.simd_ge(zero);
@@ -228,7 +228,7 @@ impl BsdfLanes {
             weight: Vec3Lanes::select(
                 reflected,
                 self.reflectance_or_eta,
-                self.transmittance_or_k * (eta_ti * eta_ti),
+                self.transmittance_or_k * mode.refraction_factor(eta_ti),
             ),
             pdf: reflected.select(reflectance, one - reflectance),
             eta: reflected.select(one, eta_it),
@@ -370,19 +370,21 @@ mod tests {
                 (u[0][lane], u[1][lane], u[2][lane]) = (number(k, 0.29), number(k, 0.47), number(k, 0.83));
             }
             let (value, pdf) = lanes.eval_and_pdf(wo, wi);
-            let sample = lanes.sample(wo, u[0].into(), [u[1].into(), u[2].into()]);
+            let batch = start as usize / LANES;
+            let mode = [TransportMode::Radiance, TransportMode::Importance][batch % 2];
+            let sample = lanes.sample(wo, u[0].into(), [u[1].into(), u[2].into()], mode);
             for (lane, bsdf) in models.iter().enumerate() {
                 assert_eq!(lanes.smooth() >> lane & 1 == 1, bsdf.has_smooth_lobe());
                 assert_eq!(lanes.transmitting() >> lane & 1 == 1, bsdf.transmits());
                 let (wo, wi) = (wo.get(lane), wi.get(lane));
-                let expected = bsdf.eval_and_pdf(wo, wi);
+                let expected = bsdf.eval_and_pdf(wo, wi, mode);
                 assert!(
                     is_near(value.get(lane), expected.0),
                     "{bsdf:?} {} {expected:?}",
                     value.get(lane)
                 );
                 assert!(is_near(Vec3::splat(pdf.as_array()[lane]), Vec3::splat(expected.1)));
-                let expected = bsdf.sample(wo, u[0][lane], Vec2::new(u[1][lane], u[2][lane]));
+                let expected = bsdf.sample(wo, u[0][lane], Vec2::new(u[1][lane], u[2][lane]), mode);
                 assert_eq!(
                     sample.returned.to_bitmask() >> lane & 1 == 1,
                     expected.is_some(),

@@ -1,12 +1,13 @@
 //! How surfaces scatter light: the contract of every model, and the dispatch to them.
 //!
 //! Directions are unit vectors in the local shading frame, z being the shading normal. `wo` points to the viewer (where the path came
-//! from), `wi` to the light (where it goes on); models describe the transport of radiance along such a path. For every model:
+//! from), `wi` to the light (where it goes on). Along a path from a light the two change places: a [`TransportMode`] says what a path
+//! carries, and matters to models that refract. For every model:
 //!
-//! - `eval(wo, wi)` is f |cos wi|, without delta lobes.
+//! - `eval(wo, wi, mode)` is f |cos wi|, without delta lobes.
 //! - `pdf(wo, wi)` is the solid angle density with which `sample(wo)` returns `wi`, without delta lobes. It integrates to the
-//!   probability that a sample is returned, at most 1.
-//! - `sample(wo)` returns a direction with weight = f |cos wi| / pdf, or `None` where the light is absorbed. The mean of the weights is
+//!   probability that a sample is returned, at most 1. It is the same in both modes.
+//! - `sample(wo, mode)` returns a direction with weight = f |cos wi| / pdf, or `None` where the light is absorbed. The mean of the weights is
 //!   the albedo for light from everywhere, at most 1 (but for the eta^2 of refracted radiance, and for the layers of [`Principled`]).
 //!
 //! Smooth and rough metals and diffuse surfaces are black from behind. No model knows textures, other models, emission or geometry.
@@ -29,6 +30,7 @@ mod rough_conductor;
 mod rough_dielectric;
 mod rough_plastic;
 mod thin_dielectric;
+mod transport_mode;
 
 pub use beckmann::Beckmann;
 pub use conductor::{Conductor, ConductorSpecular};
@@ -46,6 +48,7 @@ pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
 pub use rough_plastic::RoughPlastic;
 pub use thin_dielectric::ThinDielectric;
+pub use transport_mode::TransportMode;
 
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
@@ -78,20 +81,20 @@ pub struct BsdfSample {
     /// Whether `wi` was the only direction of its lobe, so that `eval` and `pdf` are zero there.
     pub is_delta: bool,
     /// 1 on reflection; on refraction the index behind the surface over that before it, as the path sees it (Russian roulette takes
-    /// the radiance's eta^2 out again with it).
+    /// the eta^2 of radiance out again with it).
     pub eta: f32,
 }
 
 impl Bsdf {
     /// f |cos wi|, without delta lobes.
-    pub fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+    pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Rgb {
         match self {
             Self::Diffuse(diffuse) => diffuse.eval(wo, wi),
             Self::RoughConductor(rough) => rough.eval(wo, wi),
             Self::Metal(metal) => metal.eval(wo, wi),
-            Self::Principled(principled) => principled.eval(wo, wi),
+            Self::Principled(principled) => principled.eval(wo, wi, mode),
             Self::PrincipledThin(thin) => thin.eval(wo, wi),
-            Self::RoughDielectric(rough) => rough.eval(wo, wi),
+            Self::RoughDielectric(rough) => rough.eval(wo, wi, mode),
             Self::Plastic(plastic) => plastic.eval(wo, wi),
             Self::RoughPlastic(rough) => rough.eval(wo, wi),
             Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => Rgb::ZERO,
@@ -99,12 +102,12 @@ impl Bsdf {
     }
 
     /// [`Self::eval`] and [`Self::pdf`], at the cost of one where they have much in common.
-    pub fn eval_and_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+    pub fn eval_and_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
         let (value, pdf) = match self {
             Self::Diffuse(diffuse) => (diffuse.eval(wo, wi), diffuse.pdf(wo, wi)),
             Self::RoughConductor(rough) => rough.eval_and_pdf(wo, wi),
             Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => (Rgb::ZERO, 0.0),
-            _ => (self.eval(wo, wi), self.pdf(wo, wi)),
+            _ => (self.eval(wo, wi, mode), self.pdf(wo, wi)),
         };
         debug_assert!(
             value.min_element() >= 0.0 && value.is_finite() && pdf >= 0.0,
@@ -130,17 +133,17 @@ impl Bsdf {
 
     /// A direction for the path to go on, from independent uniform numbers: `u_lobe` chooses (or is a third coordinate), `u` places.
     /// `None` if the light is absorbed.
-    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         debug_assert!(wo.is_normalized(), "{wo} is not of unit length");
         let sample = match self {
             Self::Diffuse(diffuse) => diffuse.sample(wo, u),
             Self::Conductor(conductor) => conductor.sample(wo),
             Self::RoughConductor(rough) => rough.sample(wo, u),
-            Self::Dielectric(dielectric) => dielectric.sample(wo, u_lobe),
+            Self::Dielectric(dielectric) => dielectric.sample(wo, u_lobe, mode),
             Self::Metal(metal) => metal.sample(wo, u_lobe, u),
-            Self::Principled(principled) => principled.sample(wo, u_lobe, u),
+            Self::Principled(principled) => principled.sample(wo, u_lobe, u, mode),
             Self::PrincipledThin(thin) => thin.sample(wo, u_lobe, u),
-            Self::RoughDielectric(rough) => rough.sample(wo, u_lobe, u),
+            Self::RoughDielectric(rough) => rough.sample(wo, u_lobe, u, mode),
             Self::ThinDielectric(thin) => Some(thin.sample(wo, u_lobe)),
             Self::Plastic(plastic) => plastic.sample(wo, u_lobe, u),
             Self::RoughPlastic(rough) => rough.sample(wo, u_lobe, u),

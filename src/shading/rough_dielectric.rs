@@ -1,11 +1,10 @@
 //! A rough interface between two transparent media: reflection and refraction by microfacets.
 //!
-//! Walter et al., Microfacet Models for Refraction through Rough Surfaces, EGSR 2007. Refracted radiance is scaled with the solid angle,
-//! as in the smooth dielectric. The surface is the same from both sides; f(wo, wi) / n_o^2 is symmetric, n_o being the index on the
-//! side of wo.
+//! Walter et al., Microfacet Models for Refraction through Rough Surfaces, EGSR 2007. The surface is the same from both sides;
+//! f(wo, wi) / n_o^2 is symmetric for radiance, n_o being the index on the side of wo.
 
 use super::{
-    BsdfSample, Microfacet,
+    BsdfSample, Microfacet, TransportMode,
     fresnel::{self, DielectricModel},
 };
 use crate::color::Rgb;
@@ -65,7 +64,7 @@ impl RoughDielectric {
         })
     }
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Rgb {
         if wo.z == 0.0 {
             return Rgb::ZERO;
         }
@@ -77,7 +76,7 @@ impl RoughDielectric {
         let color = if wi.z > 0.0 {
             self.specular_reflectance * facet.reflectance
         } else {
-            self.specular_transmittance * ((1.0 - facet.reflectance) / (eta_it * eta_it))
+            self.specular_transmittance * ((1.0 - facet.reflectance) / mode.refraction_factor(eta_it))
         };
         let facets = &self.distribution;
         let visible = 4.0 * facets.density(facet.m) * facets.g1_over_four_cos(wo) * facet.cos_o;
@@ -100,7 +99,7 @@ impl RoughDielectric {
         })
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         if wo.z == 0.0 {
             return None;
         }
@@ -123,7 +122,7 @@ impl RoughDielectric {
             let wi = ((eta_ti * cos_o + fresnel.cos_t) * m - eta_ti * wo).normalize();
             let path = cos_o + eta_it * fresnel.cos_t;
             let jacobian = eta_it * eta_it * -fresnel.cos_t / (path * path);
-            let color = self.specular_transmittance * (eta_ti * eta_ti);
+            let color = self.specular_transmittance * mode.refraction_factor(eta_ti);
             (wi, color, 1.0 - fresnel.reflectance, jacobian, eta_it)
         };
         // On the wrong side of the surface it would meet another facet, which this model leaves out.

@@ -270,8 +270,7 @@ fn refraction_follows_snell_and_keeps_reciprocity() {
         for model in [DielectricModel::Exact, DielectricModel::Schlick] {
             let case = Single::new("dielectric", dielectric(eta, model));
             let sample = |wo, u_lobe| {
-                case.bsdf
-                    .sample(wo, u_lobe, Vec2::splat(0.5))
+                case.sample_by(wo, u_lobe, Vec2::splat(0.5))
                     .expect("glass absorbs nothing")
             };
             for degrees in [1.0, 20.0, 45.0, 70.0, 89.0, 100.0, 140.0, 175.0] {

@@ -1,7 +1,7 @@
 //! Mirrors, smooth glass and panes: models whose every lobe is one direction. Lobes are chosen as often as they say, no energy is made,
 //! light loses as much on its way back.
 
-use crate::bsdf_support::{Single, direction, mirror};
+use crate::bsdf_support::{Single, assert_unscaled, direction, mirror};
 use crate::statistics::{assert_all_plausible, chi_squared_p};
 use glam::{Vec2, Vec3};
 use sunroom::color::Rgb;
@@ -86,7 +86,7 @@ fn viewers() -> Vec<Vec3> {
 fn lobes(case: &Single, wo: Vec3) -> Vec<BsdfSample> {
     let mut lobes: Vec<BsdfSample> = Vec::new();
     for u_lobe in [0.0, 1.0f32.next_down()] {
-        let sample = case.bsdf.sample(wo, u_lobe, Vec2::splat(0.5));
+        let sample = case.sample_by(wo, u_lobe, Vec2::splat(0.5));
         lobes.extend(sample.filter(|sample| !lobes.contains(sample)));
     }
     lobes
@@ -122,6 +122,19 @@ fn lobes_are_chosen_as_often_as_they_say() {
         }
     }
     assert_all_plausible(&results);
+}
+
+#[test]
+fn importance_is_not_scaled_by_refraction() {
+    for case in cases() {
+        for wo in viewers() {
+            for u_lobe in [0.0, 1.0f32.next_down()] {
+                if case.sample_by(wo, u_lobe, Vec2::splat(0.5)).is_some() {
+                    assert_unscaled(&case, wo, u_lobe, Vec2::splat(0.5));
+                }
+            }
+        }
+    }
 }
 
 #[test]
@@ -235,8 +248,7 @@ fn mirrors_of_coats_are_reciprocal_and_tinted() {
         for wo in viewers().into_iter().filter(|wo| wo.z > 0.0) {
             let mirrored = |case: &Single, wo| {
                 let lobe = case
-                    .bsdf
-                    .sample(wo, 0.0, Vec2::splat(0.5))
+                    .sample_by(wo, 0.0, Vec2::splat(0.5))
                     .filter(|sample| sample.is_delta);
                 lobe.map_or(Rgb::ZERO, |lobe| share(&lobe))
             };

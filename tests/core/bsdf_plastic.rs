@@ -148,7 +148,7 @@ fn smooth_coats_mirror_what_fresnel_says() {
     let case = Single::new("", plastic(1.49, base(COLOR, false)));
     for wo in viewers() {
         let expected = fresnel::dielectric(wo.z, 1.49, DielectricModel::Exact).reflectance;
-        let sample = case.bsdf.sample(wo, 0.0, Vec2::splat(0.5)).expect("coats mirror");
+        let sample = case.sample_by(wo, 0.0, Vec2::splat(0.5)).expect("coats mirror");
         assert_eq!((sample.wi, sample.is_delta), (mirror(wo), true));
         assert!(
             (sample.weight * sample.pdf / expected - Rgb::ONE).abs().max_element() < 1e-5,
@@ -223,10 +223,9 @@ fn a_pane_mirrors_or_lets_through() {
                 .sum();
             let expected = if once == 1.0 { 1.0 } else { once + series };
             let through = case
-                .bsdf
-                .sample(wo, 1.0f32.next_down(), Vec2::ZERO)
+                .sample_by(wo, 1.0f32.next_down(), Vec2::ZERO)
                 .expect("all light goes on");
-            let mirrored = case.bsdf.sample(wo, 0.0, Vec2::ZERO).expect("all light goes on");
+            let mirrored = case.sample_by(wo, 0.0, Vec2::ZERO).expect("all light goes on");
             if expected > 0.0 {
                 assert_eq!(
                     (mirrored.wi, mirrored.weight, mirrored.is_delta),

@@ -2,8 +2,8 @@
 //! energy their layers make, what parameters mean at their limits; and figures of the renderer whose definitions they follow.
 
 use crate::bsdf_support::{
-    EXTREME_COSINES, Single, assert_finite, assert_mean_weight, assert_reciprocal, assert_reciprocal_between,
-    assert_weights, density_p_values, direction, mirror,
+    EXTREME_COSINES, Single, assert_adjoint, assert_finite, assert_mean_weight, assert_reciprocal,
+    assert_reciprocal_between, assert_weights, density_p_values, direction, mirror,
 };
 use crate::principled_cases::{GOLD, PRINCIPLED, THIN, principled_cases, thin_cases};
 use crate::principled_figures::FIGURES;
@@ -163,6 +163,15 @@ fn refraction_is_reciprocal_but_for_the_compression() {
             compared += 1;
         }
         assert!(compared > 20, "{name}: {compared}");
+    }
+}
+
+#[test]
+fn importance_is_scattered_as_the_adjoint_of_radiance() {
+    for (name, bsdf) in principled_cases().into_iter().filter(|(_, bsdf)| bsdf.spec_trans > 0.0) {
+        let viewers = [20.0, 70.0, 110.0, 160.0].map(|degrees| direction(degrees, degrees));
+        // Where the index is near 1, the half vector is the small difference of two directions.
+        assert_adjoint(&Single::new(&name, Bsdf::Principled(bsdf)), &viewers, 1e-3);
     }
 }
 

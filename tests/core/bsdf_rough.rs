@@ -1,8 +1,8 @@
 //! Metals and glass with rough surfaces against the contract of `shading`, with figures of another renderer.
 
 use crate::bsdf_support::{
-    Single, assert_figure, assert_finite, assert_lobe_weight, assert_reciprocal, assert_reciprocal_between,
-    assert_weights, direction, furnace, lobe_p_value, mirror,
+    Single, assert_adjoint, assert_figure, assert_finite, assert_lobe_weight, assert_reciprocal,
+    assert_reciprocal_between, assert_weights, direction, furnace, lobe_p_value, mirror,
 };
 use crate::statistics::{assert_all_plausible, sphere_integral};
 use glam::{UVec2, Vec3};
@@ -214,10 +214,11 @@ fn reflection_is_reciprocal() {
 
 /// Compensation is not reciprocal: it scales the lobe, which is, by what each viewer misses of it.
 fn assert_scaled_by_the_viewer(case: &Single, compensated: RoughConductor) {
-    let single = Bsdf::RoughConductor(RoughConductor {
+    let single = RoughConductor {
         multiple_scattering: None,
         ..compensated
-    });
+    };
+    let single = Single::new("single scattering", Bsdf::RoughConductor(single));
     for wo in viewers(case) {
         let mut samples = (0..100).filter_map(|i| case.sample(wo, i));
         let gain = |wi| case.eval(wo, wi) / single.eval(wo, wi);
@@ -247,6 +248,7 @@ fn tints_multiply_their_lobes() {
             ],
             other => panic!("{other:?} has no tint"),
         };
+        let plain = Single::new("untinted", plain);
         for wo in viewers(case) {
             for sample in (0..100).filter_map(|i| case.sample(wo, i)) {
                 let tint = tints[usize::from(sample.wi.z * wo.z < 0.0)];
@@ -289,6 +291,15 @@ fn refraction_is_reciprocal_but_for_the_solid_angle() {
             compared += 1;
         }
         assert!(compared > 100, "{}: {compared}", case.name);
+    }
+}
+
+#[test]
+fn importance_is_scattered_as_the_adjoint_of_radiance() {
+    for case in cases().iter().filter(|case| case.name.starts_with("roughdielectric")) {
+        // The half vector's rounding, as in the weights.
+        let tolerance = if case.name.contains("0.03") { 2e-2 } else { 4e-3 };
+        assert_adjoint(case, &viewers(case), tolerance);
     }
 }
 

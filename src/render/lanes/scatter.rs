@@ -11,6 +11,7 @@ use crate::render::dimensions::BounceDraw;
 use crate::render::roulette;
 use crate::render::transmittance::transmittance;
 use crate::render::view::PathSettings;
+use crate::shading::TransportMode;
 use crate::shading::lanes::BsdfSampleLanes;
 
 /// Where the vertices lie and how they are seen.
@@ -166,7 +167,7 @@ impl PathBatch<'_> {
             _ => sampler.at_1d(BounceDraw::Lobe.at(self.paths.depth)),
         };
         let u_direction = sampler.at_2d(BounceDraw::Direction.at(self.paths.depth));
-        let local = bsdf.sample(surfaces.wo, u_lobe, u_direction);
+        let local = bsdf.sample(surfaces.wo, u_lobe, u_direction, TransportMode::Radiance);
         let sample = BsdfSampleLanes {
             wi: surfaces.frame.to_world(local.wi),
             ..local

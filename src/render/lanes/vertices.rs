@@ -8,6 +8,7 @@ use crate::material::{Lobe, Single};
 use crate::math::Ray;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane, lanes_of};
 use crate::render::scene::{RenderScene, SurfaceSlot};
+use crate::shading::TransportMode;
 use crate::shading::lanes::{BsdfLanes, BsdfSampleLanes};
 
 /// Surfaces and their models; only the lanes of `lanes` mean something.
@@ -157,7 +158,7 @@ impl<'a> Vertices<'a> {
         slot: &SurfaceSlot,
     ) -> Option<Met> {
         let point = scene.surface(ray, hit, slot);
-        let mut scattering = scene.scattering(slot.material, hit, &point, -ray.dir);
+        let mut scattering = scene.scattering(slot.material, hit, &point, -ray.dir, TransportMode::Radiance);
         let (one_sided_normal, albedo) = (scattering.one_sided_normal(), scattering.albedo());
         let is_smooth = scattering.has_smooth_lobe();
         self.singles[lane] = Some(scattering.take_single()?);

@@ -24,8 +24,8 @@ pub use thin::{PrincipledThin, ThinSamplingRates};
 
 use glam::{Vec2, Vec3};
 
-use super::BsdfSample;
 use super::fresnel::{self, DielectricFresnel, DielectricModel};
+use super::{BsdfSample, TransportMode};
 use crate::color::Rgb;
 use crate::sampling::warp;
 use clearcoat::Clearcoat;
@@ -158,15 +158,15 @@ impl Principled {
         })
     }
 
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.evaluate(wo, wi).value
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Rgb {
+        self.evaluate(wo, wi, mode).value
     }
 
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.evaluate(wo, wi).pdf
+        self.evaluate(wo, wi, TransportMode::Radiance).pdf
     }
 
-    fn evaluate(&self, wo: Vec3, wi: Vec3) -> Evaluation {
+    fn evaluate(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Evaluation {
         let Some(aspect) = self.aspect(wo) else {
             return Evaluation::default();
         };
@@ -175,16 +175,16 @@ impl Principled {
         let evaluation = if wi.z > 0.0 {
             specular::reflecting(&distribution, wo, wi).map(|facet| self.reflected(&aspect, wo, wi, &facet))
         } else if wi.z < 0.0 && aspect.refracted > 0.0 {
-            specular::refracting(&distribution, aspect.eta, wo, wi).map(|facet| self.refracted(&aspect, &facet))
+            specular::refracting(&distribution, aspect.eta, wo, wi).map(|facet| self.refracted(&aspect, &facet, mode))
         } else {
             None
         };
         evaluation.unwrap_or_default()
     }
 
-    fn refracted(&self, aspect: &Aspect, facet: &Facet) -> Evaluation {
+    fn refracted(&self, aspect: &Aspect, facet: &Facet, mode: TransportMode) -> Evaluation {
         let transmittance = 1.0 - aspect.fresnel(facet.cos).reflectance;
-        let strength = self.glass() * transmittance / (aspect.eta * aspect.eta);
+        let strength = self.glass() * transmittance / mode.refraction_factor(aspect.eta);
         Evaluation {
             value: self.base_color.map(f32::sqrt) * (strength * facet.unmasked * facet.pdf),
             pdf: aspect.specular * aspect.refracted * transmittance * facet.pdf,
@@ -232,7 +232,7 @@ impl Principled {
         dielectric.lerp(schlick::interpolated(self.base_color, cos, fresnel), self.metallic)
     }
 
-    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         let aspect = self.aspect(wo)?;
         let above = upright(wo, wo);
         let (wi, refracted) = if u_lobe < aspect.base {
@@ -258,7 +258,7 @@ impl Principled {
         }
         let eta = if refracted { aspect.eta } else { 1.0 };
         let wi = upright(wi, wo);
-        self.evaluate(wo, wi).into_sample(wi, eta)
+        self.evaluate(wo, wi, mode).into_sample(wi, eta)
     }
 }
 

@@ -4,11 +4,11 @@
 use glam::{UVec2, Vec2, Vec3};
 use sunroom::color::Rgb;
 use sunroom::sampling::{Sampler, SequenceKind};
-use sunroom::shading::{Bsdf, BsdfSample};
+use sunroom::shading::{Bsdf, BsdfSample, TransportMode};
 
 use crate::statistics::{sphere_integral, sphere_p};
 
-/// A model by its name.
+/// A model by its name, for radiance.
 pub struct Single {
     pub name: String,
     pub bsdf: Bsdf,
@@ -23,17 +23,22 @@ impl Single {
     }
 
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.bsdf.eval(wo, wi)
+        self.bsdf.eval(wo, wi, TransportMode::Radiance)
     }
 
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         self.bsdf.pdf(wo, wi)
     }
 
+    /// A sample by these random numbers.
+    pub fn sample_by(&self, wo: Vec3, u_lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        self.bsdf.sample(wo, u_lobe, u, TransportMode::Radiance)
+    }
+
     /// Sample number `index`; also checks what holds of every sample.
     pub fn sample(&self, wo: Vec3, index: u32) -> Option<BsdfSample> {
-        let sampler = Sampler::new(SequenceKind::Independent, UVec2::new(3, 5), index, 8);
-        let sample = self.bsdf.sample(wo, sampler.at_1d(0), sampler.at_2d(1))?;
+        let sampler = sampler(index);
+        let sample = self.sample_by(wo, sampler.at_1d(0), sampler.at_2d(1))?;
         let name = &self.name;
         assert!((sample.wi.length() - 1.0).abs() < 1e-5, "{name}: {:?}", sample.wi);
         assert!(
@@ -44,6 +49,11 @@ impl Single {
         assert!(sample.pdf.is_finite() && sample.pdf > 0.0, "{name}: {}", sample.pdf);
         Some(sample)
     }
+}
+
+/// The random numbers of sample number `index`.
+fn sampler(index: u32) -> Sampler {
+    Sampler::new(SequenceKind::Independent, UVec2::new(3, 5), index, 8)
 }
 
 pub fn direction(theta_degrees: f32, phi: f32) -> Vec3 {
@@ -134,7 +144,7 @@ pub fn assert_finite(case: &Single) {
         let wo = Vec3::new((1.0 - z * z).sqrt(), 0.0, z);
         for u in [[0.0, 0.0], [last, last], [0.5, 0.0], [0.0, last], [last, 0.0]].map(Vec2::from) {
             for u_lobe in [0.0, 0.3, 0.5, 0.6, 0.9, last] {
-                let Some(sample) = case.bsdf.sample(wo, u_lobe, u) else {
+                let Some(sample) = case.sample_by(wo, u_lobe, u) else {
                     continue;
                 };
                 let name = &case.name;
@@ -204,6 +214,52 @@ pub fn assert_mean_weight(case: &Single, viewers: &[Vec3]) {
             case.name
         );
     }
+}
+
+/// The weight of sampled importance is that of radiance without the factor eta^2, and the rest of the sample is the same.
+pub fn assert_unscaled(case: &Single, wo: Vec3, u_lobe: f32, u: Vec2) {
+    let sample = |mode| case.bsdf.sample(wo, u_lobe, u, mode).expect("nothing is absorbed");
+    let [radiance, importance] = [TransportMode::Radiance, TransportMode::Importance].map(sample);
+    let weight = radiance.weight * (radiance.eta * radiance.eta);
+    let error = (importance.weight - weight).abs().max_element();
+    let name = &case.name;
+    assert!(
+        error <= 1e-5 * weight.max_element(),
+        "{name} {wo}: {radiance:?} {importance:?}"
+    );
+    let weight = radiance.weight;
+    assert_eq!(BsdfSample { weight, ..importance }, radiance, "{name} {wo}");
+}
+
+/// What refracts scatters importance as the adjoint of radiance, f*(wo, wi) = f(wi, wo), to this fraction: seen from `viewers`, as evaluated
+/// and as sampled.
+pub fn assert_adjoint(case: &Single, viewers: &[Vec3], tolerance: f32) {
+    let mut refracted = 0;
+    for (&wo, i) in viewers.iter().flat_map(|wo| (0..200).map(move |i| (wo, i))) {
+        let Some(sample) = case.sample(wo, i) else {
+            continue;
+        };
+        let (name, wi) = (&case.name, sample.wi);
+        let importance = case.bsdf.eval(wo, wi, TransportMode::Importance);
+        if wo.z * wi.z > 0.0 {
+            assert_eq!(
+                importance,
+                case.eval(wo, wi),
+                "{name} {wo} {wi}: reflection has one form"
+            );
+            continue;
+        }
+        refracted += 1;
+        let (forth, back) = (importance / wi.z.abs(), case.eval(wi, wo) / wo.z.abs());
+        let error = (forth - back).abs().max_element();
+        assert!(
+            error <= tolerance * back.max_element(),
+            "{name} {wo} {wi}: {forth} {back}"
+        );
+        let sampler = sampler(i);
+        assert_unscaled(case, wo, sampler.at_1d(0), sampler.at_2d(1));
+    }
+    assert!(refracted > 20, "{}: {refracted}", case.name);
 }
 
 /// Light reflected from one direction above the surface into another loses as much on the way back.

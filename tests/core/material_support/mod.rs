@@ -15,7 +15,7 @@ use sunroom::math::Frame;
 use sunroom::sampling::{Sampler, SequenceKind, warp};
 use sunroom::shading::{
     Bsdf, Conductor, ConductorSpecular, DielectricModel, Diffuse, Microfacet, MicrofacetKind, RoughConductor,
-    RoughDielectric, ThinDielectric, ior,
+    RoughDielectric, ThinDielectric, TransportMode, ior,
 };
 use sunroom::texture::{Parameter, TextureId, TexturePoint, TextureTable};
 
@@ -63,8 +63,14 @@ impl Placed {
     /// `wo` in the local frame.
     pub fn scattering(&self, wo: Vec3) -> Scattering<'_> {
         let at = TexturePoint::of_uv(self.uv);
-        self.table
-            .scattering(self.root, &self.surface(), world(wo), &self.textures, &at)
+        self.table.scattering(
+            self.root,
+            &self.surface(),
+            world(wo),
+            TransportMode::Radiance,
+            &self.textures,
+            &at,
+        )
     }
 
     /// Sample number `index`; also checks what holds of every sample.
@@ -138,7 +144,7 @@ fn plain(bsdf: Bsdf) -> Made {
     };
     Made {
         add: Rc::new(move |list| push(list, bsdf.into())),
-        value: Rc::new(move |wo, wi| bsdf.eval(wo, wi)),
+        value: Rc::new(move |wo, wi| bsdf.eval(wo, wi, TransportMode::Radiance)),
         passing: Rc::new(move |wo| bsdf.transmittance(wo)),
         about: Some(About { eta, ..FLAT }),
     }
