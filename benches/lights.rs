@@ -152,9 +152,8 @@ fn main() {
             );
             render(&scene, &view, 1);
             view.seed = 2;
-            if let Integrator::Path(settings) = &mut view.integrator {
-                settings.hide_emitters = true;
-            }
+            let Integrator::Path(settings) = &mut view.integrator;
+            settings.hide_emitters = true;
             let mut seconds = f64::INFINITY;
             let mut film = None;
             for _ in 0..REPEATS {

@@ -10,7 +10,7 @@ use sunroom_core::material::{MaterialId, MaterialTable};
 use sunroom_core::render::image_io::{ImageRgb, write_image};
 use sunroom_core::render::scene::{RenderScene, SurfaceSlot, SurfaceTable};
 use sunroom_core::render::tile::{render_tile, tiles};
-use sunroom_core::render::view::{Integrator, PathSettings, Strategy, View};
+use sunroom_core::render::view::{Integrator, PathSettings, Shown, Strategy, View};
 use sunroom_core::render::{camera::Camera, film::Film, filter::PixelFilter, tonemap::Display};
 use sunroom_core::sampling::SequenceKind;
 use sunroom_core::shading::{Bsdf, Diffuse, Metal};
@@ -64,6 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             hide_emitters: false,
             strategy: Strategy::Mis,
         }),
+        shown: Shown::Radiance,
         light_groups: Default::default(),
         sequence: SequenceKind::Sobol,
         seed: 0,

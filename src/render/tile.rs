@@ -10,7 +10,7 @@ use super::light_layers::LayerSums;
 use super::observer::PathObserver;
 use super::path::{PathSample, trace_path};
 use super::scene::{FirstHit, RenderScene};
-use super::view::{Integrator, PathSettings, View};
+use super::view::{Integrator, PathSettings, Shown, View};
 use crate::accel::TraversalStats;
 use crate::color::{Rgb, luminance};
 
@@ -210,7 +210,7 @@ pub fn render_preview(
     Some(result)
 }
 
-/// How the samples of a tile are traced.
+/// How the samples of a tile are traced; chosen once for all of them.
 enum Tracer {
     /// Side by side, all paths with the same settings.
     Lanes(PathSettings),
@@ -220,8 +220,8 @@ enum Tracer {
 
 impl Tracer {
     fn of(view: &View) -> Self {
-        match view.integrator {
-            Integrator::Path(settings) if view.light_groups.count() == 0 => Self::Lanes(settings),
+        match (view.shown, view.integrator) {
+            (Shown::Radiance, Integrator::Path(settings)) if view.light_groups.count() == 0 => Self::Lanes(settings),
             _ => Self::OneByOne,
         }
     }

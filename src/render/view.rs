@@ -1,4 +1,4 @@
-//! How a scene is looked at: camera, film and method. A different view means a new picture.
+//! How a scene is looked at: camera, film, method, and what is shown of it. A different view means a new picture.
 
 use glam::{UVec2, Vec2};
 
@@ -17,18 +17,27 @@ pub struct View {
     pub height: u32,
     pub filter: PixelFilter,
     pub integrator: Integrator,
+    pub shown: Shown,
     /// The layers that the film keeps beside the picture; none by default.
     pub light_groups: LightGroups,
     pub sequence: SequenceKind,
     pub seed: u32,
 }
 
+/// How light is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Integrator {
     Path(PathSettings),
-    /// The picture in three thirds, from left to right with [`Strategy::Bsdf`], [`Strategy::Light`] and [`Strategy::Mis`].
-    StrategySplit(PathSettings),
-    /// Work of the first ray in the acceleration structure: boxes and primitives tested, as a grey value.
+}
+
+/// What a picture shows: what the integrator finds, or how the renderer works.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shown {
+    #[default]
+    Radiance,
+    /// The radiance in three thirds, from left to right with [`Strategy::Bsdf`], [`Strategy::Light`] and [`Strategy::Mis`].
+    StrategyThirds,
+    /// Work of the camera ray in the acceleration structure: boxes and primitives tested, as a grey value.
     BvhSteps,
 }
 
@@ -93,9 +102,10 @@ pub struct CameraSample {
 impl View {
     /// How the paths of a pixel are traced; None if none are.
     pub fn path_settings(&self, pixel: UVec2) -> Option<PathSettings> {
-        match self.integrator {
-            Integrator::Path(settings) => Some(settings),
-            Integrator::StrategySplit(settings) => Some(PathSettings {
+        let Integrator::Path(settings) = self.integrator;
+        match self.shown {
+            Shown::Radiance => Some(settings),
+            Shown::StrategyThirds => Some(PathSettings {
                 strategy: match 3 * pixel.x / self.width {
                     0 => Strategy::Bsdf,
                     1 => Strategy::Light,
@@ -103,7 +113,7 @@ impl View {
                 },
                 ..settings
             }),
-            Integrator::BvhSteps => None,
+            Shown::BvhSteps => None,
         }
     }
 

@@ -8,7 +8,7 @@ use sunroom::accel::Primitive;
 use sunroom::color::Rgb;
 use sunroom::render::film::Film;
 use sunroom::render::tile::{render_preview, tiles};
-use sunroom::render::view::{Integrator, Strategy};
+use sunroom::render::view::{Shown, Strategy};
 use sunroom::shading::{Bsdf, Diffuse};
 
 #[test]
@@ -25,8 +25,8 @@ fn first_hits_are_those_of_sample_zero() {
     let scene = builder.build();
     // Wide enough to see past the square.
     let mut look = view(camera(Vec3::new(0.3, 0.2, 3.0), Vec3::ZERO, 60.0), 40, 3, Strategy::Mis);
-    for integrator in [look.integrator, Integrator::BvhSteps] {
-        look.integrator = integrator;
+    for shown in [Shown::Radiance, Shown::BvhSteps] {
+        look.shown = shown;
         let film = render(&scene, &look, 3);
         let mut seen = [0; 3];
         for (x, y) in (0..40).flat_map(|y| (0..40).map(move |x| (x, y))) {

@@ -13,7 +13,7 @@ use sunroom::render::inspect::{RecordedPath, record_paths};
 use sunroom::render::observer::PathEnd;
 use sunroom::render::scene::RenderScene;
 use sunroom::render::tile::{Tile, render_tile};
-use sunroom::render::view::{Integrator, PathSettings, Strategy, View};
+use sunroom::render::view::{Integrator, PathSettings, Shown, Strategy, View};
 use sunroom::sampling::power_heuristic;
 use sunroom::shading::{Bsdf, Dielectric, DielectricModel, Diffuse, Metal};
 use sunroom::texture::Parameter;
@@ -82,9 +82,8 @@ fn look(strategy: Strategy) -> View {
         strategy,
     );
     look.filter = PixelFilter::tabulated(FilterKernel::CATMULL_ROM);
-    if let Integrator::Path(settings) = &mut look.integrator {
-        settings.rr_depth = 2;
-    }
+    let Integrator::Path(settings) = &mut look.integrator;
+    settings.rr_depth = 2;
     look
 }
 
@@ -222,7 +221,7 @@ fn arrived(path: &RecordedPath, bounce: &sunroom::render::observer::Bounce) -> V
 #[test]
 fn where_no_paths_are_traced_there_are_none() {
     let mut look = look(Strategy::Mis);
-    look.integrator = Integrator::BvhSteps;
+    look.shown = Shown::BvhSteps;
     assert_eq!(record_paths(&scene(), &look, UVec2::ONE, 0..4), []);
 }
 
@@ -231,10 +230,7 @@ fn the_split_shows_each_strategy_in_its_third() {
     let scene = scene();
     let strategies = [Strategy::Bsdf, Strategy::Light, Strategy::Mis];
     let mut split = look(Strategy::Mis);
-    let Integrator::Path(settings) = split.integrator else {
-        panic!("paths")
-    };
-    split.integrator = Integrator::StrategySplit(settings);
+    split.shown = Shown::StrategyThirds;
     let film = render(&scene, &split, 4);
     let alone = strategies.map(|strategy| render(&scene, &look(strategy), 4));
     for (x, y) in (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y))) {

@@ -16,7 +16,7 @@ use sunroom::render::filter::PixelFilter;
 use sunroom::render::light_layers::LightGroups;
 use sunroom::render::scene::{RenderScene, SurfaceSlot, SurfaceTable};
 use sunroom::render::tile::{render_tile, tiles};
-use sunroom::render::view::{Integrator, PathSettings, Strategy, View};
+use sunroom::render::view::{Integrator, PathSettings, Shown, Strategy, View};
 use sunroom::sampling::SequenceKind;
 use sunroom::texture::{Parameter, TextureTable};
 
@@ -166,6 +166,7 @@ pub fn view(camera: Camera, size: u32, max_depth: u32, strategy: Strategy) -> Vi
             hide_emitters: false,
             strategy,
         }),
+        shown: Shown::Radiance,
         light_groups: LightGroups::default(),
         sequence: SequenceKind::Independent,
         seed: 1,

@@ -7,7 +7,7 @@ use super::Checker;
 use crate::render::camera::{Camera, ThinLens};
 use crate::render::filter::{FilterKernel, PixelFilter};
 use crate::render::light_layers::LightGroups;
-use crate::render::view::{Integrator, PathSettings, Strategy, View};
+use crate::render::view::{Integrator, PathSettings, Shown, Strategy, View};
 use crate::sampling::SequenceKind;
 use crate::scene::{self, Film, IntegratorSettings, Lens, ReconstructionFilter, SamplerSettings, Sensor, Sequence};
 
@@ -94,10 +94,11 @@ pub(in crate::engine) fn pack_view(
         width: scaled.x,
         height: scaled.y,
         filter: pixel_filter(film.filter, check),
-        integrator: match control.view_mode {
-            ViewMode::BvhSteps => Integrator::BvhSteps,
-            ViewMode::Path if control.strategy_split => Integrator::StrategySplit(path_settings),
-            ViewMode::Path => Integrator::Path(path_settings),
+        integrator: Integrator::Path(path_settings),
+        shown: match control.view_mode {
+            ViewMode::BvhSteps => Shown::BvhSteps,
+            ViewMode::Path if control.strategy_split => Shown::StrategyThirds,
+            ViewMode::Path => Shown::Radiance,
         },
         light_groups: LightGroups::default(),
         sequence: match sampler.sequence {

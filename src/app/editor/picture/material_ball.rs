@@ -16,7 +16,7 @@ use crate::render::filter::PixelFilter;
 use crate::render::light_layers::LightGroups;
 use crate::render::scene::{RenderScene, SurfaceSlot, SurfaceTable};
 use crate::render::tile::{render_tile, tiles};
-use crate::render::view::{Integrator, PathSettings, Strategy, View};
+use crate::render::view::{Integrator, PathSettings, Shown, Strategy, View};
 use crate::sampling::SequenceKind;
 use crate::shading::{Bsdf, Diffuse};
 use crate::texture::{Checkerboard, Parameter, Texture, TextureTable};
@@ -210,6 +210,7 @@ pub fn view(edge: u32) -> View {
             hide_emitters: false,
             strategy: Strategy::Mis,
         }),
+        shown: Shown::Radiance,
         light_groups: LightGroups::default(),
         sequence: SequenceKind::Sobol,
         seed: 0,
