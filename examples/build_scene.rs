@@ -30,10 +30,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         Instance::new(Primitive::Rectangle, floor),
         Instance::new(Primitive::Sphere, at(0.0, 1.0, 0.0)),
     ];
-    // Each shape has one slot, which says what it is made of: here the material of its own number, and no light.
+    // Each shape has one slot, which says what it is made of: here the material of its own number, no light, and
+    // empty space on both sides.
     let slot = |material| SurfaceSlot {
         material: MaterialId(material),
         light: None,
+        media: Default::default(),
     };
     let (first_slot, slots) = (vec![0, 1], (0..2).map(slot).collect());
     let radiance = Rgb::new(0.6, 0.8, 1.0);

@@ -14,6 +14,7 @@ pub mod gltf;
 pub mod light;
 pub mod material;
 pub mod math;
+pub mod medium;
 pub mod memory;
 pub mod render;
 pub mod sampling;

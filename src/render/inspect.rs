@@ -27,10 +27,10 @@ pub struct RecordedPath {
     pub filter_weight: f32,
 }
 
-/// A surface on the path's way and what was done there.
+/// A place on the path's way and what was done there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecordedVertex {
-    pub surface: PathVertex,
+    pub place: PathVertex,
     /// The surface's own light.
     pub met: Option<MetEmitter>,
     pub sampled: Option<SampledLight>,
@@ -69,7 +69,7 @@ struct Recorder {
 impl PathObserver for Recorder {
     fn vertex(&mut self, vertex: &PathVertex) {
         self.vertices.push(RecordedVertex {
-            surface: *vertex,
+            place: *vertex,
             met: None,
             sampled: None,
             bounce: None,

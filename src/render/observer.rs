@@ -20,9 +20,23 @@ pub trait PathObserver {
 /// Nobody watches.
 impl PathObserver for () {}
 
+/// Where the path has come to and light is scattered. A place in a medium will be a variant of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PathVertex {
+    Surface(SurfaceVertex),
+}
+
+impl PathVertex {
+    /// In world space.
+    pub fn position(&self) -> Vec3 {
+        let Self::Surface(surface) = self;
+        surface.position
+    }
+}
+
 /// A surface that the path has come to, world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PathVertex {
+pub struct SurfaceVertex {
     pub position: Vec3,
     /// Unit shading normal.
     pub normal: Vec3,

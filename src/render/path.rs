@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 pub use super::path_state::PathSample;
 
 use super::dimensions::BounceDraw;
-use super::observer::{Bounce, PathEnd, PathObserver, PathVertex, SampledLight};
+use super::observer::{Bounce, PathEnd, PathObserver, PathVertex, SampledLight, SurfaceVertex};
 use super::path_state::{Arrival, PathState};
 use super::roulette;
 use super::scene::{RenderScene, SurfaceSlot};
@@ -188,12 +188,12 @@ impl PathState {
         if self.depth == 0 {
             self.record.meet(hit);
         }
-        observer.vertex(&PathVertex {
+        observer.vertex(&PathVertex::Surface(SurfaceVertex {
             position: point.position,
             normal: point.shading_normal,
             instance: hit.instance,
             material: slot.material,
-        });
+        }));
         if let Some(light) = slot.light {
             self.see_light(scene, settings, hit, light, point, observer);
         }

@@ -8,6 +8,7 @@ use crate::accel::{Detail, Hit, Primitive, SurfacePoint, Tlas};
 use crate::light::{LightId, LightTable};
 use crate::material::{MaterialId, MaterialTable, Scattering};
 use crate::math::Ray;
+use crate::medium::MediumInterface;
 use crate::shading::TransportMode;
 use crate::texture::{MeshPoint, TexturePoint, TextureTable};
 
@@ -21,11 +22,12 @@ pub struct RenderScene {
     pub lights: Arc<LightTable>,
 }
 
-/// What a piece of surface is made of.
+/// What a piece of surface is made of, and what it is the border of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SurfaceSlot {
     pub material: MaterialId,
     pub light: Option<LightId>,
+    pub media: MediumInterface,
 }
 
 /// What a camera ray meets first, whether light passes through it or not.

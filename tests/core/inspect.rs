@@ -156,7 +156,7 @@ fn what_is_recorded_fits_together() {
         let mut throughput = Rgb::ONE;
         for pair in path.vertices.windows(2) {
             let bounce = pair[0].bounce.expect("it came to another vertex");
-            let way = pair[1].surface.position - pair[0].surface.position;
+            let way = pair[1].place.position() - pair[0].place.position();
             // Positions are good to a few roundings of numbers up to 5, and no way here is shorter than a hundredth.
             assert!(
                 way.length() < 1e-2 || way.normalize().distance(bounce.wi) < 1e-2,

@@ -30,6 +30,7 @@ const RULES: &[(&str, &[&str], bool)] = &[
         false,
     ),
     ("light", BELOW_SHADING, false),
+    ("medium", &["math", "color", "sampling"], false),
     ("render", &["KERNEL", "files"], false),
     ("document", &["math", "color", "files"], false),
     (
@@ -60,7 +61,7 @@ const BELOW_SHADING: &[&str] = &["math", "color", "sampling", "geometry", "accel
 
 /// `"KERNEL"` in the table stands for these and `render`.
 const KERNEL: &[&str] = &[
-    "math", "memory", "color", "sampling", "geometry", "accel", "texture", "shading", "material", "light",
+    "math", "memory", "color", "sampling", "geometry", "accel", "texture", "shading", "material", "light", "medium",
 ];
 
 fn may_use(allowed: &[&str], module: &str) -> bool {

@@ -81,6 +81,7 @@ impl SceneBuilder {
         self.slots.push(SurfaceSlot {
             material: MaterialId(self.materials.len() as u32),
             light,
+            media: Default::default(),
         });
         self.materials.push(material);
         self.instances.last_mut().expect("just pushed")

@@ -16,6 +16,7 @@ use crate::color::Rgb;
 use crate::geometry::mesh::MeshData;
 use crate::light::{LightId, LightSource, WeightedSource};
 use crate::material::{Material, MaterialId};
+use crate::medium::MediumInterface;
 use crate::render::scene::{SurfaceSlot, SurfaceTable};
 use crate::scene::AreaLight;
 use crate::shading::DielectricModel;
@@ -115,7 +116,11 @@ pub(in crate::engine) fn pack_surfaces<'s>(
                 packed.lights.push((record.entity, light));
                 LightId(packed.lights.len() as u32 - 1)
             });
-            packed.table.slots.push(SurfaceSlot { material, light });
+            packed.table.slots.push(SurfaceSlot {
+                material,
+                light,
+                media: MediumInterface::default(),
+            });
         }
     }
     packed

@@ -10,6 +10,7 @@ use crate::accel::{Instance, Primitive, SplitMethod, Tlas};
 use crate::color::Rgb;
 use crate::light::{LightId, LightSource, LightTable, WeightedSource};
 use crate::material::{Material, MaterialId, MaterialTable, TexturedBsdf};
+use crate::medium::MediumInterface;
 use crate::render::camera::Camera;
 use crate::render::film::Film;
 use crate::render::filter::PixelFilter;
@@ -128,6 +129,7 @@ impl MaterialBall {
         let slot = |material, light: Option<u32>| SurfaceSlot {
             material,
             light: light.map(LightId),
+            media: MediumInterface::default(),
         };
         let surfaces = SurfaceTable {
             first_slot: (0..5).collect(),

@@ -10,6 +10,7 @@ use crate::app::editor::command::inspected_paths::InspectedPaths;
 use crate::app::editor::words::kinds::material_kind;
 use crate::engine::PackedScene;
 use crate::render::inspect::{RecordedPath, record_paths};
+use crate::render::observer::PathVertex;
 use crate::render::scene::RenderScene;
 use crate::render::view::View;
 use crate::scene::{Material, UsesMaterial};
@@ -79,7 +80,10 @@ pub fn follow_paths(mut inspector: ResMut<PathInspector>, packed: Res<PackedScen
         names: path
             .vertices
             .iter()
-            .map(|vertex| names.of(packed.entity_of_instance.get(vertex.surface.instance as usize).copied()))
+            .map(|vertex| {
+                let PathVertex::Surface(surface) = vertex.place;
+                names.of(packed.entity_of_instance.get(surface.instance as usize).copied())
+            })
             .collect(),
         path,
     });

@@ -37,7 +37,7 @@ pub fn paint(painter: &egui::Painter, screen: &Screen, paths: &[NamedPath], chos
         }
     }
     for (number, vertex) in (1..).zip(&path.path.vertices) {
-        let place = vertex.surface.position;
+        let place = vertex.place.position();
         if let Some(sampled) = &vertex.sampled {
             let target = match sampled.sample.target {
                 Target::Point(point) => point,
@@ -62,10 +62,10 @@ fn segments(path: &NamedPath, scene_size: f32) -> impl Iterator<Item = [Vec3; 2]
     let vertices = &path.path.vertices;
     let between = vertices
         .windows(2)
-        .map(|pair| [pair[0].surface.position, pair[1].surface.position]);
+        .map(|pair| [pair[0].place.position(), pair[1].place.position()]);
     let last = vertices.last().and_then(|vertex| {
         let bounce = vertex.bounce?;
-        let ray = Ray::new(vertex.surface.position, bounce.wi);
+        let ray = Ray::new(vertex.place.position(), bounce.wi);
         Some([ray.origin, ray.at(VOID * scene_size)])
     });
     between.chain(last)
