@@ -4,8 +4,8 @@ use super::lookup::{At, Constants, Lookup, TexturedBase, TexturedFacets, Texture
 use super::principled::{TexturedPrincipled, TexturedPrincipledThin};
 use crate::color::Rgb;
 use crate::shading::{
-    Bsdf, Conductor, Dielectric, DielectricModel, Diffuse, Metal, Microalbedo, Plastic, RoughCoat, RoughConductor,
-    RoughDielectric, RoughPlastic, SmoothCoat, ThinDielectric,
+    Bsdf, Conductor, Dielectric, DielectricModel, Diffuse, Fiber, Hair, Metal, Microalbedo, Plastic, RoughCoat,
+    RoughConductor, RoughDielectric, RoughPlastic, SmoothCoat, ThinDielectric,
 };
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
@@ -61,6 +61,12 @@ pub enum TexturedBsdf {
     },
     Principled(TexturedPrincipled),
     PrincipledThin(TexturedPrincipledThin),
+    Hair {
+        fiber: Fiber,
+        /// Per radius of the fibre, times `scale`.
+        sigma_a: Parameter<Rgb>,
+        scale: f32,
+    },
 }
 
 impl TexturedBsdf {
@@ -78,7 +84,7 @@ impl TexturedBsdf {
 
     /// Whether light may pass straight through it somewhere.
     pub(super) fn has_null_lobe(&self) -> bool {
-        matches!(self, Self::ThinDielectric { .. })
+        matches!(self, Self::ThinDielectric { .. } | Self::Hair { .. })
     }
 
     fn resolve(&self, lookup: &mut impl Lookup) -> Bsdf {
@@ -148,6 +154,10 @@ impl TexturedBsdf {
             }),
             Self::Principled(principled) => Bsdf::Principled(principled.resolve(lookup)),
             Self::PrincipledThin(thin) => Bsdf::PrincipledThin(thin.resolve(lookup)),
+            Self::Hair { fiber, sigma_a, scale } => Bsdf::Hair(Hair {
+                fiber: *fiber,
+                sigma_a: (*scale * lookup.color(*sigma_a)).max(Rgb::ZERO),
+            }),
         }
     }
 }

@@ -4,6 +4,7 @@
 
 mod aabb;
 mod affine;
+mod bessel;
 mod erf;
 mod frame;
 pub mod lanes;
@@ -15,6 +16,7 @@ mod rounding;
 
 pub use aabb::Aabb;
 pub use affine::is_invertible;
+pub use bessel::scaled_bessel_i0;
 pub use erf::{erf, erf_inv};
 pub use frame::Frame;
 pub use per_lane::PerLane;

@@ -18,6 +18,7 @@ mod dielectric;
 mod diffuse;
 pub mod fresnel;
 mod ggx;
+mod hair;
 pub mod ior;
 pub mod lanes;
 mod metal;
@@ -38,6 +39,7 @@ pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use fresnel::DielectricModel;
 pub use ggx::Ggx;
+pub use hair::{Fiber, Hair, melanin_absorption};
 pub use metal::Metal;
 pub use microalbedo::Microalbedo;
 pub use microfacet::{Microfacet, MicrofacetKind};
@@ -67,6 +69,7 @@ pub enum Bsdf {
     ThinDielectric(ThinDielectric),
     Plastic(Plastic),
     RoughPlastic(RoughPlastic),
+    Hair(Hair),
 }
 
 /// A sampled continuation of a path.
@@ -97,6 +100,7 @@ impl Bsdf {
             Self::RoughDielectric(rough) => rough.eval(wo, wi, mode),
             Self::Plastic(plastic) => plastic.eval(wo, wi),
             Self::RoughPlastic(rough) => rough.eval(wo, wi),
+            Self::Hair(hair) => hair.eval_and_pdf(wo, wi).0,
             Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => Rgb::ZERO,
         }
     }
@@ -106,6 +110,7 @@ impl Bsdf {
         let (value, pdf) = match self {
             Self::Diffuse(diffuse) => (diffuse.eval(wo, wi), diffuse.pdf(wo, wi)),
             Self::RoughConductor(rough) => rough.eval_and_pdf(wo, wi),
+            Self::Hair(hair) => hair.eval_and_pdf(wo, wi),
             Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => (Rgb::ZERO, 0.0),
             _ => (self.eval(wo, wi, mode), self.pdf(wo, wi)),
         };
@@ -127,6 +132,7 @@ impl Bsdf {
             Self::RoughDielectric(rough) => rough.pdf(wo, wi),
             Self::Plastic(plastic) => plastic.pdf(wo, wi),
             Self::RoughPlastic(rough) => rough.pdf(wo, wi),
+            Self::Hair(hair) => hair.eval_and_pdf(wo, wi).1,
             Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => 0.0,
         }
     }
@@ -147,6 +153,7 @@ impl Bsdf {
             Self::ThinDielectric(thin) => Some(thin.sample(wo, u_lobe)),
             Self::Plastic(plastic) => plastic.sample(wo, u_lobe, u),
             Self::RoughPlastic(rough) => rough.sample(wo, u_lobe, u),
+            Self::Hair(hair) => hair.sample(wo, u_lobe, u),
         };
         debug_assert!(
             sample.is_none_or(|sample| sample.wi.is_normalized() && sample.weight.is_finite() && sample.pdf > 0.0),
@@ -164,7 +171,8 @@ impl Bsdf {
             | Self::Plastic(_)
             | Self::RoughPlastic(_)
             | Self::Principled(_)
-            | Self::PrincipledThin(_) => true,
+            | Self::PrincipledThin(_)
+            | Self::Hair(_) => true,
             Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => false,
             Self::Metal(metal) => !metal.is_delta(),
         }
@@ -177,6 +185,7 @@ impl Bsdf {
             Self::RoughDielectric(rough) => rough.distribution.is_isotropic(),
             Self::Principled(principled) => principled.anisotropic == 0.0,
             Self::PrincipledThin(thin) => thin.anisotropic == 0.0,
+            Self::Hair(_) => false,
             Self::Diffuse(_)
             | Self::Conductor(_)
             | Self::Dielectric(_)
@@ -200,19 +209,21 @@ impl Bsdf {
             | Self::RoughDielectric(_)
             | Self::ThinDielectric(_)
             | Self::Principled(_)
-            | Self::PrincipledThin(_) => true,
+            | Self::PrincipledThin(_)
+            | Self::Hair(_) => true,
         }
     }
 
     /// Whether light can pass through it without changing its direction.
     pub fn has_null_lobe(&self) -> bool {
-        matches!(self, Self::ThinDielectric(_))
+        matches!(self, Self::ThinDielectric(_) | Self::Hair(_))
     }
 
     /// The share of the light that passes through to `wo` without changing its direction.
     pub fn transmittance(&self, wo: Vec3) -> Rgb {
         match self {
             Self::ThinDielectric(thin) => thin.transmittance(wo),
+            Self::Hair(hair) => hair.transmittance(wo),
             _ => Rgb::ZERO,
         }
     }
@@ -230,6 +241,7 @@ impl Bsdf {
             Self::Metal(metal) => metal.color,
             Self::Principled(principled) => principled.base_color,
             Self::PrincipledThin(thin) => thin.base_color,
+            Self::Hair(hair) => hair.albedo(),
         }
     }
 }

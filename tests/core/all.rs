@@ -31,6 +31,7 @@ mod accel_surface;
 mod accel_together;
 mod bsdf;
 mod bsdf_delta;
+mod bsdf_hair;
 mod bsdf_plastic;
 mod bsdf_principled;
 mod bsdf_rough;

@@ -16,8 +16,8 @@ use sunroom::render::tile::{render_preview, render_tile, tiles};
 use sunroom::render::view::{Integrator, PathSettings, Strategy, View};
 use sunroom::sampling::SequenceKind;
 use sunroom::shading::{
-    Beckmann, Bsdf, CoatedBase, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Ggx, Metal,
-    Microfacet, MicrofacetKind, Plastic, RoughCoat, RoughConductor, RoughDielectric, RoughPlastic, SmoothCoat,
+    Beckmann, Bsdf, CoatedBase, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Fiber, Ggx, Hair,
+    Metal, Microfacet, MicrofacetKind, Plastic, RoughCoat, RoughConductor, RoughDielectric, RoughPlastic, SmoothCoat,
     ThinDielectric,
 };
 use sunroom::texture::{Checkerboard, Parameter, Texture, TextureId, TextureTable};
@@ -166,7 +166,7 @@ fn squares() -> TextureTable {
     })])
 }
 
-/// Light passes straight through a pane and the holes of a screen.
+/// Light passes straight through a pane, the holes of a screen, and out of a fibre.
 fn behind_panes() -> RenderScene {
     let mut room = room();
     let pane = Bsdf::ThinDielectric(ThinDielectric {
@@ -182,6 +182,12 @@ fn behind_panes() -> RenderScene {
     let at = |x: f32, y: f32| placed(Vec3::new(x, y, 0.8), Quat::IDENTITY, 0.5);
     room.add(Primitive::Rectangle, at(-0.6, -0.3), pane, None);
     room.add(Primitive::Rectangle, at(0.6, -0.3), screen, None);
+    let hair = Bsdf::Hair(Hair {
+        fiber: Fiber::new(1.55, 0.3, 0.3, 0.03),
+        sigma_a: Vec3::new(0.1, 0.2, 0.4),
+    });
+    let standing = placed(Vec3::new(0.0, -0.8, 0.9), Quat::from_rotation_x(-1.5), 0.2);
+    room.add(Primitive::Cylinder, standing, hair, None);
     room.light(LightSource::Point {
         position: Vec3::new(-0.5, 0.8, 2.0),
         intensity: Vec3::splat(4.0),

@@ -4,12 +4,14 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use crate::bsdf_support::Single;
+use crate::statistics::sphere_integral;
 use crate::support::{
     SceneBuilder, assert_close, camera, mean_luminance, render, square_mesh, square_of_three_triangles, view,
 };
 use glam::{Affine3A, Quat, Vec3};
 use sunroom::accel::{Blas, Primitive, SplitMethod};
-use sunroom::color::Rgb;
+use sunroom::color::{Rgb, luminance};
 use sunroom::geometry::primitives::unit_cube;
 use sunroom::light::LightSource;
 use sunroom::material::{Material, MaterialId};
@@ -18,8 +20,8 @@ use sunroom::render::tile::{Tile, render_tile, tiles};
 use sunroom::render::view::{Integrator, LONGEST_PATH, Strategy, View};
 use sunroom::sampling::SequenceKind;
 use sunroom::shading::{
-    Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microfacet, MicrofacetKind,
-    RoughConductor,
+    Bsdf, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Fiber, Hair, Metal, Microfacet,
+    MicrofacetKind, RoughConductor,
 };
 use sunroom::texture::Parameter;
 
@@ -38,6 +40,13 @@ fn glass(eta: f32) -> Bsdf {
         model: DielectricModel::Exact,
         specular_reflectance: Rgb::ONE,
         specular_transmittance: Rgb::ONE,
+    })
+}
+
+fn hair(sigma_a: Rgb) -> Bsdf {
+    Bsdf::Hair(Hair {
+        fiber: Fiber::new(1.55, 0.3, 0.3, 0.03),
+        sigma_a,
     })
 }
 
@@ -118,6 +127,7 @@ fn nothing_lossless_is_seen_in_an_even_sky() {
                 fuzz: 0.0,
             }),
         ),
+        ("hair", hair(Rgb::ZERO)),
     ];
     for (name, bsdf) in bsdfs {
         let mut scene = SceneBuilder::default();
@@ -133,6 +143,24 @@ fn nothing_lossless_is_seen_in_an_even_sky() {
             );
             check(&format!("{name}, {strategy:?}"), &scene, &view, 256, 1.0);
         }
+    }
+}
+
+/// Light that crosses a fibre meets its surface twice and is scattered once, however it is found.
+#[test]
+fn a_fiber_in_an_even_sky_shows_what_it_scatters() {
+    let brown = hair(Rgb::new(0.4, 0.7, 1.4));
+    let mut scene = SceneBuilder::default();
+    scene.add(Primitive::Cylinder, Affine3A::IDENTITY, brown, None);
+    scene.light(LightSource::Constant { radiance: Rgb::ONE });
+    let scene = scene.build();
+    // Seen from straight ahead.
+    let single = Single::new("hair", brown);
+    let expected = sphere_integral(Vec3::Z, |wi| luminance(single.eval(Vec3::Z, wi)));
+    for strategy in STRATEGIES {
+        let (eye, target) = (Vec3::new(4.0, 0.0, 0.5), Vec3::new(0.0, 0.0, 0.5));
+        let view = view(camera(eye, target, 0.1), 8, UNBOUNDED, strategy);
+        check(&format!("{strategy:?}"), &scene, &view, 256, expected as f32);
     }
 }
 

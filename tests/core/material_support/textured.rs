@@ -9,9 +9,9 @@ use sunroom::material::{
 };
 use sunroom::sampling::{hash::pcg3d, unit_float};
 use sunroom::shading::{
-    Bsdf, CoatedBase, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Metal, Microfacet,
-    MicrofacetKind, Plastic, Principled, PrincipledThin, RoughCoat, RoughConductor, RoughDielectric, RoughPlastic,
-    SamplingRates, SmoothCoat, ThinDielectric, ThinSamplingRates,
+    Bsdf, CoatedBase, Conductor, ConductorSpecular, Dielectric, DielectricModel, Diffuse, Fiber, Hair, Metal,
+    Microfacet, MicrofacetKind, Plastic, Principled, PrincipledThin, RoughCoat, RoughConductor, RoughDielectric,
+    RoughPlastic, SamplingRates, SmoothCoat, ThinDielectric, ThinSamplingRates,
 };
 use sunroom::texture::{Bitmap, Filter, Image, Parameter, Samples, Texture, TextureId, TextureTable, Transfer, Wrap};
 
@@ -95,6 +95,7 @@ pub fn textured_models(x: u32, y: u32) -> Vec<(TexturedBsdf, Bsdf)> {
         specular_reflectance: tint,
         nonlinear: true,
     };
+    let fiber = Fiber::new(1.55, 0.3, 0.3, 0.03);
     let coat = RoughCoat::varying(MicrofacetKind::Ggx, 1.49);
     let mut models = vec![
         (
@@ -193,6 +194,17 @@ pub fn textured_models(x: u32, y: u32) -> Vec<(TexturedBsdf, Bsdf)> {
             Bsdf::Metal(Metal {
                 color: tint,
                 fuzz: share,
+            }),
+        ),
+        (
+            TexturedBsdf::Hair {
+                fiber,
+                sigma_a: color,
+                scale: 2.0,
+            },
+            Bsdf::Hair(Hair {
+                fiber,
+                sigma_a: (2.0 * plain).max(Rgb::ZERO),
             }),
         ),
     ];
