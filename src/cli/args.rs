@@ -30,8 +30,8 @@ pub struct TrustArgs {
 }
 
 impl TrustArgs {
-    /// What the scene in this file may read. An error if the file itself is a link that leads out of its folder: messages quote the lines of a
-    /// scene, which would be those of a file that it may not read.
+    /// The permission to read that the scene in this file has. An error if the file itself is a link that leads out of its folder: messages quote
+    /// the lines of a scene, which would be those of a file that it may not read.
     pub fn trust(&self, scene: &Path) -> Result<Trust, String> {
         if !self.untrusted {
             return Ok(Trust::Everything);

@@ -101,7 +101,7 @@ fn summary(status: &SceneStatus, engine: &RenderStatus) -> String {
     parts.join(", ")
 }
 
-/// How much there is in a scene.
+/// The number of things of each kind in a scene.
 fn content(world: &mut World) -> String {
     let shapes = world.query::<&Shape>().iter(world).count();
     let lights = world.query::<&Emitter>().iter(world).count() + world.query::<&AreaLight>().iter(world).count();
@@ -115,7 +115,7 @@ fn counted(number: usize, what: &str) -> String {
     }
 }
 
-/// What `--camera` accepts, where there is a choice.
+/// Lists what `--camera` accepts, if there is a choice.
 fn list_cameras(world: &mut World) {
     let cameras = cameras(world);
     if cameras.len() > 1 {

@@ -34,7 +34,7 @@ pub struct ConvertArgs {
 }
 
 pub fn run(args: ConvertArgs) -> ExitCode {
-    // What the scene names is named from the folder of the file.
+    // Relative paths in the scene count from the folder of the file.
     if args.output == Path::new("-") {
         return report::error("`-`: a scene is written to a file, not to standard output; give a name such as OUT.xml");
     }

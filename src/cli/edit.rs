@@ -9,7 +9,7 @@ use sunroom::app::windowed::{self, WindowOptions};
 use super::args::EditArgs;
 use super::{outputs, report};
 
-/// What opens when nothing is asked for.
+/// The scene that opens if none is named.
 const FIRST_SCENE: &str = "scenes/cornell-box.xml";
 
 pub fn run(args: EditArgs) -> ExitCode {

@@ -1,4 +1,4 @@
-//! How a render ended, as words for the user and as an exit code.
+//! The end of a render: words for the user, and an exit code.
 
 use std::fmt;
 use std::path::Path;
@@ -15,7 +15,7 @@ pub const INTERRUPTED: u8 = 130;
 
 /// The end of a render whose film has at least some samples.
 pub struct Ending {
-    /// None: the picture is complete, or the time that the user gave it is over.
+    /// The reason why the render was broken off. None if the picture is complete, or if the time that the user gave it is over.
     broken_off_by: Option<Reason>,
     pixels: usize,
     pixels_without_samples: usize,

@@ -61,7 +61,7 @@ pub struct MonkeyArgs {
 
 #[cfg(feature = "window")]
 impl MonkeyArgs {
-    /// What is asked of the monkey; None where none is asked for.
+    /// The options of the monkey; None if the command line does not ask for one.
     pub fn options(&self, scene: Option<&PathBuf>) -> Option<MonkeyOptions> {
         let length = match self.monkey? {
             MonkeyLength::Time(time) => Length::Time(time),

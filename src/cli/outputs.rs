@@ -1,4 +1,4 @@
-//! Where results go: image files, standard output, and a temporary file for a picture that can be written nowhere else.
+//! The places that results go to: image files, standard output, and a temporary file for a picture that can be written nowhere else.
 
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ pub fn check_text(path: &Path) -> Result<(), String> {
     check_writable(path).map_err(|error| format!("cannot write {}: {error}", path.display()))
 }
 
-/// Writes the picture to all outputs and reports those that fail. If nothing could be written, the picture goes to a temporary file, which is
+/// Writes the picture to all outputs and reports the outputs that fail. If nothing could be written, the picture goes to a temporary file, which is
 /// reported too. Returns the outputs that have the picture.
 pub fn write_pictures<'o>(outputs: &'o [PathBuf], image: &ImageRgb, display: &Display) -> Vec<&'o Path> {
     let mut written = Vec::new();

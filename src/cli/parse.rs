@@ -16,7 +16,7 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
     sides(text, 64..=16384)
 }
 
-/// As [`size`], of a picture, which may be smaller.
+/// Parses the size of a picture, as [`size`] does, but allows smaller ones.
 pub fn picture_size(text: &str) -> Result<(u32, u32), String> {
     sides(text, 1..=65536)
 }

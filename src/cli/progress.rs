@@ -1,5 +1,5 @@
-//! How far a render has come: a bar on a terminal; elsewhere a line when every pixel has a sample, one for each tenth, one when nothing was said
-//! for some seconds, and one at the end; nothing when quiet.
+//! Shows the progress of a render. On a terminal it is a bar. Elsewhere it is a line when every pixel has a sample, one for each tenth, one after
+//! some seconds without a line, and one at the end. If the render is quiet, nothing is shown.
 
 use std::io::IsTerminal;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use super::report;
 
 pub struct Progress {
     form: Form,
-    /// What ends the render beside its samples.
+    /// The time limit, which ends the render if its samples do not.
     time: Option<Duration>,
 }
 
@@ -21,7 +21,7 @@ enum Form {
     Lines(Lines),
 }
 
-/// What the last line said; None before the first.
+/// The content of the last line; None before the first.
 #[derive(Default)]
 struct Lines(Option<Said>);
 
@@ -69,7 +69,7 @@ impl Progress {
         }
     }
 
-    /// `status`: of the picture that is written.
+    /// Shows the end of the render. `status` is that of the picture that is written.
     pub fn finish(&mut self, status: &RenderStatus) {
         let done = self.done(status);
         match &self.form {
@@ -83,7 +83,7 @@ impl Progress {
         }
     }
 
-    /// From 0 to 1.
+    /// The part of the render that is done, from 0 to 1.
     fn done(&self, status: &RenderStatus) -> f64 {
         let by_samples = f64::from(status.samples) / f64::from(status.target.max(1));
         let by_time = self.time.map_or(0.0, |time| status.seconds / time.as_secs_f64());

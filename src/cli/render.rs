@@ -161,7 +161,7 @@ fn render(args: &RenderArgs) -> Result<ExitCode, Failure> {
         Accel::Sah => AccelMethod::Sah,
     });
     let limits = Limits {
-        // With a time limit alone the samples of the file are no limit.
+        // If only a time limit is given, the file's number of samples does not count.
         samples: args.spp.or(args.time.map(|_| u32::MAX)),
         time: args.time,
         cancel: cancel.clone(),
@@ -284,7 +284,7 @@ fn cancel_on_interrupt() -> Result<Arc<AtomicBool>, Error> {
     Ok(cancel)
 }
 
-/// What the command line says beats what the file says.
+/// Applies the options of the command line, which override the file.
 fn apply_overrides(world: &mut World, args: &RenderArgs) -> Result<(), Failure> {
     let mut integrator = world.resource_mut::<IntegratorSettings>();
     if let Some(depth) = args.max_depth {

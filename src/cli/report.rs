@@ -1,4 +1,4 @@
-//! What the program says to people, on standard error.
+//! Messages to the user, on standard error.
 
 use std::fmt::Display;
 use std::io::IsTerminal;
@@ -12,7 +12,7 @@ pub const WRONG_USAGE: u8 = 2;
 
 /// Says why a command cannot be done.
 pub enum Failure {
-    /// What the command line asks for is wrong.
+    /// The command line asks for something that is wrong.
     Usage(String),
     /// A scene, a file or the machine is at fault.
     Fault(Box<dyn std::error::Error>),

@@ -11,7 +11,7 @@ use smol_str::SmolStr;
 
 use super::{Category, Child, SourceId, TransformOp, Value};
 
-/// So many instances of one group in a row are packed.
+/// The least number of instances of one group in a row that are packed.
 pub(super) const FEWEST: usize = 1024;
 
 /// Instances of one group that follow each other in the scene, of which the file says nothing but their places.
@@ -26,7 +26,7 @@ pub struct Crowd {
     pub(super) content: Content,
 }
 
-/// What the crowd's children are made from again.
+/// The data from which the crowd's children are made again.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Content {
     /// The bytes of a source text from the first instance to the last.
@@ -38,7 +38,7 @@ pub(super) enum Content {
 /// Packs instances as they become children of the scene.
 #[derive(Debug, Default)]
 pub(super) struct Packer {
-    /// In the order of the file. The last one grows as long as no other child follows it.
+    /// The crowds in the order of the file. The last one grows as long as no other child follows it.
     crowds: Vec<Open>,
     /// The last children from this one on are instances of one group, of one source.
     run: usize,

@@ -38,7 +38,7 @@ pub struct DefineError {
 }
 
 impl Defines {
-    /// From the command line: they win over the file's `<default>`s.
+    /// The definitions of the command line, which override the `<default>`s of the file.
     pub fn new(given: &[(String, String)]) -> Self {
         let mut defines = Self::default();
         for (name, value) in given {

@@ -1,16 +1,15 @@
-//! What is wrong with a scene file, and where. How it is shown is `report`'s business.
+//! What is wrong with a scene file, and where. The file `report` shows it.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Messages beyond so many are only counted: a broken generator must not fill the memory with complaints.
+/// The most messages that are stored; further ones are only counted. A broken generator must not fill the memory with messages.
 pub const MAX_STORED: usize = 1000;
-/// Suggestions and places of other things are looked for only for so many messages, because the search takes time in proportion to the
-/// file.
+/// The most messages with suggestions and places of other things. The search for them takes time in proportion to the file.
 const MAX_HELPED: usize = 100;
 
-/// Which file of a document (the main one and its includes); an index into [`Diagnostics::sources`].
+/// The file of a document (the main one or an include); an index into [`Diagnostics::sources`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct SourceId(pub u32);
 
@@ -26,7 +25,7 @@ pub struct Span {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceFile {
     pub path: PathBuf,
-    /// Without a byte order mark. In the memory that it was read into: scenes of 200 MB are not copied.
+    /// The text without a byte order mark. It is not copied from the memory that it was read into, since scenes may have 200 MB.
     pub text: Arc<String>,
     /// Whether the file begins with one.
     pub byte_order_mark: bool,
@@ -34,7 +33,7 @@ pub struct SourceFile {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
-    /// A choice that was made, and that somebody may want to know of.
+    /// A choice that the reader made, and that the user may want to know.
     Note,
     Warning,
     Error,
@@ -45,7 +44,7 @@ pub enum Severity {
 pub struct Diagnostic {
     pub severity: Severity,
     pub message: String,
-    /// What to do about it, where there is something to say ("did you mean `alpha`?").
+    /// What the user can do about it, if there is something ("did you mean `alpha`?").
     pub help: Option<String>,
     pub span: Option<Span>,
 }
@@ -57,7 +56,7 @@ pub struct Diagnostics {
     pub list: Vec<Diagnostic>,
     /// The same message at the same place is said once: a file may be included many times.
     said: HashSet<Diagnostic>,
-    /// What came after the list was full.
+    /// The number of errors after the list was full.
     dropped_errors: usize,
     dropped_warnings: usize,
 }
@@ -108,12 +107,12 @@ impl Diagnostics {
         self.list.push(diagnostic);
     }
 
-    /// Further messages will only be counted: no need to think of suggestions any more.
+    /// Whether further messages will only be counted, so that they need no suggestions.
     pub fn is_full(&self) -> bool {
         self.list.len() >= MAX_STORED
     }
 
-    /// There are so many messages that the next one needs no help that is slow to find.
+    /// Whether there are so many messages that the next one gets no help that is slow to find.
     pub fn has_many(&self) -> bool {
         self.list.len() >= MAX_HELPED
     }

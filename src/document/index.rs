@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use super::{Child, Document, Object};
 
-/// Every object that has an id. A parsed document has each id once, and no reference in it leads in a circle; one that leads nowhere
-/// has been reported.
+/// The objects that have ids. A parsed document has each id once, and no reference in it leads in a circle; one that leads nowhere has been
+/// reported.
 #[derive(Debug, Default)]
 pub struct Index<'a> {
     by_id: HashMap<&'a str, &'a Object>,
@@ -28,7 +28,7 @@ impl<'a> Index<'a> {
         self.by_id.get(id).copied()
     }
 
-    /// What `child` stands for: itself, or the object it refers to (None if there is none of that id).
+    /// The object that `child` stands for: itself, or the one it refers to. None if there is none of that id.
     pub fn resolve(&self, child: &'a Child) -> Option<&'a Object> {
         match child {
             Child::Object(object) => Some(object),
@@ -38,7 +38,7 @@ impl<'a> Index<'a> {
 }
 
 impl Document {
-    /// For readers that look up more than one id.
+    /// The index of the document, for readers that look up more than one id.
     pub fn index(&self) -> Index<'_> {
         Index::new(&self.root)
     }

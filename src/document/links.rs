@@ -10,8 +10,8 @@ use super::suggest::did_you_mean;
 use super::value::quote;
 use super::{Child, Diagnostics, Index, Object, Severity, Span};
 
-/// A scene with every reference replaced by a copy has at most so many objects. References to references to references, each
-/// twice, grow exponentially; readers that follow them need a bound.
+/// The most objects of a scene in which every reference is replaced by a copy. References to references to references, each twice, grow
+/// exponentially; readers that follow them need a bound.
 const MAX_EXPANDED: u64 = 50_000_000;
 
 /// The help about a circle names at most this many references.
@@ -25,9 +25,9 @@ pub struct Alias {
     pub span: Span,
 }
 
-/// Makes aliased references name the object's own id, reports references to nothing (they stay), and reports those that close a circle or nest too
-/// deep, which have no target afterwards. `not_read`: an include whose file could not be read; it may declare what is missing, so that
-/// references to nothing are only counted then.
+/// Makes references to an alias name the object's own id, reports references to nothing (they stay), and removes and reports those that close a
+/// circle or nest too deep. `not_read`: an include whose file could not be read; it may declare what is missing, so that references to nothing are
+/// only counted then.
 pub fn link(
     root: &mut Object,
     ids: &HashMap<SmolStr, Span>,
@@ -74,7 +74,7 @@ struct Known<'i> {
     missed: usize,
 }
 
-/// From each alias to the id it stands for.
+/// Maps each alias to the id it stands for.
 fn resolve_aliases<'a>(
     known: &mut Known,
     aliases: &'a [Alias],
@@ -128,7 +128,7 @@ fn check_references(
     }
 }
 
-/// What hangs below an object, references followed.
+/// The size of what is below an object, with references followed.
 #[derive(Clone, Copy)]
 struct Extent {
     height: usize,
@@ -138,7 +138,7 @@ struct Extent {
 struct Walk<'a, 'd> {
     index: &'a Index<'a>,
     diagnostics: &'d mut Diagnostics,
-    /// Of the objects with ids.
+    /// The extents of the objects with ids.
     measured: HashMap<&'a str, Extent>,
     /// The objects with ids from the root to here.
     open: HashSet<&'a str>,

@@ -104,7 +104,7 @@ impl Value {
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Property {
-    /// In snake_case: camelCase names of old files have been renamed.
+    /// The name in snake_case: camelCase names of old files have been renamed.
     pub name: SmolStr,
     pub value: Value,
     /// The span of the whole tag; what a message about the value points at.
@@ -184,12 +184,12 @@ impl Object {
         }
     }
 
-    /// With this place in a file.
+    /// The object at another place in a file.
     pub fn at(self, span: Span) -> Self {
         Self { span, ..self }
     }
 
-    /// With another property, which has the object's place.
+    /// The object with another property, which has the object's place.
     pub fn with(mut self, name: &str, value: Value) -> Self {
         self.properties.push(Property {
             name: name.into(),
@@ -199,7 +199,7 @@ impl Object {
         self
     }
 
-    /// With another plugin in it.
+    /// The object with another plugin in it.
     pub fn with_child(mut self, child: Object) -> Self {
         self.children.push(child.into());
         self
@@ -218,7 +218,7 @@ impl Object {
         self.category == Category::Shape && self.plugin == "shapegroup"
     }
 
-    /// What a message calls it: "bsdf `diffuse`", "the scene".
+    /// The name that messages use: "bsdf `diffuse`", "the scene".
     pub fn title(&self) -> String {
         match self.category {
             Category::Scene => "the scene".to_owned(),

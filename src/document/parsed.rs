@@ -10,7 +10,7 @@ use crate::files::Access;
 /// An `<include>`, once for each time it was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Include {
-    /// Of the file's name in the tag.
+    /// The place of the file's name in the tag.
     pub span: Span,
     /// The included file.
     pub source: SourceId,
@@ -22,9 +22,9 @@ pub struct Document {
     pub path: PathBuf,
     /// The `<scene>` without its crowds; shared, because saving wants what was read, which may be very large.
     pub root: Arc<Object>,
-    /// In the order of their positions among the children of the root. An imported document has none.
+    /// The crowds in the order of their positions among the children of the root. An imported document has none.
     pub crowds: Vec<Crowd>,
-    /// Where files are looked for besides the folders of the scene's own files: the `<path>`s, absolute, in file order.
+    /// The folders in which files are looked for besides the folders of the scene's own files: the `<path>`s, absolute, in file order.
     pub search_folders: Vec<PathBuf>,
     pub includes: Vec<Include>,
     /// Made from a file of another format: spans tell where things come from, but there is no such text.
@@ -49,8 +49,8 @@ impl Document {
         }
     }
 
-    /// Where a file named at `span` may be, most likely place first: beside the file that names it, beside the main file, then in the
-    /// search folders, the last one first. An absolute name is its own only candidate.
+    /// The paths that a file named at `span` may have, most likely first: beside the file that names it, beside the main file, then in the search
+    /// folders, the last one first. An absolute name is its own only candidate.
     pub fn file_candidates(&self, name: &str, span: Span) -> Vec<PathBuf> {
         let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
         let beside = self.diagnostics.source(span.source).map(|source| folder(&source.path));

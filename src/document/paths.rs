@@ -49,7 +49,7 @@ pub fn settle(path: &Path) -> PathBuf {
     }
 }
 
-/// What [`settle`] makes of `name` in `folder`, if `access` covers that. Otherwise the path as it is named, but for the `..` it begins with:
+/// The path that [`settle`] makes of `name` in `folder`, if `access` covers it. Otherwise the path as it is named, but for the `..` it begins with:
 /// neither messages nor written files may tell where links lead that the scene must not follow.
 pub fn settle_covered(folder: &Path, name: &Path, access: &Access) -> PathBuf {
     let joined = folder.join(name);
@@ -66,7 +66,7 @@ pub fn settle_covered(folder: &Path, name: &Path, access: &Access) -> PathBuf {
     place.join(parts.collect::<PathBuf>())
 }
 
-/// Where a file of this name may be: in the given folders, then in the search folders, the last named first.
+/// The paths that a file of this name may have: in the given folders, then in the search folders, the last named first.
 pub(super) fn file_candidates(name: &str, folders: &[PathBuf], search_folders: &[PathBuf]) -> Vec<PathBuf> {
     if Path::new(name).is_absolute() {
         return vec![PathBuf::from(name)];

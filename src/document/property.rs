@@ -74,7 +74,7 @@ pub fn sampled_color(sampled: &SampledSpectrum, span: Span, role: Role, diagnost
     Value::Rgb(rgb)
 }
 
-/// How far the length of an axis may be from 1 without a warning: what three digits leave.
+/// The difference from 1 that the length of an axis may have without a warning: three digits leave it.
 const UNIT_AXIS: f32 = 1e-3;
 
 /// One step of a transform; None has been reported.

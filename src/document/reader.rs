@@ -1,4 +1,4 @@
-//! Reading one plugin's parameters, and noticing what nobody read.
+//! Reads the parameters of one plugin, and notices those that were not read.
 //!
 //! `Reader` knows value types; the caller knows the parameters. The names the caller asks for are the dictionary against which the
 //! file's names are held in [`Reader::finish`].
@@ -57,12 +57,12 @@ impl<'a, 'd> Reader<'a, 'd> {
         children.any(|child| self.index.resolve(child).is_none())
     }
 
-    /// For messages of the caller's own.
+    /// The diagnostics, for the caller's own messages.
     pub fn diagnostics(&mut self) -> &mut Diagnostics {
         self.diagnostics
     }
 
-    /// Where a property or the plugin for it stands; the object's own place if the file does not give it.
+    /// The place of a property or of the plugin for it; the object's own place if the file does not give it.
     pub fn span_of(&self, name: &str) -> Span {
         let property = self.object.properties.iter().find(|property| property.name == name);
         let child = || self.object.children.iter().find(|child| child.name() == Some(name));
@@ -244,7 +244,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         found
     }
 
-    /// Warns for each property and plugin nobody asked for.
+    /// Warns of each property and plugin that was not read.
     pub fn finish(self) {
         let owner = || self.object.title();
         let dictionary = || self.asked.iter().map(SmolStr::as_str);

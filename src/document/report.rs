@@ -1,4 +1,4 @@
-//! How diagnostics are shown: one line each, or as a report with the line of the file and a caret.
+//! Shows diagnostics: one line each, or a report with the line of the file and a caret.
 
 use std::fmt::{self, Display};
 use std::path::Path;
@@ -11,10 +11,10 @@ use miette::{
 use super::{Diagnostic, Diagnostics, Severity, SourceFile, SourceId};
 use crate::files::Access;
 
-/// So many messages are shown; of the rest only the number is said.
+/// The most messages that are shown; of the others only the number is told.
 const MAX_SHOWN: usize = 50;
 
-/// Of a very long line only so many bytes before and after the place are shown.
+/// The most bytes before and after the place that are shown of a very long line.
 const EXCERPT: usize = 120;
 
 /// Errors come first: warnings must not push them out of sight.
@@ -203,7 +203,7 @@ impl<'a> Excerpt<'a> {
         let from = text.floor_char_boundary(line_start.max(start.saturating_sub(EXCERPT)));
         let to = text.floor_char_boundary(line_end.min(start + 2 * EXCERPT)).max(start);
         let end = text.floor_char_boundary(end).clamp(start, to);
-        // Same length in bytes, so that the mark stays where it is; tabs are the printer's business.
+        // The length in bytes stays the same, so that the mark stays where it is. The printer handles tabs.
         let shown = text[from..to]
             .chars()
             .map(|c| if c.is_ascii_control() && c != '\t' { ' ' } else { c })

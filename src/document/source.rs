@@ -76,7 +76,7 @@ pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<String, SourceError> {
     })
 }
 
-/// What people take for scenes, by its first bytes.
+/// Files that people take for scenes, by their first bytes.
 const FOREIGN: [(&[u8], &str, &str); 14] = [
     (b"\x89PNG", "a PNG picture", PICTURE),
     (b"\xff\xd8\xff", "a JPEG picture", PICTURE),
@@ -97,7 +97,7 @@ const PICTURE: &str = "import it into a scene as its environment, or choose it a
 const MESH: &str = "import it into a scene, or name it in a <shape>";
 const BINARY: (&str, &str) = ("binary data", "scenes are XML text or glTF");
 
-/// What a file is that is no text of a scene, and what can be done with it.
+/// The kind of a file that is no text of a scene, and what can be done with it.
 fn foreign(bytes: &[u8], path: &Path) -> Option<(&'static str, &'static str)> {
     let known = FOREIGN.iter().find(|(magic, ..)| bytes.starts_with(magic));
     if let Some((_, kind, advice)) = known {

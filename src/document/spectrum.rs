@@ -14,10 +14,10 @@ const REC709_FROM_XYZ: DMat3 = DMat3::from_cols_array(&[
     3.240_479, -0.969_256, 0.055_648, -1.537_150, 1.875_991, -0.204_043, -0.498_535, 0.041_556, 1.057_311,
 ]);
 
-/// The integral is a sum over so many places, fine enough for lists with 1 nm steps.
+/// The number of places that the integral sums over, fine enough for lists with 1 nm steps.
 const STEPS: usize = 1000;
 
-/// What a spectrum is the spectrum of; decides under which light it is seen and which colours are possible.
+/// The quantity that a spectrum describes. It decides under which light the spectrum is seen and which colours are possible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Radiance and the like: no light but its own, no upper bound.
@@ -112,7 +112,7 @@ impl SampledSpectrum {
         Self::new(pairs.map(|(i, &value)| (first_nm + step * i as f32, value)).collect())
     }
 
-    /// As many wavelengths as values, both lists of numbers.
+    /// Parses a spectrum of as many wavelengths as values, both lists of numbers.
     pub fn parse_irregular(wavelengths: &str, values: &str) -> Result<Self, SpectrumError> {
         let (wavelengths, values) = (parse_numbers(wavelengths)?, parse_numbers(values)?);
         if wavelengths.len() != values.len() {
@@ -197,7 +197,7 @@ fn integrate(role: Role, mut value: impl FnMut(f64) -> f64) -> (Vec3, bool) {
     let rgb = (REC709_FROM_XYZ * (xyz / whole)).as_vec3();
     let highest = if role == Role::Reflectance { 1.0 } else { f32::MAX };
     let possible = rgb.clamp(Vec3::ZERO, Vec3::splat(highest));
-    // Rounding may leave white a hair above one; that is no reason for a warning.
+    // Rounding may leave white slightly above one, which is no reason for a warning.
     (
         possible,
         !possible.abs_diff_eq(rgb, 1e-3 * rgb.abs().max_element().max(1.0)),

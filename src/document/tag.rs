@@ -122,7 +122,7 @@ impl<'t> Tag<'t> {
         self.attributes.iter().any(|attribute| attribute.name == name)
     }
 
-    /// Warns of attributes nobody took.
+    /// Warns of attributes that were not read.
     pub fn finish(self, diagnostics: &mut Diagnostics) {
         for attribute in self.attributes {
             let known = self.asked.iter().copied();
@@ -141,7 +141,7 @@ fn substitute<'t>(raw: Cow<'t, str>, defines: &mut Defines) -> Result<Cow<'t, st
     }
 }
 
-/// Where an attribute's raw value stands; it is a part of `text` (if it is a copy, the whole tag will do).
+/// The place of an attribute's raw value, which is a part of `text`. If it is a copy, the place is the whole tag.
 fn value_span(value: &str, text: &str, tag: Span) -> Span {
     let place = (value.as_ptr() as usize).checked_sub(text.as_ptr() as usize);
     let range = place.and_then(|start| Some((u32::try_from(start).ok()?, u32::try_from(start + value.len()).ok()?)));

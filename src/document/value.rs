@@ -90,10 +90,10 @@ pub fn parse_vec3_or_splat(text: &str) -> Result<Vec3, ValueError> {
     }
 }
 
-/// More than any value has: those of a matrix, and one more.
+/// The most numbers that are read, one more than the longest value has, a matrix.
 const MOST_NUMBERS: usize = 17;
 
-/// As many numbers as there are; more than any value here needs are not looked at.
+/// Parses a list of numbers. Those after [`MOST_NUMBERS`] are ignored.
 pub fn parse_floats(text: &str) -> Result<ArrayVec<f32, MOST_NUMBERS>, ValueError> {
     fields(text).take(MOST_NUMBERS).map(parse_float).collect()
 }
@@ -111,7 +111,7 @@ pub fn parse_rgb(text: &str) -> Result<Vec3, ValueError> {
     }
 }
 
-/// As [`parse_rgb`], but numbers are sRGB as well: the `<srgb>` of old files.
+/// Parses a colour as [`parse_rgb`] does, but numbers are sRGB as well: the `<srgb>` of old files.
 pub fn parse_srgb(text: &str) -> Result<Vec3, ValueError> {
     let color = parse_rgb(text)?;
     if text.trim().starts_with('#') {

@@ -51,7 +51,7 @@ pub(super) fn to_block(child: &Child, margin: &str, layout: &Layout) -> Result<S
     Ok(writer.into_block())
 }
 
-/// As [`to_block`]; `owner` is for the message.
+/// Writes a property as [`to_block`] does; `owner` is for the message.
 pub(super) fn property_to_block(
     property: &Property,
     owner: &Object,
@@ -235,7 +235,7 @@ fn list(numbers: &[f32], name: &str, owner: &Object) -> Result<String, WriteErro
     Ok(texts.join(", "))
 }
 
-/// So that XML and the `$name` replacement both give the text back, between quotes of this kind.
+/// Escapes a value between quotes of this kind, so that XML and the `$name` replacement both give the text back.
 pub(super) fn escape(value: &str, quote: char, text: &mut String) -> Result<(), WriteError> {
     for c in value.chars() {
         match c {

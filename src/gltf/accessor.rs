@@ -197,7 +197,7 @@ impl Gltf {
         }
     }
 
-    /// `place`: buffer view and offset into it.
+    /// Reads strided elements. `place` is the buffer view and the offset into it.
     fn strided(
         &self,
         accessor: usize,

@@ -15,7 +15,7 @@ const ASPECT: f32 = 16.0 / 9.0;
 /// The far plane of a camera that sees to infinity, in multiples of the distance of its near plane.
 const FARTHEST: f32 = 1e7;
 const SAMPLES: i64 = 64;
-/// Where the camera stands if the file has none, seen from the middle of things.
+/// The direction from the middle of the scene to the camera, if the file has no camera.
 const VIEWPOINT: Vec3 = Vec3::new(0.5, 0.4, 1.0);
 const VIEW_DEGREES: f32 = 40.0;
 /// A camera is placed for scenes whose coordinates are at most this large. Products of three lengths still fit into single precision.
@@ -64,7 +64,7 @@ impl Builder<'_> {
             return Ok(overview(Vec3::ZERO, 1.0));
         }
         let reach = self.bounds.min.abs().max(self.bounds.max.abs()).max_element();
-        // Not a number is no reach either.
+        // A reach that is not a number is refused as well.
         if reach.is_nan() || reach > FARTHEST_REACH {
             return Err(GltfError::Reach {
                 reach,

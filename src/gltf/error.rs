@@ -35,7 +35,7 @@ pub enum GltfError {
     Tree(usize),
     #[error("image {index}: {what}")]
     Image { index: usize, what: String },
-    /// Of the scene that the file becomes.
+    /// A number of the scene that the file becomes.
     #[error("`{name}` of {owner} is too large for a number of single precision")]
     Number { name: String, owner: String },
     /// The largest coordinate of the scene, and the largest for which a camera can be placed.

@@ -17,7 +17,7 @@ const MIRROR: u32 = 33648;
 const CLAMP: u32 = 33071;
 const REPEAT: u32 = 10497;
 const NEAREST: u32 = 9728;
-/// Of alpha, where the file does not say it.
+/// The alpha cutoff if the file does not give one.
 const CUTOFF: f32 = 0.5;
 
 impl TextureInfo {
@@ -43,7 +43,7 @@ impl Material {
 }
 
 impl Gltf {
-    /// Of a mesh only one set of coordinates is read: that of its material's first texture.
+    /// The only set of coordinates of a mesh that is read: that of its material's first texture.
     pub(super) fn uv_set(&self, primitive: &Primitive) -> usize {
         let material = primitive.material.and_then(|index| self.root.materials.get(index));
         let first = material.and_then(|material| material.textures().next());
@@ -306,7 +306,7 @@ impl Builder<'_> {
     }
 }
 
-/// What messages call a material.
+/// The name of a material in messages.
 fn title(index: Option<usize>, material: &Material) -> String {
     match (index, &material.name) {
         (Some(index), Some(name)) => format!("material {index} ({name})"),
@@ -322,7 +322,7 @@ fn named(texture: Object, name: &str) -> Object {
     }
 }
 
-/// With the reflectance at normal incidence that the specular factor leaves.
+/// The index of refraction with the reflectance at normal incidence that the specular factor leaves.
 fn index_of_refraction(material: &Material) -> f32 {
     let given = material.extensions.ior.as_ref().map_or(DEFAULT_IOR, |given| given.ior);
     // `principled` has no surface that does not refract at all.

@@ -8,7 +8,7 @@ use crate::geometry::attribute::{AttributeDomain, AttributeValues, MeshAttribute
 use crate::geometry::mesh::MeshData;
 use crate::geometry::mesh_file::LoadedMesh;
 
-/// What vertex colours are called among a mesh's attributes.
+/// The name of vertex colours among a mesh's attributes.
 pub const VERTEX_COLOR: &str = "vertex_color";
 
 const TRIANGLES: u32 = 4;
@@ -16,7 +16,7 @@ const STRIP: u32 = 5;
 const FAN: u32 = 6;
 
 impl Gltf {
-    /// Every primitive; points and lines are numbered as well, but have no triangles.
+    /// All primitives of the file. Points and lines are numbered as well, but have no triangles.
     fn primitives(&self) -> impl Iterator<Item = &Primitive> {
         self.root.meshes.iter().flat_map(|mesh| &mesh.primitives)
     }
@@ -31,7 +31,7 @@ impl Gltf {
         self.root.meshes.iter().scan(0, first).collect()
     }
 
-    /// How many meshes [`Self::mesh`] has.
+    /// The number of meshes that [`Self::mesh`] has.
     pub fn mesh_count(&self) -> u32 {
         self.primitives().count() as u32
     }
@@ -104,7 +104,7 @@ impl Gltf {
         };
         let mut attributes = Vec::new();
         if let Some(accessor) = per_vertex("COLOR_0")? {
-            // Of a material without a picture the colour is this product; there is no other place for it.
+            // If the material has no picture, its colour is this product, for which there is no other place.
             let factor = self.base_color(primitive);
             let colors = self.colors(accessor, used)?.into_iter();
             attributes.push(MeshAttribute {
@@ -195,7 +195,7 @@ fn triangles(mode: u32, indices: &[u32]) -> Option<Vec<[u32; 3]>> {
             .chunks_exact(3)
             .map(|three| [three[0], three[1], three[2]])
             .collect(),
-        // Every other triangle of a strip goes around the other way.
+        // Every other triangle of a strip turns the other way.
         STRIP => indices
             .windows(3)
             .zip(0..)
@@ -218,7 +218,7 @@ impl Primitive {
         (TRIANGLES..=FAN).contains(&self.mode)
     }
 
-    /// Without normals of its own it is to be shaded flat (section 3.7.2.1).
+    /// Whether the primitive has no normals of its own and is to be shaded flat (section 3.7.2.1).
     pub(super) fn is_flat(&self) -> bool {
         !self.attributes.contains_key("NORMAL")
     }

@@ -42,7 +42,7 @@ fn is_supported(extension: &str) -> bool {
     SUPPORTED.contains(&extension)
 }
 
-/// Of UTF-8.
+/// The byte order mark of UTF-8.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// An opened file with its buffers.
@@ -50,9 +50,9 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 pub struct Gltf {
     root: Root,
     buffers: Vec<Vec<u8>>,
-    /// How many elements of meshes no buffer holds.
+    /// The number of elements of meshes that no buffer holds.
     zeros: usize,
-    /// For the buffers and the mesh that is being made of them.
+    /// The memory reserved for the buffers and the mesh that is being made of them.
     _memory: Held,
 }
 

@@ -1,4 +1,4 @@
-//! Where the nodes of the scene stand (glTF 2.0, section 3.5.3).
+//! The poses of the nodes of the scene (glTF 2.0, section 3.5.3).
 
 use std::collections::HashSet;
 
@@ -12,7 +12,7 @@ use super::{Gltf, GltfError};
 pub(super) struct PlacedNodes {
     /// Indices with world transforms, which are finite; parents first.
     pub nodes: Vec<(usize, Mat4)>,
-    /// Of nodes that stand nowhere, one sentence each.
+    /// One sentence for each node without a pose.
     pub warnings: Vec<String>,
 }
 

@@ -1,5 +1,5 @@
-//! Pictures as the scene format needs them, made from those of the file: one channel, a factor applied, an alpha cut off, normals turned.
-//! The format has no textures that are products of others, and neither metals nor roughness share a picture there.
+//! Makes the pictures that the scene format needs from those of the file: one channel, a factor applied, an alpha cut off, normals turned. The
+//! format has no textures that are products of others, and neither metals nor roughness share a picture there.
 
 use image::{DynamicImage, ImageBuffer, Luma, Rgb};
 
@@ -15,7 +15,7 @@ pub struct Picture {
     pub made: Made,
 }
 
-/// What is done to the file's image.
+/// The operation on the file's image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Made {
     /// Colours as sRGB, each channel times a factor (of the linear value).
@@ -96,7 +96,7 @@ fn make(image: &DynamicImage, made: Made) -> DynamicImage {
                     *value = factor * linear_from_srgb(*value);
                 }
             }
-            // What is brighter than white has no place in a PNG.
+            // A PNG cannot hold values above white.
             if made.is_raw() {
                 return DynamicImage::ImageRgb32F(linear);
             }

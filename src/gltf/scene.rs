@@ -17,7 +17,7 @@ use crate::document::{Category, Child, Object, Property, Span, TransformOp, Valu
 use crate::geometry::mesh::MeshData;
 use crate::math::{Aabb, is_invertible};
 
-/// How the scene names what goes into files of its own; asked once for each.
+/// Gives names to the parts of the scene that go into files of their own. It is called once for each part.
 pub trait References {
     /// The shape for a mesh of the file.
     fn shape(&mut self, number: u32, mesh: &MeshData) -> Result<Object, GltfError>;
@@ -29,7 +29,7 @@ pub trait References {
 #[derive(Debug)]
 pub struct Imported {
     pub root: Object,
-    /// What of the file is not in it, one sentence each.
+    /// One sentence for each thing of the file that is left out.
     pub warnings: Vec<String>,
 }
 
@@ -40,16 +40,16 @@ pub(super) struct Builder<'a> {
     warned: HashSet<String>,
     /// The number of each mesh's first primitive among all.
     first_primitives: Vec<u32>,
-    /// By the number of the primitive; None for those that cannot be read.
+    /// The meshes by the number of the primitive; None for those that cannot be read.
     meshes: BTreeMap<u32, Option<KnownMesh>>,
-    /// With the names of their files; None for those that cannot be read.
+    /// The pictures with the names of their files; None for those that cannot be read.
     pictures: Vec<(Picture, Option<String>)>,
     /// Why the first picture could not be kept.
     failure: Option<GltfError>,
     /// Why the first primitive that was left out could not be read.
     unreadable: Option<GltfError>,
     ids: HashSet<String>,
-    /// By name the number that the next thing of this name may get.
+    /// The number that the next thing of a name may get.
     next_numbers: HashMap<String, u32>,
     pub(super) sensors: Vec<Object>,
     /// The ids of bsdfs by material and whether meshes bring the colours.
@@ -61,7 +61,7 @@ pub(super) struct Builder<'a> {
     pub(super) bounds: Aabb,
 }
 
-/// What there is to know of a mesh wherever it stands.
+/// The properties of a mesh that do not depend on where it is placed.
 #[derive(Clone)]
 struct KnownMesh {
     shape: Object,
@@ -215,8 +215,8 @@ impl Builder<'_> {
             shape.id = Some(self.unique(name).into());
             if primitive.is_flat() {
                 shape = with(shape, "face_normals", Value::Boolean(true));
-                // Where a transform mirrors, the front is where the corners are seen clockwise from (glTF 2.0, section 3.7.4), and normals
-                // of faces turn around; vertex normals stay outside.
+                // If a transform mirrors, the front is the side from which the corners are seen clockwise (glTF 2.0, section 3.7.4), and normals of
+                // faces turn around; vertex normals stay outside.
                 if map.as_daffine3().matrix3.determinant() < 0.0 {
                     shape = with(shape, "flip_normals", Value::Boolean(true));
                 }

@@ -252,7 +252,7 @@ pub struct TextureInfo {
     pub index: usize,
     #[serde(default)]
     pub tex_coord: usize,
-    /// Of normal textures.
+    /// The scale of a normal texture.
     #[serde(default = "one")]
     pub scale: f32,
     #[serde(default)]

@@ -1,4 +1,4 @@
-//! What the URIs of a glTF file stand for: data in the URI itself, or a file beside the file.
+//! The content of the URIs of a glTF file: data in the URI itself, or a file beside the file.
 
 use super::error::{GltfError, ReadFile};
 

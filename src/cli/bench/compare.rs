@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::results::{Rate, RayResult, RenderResult, Results};
 
-/// What was or is to be measured: all that has to be the same in two runs.
+/// A subject of measurement: everything that has to be the same in two runs.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Subject {
     Render { scene: PathBuf, size: (u32, u32), spp: u32 },
@@ -60,7 +60,7 @@ impl From<&RayResult> for Subject {
     }
 }
 
-/// Of an earlier run the one that is like one of this run, by its whole name or else by what only it is like.
+/// Finds the subject of an earlier run that is comparable: the one with the same whole name, or else the only one with the same rest.
 fn counterpart<'o, T>(of: &Subject, old: &'o [T]) -> Option<&'o T>
 where
     Subject: From<&'o T>,
@@ -203,7 +203,7 @@ mod tests {
             "nothing to compare with old.json\n  it has box at 8 x 6 and 4 spp, scenes/box at 8 x 6 and 16 spp\n  \
              this run has box at 8 x 6 and 32 spp"
         );
-        // Which of two is meant only the whole name tells.
+        // Only the whole name tells which of the two is meant.
         let two = results(vec![render("a/box", 16, 3.0), render("b/box", 16, 4.0)]);
         let text = table(&results(vec![render("b/box", 16, 2.0)]), &two);
         assert!(text.contains("speed 2.00"), "{text}");

@@ -1,5 +1,5 @@
-//! Rays against one mesh: rates with one and with all threads, the build, the memory, and whether every answer is right. Rays go one at a
-//! time, and sixteen together as those of renders go after the first bounce, in lanes beforehand.
+//! Measures rays against one mesh: the rates with one and with all threads, the build, the memory, and whether every answer is right. Rays go one
+//! at a time, and sixteen together as those of renders go after the first bounce, in lanes beforehand.
 //!
 //! A file of rays is little endian: "RAYS", then three u32 (version 1, number of rays, bytes of a record, 32), then of each ray its origin
 //! and unit direction (three f32 each), the distance of the nearest hit (f32, infinite for none) and the triangle's index (u32, all ones
@@ -188,7 +188,7 @@ fn parse(bytes: &[u8]) -> Result<Vec<Answered>, String> {
     Ok(answered.collect())
 }
 
-/// How many answers are wrong, alone or together, and how many others are of the neighbour at the same distance.
+/// Counts the answers that are wrong, alone or together, and those that name a neighbour at the same distance.
 fn check(target: &Target, set: &[Answered]) -> (usize, usize) {
     let (mut wrong, mut ties) = (0, 0);
     for chunk in set.chunks(LANES) {
@@ -215,13 +215,13 @@ fn check(target: &Target, set: &[Answered]) -> (usize, usize) {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Verdict {
     Right,
-    /// Another triangle at the same distance.
+    /// The answer names another triangle at the same distance.
     Tie,
     Wrong,
 }
 
 impl Answered {
-    /// On the distance and triangle that were found, and whether the ray was said to hit anything.
+    /// Judges the distance and triangle that were found, and whether the ray was said to hit anything.
     fn verdict(&self, found: Option<(f32, u32)>, occluded: bool) -> Verdict {
         let (t, triangle) = found.unwrap_or((f32::INFINITY, u32::MAX));
         let apart = (t - self.t).abs();
@@ -236,7 +236,7 @@ impl Answered {
     }
 }
 
-/// How often, and by how many, queries of so many rays are measured.
+/// The number of rounds and of threads that measure a query, and the number of its rays.
 struct Clock {
     rounds: u32,
     threads: usize,
@@ -244,7 +244,7 @@ struct Clock {
 }
 
 impl Clock {
-    /// Of queries over all `items`, which hold the rays among them.
+    /// Measures a query over all `items`, which hold the rays between them.
     fn rate<T: Sync>(&self, items: &[T], query: impl Fn(&T) -> usize + Sync) -> Rate {
         let rays_per_item = self.rays as f64 / items.len() as f64;
         let rate =
@@ -256,7 +256,7 @@ impl Clock {
     }
 }
 
-/// In 10^6 items a second: they are dealt out evenly, and each thread goes over its own until enough time has passed.
+/// The rate in 10^6 items a second. Items are dealt out evenly, and each thread repeats its own until enough time has passed.
 fn items_rate<T: Sync>(items: &[T], query: &(impl Fn(&T) -> usize + Sync), threads: usize) -> f64 {
     let share = items.len().div_ceil(threads);
     std::thread::scope(|scope| {

@@ -58,7 +58,7 @@ impl<'a> Plan<'a> {
             report::line(format_args!("{} ...", scene.display()));
             match measure_scene(scene, self.args) {
                 Ok(result) => results.renders.push(result),
-                // Of a folder what can be rendered is; what was asked for by its name must be there.
+                // Of a folder, the scenes that can be rendered are measured. A scene that was named must be there.
                 Err(error) if self.args.scenes.is_empty() => report::line(format_args!("  left out: {error}")),
                 Err(error) => return Err(error),
             }
@@ -165,11 +165,11 @@ fn relative_variance(a: &[Rgb], b: &[Rgb], reference: &[Rgb]) -> f64 {
     sum / count
 }
 
-/// Of this process so far, as Linux counts it in hundredths of a second.
+/// The processor time of this process so far in seconds, which Linux counts in hundredths.
 fn cpu_seconds() -> Option<f64> {
     const TICKS_PER_SECOND: f64 = 100.0;
     let status = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // What is before the bracket is the program's name, which may have blanks in it.
+    // Before the bracket is the program's name, which may have blanks in it.
     let fields: Vec<&str> = status.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks = |field: usize| fields.get(field)?.parse::<f64>().ok();
     Some((ticks(11)? + ticks(12)?) / TICKS_PER_SECOND)

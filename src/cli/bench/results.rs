@@ -1,4 +1,4 @@
-//! What a benchmark found: the table for people, the JSON for later runs.
+//! The results of a benchmark: a table for people, and JSON for later runs.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -9,13 +9,13 @@ use sunroom::files::{self, LARGEST_NOTE};
 /// Why a measurement cannot be made or compared.
 pub type Error = Box<dyn std::error::Error>;
 
-/// Of the JSON; a later one may have other fields.
+/// The version of the JSON; a later one may have other fields.
 const VERSION: u32 = 1;
 
 #[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
 pub struct Results {
     pub version: u32,
-    /// Of the program that measured.
+    /// The version of the program that measured.
     pub program: String,
     pub threads: usize,
     /// None in files of before that was written.
@@ -33,9 +33,9 @@ pub struct RenderResult {
     pub width: u32,
     pub height: u32,
     pub spp: u32,
-    /// Of rendering, without loading and building.
+    /// The time of rendering, without loading and building.
     pub seconds: f64,
-    /// Of all threads, loading and building included; None where the system does not tell.
+    /// The processor time of all threads, with loading and building. None where the system does not tell.
     pub cpu_seconds: Option<f64>,
     pub msamples_per_s: f64,
     pub mrays_per_s: f64,
@@ -53,15 +53,15 @@ pub struct RayResult {
     pub triangles: usize,
     pub count: usize,
     pub build_seconds: f64,
-    /// Of nodes and leaves, without the mesh itself.
+    /// The memory of nodes and leaves, without the mesh itself.
     pub bytes_per_triangle: f64,
-    /// Of rays one at a time.
+    /// The rates of rays one at a time.
     pub closest: Rate,
     pub any: Rate,
-    /// Of sixteen at a time; None in files of before that was measured.
+    /// The rate of sixteen rays at a time. None in files from before it was measured.
     pub closest_together: Option<Rate>,
     pub any_together: Option<Rate>,
-    /// Rays whose answers differ from those of the file, alone or together.
+    /// The number of rays whose answers differ from those of the file, alone or together.
     pub wrong: usize,
     /// Others that name another triangle at the same distance, alone or together: rays through a common edge.
     pub ties: usize,

@@ -12,7 +12,7 @@ use crate::files::Access;
 pub struct Import<'i> {
     pub path: &'i Path,
     pub access: &'i Access,
-    /// What the numbers of rotations are; degrees otherwise.
+    /// Whether rotations are in radians; they are in degrees otherwise.
     pub radians: bool,
     pub root: Object,
     /// Ids given so far.

@@ -11,11 +11,11 @@ use crate::document::value::quote;
 use crate::document::{Category, Object, Severity, Span, Value};
 
 const COLOR: Vec3 = Vec3::splat(0.5);
-/// What glass lets through, and reflects, at each meeting.
+/// The tint that glass gives to light at each meeting, refracted or reflected.
 const GLASS_TINT: Vec3 = Vec3::new(0.95, 0.97, 1.0);
 const LEAST_ROUGHNESS: f32 = 0.04;
 
-/// How an object looks.
+/// The look of an object.
 #[derive(Clone, Debug)]
 pub enum Look {
     /// The id of its bsdf.
@@ -24,7 +24,7 @@ pub enum Look {
     Light(Vec3),
 }
 
-/// By name.
+/// The materials by name.
 #[derive(Default)]
 pub struct Materials(HashMap<String, Look>);
 
@@ -208,12 +208,12 @@ impl Import<'_> {
     }
 }
 
-/// What a light is made of.
+/// The material of lights.
 pub fn black(span: Span) -> Object {
     diffuse(Vec3::ZERO, span)
 }
 
-/// What has no material.
+/// The material of objects without one.
 pub fn grey(span: Span) -> Object {
     two_sided(diffuse(COLOR, span))
 }

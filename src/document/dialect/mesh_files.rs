@@ -1,4 +1,4 @@
-//! Where a mesh or a picture named in a file of this dialect is, and whether an OBJ brings its own materials.
+//! Finds the mesh or picture that a file of this dialect names, and whether an OBJ brings its own materials.
 
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader};
@@ -9,13 +9,13 @@ use crate::document::paths::settle;
 use crate::document::source::MAX_FILE_BYTES;
 use crate::files::Access;
 
-/// A search by file name looks at so many files.
+/// The most files that a search by file name looks at.
 const MOST_FILES: usize = 5000;
-/// Of an OBJ so many lines are looked at for a material.
+/// The most lines of an OBJ that are searched for a material.
 const MOST_LINES: usize = 10_000_000;
 
 impl Import<'_> {
-    /// Of the scene file, absolute.
+    /// The folder of the scene file, absolute.
     pub fn folder(&self) -> PathBuf {
         settle(self.path).parent().unwrap_or(Path::new("/")).to_owned()
     }
@@ -45,7 +45,7 @@ pub fn find_file(name: &str, folder: &Path, access: &Access) -> Option<PathBuf> 
     folders.retain(|folder| access.covers(folder));
     let found = direct.cloned().or_else(|| search(name, &folders, access));
     if found.is_none() {
-        // For what it remembers.
+        // The result is not needed: `access` remembers the places.
         access.find(&places);
     }
     Some(settle(&found?))

@@ -1,7 +1,7 @@
-//! Import of the course project's scene files (roots `ItemContainer` and `Scene`) as a document of the native format.
+//! Imports the course project's scene files (roots `ItemContainer` and `Scene`) as a document of the native format.
 //!
-//! What the project's own loader shows is the measure; where that is no physics, or where a file says something plain that the loader passed
-//! over, a choice is made and said in a note. Messages have the places of the original file.
+//! The import follows what the project's own loader shows. Where that is not physical, or where the loader ignores something that a file says
+//! plainly, it makes a choice and notes it. Messages have the places of the original file.
 
 mod import;
 mod lights;

@@ -51,7 +51,7 @@ impl Import<'_> {
         }
     }
 
-    /// With its name and its material.
+    /// Finishes a shape with its name and its material.
     fn finish(&mut self, node: Node, mut shape: Object, materials: &mut Materials) -> Object {
         shape.id = self.free_id(node.text_of("name")).map(Into::into);
         let in_child = node.child(&["Material"]).and_then(|child| child.attribute("name"));

@@ -56,7 +56,7 @@ impl Import<'_> {
 
         let span = config.map_or(root.span(), Node::span);
         let whole = |number: f32| Value::Integer(number as i64);
-        // Both count the segments of a path, that from the camera included.
+        // Both formats count the segments of a path, with that from the camera.
         let integrator = Object::new(Category::Integrator, "path").at(span);
         self.add(integrator.with("max_depth", whole(depth)));
         let filter = Object::new(Category::ReconstructionFilter, "box").at(span);

@@ -19,7 +19,7 @@ pub struct Node<'t> {
 }
 
 impl<'t> Tree<'t> {
-    /// Of a broken text, the byte where it breaks and how.
+    /// Reads a text. The error holds the byte at which a broken text breaks, and why.
     pub fn read(text: &'t str) -> Result<Self, (usize, String)> {
         let (elements, broken) = Elements::read_checked(text);
         if let Some(broken) = broken {

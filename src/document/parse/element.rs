@@ -1,4 +1,4 @@
-//! What each tag means: plugins, values, references, defaults.
+//! The meaning of each tag: plugins, values, references, defaults.
 
 use smol_str::SmolStr;
 
@@ -132,7 +132,7 @@ impl Parser {
                     .error(tag.span, "<scene> cannot stand inside another tag");
                 None
             }
-            // Without a `type` it is a value.
+            // A spectrum without a `type` is a value.
             "spectrum" => Some(self.object_frame(tag, Category::Texture)),
             "transform" => Some(Frame::Transform {
                 name: self.property_name(tag),

@@ -16,7 +16,7 @@ use crate::files::FileError;
 enum NotIncluded {
     /// It is being read already.
     Circle,
-    /// What it declares stays unknown.
+    /// The include was not read, so that its declarations are unknown.
     Unread,
 }
 

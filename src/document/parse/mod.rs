@@ -35,7 +35,7 @@ pub fn parse_str(text: impl Into<String>, path: &Path, defines: &[(String, Strin
     parse_within(text, path, defines, Access::everywhere())
 }
 
-/// Reads a scene as [`parse_str`] does, but of the files that it names only those that `access` permits.
+/// Reads a scene as [`parse_str`] does, but only those of its files that `access` permits.
 pub fn parse_within(text: impl Into<String>, path: &Path, defines: &[(String, String)], access: Access) -> Document {
     let mut parser = Parser {
         access,

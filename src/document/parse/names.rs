@@ -1,4 +1,4 @@
-//! Which names the properties of an object have so far.
+//! The names that the properties of an object have so far.
 
 use std::collections::HashSet;
 
@@ -6,7 +6,7 @@ use smol_str::SmolStr;
 
 use crate::document::Property;
 
-/// So few names are compared one by one.
+/// Up to this number, names are compared one by one.
 const FEW: usize = 16;
 
 /// Answers whether a name is given twice. Nearly all objects have few properties, and need no set of names.
@@ -14,7 +14,7 @@ const FEW: usize = 16;
 pub(super) struct Names(HashSet<SmolStr>);
 
 impl Names {
-    /// Whether one of the properties has this name. `properties` are those of the same object each time, and only grow.
+    /// Whether one of the properties has this name. `properties` must be those of the same object each time, and may only grow.
     pub fn contain(&mut self, name: &str, properties: &[Property]) -> bool {
         if properties.len() <= FEW {
             return properties.iter().any(|property| property.name == name);

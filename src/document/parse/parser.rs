@@ -92,9 +92,9 @@ pub(super) struct Level {
     source: SourceId,
     text: Arc<String>,
     stack: Vec<Frame>,
-    /// How deep the including tag is in its own file.
+    /// The depth of the including tag in its own file.
     base_depth: usize,
-    /// How many tags deep inside something that is skipped.
+    /// The number of open tags inside something that is skipped.
     skipping: usize,
     root: Option<Object>,
     /// Packs the many objects of the main file; None in other files.
@@ -120,7 +120,7 @@ pub(super) struct Parser {
     pub bytes: u64,
     /// A bound of the whole document was hit; nothing more is read.
     pub exhausted: bool,
-    /// Only a part of a text is read: includes in it are left out.
+    /// Whether only a part of a text is read. Includes in it are left out then.
     pub is_part: bool,
     pub crowds: Vec<Crowd>,
     pub spare: Spare,
@@ -330,7 +330,7 @@ impl Parser {
 }
 
 impl Level {
-    /// `base_depth`: zero for the main file, whose crowds are packed.
+    /// Begins to read a file. `base_depth` is zero for the main file, whose crowds are packed.
     fn new(source: SourceId, text: Arc<String>, base_depth: usize) -> Self {
         Self {
             source,

@@ -16,7 +16,7 @@ pub(super) struct Spare {
     pub steps: Pool<TransformOp>,
 }
 
-/// At most as many as tags can be nested.
+/// Lists that are used again, at most as many as tags can be nested.
 pub(super) struct Pool<T>(Vec<Vec<T>>);
 
 impl<T> Default for Pool<T> {

@@ -1,4 +1,4 @@
-//! What is new in an object: written after what it follows, with the indentation found there.
+//! Writes what is new in an object after the element that it follows, with the indentation found there.
 
 use super::edits::{Edit, apply, margin_of_line, move_margin};
 use super::elements::Element;
@@ -42,7 +42,7 @@ impl<'r> Reviser<'r> {
             }
         }
         if !element.closes_itself || added.is_empty() {
-            // In the order in which they are to stand at the same place.
+            // Edits at the same place have to be in order.
             edits.extend(added.iter().map(|(slot, block)| slot.edit(block)));
             let outer = margin_of_line(source.text(), element.tag.start);
             let is_empty = source.text()[element.tag.end..element.end].starts_with("</");
@@ -62,7 +62,7 @@ impl<'r> Reviser<'r> {
         Ok(())
     }
 
-    /// Its text, wherever it was before if it is not new.
+    /// The text of a child. If the child is not new, it is the text that it had at its former place.
     fn new_child(&mut self, child: &Child, margin: &str, place: Place) -> Result<String, WriteError> {
         let layout = &self.source(place.source).layout;
         let Child::Object(now) = child else {

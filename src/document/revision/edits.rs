@@ -29,7 +29,7 @@ impl Edit {
         let rest = &text[element.end..];
         let line_end = rest.find('\n').map_or(rest.len(), |newline| newline + 1);
         let is_alone = text[line..element.start].trim().is_empty() && rest[..line_end].trim().is_empty();
-        // Without a newline to take along at the end, nothing is left of the line but blanks.
+        // If no newline follows that could be removed, only blanks are left of the line.
         match is_alone && rest[..line_end].ends_with('\n') {
             true => Self::replace(line..element.end + line_end, ""),
             false => Self::replace(element, ""),
@@ -57,7 +57,7 @@ fn line_start(text: &str, at: usize) -> usize {
     text[..at].rfind('\n').map_or(0, |newline| newline + 1)
 }
 
-/// How a text is laid out, so that what is added looks like the rest.
+/// The layout of a text, so that additions look like the rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
     pub newline: &'static str,
@@ -75,7 +75,7 @@ impl Default for Layout {
 }
 
 impl Layout {
-    /// `first`: the first element inside the outermost one.
+    /// The layout of a text. `first` is the first element inside the outermost one.
     pub fn of(text: &str, root: &Element, first: Option<&Element>) -> Self {
         let newline = if text.contains("\r\n") { "\r\n" } else { "\n" };
         let outer = margin(text, root.tag.start).unwrap_or_default();
@@ -101,7 +101,7 @@ pub fn margin_of_line(text: &str, at: usize) -> &str {
     &line[..line.len() - line.trim_start().len()]
 }
 
-/// Where something new goes that follows an element on a line of its own: after the remark at the end of its line, if there is one.
+/// The place for something new that follows an element on a line of its own: after the remark at the end of its line, if there is one.
 pub fn end_of_line(text: &str, element_end: usize) -> usize {
     let rest = &text[element_end..];
     let line = &rest[..rest.find('\n').unwrap_or(rest.len())];

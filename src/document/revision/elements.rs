@@ -1,4 +1,4 @@
-//! Where the tags of a source text stand, those that mean nothing to the parser included. No values, no meaning.
+//! Finds the tags of a source text, with those that mean nothing to the parser. It reads no values.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use quick_xml::events::Event;
 pub struct Element {
     /// The start tag.
     pub tag: Range<usize>,
-    /// After the end tag.
+    /// The place after the end tag.
     pub end: usize,
     pub children: Vec<usize>,
     /// `<a/>`
@@ -21,7 +21,7 @@ pub struct Element {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribute {
     pub name: Range<usize>,
-    /// Without the quotes.
+    /// The place of the value without the quotes.
     pub value: Range<usize>,
     pub quote: char,
 }
@@ -31,7 +31,7 @@ pub struct Attribute {
 pub struct Elements(Vec<Element>);
 
 impl Elements {
-    /// Up to the end of the text, or to where it is broken.
+    /// Reads the elements up to the end of the text, or to where it is broken.
     pub fn read(text: &str) -> Self {
         Self::read_checked(text).0
     }
@@ -139,7 +139,7 @@ impl Element {
         all.find(|attribute| &text[attribute.name.clone()] == name)
     }
 
-    /// Where a further attribute goes: after the last one.
+    /// The place for a further attribute: after the last one.
     pub fn end_of_attributes(&self, text: &str) -> usize {
         let after_name = self.tag.start + 1 + self.name(text).len();
         let last = self.attributes(text).pop();

@@ -20,11 +20,11 @@ pub fn move_files(root: &mut Object, origin: &Document, destination: &Destinatio
 
 pub struct FileNames<'d> {
     destination: &'d Destination<'d>,
-    /// Of the main file once it is written.
+    /// The folder of the main file once it is written.
     pub target_folder: &'d Path,
     search_folders: &'d [PathBuf],
     access: Access,
-    /// Per file of the document, absolute.
+    /// The absolute path of each file of the document.
     paths: Vec<PathBuf>,
 }
 
@@ -82,8 +82,8 @@ impl<'d> FileNames<'d> {
         }
     }
 
-    /// Another name for the same file; None if this one will do. A file that is nowhere is named where it was looked for first: it may come later,
-    /// and the new folder may have another file of that name.
+    /// Another name for the same file; None if the old name still fits. A file that does not exist is named at the place that is searched first: it
+    /// may come later, and the new folder may have another file of that name.
     fn moved(&self, name: &str, from: &Path, to: &Path) -> Option<String> {
         if name.is_empty() || Path::new(name).is_absolute() {
             return None;

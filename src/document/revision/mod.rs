@@ -80,7 +80,7 @@ struct Pair<'a> {
     old_children: HashMap<Span, &'a Child>,
     /// Indices of the children of `now` from files; more than one where a file is included twice.
     now_children: HashMap<Span, Vec<usize>>,
-    /// Per child of `now`, the element it has in the text that is edited.
+    /// The element of each child of `now` in the text that is edited.
     elements: Vec<Option<usize>>,
     /// The children that have one, in the order they were found.
     found: Vec<usize>,
@@ -119,9 +119,9 @@ struct Reviser<'r> {
     in_place: bool,
     has_changed: &'r dyn Fn(&Path) -> bool,
     includes: HashMap<Span, SourceId>,
-    /// How often each file is included.
+    /// The number of times that each file is included.
     times_read: HashMap<SourceId, usize>,
-    /// What was read, by place.
+    /// The objects that were read, by place.
     objects: HashMap<Span, &'r Object>,
     /// New texts of included files.
     revised: BTreeMap<usize, String>,
@@ -232,7 +232,7 @@ impl<'r> Reviser<'r> {
         Ok(vec![Edit::replace(element.range(), block)])
     }
 
-    /// What an included file holds of the object, or the include itself where that has to go.
+    /// Revises what an included file holds of the object, or the include itself if that has to go.
     fn include(
         &mut self,
         index: usize,
@@ -268,7 +268,7 @@ impl<'r> Reviser<'r> {
             let path = self.names.path(included);
             edits.extend(self.names.revise_name(source, element, place, Some(path))?);
         } else {
-            // Once more, for the place where the text will stand.
+            // The names are revised once more, for the place where the text will stand.
             for child in pair.found.drain(found_before..) {
                 pair.elements[child] = None;
             }
@@ -282,7 +282,7 @@ impl<'r> Reviser<'r> {
             let block = self.content_as_block(included, changes, source, element);
             edits.push(Edit::replace(element.range(), block));
         }
-        // What comes after something in there comes after the include.
+        // New children that follow something in the include come after the include.
         for &child in &pair.found[found_before..] {
             pair.elements[child] = Some(index);
         }

@@ -4,7 +4,7 @@ use super::edits::{Edit, end_of_line, margin, margin_of_line};
 use super::elements::Element;
 use super::source::Source;
 
-/// Where something new goes, and what it is to look like there.
+/// The place for something new, with the layout that it should have there.
 pub struct Slot<'t> {
     pub at: usize,
     pub margin: String,
@@ -23,7 +23,7 @@ impl Slot<'_> {
     }
 }
 
-/// After the element `last`, or else before all others.
+/// The slot after the element `last`, or before all others if there is none.
 pub fn slot_after<'t>(source: &'t Source<'t>, element: &Element, last: Option<usize>) -> Slot<'t> {
     let text = source.text();
     let beside = last

@@ -9,12 +9,12 @@ use crate::document::{Document, SourceFile, SourceId, Span};
 /// Finds the file that a name stands for in a file of this folder.
 pub type FindFile<'f> = &'f dyn Fn(&str, &Path) -> Option<PathBuf>;
 
-/// Where the main file goes, and what names of files mean.
+/// The path of the main file, and the files that names mean.
 #[derive(Clone, Copy)]
 pub struct Destination<'d> {
     /// Absolute. Where the document came from, the files it includes are written too.
     pub path: &'d Path,
-    /// Where names lead as things are, and where once the main file is at `path`.
+    /// Finds the file that a name means now, and below that it means once the main file is at `path`.
     pub find_before: FindFile<'d>,
     pub find_after: FindFile<'d>,
     /// Whether an included file (absolute) holds something else now than what was read: it cannot stand for that in a main file elsewhere.

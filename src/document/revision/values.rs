@@ -10,7 +10,7 @@ use crate::document::value::{fields, format_float, parse_float};
 use crate::document::write::{WriteError, escape, step_to_block};
 use crate::document::{Object, Property, TransformOp, Value};
 
-/// What makes the property at `index` say `now` instead of `before`; None if its tag cannot say that. All numbers are finite.
+/// The edits that make the property at `index` say `now` instead of `before`; None if its tag cannot say that. All numbers are finite.
 pub(super) fn revise_value(
     source: &Source,
     index: usize,
@@ -128,7 +128,7 @@ impl Tag<'_> {
         Some(vec![Edit::replace(attribute.value, list)])
     }
 
-    /// In `value`, or in `x`, `y`, `z`.
+    /// The edits of three numbers, in `value` or in `x`, `y`, `z`.
     fn triple(self, before: Vec3, now: Vec3) -> Vec<Edit> {
         if let Some(edits) = self.numbers("value", &now.to_array()) {
             return edits;
@@ -208,7 +208,7 @@ fn revise_list(old: &str, numbers: &[f32]) -> String {
     if known.len() == 1 && numbers.iter().all(|number| *number == numbers[0]) {
         return format_float(numbers[0]);
     }
-    // A name stands for a value that is no longer wanted, a `#` for a colour in another coding.
+    // A `$` name stands for an old value, and a `#` for a colour in another coding.
     if known.len() != numbers.len() || old.contains(['$', '#']) {
         let texts: Vec<String> = numbers.iter().copied().map(format_float).collect();
         return texts.join(", ");
