@@ -1,4 +1,4 @@
-//! What is known of a set of emitters without asking each of them: where they are, which way they shine, how much.
+//! The bounds of a set of emitters, for choosing among sets: where they are, in which directions they shine, and how much.
 //!
 //! Conty Estevez and Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, 2018; PBR 4th ed., section 12.6.3.
 

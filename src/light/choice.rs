@@ -8,7 +8,7 @@ use super::bounds::LightBounds;
 use super::tree::LightTree;
 use crate::sampling::DiscreteDistribution;
 
-/// What was chosen, as an index into the list it came from.
+/// The light that was chosen, as an index into the list it came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Chosen {
     /// A part of a finite light.
@@ -28,8 +28,8 @@ pub(super) struct LightChoice {
 const INFINITE_SHARE: f32 = 0.5;
 
 impl LightChoice {
-    /// From the bounds of the parts of finite lights and the weights of the infinite lights. What has no bounds, or weight 0, is never
-    /// chosen.
+    /// Builds the choice from the bounds of the parts of finite lights and the weights of the infinite lights. What has no bounds, or weight 0, is
+    /// never chosen.
     pub fn new(finite: &[Option<LightBounds>], infinite: &[f32]) -> Self {
         let finite = LightTree::build(finite);
         let infinite = DiscreteDistribution::new(infinite);

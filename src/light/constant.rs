@@ -13,7 +13,7 @@ pub(super) struct ConstantLight {
 }
 
 impl ConstantLight {
-    /// By the cosine with the normal where there is one, for the light itself prefers no direction; else uniform.
+    /// Samples a direction: by the cosine with the normal if there is one, for the light itself prefers no direction; otherwise uniformly.
     pub fn sample(&self, reference: &LightReference, u: Vec2) -> Option<LightSample> {
         let wi = match reference.normal {
             Some(normal) => Frame::from_normal(normal).to_world(warp::cosine_hemisphere(u)),

@@ -27,7 +27,7 @@ impl CylinderLight {
     pub fn area(&self) -> f32 {
         let axis = self.world_from_local.matrix3.z_axis;
         let length = axis.length();
-        // What of the other two axes is across the first: the cross-section.
+        // The parts of the other two axes that are perpendicular to the first span the cross-section.
         let across = |v: Vec3A| v.cross(axis) / length;
         let (x, y) = (
             across(self.world_from_local.matrix3.x_axis),

@@ -19,7 +19,7 @@ use crate::texture::Image;
 #[derive(Clone, Debug)]
 pub struct EnvironmentMap {
     image: Arc<Image>,
-    /// By columns (from the first pixel's centre once around) and rows; None for a black picture.
+    /// The density by columns (from the first pixel's centre once around) and rows; None for a black picture.
     density: Option<PiecewiseBilinear2d>,
     /// Average luminance over the sphere.
     mean: f32,
@@ -28,10 +28,10 @@ pub struct EnvironmentMap {
 /// Fewer rows are made this many by repeating the last one, as Mitsuba 3 does.
 const LEAST_ROWS: u32 = 3;
 
-/// What is left of the density where compensation would leave nothing: enough to be sound where no other technique helps.
+/// The share of the density that remains where compensation would leave nothing. It keeps the sampling sound where no other technique helps.
 const COMPENSATION_FLOOR: f32 = 0.05;
 
-/// Below this sine the density per solid angle, infinite at the poles, grows no more.
+/// The least sine of theta. Below it the density per solid angle, infinite at the poles, stays constant.
 const LEAST_SINE: f32 = 1e-7;
 
 impl EnvironmentMap {

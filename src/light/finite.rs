@@ -39,7 +39,7 @@ impl FiniteLight {
         }
     }
 
-    /// Where a part is and how it shines; the intensity is zero if it does not.
+    /// The bounds of a part; their intensity is zero if it does not shine.
     pub fn bounds(&self, part: u32) -> LightBounds {
         match self {
             Self::Surface(light) => light.bounds(part),

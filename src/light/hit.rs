@@ -28,7 +28,7 @@ pub(super) struct SurfaceSample {
 }
 
 impl SurfaceSample {
-    /// From a density per area; None if the point shows its back or its edge.
+    /// A sample from a density per area; None if the point shows its back or its edge.
     pub fn from_area(position: Vec3, normal: Vec3, pdf_area: f32, reference: Vec3) -> Option<Self> {
         if (reference - position).dot(normal) <= 0.0 {
             return None;

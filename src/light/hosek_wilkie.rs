@@ -10,7 +10,7 @@ use glam::Vec3;
 
 use crate::color::Rgb;
 
-/// What the sky depends on.
+/// The parameters of the sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Atmosphere {
     /// Haziness, from 1 (arctic) to 10 (humid and warm).
@@ -72,7 +72,7 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
 #[derive(Clone, Debug)]
 pub(super) struct SkyModel {
     atmosphere: Atmosphere,
-    /// Per coefficient, for the three channels at once.
+    /// The coefficients, each for the three channels at once.
     shape: [Rgb; COEFFICIENTS],
     radiance: Rgb,
     /// Radiance of the sun's disk on average.

@@ -24,7 +24,7 @@ pub struct SoleRectangle {
     pub(super) error: f32,
 }
 
-/// From where light is looked for in each lane, as [`LightReference`].
+/// The points from which light is sought in each lane, as [`LightReference`].
 #[derive(Clone, Copy, Debug)]
 pub struct ReferenceLanes {
     pub position: Vec3Lanes,
@@ -68,7 +68,7 @@ impl PerLane for LightReference {
 #[derive(Clone, Copy, Debug)]
 pub struct RectangleLightSampleLanes {
     pub wi: Vec3Lanes,
-    /// Where the shadow ray ends.
+    /// The ends of the shadow rays.
     pub target: Vec3Lanes,
     pub pdf: Lanes,
     /// The lanes that it shines on.

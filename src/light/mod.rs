@@ -51,7 +51,7 @@ pub use table::LightTable;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LightId(pub u32);
 
-/// What a light is made from.
+/// The source that a light is made from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LightSource {
     /// The triangles of material slot `slot` of an instance (all of an analytic shape), emitting `radiance` (W/(m^2 sr)) from the
@@ -120,7 +120,7 @@ impl From<LightSource> for WeightedSource {
     }
 }
 
-/// From where light is looked for.
+/// The point from which light is sought.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightReference {
     pub position: Vec3,
@@ -134,7 +134,7 @@ pub struct LightReference {
 pub struct LightSample {
     /// Unit vector towards the light.
     pub wi: Vec3,
-    /// Where the shadow ray ends.
+    /// The end of the shadow ray.
     pub target: Target,
     /// Radiance arriving along `-wi` if unoccluded; for delta lights what remains after their delta is integrated.
     pub radiance: Rgb,

@@ -24,7 +24,7 @@ impl PointLight {
         }
     }
 
-    /// None at the very point.
+    /// Samples the light; None at its very place.
     pub fn sample(&self, reference: Vec3) -> Option<LightSample> {
         let to_light = self.position - reference;
         Some(LightSample {

@@ -26,7 +26,7 @@ pub struct Projector {
     pub half_size: Vec2,
 }
 
-/// So that rounding leaves no corner of the picture without samples.
+/// The margin that keeps rounding from leaving a corner of the picture without samples.
 const COSINE_MARGIN: f32 = 1e-4;
 
 #[derive(Clone, Debug)]

@@ -67,7 +67,8 @@ impl RectangleLight {
         self.normal
     }
 
-    /// By the density if there is one, else uniform in solid angle where the rectangle allows it, else uniform in area.
+    /// Samples a point by the density if there is one. Otherwise it is uniform in solid angle where the rectangle allows it, and else uniform in
+    /// area.
     pub fn sample(&self, reference: Vec3, u: Vec2) -> Option<SurfaceSample> {
         if (reference - self.corner).dot(self.normal) <= 0.0 {
             return None;
@@ -88,7 +89,7 @@ impl RectangleLight {
         SurfaceSample::from_area(position, self.normal, self.pdf_area, reference)
     }
 
-    /// What is needed to sample it from many places at once; None unless it is uniform in solid angle.
+    /// The rectangle in a form that is sampled from many places at once; None unless it is uniform in solid angle.
     pub fn sole(&self, radiance: Rgb, error: f32) -> Option<SoleRectangle> {
         let rectangle = self.rectangle.as_ref().filter(|_| self.density.is_none())?;
         Some(SoleRectangle {

@@ -8,7 +8,7 @@ use super::hit::{SurfaceHit, SurfaceSample, solid_angle_pdf};
 use crate::math::Frame;
 use crate::sampling::warp;
 
-/// How far the axes of a transform may be from perpendicular and equal in length for its sphere to count as one.
+/// The most that the axes of a transform may differ from perpendicular and equally long for its sphere to count as one.
 const ROUNDNESS: f32 = 1e-5;
 
 /// A sphere in world space. `side` is 1 when it emits outwards, -1 when inwards.

@@ -25,7 +25,7 @@ pub struct Spot {
     pub texture: Parameter<Rgb>,
 }
 
-/// So that rounding leaves no part of the cone without samples (radians).
+/// The margin (radians) that keeps rounding from leaving a part of the cone without samples.
 const ANGLE_MARGIN: f32 = 1e-3;
 
 #[derive(Clone, Debug)]
@@ -84,7 +84,7 @@ impl SpotLight {
     pub fn bounds(&self) -> LightBounds {
         let axis = Vec3::from(self.spot.world_from_local.transform_vector3a(Vec3A::Z));
         let cos_emission = (self.spot.cutoff_angle + ANGLE_MARGIN).min(PI).cos();
-        // Where the map keeps no angles the cone is as wide as it likes.
+        // The width of the cone is not known if the map does not keep angles.
         let is_known = cos_emission >= 0.0 && keeps_angles(self.spot.world_from_local.matrix3);
         LightBounds {
             bounds: Aabb::from_points([self.position()]),

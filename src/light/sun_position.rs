@@ -1,4 +1,4 @@
-//! Where the sun stands.
+//! Computes the position of the sun.
 //!
 //! The PSA algorithm: Blanco-Muriel, Alarcon-Padilla, Lopez-Moratalla and Lara-Coira, "Computing the Solar Vector", Solar Energy 70(5),
 //! 2001; half a minute of arc from 1999 to 2015, degrees only after centuries.
@@ -15,7 +15,7 @@ pub struct PlaceAndTime {
     pub longitude: f64,
     /// Hours that local time is ahead of universal time.
     pub timezone: f64,
-    /// In the Gregorian calendar; months and days from 1.
+    /// The year of the Gregorian calendar; months and days count from 1.
     pub year: i32,
     pub month: i32,
     pub day: i32,

@@ -32,7 +32,7 @@ const ROWS: usize = 97;
 /// The density is nowhere less than this times the average, for the table is coarser than the sky.
 const DENSITY_FLOOR: f32 = 0.05;
 
-/// Neither the sun nor the sky gets less than this share of the samples, for there is shadow and there are roofs.
+/// The least share of the samples for the sun, and for the sky: there are shadows and roofs.
 const LEAST_SHARE: f32 = 0.2;
 
 impl SunSkyLight {

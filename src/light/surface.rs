@@ -28,7 +28,7 @@ pub(super) struct SurfaceLight {
     /// Average luminance of the radiance: of all of it, or of every part.
     brightness: Vec<f32>,
     shape: EmitterShape,
-    /// Of the whole instance.
+    /// The bounds of the whole instance.
     bounds: Aabb,
     mesh: Option<Arc<MeshData>>,
     /// The shape in its place, if it is a mesh of which some triangles emit by their shading normals.
@@ -45,7 +45,7 @@ enum EmitterShape {
     Cylinder(CylinderLight),
     Sphere(SphereLight),
     Ellipsoid(EllipsoidLight),
-    /// In the order of the mesh.
+    /// The triangles in the order of the mesh.
     Mesh(Vec<TriangleLight>),
 }
 
@@ -59,7 +59,7 @@ struct DiskLight {
 /// Relative rounding error allowed for a point on an emitter: a few roundings of its largest coordinate.
 const POSITION_ROUNDING: f32 = 16.0 * f32::EPSILON;
 
-/// Of the average brightness, what every triangle of a textured mesh has at least.
+/// The least brightness of a triangle of a textured mesh, relative to the average.
 const LEAST_BRIGHTNESS: f32 = 0.1;
 
 impl SurfaceLight {
@@ -131,7 +131,7 @@ impl SurfaceLight {
         Some(light)
     }
 
-    /// What is needed to sample it from many places at once; None if it is no rectangle of one radiance.
+    /// The rectangle in a form that is sampled from many places at once; None if the surface is no rectangle of one radiance.
     pub fn sole_rectangle(&self) -> Option<SoleRectangle> {
         match (&self.shape, self.radiance) {
             (EmitterShape::Rectangle(light), Parameter::Constant(radiance)) => light.sole(radiance, self.error),
@@ -200,7 +200,8 @@ impl SurfaceLight {
         }
     }
 
-    /// From a few lookups each; None for other shapes. Those that look black keep a little, for lookups may miss what is bright.
+    /// The brightness of each triangle, from a few lookups each; None for other shapes. Those that look black keep a little, for lookups may miss
+    /// bright spots.
     fn brightness_of_triangles(&self, textures: &TextureTable) -> Option<Vec<f32>> {
         let (EmitterShape::Mesh(triangles), Some(mesh)) = (&self.shape, &self.mesh) else {
             return None;
@@ -319,7 +320,7 @@ fn rectangle_of(blas: &Blas, to_world: &Affine3A, triangles: &[TriangleLight]) -
     let [a, b] = triangles else {
         return None;
     };
-    // Those of the square, not one of them and one that no ray can hit.
+    // The triangles of the square are kept, and two others are left out: one that is not a light, and one that no ray can hit.
     let is_regular = |triangle: &TriangleLight| blas.mesh().regular_corners(triangle.primitive as usize).is_some();
     if !is_regular(a) || !is_regular(b) {
         return None;

@@ -22,7 +22,7 @@ use crate::color::Rgb;
 use crate::sampling::hash::pcg3d;
 use crate::texture::TextureTable;
 
-/// Where the light of a source is.
+/// The place of a source's light in the tables.
 #[derive(Clone, Copy, Debug)]
 enum Place {
     /// Index into the finite lights.
@@ -44,17 +44,17 @@ struct Finite {
 /// The lights in the order of their sources.
 #[derive(Clone, Debug, Default)]
 pub struct LightTable {
-    /// By [`LightId`].
+    /// The places by [`LightId`].
     places: Vec<Place>,
     finite: Vec<Finite>,
     infinite: Vec<(LightId, InfiniteLight)>,
-    /// Per part of any finite light, which light it belongs to.
+    /// The light that each part of any finite light belongs to.
     light_of_part: Vec<u32>,
     choice: LightChoice,
     textures: Arc<TextureTable>,
     /// Lights that are seen where a ray meets nothing.
     seen_at_infinity: Vec<LightId>,
-    /// By [`LightId`], see [`Self::is_textured`].
+    /// Whether lights are textured, by [`LightId`]; see [`Self::is_textured`].
     textured: Vec<bool>,
 }
 

@@ -1,4 +1,4 @@
-//! How bright a texture is over the unit square of uv: what lights with a texture are chosen and sampled by.
+//! The brightness of a texture over the unit square of uv. Lights with a texture are chosen and sampled by it.
 
 use glam::Vec2;
 

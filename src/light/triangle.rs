@@ -14,11 +14,11 @@ pub(super) struct TriangleLight {
     /// World space.
     corners: [Vec3; 3],
     emission: Emission,
-    /// Which triangle of the mesh it is.
+    /// The index of the triangle in the mesh.
     pub primitive: u32,
 }
 
-/// To which side of a triangle its light goes: that of the shading normal.
+/// The side of a triangle to which its light goes: that of the shading normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Emission {
     /// The same side all over: 1 where the corners are seen counter-clockwise from, else -1.
@@ -87,7 +87,7 @@ impl TriangleLight {
         match (a, b, c) {
             (Some(a), Some(b), Some(c)) => {
                 let cone = a.union(b).union(c);
-                // Only a narrower cone holds what lies between the three.
+                // Only a cone narrower than a right angle holds the directions between the three.
                 if cone.cos_angle > 0.0 { cone } else { NormalCone::ALL }
             }
             _ => NormalCone::ALL,
@@ -171,7 +171,7 @@ fn corner_normals(instance: &Instance, triangle: u32) -> [Option<Vec3>; 3] {
     [Vec2::ZERO, Vec2::X, Vec2::Y].map(|corner| instance.shading_normal(triangle, corner))
 }
 
-/// As long as twice the area.
+/// The normal on the side from which the corners turn counter-clockwise. Its length is twice the area.
 fn counter_clockwise_normal([p0, p1, p2]: [Vec3; 3]) -> Vec3 {
     (p1 - p0).cross(p2 - p0)
 }

@@ -1,4 +1,4 @@
-//! What the open scene may read: every file, or only files in its own folder and in folders that the user trusts.
+//! The permissions of the open scene: it may read every file, or only files in its own folder and in folders that the user trusts.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
@@ -7,10 +7,10 @@ use bevy::prelude::*;
 
 use crate::files::Access;
 
-/// What scenes may read, whichever is opened.
+/// The permission of scenes, whichever is opened.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub enum Trust {
-    /// Every file.
+    /// Scenes may read every file.
     #[default]
     Everything,
     /// Files in the folder of the scene, and in these.
@@ -18,7 +18,7 @@ pub enum Trust {
 }
 
 impl Trust {
-    /// For a scene in this file. An empty path stands for a scene without a file, which has no folder of its own.
+    /// The permission of a scene in this file. An empty path stands for a scene without a file, which has no folder of its own.
     pub fn access(&self, scene: &Path) -> Access {
         let own = scene.parent();
         let access = match self {
@@ -32,31 +32,31 @@ impl Trust {
     }
 }
 
-/// What the open scene may read, and what a scene may that is to take its place. Shared with the loaders, which run on other threads.
+/// The permissions of the open scene, and of a scene that is to replace it. They are shared with the loaders, which run on other threads.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct SceneAccess(Arc<RwLock<Accesses>>);
 
 #[derive(Debug, Default)]
 struct Accesses {
     open: Access,
-    /// With the file of the scene.
+    /// The permission of the scene that is to replace the open one, with its file.
     asked: Option<(PathBuf, Access)>,
 }
 
 impl SceneAccess {
-    /// Of the open scene.
+    /// The permission of the open scene.
     pub fn get(&self) -> Access {
         self.read().open.clone()
     }
 
-    /// Of the scene in this file, which is open or is to be.
+    /// The permission of the scene in this file, which is open or is to be.
     pub fn of_scene(&self, path: &Path) -> Access {
         let all = self.read();
         let asked = all.asked.as_ref().filter(|(asked, _)| asked == path);
         asked.map_or(&all.open, |(_, access)| access).clone()
     }
 
-    /// For the open scene. No other one is to take its place.
+    /// Sets the permission of the open scene, which no other one is to replace.
     pub fn set(&self, access: Access) {
         *self.write() = Accesses {
             open: access,
@@ -64,7 +64,7 @@ impl SceneAccess {
         };
     }
 
-    /// For a scene that is going to be read. The open one keeps what it has, because it stays if the new one cannot be read.
+    /// Sets the permission of a scene that is going to be read. The open one keeps its own, because it stays if the new one cannot be read.
     pub fn ask(&self, path: PathBuf, access: Access) {
         self.write().asked = Some((path, access));
     }
@@ -86,7 +86,7 @@ impl SceneAccess {
         }
     }
 
-    /// As [`Access::refused`], of both scenes.
+    /// The refused paths of both scenes, as [`Access::refused`].
     pub fn refused(&self) -> Vec<PathBuf> {
         let all = self.read();
         let asked = all.asked.iter().flat_map(|(_, access)| access.refused());

@@ -5,10 +5,10 @@
 
 use super::Sensor;
 
-/// Of a frame of 36 mm by 24 mm, in metres.
+/// The diagonal of a frame of 36 mm by 24 mm, in metres.
 const FILM_DIAGONAL: f32 = 0.043_266_615;
 
-/// In metres; `aspect` is the picture's width over its height.
+/// The focal length in metres; `aspect` is the picture's width over its height.
 pub fn focal_length(sensor: &Sensor, aspect: f32) -> f32 {
     let half_width = (0.5 * sensor.fov_axis.horizontal(sensor.fov, aspect))
         .to_radians()
@@ -17,7 +17,7 @@ pub fn focal_length(sensor: &Sensor, aspect: f32) -> f32 {
     0.5 * FILM_DIAGONAL / half_diagonal
 }
 
-/// Of an aperture of this radius in world units; infinite for a pinhole.
+/// The f-number of an aperture of this radius in world units; infinite for a pinhole.
 pub fn f_number(radius: f32, focal_length: f32) -> f32 {
     focal_length / (2.0 * radius)
 }

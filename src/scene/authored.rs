@@ -1,5 +1,5 @@
-//! What the file said, kept beside what it meant: saving starts from it, so that what was not understood, and what was not touched, stays
-//! as it was written.
+//! Keeps what the file said beside what it meant. Saving starts from it, so that everything that was not understood or not edited stays as it was
+//! written.
 
 use std::ops::Deref;
 use std::path::PathBuf;
@@ -16,9 +16,9 @@ pub struct Authored(Arc<Source>);
 /// The part of a scene file that one entity was read from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
-    /// As it stands in the file; shared with the document that was read.
+    /// The plugin as it is in the file; shared with the document that was read.
     pub object: Arc<Object>,
-    /// What each child of `object` is, references followed; None for those that lead nowhere or were left out.
+    /// The category of each child of `object`, with references followed; None for those that lead nowhere or were left out.
     pub child_categories: Box<[Option<Category>]>,
     as_read: AsRead,
 }
@@ -28,12 +28,12 @@ pub struct Source {
 struct AsRead {
     /// Bit `i` stands for the property `i` of the plugin in the file.
     shared: u64,
-    /// Everything else. None: there is nothing else, and the plugin is the same.
+    /// The remaining parameters. None if there are none and the plugin is the same.
     rest: Option<Box<Object>>,
 }
 
 impl Authored {
-    /// `as_read`: the plugin as [`super::write`] would have written it from the components it became.
+    /// Compares the plugin with `as_read`, the plugin as [`super::write`] would have written it from the components it became.
     pub fn new(object: Arc<Object>, as_read: Object, child_categories: Box<[Option<Category>]>) -> Self {
         let as_read = AsRead::new(&object, as_read);
         Self(Arc::new(Source {
@@ -120,14 +120,14 @@ pub struct DeclaredIn(pub Entity);
 #[relationship_target(relationship = DeclaredIn)]
 pub struct Declares(Vec<Entity>);
 
-/// Of the scene as a whole: what became no entity.
+/// The parts of the scene that became no entity.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct AuthoredScene {
     /// The files as they were read, without messages; None if there was none.
     pub origin: Option<Arc<Document>>,
     /// The integrator with its place in the file.
     pub integrator: Option<(u32, Authored)>,
-    /// Where files are looked for besides the scene's folder (`<path>`), absolute.
+    /// The folders in which files are looked for besides the scene's folder (`<path>`), absolute.
     pub search_folders: Vec<PathBuf>,
     /// Properties of the scene itself.
     pub properties: Vec<Property>,
@@ -165,7 +165,7 @@ mod tests {
         assert_eq!(again, read);
         assert!(!authored.is_stand_in());
 
-        // Nothing of its own is kept for a plugin that says everything.
+        // For a plugin that says everything, nothing is kept.
         let whole = source(&read.clone().at(place), &read);
         assert_eq!((whole.as_read.rest.as_ref(), whole.as_read()), (None, read));
     }

@@ -3,12 +3,12 @@
 use bevy::math::Vec3;
 use bevy::reflect::{PartialReflect, ReflectMut, ReflectRef};
 
-/// How vectors are taken over that differ in some components.
+/// The way to carry over vectors that differ in some components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Vectors {
-    /// As colours: all of it.
+    /// They are colours: all components are taken.
     Whole,
-    /// As places: the components that were changed.
+    /// They are places: the components that were changed are taken.
     ByComponent,
 }
 
@@ -93,7 +93,7 @@ mod tests {
         assert_eq!(other, sphere(Vec3::new(7.0, 5.0, 9.0), 3.0));
         carry_over(&before, &sphere(Vec3::ZERO, 2.0), &mut other, Vectors::ByComponent);
         assert_eq!(other, sphere(Vec3::new(7.0, 5.0, 9.0), 2.0));
-        // What has no such field stays.
+        // Values without such a field stay.
         let mut cube = Shape {
             kind: ShapeKind::Cube,
             ..Shape::default()

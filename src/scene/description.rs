@@ -15,30 +15,30 @@ use super::{
 use crate::color::Rgb;
 use crate::document::Span;
 
-/// Where the scene file first names each picture, by absolute path.
+/// The place where the scene file first names each picture, by absolute path.
 pub type PicturePlaces = HashMap<PathBuf, Span>;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneDescription {
     /// The scene file.
     pub path: PathBuf,
-    /// What the file says of it; `strategy` and `schlick` are not the file's business and have their defaults.
+    /// The integrator in the file; `strategy` and `schlick` are not in files and have their defaults.
     pub integrator: IntegratorSettings,
     /// Empty when the file has none.
     pub sensors: Vec<SensorDescription>,
-    /// Every bsdf, nested ones too.
+    /// All materials, nested ones too.
     pub materials: Vec<MaterialDescription>,
     pub groups: Vec<GroupDescription>,
     /// The members of groups among them.
     pub shapes: Vec<ShapeDescription>,
     pub emitters: Vec<EmitterDescription>,
-    /// What became none of these.
+    /// The parts of the file that became none of these.
     pub remains: AuthoredScene,
-    /// Every file the scene was read from: itself and its includes, absolute. Meshes are not among them.
+    /// The files the scene was read from: itself and its includes, absolute. Meshes are not among them.
     pub sources: Vec<PathBuf>,
     /// Places where a mesh was looked for in vain; the scene can be read again when one appears.
     pub missing: Vec<PathBuf>,
-    /// Where each picture is named first.
+    /// The place where each picture is named first.
     pub picture_places: PicturePlaces,
 }
 
@@ -57,7 +57,7 @@ impl SceneDescription {
         self.picture_places.values().copied().chain(of_meshes)
     }
 
-    /// What a new scene has: a camera that looks at the origin from some units away, and a grey sky.
+    /// The description of a new scene: a camera that looks at the origin from some units away, and a grey sky.
     pub fn empty() -> Self {
         let identity = |name: &str, order| Identity {
             id: Some(name.to_owned()),
@@ -91,12 +91,12 @@ impl SceneDescription {
     }
 }
 
-/// What all things of a scene have in common.
+/// The properties that all things of a scene have in common.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Identity {
     /// The `id` of the file, where it gives one.
     pub id: Option<String>,
-    /// What people call it: the id, or else the plugin.
+    /// The name that the editor shows: the id, or else the plugin.
     pub name: Cow<'static, str>,
     /// Place in the file among all objects; ascending in every list of the description.
     pub order: u32,
@@ -123,13 +123,13 @@ pub struct MaterialDescription {
     pub declared_in: DeclarationPlace,
 }
 
-/// Where a material is written.
+/// The place at which a material is declared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeclarationPlace {
     TopLevel,
-    /// Inside the shape of this index.
+    /// It is inside the shape of this index.
     Shape(usize),
-    /// Inside the material of this index.
+    /// It is inside the material of this index.
     Material(usize),
 }
 
@@ -138,13 +138,13 @@ pub struct ShapeDescription {
     pub identity: Identity,
     pub shape: Shape,
     pub to_world: Affine3A,
-    /// None: the file names none; the mesh's own materials apply, or else the default.
+    /// The material. None if the file names none: the mesh's own materials apply then, or else the default.
     pub material: Option<usize>,
     pub area_light: Option<AreaLight>,
-    /// Of members and instances of groups, which: indices into [`SceneDescription::groups`].
+    /// The group of a member, or below of an instance: indices into [`SceneDescription::groups`].
     pub member_of: Option<usize>,
     pub instance_of: Option<usize>,
-    /// Of instances, if these are very many.
+    /// The places of the instances, if there are very many.
     pub placements: Option<Placements>,
 }
 

@@ -1,4 +1,4 @@
-//! The description of the file as it was last read or written, and which entity each thing of it is.
+//! Keeps the description of the file as it was last read or written, and the entity of each thing in it.
 //!
 //! A new description of the file is compared with it. A thing with an id is recognised by its kind and id. A thing without an id is recognised
 //! among those of the same kind and plugin, by what it is and by its order ([`recognised`]).
@@ -19,7 +19,7 @@ use super::{
     SecondNested, ShapeGroup, ToWorld, UsesMaterial,
 };
 
-/// What the file says, and which entity each thing of it is.
+/// The description of the file, and the entity of each thing in it.
 #[derive(Resource, Clone, Debug, Default)]
 pub(super) struct FileBase {
     /// The file as it was last read or written. It shares its memory with the asset that was loaded.
@@ -152,7 +152,7 @@ impl Thing {
     }
 }
 
-/// For each thing of a new description its place in the same list of the old one; None for new things.
+/// The place of each thing of a new description in the same list of the old one; None for new things.
 #[derive(Debug)]
 pub(super) struct Recognised {
     materials: Vec<Option<usize>>,

@@ -21,7 +21,7 @@ pub fn world_bounds(shape: &Shape, to_world: &Affine3A, mesh: Option<&TriangleMe
         ShapeKind::Triangle { corners } => Aabb::from_points(*corners),
         ShapeKind::Cube => Aabb::from_points([Vec3::NEG_ONE, Vec3::ONE]),
         ShapeKind::Cylinder { p0, p1, radius } => {
-            // Around an axis of this direction, a circle reaches so far along each axis of the space.
+            // The extent of a circle around an axis of this direction along each axis of the space.
             let along = (*p1 - *p0).normalize_or_zero();
             let reach =
                 *radius * Vec3::from_array((Vec3::ONE - along * along).to_array().map(|part| part.max(0.0).sqrt()));

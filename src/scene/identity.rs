@@ -1,4 +1,4 @@
-//! What every entity of a scene carries: its place in the file, its id there, its place in the world.
+//! Components of every entity of a scene: its place in the file, its id there, its place in the world.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -33,7 +33,7 @@ impl ToWorld {
 #[reflect(Component, PartialEq)]
 pub struct Hidden;
 
-/// Not to be picked in the picture or moved. The file knows nothing of it.
+/// Marks an entity that cannot be picked in the picture or moved. The mark is not saved.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 pub struct Locked;

@@ -13,12 +13,12 @@ use super::{
 };
 use crate::document::Object;
 
-/// What [`insert`] has made.
+/// The entities that [`insert`] has made.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Inserted {
     /// All of it.
     pub all: Vec<Entity>,
-    /// What stands for itself: shapes of the world, lights and cameras; materials, if there is nothing else.
+    /// The entities that stand for themselves: shapes of the world, lights and cameras; materials, if there is nothing else.
     pub objects: Vec<Entity>,
 }
 
@@ -52,7 +52,7 @@ pub fn free_name(taken: &HashSet<String>, wanted: &str) -> String {
 
 /// The names of all that is in the scene.
 pub fn names(world: &mut World) -> HashSet<String> {
-    // Of the file: also textures and plugins that became no entities have ids.
+    // Names of the file also count: textures and plugins that became no entities have ids as well.
     let mut names = HashSet::new();
     let origin = world
         .get_resource::<AuthoredScene>()
@@ -134,7 +134,7 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
             shown.insert(InstanceOf(groups[group]));
         }
         shapes.push(entity);
-        // Of very many instances each stands for itself here.
+        // Each of very many instances becomes an entity of its own here.
         let mut places = shape
             .placements
             .iter()
@@ -201,7 +201,7 @@ pub fn insert(world: &mut World, scene: &SceneDescription) -> Inserted {
     inserted
 }
 
-/// For each material of the scene the one in the world that it would be a double of: used by a shape, of the same id, with the same inside.
+/// Finds for each material of the scene the one in the world that it would duplicate: it is used by a shape, and has the same id and content.
 fn shared_materials(world: &mut World, scene: &SceneDescription) -> Vec<Option<Entity>> {
     let mut known = world.query_filtered::<(&SceneId, Entity), With<Material>>();
     let known: HashMap<&str, Entity> = known.iter(world).map(|(id, entity)| (id.0.as_str(), entity)).collect();
@@ -348,7 +348,7 @@ fn kept<'a, T: 'a>(all: Vec<T>, is_used: &'a [bool]) -> impl Iterator<Item = T> 
     used.map(|(item, _)| item)
 }
 
-/// Where each of the used ones stands among them.
+/// The index of each used one among the used ones.
 fn places(is_used: &[bool]) -> Vec<Option<usize>> {
     let mut next = 0..;
     is_used

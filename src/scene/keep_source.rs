@@ -22,7 +22,7 @@ impl KeepSource {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// To be called before a scene is opened.
+    /// Sets whether the source is kept. To be called before a scene is opened.
     pub fn set(&self, keeps: bool) {
         self.0.store(keeps, Ordering::Relaxed);
     }

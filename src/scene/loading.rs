@@ -31,7 +31,7 @@ pub(super) fn open_scenes(
     access: Res<SceneAccess>,
     server: Res<AssetServer>,
 ) {
-    // Of several in one frame the last one counts.
+    // If there are several in one frame, the last one counts.
     let Some(request) = requests.read().last() else {
         return;
     };

@@ -21,7 +21,7 @@ struct Item {
 /// Planes are looked for between this many slices of the box of centroids.
 const BINS: usize = 16;
 
-/// From here on down sets are halved by number: no tree is deeper than this plus the logarithm of what is left.
+/// Below this depth sets are halved by number, so that no tree is deeper than this plus the logarithm of what is left.
 const DEEPEST_SPLIT: u32 = 64;
 
 /// Sets below this size are not worth another thread.
@@ -128,7 +128,7 @@ fn centroid(item: &Item) -> Vec3 {
     item.light.bounds.center()
 }
 
-/// Between the bins below `bin` and the others, along one axis.
+/// A boundary along one axis, between the bins below `bin` and the others.
 #[derive(Clone, Copy)]
 struct Plane {
     axis: usize,
@@ -145,7 +145,7 @@ impl Plane {
     }
 }
 
-/// What the heuristic needs to know of some emitters.
+/// The sums that the heuristic needs to know of some emitters.
 #[derive(Clone, Copy)]
 struct Bin {
     bounds: Aabb,
@@ -221,7 +221,7 @@ fn best_plane(items: &[Item], centroids: &Aabb) -> Option<Plane> {
             sum = sum.with(&filled[bin]);
             above[bin] = sum;
         }
-        // Slices of a flat box across its short sides are made dear.
+        // Slices of a flat box across its short sides are made expensive.
         let slenderness = extent.max_element() / extent[axis];
         let mut below = Bin::EMPTY;
         for bin in 1..bins {

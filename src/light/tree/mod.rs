@@ -14,9 +14,9 @@ use super::LightReference;
 pub(super) struct LightTree {
     /// Siblings lie together. The first pair is the root's, empty if there is but one emitter.
     pairs: Vec<[Node; 2]>,
-    /// Per pair, the place of the node it belongs to; the root's is not used.
+    /// The place of the node that each pair belongs to; the root's is not used.
     parents: Vec<Place>,
-    /// Per emitter, where its leaf is; None for those without bounds.
+    /// The place of each emitter's leaf; None for those without bounds.
     leaves: Vec<Option<Place>>,
     /// The emitter, if there is but one.
     only: Option<u32>,

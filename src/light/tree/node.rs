@@ -5,7 +5,7 @@ use glam::{I16Vec2, U16Vec2, Vec2, Vec3};
 use crate::light::LightReference;
 use crate::light::bounds::{LightBounds, NormalCone};
 
-/// What a node stands for.
+/// The content of a node's child.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Content {
     Emitter(u32),
@@ -87,7 +87,7 @@ impl Node {
         let to_center = self.center - reference.position;
         let distance_squared = to_center.length_squared();
         if distance_squared <= self.radius_squared {
-            // Within the ball light may come from anywhere, but not from a point to itself.
+            // Within the ball, light may come from anywhere. A point does not light itself.
             let is_ball = self.radius_squared > 0.0;
             return if is_ball {
                 self.irradiance(distance_squared.max(NEAREST_SQUARED * self.radius_squared))
@@ -133,7 +133,7 @@ impl Angle {
         }
     }
 
-    /// Below a right angle.
+    /// An angle below a right angle, from the square of its sine.
     fn from_sine_squared(sine_squared: f32) -> Self {
         let sine_squared = sine_squared.min(1.0);
         Self {
@@ -198,7 +198,7 @@ mod tests {
                 intensity: 1.0,
             };
             let packed = Node::new(&light, Content::Emitter(3)).cone();
-            // By the chord: the cosine of so small an angle is one.
+            // The difference is measured by the chord, because the cosine of so small an angle is one.
             assert!(packed.axis.distance(axis) < 1e-4, "{axis}: {packed:?}");
             assert_eq!(packed.cos_angle, 1.0);
         }

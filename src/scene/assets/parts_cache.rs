@@ -17,14 +17,14 @@ use tempfile::NamedTempFile;
 
 use crate::files::{self, LARGEST_DATA, LARGEST_NOTE};
 
-/// Parts that were not used for so long are removed.
+/// The time after which parts that were not used are removed.
 const KEPT: Duration = Duration::from_secs(30 * 24 * 3600);
 
-/// As much as the parts of one file of the largest size that is read.
+/// The size of the cache in bytes. It holds the parts of one file of the largest size that is read.
 const MOST_BYTES: u64 = 4 << 30;
 
-/// In the folder of a part: its age tells when the part was used last. The part itself is not touched, because programs that watch it would take
-/// that for a change.
+/// A file in the folder of a part. Its age tells when the part was used last. The part itself is not touched, because programs that watch it would
+/// take that for a change.
 const MARKER: &str = "last-used";
 
 /// The names of lists of parts in use begin so.
@@ -80,7 +80,7 @@ impl PartsCache {
         if !holds(&path, bytes)? {
             // The new file takes the place of a link, not of the file that the link leads to.
             let mut file = NamedTempFile::new_in(&folder)?;
-            // Not through `file` itself: its errors name the temporary file, which the user does not know.
+            // Writing through `file` itself would give errors that name the temporary file, which the user does not know.
             file.as_file_mut().write_all(bytes)?;
             file.persist(&path).map_err(|error| error.error)?;
         }
@@ -127,8 +127,8 @@ impl PartsCache {
     }
 }
 
-/// Makes the folder of the cache. An error if a link stands in its place or above it, or if it belongs to another user: such a folder may hold links
-/// and files that nobody here has put there.
+/// Makes the folder of the cache. An error if a link stands in its place or above it, or if it belongs to another user: such a folder may hold
+/// links and files that nobody here has put there.
 fn prepare(folder: &Path) -> io::Result<()> {
     let planted = || io::Error::other("the folder is a link, or belongs to another user");
     for folder in folder.ancestors().take(2).collect::<Vec<_>>().into_iter().rev() {
@@ -198,7 +198,7 @@ fn mark(folder: &Path) -> io::Result<()> {
     file.set_modified(SystemTime::now())
 }
 
-/// What the cache holds, without what it was not made by [`PartsCache::keep`].
+/// The parts in the cache. Files that [`PartsCache::keep`] did not make are left out.
 fn parts(cache: &Path) -> Vec<Part> {
     let entries = fs::read_dir(cache).into_iter().flatten().flatten();
     let folders = entries.filter(|entry| is_hash(&entry.file_name()));
@@ -213,7 +213,7 @@ fn part(folder: PathBuf) -> io::Result<Option<Part>> {
     let (mut bytes, mut used, mut marked) = (0, None, None);
     for file in fs::read_dir(&folder)? {
         let file = file?;
-        // Of a link these are its own, not those of the file that it leads to.
+        // The metadata of a link are its own, not those of the file that it leads to.
         let about = file.metadata()?;
         bytes += about.len();
         let time = about.modified()?;
@@ -237,12 +237,12 @@ fn used_by_programs(cache: &Path) -> io::Result<HashSet<String>> {
         }
         let mut list = match files::open(&entry.path(), LARGEST_NOTE) {
             Ok(list) => list,
-            // Another program has removed it meanwhile.
+            // Another program has removed it in the meantime.
             Err(error) if error.is_not_found() => continue,
             Err(error) => return Err(error.into()),
         };
         if list.try_lock_shared().is_ok() {
-            // Its program has ended, or has not locked it yet: a new list is left alone for a while.
+            // Its program has ended, or has not locked it yet. A new list is left alone for a while.
             let age = entry.metadata().and_then(|about| about.modified());
             if age.is_ok_and(|time| time.elapsed().is_ok_and(|age| age > Duration::from_secs(60))) {
                 let _ = fs::remove_file(entry.path());
@@ -266,14 +266,14 @@ pub fn is_part(path: &Path) -> bool {
     cache_folders().any(|folder| path.starts_with(folder))
 }
 
-/// Permits the folder where this program keeps parts of glTF files. Other folders of such a name may be links that somebody has put there.
+/// Permits the folder where this program keeps parts of glTF files. Other folders of such a name may be links of unknown origin.
 pub fn allow_parts(allow: impl FnOnce(&Path)) {
     if let Some(folder) = &CACHE.folder {
         allow(folder);
     }
 }
 
-/// Where parts may be kept, best place first, absolute.
+/// The folders where parts may be kept, best place first, absolute.
 fn cache_folders() -> impl Iterator<Item = PathBuf> {
     let folder = |variable: &str| std::env::var_os(variable).map(PathBuf::from);
     let caches = [
@@ -333,7 +333,7 @@ mod tests {
         }
     }
 
-    /// The lists of programs that have ended, all of which are younger than those that are removed.
+    /// The lists of programs that have ended. All of them are younger than those that are removed.
     fn cleared_lists(folder: &Path) {
         for entry in fs::read_dir(folder).expect("is there").flatten() {
             if entry.file_name().to_string_lossy().starts_with(LIST) {
@@ -361,7 +361,7 @@ mod tests {
         cache.tidy_down_to(350);
         let left: Vec<bool> = parts.iter().map(|part| part.exists()).collect();
         assert_eq!(left, [true, true, false, false, true]);
-        // Not even for less room than they take, or after a month.
+        // They are kept even if there is less room than they take, or after a month.
         make_old(&parts[0].with_file_name(MARKER), 40);
         cache.tidy_down_to(0);
         let left: Vec<bool> = parts.iter().map(|part| part.exists()).collect();
@@ -374,7 +374,7 @@ mod tests {
         let old = keep(folder.path(), b"old", 31);
         cleared_lists(folder.path());
         let list = folder.path().join(format!("{LIST}long"));
-        // Without content, which takes no place on the disk.
+        // It has no content, so that it takes no space on the disk.
         let file = File::create(&list).expect("a temporary folder");
         file.lock().expect("no program else has it");
         file.set_len(LARGEST_NOTE + 1).expect("it can be longer");

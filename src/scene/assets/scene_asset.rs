@@ -79,7 +79,7 @@ impl AssetLoader for SceneLoader {
     }
 }
 
-/// `path`: of the file the bytes are from.
+/// Reads a scene. `path` is that of the file the bytes are from.
 pub fn read_scene(bytes: Vec<u8>, path: &Path, defines: &[(String, String)]) -> SceneAsset {
     read_scene_within(bytes, path, defines, Access::everywhere(), true)
 }

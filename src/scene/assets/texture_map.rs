@@ -16,7 +16,7 @@ use crate::texture::{Image, ImageFileError, load_image};
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct TextureMap {
     pub image: Arc<Image>,
-    /// How many pixels have a channel below zero; as light these channels count as zero.
+    /// The number of pixels that have a channel below zero; as light these channels count as zero.
     pub negative_pixels: usize,
 }
 

@@ -107,8 +107,8 @@ pub fn load_mesh(path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadE
     })
 }
 
-/// Of an OBJ or PLY file. `path`: of the file the bytes are from; material libraries are looked for beside it, as far as `access` permits, and
-/// the names of their pictures become absolute.
+/// Reads an OBJ or PLY file. `path` is that of the file the bytes are from. Material libraries are looked for beside it, as far as `access`
+/// permits, and the names of their pictures become absolute.
 pub fn read_mesh(bytes: &[u8], path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut dependencies = Vec::new();

@@ -4,11 +4,11 @@ use bevy::math::{Affine3A, Mat3, Mat4, Quat, Vec3};
 
 use crate::document::TransformOp;
 
-/// How far a map taken apart and put together again may be from itself, relative to its largest element.
+/// The most that a map taken apart and put together again may differ from itself, relative to its largest element.
 const RECOMPOSED: f32 = 1e-5;
 
-/// What shortening the numbers of a transform may change, relative to the largest of the linear part, and to each coordinate of the place: some
-/// units in the last place.
+/// The most that shortening the numbers of a transform may change, relative to the largest of the linear part, and to each coordinate of the place:
+/// some units in the last place.
 const SHORTENED: f32 = 4e-7;
 
 /// The step with numbers of six digits: people write 3 and 90, arithmetic makes 2.9999998 and 90.00001 of them.
@@ -71,7 +71,7 @@ pub fn as_steps(map: &Affine3A) -> Vec<TransformOp> {
         .iter()
         .fold(0.0f32, |most, part| most.max(part.abs()));
     let made = TransformOp::compose(&steps);
-    // What is small must not drown in how far away it is.
+    // A small part must not be lost in the rounding of a large distance.
     let is_same =
         made.matrix3.abs_diff_eq(map.matrix3, RECOMPOSED * linear) && made.abs_diff_eq(*map, RECOMPOSED * largest);
     let moved = Vec3::from(shorter.translation - map.translation).abs();
@@ -99,7 +99,7 @@ pub fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
         let plain = TransformOp::LookAt {
             origin: short(origin),
             target: short(target),
-            // Who stands upright does so in few words.
+            // A camera that is upright is described by short numbers.
             up: if up.y > 0.1 && rotation.x_axis.y.abs() < 1e-6 {
                 Vec3::Y
             } else {
@@ -135,7 +135,7 @@ mod tests {
         assert!(far(f32::MAX).is_none_or(|look| look.affine().is_finite()));
         let shear = Affine3A::from_mat3(Mat3::from_cols(Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Z));
         assert_eq!(as_steps(&shear), [TransformOp::Matrix(Mat4::from(shear))]);
-        // Also of something small that is far away.
+        // This also holds for something small that is far away.
         let small = Affine3A::from_translation(Vec3::splat(100.0)) * shear * Affine3A::from_scale(Vec3::splat(1e-4));
         assert_eq!(as_steps(&small), [TransformOp::Matrix(Mat4::from(small))]);
     }

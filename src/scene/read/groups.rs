@@ -6,7 +6,7 @@ use crate::scene::description::{GroupDescription, Identity, ShapeDescription};
 use crate::scene::{Placements, Shape, ShapeKind};
 
 impl<'a> SceneReader<'a> {
-    /// Every group is known before anything that refers to it is read.
+    /// Lists all groups before anything that refers to them is read.
     pub(super) fn list_groups(&mut self) {
         for object in self.root.objects().filter(|object| object.is_group()) {
             let identity = self.identity(object, || Object::new(Category::Shape, "shapegroup"));

@@ -4,7 +4,7 @@
 
 use crate::document::suggest::closest;
 
-/// For `int_ior` and `ext_ior`.
+/// The names for `int_ior` and `ext_ior`.
 pub const DIELECTRICS: [&str; 23] = [
     "vacuum",
     "helium",
@@ -31,7 +31,7 @@ pub const DIELECTRICS: [&str; 23] = [
     "diamond",
 ];
 
-/// For `material`; each may also be written with `_palik` after it.
+/// The names for `material`; each may also be written with `_palik` after it.
 pub const CONDUCTORS: [&str; 42] = [
     "none", "a-C", "Ag", "Al", "AlAs", "AlSb", "Au", "Be", "Cr", "CsI", "Cu", "Cu2O", "Cu_palik", "CuO", "d-C", "Hg",
     "HgTe", "Ir", "K", "Li", "MgO", "Mo", "Na_palik", "Nb", "Ni_palik", "Rh", "Se", "Se-e", "SiC", "SnTe", "Ta", "Te",
@@ -50,7 +50,7 @@ const METALS: [(&str, &str); 8] = [
     ("tungsten", "W"),
 ];
 
-/// Advises on a name that is no conductor. Symbols are too short to tell which of them was meant.
+/// Advises on a name that is no conductor. Symbols are too short to suggest one of them.
 pub fn conductor_help(name: &str) -> String {
     let is_meant = |word: &str| word == name || closest(name, [word]).is_some();
     match METALS.iter().find(|(word, _)| is_meant(word)) {

@@ -1,4 +1,4 @@
-//! Where a mesh named by a scene file is found.
+//! Finds the file of a mesh that a scene file names.
 //!
 //! A relative name is tried, in this order, in the folder of the file that holds it, the folder of the scene, the scene's `<path>` folders
 //! (the last first), the folders of `$SUNROOM_ASSETS` and `assets/` beside the scene's folder. In the last two a leading `../assets/` of the name is left away, so that
@@ -21,7 +21,7 @@ pub struct MeshSearch {
     access: Access,
 }
 
-/// What a search came to.
+/// The result of a search.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Found {
     /// The file, absolute. If there is none, the place in the folder of the file that holds the name, where the scene may not read it.
@@ -52,7 +52,7 @@ impl MeshSearch {
         Self { access, ..self }
     }
 
-    /// Only the places that every reader of the format looks at.
+    /// A search only in the places where every reader of the format looks.
     pub fn of_format(scene_folder: &Path, search_folders: &[PathBuf]) -> Self {
         Self {
             asset_folders: Vec::new(),
@@ -60,7 +60,7 @@ impl MeshSearch {
         }
     }
 
-    /// `folder`: of the file that holds the name.
+    /// Finds the file. `folder` is that of the file that holds the name.
     pub fn find(&self, name: &str, folder: &Path) -> Found {
         let name = Path::new(name);
         let mut places: Vec<PathBuf> = Vec::new();
@@ -97,7 +97,7 @@ impl MeshSearch {
 }
 
 impl MeshSearch {
-    /// As [`Self::find`], for those who do not ask where else.
+    /// [`Self::find`] without the other places.
     pub fn find_file(&self, name: &str, folder: &Path) -> Option<PathBuf> {
         match self.find(name, folder) {
             Found::At(path) => Some(path),
@@ -116,7 +116,7 @@ fn inside_assets(name: &Path) -> PathBuf {
     parts.collect()
 }
 
-/// Where to get a mesh that people will miss, if `name` is one.
+/// Where to get a well-known mesh, if `name` is one.
 pub fn advice(name: &str) -> Option<String> {
     let stem = Path::new(name).file_stem()?.to_str()?;
     if !["bunny", "dragon"].contains(&stem) {
@@ -190,7 +190,7 @@ mod tests {
         assert_eq!(access.refused(), [settle(&path("assets/b.ply"))]);
         let first = settle(&path("assets/c.ply"));
         assert_eq!(search.find("../assets/c.ply", &path("scenes")), Found::At(first));
-        // What is refused is said of the file that is named, also where other folders may be looked at.
+        // A refusal is reported for the file that is named, even if other folders may be searched.
         let access = Access::within(["scenes", "assets"].map(path));
         let search = MeshSearch::new(&path("scenes"), &[]).within(access);
         let named = settle(&path("elsewhere/c.ply"));

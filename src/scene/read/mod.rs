@@ -1,4 +1,4 @@
-//! From a document to a [`SceneDescription`]: which plugins and parameters exist, their defaults and their ranges.
+//! Turns a document into a [`SceneDescription`]: it knows which plugins and parameters exist, their defaults and their ranges.
 //!
 //! No ECS and no rendering; of the disk only whether mesh files exist. Defaults are those of Mitsuba 3.6 to 3.9. What a file asks for
 //! that is not supported gets a stand-in and a warning with its place; what cannot be is an error, and the description is then only good
@@ -27,7 +27,7 @@ use super::description::{DeclarationPlace, SceneDescription};
 pub use crate::document::paths::settle;
 use crate::document::{Category, Child, Diagnostics, Document, Reader, Severity};
 
-/// Everything the document says; its diagnostics grow by what is wrong with it.
+/// Reads the whole document; what is wrong with it is added to its diagnostics.
 pub fn read(document: &mut Document) -> SceneDescription {
     let mut origin = document.clone();
     origin.diagnostics = Diagnostics::default();
@@ -37,7 +37,7 @@ pub fn read(document: &mut Document) -> SceneDescription {
     description
 }
 
-/// As [`read`], for a scene that is not written again: what the file said is not kept, but for the places of file names.
+/// Reads as [`read`] does, for a scene that is not saved again: of the source it keeps only the places of file names.
 pub fn read_meaning(document: &mut Document) -> SceneDescription {
     read_as(document, false)
 }
@@ -84,7 +84,7 @@ impl SceneReader<'_> {
                 }
                 Category::Shape => self.read_shape(object, None),
                 Category::Emitter => self.read_emitter(object),
-                // Of use only to those who refer to them, and reported there.
+                // Others are used only by references to them, and reported there.
                 _ => false,
             };
             if !taken {
@@ -99,7 +99,7 @@ impl SceneReader<'_> {
             reader.children(category);
         }
         reader.finish();
-        // After an error the scene is not shown, and its sensor may be what could not be read.
+        // After an error the scene is not shown, and the part that could not be read may be its sensor.
         if self.description.sensors.is_empty() && !self.diagnostics.has_errors() {
             let message = "the scene has no sensor: one that sees everything takes its place".to_owned();
             self.diagnostics.push(Severity::Warning, Some(root.span), message, None);

@@ -1,4 +1,4 @@
-//! Where the picture files are that a scene names.
+//! Finds the picture files that a scene names.
 
 use std::path::{Path, PathBuf};
 

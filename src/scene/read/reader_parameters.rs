@@ -1,4 +1,4 @@
-//! How a reader of one plugin reads these parameters: as numbers, colours, spectra or textures.
+//! Reads parameters of a plugin: numbers, colours, spectra or textures.
 
 use std::ops::RangeInclusive;
 

@@ -36,7 +36,7 @@ pub struct SceneReader<'a> {
     pub material_of: HashMap<usize, usize>,
     pub group_of: HashMap<usize, usize>,
     pub crowds: &'a [Crowd],
-    /// For each crowd, the index of its first instance among all objects.
+    /// The index among all objects of the first instance of each crowd.
     pub crowd_orders: Vec<u32>,
     /// The number of crowds that have become shapes.
     pub crowds_read: usize,

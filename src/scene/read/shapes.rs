@@ -138,7 +138,7 @@ impl<'a> SceneReader<'a> {
         }
 
         let Some(to_world) = to_world else {
-            // What is written in place here is not to be looked for at a shape that is not there.
+            // Materials inside this shape must not be looked for at a shape that does not exist.
             self.forget_place(place);
             return false;
         };

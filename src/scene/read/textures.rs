@@ -38,7 +38,7 @@ pub fn read_texture(reader: &mut Reader, pictures: &mut PictureSearch) -> Option
 }
 
 fn bitmap(reader: &mut Reader, pictures: &mut PictureSearch) -> Option<Bitmap> {
-    // How the picture is stored in memory is our business.
+    // This program decides how the picture is stored in memory.
     reader.ignore(&["format", "accel"]);
     let filter = match reader.string("filter_type") {
         None | Some("bilinear") => TextureFilter::Bilinear,
@@ -92,7 +92,7 @@ fn attribute_name(reader: &mut Reader) -> Option<String> {
     }
 }
 
-/// `to_uv`: of a transform of space, what it does with the plane.
+/// The map of the plane that `to_uv`, a transform of space, contains.
 fn to_uv(reader: &mut Reader) -> Affine2 {
     let steps = reader.transform("to_uv").unwrap_or_default();
     let map = TransformOp::compose(&steps);

@@ -1,5 +1,5 @@
-//! Files of a scene that somebody else has changed since they were read here. Saving looks for them before it writes, so that two windows
-//! (or a window and a text editor) on one file do not overwrite each other's work.
+//! Finds files of a scene that were changed by others since they were read here. Saving looks for them before it writes, so that two windows (or a
+//! window and a text editor) on one file do not overwrite each other's work.
 //!
 //! Contents are compared, not times: a file that was written again with the same content has not changed. Among windows of this program the
 //! folder is locked from the comparison until the files are replaced; a text editor that writes in the very moment between the last
@@ -22,7 +22,7 @@ use crate::scene::assets::scene_asset::load_document;
 use crate::scene::read::{self, settle};
 use crate::scene::{AuthoredScene, SceneAccess, loading, spawn};
 
-/// How saving treats files that were changed by others since they were read.
+/// The treatment of files that were changed by others since they were read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnChange {
     /// Takes their changes in first. It is an error if a thing was edited both there and here.
@@ -36,7 +36,7 @@ pub enum OnChange {
 /// A file that saving may replace, with the contents it may have.
 pub(super) struct Expected {
     path: PathBuf,
-    /// As it was read; None where the scene was not read from it.
+    /// The file as it was read; None if the scene was not read from it.
     read: Option<SourceFile>,
     known: Vec<Option<String>>,
 }
@@ -48,8 +48,7 @@ enum Found {
     Changed,
 }
 
-/// The files that saving at `target` may replace without a loss only if they are as expected: those that the scene was read from, if it stays
-/// where it was.
+/// The files with their expected content that saving at `target` replaces: those that the scene was read from, if it stays where it was.
 pub(super) fn expected_files(world: &World, target: &Path) -> Vec<Expected> {
     let known = world.get_resource::<KnownTexts>().cloned().unwrap_or_default();
     let known_of = |path: &Path| -> Vec<Option<String>> {
@@ -106,7 +105,7 @@ fn is_no_file(error: &SourceError) -> bool {
     matches!(source, FileError::Folder | FileError::NotRegular { .. })
 }
 
-/// What the scene may read once it is saved at `target`.
+/// The permission of the scene once it is saved at `target`.
 pub(super) fn access(world: &World, target: &Path) -> Access {
     let access = world.get_resource::<SceneAccess>();
     let mut access = access.map(SceneAccess::get).unwrap_or_default();
@@ -156,8 +155,8 @@ pub(super) fn take_in_changes(world: &mut World, target: &Path, on_change: OnCha
     Ok(())
 }
 
-/// Writes the files unless one of the expected ones has changed; returns what was written, or None. Of the expected files those that are gone
-/// come back, and with `overwrites` those that were changed become what they were.
+/// Writes the files unless one of the expected ones has changed; returns what was written, or None. Expected files that are gone are written again,
+/// and with `overwrites` those that were changed are replaced.
 pub(super) fn replace_files(
     expected: &[Expected],
     files: Vec<(PathBuf, String)>,
@@ -183,7 +182,7 @@ pub(super) fn replace_files(
     Ok(Some(all))
 }
 
-/// Another window needs a fraction of this for a save.
+/// The longest wait for another window, which needs a fraction of it for a save.
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
 /// Locks the folders in which a save may write. Waits for other windows that are saving there, but not for ever: one of them may hang.
@@ -192,7 +191,7 @@ pub(super) fn lock_folders(world: &World, target: &Path) -> Result<Vec<FolderLoc
     let origin = origin.and_then(|scene| scene.origin.as_ref());
     let sources = origin.into_iter().flat_map(|origin| &origin.diagnostics.sources);
     let files = sources.map(|source| settle(&source.path)).chain([target.to_owned()]);
-    // In one order everywhere, so that no two windows wait for each other.
+    // All windows lock the folders in the same order, so that no two wait for each other.
     let folders: BTreeSet<PathBuf> = files
         .filter_map(|file| {
             let file = file.canonicalize().unwrap_or(file);

@@ -1,4 +1,4 @@
-//! What need not be written of things that were made here: values that a reader supposes anyway. They are found by reading a plugin without any.
+//! The defaults of parameters, which need not be written of things that were made here. They are found by reading a plugin without parameters.
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -9,10 +9,10 @@ use crate::document::{Category, Object, Property, parse_str};
 use crate::scene::encode::{lights, objects};
 use crate::scene::read;
 
-/// What is supposed of these depends on others: they are always written.
+/// Parameters whose defaults depend on others: they are always written.
 const DEPENDENT: [&str; 3] = ["beam_width", "fov", "fov_axis"];
 
-/// Remembers what the plugins are without parameters; None for those that cannot be.
+/// Remembers what plugins become without parameters; None for those that need some.
 #[derive(Default)]
 pub(super) struct Defaults(RefCell<Vec<(Category, SmolStr, Option<Object>)>>);
 
@@ -119,7 +119,7 @@ mod tests {
                 assert_eq!(reread(short).materials[0].material, material, "{plugin}");
             }
         }
-        // Without a picture there is no environment.
+        // An environment needs a picture.
         for plugin in Emitter::PLUGINS.into_iter().filter(|plugin| *plugin != "envmap") {
             let emitter = Emitter::of_plugin(plugin).expect("a plugin");
             let whole = lights::emitter(&emitter, &Affine3A::IDENTITY, folder);
@@ -130,7 +130,7 @@ mod tests {
             );
         }
         assert!(left_out > 20, "{left_out}");
-        // What is supposed of one may depend on another that was edited.
+        // The default of one may depend on another that was edited.
         let changed = |plugin: &str, change: fn(&mut EmitterKind)| {
             let mut emitter = Emitter::of_plugin(plugin).expect("a plugin");
             change(&mut emitter.kind);

@@ -14,7 +14,7 @@ use crate::scene::{
     ToWorld, UsesMaterial,
 };
 
-/// What every kind of entity has in common.
+/// The components that every kind of entity has.
 type Common = (
     Entity,
     &'static DocumentOrder,

@@ -1,4 +1,4 @@
-//! What the files of a scene are known to hold.
+//! The known content of the files of a scene.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! From a [`SceneDescription`] back to a document; [`gather`] makes the description from the entities.
+//! Turns a [`SceneDescription`] back into a document; [`gather`] makes the description from the entities.
 //!
 //! What nobody edited is written as it was read, parameters that were not understood included. Materials stay where they were declared:
 //! in place, or at the top level and referred to. The document still knows where each part of it was read, so that it can be written over the
@@ -55,8 +55,8 @@ pub fn save_description(scene: &SceneDescription, path: &Path) -> Result<(), Sav
     Ok(())
 }
 
-/// The texts to write when a scene is saved at `path`, that one last. What nobody changed is as it was written; what changed in an included
-/// file is written there if the scene stays where it was.
+/// The texts to write when a scene is saved at `path`, of which that one is the last. What nobody edited is as it was written; what was edited in
+/// an included file is written there if the scene stays where it was.
 pub fn files(scene: &SceneDescription, path: &Path) -> Result<Vec<(PathBuf, String)>, SaveError> {
     Ok(plan(scene, path)?.0)
 }
@@ -95,7 +95,7 @@ pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions)
     write_file(path, document::to_xml(&document)?)
 }
 
-/// What other files are called, which nobody means to write a scene into.
+/// Extensions of other kinds of files, into which a scene is not meant to be written.
 const FOREIGN: [&str; 9] = ["png", "jpg", "jpeg", "exr", "hdr", "pfm", "obj", "ply", "serialized"];
 
 /// An error if this would replace a file of another format.
@@ -146,11 +146,11 @@ pub fn to_fragment(scene: &SceneDescription) -> Document {
     in_place(scene, Path::new("/clipboard.xml"))
 }
 
-/// As [`to_document`], with the files that are to be there besides.
+/// The document as [`to_document`] gives it, with the other files that are to be written.
 fn whole(scene: &SceneDescription, target: &Path) -> (Document, Moves) {
     let mut document = in_place(scene, target);
     if let Some(origin) = &scene.remains.origin {
-        // Whoever reads a new file may know less places than this program.
+        // A reader of a new file may look in fewer places than this program.
         with_destination(scene, target, MeshSearch::of_format, |destination| {
             move_files(Arc::make_mut(&mut document.root), origin, destination);
         });
@@ -159,8 +159,8 @@ fn whole(scene: &SceneDescription, target: &Path) -> (Document, Moves) {
     (document, moves)
 }
 
-/// The document of a scene as if it was to stay where it was read: names of files are those of the files they were read from, and where they
-/// were not, relative to the scene's folder. `target`: where it will be written.
+/// The document of a scene as if it was to stay where it was read: names of files are those of the files they were read from, and others are
+/// relative to the scene's folder. `target`: where it will be written.
 fn in_place(scene: &SceneDescription, target: &Path) -> Document {
     let root = Writer::new(scene, folder(&home(scene, target))).root();
     Document {
@@ -179,7 +179,7 @@ fn folder(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new("/"))
 }
 
-/// `after`: where files are looked for when it will be read again, by folder and `<path>`s.
+/// Calls a function with the destination. `after` says where files are looked for when it is read again, by folder and `<path>`s.
 fn with_destination<T>(
     scene: &SceneDescription,
     target: &Path,
@@ -210,9 +210,9 @@ fn with_destination<T>(
 struct Writer<'s> {
     scene: &'s SceneDescription,
     folder: &'s Path,
-    /// Per material: its id in the file, if it has one or is referred to.
+    /// The id of each material in the file, if it has one or is referred to.
     ids: Vec<Option<String>>,
-    /// Per material: where it is written; None for those that nobody needs any more.
+    /// The place where each material is written; None for those that are no longer needed.
     places: Vec<Option<DeclarationPlace>>,
     defaults: Defaults,
 }
@@ -231,7 +231,7 @@ impl<'s> Writer<'s> {
             places: vec![None; count],
             defaults: Defaults::default(),
         };
-        // Who uses what, in the order in which it is written.
+        // The uses of materials in the order in which they are written.
         let mut uses: Vec<(DeclarationPlace, usize)> = Vec::new();
         for (owner, shape) in scene.shapes.iter().enumerate() {
             uses.extend(
@@ -261,7 +261,7 @@ impl<'s> Writer<'s> {
         writer
     }
 
-    /// How many materials this one is declared inside of.
+    /// The number of materials that this one is declared inside of.
     fn depth(&self, mut material: usize) -> usize {
         let mut depth = 0;
         while let DeclarationPlace::Material(owner) = self.scene.materials[material].declared_in
@@ -406,7 +406,7 @@ impl<'s> Writer<'s> {
         }
     }
 
-    /// What was made here says nothing that goes without saying.
+    /// The object to write. Of new things, parameters that equal the default are left out.
     fn draft(&self, authored: Option<&Authored>, current: Object) -> Draft {
         match authored {
             Some(_) => Draft::new(authored, current),
@@ -418,7 +418,7 @@ impl<'s> Writer<'s> {
         let material = &self.scene.materials[index];
         let authored: Option<&Authored> = material.identity.authored.as_ref();
         let draft = self.draft(authored, objects::material(&material.material, self.folder));
-        // What a stand-in stands for may have bsdfs inside that were never read; they stay.
+        // The plugin that a stand-in replaces may have bsdfs inside that were never read; they stay.
         let is_stand_in = authored.is_some_and(|authored| authored.is_stand_in());
         let nested = self.nested(DeclarationPlace::Material(index), &[material.first, material.second]);
         let mut object = if is_stand_in && nested.is_empty() {

@@ -8,7 +8,7 @@ use crate::document::paths::{file_name, settle};
 use crate::document::{Child, Object, Value};
 use crate::scene::assets::parts_cache::is_part;
 
-/// Where parts are, and where they go to, absolute.
+/// The paths at which parts are, with those that they go to, absolute.
 pub type Moves = BTreeMap<PathBuf, PathBuf>;
 
 /// Renames the parts that are named in a document which will be written to `target` (absolute).
@@ -36,7 +36,7 @@ fn rename_inside(object: &mut Object, target: &Path, moves: &mut Moves) {
     }
 }
 
-/// In the folder of this scene. Parts of several files may have the same name.
+/// The path of a part in the folder of this scene. Parts of several files may have the same name.
 fn place(part: PathBuf, target: &Path, moves: &mut Moves) -> PathBuf {
     if let Some(place) = moves.get(&part) {
         return place.clone();

@@ -185,7 +185,7 @@ impl Draft {
     fn set_texture(&mut self, before: Option<&Object>, now: &Object) {
         let name = now.name.as_deref();
         let named = self.object.children.iter().position(|child| child.name() == name);
-        // That of a bump map has any name or none.
+        // The texture of a bump map may have any name or none.
         let only = || match name {
             Some(HEIGHT) => self
                 .categories

@@ -1,4 +1,4 @@
-//! What only this program knows, said in words of the format where it has the same meaning there.
+//! Writes plugins that only this program knows in words of the format, where those have the same meaning.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use crate::document::{Category, Child, Object, TransformOp, Value};
 /// The triangle that all others are made from.
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-/// What to do with that which only this program knows and which has no equal.
+/// The treatment of plugins that only this program knows and that have no equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extensions {
     /// It stays: Mitsuba refuses the file.
@@ -54,9 +54,9 @@ fn translate_inside(object: &mut Object, file_name: &str, extensions: Extensions
     has_triangles
 }
 
-/// Without fuzz it is a perfect mirror that is tinted. With it the nearest is a rough one: a random point of a ball of radius f moves the
-/// mirrored direction by f / sqrt(5) along each axis (standard deviation), a facet of Beckmann's distribution by twice its slope, whose deviation is
-/// alpha / sqrt(2); so alpha = f / sqrt(10).
+/// Without fuzz it is a perfect mirror that is tinted. With it the nearest is a rough one: a random point of a ball of radius f moves the mirrored
+/// direction by f / sqrt(5) along each axis (standard deviation), a facet of Beckmann's distribution by twice its slope, whose deviation is alpha /
+/// sqrt(2); so alpha = f / sqrt(10).
 fn metal(object: &mut Object, extensions: Extensions) {
     let fuzz = match value(object, "fuzz") {
         Some(Value::Float(fuzz)) => *fuzz,
@@ -82,7 +82,7 @@ fn metal(object: &mut Object, extensions: Extensions) {
     }
     let mut whole = object.clone();
     if !has_color {
-        // What `metal` means without a colour.
+        // This is the meaning of `metal` without a colour.
         whole = whole.with("specular_reflectance", Value::Rgb(Vec3::splat(0.5)));
     }
     whole = whole.with("material", Value::String("none".to_owned()));

@@ -16,10 +16,10 @@ use crate::scene::assets::scene_asset::load_document;
 use crate::scene::read::{self, settle};
 use crate::scene::{SceneDescription, loading, rebase};
 
-/// Files that change between reading and replacing them are read again so many times.
+/// The number of times that files are read again which change between reading and replacing them.
 const MOST_ATTEMPTS: usize = 5;
 
-/// As [`save_with`] and [`OnChange::Refuse`].
+/// Saves as [`save_with`] and [`OnChange::Refuse`].
 pub fn save(world: &mut World, path: &Path) -> Result<Option<String>, SaveError> {
     save_with(world, path, OnChange::Refuse)
 }

@@ -39,10 +39,10 @@ fn spectrum<'s>(child: &'s Child, named: &'s HashMap<SmolStr, Object>) -> Option
     }
 }
 
-/// `own_role`: of the object, if it is a spectrum.
+/// Replaces spectra by colours. `own_role` is that of the object, if it is a spectrum.
 fn replace(object: &mut Object, named: &HashMap<SmolStr, Object>, own_role: Role) {
     let owner = object.category;
-    // Of a `d65` it is the colour, whatever its name.
+    // The parameter of a `d65` is its colour, whatever its name.
     let is_d65 = owner == Category::Texture && object.plugin == D65;
     let inside = is_d65.then(|| ("color", inside_d65(own_role)));
     let mut colors = Vec::new();

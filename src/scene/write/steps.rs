@@ -1,14 +1,14 @@
-//! Another transform in the steps of the one that the file has: as few numbers as possible change.
+//! Expresses a changed transform in the steps that the file has, so that as few numbers as possible change.
 
 use bevy::math::{Affine3A, Vec3};
 
 use crate::document::TransformOp;
 use crate::scene::encode::poses::short;
 
-/// How far a map and its steps may be apart, relative to its largest element; numbers that differ by less are the same.
+/// The most that a map and its steps may differ, relative to its largest element; numbers that differ by less are the same.
 const SAME: f32 = 1e-5;
 
-/// What `now` does, said as much as possible as `old` says it.
+/// The steps of `now`, with as many steps of `old` as possible.
 pub fn revised(old: &[TransformOp], now: &[TransformOp]) -> Vec<TransformOp> {
     let map = TransformOp::compose(now);
     let exact = looking(old, &map);
@@ -37,7 +37,7 @@ fn moved(old: &[TransformOp], map: &Affine3A) -> Option<Vec<TransformOp>> {
             steps.pop();
             Some(by)
         }
-        // Its own numbers change.
+        // The numbers of the step itself change.
         Some(TransformOp::LookAt { .. }) if steps.len() == 1 => return None,
         _ => None,
     };
