@@ -17,7 +17,7 @@ pub(super) fn follow_mesh_files(
 ) {
     for (entity, shape, current) in &shapes {
         match &shape.kind {
-            // Without a file the mesh is one that the program has made.
+            // A mesh without a file is one that the program has made.
             ShapeKind::Mesh(file) if file.path.as_os_str().is_empty() => {}
             ShapeKind::Mesh(file) => {
                 let handle = MeshHandle(server.load(AssetPath::from_path_buf(file.path.clone())));
@@ -71,7 +71,7 @@ pub(super) fn report_meshes(
     uses.sort_by_key(|(_, (order, ..))| **order);
     let mut errors = Vec::new();
     let mut warnings = Vec::new();
-    // What is the file's is told once, whichever of its shapes are used.
+    // The warnings of a file are told once, whichever of its shapes are used.
     let (mut failed, mut loading) = (HashSet::new(), HashSet::new());
     for ((id, index), (_, mesh, authored)) in uses {
         let problem = |property: &str, what: &str| {

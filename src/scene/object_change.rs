@@ -1,5 +1,5 @@
-//! What one edit changed of an entity: only the components that differ, before and after. This is what the history of the editor keeps, and
-//! most of its memory: a whole [`ObjectState`] is some kilobytes, one changed component mostly a hundred bytes.
+//! The change of an entity by one edit: only the components that differ, before and after. This is what the history of the editor keeps, and most
+//! of its memory: a whole [`ObjectState`] is some kilobytes, one changed component mostly a hundred bytes.
 
 use bevy::prelude::*;
 
@@ -9,7 +9,7 @@ use super::{
     ObjectState, Placements, SceneId, SecondNested, Sensor, Shape, ShapeGroup, ShapeKind, ToWorld, UsesMaterial,
 };
 
-/// Which of the two states of a change.
+/// The side of a change: the state before or after it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     Before,
@@ -91,7 +91,7 @@ impl Part {
 
     /// An estimate of what the values have allocated. Placements count as if nothing else held them.
     fn heap_bytes(&self) -> usize {
-        /// Of a texture with its path.
+        /// The size of a texture with its path.
         const TEXTURE: usize = 256;
         fn sum<C>(values: &[Option<C>; 2], bytes: impl Fn(&C) -> usize) -> usize {
             values.iter().flatten().map(bytes).sum()
@@ -149,8 +149,8 @@ impl ObjectChange {
         self.parts.is_empty()
     }
 
-    /// Brings the changed components to one side; the others stay, also those that a file has changed meanwhile. What a file took away since
-    /// stays away.
+    /// Sets the changed components to their state on one side. The others stay as they are, even if a file has changed them. What a file has
+    /// removed since stays removed.
     pub fn write(&self, world: &mut World, entity: Entity, side: Side) {
         let [from, to] = match side {
             Side::Before => [self.is_there[1], self.is_there[0]],
@@ -160,7 +160,7 @@ impl ObjectChange {
             return;
         }
         if !to {
-            // With everything that others gave it meanwhile.
+            // What others gave it in the meantime is removed as well.
             return ObjectState::default().write(world, entity);
         }
         for part in &self.parts {

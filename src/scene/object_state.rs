@@ -86,13 +86,13 @@ pub(super) use with_components;
 
 with_components!(object_state);
 
-/// What came of three states.
+/// The result of merging three states.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Merged {
     pub state: ObjectState,
-    /// Something is as the editor left it, against the file.
+    /// Something is as the editor left it, unlike in the file.
     pub kept: bool,
-    /// Something was edited on both sides; the file won.
+    /// Something was edited on both sides, and the file's state was taken.
     pub replaced: bool,
 }
 
@@ -114,7 +114,7 @@ impl ObjectState {
         }
     }
 
-    /// As [`Self::is_there`], of an entity.
+    /// Whether an entity is in the scene, as [`Self::is_there`].
     pub fn is_in_scene(world: &World, entity: Entity) -> bool {
         world.get_entity(entity).is_ok_and(|entity| {
             entity.contains::<Shape>()
@@ -135,7 +135,7 @@ impl ObjectState {
     }
 }
 
-/// By insertion, since relationships cannot be changed in place.
+/// Writes a component by insertion, since relationships cannot be changed in place.
 pub(super) fn write_component<C: Component + Clone + PartialEq>(world: &mut World, entity: Entity, value: &Option<C>) {
     let Ok(mut entity) = world.get_entity_mut(entity) else {
         return;

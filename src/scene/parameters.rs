@@ -12,7 +12,7 @@ use crate::color::Rgb;
 pub trait ParameterVisitor {
     /// A share of the light, 0 to 1.
     fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>);
-    /// A colour that is no direction's business: not negative, without upper bound.
+    /// A colour that is not a direction's: it is not negative, and has no upper bound.
     fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>);
     fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>);
     /// A height in units of the scene: a texture, to which the format gives no name ([`HEIGHT`] in files that are written).
@@ -37,7 +37,7 @@ pub trait ParameterVisitor {
     fn principled_index(&mut self, value: &mut PrincipledIndex);
 }
 
-/// What the texture of a bump map is called where it has no name.
+/// The name of a bump map's texture where the file gives none.
 pub const HEIGHT: &str = "height";
 /// The texture of a normal map.
 pub const NORMALS: &str = "normalmap";
@@ -61,7 +61,7 @@ pub enum Ior {
     Number(f32),
 }
 
-/// How the normals of a rough surface's facets are distributed.
+/// The distribution of the normals of a rough surface's facets.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Distribution {
     Beckmann,
@@ -72,7 +72,7 @@ pub enum Distribution {
 #[derive(Reflect, Clone, Debug, PartialEq)]
 pub enum Roughness {
     Isotropic(Parameter<f32>),
-    /// Along the two tangents.
+    /// The roughness along each of the two tangents.
     Anisotropic {
         u: Parameter<f32>,
         v: Parameter<f32>,
@@ -85,7 +85,7 @@ impl Default for Roughness {
     }
 }
 
-/// How strongly a principled surface reflects head on.
+/// The reflectance of a principled surface at normal incidence.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 pub enum PrincipledIndex {
     /// The reflectance over 0.08, in [0, 1].

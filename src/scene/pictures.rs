@@ -1,4 +1,5 @@
-//! Picture files follow the textures and environments that name them: each is loaded once however often it is used, and let go when nobody does.
+//! Loads the picture files that textures and environments name. Each is loaded once however often it is used, and released when it is no longer
+//! used.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -16,7 +17,7 @@ use super::{AreaLight, Emitter, Material, MeshHandle, Parameter, SceneStatus, Te
 pub struct Pictures(BTreeMap<PathBuf, Handle<TextureMap>>);
 
 impl Pictures {
-    /// The picture's asset, which may still be on its way; None for a path that nobody names.
+    /// The picture's asset, which may still be loading; None for a path that nothing names.
     pub fn get(&self, path: &Path) -> Option<&Handle<TextureMap>> {
         self.0.get(path)
     }
@@ -34,7 +35,7 @@ type PictureNamesChanged = Or<(
     Changed<AreaLight>,
 )>;
 
-/// What may change which pictures are named.
+/// The things that name pictures, with their changes.
 #[derive(SystemParam)]
 pub(super) struct PictureNews<'w, 's> {
     changed: Query<'w, 's, (), PictureNamesChanged>,
@@ -124,7 +125,7 @@ pub(super) fn report_pictures(
     for (path, handle) in &pictures.0 {
         let say = |what: String| file.picture_problem(path, &what);
         match server.load_state(handle) {
-            // For a scene that may not read it, it is as if there were no such picture.
+            // If the scene may not read the picture, the message is the same as for one that does not exist.
             LoadState::Failed(error) => match path.exists() && !is_refused_picture(&error) {
                 true => damaged.push(say(cause(&error))),
                 false => missing.push(say(cause(&error))),
@@ -155,7 +156,7 @@ pub(super) fn report_pictures(
     }
 }
 
-/// The warning about a light's picture that has so many negative pixels.
+/// The warning about a light's picture with this number of negative pixels.
 pub(super) fn negative_light(pixels: usize) -> String {
     match pixels {
         1 => "1 pixel is negative: as light it counts as zero".into(),

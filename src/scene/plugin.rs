@@ -1,4 +1,4 @@
-//! Everything of the scene an app needs: types, assets, and the systems between files and entities.
+//! The plugin with everything of the scene that an app needs: types, assets, and the systems between files and entities.
 
 use bevy::asset::{AssetApp, AssetTrackingSystems};
 use bevy::prelude::*;
@@ -31,12 +31,12 @@ pub fn asset_plugin() -> AssetPlugin {
     }
 }
 
-/// In `PreUpdate`, in this order, after the asset server has put in what it read.
+/// The systems in `PreUpdate`, in this order, after the asset server has stored what it read.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SceneSystems {
     /// Files asked for or changed are handed to the asset server.
     Request,
-    /// What it has read becomes entities.
+    /// The scene that was read becomes entities.
     Apply,
     /// Handles of meshes and pictures follow who names them; the status is brought up to date.
     Follow,

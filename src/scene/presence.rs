@@ -1,13 +1,13 @@
-//! Which of the watched files have gone from the disk.
+//! Notices which of the watched files have gone from the disk.
 //!
-//! Text editors save by putting another file in the place of the old one, so that it is not there for a moment: a file is gone only when it
-//! stays away. One that never was there is not gone either; whoever asks for it says that it is missing.
+//! Text editors save by replacing the file, so that it does not exist for a moment: a file is gone only when it stays away. A file that never
+//! existed is not gone either; its reader says that it is missing.
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// So long a file may be away while it is saved.
+/// The time for which a file may be away while it is saved.
 const GRACE: Duration = Duration::from_millis(500);
 
 #[derive(Debug, Default)]
@@ -32,7 +32,7 @@ impl Presence {
         }
     }
 
-    /// In the order of their names.
+    /// The files that are gone, in the order of their names.
     pub fn gone(&self) -> Vec<PathBuf> {
         let gone = self
             .away

@@ -97,7 +97,7 @@ pub struct PrincipledThin {
     pub sheen: Parameter<f32>,
     pub sheen_tint: Parameter<f32>,
     pub flatness: Parameter<f32>,
-    /// Twice the share of diffuse light that passes: in [0, 2].
+    /// Twice the share of diffuse light that is transmitted, in [0, 2].
     pub diff_trans: Parameter<f32>,
     pub specular_reflectance_sampling_rate: f32,
     pub specular_transmittance_sampling_rate: f32,

@@ -1,4 +1,4 @@
-//! After saving, the file says what was written: the entities are what is written there from now on, whether they were read or made here.
+//! Updates the known state of the file after saving: the entities are what is written there, whether they were read or made here.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -88,7 +88,7 @@ pub(super) fn rebase(world: &mut World, scene: &SceneDescription, entities: &Ent
     world.insert_resource(base);
 }
 
-/// For each of the written things which of the known ones it is: of the same id, or else the next without one that is alike.
+/// Finds for each written thing the known one that it is: the one with the same id, or else the next one without an id that is alike.
 fn pairs<T>(
     known: &[T],
     written: &[T],

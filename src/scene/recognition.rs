@@ -1,10 +1,10 @@
-//! Which of the things that a file has now it had before, where no ids tell: a longest common subsequence of what is equal, and between those
-//! what stands in the same place, as comparisons of texts do it (Hunt and McIlroy, "An Algorithm for Differential File Comparison", 1976).
+//! Recognises things of a file that have no ids after the file has changed. A longest common subsequence pairs those that are equal, and what lies
+//! between is paired by its place, as in comparisons of texts (Hunt and McIlroy, "An Algorithm for Differential File Comparison", 1976).
 
 /// The comparisons that one list may take; beyond it only its ends are compared.
 const MOST_COMPARISONS: usize = 4_000_000;
 
-/// For each thing of `now` its place in `before`, ascending; None for those that are new.
+/// The place in `before` of each thing of `now`, ascending; None for those that are new.
 pub(super) fn recognised<T: PartialEq>(before: &[T], now: &[T]) -> Vec<Option<usize>> {
     let head = before.iter().zip(now).take_while(|(a, b)| a == b).count();
     let tails = before[head..].iter().rev().zip(now[head..].iter().rev());
@@ -17,7 +17,7 @@ pub(super) fn recognised<T: PartialEq>(before: &[T], now: &[T]) -> Vec<Option<us
             .map(|(a, b)| (head + a, head + b)),
     );
     pairs.extend((0..=tail).rev().map(|left| (before.len() - left, now.len() - left)));
-    // Of what lies between two pairs the first is the first. The last pair is behind the ends.
+    // Between two pairs, things are paired in order. The last pair is behind the ends.
     let mut found = Vec::with_capacity(now.len());
     let mut next = 0;
     for (a, b) in pairs {
@@ -39,7 +39,7 @@ fn common_subsequence<T: PartialEq>(a: &[T], b: &[T]) -> Vec<(usize, usize)> {
     if a.len().saturating_mul(b.len()) > MOST_COMPARISONS {
         return Vec::new();
     }
-    // Of the rests from (i, j) on.
+    // The length of the longest common subsequence of the rests from (i, j) on.
     let width = b.len() + 1;
     let mut lengths = vec![0u32; (a.len() + 1) * width];
     for i in (0..a.len()).rev() {

@@ -19,9 +19,9 @@ pub struct SceneFile {
     pub(super) path: PathBuf,
     /// None once it was read, or could not be.
     pub(super) asked: Option<Asked>,
-    /// What the spans of the entities' sources point into.
+    /// The texts that the spans of the entities' sources point into.
     pub(super) good_diagnostics: Arc<Diagnostics>,
-    /// Into the same.
+    /// The places of pictures in the same texts.
     pub(super) picture_places: PicturePlaces,
     /// It was written here, and nothing has been read of it since: what arrives may have been read before.
     pub(super) was_written: bool,
@@ -34,7 +34,7 @@ pub struct SceneFile {
 pub(super) struct Asked {
     pub handle: Handle<SceneAsset>,
     pub path: PathBuf,
-    /// What was edited since the file was last read stays.
+    /// Whether edits since the file was last read are kept.
     pub keeps_edits: bool,
 }
 
@@ -53,12 +53,12 @@ impl SceneFile {
         self.is_held
     }
 
-    /// What becomes of the file that the entities were read from is of no interest any more.
+    /// Stops following the file that the entities were read from.
     pub fn leave(&mut self) {
         (self.handle, self.path) = (None, PathBuf::new());
     }
 
-    /// What is wrong with a picture, at the place where it is named first, if the file names it.
+    /// A problem with a picture, at the place where it is named first, if the file names it.
     pub(super) fn picture_problem(&self, path: &Path, what: &str) -> FileProblem {
         let what = format!("picture {}: {what}", path.display());
         let span = self.picture_places.get(path).copied();

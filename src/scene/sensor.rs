@@ -17,7 +17,7 @@ pub struct Sensor {
     /// Distances along the view axis between which things are seen.
     pub near_clip: f32,
     pub far_clip: f32,
-    /// How far the picture is moved over the image plane, in parts of its width and height: right and down are positive.
+    /// The offset of the picture in the image plane, in parts of its width and height; right and down are positive.
     pub principal_point_offset: Vec2,
 }
 
@@ -39,7 +39,7 @@ pub enum Lens {
     /// `perspective`
     #[default]
     Pinhole,
-    /// `thinlens`: sharp in the plane at `focus_distance` along the view axis.
+    /// `thinlens`: the picture is sharp in the plane at `focus_distance` along the view axis.
     Thin {
         aperture_radius: f32,
         focus_distance: f32,
@@ -77,7 +77,7 @@ impl FovAxis {
     }
 }
 
-/// What a sensor records on, and how many samples the file asks for.
+/// The film of a sensor, and the number of samples that the file asks for.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, PartialEq)]
 pub struct Film {
@@ -206,7 +206,7 @@ pub fn find_camera(world: &mut World, wanted: &str) -> Result<Entity, NoSuchCame
 #[error("there is no camera `{wanted}`; {}", known(names))]
 pub struct NoSuchCamera {
     pub wanted: String,
-    /// Of all cameras of the scene.
+    /// The names of all cameras of the scene.
     pub names: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! How the scene is to be rendered: what the file's `integrator` and `sampler` say, and the switches for comparing methods.
+//! The settings of rendering: the file's `integrator` and `sampler`, and the switches for comparing methods.
 
 use bevy::prelude::*;
 
@@ -8,7 +8,7 @@ use bevy::prelude::*;
 pub struct IntegratorSettings {
     /// Longest path in segments: 1 shows emitters only, 2 adds direct light; None is unbounded.
     pub max_depth: Option<u32>,
-    /// From this depth on paths may be ended by Russian roulette, see [`crate::render::view::PathSettings`].
+    /// The depth from which on paths may be ended by Russian roulette, see [`crate::render::view::PathSettings`].
     pub rr_depth: u32,
     /// Emitters are not seen by the camera directly.
     pub hide_emitters: bool,
@@ -39,7 +39,7 @@ pub enum Strategy {
     Mis,
 }
 
-/// Where random numbers come from.
+/// The source of random numbers.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, PartialEq)]
 pub struct SamplerSettings {
@@ -56,7 +56,7 @@ pub enum Sequence {
     Independent,
 }
 
-/// How the acceleration structures are built.
+/// The method by which the acceleration structures are built.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, PartialEq)]
 pub enum AccelMethod {

@@ -17,7 +17,7 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Where it is in its own space, as users know it: the centre of a sphere, of others the origin.
+    /// The middle of the shape in its own space, as users know it: the centre of a sphere, the origin for others.
     pub fn middle(&self) -> Vec3 {
         match self.kind {
             ShapeKind::Sphere { center, .. } => center,
@@ -77,7 +77,7 @@ pub struct MeshFile {
     /// Absolute path.
     pub path: PathBuf,
     pub format: MeshFormat,
-    /// Which of a serialized file's shapes, from 0.
+    /// The index of the shape in a serialized file, from 0.
     pub shape_index: u32,
     /// Shade with the triangles' own normals, not the vertices'.
     pub face_normals: bool,
@@ -95,7 +95,7 @@ pub enum MeshFormat {
 }
 
 impl MeshFormat {
-    /// What `flip_tex_coords` is where the scene does not say it.
+    /// The value of `flip_tex_coords` where the scene does not give it.
     pub fn flips_tex_coords(self) -> bool {
         self == Self::Obj
     }

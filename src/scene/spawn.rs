@@ -1,8 +1,8 @@
-//! A description becomes entities, or changes those that are there: only what differs is written, so that a reload of an unchanged file
-//! marks nothing as changed.
+//! Turns a description into entities, or changes those that exist. Only what differs is written, so that a reload of an unchanged file marks
+//! nothing as changed.
 //!
-//! What the file said of things when it was last read or written is remembered: of what changed on both sides the file wins, everything
-//! else that was edited stays.
+//! The description of the file as it was last read or written is remembered. What changed on both sides is taken from the file, and every other
+//! edit stays.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -78,7 +78,7 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
         };
         now.write(world, entity);
         set_authored(world, entity, thing.identity(scene).authored.as_ref());
-        // What was edited since stays an edit.
+        // What was edited since the last reading stays an edit.
         let here = match known {
             Some(known) if ours == now => base.state_then(known),
             _ => now,
@@ -97,7 +97,7 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
         }
         let is_untouched = ours.for_file().unordered() == base.state_then(thing).for_file().unordered();
         if is_untouched && !is_needed(world, entity, &is_gone) {
-            // Without components it can come back when an edit of it is taken back.
+            // The entity loses its components but stays, so that it can come back when its edit is undone.
             ObjectState::default().write(world, entity);
             summary.removed += 1;
         } else {
@@ -109,7 +109,7 @@ pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary
     new_base.entities = entities;
     world.insert_resource(new_base);
     if watched.is_some() && looked_from(world) != watched {
-        // Whoever moves the camera in the file wants to see from there.
+        // A user who moves the camera in the file wants to see from there.
         world.insert_resource(FreeView::default());
     }
     if world.get_resource::<AuthoredScene>() != Some(&scene.remains) {
@@ -193,7 +193,7 @@ fn is_in_order(world: &World, scene: &SceneDescription, entities: &Entities) -> 
     places.is_sorted_by(|a, b| a.1 < b.1)
 }
 
-/// What a thing is after the file said `theirs`, and it is `ours` here. `known`: the thing in `base`.
+/// The merged state of a thing, of which the file now says `theirs`, and which is `ours` here. `known` is the thing in `base`.
 fn taken_over(
     base: &FileBase,
     known: Thing,

@@ -1,4 +1,4 @@
-//! Which scene is open, how its loading went, and the request to open another.
+//! The state of the open scene and of its loading, and the request to open another.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -16,7 +16,7 @@ pub struct OpenScene {
     pub path: PathBuf,
     /// Values for the file's `$name` parameters; they win over its `<default>`s.
     pub defines: Vec<(String, String)>,
-    /// Of the file that is open already: what was edited since it was read stays, as when it changes on disk. Otherwise edits are lost.
+    /// Whether edits since the file was read are kept if it is the open file, as they are when it changes on disk. Otherwise they are lost.
     pub keeps_edits: bool,
 }
 
@@ -26,7 +26,7 @@ pub struct FileReadAgain(pub PathBuf);
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SceneState {
-    /// Nothing has been asked for.
+    /// Nothing has been opened.
     #[default]
     Empty,
     /// A scene is being read for the first time; entities may still be those of the one before.
@@ -37,11 +37,11 @@ pub enum SceneState {
     Failed,
 }
 
-/// What is wrong with a mesh or a picture of the scene.
+/// A problem with a mesh or a picture of the scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FileProblem {
     pub path: PathBuf,
-    /// Where the scene file names it, in the diagnostics of the last good load.
+    /// The place where the scene file names it, in the diagnostics of the last good load.
     pub span: Option<Span>,
     /// One sentence that begins with the file.
     pub what: String,
@@ -71,15 +71,15 @@ pub struct SceneStatus {
     pub path: Option<PathBuf>,
     /// The file asked for last, absolute, while it is being read and after it could not be.
     pub asked: Option<PathBuf>,
-    /// The file of `path` cannot be read as it is now: somebody is at work on it.
+    /// Whether the file of `path` cannot be read as it is now, such as while it is being edited.
     pub file_is_broken: bool,
     pub state: SceneState,
-    /// Of the last attempt, failed or not.
+    /// The diagnostics of the last attempt, failed or not.
     pub diagnostics: Arc<Diagnostics>,
     /// Mesh files that could not be read, each once. The shapes that name them are not in the picture, or are still what the last good file made
     /// them.
     pub mesh_errors: Vec<FileProblem>,
-    /// What the mesh readers left out or mended.
+    /// Warnings of the mesh readers about what they left out or mended.
     pub mesh_warnings: Vec<FileProblem>,
     /// Meshes whose first load is not over.
     pub meshes_loading: usize,
@@ -95,11 +95,11 @@ pub struct SceneStatus {
     pub files_gone: Vec<PathBuf>,
     /// Counts successful loads and reloads.
     pub revision: u64,
-    /// Counts those that failed.
+    /// The number of attempts that failed.
     pub failures: u64,
     /// The last successful load was of a scene newly opened, not a reload of the one that was there.
     pub fresh_load: bool,
-    /// What the last reload did.
+    /// The changes by the last reload.
     pub reload: ReloadSummary,
 }
 
@@ -114,7 +114,7 @@ impl SceneStatus {
         self.meshes_loading + self.pictures_loading
     }
 
-    /// Every entity is there and every mesh and picture has arrived or failed.
+    /// Whether every entity is there and every mesh and picture has arrived or failed.
     pub fn is_complete(&self) -> bool {
         self.state == SceneState::Ready && self.files_loading() == 0
     }
@@ -136,7 +136,7 @@ impl SceneStatus {
         all
     }
 
-    /// Something is missing that the files ask for. Pictures that cannot be read do not count: the rest is worth seeing.
+    /// Whether something is missing that the files ask for. Pictures that cannot be read do not count, since the rest is worth seeing.
     pub fn has_errors(&self) -> bool {
         self.state == SceneState::Failed || self.diagnostics.has_errors() || !self.mesh_errors.is_empty()
     }
@@ -151,12 +151,12 @@ pub struct ActiveSensor(pub Option<Entity>);
 pub struct FreeView {
     /// World from camera, as a sensor's [`super::ToWorld`]; None is the sensor's own.
     pub pose: Option<Affine3A>,
-    /// In place of the sensor's; None is its own.
+    /// The lens that replaces the sensor's; None is the sensor's own.
     pub lens: Option<Lens>,
 }
 
 impl FreeView {
-    /// With the sensor's lens.
+    /// A view with the sensor's lens.
     pub fn at(world_from_camera: Affine3A) -> Self {
         Self {
             pose: Some(world_from_camera),
@@ -165,7 +165,7 @@ impl FreeView {
     }
 }
 
-/// What a reload did, in numbers of things.
+/// The numbers of things that a reload changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReloadSummary {
     pub added: usize,

@@ -5,12 +5,12 @@ use bevy::prelude::*;
 use super::emitter_parameters::{EmitterVisitor, POSITIVE, PlaceAndTime, SunPosition};
 use crate::color::Rgb;
 
-/// `sunsky`: a clear day; +z is up.
+/// `sunsky`: the sky of a clear day; +z is up.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 pub struct SunSky {
     /// Haziness, 1 to 10.
     pub turbidity: f32,
-    /// Of the ground.
+    /// The albedo of the ground.
     pub albedo: Rgb,
     pub sun: SunPosition,
     /// Factors on the radiance of each.

@@ -120,7 +120,7 @@ pub enum TextureFilter {
     Bilinear,
 }
 
-/// What lies outside of the unit square.
+/// The continuation of a picture outside of the unit square.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TextureWrap {
     #[default]

@@ -23,10 +23,10 @@ use super::read::settle;
 use super::scene_file::SceneFile;
 use super::{FileReadAgain, MeshHandle, SceneStatus, Shape, ShapeKind, TextureMap, TriangleMesh};
 
-/// Events are held back so long: one save is one event.
+/// The time for which events are held back, so that one save is one event.
 const DEBOUNCE: Duration = Duration::from_millis(100);
 
-/// A reload that tells nothing for so long is thought lost.
+/// A reload without any message for this time is thought to be lost.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// The watch, and what is watched for.
@@ -36,7 +36,7 @@ pub struct SceneWatch {
     /// Set when the system refuses to watch; hot reload is off then.
     pub error: Option<String>,
     folders: HashSet<PathBuf>,
-    /// Per file that matters, the assets to reload when it changes.
+    /// The assets to reload when a file changes.
     reloads: HashMap<PathBuf, Vec<PathBuf>>,
     /// Changed, but not yet handed over.
     waiting: HashSet<PathBuf>,
@@ -51,7 +51,7 @@ struct Watcher {
 }
 
 impl SceneWatch {
-    /// Nothing is known to have changed that has not been read again.
+    /// Whether all files that are known to have changed have been read again.
     pub fn is_idle(&self) -> bool {
         self.waiting.is_empty() && self.on_their_way.is_empty()
     }
@@ -74,7 +74,7 @@ impl SceneWatch {
         }
     }
 
-    /// Watches the folders of all files that matter; of those that do not exist, the nearest folder above that does.
+    /// Watches the folders of all files that matter, or the nearest folder above for those that do not exist.
     fn watch_folders(&mut self) {
         let Some(watcher) = &mut self.watcher else {
             return;
@@ -166,7 +166,7 @@ pub(super) fn report_gone_files(watch: Res<SceneWatch>, mut status: ResMut<Scene
     }
 }
 
-/// What the asset server tells of one kind of asset.
+/// The messages of the asset server about one kind of asset.
 #[derive(SystemParam)]
 pub(super) struct Arrivals<'w, 's, A: Asset> {
     events: MessageReader<'w, 's, AssetEvent<A>>,
@@ -174,7 +174,7 @@ pub(super) struct Arrivals<'w, 's, A: Asset> {
 }
 
 impl<A: Asset> Arrivals<'_, '_, A> {
-    /// What has arrived or failed is not on its way any more. Returns what was waited for and has arrived.
+    /// Removes what has arrived or failed from the list of what is being loaded. Returns what was waited for and has arrived.
     fn take_in(&mut self, watch: &mut SceneWatch, server: &AssetServer) -> Vec<PathBuf> {
         let mut arrived = Vec::new();
         for event in self.events.read() {
@@ -200,7 +200,7 @@ pub(super) fn reload_changed_files(
     mut pictures: Arrivals<TextureMap>,
     mut read_again: MessageWriter<FileReadAgain>,
 ) {
-    // What a scene brings is told where it is taken in.
+    // Messages about a scene are sent where it is applied.
     scenes.take_in(&mut watch, &server);
     let meshes = meshes.take_in(&mut watch, &server);
     let pictures = pictures.take_in(&mut watch, &server);

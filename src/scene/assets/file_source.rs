@@ -33,7 +33,7 @@ struct FileSource {
 
 impl AssetReader for FileSource {
     async fn read<'a>(&'a self, path: &'a Path) -> Result<impl Reader + 'a, AssetReaderError> {
-        // What a scene may not read is refused by the loaders, whether it exists or not.
+        // Loaders refuse what a scene may not read, whether it exists or not.
         if !self.access.get().covers(path) {
             return Ok(VecReader::new(Vec::new()));
         }

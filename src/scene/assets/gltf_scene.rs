@@ -13,7 +13,7 @@ use crate::gltf::files::take_apart;
 use crate::gltf::scene::Imported;
 use crate::gltf::{Gltf, GltfError};
 
-/// Of a glTF file, and of each file that it names: the length of the binary container is 32 bits wide.
+/// The most bytes of a glTF file, and of each file that it names: the length in the binary container has 32 bits.
 const MAX_GLTF_BYTES: u64 = 4 << 30;
 
 /// Whether a file is opened by [`import`]: its content or else its name says so.
@@ -21,7 +21,7 @@ pub fn is_gltf(bytes: &[u8], path: &Path) -> bool {
     Gltf::is_gltf(bytes) || is_called_gltf(path)
 }
 
-/// By its name.
+/// Whether the name of the file is that of a glTF file.
 pub fn is_called_gltf(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     extension == "gltf" || extension == "glb"
@@ -102,7 +102,7 @@ mod tests {
         ] {
             let path = folder.path().join(name);
             let file = fs::File::create(&path).expect(name);
-            // Without content, which takes no place on the disk.
+            // It has no content, so that it takes no space on the disk.
             file.set_len(limit).expect(name);
             files::check(&path, largest(&path)).expect(name);
             file.set_len(limit + 1).expect(name);

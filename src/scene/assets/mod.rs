@@ -41,7 +41,7 @@ pub fn is_refused_picture(error: &AssetLoadError) -> bool {
     matches!(error, Some(TextureMapError::File(FileError::Outside)))
 }
 
-/// What a loader says. Bevy's own text would go on with a backtrace wherever the environment asks for them.
+/// The message of a loader. Bevy's own text would include a backtrace where the environment asks for one.
 fn message(error: &BevyError) -> String {
     said::<MeshLoadError>(error)
         .or_else(|| said::<TextureMapError>(error))
