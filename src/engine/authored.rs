@@ -1,4 +1,4 @@
-//! What extraction reads of the world, and how lists of it are packed in the order of the file.
+//! The queries by which extraction reads the world, and the order of the file for lists of it.
 
 use bevy::asset::AssetServer;
 use bevy::ecs::system::SystemParam;
@@ -130,7 +130,7 @@ impl Authored<'_, '_> {
     }
 }
 
-/// What a message calls an entity.
+/// The name of an entity in messages.
 pub(super) fn name_of(kind: &str, order: DocumentOrder, id: Option<&SceneId>) -> String {
     match id {
         Some(SceneId(id)) => format!("{kind} \"{id}\""),

@@ -25,7 +25,7 @@ pub(super) enum MeshKey {
     Asset {
         id: AssetId<TriangleMesh>,
         shape_index: u32,
-        /// With the texture coordinates of the asset turned over.
+        /// Whether the texture coordinates of the asset are flipped.
         upside_down: bool,
     },
     Cube,
@@ -55,10 +55,10 @@ pub(super) enum BuildError {
 }
 
 struct Entry {
-    /// What was asked for last.
+    /// The mesh that was asked for last.
     data: Arc<MeshData>,
     method: SplitMethod,
-    /// What is there; of older data while a build is running.
+    /// The hierarchy, maybe of older data while a build is running.
     built: Option<BuiltMesh>,
     /// The build that is running.
     ticket: Option<u64>,
@@ -99,12 +99,12 @@ impl Default for BlasCache {
     }
 }
 
-/// How a mesh that is not there yet shall be built.
+/// The way to build a mesh that has no hierarchy yet.
 #[derive(Clone)]
 pub(super) struct BuildPolicy {
     pub method: SplitMethod,
     pub threads: usize,
-    /// On the spot, however long it takes.
+    /// Whether to wait for the build, however long it takes.
     pub wait: bool,
     pub wake_up: WakeUp,
 }
@@ -123,7 +123,7 @@ impl BlasCache {
         let mut any = false;
         while let Ok(Finished { key, ticket, result }) = self.finished.try_recv() {
             let Some(entry) = self.entries.get_mut(&key).filter(|entry| entry.ticket == Some(ticket)) else {
-                // Superseded, or nobody needs it any more.
+                // The result is superseded or no longer needed.
                 continue;
             };
             entry.finish(result);
@@ -145,7 +145,7 @@ impl BlasCache {
         self.entries.values().filter_map(|entry| entry.built.as_ref())
     }
 
-    /// Between this and [`Self::end_use`] everything in use is asked for.
+    /// Marks the begin of the use. Everything in use must be asked for before [`Self::end_use`].
     pub fn begin_use(&mut self) {
         self.entries.values_mut().for_each(|entry| entry.used = false);
     }
@@ -201,7 +201,7 @@ impl BlasCache {
             let (sender, wake_up) = (self.sender.clone(), policy.wake_up.clone());
             let task = move || {
                 let result = build(data, upside_down, method, similar);
-                // Nobody is left to hear of it when the application ends.
+                // The receiver is gone when the application ends.
                 let _ = sender.send(Finished { key, ticket, result });
                 if let Some(wake) = wake_up.0 {
                     wake();
@@ -226,7 +226,7 @@ impl BlasCache {
         }
     }
 
-    /// The pool of so many threads, in place of one with another number.
+    /// The pool with this number of threads. It replaces one with another number.
     fn pool(&mut self, threads: usize) -> Result<&ThreadPool, ThreadPoolBuildError> {
         let pool = match self.pool.take() {
             Some(pool) if pool.current_num_threads() == threads => pool,
@@ -249,7 +249,7 @@ impl Entry {
     }
 }
 
-/// `similar`: what the mesh was before, built in the same way.
+/// Builds a hierarchy. `similar` is that of the mesh before, built in the same way.
 fn build(
     mut data: Arc<MeshData>,
     upside_down: bool,

@@ -12,14 +12,14 @@ use super::renderer::Renderer;
 use super::status::{RenderState, RenderStatus};
 use crate::scene::{SceneState, SceneStatus};
 
-/// When to stop.
+/// The limits of loading and rendering.
 #[derive(Clone, Debug)]
 pub struct Limits {
     /// Samples per pixel; None is what [`RenderControl`] or the scene says.
     pub samples: Option<u32>,
     /// Rendering time (loading and building do not count). The pass that is under way is finished unless that takes long.
     pub time: Option<Duration>,
-    /// For loading the scene and its meshes.
+    /// The time limit for loading the scene and its meshes.
     pub loading: Duration,
     /// Set from outside (Ctrl-C) to stop as soon as possible.
     pub cancel: Arc<AtomicBool>,
@@ -62,15 +62,15 @@ pub enum RenderError {
 
 /// A wait between two looks at what sends no signal.
 const NAP: Duration = Duration::from_millis(2);
-/// Longest wait while workers are busy, so that cancelling and progress are looked at now and then; their results wait so long as well,
-/// for each look takes time from them.
+/// The longest wait while workers are busy. Cancelling and progress are checked in between, and results wait as long, for each check takes time
+/// from the workers.
 const LONGEST_WAIT: Duration = Duration::from_millis(50);
-/// What finishing a pass may take beyond the time limit: this, or this share of the limit.
+/// The time beyond the limit that finishing a pass may take: this, or below this share of the limit.
 const LEAST_GRACE: Duration = Duration::from_secs(1);
 const GRACE_SHARE: f64 = 0.1;
 
-/// Updates the app until the scene and its meshes have been read, whether well or not: [`SceneStatus`] tells of meshes that failed.
-/// Rendering waits meanwhile. A scene that nobody has asked for counts as loaded. False if it was cancelled.
+/// Updates the app until the scene and its meshes have been read or have failed: [`SceneStatus`] tells of meshes that failed. Rendering waits
+/// meanwhile. A scene that nobody has asked for counts as loaded. False if it was cancelled.
 pub fn load_to_completion(app: &mut App, limits: &Limits) -> Result<bool, RenderError> {
     let begin = Instant::now();
     finish_plugins(app);
@@ -122,7 +122,7 @@ fn render_until(
     if limits.samples.is_some() {
         app.world_mut().resource_mut::<RenderControl>().target_samples = limits.samples;
     }
-    // Once time is up: when to break off the pass as well.
+    // Once the time is up: the pass under way, and when to break it off.
     let mut last_pass: Option<(u32, Duration)> = None;
     loop {
         app.update();
@@ -178,7 +178,7 @@ fn stop(app: &mut App, outcome: Outcome) -> Outcome {
     outcome
 }
 
-/// What a runner does before the first update.
+/// Finishes the plugins, as a runner does before the first update.
 fn finish_plugins(app: &mut App) {
     while app.plugins_state() == PluginsState::Adding {
         bevy::tasks::tick_global_task_pools_on_main_thread();

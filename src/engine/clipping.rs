@@ -6,7 +6,7 @@ use crate::render::camera::Camera;
 /// Scenes with more items than this are taken as seen: a warning is not worth the time that the search takes.
 const MOST_ITEMS: u32 = 10_000;
 
-/// What to say if everything in front of the camera lies beyond the far clip plane, or all of it before the near one.
+/// The warning if everything in front of the camera lies beyond the far clip plane, or before the near one.
 pub(super) fn clipping_warning(geometry: &Tlas, camera: &Camera) -> Option<String> {
     let (near, far) = camera.clip_distances();
     let (mut first, mut last) = (f32::INFINITY, 0.0f32);

@@ -31,7 +31,7 @@ pub(super) fn collect_results(
     } else {
         BUDGET_WITHOUT_WINDOW
     };
-    // Before collecting, which may end the run.
+    // This is read before collecting, which may end the run.
     let first_result = job.first_result();
     // Through change detection only if there is something, for the display looks at that.
     let collected = job.collect(film.bypass_change_detection(), Instant::now() + budget, &deferred);

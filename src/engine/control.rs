@@ -1,4 +1,5 @@
-//! What the application asks of the engine. Exposure, tone mapping and what is shown of the film are not here: they need no rendering.
+//! The requests of the application to the engine. Exposure, tone mapping and the shown layer of the film are not here, since they need no
+//! rendering.
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -9,14 +10,14 @@ use bevy::prelude::*;
 /// How, how much and how fast to render. Write a field only when its value differs: a change is looked at once per frame.
 #[derive(Resource, Clone, Debug, PartialEq)]
 pub struct RenderControl {
-    /// No new samples are made; those that are there stay.
+    /// Whether no new samples are made. Those that exist stay.
     pub paused: bool,
     /// Samples per pixel to stop at; None is the sensor film's own `sample_count`. Raising it continues the picture, lowering it keeps
     /// what is there.
     pub target_samples: Option<u32>,
-    /// Samples per pixel that the picture is to have exactly; None is no such demand. It takes the place of `target_samples`, and the limits
-    /// of time and noise do not count. A picture that has more samples, or that was not divided into the passes of an uninterrupted
-    /// render of so many samples, is begun anew: equal scenes give equal bits, whatever was rendered before and however fast.
+    /// The exact number of samples per pixel of the picture; None is no such demand. It takes the place of `target_samples`, and the limits of time
+    /// and noise do not count. A picture that has more samples, or that was not divided into the passes of an uninterrupted render of so many
+    /// samples, is begun anew: equal scenes give equal bits, whatever was rendered before and however fast.
     pub exact_samples: Option<u32>,
     /// Seconds of rendering to stop at, pauses not counted; None is no limit. Like the samples it can be raised and lowered.
     pub time_limit: Option<f32>,
@@ -27,7 +28,7 @@ pub struct RenderControl {
     pub region: Option<Rect>,
     /// Fraction of the film's size that is rendered, in (0, 1].
     pub resolution_scale: f32,
-    /// Of that the fraction that is rendered for now, in (0, 1], while changes follow each other and the picture is to keep up with them.
+    /// The fraction of that resolution that is rendered for now, in (0, 1], while the picture has to keep up with frequent changes.
     pub motion_scale: f32,
     /// Size in pixels that replaces the film's (before `resolution_scale`), as given on the command line.
     pub film_size_override: Option<UVec2>,
@@ -68,18 +69,18 @@ impl Default for RenderControl {
     }
 }
 
-/// What a pixel's value is.
+/// The meaning of a pixel's value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ViewMode {
     /// Radiance by path tracing (albedo, normal and depth come with it).
     #[default]
     Path,
-    /// How many nodes of the acceleration structure the camera ray visits.
+    /// The number of nodes of the acceleration structure that the camera ray visits.
     BvhSteps,
 }
 
-/// When the user's input of this frame arrived; the latency log counts from here. The engine takes it every frame; without it the time
-/// when the engine notices the change is used.
+/// The time at which the user's input of this frame arrived, from which the latency log counts. The engine takes it every frame; without it the
+/// engine uses the time when it notices the change.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct InputStamp(pub Option<Instant>);
 

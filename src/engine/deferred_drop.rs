@@ -13,7 +13,7 @@ pub(super) struct DeferredDrop {
 impl Default for DeferredDrop {
     fn default() -> Self {
         let (sender, receiver) = unbounded::<Box<dyn Send>>();
-        // Without the thread the channel is closed, and what is sent is dropped by the sender.
+        // Without the thread the channel is closed, and the sender drops what it sends.
         let _ = std::thread::Builder::new()
             .name("deferred drop".to_owned())
             .spawn(move || receiver.iter().for_each(drop));

@@ -23,7 +23,7 @@ pub(super) struct Dirty {
     pub materials: bool,
     pub lights: bool,
     pub view: bool,
-    /// When the first of these changes came about.
+    /// The time of the first of these changes.
     pub since: Option<Instant>,
 }
 
@@ -156,9 +156,9 @@ pub(super) fn detect_changes(
         | (shapes.meshes.read().count() > 0)
         | (shapes.failed.read().count() > 0)
         | shapes.method.is_changed();
-    // Of shapes or emitters, which are told apart no more.
+    // Shapes and emitters cannot be told apart here.
     let shown = shapes.shown.read().count() > 0;
-    // Of a shape, an emitter or a sensor; a rare thing.
+    // A shape, an emitter or a sensor lost its pose, which is rare.
     let pose_gone = shapes.poses_gone.read().count() > 0;
     let surfaces =
         !shapes.clad.is_empty() | (shapes.uses_gone.read().count() > 0) | (shapes.lights_gone.read().count() > 0);

@@ -63,7 +63,7 @@ pub(super) fn dispatch_job(
         let since = demand.extracted.since.take();
         let begins = match (control.interactive, &*job) {
             (false, _) => Beginning::Whole,
-            // What was seen from there stays until there are pixels of the other size.
+            // The picture from there stays until there are pixels of the other size.
             (true, Some(old)) if old.samples > 0 && old.is_of_other_size(&demand.extracted.scene, &view) => {
                 Beginning::Whole
             }
@@ -90,7 +90,7 @@ pub(super) fn dispatch_job(
     if let Some(job) = job {
         job.run(pool, &stop, EventLoopWaker::new(&demand.wake_up));
         if !control.interactive && job.failure.is_none() {
-            // Otherwise the last picture stays in the film until the first tile of the new one is there.
+            // The last picture stays in the film until the first tile of the new one has arrived.
             job.begin_in(film.bypass_change_detection());
         }
     }

@@ -1,5 +1,5 @@
-//! The exact half of noticing change: packs the tables that may be out of date, compares them with what is there, and replaces only
-//! those that differ. Entities, handles and names end here.
+//! The exact half of change detection: packs the tables that may be out of date, compares them with the present ones, and replaces only those that
+//! differ. Entities, handles and names end here.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -38,10 +38,10 @@ use crate::scene::{AccelMethod, Film, InstanceOf, MemberOf, MeshHandle, Sensor, 
 use crate::shading::DielectricModel;
 use crate::texture::TextureTable;
 
-/// While things change without pause, this is how long a change waits for the preview of the one before to be seen.
+/// The time for which a change waits, while others follow without pause, until the preview of the change before has been seen.
 const PREVIEW_PATIENCE: Duration = Duration::from_millis(100);
 
-/// What was packed last.
+/// The tables that were packed last.
 #[derive(Resource)]
 pub(super) struct Extracted {
     pub scene: RenderScene,
@@ -51,7 +51,7 @@ pub(super) struct Extracted {
     pub light_groups: Arc<[LightGroup]>,
     /// Samples that the sensor's film asks for.
     pub sample_count: u32,
-    /// When what changed the scene or the view came about; the next job takes it.
+    /// The time of what changed the scene or the view; the next job takes it.
     pub since: Option<std::time::Instant>,
     pub meshes_loading: u32,
     pub triangles: u64,
@@ -61,7 +61,7 @@ pub(super) struct Extracted {
     material_of_entity: Arc<HashMap<Entity, MaterialId>>,
     method: SplitMethod,
     light_sources: Vec<WeightedSource>,
-    /// Whose lights they are, and that as layers of a film.
+    /// The entities that lights belong to, and below the groups as layers of a film.
     owners: Arc<[LightGroup]>,
     layers: LightGroups,
     environments: Environments,
@@ -70,15 +70,15 @@ pub(super) struct Extracted {
     sensor_name: String,
 }
 
-/// What is wrong, by the step that found it, so that a step that is not repeated keeps its findings.
+/// Errors by the step that found them, so that a step that is not repeated keeps its errors.
 #[derive(Default)]
 struct Errors {
     instances: Vec<String>,
-    /// Of groups; found when the hierarchy is built.
+    /// Errors of groups, found when the hierarchy is built.
     placements: Vec<String>,
     surfaces: Vec<String>,
     emitters: Vec<String>,
-    /// Of emitters that the memory budget has no room for.
+    /// Errors of emitters that do not fit into the memory budget.
     shortages: Vec<String>,
     view: Vec<String>,
     /// Messages about clip planes, which depend on the view and on the geometry.
@@ -303,7 +303,7 @@ impl Extracted {
             bytes: sum(|stats| stats.bytes),
             max_depth: (top.max_depth + cache.in_use().map(|mesh| mesh.stats.max_depth).max().unwrap_or(0)) as u32,
             sah_cost: f64::from(largest.map_or(top.sah_cost, |mesh| mesh.stats.sah_cost)),
-            // From a positive zero: the empty sum of floats is -0.
+            // The sum starts from a positive zero: the empty sum of floats is -0.
             build_ms: cache.in_use().fold(0.0, |sum, mesh| sum + mesh.build_ms),
         };
     }
@@ -371,7 +371,7 @@ impl Extracted {
         self.update_lights(sources, repainted, moved);
     }
 
-    /// `repainted`: the textures are others.
+    /// Updates the lights. `repainted` says that textures have changed.
     fn update_lights(&mut self, sources: Vec<WeightedSource>, repainted: bool, moved: &[bool]) {
         let is_textured = sources.iter().any(|weighted| weighted.source.is_textured());
         let has_moved = sources.iter().any(|weighted| match &weighted.source {
@@ -416,7 +416,7 @@ impl Extracted {
 
     fn update_view(&mut self, authored: &Authored, control: &RenderControl) {
         self.errors.view.clear();
-        // Without a sensor the last view stays: whoever replaces one sensor by another does not want a blank picture in between.
+        // Without a sensor the last view stays, so that replacing one sensor by another shows no blank picture in between.
         let Some((order, id, sensor, film, to_world)) =
             authored.active.0.and_then(|sensor| authored.sensors.get(sensor).ok())
         else {

@@ -13,7 +13,7 @@ use crate::render::view::View;
 
 use super::light_groups::LightGroup;
 
-/// The film, and what of it has changed since somebody last looked.
+/// The film, and the parts of it that have changed since the last look.
 #[derive(Resource, Default)]
 pub struct RenderFilm {
     pub film: Film,
@@ -24,10 +24,10 @@ pub struct RenderFilm {
     pub samples: u32,
     /// The lights of each layer of the film.
     pub light_groups: Arc<[LightGroup]>,
-    /// Of a lower resolution than asked for, see [`RenderControl::motion_scale`](super::RenderControl::motion_scale).
+    /// Whether the resolution is lower than asked for, see [`RenderControl::motion_scale`](super::RenderControl::motion_scale).
     pub is_coarse: bool,
     dirty: HashSet<Tile>,
-    /// When the job was begun whose picture this is.
+    /// The time at which the job was begun whose picture this is.
     begun: Option<Instant>,
     memory: Option<Reservation>,
 }

@@ -21,12 +21,12 @@ use crate::render::scene::RenderScene;
 use crate::render::tile::{Tile, TilePreview, TileSamples, render_preview, render_tile, tiles};
 use crate::render::view::View;
 
-/// How a picture begins.
+/// The way in which a picture begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Beginning {
-    /// With a sample of every pixel.
+    /// It begins with a sample of every pixel.
     Whole,
-    /// With one of each block of so many pixels' edge.
+    /// It begins with a sample of each block with an edge of this many pixels.
     Preview(u32),
 }
 
@@ -36,7 +36,7 @@ const PREVIEW_STEP: f32 = 4.0;
 const STEP_AROUND_REGION: u32 = 2;
 
 impl Beginning {
-    /// In blocks that are about as large whatever part of the resolution is rendered.
+    /// A preview in blocks that are about as large whatever part of the resolution is rendered.
     pub fn preview(motion_scale: f32) -> Self {
         match (PREVIEW_STEP * motion_scale).round() as u32 {
             0 | 1 => Self::Whole,
@@ -45,7 +45,7 @@ impl Beginning {
     }
 }
 
-/// What has been taken over.
+/// The results that have been added to the film.
 #[derive(Default)]
 struct Spent {
     samples: Vec<TileSamples>,
@@ -58,9 +58,9 @@ pub(super) struct Job {
     /// The lights of each group of the view.
     pub light_groups: Arc<[LightGroup]>,
     pub begun: Instant,
-    /// Of a lower resolution than asked for.
+    /// Whether the resolution is lower than asked for.
     pub is_coarse: bool,
-    /// When what led to this job happened; taken when its first tile is there.
+    /// The time of the change that led to this job; taken when its first tile is there.
     pub since: Option<Instant>,
     pub rays: u64,
     /// Camera samples collected, over all pixels.
@@ -80,7 +80,7 @@ pub(super) struct Job {
     cuts: BTreeSet<u32>,
     /// Exact numbers of samples that were asked for and reached.
     stops: BTreeSet<u32>,
-    /// Results that arrived before those of lower samples of the same tile, by tile and first sample.
+    /// Results that arrived before those of earlier samples of the same tile, by tile and first sample.
     early: BTreeMap<(usize, u32), TileSamples>,
     beginning: Beginning,
     /// Tiles whose preview has not been collected.
@@ -170,7 +170,7 @@ impl Job {
         stop.reached(self.least_samples(), self.seconds(), self.noise)
     }
 
-    /// Whether going on leads to a picture of exactly so many samples, summed up in the same passes as if nothing else had been asked for
+    /// Whether going on leads to a picture of exactly this number of samples, summed up in the same passes as if nothing else had been rendered
     /// before. Tiles outside of the region have the samples of an earlier exact picture, or none.
     pub fn can_end_exactly_at(&self, samples: u32) -> bool {
         let mut is_active = vec![false; self.tiles.len()];
@@ -230,7 +230,7 @@ impl Job {
         self.run = Some(Run::start(pool, queue, self.preview_left, self.work(), waker));
     }
 
-    /// The tiles to be shown coarsely before, those of the region first. Around it nothing of an older picture shall stay, however the
+    /// The tiles that are first shown coarsely, those of the region first. Around the region nothing of an older picture may stay, however the
     /// picture begins.
     fn previews(&self) -> Vec<usize> {
         let mut is_active = vec![false; self.tiles.len()];
@@ -284,7 +284,7 @@ impl Job {
         self.run.as_ref().is_some_and(|run| !run.results.is_empty())
     }
 
-    /// When a worker of the current run had finished its first tile.
+    /// The time at which a worker of the current run finished its first tile.
     pub fn first_result(&self) -> Option<Instant> {
         self.run.as_ref()?.first_result.get().copied()
     }

@@ -1,4 +1,4 @@
-//! Whose lights the layers of a film are: what belongs to one entity is mixed as one.
+//! Groups the lights for the layers of a film: those of one entity are mixed as one.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ pub struct LightGroup {
     pub entities: Vec<Entity>,
 }
 
-/// `owners`: per light, the entity it belongs to. Groups come in the order of their first lights.
+/// Groups the lights. `owners` has the entity that each light belongs to. Groups come in the order of their first lights.
 pub(super) fn group_lights(owners: &[Entity]) -> (Arc<[LightGroup]>, LightGroups) {
     let mut groups: Vec<LightGroup> = Vec::new();
     let mut group_of = HashMap::new();

@@ -46,7 +46,7 @@ pub use stop_condition::StopReason;
 pub enum EngineSystems {
     /// Takes the results that have arrived.
     Collect,
-    /// Which tables may be out of date.
+    /// Notes which tables may be out of date.
     Detect,
     /// Packs these tables, and keeps the old one where nothing really differs.
     Extract,

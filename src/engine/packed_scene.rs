@@ -15,7 +15,7 @@ pub struct PackedScene {
     pub scene: Option<RenderScene>,
     /// The shape behind each instance of `scene.geometry`, then behind each placement.
     pub entity_of_instance: Arc<[Entity]>,
-    /// Where each material is in `scene.materials`.
+    /// The index in `scene.materials` of each material.
     pub material_of_entity: Arc<HashMap<Entity, MaterialId>>,
     /// None until there has been a camera.
     pub view: Option<View>,

@@ -8,7 +8,7 @@ pub fn yield_to_window() {
     set_niceness(NICENESS);
 }
 
-/// The same for a thread that gives way to those that trace the picture, too: it gets a tenth of their share.
+/// Lowers the priority further, below that of render threads: the thread gets a tenth of their share.
 pub fn yield_to_all() {
     const NICENESS: i32 = 15;
     set_niceness(NICENESS);

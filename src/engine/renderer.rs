@@ -26,7 +26,7 @@ impl Renderer {
         self.job.as_mut()
     }
 
-    /// A pool of so many threads, in place of one with another number; `yielding` to the window where there is one.
+    /// Prepares a pool of this many threads, in place of one with another number. They are `yielding` to the window if there is one.
     pub fn prepare_pool(&mut self, threads: usize, yielding: bool) {
         if self
             .pool

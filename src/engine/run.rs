@@ -19,13 +19,13 @@ use crate::render::tile::{TilePreview, TileSamples};
 /// Results that may wait to be collected, some 50 kB each. A preview is a fraction of that and has room as a whole, so that workers do
 /// not wait for the next frame in the middle of it.
 const CAPACITY: usize = 256;
-/// What one of many workers has done until the next frame.
+/// The results that one of many workers makes in a frame.
 const ROOM_PER_WORKER: usize = 16;
 const LARGEST_CAPACITY: usize = 2048;
-/// For room for a result, between two looks at whether to stop: who cancels a run may not drop it at once.
+/// The longest wait for room for a result between two checks whether to stop. A run may be cancelled some time before it is dropped.
 const LONGEST_WAIT: Duration = Duration::from_millis(10);
 
-/// What a worker sends; `index` is the tile's place in the job's list.
+/// The message of a worker; `index` is the tile's index in the job's list.
 #[derive(Debug)]
 pub(super) enum TileResult {
     Preview(TilePreview),
@@ -44,7 +44,7 @@ pub(super) struct Run {
     cancel: Arc<AtomicBool>,
     pub queue: Arc<WorkQueue>,
     pub results: Receiver<TileResult>,
-    /// When the first result was there, collected or not.
+    /// The time of the first result, collected or not.
     pub first_result: Arc<OnceLock<Instant>>,
 }
 
@@ -139,14 +139,14 @@ impl Shared {
                 WorkItem::Preview { .. } if self.preview_left.fetch_sub(1, Ordering::AcqRel) == 1 => {
                     self.waker.wake_now();
                 }
-                // Before there is no more room, and workers wait.
+                // The window is woken before the channel is full and workers wait.
                 _ if results.len() >= self.many => self.waker.wake_now(),
                 _ => self.waker.wake_throttled(),
             }
         }
     }
 
-    /// False if nobody wants it any more.
+    /// Sends a result. False if nothing receives it any more.
     fn deliver(&self, results: &Sender<TileResult>, mut result: TileResult) -> bool {
         loop {
             result = match results.send_timeout(result, LONGEST_WAIT) {
@@ -250,7 +250,7 @@ mod tests {
             sample_work(),
             EventLoopWaker::new(&hook),
         );
-        // All of them end without anybody collecting, for there is room. Somebody is woken while the second half is filled, and at the end.
+        // All of them end without collecting, for there is room. The hook is called while the second half is filled, and at the end.
         let deadline = Instant::now() + Duration::from_secs(600);
         while run.results.len() < CAPACITY - 1 || woken.load(Ordering::Relaxed) < CAPACITY / 2 {
             assert!(Instant::now() < deadline, "{} results, {woken:?}", run.results.len());

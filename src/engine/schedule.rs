@@ -27,14 +27,14 @@ pub(super) fn pass_end(done: u32) -> u32 {
 /// Sorts tiles from the middle of the picture outwards, for that is where people look.
 pub(super) fn sort_from_center(tiles: &mut [Tile], width: u32, height: u32) {
     tiles.sort_by_key(|tile| {
-        // Twice the distance from the middle, in whole numbers.
+        // Twice the distance from the middle is a whole number.
         let dx = i64::from(2 * tile.x + tile.width) - i64::from(width);
         let dy = i64::from(2 * tile.y + tile.height) - i64::from(height);
         dx * dx + dy * dy
     });
 }
 
-/// The places in `tiles` of those that `region` touches, by fractions of the picture; all of them if there is no region, or none in it.
+/// The indices in `tiles` of those that `region` touches, by fractions of the picture; all of them if there is no region, or none in it.
 pub(super) fn tiles_in(region: Option<Rect>, tiles: &[Tile], size: UVec2) -> Vec<usize> {
     let touches = |tile: &Tile, region: Rect| {
         let (min, max) = (region.min * size.as_vec2(), region.max * size.as_vec2());
@@ -75,8 +75,8 @@ struct QueueState {
 }
 
 impl WorkQueue {
-    /// `tiles`: the index of each tile to be rendered and the samples that it has; `target`: those it shall have; `previews`: tiles that are
-    /// shown coarsely before, in blocks of `step` pixels.
+    /// A queue of work. `tiles` has the index of each tile to be rendered and the samples that it has, `target` is the number of samples it gets,
+    /// and `previews` are the tiles that are first shown coarsely, in blocks of `step` pixels.
     pub fn new(tiles: &[(usize, u32)], target: u32, previews: &[usize], step: u32) -> Self {
         Self {
             state: Mutex::new(QueueState {

@@ -1,4 +1,4 @@
-//! What the engine tells about its work. Numbers only; how they are worded is the application's matter.
+//! The state of the engine's work, in numbers. The application words them.
 
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -11,7 +11,7 @@ use super::stop_condition::StopReason;
 #[derive(Resource, Clone, Debug)]
 pub struct RenderStatus {
     pub state: RenderState,
-    /// Everything that the scene names is loaded, built and packed, so that the picture being made is that of the scene as it is.
+    /// Whether everything that the scene names is loaded, built and packed, so that the picture shows the scene as it is.
     pub is_up_to_date: bool,
     /// Samples per pixel that the whole picture, or the region that is rendered, has.
     pub samples: u32,
@@ -39,14 +39,14 @@ pub struct RenderStatus {
     pub meshes_loading: u32,
     /// Acceleration structures that are being built.
     pub builds_running: u32,
-    /// What is wrong with the scene or the render, in words; the picture is made without the things named here.
+    /// Errors of the scene or the render, in words; the picture is made without the things named here.
     pub errors: Vec<String>,
-    /// Those of `errors` about things that the memory budget has no room for: the scene is good, but the picture is not the one asked for.
+    /// The part of `errors` about things that do not fit into the memory budget: the scene is good, but the picture is not the one asked for.
     pub shortages: Vec<String>,
     pub last_restart: Instant,
-    /// From a change to the first tile of the new picture in the film.
+    /// The time from a change to the first tile of the new picture in the film.
     pub latency: LatencyStats,
-    /// From a change to a worker having finished that tile; the rest of `latency` waits for the window to begin its next frame.
+    /// The time from a change to when a worker has finished that tile. The rest of `latency` waits for the window to begin its next frame.
     pub response: LatencyStats,
 }
 
@@ -116,7 +116,7 @@ pub struct LatencyStats {
 }
 
 impl LatencyStats {
-    /// As many latencies as the median and percentile look back on.
+    /// The number of latencies over which median and percentile are taken.
     pub const WINDOW: usize = 128;
 
     pub fn record(&mut self, milliseconds: f32) {

@@ -13,7 +13,7 @@ pub(super) struct StopCondition {
     pub is_exact: bool,
     seconds: Option<f32>,
     noise: Option<f32>,
-    /// As in [`RenderControl`].
+    /// The region as in [`RenderControl`].
     pub region: Option<Rect>,
 }
 
@@ -25,7 +25,7 @@ pub enum StopReason {
     Noise,
 }
 
-/// Below this number the spread of samples says little: few samples of a rare bright thing have not met it yet, and agree.
+/// Below this number of samples the spread says little: few samples of a rare bright thing have missed it, and agree.
 const FEWEST_FOR_NOISE: u32 = 16;
 
 impl StopCondition {
@@ -75,7 +75,7 @@ mod tests {
         assert_eq!(stop.reached(64, 1.0, None), Some(StopReason::Samples));
         assert_eq!(stop.reached(1, 2.0, None), Some(StopReason::Time));
         assert_eq!(stop.reached(16, 1.0, Some(0.1)), Some(StopReason::Noise));
-        // Too few to know.
+        // These are too few samples to know.
         assert_eq!(stop.reached(15, 1.0, Some(0.0)), None);
         // A demand for an exact number takes the place of all limits.
         let exact = RenderControl {

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use crate::accel::SurfacePoint;
 use crate::math::Frame;
 
-/// How shading copes with normals that are not the surface's.
+/// The treatment of shading normals that are not the surface's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BumpOptions {
     /// Turn normals that face away from the viewer about the surface's own.
@@ -47,7 +47,7 @@ pub(super) fn displaced_normal(point: &SurfacePoint, frame: Frame, gradient: Vec
     frame.to_local(side * normal)
 }
 
-/// How a bumped surface differs from the one it lies on.
+/// The difference between a bumped surface and the one it lies on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bump {
     surface: Vec3,
@@ -83,7 +83,7 @@ impl Bump {
         Some((orientation, bump))
     }
 
-    /// What of the light towards `wi` counts: none where the surface and the bumped one disagree about the side.
+    /// The factor of the light towards `wi`: zero where the surface and the bumped one disagree about the side.
     pub fn factor(&self, wi: Vec3) -> f32 {
         let cos = wi.dot(self.surface);
         if cos * wi.dot(self.bumped) <= 0.0 {

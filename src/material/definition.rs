@@ -1,4 +1,4 @@
-//! What a material is made of: a model, or other materials.
+//! The definition of a material: a model, or other materials.
 
 use super::bump::BumpOptions;
 use super::textured::TexturedBsdf;

@@ -1,4 +1,4 @@
-//! The numbers of textured parameters: at a place, or of those that are the same everywhere.
+//! Looks up textured parameters: at a place, or those that are the same everywhere.
 
 use crate::color::Rgb;
 use crate::shading::{CoatedBase, ConductorSpecular, Microfacet, MicrofacetKind};
@@ -12,7 +12,7 @@ pub struct TexturedFacets {
     pub alpha_v: Parameter<f32>,
 }
 
-/// What is below a coat.
+/// The layer below a coat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TexturedBase {
     pub diffuse_reflectance: Parameter<Rgb>,

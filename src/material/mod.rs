@@ -1,4 +1,4 @@
-//! What surfaces are made of: scattering models whose parameters may be textured, and materials made of other materials.
+//! Materials of surfaces: scattering models whose parameters may be textured, and materials made of other materials.
 //!
 //! At a hit the table resolves textures and nesting once, into a [`Scattering`]: plain models with the shares they have. Light transport
 //! asks that, in world space. Numbers are in range already but for what textures say, which is brought into range here.

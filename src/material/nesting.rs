@@ -19,7 +19,7 @@ const DEEPEST: usize = 64;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("material {place} {problem}")]
 pub struct MaterialTableError {
-    /// In the list.
+    /// The index in the list.
     pub place: usize,
     pub problem: NestingProblem,
 }
@@ -64,7 +64,7 @@ pub(super) fn check(materials: &[Material]) -> Result<(), MaterialTableError> {
     Ok(())
 }
 
-/// Per material, whether what it is at a place depends on the surface's texture coordinates or tangents.
+/// Whether each material depends on the surface's texture coordinates or tangents.
 pub(super) fn parametrised(materials: &[Material]) -> Vec<bool> {
     let mut found: Vec<bool> = materials.iter().map(is_parametrised).collect();
     loop {
@@ -81,7 +81,7 @@ pub(super) fn parametrised(materials: &[Material]) -> Vec<bool> {
     }
 }
 
-/// Per material, whether lanes can shade it, see [`super::MaterialTable::is_for_lanes`].
+/// Whether lanes can shade each material, see [`super::MaterialTable::is_for_lanes`].
 pub(super) fn for_lanes(materials: &[Material], parametrised: &[bool]) -> Vec<bool> {
     let is_known = |material: &Material| matches!(material, Material::Plain(bsdf) if BsdfLanes::knows(bsdf));
     let mut found: Vec<bool> = materials.iter().map(is_known).collect();
@@ -106,7 +106,7 @@ pub(super) fn for_lanes(materials: &[Material], parametrised: &[bool]) -> Vec<bo
     }
 }
 
-/// By itself, without what is nested.
+/// Whether the material itself is parametrised, without those nested in it.
 fn is_parametrised(material: &Material) -> bool {
     match material {
         Material::Plain(bsdf) => !bsdf.is_isotropic(),
@@ -117,7 +117,7 @@ fn is_parametrised(material: &Material) -> bool {
     }
 }
 
-/// Most models that a material can amount to; None if it is nested too deep.
+/// The most models that a material can amount to; None if it is nested too deep.
 fn count_parts(materials: &[Material], index: usize, known: &mut [Option<usize>], depth: usize) -> Option<usize> {
     if depth > DEEPEST {
         return None;
@@ -139,7 +139,7 @@ fn count_parts(materials: &[Material], index: usize, known: &mut [Option<usize>]
     known[index]
 }
 
-/// What `id` is at a place.
+/// Resolves the material `id` at a place.
 pub(super) fn resolve<'a>(
     materials: &'a [Material],
     id: MaterialId,
@@ -235,7 +235,7 @@ impl<'a> Resolver<'a, '_> {
         }
     }
 
-    /// `normal`: in the frame of `below`, the orientation without it.
+    /// Adds a bumped material. `normal` is in the frame of `below`, the orientation without it.
     fn add_bumped(
         &mut self,
         nested: MaterialId,

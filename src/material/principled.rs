@@ -78,6 +78,6 @@ impl TexturedPrincipledThin {
     }
 }
 
-/// What a texture may say of the index.
+/// The lowest index that a texture may give.
 const LOWEST_INDEX: f32 = 0.01;
 const HIGHEST_INDEX: f32 = 100.0;

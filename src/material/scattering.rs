@@ -1,4 +1,4 @@
-//! How one place of a surface scatters light: a weighted list of models, and a share that passes straight through.
+//! The scattering of light at one place of a surface: a weighted list of models, and a share that passes straight through.
 //!
 //! Directions are unit vectors in world space; `wo` and the mode of transport are part of the value. Contracts are those of [`crate::shading`].
 
@@ -22,11 +22,11 @@ pub(super) struct Part<'a> {
     pub wo: Vec3,
     pub orientation: Orientation,
     pub bump: Option<Bump>,
-    /// Models are large: those that are the same everywhere stay in the table.
+    /// The model. Models are large, so those that are the same everywhere stay in the table.
     pub bsdf: Cow<'a, Bsdf>,
 }
 
-/// What a surface does with light at one place, seen from one direction.
+/// The scattering at one place of a surface, seen from one direction.
 #[derive(Clone, Debug)]
 pub struct Scattering<'a> {
     wo: Vec3,
@@ -39,7 +39,7 @@ pub struct Scattering<'a> {
 /// A delta lobe whose cosine with `wo` is below this goes straight on; reflection does only at grazing angles that no path has.
 const STRAIGHT: f32 = -1.0 + 1e-6;
 
-/// What kind of continuation a sample is.
+/// The kind of continuation that a sample is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lobe {
     /// One of a density of directions.
@@ -60,7 +60,7 @@ pub struct ScatterSample {
     /// Solid angle density of `wi`; for delta and null lobes the probability of choosing them.
     pub pdf: f32,
     pub lobe: Lobe,
-    /// As in [`BsdfSample::eta`].
+    /// The eta of [`BsdfSample::eta`].
     pub eta: f32,
 }
 
@@ -73,12 +73,12 @@ pub struct Single<'a> {
 }
 
 impl Single<'_> {
-    /// As [`Scattering::eval_and_pdf`].
+    /// Evaluates as [`Scattering::eval_and_pdf`].
     pub fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
         self.part.eval_and_pdf(wi, self.mode)
     }
 
-    /// As [`Scattering::sample`].
+    /// Samples as [`Scattering::sample`].
     pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<ScatterSample> {
         Some(only(self.wo, &self.part, self.part.sample(u_lobe, u, self.mode)?, 1.0))
     }
@@ -115,7 +115,7 @@ impl Part<'_> {
         (self.weight * factor * value, self.weight * pdf)
     }
 
-    /// In world space and with the bump's factor; not weighted.
+    /// Samples in world space and with the bump's factor, without the weight.
     fn sample(&self, u_lobe: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         let sample = self.bsdf.sample(self.wo, u_lobe, u, mode)?;
         let wi = self.orientation.to_world(sample.wi);
@@ -213,7 +213,7 @@ impl<'a> Scattering<'a> {
         })
     }
 
-    /// What a shadow ray against `wo` finds of the light behind.
+    /// The transmittance for a shadow ray against `wo`.
     pub fn transmittance(&self) -> Rgb {
         let of_part = |part: &Part| part.weight * part.factor(-self.wo) * part.bsdf.transmittance(part.wo);
         Rgb::splat(self.null_share) + self.parts.iter().map(of_part).sum::<Rgb>()

@@ -16,11 +16,11 @@ pub struct MaterialTable {
     materials: Vec<Material>,
     /// Whether light can pass straight through any of them.
     has_null_lobe: bool,
-    /// Per material.
+    /// Whether each material depends on texture coordinates or tangents.
     parametrised: Vec<bool>,
-    /// Per material, see [`Self::is_for_lanes`].
+    /// Whether lanes can shade each material, see [`Self::is_for_lanes`].
     for_lanes: Vec<bool>,
-    /// Per material, black unless it is plain, see [`PlainSide::albedo`].
+    /// The albedo of each material, black unless it is plain, see [`PlainSide::albedo`].
     albedos: Vec<Rgb>,
 }
 
@@ -30,7 +30,7 @@ pub struct PlainSide<'a> {
     pub bsdf: &'a Bsdf,
     /// [`Bsdf::albedo`].
     pub albedo: Rgb,
-    /// From which it is seen: 1, or -1 from behind.
+    /// The side it is seen from: 1, or -1 from behind.
     pub side: f32,
 }
 
@@ -46,7 +46,7 @@ impl MaterialTable {
         nesting::check(materials)
     }
 
-    /// As [`Self::new`], of materials that have passed [`Self::check`].
+    /// Builds as [`Self::new`], from materials that have passed [`Self::check`].
     pub fn checked(mut materials: Vec<Material>) -> Self {
         for material in &mut materials {
             if let Material::Textured(textured) = material
@@ -97,7 +97,7 @@ impl MaterialTable {
         self.has_null_lobe
     }
 
-    /// What of a surface [`Self::scattering`] has to know.
+    /// The detail of a surface that [`Self::scattering`] needs.
     pub fn detail(&self, id: MaterialId) -> Detail {
         match self.parametrised[id.0 as usize] {
             true => Detail::Parametrised,
@@ -110,7 +110,7 @@ impl MaterialTable {
         self.for_lanes[id.0 as usize]
     }
 
-    /// What a surface is made of, where `cos` is the cosine of the direction it is seen from. None if it is not as simple as that.
+    /// The model of a surface, where `cos` is the cosine of the direction it is seen from. None if the material is not as simple as that.
     #[inline(always)]
     pub fn plain(&self, mut id: MaterialId, cos: f32) -> Option<PlainSide<'_>> {
         let mut side = 1.0;
@@ -127,8 +127,7 @@ impl MaterialTable {
         }
     }
 
-    /// How the surface at `point` scatters what a path carries that has come from `wo`, a unit vector in world space. `at` is where its
-    /// textures are looked up.
+    /// The scattering of the surface at `point` for a path from `wo`, a unit vector in world space. Textures are looked up at `at`.
     pub fn scattering(
         &self,
         id: MaterialId,

@@ -31,7 +31,7 @@ pub enum TexturedBsdf {
         specular_transmittance: Parameter<Rgb>,
     },
     RoughDielectric {
-        /// As in [`RoughDielectric::eta`].
+        /// The eta of [`RoughDielectric::eta`].
         eta: f32,
         model: DielectricModel,
         facets: TexturedFacets,
@@ -50,7 +50,7 @@ pub enum TexturedBsdf {
         base: TexturedBase,
     },
     RoughPlastic {
-        /// Of the constant roughness, or one for any.
+        /// The coat of the constant roughness, or one for any.
         coat: &'static RoughCoat,
         alpha: Parameter<f32>,
         base: TexturedBase,
@@ -63,7 +63,7 @@ pub enum TexturedBsdf {
     PrincipledThin(TexturedPrincipledThin),
     Hair {
         fiber: Fiber,
-        /// Per radius of the fibre, times `scale`.
+        /// The absorption per radius of the fibre, times `scale`.
         sigma_a: Parameter<Rgb>,
         scale: f32,
     },

@@ -19,7 +19,7 @@ pub struct ThinLens {
     pub focus_distance: f32,
     /// Edges of the aperture; below 3 it is round.
     pub blades: u32,
-    /// In radians, from the camera's +x towards +y. Without any the first corner lies at +x.
+    /// The rotation of the blades in radians, from the camera's +x towards +y. Without any the first corner lies at +x.
     pub blade_rotation: f32,
 }
 
@@ -49,7 +49,7 @@ enum Projection {
 pub struct Camera {
     world_from_camera: Affine3A,
     projection: Projection,
-    /// Of the image plane (of a perspective at distance 1): the picture's top left, and from there to its bottom right.
+    /// The picture's top left on the image plane (of a perspective at distance 1), and below the way from there to its bottom right.
     corner: Vec2,
     diagonal: Vec2,
     near: f32,

@@ -11,23 +11,23 @@
 use crate::math::Word;
 use crate::sampling::SPREAD_DIMENSIONS;
 
-/// Where in the pixel's filter the camera ray goes through the film; a pair.
+/// The place within the pixel's filter where the camera ray passes through the film; a pair.
 pub(super) const FILTER: u32 = 0;
-/// Where on the lens it starts; a pair.
+/// The place on the lens where it starts; a pair.
 pub(super) const LENS: u32 = 1;
 /// The first dimension of the first bounce.
 const CAMERA_DIMENSIONS: u32 = 2;
 
-/// What is drawn at a surface.
+/// The draws at a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum BounceDraw {
-    /// Which light is sampled.
+    /// The choice of a light.
     LightChoice,
-    /// Where on it; a pair.
+    /// The place on it; a pair.
     LightPoint,
-    /// Which lobe of the surface the path follows.
+    /// The lobe of the surface that the path follows.
     Lobe,
-    /// In which direction; a pair.
+    /// The direction that the path takes; a pair.
     Direction,
     /// Whether Russian roulette ends the path.
     Roulette,
@@ -35,11 +35,11 @@ pub(super) enum BounceDraw {
 
 const BOUNCE_DIMENSIONS: u32 = BounceDraw::Roulette as u32 + 1;
 
-// What the eye sees in the first samples is the noise of the camera and of the first surface.
+// The noise that the eye sees in the first samples is that of the camera and of the first surface.
 const _: () = assert!(SPREAD_DIMENSIONS == CAMERA_DIMENSIONS + BOUNCE_DIMENSIONS);
 
 impl BounceDraw {
-    /// Its dimension at the surface that is number `depth` of the path, counted from 1.
+    /// The dimension of the draw at the surface number `depth` of the path, counted from 1.
     #[inline(always)]
     pub fn at<W: Word>(self, depth: W) -> W {
         let first = (depth - W::splat(1)) * W::splat(BOUNCE_DIMENSIONS) + W::splat(CAMERA_DIMENSIONS);

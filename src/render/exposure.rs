@@ -2,7 +2,7 @@
 
 use crate::color::{Rgb, luminance};
 
-/// What the middle of a picture is brought to: middle grey.
+/// The brightness that the middle of a picture is brought to: middle grey.
 const KEY: f32 = 0.18;
 
 /// Share of the pixels at either end, darkest and brightest, that has no say: lamps in view, black corners, fireflies.
@@ -28,7 +28,7 @@ mod tests {
     fn an_even_picture_becomes_middle_grey() {
         for level in [1e-4, 0.18, 700.0] {
             let stops = auto_exposure(&[Rgb::splat(level); 50]).expect("not black");
-            // Of logarithms up to 13, a few roundings.
+            // The tolerance is a few roundings of logarithms up to 13.
             assert!((level * stops.exp2() / KEY - 1.0).abs() < 1e-4, "{level}: {stops}");
         }
         assert_eq!(auto_exposure(&[]), None);

@@ -22,11 +22,11 @@ pub struct Film {
     height: u32,
     sums: Vec<PixelSum>,
     counts: Vec<u32>,
-    /// Of each tile of the picture that has no samples yet.
+    /// The preview of each tile of the picture that has no samples yet.
     previews: Vec<Option<TilePreview>>,
     /// Light groups that have a layer each.
     layer_count: usize,
-    /// Per pixel the sums of the layers, side by side.
+    /// The sums of the layers, side by side for each pixel.
     layers: Vec<Rgb>,
     first_hits: Vec<Option<FirstHit>>,
 }
@@ -55,7 +55,7 @@ impl Film {
             *self = Self::default();
         }
         (self.width, self.height, self.layer_count) = (width, height, layer_count);
-        // What lies there from before is not looked at where there is no sample.
+        // Old values are not read where there is no sample.
         self.sums.resize(pixels, PixelSum::default());
         self.layers.resize(pixels * layer_count, Rgb::ZERO);
         self.first_hits.resize(pixels, None);
@@ -83,8 +83,8 @@ impl Film {
         self.height
     }
 
-    /// Adds finished samples. For the same bits in every run, those of one tile must come in the order of their sample ranges. Returns the
-    /// preview that they replace.
+    /// Adds finished samples. For the same bits in every run, those of one tile must come in the order of their sample ranges. Returns the preview
+    /// that they replace.
     pub fn add(&mut self, result: &TileSamples) -> Option<TilePreview> {
         let count = result.samples.len() as u32;
         let (tile, width) = (result.tile, result.tile.width as usize);
@@ -109,7 +109,7 @@ impl Film {
         self.previews[place].take_if(|preview| preview.tile == tile)
     }
 
-    /// Before the samples of these pixels are counted.
+    /// Adds the layers, before the samples of these pixels are counted.
     fn add_layers(&mut self, pixels: Range<usize>, new: &[Rgb]) {
         let layers = self.layers[pixels.start * self.layer_count..].chunks_exact_mut(self.layer_count);
         for ((layers, new), &samples) in layers.zip(new.chunks_exact(self.layer_count)).zip(&self.counts[pixels]) {
@@ -143,7 +143,7 @@ impl Film {
         Some((preview, block as usize))
     }
 
-    /// Of the picture's [`tiles`] the one with this pixel.
+    /// The index of the picture's [`tiles`] that has this pixel.
     fn tile_index(&self, x: u32, y: u32) -> usize {
         (y / TILE) as usize * self.width.div_ceil(TILE) as usize + (x / TILE) as usize
     }
@@ -159,7 +159,7 @@ impl Film {
 
     /// Samples of the pixel that has most.
     pub fn most_samples(&self) -> u32 {
-        // Beside the picture there are none.
+        // There are no samples outside of the picture.
         self.counts.iter().copied().max().unwrap_or(0)
     }
 
@@ -170,7 +170,7 @@ impl Film {
         rows.filter_map(least).min().unwrap_or(0)
     }
 
-    /// How many pixels have no sample yet.
+    /// The number of pixels that have no sample yet.
     pub fn pixels_without_samples(&self) -> usize {
         let tiles = tiles(self.width, self.height).into_iter();
         let counts = tiles.flat_map(|tile| self.rows(tile).flat_map(|(_, counts)| counts));
@@ -186,7 +186,7 @@ impl Film {
         }
     }
 
-    /// What a pixel's sample 0, or until that is there its preview, met first; None where that is nothing or there is none yet.
+    /// The first hit of a pixel's sample 0, or of its preview until that is there. None where nothing is hit or there is no sample.
     pub fn first_hit(&self, x: u32, y: u32) -> Option<FirstHit> {
         let index = self.index(x, y);
         match self.counts[index] {
@@ -201,8 +201,8 @@ impl Film {
         self.layer_count
     }
 
-    /// What [`Self::pixel`] would have for its radiance if the light of each group were multiplied by its factor; for groups without a
-    /// factor that is 1. Without layers or without factors it is just that.
+    /// The radiance that [`Self::pixel`] would have if the light of each group were multiplied by its factor, which is 1 for groups without one.
+    /// Without layers or without factors it is just that.
     pub fn mixed_pixel(&self, x: u32, y: u32, factors: &[Rgb]) -> Option<Rgb> {
         let index = self.index(x, y);
         let (radiance, layers, count) = match self.counts[index] {
@@ -403,7 +403,7 @@ mod tests {
                     ..samples(tile, 0..1, 0.5)
                 });
             }
-            // As of a new film.
+            // The film is as a new one.
             assert_eq!(film.radiance(), vec![Rgb::splat(0.5); (width * height) as usize]);
             let doubled = vec![Rgb::splat(2.0); layers];
             let expected = if layers > 0 { layers as f32 } else { 0.5 };

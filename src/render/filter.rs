@@ -36,13 +36,13 @@ pub enum FilterKernel {
 /// A place in the picture for a sample, and what the light found there counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterSample {
-    /// From the pixel's centre.
+    /// The offset from the pixel's centre.
     pub offset: Vec2,
-    /// Its mean is 1; negative on negative lobes.
+    /// The weight; its mean is 1, and it is negative on negative lobes.
     pub weight: f32,
 }
 
-/// Where the Gaussian ends, in standard deviations.
+/// The distance at which the Gaussian ends, in standard deviations.
 const GAUSSIAN_REACH: f32 = 4.0;
 /// Steps of a table, over the whole width of the filter.
 const STEPS: usize = 1024;
@@ -138,7 +138,7 @@ impl PixelFilter {
         FilterTable::new(kernel).map_or(Self::Box, |table| Self::Tabulated(Arc::new(table)))
     }
 
-    /// For `u` in [0, 1)^2.
+    /// Samples the filter by `u` in [0, 1)^2.
     pub fn sample(&self, u: Vec2) -> FilterSample {
         let unweighted = |offset| FilterSample { offset, weight: 1.0 };
         match self {
@@ -155,7 +155,7 @@ impl PixelFilter {
     }
 }
 
-/// In [-1, 1], with density 1 - |x|.
+/// Samples [-1, 1] with density 1 - |x|.
 fn tent(u: f32) -> f32 {
     if u < 0.5 {
         (2.0 * u).sqrt() - 1.0

@@ -39,7 +39,7 @@ pub enum FileFormat {
 }
 
 impl FileFormat {
-    /// By the extension, whatever its case.
+    /// The format by the extension, whatever its case.
     pub fn from_path(path: &Path) -> Result<Self, ImageIoError> {
         let extension = path
             .extension()
@@ -84,7 +84,7 @@ pub fn write_to_temporary_folder(image: &ImageRgb) -> Result<PathBuf, ImageIoErr
     };
     let mut builder = tempfile::Builder::new();
     builder.prefix("sunroom-").suffix(".exr");
-    // Only the kind of the error: its full message names a file that is not there.
+    // Only the kind of the error is kept: its full message names a temporary file.
     let mut file = builder
         .tempfile_in(&folder)
         .map_err(|error| failed(error.kind().into()))?;
@@ -192,7 +192,7 @@ mod tests {
         };
         write_image(&path, &picture(), &display).unwrap();
         assert_eq!(read_image(&path), picture());
-        // Nothing else is left in the folder.
+        // No other file is left in the folder.
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
@@ -205,7 +205,7 @@ mod tests {
             pixels: vec![Vec3::new(f32::NAN, f32::INFINITY, -1.0), Vec3::splat(f32::MIN_POSITIVE)],
         };
         write_image(&path, &odd, &Display::default()).unwrap();
-        // Not as a texture, where these count as black.
+        // They are not read as a texture, where these count as black.
         let read = image::open(&path).unwrap().into_rgb32f().into_raw();
         assert!(read[0].is_nan() && read[1] == f32::INFINITY && read[2] == -1.0);
         assert_eq!(read[3..], [f32::MIN_POSITIVE; 3]);
@@ -333,7 +333,7 @@ mod tests {
         write_image(&link, &picture(), &Display::default()).unwrap();
         assert!(link.symlink_metadata().unwrap().is_symlink());
         assert_eq!(read_image(&real).width, 37);
-        // As readable as any file made here, not for the owner only.
+        // The file is as readable as any file made here, not only for the owner.
         let other = folder.path().join("other");
         fs::write(&other, "").unwrap();
         let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();

@@ -23,7 +23,7 @@ pub struct RecordedPath {
     pub end: PathEnd,
     /// The sum of all contributions.
     pub radiance: Rgb,
-    /// What the radiance counts in its pixel, by the filter; 1 on average.
+    /// The weight of the radiance in its pixel, by the filter; 1 on average.
     pub filter_weight: f32,
 }
 

@@ -1,5 +1,4 @@
-//! Light mixing: the light of each group of lights is summed up by itself beside the picture, which is linear in all of them, so that
-//! each can be made brighter, darker or of another colour afterwards.
+//! Light mixing: the light of each group of lights is summed up by itself beside the picture, which is linear in all of them.
 //!
 //! The layers hold the very samples of the picture: they are as noisy as it is, and sum up to it.
 
@@ -9,10 +8,10 @@ use super::observer::{MetEmitter, PathObserver, SampledLight};
 use crate::color::Rgb;
 use crate::light::LightId;
 
-/// Which lights share a layer of the film.
+/// The assignment of lights to layers of the film.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LightGroups {
-    /// By [`LightId`].
+    /// The layer by [`LightId`].
     layer_of_light: Arc<[u8]>,
     count: usize,
 }
@@ -21,7 +20,7 @@ impl LightGroups {
     /// Groups beyond this many share the last layer.
     pub const MOST: usize = 16;
 
-    /// `group_of_light`: by [`LightId`], counted from 0.
+    /// Groups the lights. `group_of_light` is by [`LightId`], counted from 0.
     pub fn new(group_of_light: &[u32]) -> Self {
         let layer = |&group: &u32| group.min(Self::MOST as u32 - 1) as u8;
         let layer_of_light: Arc<[u8]> = group_of_light.iter().map(layer).collect();

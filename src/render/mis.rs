@@ -1,5 +1,5 @@
-//! What light counts that can be found in two ways, by sampling the lights and by following the bsdf (multiple importance sampling:
-//! Veach 1997, chapter 9; PBR 4th ed., section 13.4.1).
+//! The weights of light that can be found in two ways, by sampling the lights and by following the bsdf (multiple importance sampling: Veach 1997,
+//! chapter 9; PBR 4th ed., section 13.4.1).
 
 use super::observer::MetEmitter;
 use super::path_state::Arrival;
@@ -28,7 +28,7 @@ impl Strategy {
     }
 }
 
-/// What an emitter counts that the path has come upon by following the bsdf, and why; as in [`MetEmitter`].
+/// The weight of an emitter that the path has come upon by following the bsdf, and its parts as in [`MetEmitter`].
 pub(super) struct EmitterWeight {
     weight: f32,
     bsdf_pdf: Option<f32>,
@@ -36,8 +36,8 @@ pub(super) struct EmitterWeight {
 }
 
 impl Arrival {
-    /// What an emitter counts that the path has come upon. `light_pdf` is the density with which sampling the lights would have found it
-    /// from a place.
+    /// The weight of an emitter that the path has come upon. `light_pdf` is the density with which sampling the lights would have found it from a
+    /// place.
     #[inline(always)]
     pub fn weigh(&self, strategy: Strategy, light_pdf: impl FnOnce(&LightReference) -> f32) -> EmitterWeight {
         let bsdf_pdf = self.is_sampled.then_some(self.pdf);

@@ -1,4 +1,4 @@
-//! From the tables of a scene and a view to pixels. Knows nothing of entities or files of scenes.
+//! Renders pixels from the tables of a scene and a view. It knows nothing of entities or files of scenes.
 
 pub mod camera;
 pub mod denoise;

@@ -1,10 +1,9 @@
-//! How noisy a picture is: one number for all of it, to stop at.
+//! Estimates the noise of a whole picture as one number, at which rendering may stop.
 
 use super::film::{Film, mean_and_squared_error};
 use super::tile::Tile;
 
-/// Pixels darker than this share of the picture's mean are judged as if they had that much: of what is all but black nobody sees the
-/// noise.
+/// Pixels darker than this share of the picture's mean are judged as if they had that much, because noise is invisible in what is almost black.
 pub const DARK: f32 = 0.1;
 
 /// The noise of a picture, kept tile by tile as samples arrive, for to look at all pixels again takes longer than a frame may.
@@ -18,14 +17,14 @@ pub struct PictureNoise {
 #[derive(Clone, Copy, Debug, Default)]
 struct TileNoise {
     pixels: u64,
-    /// Of the luminances' magnitudes.
+    /// The sum of the luminances' magnitudes.
     light: f64,
-    /// Of the squared standard errors relative to the luminance.
+    /// The sum of the squared standard errors relative to the luminance.
     squares: f64,
 }
 
 impl PictureNoise {
-    /// Of a picture of so many tiles, which have no samples yet.
+    /// The noise of a picture of this many tiles, which have no samples yet.
     pub fn new(tiles: usize) -> Self {
         Self {
             tiles: vec![TileNoise::default(); tiles],
@@ -128,8 +127,8 @@ mod tests {
             let noise = measured(&film(0..count, mean, spread))
                 .relative(0..all.len())
                 .expect("samples");
-            // Of an even distribution the deviation is spread / sqrt 3; pixels are divided by means that are off by their own error,
-            // which over 2560 pixels leaves a few percent.
+            // The deviation of an even distribution is spread / sqrt 3. Pixels are divided by means that have an error of their own, which over
+            // 2560 pixels leaves a few percent.
             let expected = spread / (3.0 * count as f32).sqrt();
             assert!((noise / expected - 1.0).abs() < 0.05, "{noise} {expected}");
         }

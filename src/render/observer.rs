@@ -1,5 +1,5 @@
-//! What can be watched of a path while it is traced. Watching changes nothing; what nobody watches costs nothing, for every kind of
-//! observer has a [`trace_path`](super::path::trace_path) of its own.
+//! Observers of a path while it is traced. They change nothing, and cost nothing where they are not used, for every kind of observer has a
+//! [`trace_path`](super::path::trace_path) of its own.
 
 use glam::Vec3;
 
@@ -17,17 +17,17 @@ pub trait PathObserver {
     fn ended(&mut self, _end: PathEnd) {}
 }
 
-/// Nobody watches.
+/// No observer.
 impl PathObserver for () {}
 
-/// Where the path has come to and light is scattered. A place in a medium will be a variant of its own.
+/// A vertex of the path, at which light is scattered. A place in a medium will be a variant of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PathVertex {
     Surface(SurfaceVertex),
 }
 
 impl PathVertex {
-    /// In world space.
+    /// The position in world space.
     pub fn position(&self) -> Vec3 {
         let Self::Surface(surface) = self;
         surface.position
@@ -40,7 +40,7 @@ pub struct SurfaceVertex {
     pub position: Vec3,
     /// Unit shading normal.
     pub normal: Vec3,
-    /// As [`crate::accel::Hit::instance`] counts them.
+    /// The instance as [`crate::accel::Hit::instance`] counts them.
     pub instance: u32,
     pub material: MaterialId,
 }
@@ -49,15 +49,15 @@ pub struct SurfaceVertex {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetEmitter {
     pub light: LightId,
-    /// As emitted to the vertex before.
+    /// The radiance as emitted to the vertex before.
     pub radiance: Rgb,
     /// Density per solid angle with which the bsdf chose the direction; None from the camera or after a specular bounce.
     pub bsdf_pdf: Option<f32>,
     /// The density with which sampling the lights would have; None where the weight does not depend on it.
     pub light_pdf: Option<f32>,
-    /// Of multiple importance sampling.
+    /// The weight of multiple importance sampling.
     pub weight: f32,
-    /// What it adds to the path's radiance.
+    /// The contribution to the path's radiance.
     pub contribution: Rgb,
 }
 
@@ -68,15 +68,15 @@ pub struct SampledLight {
     pub sample: LightSample,
     /// Density per solid angle with which the bsdf would have chosen the direction.
     pub bsdf_pdf: f32,
-    /// Of multiple importance sampling.
+    /// The weight of multiple importance sampling.
     pub weight: f32,
     /// The share of the light that reaches the vertex; zero behind something, None where it would not have been reflected anyway.
     pub arriving: Option<Rgb>,
-    /// What it adds to the path's radiance.
+    /// The contribution to the path's radiance.
     pub contribution: Rgb,
 }
 
-/// How the path goes on from its last vertex.
+/// The continuation of the path from its last vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounce {
     /// Unit vector, world space.
@@ -86,18 +86,18 @@ pub struct Bounce {
     pub pdf: f32,
     /// Probability of not having been ended by Russian roulette here; 1 where none was played.
     pub survival: f32,
-    /// What light from there counts from now on.
+    /// The factor for light from there on.
     pub throughput: Rgb,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PathEnd {
-    /// Nothing lay ahead.
+    /// The ray met nothing.
     #[default]
     Escaped,
     /// It is as long as it may be.
     DepthLimit,
-    /// Its surface sends no light on.
+    /// The surface does not scatter light on.
     Absorbed,
     Roulette,
 }

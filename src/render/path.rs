@@ -22,8 +22,8 @@ use crate::math::{Ray, offset_origin};
 use crate::sampling::Sampler;
 use crate::shading::TransportMode;
 
-/// One sample of the radiance arriving along `-ray.dir` at the ray's origin. `observer` is told of it and cannot change it; with `()`
-/// there is none.
+/// Traces one sample of the radiance arriving along `-ray.dir` at the ray's origin. `observer` is called with its events and cannot change it; with
+/// `()` there is no observer.
 pub fn trace_path(
     scene: &RenderScene,
     settings: &PathSettings,
@@ -49,13 +49,13 @@ struct Vertex<'a> {
     scattering: &'a Scattering<'a>,
     /// Whether the surface scatters by a density, so that lights are worth sampling from it.
     is_smooth: bool,
-    /// From where lights are sampled.
+    /// The place from which lights are sampled.
     reference: LightReference,
 }
 
 impl PathState {
-    /// What a camera ray meets behind the emitting shapes that the camera does not see, if `hit` is what it meets first. The ray then
-    /// starts behind the last of these shapes. As in Mitsuba 3.9, they count for no depth, whichever way they shine.
+    /// The first hit of a camera ray behind the emitting shapes that the camera does not see, if `hit` is what it meets first. The ray then starts
+    /// behind the last of these shapes. As in Mitsuba 3.9, they count for no depth, whichever way they shine.
     #[inline(always)]
     pub fn behind_hidden_emitters(
         &mut self,
@@ -318,7 +318,7 @@ impl PathState {
             return Break(PathEnd::Absorbed);
         }
         self.is_straight &= sample.lobe == Lobe::Null;
-        // Shadow rays pass through null lobes as well: the weights stay those of the vertex before.
+        // Shadow rays pass through null lobes as well, so the weights stay those of the vertex before.
         if sample.lobe != Lobe::Null {
             self.arrival = Arrival {
                 is_sampled: sample.lobe == Lobe::Smooth,
@@ -345,7 +345,7 @@ impl PathState {
     }
 }
 
-/// Where a ray starts that leaves a surface in direction `dir`.
+/// The origin of a ray that leaves a surface in direction `dir`.
 fn leave(point: &SurfacePoint, dir: Vec3) -> Vec3 {
     offset_origin(point.position, point.error, point.geometric_normal, dir)
 }

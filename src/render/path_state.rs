@@ -9,7 +9,7 @@ use crate::math::lanes::LANES;
 use crate::math::{PerLane, Ray, per_lane};
 use crate::sampling::Sampler;
 
-/// What one camera ray brought home.
+/// The result of one camera ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathSample {
     pub radiance: Rgb,
@@ -27,12 +27,12 @@ pub struct PathSample {
 per_lane! {
     /// A path under way.
     pub(super) struct PathState in PathLanes {
-        /// Where the path goes next.
+        /// The ray to the next vertex.
         pub ray: Ray,
         pub throughput: Rgb,
         /// Squared relative index of refraction so far: radiance is scaled by it inside glass, and roulette must not see that.
         pub eta_squared: f32,
-        /// What the path has found so far.
+        /// The radiance that the path has found so far.
         pub radiance: Rgb,
         pub arrival: Arrival,
         /// Surfaces met so far, without the hidden emitters that the camera ray has passed.
@@ -47,7 +47,7 @@ per_lane! {
 }
 
 per_lane! {
-    /// How a path came to its current vertex; what the weight of an emitter met there depends on.
+    /// The way in which a path came to its current vertex, on which the weight of an emitter there depends.
     pub(super) struct Arrival in ArrivalLanes {
         /// Whether a bsdf chose the direction by a density. Otherwise the path comes from the camera or from a delta lobe, and no other
         /// technique could have found the emitter.
@@ -59,7 +59,7 @@ per_lane! {
     }
 }
 
-/// What is noted along a path's way for others than the picture. Nothing in it changes where the path goes or what it brings.
+/// Notes along a path that are not part of the picture. Nothing in it changes where the path goes or what it brings.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PathRecord {
     /// Features for the denoiser: colour in [0, 1] and world normal.
@@ -93,7 +93,7 @@ impl PerLane for PathRecord {
 }
 
 impl Arrival {
-    /// From the camera or a delta lobe.
+    /// The arrival from the camera or a delta lobe.
     pub const UNSAMPLED: Self = Self {
         is_sampled: false,
         pdf: 0.0,
@@ -121,7 +121,7 @@ impl PathState {
         }
     }
 
-    /// What the path has brought, once it has ended.
+    /// The result of the path, once it has ended.
     pub fn sample(&self) -> PathSample {
         self.record.sample(self.radiance, self.rays)
     }
@@ -135,8 +135,8 @@ impl PathRecord {
         self.first_hit = Some(first);
     }
 
-    /// Whether the denoiser's features are those of a surface that does not let the path pass: the first that scatters by a density or
-    /// shines; the last one if there is no such surface.
+    /// Whether the denoiser's features are taken at this surface, through which the path does not pass. They are those of the first surface that
+    /// scatters by a density or shines, or else of the last one.
     pub fn wants_features(&self, is_smooth: bool, is_light: bool, is_last: bool) -> bool {
         !self.has_features && (is_smooth || is_light || is_last)
     }
@@ -156,7 +156,7 @@ impl PathRecord {
         }
     }
 
-    /// What a path has brought that has found this `radiance` with this many `rays`.
+    /// The result of a path that has found this `radiance` with this many `rays`.
     pub fn sample(&self, radiance: Rgb, rays: u32) -> PathSample {
         PathSample {
             radiance,

@@ -1,5 +1,5 @@
-//! Russian roulette: paths that bring little are ended at random, and those that go on count more in return (Arvo and Kirk, Particle
-//! Transport and Image Synthesis, 1990; PBR 4th ed., sections 2.2.4 and 13.4.1).
+//! Russian roulette ends paths that contribute little at random, and gives those that go on more weight (Arvo and Kirk, Particle Transport and
+//! Image Synthesis, 1990; PBR 4th ed., sections 2.2.4 and 13.4.1).
 
 use super::view::PathSettings;
 use crate::math::Real;
@@ -7,8 +7,8 @@ use crate::math::Real;
 /// A path goes on with this probability at most, so that bright enclosures end too.
 const HIGHEST_SURVIVAL: f32 = 0.95;
 
-/// Roulette waits for so many more vertices where the surface has left no choice of direction: light that has found its way through glass
-/// is much, and rare, and roulette was played for it where it was last scattered.
+/// The number of further vertices that roulette waits where surfaces leave no choice of direction. Light that has passed through glass is strong
+/// and rare, and roulette was played for it where it was last scattered.
 const SPECULAR_GRACE: u32 = 16;
 
 /// Whether roulette is played at the surface that is number `depth` of the path; `is_scattered` if the path goes on in a direction
@@ -63,11 +63,11 @@ mod tests {
 
     #[test]
     fn glass_does_not_count_and_no_path_is_sure_to_go_on() {
-        // Into glass and out again.
+        // The path goes into glass and out again.
         let inside = eta_squared(1.0f32, 1.5);
         assert_eq!(inside, 2.25);
         assert!((eta_squared(inside, 1.0 / 1.5) - 1.0).abs() < 1e-6);
-        // Within it radiance is less by the square of its index.
+        // Inside glass, radiance is less by the square of its index.
         assert!((survival(0.5 / 2.25, inside) - 0.5f32).abs() < 1e-6);
         assert_eq!(survival(20.0, 1.0), HIGHEST_SURVIVAL);
         assert_eq!(survival(0.0, 1.0), 0.0f32);

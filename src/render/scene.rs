@@ -12,7 +12,7 @@ use crate::medium::MediumInterface;
 use crate::shading::TransportMode;
 use crate::texture::{MeshPoint, TexturePoint, TextureTable};
 
-/// Everything light transport needs to know of a scene; cloning clones five pointers.
+/// The data that light transport needs of a scene. A clone copies five pointers.
 #[derive(Clone, Debug)]
 pub struct RenderScene {
     pub geometry: Arc<Tlas>,
@@ -22,7 +22,7 @@ pub struct RenderScene {
     pub lights: Arc<LightTable>,
 }
 
-/// What a piece of surface is made of, and what it is the border of.
+/// The material and the light of a piece of surface, and the media on its sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SurfaceSlot {
     pub material: MaterialId,
@@ -30,10 +30,10 @@ pub struct SurfaceSlot {
     pub media: MediumInterface,
 }
 
-/// What a camera ray meets first, whether light passes through it or not.
+/// The first hit of a camera ray, whether light passes through it or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstHit {
-    /// As [`Hit::instance`] counts them.
+    /// The instance as [`Hit::instance`] counts them.
     pub instance: u32,
     pub material: MaterialId,
     pub uv: Vec2,
@@ -42,13 +42,13 @@ pub struct FirstHit {
 /// The slots of every shape. A shape has one slot, or one per material of its mesh file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SurfaceTable {
-    /// Per shape, as [`Tlas::shape_index`] counts them, the index of its first slot.
+    /// The index of the first slot of each shape, as [`Tlas::shape_index`] counts them.
     pub first_slot: Vec<u32>,
     pub slots: Vec<SurfaceSlot>,
 }
 
 impl RenderScene {
-    /// Where textures are looked up at `hit`, of which `point` is the surface.
+    /// The point for texture lookups at `hit`, of which `point` is the surface.
     pub fn texture_point(&self, hit: &Hit, point: &SurfacePoint) -> TexturePoint<'_> {
         TexturePoint {
             uv: point.uv,
@@ -88,7 +88,7 @@ impl RenderScene {
         self.geometry.surface_in(ray, hit, detail)
     }
 
-    /// What is remembered of the hit of a camera ray.
+    /// The part of a camera ray's hit that is kept.
     pub fn first_hit(&self, ray: &Ray, hit: &Hit) -> FirstHit {
         FirstHit {
             instance: hit.instance,
@@ -97,7 +97,7 @@ impl RenderScene {
         }
     }
 
-    /// How the surface at `hit` scatters what a path carries that has come from `wo`, a unit vector in world space.
+    /// The scattering of the surface at `hit` for a path that has come from `wo`, a unit vector in world space.
     pub fn scattering(
         &self,
         material: MaterialId,

@@ -83,7 +83,7 @@ pub struct TileSamples {
     pub pixels: Vec<PixelSum>,
     /// Sums per pixel and light group of the view, the groups of a pixel side by side.
     pub layers: Vec<Rgb>,
-    /// What sample 0 of every pixel met first; empty if that is not among the samples.
+    /// The first hit of sample 0 of every pixel; empty if that is not among the samples.
     pub first_hits: Vec<Option<FirstHit>>,
     pub rays: u64,
     /// Samples that were not finite; they count as black.
@@ -97,9 +97,9 @@ pub struct TilePreview {
     pub step: u32,
     /// Row by row, ceil(width / step) x ceil(height / step).
     pub blocks: Vec<PixelSum>,
-    /// As of [`TileSamples`].
+    /// The layers as in [`TileSamples`].
     pub layers: Vec<Rgb>,
-    /// What each block's sample met first.
+    /// The first hit of each block's sample.
     pub first_hits: Vec<Option<FirstHit>>,
     pub rays: u64,
 }
@@ -186,7 +186,7 @@ pub fn render_preview(
     let mut layers = LayerSums::new(&view.light_groups);
     let (right, bottom) = (tile.x + tile.width, tile.y + tile.height);
     let starts = |start: u32, end: u32| (start..end).step_by(step as usize);
-    // Of a single sample the filter's weight would only change the brightness.
+    // With a single sample the filter's weight would only change the brightness.
     let jobs = starts(tile.y, bottom).flat_map(|y| {
         starts(tile.x, right).map(move |x| Job {
             pixel: UVec2::new(middle(x, right), middle(y, bottom)),
@@ -210,11 +210,11 @@ pub fn render_preview(
     Some(result)
 }
 
-/// How the samples of a tile are traced; chosen once for all of them.
+/// The way to trace the samples of a tile, chosen once for all of them.
 enum Tracer {
     /// Side by side, all paths with the same settings.
     Lanes(PathSettings),
-    /// Where paths are not all alike, or are watched.
+    /// One path at a time, where paths differ or are observed.
     OneByOne,
 }
 
@@ -308,7 +308,7 @@ pub(super) fn render_sample(
     (sample, camera.weight)
 }
 
-/// Of sample 0 of a pixel.
+/// The first hit of sample 0 of a pixel.
 fn first_hit(scene: &RenderScene, view: &View, pixel: UVec2, sample: &PathSample) -> Option<FirstHit> {
     let hit = sample.first_hit?;
     Some(scene.first_hit(&view.camera_sample(pixel, 0).ray, &hit))

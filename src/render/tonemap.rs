@@ -1,4 +1,4 @@
-//! From linear radiance to the bytes of a display: white balance, exposure, tone curve, sRGB encoding.
+//! Maps linear radiance to the bytes of a display: white balance, exposure, tone curve, sRGB encoding.
 //!
 //! Not part of what is accumulated or saved as EXR: it can be changed at any time without rendering anew.
 //!
@@ -13,7 +13,7 @@ use glam::{Mat3, Vec3};
 use super::white_balance::WhiteBalance;
 use crate::color::{Rgb, linear_from_srgb, luminance};
 
-/// How radiance beyond the range of the display is brought into it.
+/// The curve that brings radiance beyond the range of the display into it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ToneMap {
     /// Each component is cut off at 1: exact below, and what other renderers write by default.
@@ -32,7 +32,7 @@ pub enum ToneMap {
 impl ToneMap {
     pub const ALL: [Self; 5] = [Self::Clip, Self::Reinhard, Self::Aces, Self::Filmic, Self::AgX];
 
-    /// For panels and the command line.
+    /// The name in panels and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Clip => "clip",
@@ -44,10 +44,10 @@ impl ToneMap {
     }
 }
 
-/// How a picture is shown.
+/// The settings by which a picture is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Display {
-    /// In stops: the radiance is multiplied by two to this power first.
+    /// The exposure in stops: the radiance is first multiplied by two to this power.
     pub exposure_ev: f32,
     pub white_balance: WhiteBalance,
     pub tone_map: ToneMap,
@@ -89,7 +89,7 @@ impl Display {
 /// Radiance after exposure is held below this: every curve is long flat there, and none of them overflows.
 const BRIGHTEST: f32 = 65_504.0;
 
-/// So that the factor is neither 0 nor infinite: zero radiance stays black and infinite radiance white.
+/// The limit keeps the factor from being 0 or infinite: zero radiance stays black and infinite radiance white.
 const MOST_STOPS: f32 = 100.0;
 
 /// A [`Display`] made ready.
@@ -102,15 +102,15 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// As [`Display::encode`].
+    /// Encodes one pixel as [`Display::encode`].
     #[inline]
     pub fn encode(&self, radiance: Rgb) -> [u8; 3] {
         let balanced = match self.balance {
-            // What is infinite would be no number after it.
+            // An infinite value would become NaN by the matrix.
             Some(balance) if radiance.is_finite() => balance * radiance,
             _ => radiance * self.scale,
         };
-        // Not `clamp`: it would pass NaN on.
+        // `clamp` would pass NaN on.
         let exposed = balanced
             .to_array()
             .map(|x| if x > 0.0 { x.min(BRIGHTEST) } else { 0.0 });

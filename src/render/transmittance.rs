@@ -1,4 +1,4 @@
-//! What arrives of a light's radiance through whatever lies between.
+//! The share of a light's radiance that arrives through everything in between.
 
 use glam::Vec3;
 
@@ -44,7 +44,7 @@ pub(super) fn transmittance(
         }
         let slot = scene.slot(&hit);
         let point = scene.surface(&shadow, &hit, &slot);
-        // What passes straight through is not refracted: any mode will do.
+        // What passes straight through is not refracted, so that any mode will do.
         let scattering = scene.scattering(slot.material, &hit, &point, -wi, TransportMode::Radiance);
         arriving *= scattering.transmittance();
         if arriving == Rgb::ZERO {

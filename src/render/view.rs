@@ -1,4 +1,4 @@
-//! How a scene is looked at: camera, film, method, and what is shown of it. A different view means a new picture.
+//! The view of a scene: camera, film, method, and what is shown of it. A different view means a new picture.
 
 use glam::{UVec2, Vec2};
 
@@ -24,13 +24,13 @@ pub struct View {
     pub seed: u32,
 }
 
-/// How light is found.
+/// The method by which light is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Integrator {
     Path(PathSettings),
 }
 
-/// What a picture shows: what the integrator finds, or how the renderer works.
+/// The meaning of a picture: the result of the integrator, or how the renderer works.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shown {
     #[default]
@@ -52,7 +52,7 @@ pub const LONGEST_PATH: u32 = 1 << 16;
 pub struct PathSettings {
     /// Longest path in segments; 0 leaves the picture black. Values above [`LONGEST_PATH`], such as `u32::MAX` for an unbounded path, mean that bound.
     pub max_depth: u32,
-    /// From this depth on Russian roulette may end a path; sixteen later where surfaces leave no choice of direction.
+    /// The depth from which on Russian roulette may end a path; it waits sixteen more where surfaces leave no choice of direction.
     pub rr_depth: u32,
     /// The camera does not see emitters: its rays pass shapes that emit, and find nothing at infinity.
     pub hide_emitters: bool,
@@ -79,7 +79,7 @@ impl PathSettings {
     }
 }
 
-/// How light is looked for at a bounce.
+/// The strategy for finding light at a bounce.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Strategy {
     /// Follow the bsdf and hope to meet an emitter (lights that cannot be met are still sampled).
@@ -90,17 +90,17 @@ pub enum Strategy {
     Mis,
 }
 
-/// What begins with one sample of a pixel.
+/// The start of one sample of a pixel.
 #[derive(Clone, Debug)]
 pub struct CameraSample {
     pub ray: Ray,
-    /// What the light along the ray counts, by the filter; 1 on average.
+    /// The weight of the light along the ray, by the filter; 1 on average.
     pub weight: f32,
     pub sampler: Sampler,
 }
 
 impl View {
-    /// How the paths of a pixel are traced; None if none are.
+    /// The settings for the paths of a pixel; None if no paths are traced.
     pub fn path_settings(&self, pixel: UVec2) -> Option<PathSettings> {
         let Integrator::Path(settings) = self.integrator;
         match self.shown {

@@ -11,8 +11,8 @@ use glam::{Mat3, Vec2, Vec3};
 pub struct WhiteBalance {
     /// Kelvin, in [`Self::TEMPERATURES`]. Light of a lower one is redder, so that the picture gets bluer.
     pub temperature: f32,
-    /// How much greener the light is than a black body's, in [-150, 150]; 3000 for a distance of 1 in the CIE 1960 diagram, as photo
-    /// programs have it. The picture gets more magenta with it.
+    /// The excess of green of the light over a black body's, in [-150, 150]; 3000 is a distance of 1 in the CIE 1960 diagram, as in photo programs.
+    /// Greater values make the picture more magenta.
     pub tint: f32,
 }
 
@@ -31,11 +31,11 @@ const D65_TEMPERATURE: f32 = 6504.0;
 const D65: Vec2 = Vec2::new(0.3127, 0.3290);
 
 impl WhiteBalance {
-    /// Where the formula for black bodies holds.
+    /// The temperatures for which the formula for black bodies holds.
     pub const TEMPERATURES: std::ops::RangeInclusive<f32> = 1000.0..=15_000.0;
     pub const TINTS: std::ops::RangeInclusive<f32> = -150.0..=150.0;
 
-    /// What linear Rec. 709 colours are multiplied by; None if that changes nothing.
+    /// The matrix that linear Rec. 709 colours are multiplied by; None if it changes nothing.
     pub fn adaptation(&self) -> Option<Mat3> {
         if *self == Self::default() {
             return None;
@@ -83,7 +83,7 @@ fn uv(xy: Vec2) -> Vec2 {
     Vec2::new(4.0 * xy.x, 6.0 * xy.y) / (-2.0 * xy.x + 12.0 * xy.y + 3.0)
 }
 
-/// Of luminance 1.
+/// The XYZ of a chromaticity with luminance 1.
 fn xyz(xy: Vec2) -> Vec3 {
     Vec3::new(xy.x, xy.y, 1.0 - xy.x - xy.y) / xy.y
 }
@@ -136,7 +136,7 @@ mod tests {
         assert!(warm.z > 1.2 && warm.x < 0.9, "{warm}");
         assert!(cold.z < 0.9 && cold.x > 1.0, "{cold}");
         assert!(green.y < green.x.min(green.z) - 0.05, "{green}");
-        // What is out of range, and what is none, changes nothing beyond the range.
+        // Values out of range and NaN change nothing beyond the range.
         assert!(grey(f32::NAN, f32::INFINITY).is_finite());
         assert_eq!(grey(1.0, 0.0), grey(1000.0, 0.0));
     }

@@ -47,7 +47,7 @@ impl Beckmann {
     pub fn density(&self, m: Vec3) -> f32 {
         let z2 = m.z * m.z;
         let slope2 = Vec2::new(m.x / self.alpha_x, m.y / self.alpha_y).length_squared() / z2;
-        // Below 1e-21 of the peak nothing is seen any more, and digits go.
+        // Values below 1e-21 of the peak have no visible effect, and lose digits.
         if slope2 > 50.0 {
             return 0.0;
         }

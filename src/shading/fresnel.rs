@@ -2,7 +2,7 @@
 
 use crate::color::Rgb;
 
-/// What happens to light that meets the interface of two dielectrics.
+/// Reflection and refraction of light at the interface of two dielectrics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DielectricFresnel {
     /// The reflected fraction of the power, in [0, 1]; 1 under total internal reflection.
@@ -11,7 +11,7 @@ pub struct DielectricFresnel {
     pub cos_t: f32,
     /// Refractive index of the far side over that of the near side, as the path sees it.
     pub eta_it: f32,
-    /// Its reciprocal: what Snell's law scales the tangential components by.
+    /// The reciprocal of `eta_it`, by which Snell's law scales the tangential components.
     pub eta_ti: f32,
 }
 

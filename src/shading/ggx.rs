@@ -6,7 +6,7 @@
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
 
-/// Below this a lobe is narrower than the rounding of its half vector.
+/// The least roughness. Below it a lobe is narrower than the rounding of its half vector.
 pub(super) const SMOOTHEST_ALPHA: f32 = 1e-4;
 
 /// Roughness along the two tangents.

@@ -38,9 +38,9 @@ const LEAST_ROUGHNESS: f32 = 0.01;
 pub struct Fiber {
     /// Refractive index inside over that outside, above 0.
     eta: f32,
-    /// Of the inclinations that are mirrored.
+    /// The variance of the inclinations that are mirrored.
     variance: f32,
-    /// Of the logistic distribution of azimuths.
+    /// The scale of the logistic distribution of azimuths.
     azimuthal_scale: f32,
     /// Sine and cosine of the angle by which the scales turn each lobe along the fibre.
     tilts: [Vec2; LOBES],
@@ -128,7 +128,8 @@ impl Lobe {
     /// A direction with the density M_p N_p.
     fn sample(&self, u_azimuth: f32, u: Vec2) -> Vec3 {
         let v = self.variance;
-        // Around the mirror image of the viewer, as d'Eon, Marschner and Hanika, A Fiber Scattering Model with Non-Separable Lobes, 2014.
+        // The distribution is around the mirror image of the viewer, as in d'Eon, Marschner and Hanika, A Fiber Scattering Model with Non-Separable
+        // Lobes, 2014.
         let depth = -v * (u.x * (-2.0 / v).exp_m1()).ln_1p();
         let (cos, sin) = (1.0 - depth, (depth * (2.0 - depth)).max(0.0).sqrt());
         let (sin_around, cos_around) = (TAU * u.y).sin_cos();
@@ -149,7 +150,7 @@ fn inside(scale: f32) -> f32 {
     (0.5 * PI / scale).tanh()
 }
 
-/// From the logistic distribution, cut off at -pi and pi.
+/// Samples the logistic distribution, cut off at -pi and pi.
 fn sample_trimmed_logistic(scale: f32, u: f32) -> f32 {
     let inside = inside(scale);
     let below = 0.5 * (1.0 - inside) + u * inside;
@@ -181,13 +182,13 @@ impl Hair {
     fn attenuations(&self, wo: Vec3) -> [Rgb; LOBES] {
         let eta_squared = self.fiber.eta.powi(2);
         let reflected = fresnel::dielectric(wo.z, self.fiber.eta, DielectricModel::Exact).reflectance;
-        // Once across the fibre, in radii: 2 cos gamma_t / cos theta_t.
+        // The way once across the fibre, in radii, is 2 cos gamma_t / cos theta_t.
         let index_squared = (eta_squared - wo.y * wo.y).max(f32::MIN_POSITIVE);
         let length = 2.0 * self.fiber.eta * (index_squared - wo.x * wo.x).max(0.0).sqrt() / index_squared;
         let transmittance = (-length * self.sigma_a).exp();
         let again = reflected * transmittance;
         let crossed = (1.0 - reflected).powi(2) * transmittance;
-        // Where all is reflected, nothing is inside to be reflected again.
+        // Where everything is reflected, nothing is inside to be reflected again.
         let rest = crossed * again * again / (Rgb::ONE - again).max(Rgb::splat(f32::EPSILON));
         [Rgb::splat(reflected), crossed, crossed * again, rest]
     }
@@ -210,7 +211,7 @@ impl Hair {
             });
         }
         let lobes = self.lobes(wo);
-        // What is left of the number within the chosen lobe's share is uniform again.
+        // The rest of the number within the chosen lobe's share is uniform again.
         let mut left = u_lobe * total(&lobes);
         let mut chosen = 0;
         let mut share = luminance(lobes[0].attenuation);

@@ -105,17 +105,17 @@ impl BsdfLanes {
         self.metal_reflectance.set(lane, specular.specular_reflectance);
     }
 
-    /// As [`Bsdf::has_smooth_lobe`], a bit per lane.
+    /// The lanes with [`Bsdf::has_smooth_lobe`], a bit each.
     pub fn smooth(&self) -> u32 {
         self.diffuse | self.rough
     }
 
-    /// As [`Bsdf::transmits`], a bit per lane.
+    /// The lanes with [`Bsdf::transmits`], a bit each.
     pub fn transmitting(&self) -> u32 {
         self.dielectric
     }
 
-    /// As [`Bsdf::eval_and_pdf`].
+    /// Evaluates as [`Bsdf::eval_and_pdf`].
     #[inline(always)]
     pub fn eval_and_pdf(&self, wo: Vec3Lanes, wi: Vec3Lanes) -> (Vec3Lanes, Lanes) {
         let above = wo.z.simd_gt(Lanes::ZERO) & wi.z.simd_gt(Lanes::ZERO);
@@ -133,7 +133,7 @@ impl BsdfLanes {
         (value, pdf)
     }
 
-    /// As [`Bsdf::sample`].
+    /// Samples as [`Bsdf::sample`].
     #[inline(always)]
     pub fn sample(&self, wo: Vec3Lanes, u_lobe: Lanes, u: [Lanes; 2], mode: TransportMode) -> BsdfSampleLanes {
         let zero = Lanes::ZERO;
@@ -169,7 +169,7 @@ impl BsdfLanes {
         sample
     }
 
-    /// As [`super::Ggx::sample_visible`], and reflected.
+    /// Samples as [`super::Ggx::sample_visible`], and reflects.
     #[inline(always)]
     fn sample_rough(&self, wo: Vec3Lanes, [u, v]: [Lanes; 2]) -> BsdfSampleLanes {
         let (zero, one) = (Lanes::ZERO, Lanes::ONE);
@@ -203,7 +203,7 @@ impl BsdfLanes {
         }
     }
 
-    /// As [`super::Dielectric`].
+    /// Samples as [`super::Dielectric`].
     #[inline(always)]
     fn sample_dielectric(&self, wo: Vec3Lanes, u_lobe: Lanes, mode: TransportMode) -> BsdfSampleLanes {
         let (zero, one) = (Lanes::ZERO, Lanes::ONE);
@@ -236,7 +236,7 @@ impl BsdfLanes {
         }
     }
 
-    /// As [`ConductorSpecular::reflectance`].
+    /// The reflectance as [`ConductorSpecular::reflectance`].
     #[inline(always)]
     fn reflectance(&self, cos: Lanes) -> Vec3Lanes {
         let zero = Lanes::ZERO;
@@ -268,7 +268,7 @@ impl Default for BsdfLanes {
 }
 
 impl BsdfSampleLanes {
-    /// That of the `other` where `condition` holds.
+    /// The sample of `other` where `condition` holds.
     #[inline(always)]
     fn choose(&mut self, condition: Lanes, other: Self) {
         self.wi = Vec3Lanes::select(condition, other.wi, self.wi);
@@ -279,7 +279,7 @@ impl BsdfSampleLanes {
     }
 }
 
-/// As [`super::Ggx::density`], as rough both ways.
+/// The density as [`super::Ggx::density`], equally rough along both tangents.
 #[inline(always)]
 fn density(alpha: Lanes, m: Vec3Lanes) -> Lanes {
     let alpha2 = alpha * alpha;
@@ -288,7 +288,7 @@ fn density(alpha: Lanes, m: Vec3Lanes) -> Lanes {
     Lanes::splat(FRAC_1_PI) / (alpha2 * stretched * stretched)
 }
 
-/// As [`super::Ggx`] divides by for masking.
+/// The divisor of masking in [`super::Ggx`].
 #[inline(always)]
 fn reach(alpha: Lanes, v: Vec3Lanes) -> Lanes {
     let (x, y) = (alpha * v.x, alpha * v.y);
@@ -316,7 +316,7 @@ mod tests {
             )
         };
         let specular = ConductorSpecular {
-            // With next to none the reflectance is a difference of large numbers.
+            // With a k of nearly zero the reflectance would be a difference of large numbers.
             eta: 2.0 * color(0.1) + Vec3::splat(0.05),
             k: 4.0 * color(0.2) + Vec3::splat(0.5),
             specular_reflectance: color(0.3),

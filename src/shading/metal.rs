@@ -15,7 +15,7 @@ use crate::{color::Rgb, sampling::warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
-/// Below this the density's `f^2 - sin^2` has too few digits left, and no picture shows the difference to a mirror.
+/// The least fuzz. Below it the density's `f^2 - sin^2` has too few digits left, and no picture shows the difference to a mirror.
 const LEAST_FUZZ: f32 = 1e-4;
 
 /// A coloured mirror with a blur.

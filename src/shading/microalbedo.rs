@@ -1,4 +1,4 @@
-//! What a rough surface of perfect mirrors reflects in one bounce, and how much brighter it is with all bounces.
+//! The albedo of a rough surface of perfect mirrors in one bounce, and the factor by which all bounces make it brighter.
 //!
 //! Albedo scaling: Turquin, Practical multiple scattering compensation for microfacet models, 2019. With the albedo E(wo) of the white
 //! surface and the reflectance F0 at normal incidence, the lobe grows by 1 + F0 (1 - E) / E: exact for a white metal, and a coloured
@@ -65,7 +65,7 @@ impl Microalbedo {
     }
 }
 
-/// By quadrature over visible normals, each weighted with the visibility of what it reflects.
+/// The albedo by quadrature over visible normals, each weighted with the visibility of what it reflects.
 fn white_albedo(facets: &Microfacet, cos: f32, nodes: &[(f32, f32)]) -> f32 {
     let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
     let mut albedo = 0.0;

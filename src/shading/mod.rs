@@ -1,4 +1,4 @@
-//! How surfaces scatter light: the contract of every model, and the dispatch to them.
+//! The scattering of light at surfaces: the contract of every model, and the dispatch to them.
 //!
 //! Directions are unit vectors in the local shading frame, z being the shading normal. `wo` points to the viewer (where the path came
 //! from), `wi` to the light (where it goes on). Along a path from a light the two change places: a [`TransportMode`] says what a path

@@ -37,7 +37,7 @@ impl SmoothCoat {
 /// The base below a coat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoatedBase {
-    /// Of the base, [0, 1].
+    /// The reflectance of the base, [0, 1].
     pub diffuse_reflectance: Rgb,
     /// Whether light that is scattered again takes up the base's colour each time.
     pub nonlinear: bool,
@@ -46,7 +46,7 @@ pub struct CoatedBase {
 }
 
 impl CoatedBase {
-    /// Of the light that gets in, what gets out per squared transmittance: albedo / (eta^2 (1 - a R_int)).
+    /// The share of the light inside that gets out, per squared transmittance: albedo / (eta^2 (1 - a R_int)).
     pub(super) fn escaping(&self, eta: f32, internal_reflectance: f32) -> Rgb {
         let again = if self.nonlinear {
             self.diffuse_reflectance * internal_reflectance

@@ -1,4 +1,4 @@
-//! How much a rough dielectric coat lets through from outside, and how much of the diffuse light below it keeps in.
+//! Tables of how much a rough dielectric coat transmits from outside, and how much of the diffuse light below it stays inside.
 //!
 //! By quadrature over visible normals: what a facet lets through or reflects arrives if it is on the right side of the surface and not
 //! masked. One table serves all surfaces with the same distribution, index and roughness, or with any roughness up to 1, and stays for
@@ -45,7 +45,7 @@ pub struct RoughCoat {
 pub(super) struct CoatThere<'a> {
     low: &'a Layer,
     high: &'a Layer,
-    /// How far from low to high, [0, 1].
+    /// The weight of high against low, [0, 1].
     between: f32,
 }
 
@@ -137,13 +137,13 @@ impl Layer {
     }
 }
 
-/// What becomes of light that meets a rough interface; the rest would meet other facets.
+/// The split of light that meets a rough interface; the rest would meet other facets.
 struct Split {
     reflected: f32,
     transmitted: f32,
 }
 
-/// At the cosine `cos` where `eta` is the index beyond over that before the interface.
+/// The split at the cosine `cos`, where `eta` is the index beyond over that before the interface.
 fn split(facets: &Microfacet, cos: f32, eta: f32, nodes: &[(f32, f32)]) -> Split {
     let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
     let mut split = Split {

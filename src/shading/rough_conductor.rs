@@ -26,7 +26,7 @@ fn half_vector(wo: Vec3, wi: Vec3) -> Option<Vec3> {
 }
 
 impl RoughConductor {
-    /// What `wo` sees brighter by the light that leaves after more than one bounce.
+    /// The factor by which light after more than one bounce makes the surface brighter for `wo`.
     fn gain(&self, wo: Vec3) -> Rgb {
         self.multiple_scattering.map_or(Rgb::ONE, |albedo| {
             albedo.gain(&self.distribution, wo, self.specular.reflectance(1.0))
@@ -60,7 +60,7 @@ impl RoughConductor {
         let m = facets.sample_visible(wo, u);
         let cos = wo.dot(m);
         let wi = 2.0 * cos * m - wo;
-        // Below the horizon: the light would hit another facet, which this model leaves out.
+        // Light below the horizon would hit another facet, which this model leaves out.
         if wi.z <= 0.0 || cos <= 0.0 {
             return None;
         }

@@ -25,9 +25,9 @@ pub struct RoughDielectric {
 
 /// A pair of directions with `wo` above the surface, and the facet that connects them.
 struct Facet {
-    /// Its normal, z > 0.
+    /// The facet's normal, z > 0.
     m: Vec3,
-    /// Of `wo` with it, positive.
+    /// The cosine of `wo` with it, positive.
     cos_o: f32,
     /// Fresnel's reflectance.
     reflectance: f32,
@@ -125,7 +125,7 @@ impl RoughDielectric {
             let color = self.specular_transmittance * mode.refraction_factor(eta_ti);
             (wi, color, 1.0 - fresnel.reflectance, jacobian, eta_it)
         };
-        // On the wrong side of the surface it would meet another facet, which this model leaves out.
+        // Light on the wrong side of the surface would meet another facet, which this model leaves out.
         if (wi.z > 0.0) != reflected || wi.z == 0.0 {
             return None;
         }

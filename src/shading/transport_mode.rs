@@ -1,8 +1,8 @@
-//! What a path carries, which decides how a refracting surface scatters it.
+//! The quantity that a path carries, which decides how a refracting surface scatters it.
 
 use crate::math::Real;
 
-/// What is transported along a path (Veach 1997, sections 3.7 and 5.2; PBR 4th ed., section 9.5.2).
+/// The quantity that is transported along a path (Veach 1997, sections 3.7 and 5.2; PBR 4th ed., section 9.5.2).
 ///
 /// A path that starts at the camera finds radiance, one that starts at a light finds importance. Where light is refracted, its radiance
 /// grows with the square of the refractive index, for the same power then fills a smaller solid angle. Importance does not grow. The
@@ -12,9 +12,9 @@ use crate::math::Real;
 /// correction for shading normals (Veach 1997, section 5.3) is left to who traces importance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TransportMode {
-    /// From the camera to the lights.
+    /// The path leads from the camera to the lights.
     Radiance,
-    /// From the lights to the camera.
+    /// The path leads from the lights to the camera.
     Importance,
 }
 

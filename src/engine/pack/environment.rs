@@ -14,7 +14,7 @@ struct Known {
     compensated: bool,
     map: Arc<EnvironmentMap>,
     in_use: bool,
-    /// For the density.
+    /// The memory reserved for the density.
     _memory: Held,
 }
 
@@ -42,7 +42,7 @@ impl Environments {
         Ok(map)
     }
 
-    /// Forgets those that nobody asked for since [`Self::begin_use`].
+    /// Removes the environments that were not asked for since [`Self::begin_use`].
     pub fn end_use(&mut self) {
         self.0.retain(|known| known.in_use);
     }

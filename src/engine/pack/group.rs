@@ -1,4 +1,4 @@
-//! Shapes sorted into those that stand in the world and those of groups, and the hierarchy over all of them.
+//! Sorts shapes into those of the world and those of groups, and builds the hierarchy over all of them.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use super::Checker;
 use super::instance::InstanceRecord;
 use crate::accel::{Instance, Placement, SplitMethod, Tlas};
 
-/// Where a group stands because of one entity.
+/// The placements of a group by one entity.
 #[derive(Clone, Debug)]
 pub(in crate::engine) struct PlacedGroup {
     pub entity: Entity,
@@ -33,16 +33,16 @@ pub(in crate::engine) struct Instances {
 /// All shapes, in the order in which [`Tlas::shape_index`] counts them.
 #[derive(Clone, Debug, Default)]
 pub(in crate::engine) struct Layout {
-    /// Those in the world, then the members of each group.
+    /// The records of the shapes of the world, then of the members of each group.
     pub shapes: Vec<InstanceRecord>,
     in_world: usize,
-    /// Per group, the number of its members.
+    /// The number of members of each group.
     members: Vec<usize>,
     placed: Vec<PlacedGroup>,
 }
 
 impl Layout {
-    /// `members`: per group, in order.
+    /// Sorts the shapes. `members` has those of each group, in order.
     pub fn new(in_world: Packed, members: Vec<Packed>, placed: Vec<PlacedGroup>) -> (Self, Instances) {
         let (in_world, mut shapes) = in_world;
         let (members, records): (Vec<_>, Vec<_>) = members.into_iter().unzip();
@@ -56,7 +56,7 @@ impl Layout {
         (layout, Instances { in_world, members })
     }
 
-    /// Per shape, whether it is not where and what it was; all of them if there are others than before.
+    /// Whether each shape has moved or changed; all of them if the list differs.
     pub fn moved_since(&self, old: &Self) -> Vec<bool> {
         let same =
             |(i, record): (usize, &InstanceRecord)| old.shapes.get(i).is_some_and(|old| record.same_geometry(old));
@@ -79,7 +79,7 @@ impl Layout {
         shape >= self.in_world
     }
 
-    /// The hierarchy over everything, and the entity behind each of its items. `instances`: those that [`Self::new`] gave with it.
+    /// Builds the hierarchy over everything, and gives the entity behind each of its items. `instances` are those that [`Self::new`] gave with it.
     pub fn build(&self, instances: Instances, method: SplitMethod, errors: &mut Vec<String>) -> (Tlas, Vec<Entity>) {
         let members = instances.members.into_iter();
         let groups = members.map(|members| Arc::new(Tlas::build(members, method))).collect();

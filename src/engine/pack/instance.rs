@@ -72,7 +72,7 @@ pub(in crate::engine) fn pack_instance(
                 ));
                 return None;
             };
-            // Where the angle begins is Mitsuba's choice as well.
+            // The start of the angle is Mitsuba's choice as well.
             let Frame { s, t, n } = Frame::from_normal(direction);
             let axes = Mat3::from_cols(s * *radius, t * *radius, n * length);
             (

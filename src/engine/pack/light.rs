@@ -1,4 +1,4 @@
-//! Emitters that are no surface, and the colours of those that are.
+//! Packs emitters that are no surface, and the colours of those that are.
 
 use bevy::math::Affine3A;
 
@@ -30,11 +30,11 @@ pub(super) fn sampling_weight(value: f32, check: &mut Checker) -> f32 {
     check.number("sampling_weight", value, 0.0, BRIGHTEST, 1.0)
 }
 
-/// What lights need besides themselves.
+/// The data that packing lights needs besides themselves.
 pub(in crate::engine) struct LightContext<'c, 'p> {
     pub textures: &'c mut TexturePacker<'p>,
     pub environments: &'c mut Environments,
-    /// What is said of lights that the memory budget has no room for.
+    /// Messages about lights that do not fit into the memory budget.
     pub shortages: &'c mut Vec<String>,
 }
 
@@ -138,7 +138,7 @@ pub(in crate::engine) fn pack_emitter(
     })
 }
 
-/// Of a projector's picture on the plane z = 1; `aspect` is width over height.
+/// Half the size of a projector's picture on the plane z = 1; `aspect` is width over height.
 fn half_size(fov: f32, axis: FovAxis, aspect: f32, check: &mut Checker) -> glam::Vec2 {
     let fov = check.number("fov", fov, 1e-3, 179.9, 45.0);
     let half_width = (0.5 * axis.horizontal(fov, aspect)).to_radians().tan();
@@ -185,7 +185,7 @@ fn atmosphere(sky: &SunSky, world_from_local: glam::Mat3, check: &mut Checker) -
     })
 }
 
-/// How far a map may be from one that only turns and scales evenly, relative to its scale.
+/// The most that a map may differ from one that only turns and scales evenly, relative to its scale.
 const UNEVEN: f32 = 1e-3;
 
 /// The turning (and mirroring) of something infinitely far away; stretching it is reported, for it has no effect.
@@ -281,7 +281,7 @@ mod tests {
             mis_compensation: true,
         };
         assert_eq!(pack(environment("/no.exr"), Affine3A::IDENTITY), (None, Vec::new()));
-        // Twice as large, and mirrored: that is a turning.
+        // The map doubles the size and mirrors, which is a rotation.
         let mirrored = Affine3A::from_rotation_y(0.5) * Affine3A::from_scale(Vec3::new(-2.0, 2.0, 2.0));
         let (light, errors) = pack(environment("/sky.exr"), mirrored);
         let Some(LightSource::Environment { world_from_local, .. }) = light else {

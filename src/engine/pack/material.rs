@@ -13,7 +13,7 @@ use crate::scene::Material;
 use crate::shading::{Bsdf, DielectricModel, Diffuse};
 use crate::texture::TextureTable;
 
-/// What has no material, or one that makes no sense, looks like this: the format's default.
+/// The look of shapes without a material, or with one that makes no sense: the format's default.
 pub(in crate::engine) const STAND_IN: material::Material = material::Material::Plain(Bsdf::Diffuse(Diffuse {
     reflectance: Rgb::splat(0.5),
 }));
@@ -21,7 +21,7 @@ pub(in crate::engine) const STAND_IN: material::Material = material::Material::P
 /// A light that has no material reflects nothing: so the format has it.
 const LAMP: material::Material = material::Material::Plain(Bsdf::Diffuse(Diffuse { reflectance: Rgb::ZERO }));
 
-/// What every table begins with: see `STAND_IN_ID` and `LAMP_ID`.
+/// The first materials of every table, see `STAND_IN_ID` and `LAMP_ID`.
 const FIXED: [material::Material; 2] = [STAND_IN, LAMP];
 
 /// A material entity as extraction finds it.
@@ -99,7 +99,7 @@ pub(in crate::engine) fn material_table(
 /// Materials that are in no scene, as light transport has them, and which is which. Each comes with the places of those inside of it in the
 /// same list; pictures are grey, and what makes no sense is the default.
 pub fn pack_loose(loose: &[(Material, Vec<usize>)]) -> (MaterialTable, TextureTable, Vec<MaterialId>) {
-    // Only who is who matters.
+    // Only the identity of the entities matters.
     let entity = |place: usize| Entity::from_raw_u32(place as u32);
     let sources: Vec<MaterialSource> = loose
         .iter()

@@ -1,4 +1,4 @@
-//! From components to the renderer's records: plain functions, one file per kind of record. Every check of a range and every change of
+//! Turns components into the renderer's records, with plain functions, one file for each kind of record. Every check of a range and every change of
 //! unit is made here; what is right of this (`render` and below) trusts its numbers.
 
 mod bsdf;
@@ -22,7 +22,7 @@ const LAMP_ID: MaterialId = MaterialId(1);
 
 /// Checks the numbers of one entity and writes down what was wrong with them.
 pub(super) struct Checker<'a> {
-    /// What the user would call the entity.
+    /// The name of the entity as the user knows it.
     pub name: &'a str,
     pub errors: &'a mut Vec<String>,
 }

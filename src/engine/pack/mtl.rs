@@ -1,4 +1,4 @@
-//! What the materials of an OBJ's own library look like here. MTL describes Phong-like shading, so this is an interpretation:
+//! Interprets the materials of an OBJ's own library. MTL describes Phong-like shading, so this is an interpretation:
 //!
 //! | the library says | becomes |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! What each instance is made of: the slots that tie it to materials and lights.
+//! Packs the surface of each instance: the slots that tie it to materials and lights.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ use crate::scene::AreaLight;
 use crate::shading::DielectricModel;
 use crate::texture::Parameter;
 
-/// What a shape says of its surface.
+/// The surface that a shape asks for.
 #[derive(Clone, Debug)]
 pub(in crate::engine) struct SurfaceSource<'s> {
     pub name: String,

@@ -1,4 +1,4 @@
-//! Textures of the scene as those of the renderer, each once however often it is used.
+//! Packs the textures of the scene for the renderer, each once however often it is used.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -14,12 +14,12 @@ pub(in crate::engine) struct TexturePacker<'a> {
     /// The pictures that are there, by absolute path.
     pictures: &'a dyn Fn(&Path) -> Option<Arc<Image>>,
     known: Vec<Texture>,
-    /// Where in `known` those of a hash are.
+    /// The indices in `known` of the textures with a hash.
     places: HashMap<u64, Vec<u32>>,
     packed: Vec<texture::Texture>,
 }
 
-/// In place of a picture that is not there (yet): grey, neither black nor white.
+/// The replacement of a picture that is not there (yet): grey, neither black nor white.
 static NO_PICTURE: LazyLock<Arc<Image>> = LazyLock::new(|| Arc::new(Image::uniform(0.5)));
 
 impl<'a> TexturePacker<'a> {
@@ -32,14 +32,14 @@ impl<'a> TexturePacker<'a> {
         }
     }
 
-    /// What a parameter that is this texture becomes.
+    /// The packed parameter that is this texture.
     pub fn parameter<T>(&mut self, texture: &Texture) -> texture::Parameter<T> {
         let alike = alike(texture);
         let known = self.places.get(&alike).into_iter().flatten();
         if let Some(&place) = known.into_iter().find(|&&place| self.known[place as usize] == *texture) {
             return texture::Parameter::Texture(TextureId(place));
         }
-        // Those inside come before the one that refers to them.
+        // Textures inside come before the one that refers to them.
         let packed = match texture {
             Texture::Bitmap(bitmap) => texture::Texture::Bitmap(self.bitmap(bitmap)),
             Texture::Checkerboard { color0, color1, to_uv } => texture::Texture::Checkerboard(Checkerboard {

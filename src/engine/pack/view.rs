@@ -63,7 +63,7 @@ pub(in crate::engine) fn pack_view(
     let camera = match sensor.lens {
         Lens::Orthographic => {
             let [left, up, forward] = columns(to_world).map(Vec3::length);
-            // As the file has it, the near plane lies in the sensor's space, and the depth that is seen is one of the world.
+            // In the file the near plane lies in the sensor's space, and depths are in the world.
             let near = near * forward;
             let far = near + far - sensor.near_clip.max(0.0);
             Camera::orthographic(pose, Vec2::new(left, up / aspect), near, far)

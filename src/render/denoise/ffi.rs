@@ -15,7 +15,7 @@ use oidn::sys;
 
 use super::request::{DenoiseError, DenoiseQuality};
 
-/// What all filters of one picture have in common.
+/// The settings that all filters of one picture share.
 pub struct Job<'a> {
     pub width: usize,
     pub height: usize,
@@ -42,7 +42,8 @@ impl Auxiliary {
 pub struct Device(sys::OIDNDevice);
 
 impl Device {
-    /// With at most so many threads, one per core if `None`. They are not pinned to cores: others render meanwhile.
+    /// Makes a device with at most this many threads, one for each core if `None`. They are not pinned to cores, since other threads render at the
+    /// same time.
     pub fn new(threads: Option<usize>) -> Result<Self, DenoiseError> {
         // SAFETY: takes no pointer; null is handled below.
         let handle = unsafe { sys::oidnNewDevice(sys::OIDNDeviceType_OIDN_DEVICE_TYPE_CPU) };
@@ -72,7 +73,7 @@ impl Device {
         filter.execute(job)
     }
 
-    /// `clean`: the guides hold no noise.
+    /// Filters the colour. `clean` says that albedo and normals hold no noise.
     pub fn filter_color(
         &self,
         job: &Job,

@@ -1,4 +1,4 @@
-//! What the denoiser is given and how it may fail.
+//! The input of the denoiser, and its errors.
 
 use glam::Vec3;
 use thiserror::Error;
@@ -8,7 +8,7 @@ use crate::color::Rgb;
 /// Time against quality. On a CPU the last two cost about the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum DenoiseQuality {
-    /// For the moving picture.
+    /// For the picture in motion.
     Fast,
     Balanced,
     #[default]
@@ -29,7 +29,7 @@ pub struct DenoiseInput<'a> {
     /// Denoise `albedo` and `normal` on their own first. Better edges wherever they are noisy; up to three times the time.
     pub prefilter: bool,
     pub quality: DenoiseQuality,
-    /// `None`: one for each core.
+    /// The number of threads; `None` is one for each core.
     pub threads: Option<usize>,
 }
 

@@ -21,24 +21,24 @@ pub(super) struct PathBatch<'a> {
     /// The paths; their rays are endless but for those from the camera.
     pub(super) paths: PathLanes,
     outputs: [Output; LANES],
-    /// What the rays meet, in the lanes of `traced`.
+    /// The hits of the rays, in the lanes of `traced`.
     hits: [Option<Hit>; LANES],
     traced: u32,
-    /// Where the paths have come to, while they take a step.
+    /// The current vertices of the paths, while they take a step.
     pub(super) vertices: Vertices<'a>,
 }
 
-/// Where the sample of a path belongs.
+/// The destination of a path's sample.
 #[derive(Clone, Copy, Debug)]
 struct Output {
     /// Index of the job.
     job: usize,
-    /// As [`crate::render::view::CameraSample::weight`].
+    /// The weight as [`crate::render::view::CameraSample::weight`].
     weight: f32,
 }
 
 impl<'a> PathBatch<'a> {
-    /// Without paths.
+    /// A batch without paths.
     pub fn new(view: &View) -> Self {
         let nowhere = PathState::new(
             Ray::new(Vec3::ZERO, Vec3::Z),
@@ -78,7 +78,7 @@ impl<'a> PathBatch<'a> {
 
     /// Moves the path that another batch has in the lane `theirs` to the free lane `lane`.
     pub fn move_lane_from(&mut self, lane: usize, other: &mut Self, theirs: usize) {
-        // By name, so that no field is forgotten.
+        // The fields are named, so that none is forgotten.
         let Self {
             active,
             paths,
@@ -129,7 +129,7 @@ impl<'a> PathBatch<'a> {
         self.traced = self.active;
     }
 
-    /// As [`PathState::behind_hidden_emitters`].
+    /// The hits as [`PathState::behind_hidden_emitters`].
     #[inline(never)]
     fn pass_hidden_emitters(&mut self, lane: usize, context: &Context) {
         let mut path = PathState::gather_lane(&self.paths, lane);
@@ -172,7 +172,7 @@ impl<'a> PathBatch<'a> {
         }
     }
 
-    /// At a surface that is not of one of the commonest models.
+    /// A step at a surface that is not of one of the commonest models.
     #[inline(never)]
     fn arrive_elsewhere(
         &mut self,
@@ -195,7 +195,7 @@ impl<'a> PathBatch<'a> {
         }
     }
 
-    /// What a path sees where it has come to. It ends there if that was its last vertex.
+    /// Handles the emitters and features at the vertices. A path ends there if that was its last vertex.
     #[inline(always)]
     fn look(
         &mut self,

@@ -1,4 +1,4 @@
-//! Where sixteen samples begin.
+//! The start of sixteen samples.
 
 use glam::Vec2;
 
@@ -18,7 +18,7 @@ pub(super) struct CameraRays {
 }
 
 impl CameraRays {
-    /// Of at most sixteen jobs.
+    /// The camera rays of at most sixteen jobs.
     pub fn new(view: &View, jobs: &[Job]) -> Self {
         let (mut x, mut y, mut index) = (WordLanes::ZERO, WordLanes::ZERO, WordLanes::ZERO);
         for (lane, job) in jobs.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What all paths that are traced together have in common.
+//! The data that all paths share that are traced together.
 
 use glam::UVec2;
 
@@ -41,7 +41,7 @@ impl Context<'_> {
 }
 
 impl Coherence {
-    /// What the rays of the lanes `asked` meet.
+    /// The hits of the rays of the lanes `asked`.
     pub fn intersect(self, geometry: &Tlas, rays: &RayLanes, asked: u32) -> [Option<Hit>; LANES] {
         match self {
             Self::Coherent => geometry.intersect_packet(rays, asked),
@@ -49,7 +49,7 @@ impl Coherence {
         }
     }
 
-    /// Which of the rays of the lanes `asked` meet something, a bit per lane.
+    /// A mask of the lanes `asked` whose rays meet something.
     pub fn occluded(self, geometry: &Tlas, rays: &RayLanes, asked: u32) -> u32 {
         match self {
             Self::Coherent => geometry.occluded_packet(rays, asked),

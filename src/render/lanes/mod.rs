@@ -66,7 +66,7 @@ struct Paths<'a> {
     jobs: &'a [Job],
     /// Jobs that have been begun.
     begun: usize,
-    /// Those that have left their first vertex, until there is a lane for them.
+    /// The paths that have left their first vertex, until there is a lane for them.
     first: PathBatch<'a>,
     later: PathBatch<'a>,
 }

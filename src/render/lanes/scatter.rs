@@ -1,4 +1,4 @@
-//! What light does at the vertices of sixteen paths: the steps of [`crate::render::path`] from a vertex to the next ray, in lanes.
+//! The scattering of light at the vertices of sixteen paths: the steps of [`crate::render::path`] from a vertex to the next ray, in lanes.
 
 use super::batch::PathBatch;
 use super::context::{Coherence, Context, Samples};
@@ -14,20 +14,20 @@ use crate::render::view::PathSettings;
 use crate::shading::TransportMode;
 use crate::shading::lanes::BsdfSampleLanes;
 
-/// Where the vertices lie and how they are seen.
+/// The surfaces at the vertices, and the directions they are seen from.
 #[derive(Clone, Copy)]
 struct Surfaces {
     /// The lanes that are at a vertex, a bit per lane.
     lanes: u32,
     /// The same lanes as a mask.
     here: Lanes,
-    /// From where lights are sampled: about the side of the shading normal that is seen.
+    /// The places from which lights are sampled, with the side of the shading normal that is seen.
     reference: ReferenceLanes,
-    /// As in [`crate::accel::SurfacePoint`].
+    /// The errors as in [`crate::accel::SurfacePoint`].
     error: Lanes,
     geometric_normal: Vec3Lanes,
     frame: FrameLanes,
-    /// Where the paths have come from, in `frame`.
+    /// The directions that the paths have come from, in `frame`.
     wo: Vec3Lanes,
     /// The lanes that scatter by a density.
     smooth: u32,
@@ -60,7 +60,7 @@ impl Surfaces {
         }
     }
 
-    /// Where rays start that leave the surfaces in the directions `dir`.
+    /// The origins of rays that leave the surfaces in the directions `dir`.
     #[inline(always)]
     fn leave(&self, dir: Vec3Lanes) -> Vec3Lanes {
         offset_origins(self.reference.position, self.error, self.geometric_normal, dir)
@@ -68,7 +68,7 @@ impl Surfaces {
 }
 
 impl PathBatch<'_> {
-    /// From the vertices to where their paths go on.
+    /// Steps from the vertices to the next rays.
     pub(super) fn scatter(&mut self, coherence: Coherence, context: &Context, samples: &mut Samples) {
         let surfaces = Surfaces::new(&self.vertices, self.paths.ray.dir);
         self.paths.depth += ones_in(surfaces.lanes);
@@ -138,7 +138,7 @@ impl PathBatch<'_> {
         }
     }
 
-    /// What of the `reflected` light of the lanes `asked` arrives at their `origin` through surfaces that let it pass.
+    /// The part of the `reflected` light of the lanes `asked` that arrives at their `origin` through surfaces that let it pass.
     #[inline(never)]
     fn transmitted(
         &mut self,

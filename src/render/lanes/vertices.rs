@@ -1,4 +1,4 @@
-//! Where sixteen paths have come to.
+//! The vertices that sixteen paths have come to.
 
 use glam::{Vec2, Vec3};
 
@@ -16,7 +16,7 @@ pub(super) struct Vertices<'a> {
     /// A bit per lane.
     pub lanes: u32,
     pub position: Vec3Lanes,
-    /// As in [`SurfacePoint`].
+    /// The errors as in [`SurfacePoint`].
     pub error: Lanes,
     pub geometric_normal: Vec3Lanes,
     pub shading_normal: Vec3Lanes,
@@ -27,18 +27,18 @@ pub(super) struct Vertices<'a> {
     /// The lanes of others.
     pub other: u32,
     singles: [Option<Single<'a>>; LANES],
-    /// Those of `other` that have smooth lobes.
+    /// The lanes of `other` that have smooth lobes.
     other_smooth: u32,
-    /// Those of `other` that scatter light from one half space only.
+    /// The lanes of `other` that scatter light from one half space only.
     other_halved: u32,
 }
 
-/// What there is to be seen at one of them.
+/// The surface at one of the vertices.
 pub(super) struct Met {
     pub point: SurfacePoint,
-    /// As [`crate::material::Scattering::has_smooth_lobe`].
+    /// Whether it has [`crate::material::Scattering::has_smooth_lobe`].
     pub is_smooth: bool,
-    /// As [`crate::material::Scattering::albedo`].
+    /// The albedo as [`crate::material::Scattering::albedo`].
     pub albedo: Rgb,
 }
 
@@ -65,7 +65,7 @@ impl<'a> Vertices<'a> {
         (self.other, self.other_smooth, self.other_halved) = (0, 0, 0);
     }
 
-    /// As [`crate::material::Scattering::has_smooth_lobe`], a bit per lane.
+    /// The lanes with [`crate::material::Scattering::has_smooth_lobe`], a bit each.
     pub fn smooth(&self) -> u32 {
         self.bsdf.smooth() | self.other_smooth
     }
@@ -75,8 +75,8 @@ impl<'a> Vertices<'a> {
         self.lanes & !(self.bsdf.transmitting() | self.other & !self.other_halved)
     }
 
-    /// `value` and `pdf` with those of [`Single::eval_and_pdf`] in the lanes `asked`, which are some of `other`. Apart from what is done in
-    /// lanes, so that this stays in registers.
+    /// Replaces `value` and `pdf` by those of [`Single::eval_and_pdf`] in the lanes `asked`, which are some of `other`. It is a function of its
+    /// own, so that what is done in lanes stays in registers.
     #[inline(never)]
     pub fn eval_others(&self, asked: u32, wi: Vec3Lanes, mut value: Vec3Lanes, mut pdf: Lanes) -> (Vec3Lanes, Lanes) {
         for lane in each_lane(asked) {
@@ -89,8 +89,8 @@ impl<'a> Vertices<'a> {
         (value, pdf)
     }
 
-    /// `sample` with those of [`Single::sample`] in the lanes of `other` that are among `lanes`, in world space, and which of them are of
-    /// smooth lobes.
+    /// Replaces `sample` by that of [`Single::sample`] in the lanes of `other` that are among `lanes`, in world space, and gives the mask of those
+    /// of smooth lobes.
     #[inline(never)]
     pub fn sample_others(
         &self,
@@ -148,7 +148,7 @@ impl<'a> Vertices<'a> {
         })
     }
 
-    /// As [`Self::set_plain`], of any other kind. None if it is a mixture of models or lets light pass straight through.
+    /// [`Self::set_plain`] for any other kind. None if it is a mixture of models or lets light pass straight through.
     pub fn set_other(
         &mut self,
         lane: usize,

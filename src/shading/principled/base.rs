@@ -17,7 +17,7 @@ pub(super) fn value(roughness: f32, flatness: f32, cos_o: f32, cos_i: f32, cos_h
 
     let grazing = 0.5 * retro;
     let profile = 1f32.lerp(grazing, weight_o) * 1f32.lerp(grazing, weight_i);
-    // With the cosine inside, for nothing overflows at the horizon.
+    // The cosine is multiplied in here, so that nothing overflows at the horizon.
     let flat = 1.25 * (profile * (cos_i / (cos_o + cos_i) - 0.5 * cos_i) + 0.5 * cos_i);
 
     FRAC_1_PI * (cos_i * diffuse).lerp(flat, flatness)

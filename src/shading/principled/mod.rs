@@ -43,7 +43,7 @@ pub struct Principled {
     /// Colour of base, metal, and (its root, for each of the two crossings) glass.
     pub base_color: Rgb,
     pub roughness: f32,
-    /// How much longer highlights are along the first tangent; 0 is isotropic.
+    /// The stretch of highlights along the first tangent; 0 is isotropic.
     pub anisotropic: f32,
     /// The share of metal.
     pub metallic: f32,
@@ -51,20 +51,20 @@ pub struct Principled {
     pub spec_trans: f32,
     /// Refractive index inside over outside, above 0; not 1 if there is glass.
     pub eta: f32,
-    /// How much of the dielectric reflection takes the hue of the base colour.
+    /// The share of the base colour's hue in the dielectric reflection.
     pub spec_tint: f32,
     pub sheen: f32,
-    /// How much of the sheen takes the hue of the base colour.
+    /// The share of the base colour's hue in the sheen.
     pub sheen_tint: f32,
-    /// From diffuse reflection to imitated subsurface scattering.
+    /// The blend from diffuse reflection to imitated subsurface scattering.
     pub flatness: f32,
     pub clearcoat: f32,
-    /// From a satin coat to a glossy one.
+    /// The gloss of the coat, from satin to glossy.
     pub clearcoat_gloss: f32,
     pub rates: SamplingRates,
 }
 
-/// How often lobes are sampled, relative to what their strengths suggest; not negative. Changes noise, not the picture.
+/// The rates at which lobes are sampled, relative to what their strengths suggest; not negative. Changes noise, not the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SamplingRates {
     pub main_specular: f32,
@@ -106,12 +106,12 @@ impl Evaluation {
     }
 }
 
-/// What a viewer has before it: the probabilities of sampling each group of lobes, and the interface.
+/// The interface as a viewer meets it, and the probabilities of sampling each group of lobes.
 struct Aspect {
     base: f32,
     clearcoat: f32,
     specular: f32,
-    /// With which probability light that facets do not reflect is sampled as refracted; everything else is as reflected.
+    /// The probability that light that facets do not reflect is sampled as refracted; otherwise it is sampled as reflected.
     refracted: f32,
     outside: bool,
     /// Index of the far side over that of the viewer's.
@@ -191,7 +191,7 @@ impl Principled {
         }
     }
 
-    /// `facet` is the main lobe's; its angle and normal are those of all.
+    /// The reflected light. `facet` is the main lobe's; its angle and normal are those of all lobes.
     fn reflected(&self, aspect: &Aspect, wo: Vec3, wi: Vec3, facet: &Facet) -> Evaluation {
         let fresnel = aspect.fresnel(facet.cos);
         let mut evaluation = Evaluation {

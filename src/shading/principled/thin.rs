@@ -22,25 +22,25 @@ pub struct PrincipledThin {
     /// Colour of diffuse light and of what passes.
     pub base_color: Rgb,
     pub roughness: f32,
-    /// How much longer highlights are along the first tangent; 0 is isotropic.
+    /// The stretch of highlights along the first tangent; 0 is isotropic.
     pub anisotropic: f32,
     /// The share of specular light; the rest is diffuse.
     pub spec_trans: f32,
-    /// Twice the share of diffuse light that passes, in [0, 2]; the rest is reflected.
+    /// Twice the share of diffuse light that is transmitted, in [0, 2]; the rest is reflected.
     pub diff_trans: f32,
     /// Refractive index of the sheet over that around it, above 0.
     pub eta: f32,
-    /// How much of the specular reflection takes the hue of the base colour.
+    /// The share of the base colour's hue in the specular reflection.
     pub spec_tint: f32,
     pub sheen: f32,
-    /// How much of the sheen takes the hue of the base colour.
+    /// The share of the base colour's hue in the sheen.
     pub sheen_tint: f32,
-    /// From diffuse reflection to imitated subsurface scattering.
+    /// The blend from diffuse reflection to imitated subsurface scattering.
     pub flatness: f32,
     pub rates: ThinSamplingRates,
 }
 
-/// How often lobes are sampled, relative to their shares; not negative. Changes noise, not the picture.
+/// The rates at which lobes are sampled, relative to their shares; not negative. Changes noise, not the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinSamplingRates {
     pub specular_reflectance: f32,
