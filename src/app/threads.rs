@@ -24,7 +24,7 @@ pub fn worker_count(requested: Option<i32>, windowed: bool) -> NonZeroUsize {
 
 /// Lets the systems of a frame run one after the other on the thread that drives the app: most take microseconds, which is less than
 /// to wake another thread for them, and the other threads' cores trace rays.
-pub fn run_systems_in_turn(app: &mut App) {
+pub(crate) fn run_systems_in_turn(app: &mut App) {
     let mut schedules = app.world_mut().resource_mut::<Schedules>();
     for (_, schedule) in schedules.iter_mut() {
         schedule.set_executor(SingleThreadedExecutor::new());

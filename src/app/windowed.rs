@@ -22,6 +22,7 @@ use crate::engine::{EnginePlugin, RenderControl};
 use crate::scene::{FileSourcePlugin, ScenePlugin, asset_plugin};
 
 #[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum WindowError {
     #[error(
         "there is no display to open a window on (neither WAYLAND_DISPLAY nor DISPLAY is set); `sunroom render SCENE -o OUT.png` works without one"

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The most messages that are stored; further ones are only counted. A broken generator must not fill the memory with messages.
-pub const MAX_STORED: usize = 1000;
+pub(crate) const MAX_STORED: usize = 1000;
 /// The most messages with suggestions and places of other things. The search for them takes time in proportion to the file.
 const MAX_HELPED: usize = 100;
 
@@ -113,7 +113,7 @@ impl Diagnostics {
     }
 
     /// Whether there are so many messages that the next one gets no help that is slow to find.
-    pub fn has_many(&self) -> bool {
+    pub(crate) fn has_many(&self) -> bool {
         self.list.len() >= MAX_HELPED
     }
 
@@ -165,7 +165,7 @@ impl Diagnostics {
 
 impl SourceFile {
     /// Line and column of a byte offset, from 1, columns in characters. Offsets past the end mean the end.
-    pub fn line_column(&self, offset: usize) -> (usize, usize) {
+    pub(crate) fn line_column(&self, offset: usize) -> (usize, usize) {
         let before = &self.text[..self.text.floor_char_boundary(offset)];
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
         let line = before.bytes().filter(|byte| *byte == b'\n').count() + 1;

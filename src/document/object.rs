@@ -64,7 +64,7 @@ impl Category {
         }
     }
 
-    pub fn from_tag(tag: &str) -> Option<Self> {
+    pub(crate) fn from_tag(tag: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|category| category.tag() == tag)
     }
 }

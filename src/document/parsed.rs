@@ -51,7 +51,7 @@ impl Document {
 
     /// The paths that a file named at `span` may have, most likely first: beside the file that names it, beside the main file, then in the search
     /// folders, the last one first. An absolute name is its own only candidate.
-    pub fn file_candidates(&self, name: &str, span: Span) -> Vec<PathBuf> {
+    pub(crate) fn file_candidates(&self, name: &str, span: Span) -> Vec<PathBuf> {
         let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
         let beside = self.diagnostics.source(span.source).map(|source| folder(&source.path));
         let folders: Vec<PathBuf> = beside.into_iter().chain([folder(&self.path)]).collect();

@@ -9,6 +9,7 @@ pub const MAX_FILE_BYTES: u64 = 256 << 20;
 
 /// Why a file gives no text at all.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum SourceError {
     #[error("{}: {source}", path.display())]
     Unreadable { path: PathBuf, source: FileError },
@@ -30,7 +31,7 @@ pub fn read_text(path: &Path) -> Result<String, SourceError> {
 }
 
 /// Reads a file that a scene names, as [`read_text`] does, if `access` permits it.
-pub fn read_text_within(path: &Path, access: &Access) -> Result<String, SourceError> {
+pub(crate) fn read_text_within(path: &Path, access: &Access) -> Result<String, SourceError> {
     let bytes = access
         .read(path, MAX_FILE_BYTES)
         .map_err(|source| unreadable(path, source))?;

@@ -46,6 +46,7 @@ pub const CLAMPED: &str = "no mixture of red, green and blue gives this spectrum
 
 /// Says why a text is no sampled spectrum. Lines count from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum SpectrumError {
     #[error(transparent)]
     Value(#[from] ValueError),
@@ -70,7 +71,7 @@ pub struct SampledSpectrum {
 }
 
 /// The colour of a light that has the power 1 at every wavelength.
-pub fn equal_energy_white() -> Vec3 {
+pub(crate) fn equal_energy_white() -> Vec3 {
     (REC709_FROM_XYZ * DVec3::ONE).as_vec3()
 }
 

@@ -63,7 +63,7 @@ pub fn direction(origin: Vec3, target: Vec3) -> Option<DVec3> {
 }
 
 /// The direction to the left of a camera that looks along `forward`, of length 1; None if `up` is zero or along `forward`.
-pub fn left_of(forward: DVec3, up: Vec3) -> Option<DVec3> {
+pub(crate) fn left_of(forward: DVec3, up: Vec3) -> Option<DVec3> {
     up.as_dvec3().try_normalize()?.cross(forward).try_normalize()
 }
 

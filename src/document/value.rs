@@ -17,6 +17,7 @@ pub fn quote(text: &str) -> String {
 
 /// Says what was expected and quotes what was found.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum ValueError {
     #[error("expected {expected}, found {found}")]
     Unexpected { expected: &'static str, found: String },

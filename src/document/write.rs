@@ -16,6 +16,7 @@ use super::{Category, Child, Document, Object, Property, TransformOp, Value};
 const VERSION: &str = "3.0.0";
 
 #[derive(Debug, thiserror::Error, PartialEq)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum WriteError {
     #[error("`{name}` of {owner} is not a finite number and cannot be saved")]
     NotFinite { name: String, owner: String },
@@ -214,7 +215,7 @@ impl<'l> Writer<'l> {
 }
 
 /// An error if a number of the value is infinite or none: the format has no text for it.
-pub fn check_finite(value: &Value, name: &str, owner: &Object) -> Result<(), WriteError> {
+pub(crate) fn check_finite(value: &Value, name: &str, owner: &Object) -> Result<(), WriteError> {
     let numbers = match value {
         Value::Float(number) | Value::Spectrum(number) => vec![*number],
         Value::Rgb(triple) | Value::Point(triple) | Value::Vector(triple) => triple.to_array().to_vec(),

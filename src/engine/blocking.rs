@@ -48,6 +48,7 @@ pub enum Outcome {
 
 /// Why there is no picture, or not all of it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum RenderError {
     /// The diagnostics are in [`SceneStatus`].
     #[error("the scene could not be loaded")]

@@ -13,6 +13,7 @@ pub const LARGEST_NOTE: u64 = 64 << 20;
 
 /// Why a file is not read. The messages do not name the file; the caller adds its name.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum FileError {
     #[error(transparent)]
     Io(#[from] io::Error),

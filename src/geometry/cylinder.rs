@@ -48,7 +48,7 @@ pub fn surface(ray: &Ray, t: f32) -> LocalSurface {
 }
 
 /// The parametrisation at a point of the cylinder: uv = (angle from +x towards +y in turns, in [0, 1), z).
-pub fn parametrisation(position: Vec3) -> Parametrisation {
+pub(crate) fn parametrisation(position: Vec3) -> Parametrisation {
     Parametrisation {
         uv: uv(position),
         dp_du: TAU * Vec3::new(-position.y, position.x, 0.0),

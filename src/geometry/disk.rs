@@ -25,7 +25,7 @@ pub fn surface(x: f32, y: f32) -> LocalSurface {
 
 /// The parametrisation at local (x, y): uv = (radius, angle from +x towards +y in turns). In the centre nothing moves with v, and u has no
 /// direction.
-pub fn parametrisation(x: f32, y: f32) -> Parametrisation {
+pub(crate) fn parametrisation(x: f32, y: f32) -> Parametrisation {
     let turn = y.atan2(x) / TAU;
     let radius = x.hypot(y);
     let outward = Vec2::new(x, y).normalize_or_zero();

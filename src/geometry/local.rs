@@ -26,7 +26,7 @@ pub struct LocalSurface {
 
 /// A point in Mitsuba 3's parametrisation of its shape, in local space. It is not part of [`LocalSurface`], because most paths do not need it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Parametrisation {
+pub(crate) struct Parametrisation {
     pub uv: Vec2,
     /// The derivatives of `position` by u and by v. Both are zero where the parametrisation is degenerate on a whole triangle.
     pub dp_du: Vec3,

@@ -53,6 +53,7 @@ impl fmt::Display for Place {
 
 /// Why a mesh file could not be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum MeshError {
     #[error("{place}: expected {expected}, found {found}")]
     Syntax {

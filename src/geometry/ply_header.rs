@@ -127,7 +127,7 @@ impl Element {
     }
 
     /// The fewest bytes one record takes in the body; zero only without properties.
-    pub fn smallest_record(&self, format: Format) -> u64 {
+    pub(crate) fn smallest_record(&self, format: Format) -> u64 {
         let sizes = self.properties.iter().map(|property| match (format, property.kind) {
             // A digit and what parts it from the next.
             (Format::Ascii, _) => 2,

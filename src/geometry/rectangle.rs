@@ -22,7 +22,7 @@ pub fn surface(x: f32, y: f32) -> LocalSurface {
 }
 
 /// The parametrisation at local (x, y): uv runs from 0 to 1 along x and y.
-pub fn parametrisation(x: f32, y: f32) -> Parametrisation {
+pub(crate) fn parametrisation(x: f32, y: f32) -> Parametrisation {
     Parametrisation {
         uv: Vec2::new(0.5 * x + 0.5, 0.5 * y + 0.5),
         dp_du: 2.0 * Vec3::X,

@@ -45,7 +45,7 @@ pub fn surface(ray: &Ray, t: f32) -> LocalSurface {
 
 /// The parametrisation at a point of the sphere: uv = (phi / 2 pi in [0, 1), theta / pi in [0, 1]) with phi from +x towards +y and theta from +z.
 /// At the poles, where nothing moves with u, v grows towards +x.
-pub fn parametrisation(position: Vec3) -> Parametrisation {
+pub(crate) fn parametrisation(position: Vec3) -> Parametrisation {
     Parametrisation {
         uv: uv(position),
         dp_du: TAU * Vec3::new(-position.y, position.x, 0.0),

@@ -133,7 +133,7 @@ pub fn intersect(ray: &Ray, corners: [Vec3; 3], faces: Faces) -> Option<LocalHit
 }
 
 /// Whether a triangle has finite corners and an area that the test can see; others can never be hit and need not be stored.
-pub fn is_regular(corners: [Vec3; 3]) -> bool {
+pub(crate) fn is_regular(corners: [Vec3; 3]) -> bool {
     let [a, b, c] = corners;
     let normal = (b - a).cross(c - a);
     corners.iter().all(|p| p.is_finite()) && normal.is_finite() && normal != Vec3::ZERO
@@ -164,7 +164,7 @@ pub fn surface(corners: [Vec3; 3], u: f32, v: f32) -> LocalSurface {
 
 /// The parametrisation at the weights `u`, `v` of corners 1 and 2 that takes the values `uvs` at the corners; without them uv is (u, v). Where they
 /// have no area, the derivatives are zero.
-pub fn parametrisation(corners: [Vec3; 3], u: f32, v: f32, uvs: Option<[Vec2; 3]>) -> Parametrisation {
+pub(crate) fn parametrisation(corners: [Vec3; 3], u: f32, v: f32, uvs: Option<[Vec2; 3]>) -> Parametrisation {
     let (edge_b, edge_c) = (corners[1] - corners[0], corners[2] - corners[0]);
     let Some(uvs) = uvs else {
         return Parametrisation {

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use wide::{f32x4, u32x4};
 
 /// The normal of a vertex that no triangle with an area touches; never seen by a ray, but unit length all the same.
-pub const NORMAL_OF_LONE_VERTEX: Vec3 = Vec3::X;
+pub(crate) const NORMAL_OF_LONE_VERTEX: Vec3 = Vec3::X;
 
 /// Triangles that are looked at abreast.
 const LANES: usize = 4;
@@ -21,7 +21,7 @@ const FEWEST_TO_SHARE: usize = 1 << 13;
 ///
 /// Triangles without area count for nothing; a vertex whose triangles cancel out, or that has none, gets [`NORMAL_OF_LONE_VERTEX`].
 /// Threads share out the vertices, and each takes their triangles in order: the sums do not depend on how many there are.
-pub fn angle_weighted_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
+pub(crate) fn angle_weighted_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; positions.len()];
     let shares = match triangles.len() {
         0..FEWEST_TO_SHARE => 1,

@@ -7,6 +7,7 @@ pub type ReadFile<'a> = dyn FnMut(&str) -> std::io::Result<Vec<u8>> + 'a;
 
 /// Why a file could not be read.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum GltfError {
     #[error("{0}")]
     Container(&'static str),

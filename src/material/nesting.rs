@@ -25,6 +25,7 @@ pub struct MaterialTableError {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum NestingProblem {
     #[error("refers to number {0}, but there are only {1}")]
     OutOfRange(u32, usize),

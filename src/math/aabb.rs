@@ -109,7 +109,7 @@ impl Aabb {
     }
 
     /// Whether the point is in the box or on its faces.
-    pub fn contains_point(&self, point: Vec3) -> bool {
+    pub(crate) fn contains_point(&self, point: Vec3) -> bool {
         self.min.cmple(point).all() && point.cmple(self.max).all()
     }
 

@@ -1,7 +1,7 @@
 //! The error function and its inverse, in single precision.
 
 /// erf(x), within 3e-7 (Abramowitz and Stegun, Handbook of Mathematical Functions, 7.1.26).
-pub fn erf(x: f32) -> f32 {
+pub(crate) fn erf(x: f32) -> f32 {
     let t = (1.0 + 0.327_591_1 * x.abs()).recip();
     let series = ((((1.061_405_4 * t - 1.453_152) * t + 1.421_413_7) * t - 0.284_496_74) * t + 0.254_829_6) * t;
     (1.0 - series * (-x * x).exp()).copysign(x)
@@ -9,7 +9,7 @@ pub fn erf(x: f32) -> f32 {
 
 /// The x with erf(x) = y, for y in (-1, 1), with a relative error of 1e-6 (Giles, Approximating the erfinv function, GPU Computing
 /// Gems, 2010); infinite at the ends.
-pub fn erf_inv(y: f32) -> f32 {
+pub(crate) fn erf_inv(y: f32) -> f32 {
     let w = -((1.0 - y) * (1.0 + y)).ln();
     let horner = |w: f32, coefficients: [f32; 9]| coefficients.into_iter().fold(0.0, |sum, c| sum * w + c);
     let ratio = if w < 5.0 {

@@ -23,7 +23,7 @@ impl Frame {
 
     /// A frame around the unit vector `n` with s as near to `tangent` (of any length) as it can be; [`Self::from_normal`] if that is zero
     /// or parallel to `n`.
-    pub fn from_normal_and_tangent(n: Vec3, tangent: Vec3) -> Self {
+    pub(crate) fn from_normal_and_tangent(n: Vec3, tangent: Vec3) -> Self {
         if tangent == Vec3::ZERO {
             return Self::from_normal(n);
         }

@@ -26,7 +26,7 @@ pub struct Vec3Lanes {
 
 /// An orthonormal frame per lane, as [`crate::math::Frame`].
 #[derive(Clone, Copy, Debug)]
-pub struct FrameLanes {
+pub(crate) struct FrameLanes {
     pub s: Vec3Lanes,
     pub t: Vec3Lanes,
     pub n: Vec3Lanes,
@@ -34,7 +34,7 @@ pub struct FrameLanes {
 
 /// The condition that holds in the lanes whose bit is set.
 #[inline(always)]
-pub fn lanes_of(bits: u32) -> Lanes {
+pub(crate) fn lanes_of(bits: u32) -> Lanes {
     const BIT_OF_LANE: WordLanes = WordLanes::new([
         1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768,
     ]);
@@ -43,13 +43,13 @@ pub fn lanes_of(bits: u32) -> Lanes {
 
 /// One in the lanes whose bit is set, else zero.
 #[inline(always)]
-pub fn ones_in(bits: u32) -> WordLanes {
+pub(crate) fn ones_in(bits: u32) -> WordLanes {
     WordLanes::splat(1) & bytemuck::cast::<_, WordLanes>(lanes_of(bits))
 }
 
 /// The lanes whose bit is set, in order.
 #[inline(always)]
-pub fn each_lane(mut bits: u32) -> impl Iterator<Item = usize> {
+pub(crate) fn each_lane(mut bits: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let lane = (bits != 0).then(|| bits.trailing_zeros() as usize % LANES);
         bits &= bits.wrapping_sub(1);
@@ -59,7 +59,7 @@ pub fn each_lane(mut bits: u32) -> impl Iterator<Item = usize> {
 
 /// `magnitude` with the sign of `sign`.
 #[inline(always)]
-pub fn copy_sign(magnitude: Lanes, sign: Lanes) -> Lanes {
+pub(crate) fn copy_sign(magnitude: Lanes, sign: Lanes) -> Lanes {
     let sign_bit = Lanes::splat(-0.0);
     (magnitude & !sign_bit) | (sign & sign_bit)
 }
@@ -131,14 +131,14 @@ impl Vec3Lanes {
 
     /// A mask of the lanes that are not the zero vector; NaN counts as not zero.
     #[inline(always)]
-    pub fn is_not_zero(self) -> Lanes {
+    pub(crate) fn is_not_zero(self) -> Lanes {
         let zero = Lanes::ZERO;
         self.x.simd_ne(zero) | self.y.simd_ne(zero) | self.z.simd_ne(zero)
     }
 
     /// `self + scale v`.
     #[inline(always)]
-    pub fn plus_scaled(self, scale: Lanes, v: Self) -> Self {
+    pub(crate) fn plus_scaled(self, scale: Lanes, v: Self) -> Self {
         Self::of(
             scale.mul_add(v.x, self.x),
             scale.mul_add(v.y, self.y),
@@ -148,7 +148,7 @@ impl Vec3Lanes {
 
     /// Selects `yes` where `condition` holds, else `no`.
     #[inline(always)]
-    pub fn select(condition: Lanes, yes: Self, no: Self) -> Self {
+    pub(crate) fn select(condition: Lanes, yes: Self, no: Self) -> Self {
         Self::of(
             condition.select(yes.x, no.x),
             condition.select(yes.y, no.y),
@@ -158,7 +158,7 @@ impl Vec3Lanes {
 
     /// Zero where `condition` does not hold.
     #[inline(always)]
-    pub fn only(self, condition: Lanes) -> Self {
+    pub(crate) fn only(self, condition: Lanes) -> Self {
         Self::of(self.x & condition, self.y & condition, self.z & condition)
     }
 
@@ -253,7 +253,7 @@ impl FrameLanes {
 
 /// [`crate::math::offset_origin`] in every lane.
 #[inline(always)]
-pub fn offset_origins(position: Vec3Lanes, error: Lanes, normal: Vec3Lanes, dir: Vec3Lanes) -> Vec3Lanes {
+pub(crate) fn offset_origins(position: Vec3Lanes, error: Lanes, normal: Vec3Lanes, dir: Vec3Lanes) -> Vec3Lanes {
     let size = normal.abs();
     let distance = copy_sign(error * (size.x + size.y + size.z), dir.dot(normal));
     let moved = position.plus_scaled(distance, normal);

@@ -16,12 +16,12 @@ mod rounding;
 
 pub use aabb::Aabb;
 pub use affine::is_invertible;
-pub use bessel::scaled_bessel_i0;
-pub use erf::{erf, erf_inv};
+pub(crate) use bessel::scaled_bessel_i0;
+pub(crate) use erf::{erf, erf_inv};
 pub use frame::Frame;
-pub use per_lane::PerLane;
+pub(crate) use per_lane::PerLane;
 pub(crate) use per_lane::per_lane;
-pub use quadrature::gauss_legendre;
+pub(crate) use quadrature::gauss_legendre;
 pub use ray::{Ray, offset_origin};
 pub use real::{Real, Word};
-pub use rounding::gamma;
+pub(crate) use rounding::gamma;

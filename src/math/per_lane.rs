@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::lanes::{LANES, Lanes, Vec3Lanes, WordLanes};
 
 /// A type of which every lane can have a value.
-pub trait PerLane: Copy {
+pub(crate) trait PerLane: Copy {
     /// A value per lane.
     type Lanes;
 

@@ -13,7 +13,8 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock};
 
-pub use self::size::{Bytes, NoSize, parse_size};
+pub(crate) use self::size::Bytes;
+pub use self::size::{NoSize, parse_size};
 use crate::files::{self, Access, FileError, LARGEST_DATA};
 
 /// The environment variable with the budget, such as `8GB`.
@@ -108,7 +109,8 @@ impl Budget {
     }
 
     /// The reserved bytes.
-    pub fn reserved(&self) -> u64 {
+    #[cfg(test)]
+    fn reserved(&self) -> u64 {
         self.reserved.load(Ordering::Relaxed)
     }
 

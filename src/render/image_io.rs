@@ -56,6 +56,7 @@ impl FileFormat {
 }
 
 #[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum ImageIoError {
     #[error("{}: the name of a picture ends in .exr, .hdr or .png", .0.display())]
     UnknownFormat(PathBuf),

@@ -42,7 +42,7 @@ const COLUMNS_PER_SHARE: usize = 2;
 
 impl PiecewiseBilinear2d {
     /// Bytes of memory for each node of the grid: density, integral and half an entry of the guides.
-    pub const BYTES_PER_NODE: u64 = 10;
+    pub(crate) const BYTES_PER_NODE: u64 = 10;
 
     /// Builds from `rows` rows of `columns` function values of any scale. Negative and non-finite values count as zero. `None` if none is positive,
     /// or if there are fewer than two rows or columns.

@@ -17,7 +17,7 @@ pub struct SamplerLanes {
 
 impl SamplerLanes {
     /// The samplers of [`Sampler::new`] for the pixels (x, y) and sample indices of all lanes.
-    pub fn of_pixels(kind: SequenceKind, [x, y]: [WordLanes; 2], index: WordLanes, seed: u32) -> Self {
+    pub(crate) fn of_pixels(kind: SequenceKind, [x, y]: [WordLanes; 2], index: WordLanes, seed: u32) -> Self {
         let [of_pixel, ..] = pcg3d([x, y, word(seed)]);
         let [_, of_block, _] = pcg3d([x >> BLOCK_BITS, y >> BLOCK_BITS, word(seed)]);
         let mut place = WordLanes::ZERO;

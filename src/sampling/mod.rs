@@ -19,7 +19,7 @@ pub use mis::power_heuristic;
 pub(crate) use sampler::SPREAD_DIMENSIONS;
 pub use sampler::{Sampler, SequenceKind};
 pub use spherical_rectangle::{Rectangle, SphericalRectangle};
-pub use spherical_triangle::SphericalTriangle;
+pub(crate) use spherical_triangle::SphericalTriangle;
 
 /// The largest `f32` below one; uniform numbers never exceed it.
 pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;

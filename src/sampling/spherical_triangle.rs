@@ -13,7 +13,7 @@ const LEAST_SINE: f64 = 1e-6;
 
 /// A triangle as seen from one point, prepared for sampling.
 #[derive(Clone, Copy, Debug)]
-pub struct SphericalTriangle {
+pub(crate) struct SphericalTriangle {
     origin: DVec3,
     /// A corner of the triangle and its scaled normal: its plane.
     corner: DVec3,

@@ -4,7 +4,7 @@
 //! well spread.
 
 use glam::{Vec2, Vec3};
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, TAU};
 
 /// Uniform points on the unit disk, concentric squares going to concentric circles (Shirley and Chiu 1997).
 pub fn concentric_disk(u: Vec2) -> Vec2 {
@@ -67,13 +67,10 @@ pub fn uniform_cone_pdf(one_minus_cos: f32) -> f32 {
     1.0 / (TAU * one_minus_cos)
 }
 
-/// Uniform points in the unit ball, from three numbers; the density is [`UNIT_BALL_PDF`].
+/// Uniform points in the unit ball, from three numbers; the density is 3 / (4 pi).
 pub fn unit_ball(u: Vec2, u_radius: f32) -> Vec3 {
     u_radius.cbrt() * uniform_sphere(u)
 }
-
-/// Volume density of [`unit_ball`].
-pub const UNIT_BALL_PDF: f32 = 3.0 / (4.0 * PI);
 
 /// Uniform points on a triangle as barycentric weights (of the second and the third vertex; the first has the rest), by the folding
 /// map of Heitz (A Low-Distortion Map Between Triangle and Square, 2019). The density is one over the area.

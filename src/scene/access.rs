@@ -50,7 +50,7 @@ impl SceneAccess {
     }
 
     /// The permission of the scene in this file, which is open or is to be.
-    pub fn of_scene(&self, path: &Path) -> Access {
+    pub(crate) fn of_scene(&self, path: &Path) -> Access {
         let all = self.read();
         let asked = all.asked.as_ref().filter(|(asked, _)| asked == path);
         asked.map_or(&all.open, |(_, access)| access).clone()
@@ -65,12 +65,12 @@ impl SceneAccess {
     }
 
     /// Sets the permission of a scene that is going to be read. The open one keeps its own, because it stays if the new one cannot be read.
-    pub fn ask(&self, path: PathBuf, access: Access) {
+    pub(crate) fn ask(&self, path: PathBuf, access: Access) {
         self.write().asked = Some((path, access));
     }
 
     /// The scene that was asked for is the open one now.
-    pub fn take_over(&self) {
+    pub(crate) fn take_over(&self) {
         let mut all = self.write();
         if let Some((_, access)) = all.asked.take() {
             all.open = access;

@@ -9,7 +9,7 @@ use super::Sensor;
 const FILM_DIAGONAL: f32 = 0.043_266_615;
 
 /// The focal length in metres; `aspect` is the picture's width over its height.
-pub fn focal_length(sensor: &Sensor, aspect: f32) -> f32 {
+pub(crate) fn focal_length(sensor: &Sensor, aspect: f32) -> f32 {
     let half_width = (0.5 * sensor.fov_axis.horizontal(sensor.fov, aspect))
         .to_radians()
         .tan();
@@ -18,7 +18,7 @@ pub fn focal_length(sensor: &Sensor, aspect: f32) -> f32 {
 }
 
 /// The f-number of an aperture of this radius in world units; infinite for a pinhole.
-pub fn f_number(radius: f32, focal_length: f32) -> f32 {
+pub(crate) fn f_number(radius: f32, focal_length: f32) -> f32 {
     focal_length / (2.0 * radius)
 }
 

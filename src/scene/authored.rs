@@ -44,7 +44,7 @@ impl Authored {
     }
 
     /// The child at this place became nothing.
-    pub fn leave_out(&mut self, child: usize) {
+    pub(crate) fn leave_out(&mut self, child: usize) {
         Arc::make_mut(&mut self.0).child_categories[child] = None;
     }
 }
@@ -66,7 +66,7 @@ impl PartialEq for Authored {
 impl Source {
     /// The plugin as [`super::write`] would have written it from the components it became. What differs from this at the time of saving was
     /// edited. The properties are in no particular order.
-    pub fn as_read(&self) -> Object {
+    pub(crate) fn as_read(&self) -> Object {
         let (file, as_read) = (&*self.object, &self.as_read);
         let mut whole = match &as_read.rest {
             Some(rest) => Object::clone(rest),
@@ -81,7 +81,7 @@ impl Source {
     }
 
     /// Whether the plugin of the file was not understood and another one stands in for it.
-    pub fn is_stand_in(&self) -> bool {
+    pub(crate) fn is_stand_in(&self) -> bool {
         let rest = self.as_read.rest.as_ref();
         rest.is_some_and(|rest| rest.plugin != self.object.plugin)
     }
@@ -113,12 +113,12 @@ impl AsRead {
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 #[relationship(relationship_target = Declares)]
-pub struct DeclaredIn(pub Entity);
+pub(crate) struct DeclaredIn(pub Entity);
 
 /// The materials written inside this entity.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[relationship_target(relationship = DeclaredIn)]
-pub struct Declares(Vec<Entity>);
+pub(crate) struct Declares(Vec<Entity>);
 
 /// The parts of the scene that became no entity.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]

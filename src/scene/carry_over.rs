@@ -5,7 +5,7 @@ use bevy::reflect::{PartialReflect, ReflectMut, ReflectRef};
 
 /// The way to carry over vectors that differ in some components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Vectors {
+pub(crate) enum Vectors {
     /// They are colours: all components are taken.
     Whole,
     /// They are places: the components that were changed are taken.
@@ -14,7 +14,7 @@ pub enum Vectors {
 
 /// Does to `other` what makes `after` of `before`. Fields of the same name count as the same, whatever the variants are; where a variant was
 /// changed, `other` gets all of the new one. The three are of one type, or else nothing happens.
-pub fn carry_over(
+pub(crate) fn carry_over(
     before: &dyn PartialReflect,
     after: &dyn PartialReflect,
     other: &mut dyn PartialReflect,

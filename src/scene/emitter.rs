@@ -100,7 +100,7 @@ impl From<EmitterKind> for Emitter {
 
 impl AreaLight {
     /// Shows `visitor` every parameter.
-    pub fn visit(&mut self, visitor: &mut impl EmitterVisitor) {
+    pub(crate) fn visit(&mut self, visitor: &mut impl EmitterVisitor) {
         visitor.textured_emission("radiance", &mut self.radiance);
         visitor.sampling_weight(&mut self.sampling_weight);
     }
@@ -161,7 +161,7 @@ impl Emitter {
     }
 
     /// Shows `visitor` every parameter.
-    pub fn visit(&mut self, visitor: &mut impl EmitterVisitor) {
+    pub(crate) fn visit(&mut self, visitor: &mut impl EmitterVisitor) {
         match &mut self.kind {
             EmitterKind::Point { intensity } => visitor.emission("intensity", intensity),
             EmitterKind::Directional { irradiance } => visitor.emission("irradiance", irradiance),
@@ -201,7 +201,7 @@ impl Emitter {
     }
 
     /// Shows `meet` every picture it needs, by absolute path.
-    pub fn for_each_picture(&self, meet: &mut impl FnMut(&PathBuf)) {
+    pub(crate) fn for_each_picture(&self, meet: &mut impl FnMut(&PathBuf)) {
         let texture = match &self.kind {
             EmitterKind::Environment { picture, .. } => return meet(picture),
             EmitterKind::Spot { texture, .. } => texture.as_ref(),
@@ -236,12 +236,12 @@ impl Emitter {
     }
 
     /// Whether it is infinitely far away in many directions: then only how it is turned matters of where it is.
-    pub fn is_environment(&self) -> bool {
+    pub(crate) fn is_environment(&self) -> bool {
         matches!(self.kind, EmitterKind::Environment { .. } | EmitterKind::SunSky(_))
     }
 
     /// Whether it is somewhere, and not infinitely far away.
-    pub fn has_place(&self) -> bool {
+    pub(crate) fn has_place(&self) -> bool {
         !self.is_environment()
             && !matches!(
                 self.kind,
@@ -251,7 +251,7 @@ impl Emitter {
 }
 
 /// A frame whose +z is `direction` (not zero); which way its other axes turn does not matter, but is always the same.
-pub fn frame_along(direction: Vec3) -> Affine3A {
+pub(crate) fn frame_along(direction: Vec3) -> Affine3A {
     let forward = direction.normalize();
     let (left, up) = forward.any_orthonormal_pair();
     Affine3A::from_mat3(glam::Mat3::from_cols(left, up, forward))

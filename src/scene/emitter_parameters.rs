@@ -10,7 +10,7 @@ use crate::color::Rgb;
 
 /// Meets the parameters of a light in turn; names are those of the file. What a visitor leaves alone keeps its value, which in a fresh
 /// light is the format's default.
-pub trait EmitterVisitor: ParameterVisitor {
+pub(crate) trait EmitterVisitor: ParameterVisitor {
     /// What is sent out: not negative, without upper bound.
     fn emission(&mut self, name: &'static str, value: &mut Rgb);
     fn textured_emission(&mut self, name: &'static str, value: &mut Parameter<Rgb>);
@@ -79,7 +79,7 @@ impl Default for PlaceAndTime {
 
 impl PlaceAndTime {
     /// The parameters.
-    pub const NAMES: [&'static str; 9] = [
+    pub(crate) const NAMES: [&'static str; 9] = [
         "latitude",
         "longitude",
         "timezone",

@@ -9,7 +9,7 @@ use crate::math::Aabb;
 
 /// Asks for this sensor to be placed so that it sees everything, once all meshes are there.
 #[derive(Component, Clone, Copy, Debug, Default)]
-pub struct FrameWhenLoaded;
+pub(crate) struct FrameWhenLoaded;
 
 /// World bounds of one shape; None while its mesh is not there, and for instances of groups.
 pub fn world_bounds(shape: &Shape, to_world: &Affine3A, mesh: Option<&TriangleMesh>) -> Option<Aabb> {

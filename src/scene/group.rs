@@ -11,27 +11,27 @@ use super::DocumentOrder;
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 #[require(DocumentOrder)]
-pub struct ShapeGroup;
+pub(crate) struct ShapeGroup;
 
 /// The group that a shape belongs to; its `ToWorld` leads into the group's space.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 #[relationship(relationship_target = Members)]
-pub struct MemberOf(pub Entity);
+pub(crate) struct MemberOf(pub Entity);
 
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[relationship_target(relationship = MemberOf)]
-pub struct Members(Vec<Entity>);
+pub(crate) struct Members(Vec<Entity>);
 
 /// The group that a [`super::ShapeKind::Instance`] shows.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 #[relationship(relationship_target = Instances)]
-pub struct InstanceOf(pub Entity);
+pub(crate) struct InstanceOf(pub Entity);
 
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[relationship_target(relationship = InstanceOf)]
-pub struct Instances(Vec<Entity>);
+pub(crate) struct Instances(Vec<Entity>);
 
 /// Very many instances as one, in place of `ToWorld`. They are saved with the text that they were read from, as long as the file has it.
 #[derive(Component, Clone, Debug)]

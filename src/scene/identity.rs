@@ -23,7 +23,7 @@ pub struct ToWorld(pub Affine3A);
 
 impl ToWorld {
     /// Whether it can be undone, as [`is_invertible`] says.
-    pub fn is_invertible(&self) -> bool {
+    pub(crate) fn is_invertible(&self) -> bool {
         is_invertible(&self.0)
     }
 }

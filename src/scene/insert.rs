@@ -23,13 +23,13 @@ pub struct Inserted {
 }
 
 /// The place after everything that there is.
-pub fn next_order(world: &mut World) -> u32 {
+pub(crate) fn next_order(world: &mut World) -> u32 {
     let last = world.query::<&DocumentOrder>().iter(world).map(|order| order.0).max();
     last.map_or(0, |last| last.saturating_add(1))
 }
 
 /// `wanted`, with a number where something is already called that.
-pub fn free_name(taken: &HashSet<String>, wanted: &str) -> String {
+pub(crate) fn free_name(taken: &HashSet<String>, wanted: &str) -> String {
     if !taken.contains(wanted) {
         return wanted.to_owned();
     }
@@ -246,7 +246,7 @@ fn is_same(
 
 /// These things with all that they refer to, and nothing else: of materials, groups and their members only what is needed. What the file said of
 /// them is left behind.
-pub fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescription {
+pub(crate) fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescription {
     let (whole, entities) = describe_entities(world);
     let is_wanted = |entity: &Entity| wanted.contains(entity);
     let mut is_group_used = vec![false; whole.groups.len()];

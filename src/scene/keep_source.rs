@@ -9,7 +9,7 @@ use bevy::prelude::*;
 /// memory that a scene of many things takes; later changes of the file are then left alone. Shared with the loader, which runs on other
 /// threads.
 #[derive(Resource, Clone, Debug)]
-pub struct KeepSource(Arc<AtomicBool>);
+pub(crate) struct KeepSource(Arc<AtomicBool>);
 
 impl Default for KeepSource {
     fn default() -> Self {

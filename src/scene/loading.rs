@@ -236,7 +236,7 @@ pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagn
 }
 
 /// An empty scene of no file, in place of what was there: a camera that looks at the origin, and a grey sky.
-pub fn new_scene(world: &mut World) {
+pub(crate) fn new_scene(world: &mut World) {
     if let (Some(access), Some(trust)) = (world.get_resource::<SceneAccess>(), world.get_resource::<Trust>()) {
         access.set(trust.access(Path::new("")));
     }

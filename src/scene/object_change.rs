@@ -11,14 +11,14 @@ use super::{
 
 /// The side of a change: the state before or after it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub(crate) enum Side {
     Before,
     After,
 }
 
 /// The changed components of an entity. Never empty when made by [`ObjectChange::between`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct ObjectChange {
+pub(crate) struct ObjectChange {
     parts: Vec<Part>,
     /// Whether the entity is in the scene, before and after.
     is_there: [bool; 2],

@@ -14,7 +14,7 @@ macro_rules! object_state {
     ($($field:ident: $component:ident,)*) => {
         /// The components of an entity; None is the absence of one. All None: the entity is not (or no longer) in the scene.
         #[derive(Clone, Debug, Default, PartialEq)]
-        pub struct ObjectState {
+        pub(crate) struct ObjectState {
             $(pub $field: Option<$component>,)*
         }
 

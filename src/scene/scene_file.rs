@@ -40,7 +40,7 @@ pub(super) struct Asked {
 
 impl SceneFile {
     /// Whether there is a file whose changes become changes of the entities.
-    pub fn is_followed(&self) -> bool {
+    pub(crate) fn is_followed(&self) -> bool {
         self.handle.is_some()
     }
 
@@ -49,12 +49,12 @@ impl SceneFile {
         self.is_held = held;
     }
 
-    pub fn is_held(&self) -> bool {
+    pub(crate) fn is_held(&self) -> bool {
         self.is_held
     }
 
     /// Stops following the file that the entities were read from.
-    pub fn leave(&mut self) {
+    pub(crate) fn leave(&mut self) {
         (self.handle, self.path) = (None, PathBuf::new());
     }
 

@@ -124,7 +124,7 @@ impl Film {
     }
 
     /// Pixels along one side.
-    pub const LARGEST_SIDE: u32 = 65_536;
+    pub(crate) const LARGEST_SIDE: u32 = 65_536;
     /// Pixels in all: sums and finished pictures of that size take 5 GB.
     pub const MOST_PIXELS: u64 = 1 << 26;
 

@@ -96,7 +96,7 @@ pub enum MeshFormat {
 
 impl MeshFormat {
     /// The value of `flip_tex_coords` where the scene does not give it.
-    pub fn flips_tex_coords(self) -> bool {
+    pub(crate) fn flips_tex_coords(self) -> bool {
         self == Self::Obj
     }
 }

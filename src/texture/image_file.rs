@@ -39,7 +39,7 @@ pub fn load_image(bytes: &[u8]) -> Result<Image, ImageFileError> {
 }
 
 /// Decodes a whole file of this format, one of those with integers. What is reserved with it are its samples and `more_bytes` for each pixel.
-pub fn decode_picture(
+pub(crate) fn decode_picture(
     bytes: &[u8],
     format: ImageFormat,
     more_bytes: u64,

@@ -9,6 +9,7 @@ use crate::memory::{self, Reservation, Shortage};
 
 /// Why bytes are no picture. Callers add the file's name.
 #[derive(Debug, Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum ImageFileError {
     #[error("not a picture in a known format: PNG, JPEG, BMP, TGA, PPM, EXR, HDR or PFM")]
     UnknownFormat,

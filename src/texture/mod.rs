@@ -21,7 +21,8 @@ use crate::geometry::mesh::MeshData;
 pub use bitmap::{Bitmap, Filter, Wrap};
 pub use checkerboard::Checkerboard;
 pub use image::{Image, Samples, Transfer};
-pub use image_file::{decode_picture, load_image};
+pub(crate) use image_file::decode_picture;
+pub use image_file::load_image;
 pub use image_header::ImageFileError;
 pub use mesh_attribute::MeshAttribute;
 
@@ -113,7 +114,7 @@ impl TextureTable {
 
     /// The derivative of [`Self::float`] by u and v, in units per unit of uv, from which bumps are made. Zero but for bilinear bitmaps, as in
     /// Mitsuba.
-    pub fn gradient(&self, parameter: Parameter<f32>, at: &TexturePoint) -> Vec2 {
+    pub(crate) fn gradient(&self, parameter: Parameter<f32>, at: &TexturePoint) -> Vec2 {
         match parameter {
             Parameter::Constant(_) => Vec2::ZERO,
             Parameter::Texture(id) => match &self.textures[id.0 as usize] {
@@ -124,7 +125,7 @@ impl TextureTable {
     }
 
     /// Average colour over uv.
-    pub fn mean_color(&self, parameter: Parameter<Rgb>) -> Rgb {
+    pub(crate) fn mean_color(&self, parameter: Parameter<Rgb>) -> Rgb {
         match parameter {
             Parameter::Constant(color) => color,
             Parameter::Texture(id) => match &self.textures[id.0 as usize] {
@@ -135,14 +136,6 @@ impl TextureTable {
                 }
                 Texture::MeshAttribute(attribute) => Rgb::splat(attribute.mean()),
             },
-        }
-    }
-
-    /// Average of [`Self::float`] over uv.
-    pub fn mean_float(&self, parameter: Parameter<f32>) -> f32 {
-        match parameter {
-            Parameter::Constant(number) => number,
-            Parameter::Texture(id) => luminance(self.mean_color(Parameter::Texture(id))),
         }
     }
 

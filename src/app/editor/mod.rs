@@ -44,7 +44,7 @@ use viewport::state::ViewportState;
 use window::widgets::Widgets;
 
 /// Adds the editor to an app that has a window, a renderer, the scene and the engine.
-pub struct EditorPlugin(pub WindowOptions);
+pub(crate) struct EditorPlugin(pub WindowOptions);
 
 impl Plugin for EditorPlugin {
     fn build(&self, app: &mut App) {

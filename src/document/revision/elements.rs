@@ -37,7 +37,7 @@ impl Elements {
     }
 
     /// The same; with it the byte where the text is broken and how, if it is.
-    pub fn read_checked(text: &str) -> (Self, Option<(usize, String)>) {
+    pub(crate) fn read_checked(text: &str) -> (Self, Option<(usize, String)>) {
         let mut reader = Reader::from_str(text);
         let mut all: Vec<Element> = Vec::new();
         let mut open: Vec<usize> = Vec::new();
@@ -85,7 +85,7 @@ impl Elements {
     }
 
     /// The one whose start tag begins there.
-    pub fn starting_at(&self, start: usize) -> Option<usize> {
+    pub(crate) fn starting_at(&self, start: usize) -> Option<usize> {
         self.0.binary_search_by_key(&start, |element| element.tag.start).ok()
     }
 
@@ -140,7 +140,7 @@ impl Element {
     }
 
     /// The place for a further attribute: after the last one.
-    pub fn end_of_attributes(&self, text: &str) -> usize {
+    pub(crate) fn end_of_attributes(&self, text: &str) -> usize {
         let after_name = self.tag.start + 1 + self.name(text).len();
         let last = self.attributes(text).pop();
         last.map_or(after_name, |attribute| attribute.value.end + 1)

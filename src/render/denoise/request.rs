@@ -61,6 +61,7 @@ impl DenoiseInput<'_> {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum DenoiseError {
     #[error("this program was built without the denoiser (cargo feature `denoise`)")]
     NotBuilt,

@@ -17,18 +17,18 @@ use crate::gltf::{Gltf, GltfError};
 const MAX_GLTF_BYTES: u64 = 4 << 30;
 
 /// Whether a file is opened by [`import`]: its content or else its name says so.
-pub fn is_gltf(bytes: &[u8], path: &Path) -> bool {
+pub(crate) fn is_gltf(bytes: &[u8], path: &Path) -> bool {
     Gltf::is_gltf(bytes) || is_called_gltf(path)
 }
 
 /// Whether the name of the file is that of a glTF file.
-pub fn is_called_gltf(path: &Path) -> bool {
+pub(crate) fn is_called_gltf(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     extension == "gltf" || extension == "glb"
 }
 
 /// The most bytes that a scene file may have. Its kind is known from its name alone, because it has not been read yet.
-pub fn largest(path: &Path) -> u64 {
+pub(crate) fn largest(path: &Path) -> u64 {
     match is_called_gltf(path) {
         true => MAX_GLTF_BYTES,
         false => MAX_FILE_BYTES,

@@ -13,9 +13,12 @@ use bevy::asset::AssetLoadError;
 use bevy::ecs::error::BevyError;
 
 pub use file_source::FileSourcePlugin;
-pub use scene_asset::{SceneAsset, SceneDefines, SceneLoader};
-pub use texture_map::{TextureMap, TextureMapLoader};
-pub use triangle_mesh::{MeshHandle, MeshLoader, MeshShape, TriangleMesh};
+pub(crate) use scene_asset::SceneLoader;
+pub use scene_asset::{SceneAsset, SceneDefines};
+pub use texture_map::TextureMap;
+pub(crate) use texture_map::TextureMapLoader;
+pub(crate) use triangle_mesh::MeshLoader;
+pub use triangle_mesh::{MeshHandle, MeshShape, TriangleMesh};
 
 use texture_map::TextureMapError;
 use triangle_mesh::MeshLoadError;
@@ -23,7 +26,7 @@ use triangle_mesh::MeshLoadError;
 use crate::files::FileError;
 
 /// The cause of a failed load, without what the asset server wraps around it.
-pub fn cause(error: &AssetLoadError) -> String {
+pub(crate) fn cause(error: &AssetLoadError) -> String {
     match error {
         AssetLoadError::AssetLoaderError(error) => message(error.error()),
         AssetLoadError::AssetReaderError(bevy::asset::io::AssetReaderError::NotFound(_)) => "no such file".to_owned(),
@@ -33,7 +36,7 @@ pub fn cause(error: &AssetLoadError) -> String {
 }
 
 /// Whether the error says that the scene may not read the picture, whether or not the file exists.
-pub fn is_refused_picture(error: &AssetLoadError) -> bool {
+pub(crate) fn is_refused_picture(error: &AssetLoadError) -> bool {
     let AssetLoadError::AssetLoaderError(error) = error else {
         return false;
     };

@@ -31,13 +31,13 @@ const MARKER: &str = "last-used";
 const LIST: &str = "in-use-";
 
 /// The cache of this program.
-pub static CACHE: LazyLock<PartsCache> = LazyLock::new(|| {
+pub(crate) static CACHE: LazyLock<PartsCache> = LazyLock::new(|| {
     let mut folders = cache_folders();
     let folder = folders.find(|folder| prepare(folder).is_ok());
     PartsCache::new(folder.and_then(|folder| folder.canonicalize().ok()))
 });
 
-pub struct PartsCache {
+pub(crate) struct PartsCache {
     /// None where nothing can be written.
     folder: Option<PathBuf>,
     in_use: Mutex<InUse>,
@@ -267,7 +267,7 @@ pub fn is_part(path: &Path) -> bool {
 }
 
 /// Permits the folder where this program keeps parts of glTF files. Other folders of such a name may be links of unknown origin.
-pub fn allow_parts(allow: impl FnOnce(&Path)) {
+pub(crate) fn allow_parts(allow: impl FnOnce(&Path)) {
     if let Some(folder) = &CACHE.folder {
         allow(folder);
     }

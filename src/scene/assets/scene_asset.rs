@@ -43,7 +43,7 @@ impl SceneDefines {
 
 /// Reads scene files with their includes, and glTF files.
 #[derive(TypePath)]
-pub struct SceneLoader {
+pub(crate) struct SceneLoader {
     pub defines: SceneDefines,
     pub access: SceneAccess,
     pub keep_source: KeepSource,
@@ -134,7 +134,7 @@ fn failed(path: &Path, error: &SourceError) -> SceneAsset {
 }
 
 /// Diagnostics for a file as a whole.
-pub fn one_error(message: String) -> Diagnostics {
+pub(crate) fn one_error(message: String) -> Diagnostics {
     let mut diagnostics = Diagnostics::default();
     diagnostics.push(Severity::Error, None, message, None);
     diagnostics

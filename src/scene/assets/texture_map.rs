@@ -22,12 +22,12 @@ pub struct TextureMap {
 
 /// Reads every kind of picture; which it is, the content says.
 #[derive(Default, TypePath)]
-pub struct TextureMapLoader {
+pub(crate) struct TextureMapLoader {
     pub access: SceneAccess,
 }
 
 #[derive(Debug, thiserror::Error)]
-pub enum TextureMapError {
+pub(crate) enum TextureMapError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
@@ -56,7 +56,7 @@ impl AssetLoader for TextureMapLoader {
 }
 
 /// A picture file of any kind, read from the disk if `access` permits.
-pub fn load_picture(path: &Path, access: &Access) -> Result<TextureMap, TextureMapError> {
+pub(crate) fn load_picture(path: &Path, access: &Access) -> Result<TextureMap, TextureMapError> {
     let bytes = memory::read_data(path, access)?;
     let image = Arc::new(load_image(&bytes)?);
     Ok(TextureMap {

@@ -49,11 +49,12 @@ pub struct MeshHandle(pub Handle<TriangleMesh>);
 
 /// Reads OBJ, PLY and serialized files, told apart by their content.
 #[derive(Default, TypePath)]
-pub struct MeshLoader {
+pub(crate) struct MeshLoader {
     pub access: SceneAccess,
 }
 
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum MeshLoadError {
     #[error(transparent)]
     File(#[from] FileError),
@@ -109,7 +110,7 @@ pub fn load_mesh(path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadE
 
 /// Reads an OBJ or PLY file. `path` is that of the file the bytes are from. Material libraries are looked for beside it, as far as `access`
 /// permits, and the names of their pictures become absolute.
-pub fn read_mesh(bytes: &[u8], path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadError> {
+pub(crate) fn read_mesh(bytes: &[u8], path: &Path, access: &Access) -> Result<TriangleMesh, MeshLoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut dependencies = Vec::new();
     let mut may_quote = access.may_quote(path);

@@ -43,7 +43,7 @@ pub fn short(numbers: Vec3) -> Vec3 {
 }
 
 /// The map as scale, rotation and translation, each only where it does something; as a matrix when it has shear.
-pub fn as_steps(map: &Affine3A) -> Vec<TransformOp> {
+pub(crate) fn as_steps(map: &Affine3A) -> Vec<TransformOp> {
     let (scale, rotation, translation) = map.to_scale_rotation_translation();
     let mut steps = Vec::new();
     if !scale.abs_diff_eq(Vec3::ONE, 1e-6) {
@@ -87,7 +87,7 @@ pub fn as_steps(map: &Affine3A) -> Vec<TransformOp> {
 }
 
 /// A camera's pose as people write it; None if there is scale, shear or a mirror in it, or no target that single precision can hold.
-pub fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
+pub(crate) fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
     let rotation = Mat3::from(map.matrix3);
     let is_rigid = (rotation.transpose() * rotation).abs_diff_eq(Mat3::IDENTITY, 1e-4) && rotation.determinant() > 0.0;
     let origin = Vec3::from(map.translation);

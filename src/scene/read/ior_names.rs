@@ -5,7 +5,7 @@
 use crate::document::suggest::closest;
 
 /// The names for `int_ior` and `ext_ior`.
-pub const DIELECTRICS: [&str; 23] = [
+pub(crate) const DIELECTRICS: [&str; 23] = [
     "vacuum",
     "helium",
     "hydrogen",
@@ -32,7 +32,7 @@ pub const DIELECTRICS: [&str; 23] = [
 ];
 
 /// The names for `material`; each may also be written with `_palik` after it.
-pub const CONDUCTORS: [&str; 42] = [
+pub(crate) const CONDUCTORS: [&str; 42] = [
     "none", "a-C", "Ag", "Al", "AlAs", "AlSb", "Au", "Be", "Cr", "CsI", "Cu", "Cu2O", "Cu_palik", "CuO", "d-C", "Hg",
     "HgTe", "Ir", "K", "Li", "MgO", "Mo", "Na_palik", "Nb", "Ni_palik", "Rh", "Se", "Se-e", "SiC", "SnTe", "Ta", "Te",
     "Te-e", "ThF4", "TiC", "TiN", "TiO2", "TiO2-e", "V_palik", "VC", "VN", "W",
@@ -51,7 +51,7 @@ const METALS: [(&str, &str); 8] = [
 ];
 
 /// Advises on a name that is no conductor. Symbols are too short to suggest one of them.
-pub fn conductor_help(name: &str) -> String {
+pub(crate) fn conductor_help(name: &str) -> String {
     let is_meant = |word: &str| word == name || closest(name, [word]).is_some();
     match METALS.iter().find(|(word, _)| is_meant(word)) {
         Some((_, symbol)) => format!("did you mean `{symbol}`?"),
@@ -60,12 +60,12 @@ pub fn conductor_help(name: &str) -> String {
 }
 
 /// Case does not matter.
-pub fn is_dielectric(name: &str) -> bool {
+pub(crate) fn is_dielectric(name: &str) -> bool {
     DIELECTRICS.iter().any(|known| known.eq_ignore_ascii_case(name))
 }
 
 /// Case does not matter.
-pub fn is_conductor(name: &str) -> bool {
+pub(crate) fn is_conductor(name: &str) -> bool {
     let known = |name: &str| CONDUCTORS.iter().any(|known| known.eq_ignore_ascii_case(name));
     known(name) || name.strip_suffix("_palik").is_some_and(known)
 }

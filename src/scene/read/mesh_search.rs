@@ -10,11 +10,11 @@ use crate::document::paths::settle_covered;
 use crate::files::Access;
 
 /// Several folders, separated as in `$PATH`.
-pub const ASSETS_VARIABLE: &str = "SUNROOM_ASSETS";
+pub(crate) const ASSETS_VARIABLE: &str = "SUNROOM_ASSETS";
 
 /// The folders of one scene.
 #[derive(Clone, Debug)]
-pub struct MeshSearch {
+pub(crate) struct MeshSearch {
     scene_folder: PathBuf,
     search_folders: Vec<PathBuf>,
     asset_folders: Vec<PathBuf>,
@@ -117,7 +117,7 @@ fn inside_assets(name: &Path) -> PathBuf {
 }
 
 /// Where to get a well-known mesh, if `name` is one.
-pub fn advice(name: &str) -> Option<String> {
+pub(crate) fn advice(name: &str) -> Option<String> {
     let stem = Path::new(name).file_stem()?.to_str()?;
     if !["bunny", "dragon"].contains(&stem) {
         return None;

@@ -38,7 +38,7 @@ pub fn read(document: &mut Document) -> SceneDescription {
 }
 
 /// Reads as [`read`] does, for a scene that is not saved again: of the source it keeps only the places of file names.
-pub fn read_meaning(document: &mut Document) -> SceneDescription {
+pub(crate) fn read_meaning(document: &mut Document) -> SceneDescription {
     read_as(document, false)
 }
 

@@ -16,24 +16,24 @@ use crate::scene::Parameter;
 const BLACK_BODY: &str = "blackbody";
 const REGULAR: &str = "regular";
 const IRREGULAR: &str = "irregular";
-pub const D65: &str = "d65";
+pub(crate) const D65: &str = "d65";
 const PLUGINS: [&str; 7] = ["uniform", D65, "srgb", "rawconstant", BLACK_BODY, REGULAR, IRREGULAR];
 
 /// The range that black bodies are seen in where the file does not give one, in nm.
 const VISIBLE_NM: [f32; 2] = [360.0, 830.0];
 
 /// Whether a plugin that stands for a colour is a spectrum of this module and not a texture.
-pub fn is_spectrum(plugin: &str) -> bool {
+pub(crate) fn is_spectrum(plugin: &str) -> bool {
     PLUGINS.contains(&plugin)
 }
 
 /// Whether the RGB modes of Mitsuba refuse to evaluate a spectrum.
-pub fn is_spectral_only(plugin: &str) -> bool {
+pub(crate) fn is_spectral_only(plugin: &str) -> bool {
     [BLACK_BODY, REGULAR, IRREGULAR].contains(&plugin)
 }
 
 /// The colour of a spectrum, or the texture inside of a `d65`. None has been reported.
-pub fn read_spectrum(reader: &mut Reader, role: Role, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
+pub(crate) fn read_spectrum(reader: &mut Reader, role: Role, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
     let color = match reader.object().plugin.as_str() {
         "uniform" => {
             reader.ignore(&["wavelength_min", "wavelength_max"]);
@@ -48,7 +48,7 @@ pub fn read_spectrum(reader: &mut Reader, role: Role, pictures: &mut PictureSear
 }
 
 /// The colour of a spectrum that is given by wavelengths. Where it is None, the fault has been reported.
-pub fn integrated(reader: &mut Reader, role: Role) -> Option<Rgb> {
+pub(crate) fn integrated(reader: &mut Reader, role: Role) -> Option<Rgb> {
     let (color, was_clamped) = match reader.object().plugin.as_str() {
         BLACK_BODY => black_body(reader, role)?.to_rgb(role),
         REGULAR => {
@@ -130,7 +130,7 @@ fn d65(reader: &mut Reader, role: Role, pictures: &mut PictureSearch) -> Option<
 }
 
 /// The role of a spectrum inside of a `d65` that has this role.
-pub fn inside_d65(role: Role) -> Role {
+pub(crate) fn inside_d65(role: Role) -> Role {
     match role {
         Role::Emission => Role::Daylight,
         seen_under_d65 => seen_under_d65,

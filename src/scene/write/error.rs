@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use crate::document::{self, SourceError};
 
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum SaveError {
     #[error(transparent)]
     Write(#[from] document::WriteError),

@@ -25,7 +25,7 @@ type Common = (
 
 /// The entities of a description, in its order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Entities {
+pub(crate) struct Entities {
     pub sensors: Vec<Entity>,
     pub materials: Vec<Entity>,
     pub groups: Vec<Entity>,
@@ -53,7 +53,7 @@ pub fn describe(world: &mut World) -> SceneDescription {
 }
 
 /// The same with the entities they are.
-pub fn describe_entities(world: &mut World) -> (SceneDescription, Entities) {
+pub(crate) fn describe_entities(world: &mut World) -> (SceneDescription, Entities) {
     let mut scene = SceneDescription::default();
     if let Some(status) = world.get_resource::<SceneStatus>() {
         scene.path = status.path.clone().unwrap_or_default();

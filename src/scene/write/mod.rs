@@ -142,7 +142,7 @@ pub fn to_document(scene: &SceneDescription, target: &Path) -> Document {
 }
 
 /// A document for the clipboard: files are named in full, and stay where they are.
-pub fn to_fragment(scene: &SceneDescription) -> Document {
+pub(crate) fn to_fragment(scene: &SceneDescription) -> Document {
     in_place(scene, Path::new("/clipboard.xml"))
 }
 

@@ -16,7 +16,7 @@ use crate::scene::{SceneState, SceneStatus};
 
 const SETTLING_FRAMES: u32 = 3;
 
-pub fn drive_exit_door(
+pub(crate) fn drive_exit_door(
     mut commands: Commands,
     mut door: ResMut<ExitDoor>,
     mut exit: MessageWriter<AppExit>,
@@ -115,7 +115,7 @@ pub fn drive_exit_door(
 }
 
 /// The figures of this run, once, when it ends.
-pub fn log_at_exit(mut exits: MessageReader<AppExit>, status: Res<RenderStatus>, frames: Res<FrameTimes>) {
+pub(crate) fn log_at_exit(mut exits: MessageReader<AppExit>, status: Res<RenderStatus>, frames: Res<FrameTimes>) {
     if exits.read().next().is_none() {
         return;
     }

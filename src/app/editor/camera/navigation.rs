@@ -26,7 +26,7 @@ const POLE_MARGIN: f32 = 0.02;
 
 /// One frame's input.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FlyInput {
+pub(crate) struct FlyInput {
     /// In [-1, 1]: to the left, up, forward.
     pub direction: Vec3,
     /// Mouse movement in points while looking, +x right, +y down.
@@ -60,27 +60,27 @@ impl Default for Navigation {
 
 impl Navigation {
     /// World units per second.
-    pub fn units_per_second(&self) -> f32 {
+    pub(crate) fn units_per_second(&self) -> f32 {
         self.speed * self.scene_size / SECONDS_ACROSS
     }
 
     /// Kept within its range.
-    pub fn set_speed(&mut self, speed: f32) {
+    pub(crate) fn set_speed(&mut self, speed: f32) {
         self.speed = speed.clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end());
     }
 
     /// The speed after turning the wheel by `notches`.
-    pub fn speed_after(&self, notches: f32) -> f32 {
+    pub(crate) fn speed_after(&self, notches: f32) -> f32 {
         (self.speed * SPEED_PER_NOTCH.powf(notches)).clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end())
     }
 
     /// World units that a notch of the wheel goes where nothing is in the way.
-    pub fn units_per_notch(&self) -> f32 {
+    pub(crate) fn units_per_notch(&self) -> f32 {
         SECONDS_PER_NOTCH * self.units_per_second()
     }
 
     /// The pose after one frame, or None if nothing moves it.
-    pub fn fly(&self, world_from_camera: Affine3A, input: &FlyInput) -> Option<Affine3A> {
+    pub(crate) fn fly(&self, world_from_camera: Affine3A, input: &FlyInput) -> Option<Affine3A> {
         if input.direction == Vec3::ZERO && input.look == Vec2::ZERO {
             return None;
         }
@@ -106,7 +106,7 @@ impl Navigation {
     }
 
     /// The level axes of a camera that has been turned by a mouse movement of so many points.
-    pub fn looking(&self, world_from_camera: &Affine3A, look: Vec2) -> Mat3A {
+    pub(crate) fn looking(&self, world_from_camera: &Affine3A, look: Vec2) -> Mat3A {
         let forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
         let angles = look * LOOK_RATE;
         // Elevation and heading are changed apart, so that the horizon stays level.
@@ -118,7 +118,7 @@ impl Navigation {
     }
 
     /// What is up in a picture of this pose: the world's, or straight up and down where that heads.
-    pub fn upright(&self, world_from_camera: &Affine3A) -> Vec3 {
+    pub(crate) fn upright(&self, world_from_camera: &Affine3A) -> Vec3 {
         let forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
         let down = -forward.dot(self.up);
         if down.abs() > POLE_MARGIN.cos() {
@@ -143,7 +143,7 @@ impl Navigation {
 }
 
 /// The world axis that is nearest to a camera's upward direction: what "up" means in a scene that does not say it.
-pub fn up_axis(world_from_camera: &Affine3A) -> Vec3 {
+pub(crate) fn up_axis(world_from_camera: &Affine3A) -> Vec3 {
     let up = Vec3::from(world_from_camera.matrix3.y_axis);
     let axis = up.abs().max_position();
     let mut unit = Vec3::ZERO;
@@ -153,7 +153,7 @@ pub fn up_axis(world_from_camera: &Affine3A) -> Vec3 {
 
 /// The pose with the same direction from which all of `bounds` is seen; None if it is empty. `half_fov` in radians, of the picture's
 /// narrower side.
-pub fn framing(world_from_camera: Affine3A, bounds: &Aabb, half_fov: f32) -> Option<Affine3A> {
+pub(crate) fn framing(world_from_camera: Affine3A, bounds: &Aabb, half_fov: f32) -> Option<Affine3A> {
     if bounds.is_empty() {
         return None;
     }
@@ -169,7 +169,7 @@ pub fn framing(world_from_camera: Affine3A, bounds: &Aabb, half_fov: f32) -> Opt
 }
 
 /// As [`framing`] for an orthographic camera, whose scale is its extent; `aspect` is the picture's width over its height.
-pub fn framing_parallel(world_from_camera: Affine3A, bounds: &Aabb, aspect: f32) -> Option<Affine3A> {
+pub(crate) fn framing_parallel(world_from_camera: Affine3A, bounds: &Aabb, aspect: f32) -> Option<Affine3A> {
     let radius = bounds.framed_radius();
     // From twice the radius away nothing of the sphere is behind the camera.
     let pose = framing(world_from_camera, bounds, 30f32.to_radians())?;
@@ -178,13 +178,13 @@ pub fn framing_parallel(world_from_camera: Affine3A, bounds: &Aabb, aspect: f32)
 }
 
 /// The lengths of the pose's axes.
-pub fn scale_of(pose: &Affine3A) -> Vec3 {
+pub(crate) fn scale_of(pose: &Affine3A) -> Vec3 {
     let axes = pose.matrix3;
     Vec3::new(axes.x_axis.length(), axes.y_axis.length(), axes.z_axis.length())
 }
 
 /// A level camera that looks along `forward` (unit length, not parallel to `up`).
-pub fn facing(forward: Vec3, up: Vec3) -> Mat3A {
+pub(crate) fn facing(forward: Vec3, up: Vec3) -> Mat3A {
     let left = up.cross(forward).normalize_or(forward.any_orthonormal_vector());
     Mat3A::from_cols(left.into(), forward.cross(left).into(), forward.into())
 }

@@ -18,7 +18,7 @@ const NARROWEST: f32 = 1e-4;
 
 impl Navigation {
     /// Turns the view by a drag of so many points, and the camera around `center` with it.
-    pub fn orbit(&self, world_from_camera: Affine3A, center: Vec3, drag: Vec2) -> Affine3A {
+    pub(crate) fn orbit(&self, world_from_camera: Affine3A, center: Vec3, drag: Vec2) -> Affine3A {
         let forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
         let level = facing(forward, self.upright(&world_from_camera));
         let turned = self.looking(&world_from_camera, drag);
@@ -30,7 +30,7 @@ impl Navigation {
     }
 
     /// The wheel over a perspective picture: towards `target` on the ray under the pointer, or along the ray as far as flying would go.
-    pub fn dolly(
+    pub(crate) fn dolly(
         &self,
         world_from_camera: Affine3A,
         under_pointer: &Ray,
@@ -58,7 +58,7 @@ impl Navigation {
     }
 
     /// The wheel over an orthographic picture: it shows less, and what is under the pointer stays there.
-    pub fn narrow(&self, world_from_camera: Affine3A, film: Vec2, screen: &Screen, notches: f32) -> Affine3A {
+    pub(crate) fn narrow(&self, world_from_camera: Affine3A, film: Vec2, screen: &Screen, notches: f32) -> Affine3A {
         let factor = WAY_LEFT.powf(notches);
         let width = world_from_camera.matrix3.x_axis.length() * factor;
         if !(NARROWEST..=1.0 / NARROWEST).contains(&(width / self.scene_size)) {
@@ -94,7 +94,7 @@ impl Navigation {
 }
 
 /// Moves the camera so that what was seen at `from` at this distance along the view axis is seen at `to`.
-pub fn pan(world_from_camera: Affine3A, screen: &Screen, from: Pos2, to: Pos2, depth: f32) -> Affine3A {
+pub(crate) fn pan(world_from_camera: Affine3A, screen: &Screen, from: Pos2, to: Pos2, depth: f32) -> Affine3A {
     let way = screen.unproject(from, depth) - screen.unproject(to, depth);
     translated(world_from_camera, way)
 }

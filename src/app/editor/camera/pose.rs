@@ -6,13 +6,13 @@ use bevy::prelude::*;
 use crate::scene::{ActiveSensor, FreeView, Lens, Sensor, ToWorld};
 
 /// The pose of the camera in use, flown away or not: world from camera.
-pub fn camera_pose(active: &ActiveSensor, free: &FreeView, poses: &Query<&ToWorld>) -> Option<Affine3A> {
+pub(crate) fn camera_pose(active: &ActiveSensor, free: &FreeView, poses: &Query<&ToWorld>) -> Option<Affine3A> {
     let sensor = poses.get(active.0?).ok()?;
     Some(free.pose.unwrap_or(sensor.0))
 }
 
 /// The same from the world.
-pub fn view_pose(world: &World) -> Option<Affine3A> {
+pub(crate) fn view_pose(world: &World) -> Option<Affine3A> {
     let sensor = world.resource::<ActiveSensor>().0?;
     let own = world.get::<ToWorld>(sensor)?.0;
     Some(world.resource::<FreeView>().pose.unwrap_or(own))
@@ -24,12 +24,12 @@ pub fn lens(world: &World) -> Option<Lens> {
     Some(world.resource::<FreeView>().lens.unwrap_or(sensor.lens))
 }
 
-pub fn is_orthographic(world: &World) -> bool {
+pub(crate) fn is_orthographic(world: &World) -> bool {
     lens(world) == Some(Lens::Orthographic)
 }
 
 /// What a view needs in place of the lens of the camera in use, to be orthographic or not; None if the camera is so.
-pub fn lens_of_view(world: &World, orthographic: bool) -> Option<Lens> {
+pub(crate) fn lens_of_view(world: &World, orthographic: bool) -> Option<Lens> {
     let sensor = world.get::<Sensor>(world.resource::<ActiveSensor>().0?)?;
     let is_so = (sensor.lens == Lens::Orthographic) == orthographic;
     let other = if orthographic {

@@ -21,7 +21,7 @@ impl Screen {
         Vec2::new(film.x, film.y)
     }
 
-    pub fn point_of_film(&self, film: Vec2) -> Pos2 {
+    pub(crate) fn point_of_film(&self, film: Vec2) -> Pos2 {
         self.picture.min + bevy_egui::egui::vec2(film.x, film.y) * self.picture.size()
     }
 
@@ -32,16 +32,16 @@ impl Screen {
     }
 
     /// The part of a segment that is before the camera.
-    pub fn segment(&self, a: Vec3, b: Vec3) -> Option<[Pos2; 2]> {
+    pub(crate) fn segment(&self, a: Vec3, b: Vec3) -> Option<[Pos2; 2]> {
         segment(&self.camera, a, b).map(|ends| ends.map(|film| self.point_of_film(film)))
     }
 
     /// Distance along the view axis; negative behind the camera.
-    pub fn depth(&self, world: Vec3) -> f32 {
+    pub(crate) fn depth(&self, world: Vec3) -> f32 {
         self.camera.project(world).1
     }
 
-    pub fn unproject(&self, at: Pos2, depth: f32) -> Vec3 {
+    pub(crate) fn unproject(&self, at: Pos2, depth: f32) -> Vec3 {
         self.camera.unproject(self.film(at), depth)
     }
 
@@ -66,14 +66,14 @@ impl Screen {
     }
 
     /// How many world units one point of the window is wide at this distance along the view axis.
-    pub fn units_per_point(&self, depth: f32) -> f32 {
+    pub(crate) fn units_per_point(&self, depth: f32) -> f32 {
         let across = self.camera.unproject(Vec2::X, depth) - self.camera.unproject(Vec2::ZERO, depth);
         across.length() / self.picture.width()
     }
 }
 
 /// A segment of the world as film coordinates; None if all of it is behind the camera.
-pub fn segment(camera: &Camera, a: Vec3, b: Vec3) -> Option<[Vec2; 2]> {
+pub(crate) fn segment(camera: &Camera, a: Vec3, b: Vec3) -> Option<[Vec2; 2]> {
     let ((film_a, depth_a), (film_b, depth_b)) = (camera.project(a), camera.project(b));
     let nearest = 1e-3 * depth_a.abs().max(depth_b.abs());
     match (depth_a > nearest, depth_b > nearest) {

@@ -42,7 +42,7 @@ impl From<AdditionKind> for Addition {
 }
 
 impl AdditionKind {
-    pub const SHAPES: [Self; 5] = [Self::Sphere, Self::Rectangle, Self::Cube, Self::Disk, Self::Cylinder];
+    pub(crate) const SHAPES: [Self; 5] = [Self::Sphere, Self::Rectangle, Self::Cube, Self::Disk, Self::Cylinder];
 
     /// The word for it in names and scripts.
     pub fn name(self) -> &'static str {
@@ -64,7 +64,7 @@ impl AdditionKind {
         Self::SHAPES.into_iter().chain(plain).chain(emitters)
     }
 
-    pub fn of_name(name: &str) -> Option<Self> {
+    pub(crate) fn of_name(name: &str) -> Option<Self> {
         Self::all().find(|kind| kind.name() == name)
     }
 }

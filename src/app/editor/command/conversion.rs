@@ -11,7 +11,7 @@ use crate::scene::{
 
 /// A material of another kind that keeps the parameters that the two have in common. Those of the same meaning count as the same, such as
 /// `reflectance`, `diffuse_reflectance` and `base_color`.
-pub fn turned_into(material: &Material, plugin: &str) -> Material {
+pub(crate) fn turned_into(material: &Material, plugin: &str) -> Material {
     let mut turned = Material::of_plugin(plugin).unwrap_or_default();
     let mut common = Common::default();
     material.clone().visit(&mut common);
@@ -21,7 +21,7 @@ pub fn turned_into(material: &Material, plugin: &str) -> Material {
 }
 
 /// A light of another kind with the same colour and strength, whatever the unit, and the other parameters that the two have in common.
-pub fn emitter_turned_into(emitter: &Emitter, plugin: &str) -> Emitter {
+pub(crate) fn emitter_turned_into(emitter: &Emitter, plugin: &str) -> Emitter {
     let mut turned = Emitter::of_plugin(plugin).unwrap_or_default();
     let mut common = Common::default();
     emitter.clone().visit(&mut common);

@@ -26,7 +26,7 @@ impl Default for DisplaySettings {
 
 impl DisplaySettings {
     /// The part that turns a radiance into a colour of the display.
-    pub fn tone(&self) -> Display {
+    pub(crate) fn tone(&self) -> Display {
         Display {
             exposure_ev: self.exposure,
             white_balance: self.white_balance,
@@ -87,19 +87,19 @@ impl DisplayMode {
     }
 
     /// Whether it shows light, with exposure and tone map.
-    pub fn is_light(self) -> bool {
+    pub(crate) fn is_light(self) -> bool {
         matches!(self, Self::Shaded | Self::LightGroup(_))
     }
 }
 
 /// The steps that the heat map paints in its hottest colour.
-pub const HOTTEST_STEPS: f32 = 128.0;
+pub(crate) const HOTTEST_STEPS: f32 = 128.0;
 
 /// The relative noise that is painted in the hottest colour.
-pub const HOTTEST_NOISE: f32 = 0.25;
+pub(crate) const HOTTEST_NOISE: f32 = 0.25;
 
 /// Black, blue, red, yellow, white for 0 to 1; sRGB-encoded.
-pub fn heat(x: f32) -> [f32; 3] {
+pub(crate) fn heat(x: f32) -> [f32; 3] {
     const STOPS: [[f32; 3]; 5] = [
         [0.0, 0.0, 0.05],
         [0.15, 0.1, 0.75],

@@ -6,8 +6,8 @@ use super::presets::Preset;
 
 /// Things on their way from the list to somewhere else: into a folder, to another place, onto a shape in the picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Dragged(pub Vec<Entity>);
+pub(crate) struct Dragged(pub Vec<Entity>);
 
 /// A material of the library on its way to a shape in the picture.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DraggedPreset(pub Preset);
+pub(crate) struct DraggedPreset(pub Preset);

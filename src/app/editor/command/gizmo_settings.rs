@@ -69,7 +69,7 @@ impl Default for Steps {
 
 impl Steps {
     /// Without values that no control could set.
-    pub fn within_range(self) -> Self {
+    pub(crate) fn within_range(self) -> Self {
         let default = Self::default();
         let sound = |value: f32, range: RangeInclusive<f32>, otherwise: f32| match value.is_nan() {
             true => otherwise,
@@ -83,7 +83,7 @@ impl Steps {
     }
 
     /// The step of lengths in a scene of this size: what was chosen, or a round number near a fiftieth of the scene.
-    pub fn length_in(&self, scene_size: f32) -> f32 {
+    pub(crate) fn length_in(&self, scene_size: f32) -> f32 {
         self.length.unwrap_or_else(|| round_number(scene_size / 50.0))
     }
 }

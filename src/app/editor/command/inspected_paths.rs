@@ -15,7 +15,7 @@ pub struct InspectedPaths {
 
 impl InspectedPaths {
     /// More would cover the picture.
-    pub const MOST: u32 = 64;
+    pub(crate) const MOST: u32 = 64;
 
     pub fn at(place: Vec2) -> Self {
         Self {

@@ -26,7 +26,7 @@ pub struct FilmLights {
     baked: Gains,
 }
 
-pub fn note_film_lights(mut lights: ResMut<FilmLights>, film: Res<RenderFilm>, mix: Res<LightMix>) {
+pub(crate) fn note_film_lights(mut lights: ResMut<FilmLights>, film: Res<RenderFilm>, mix: Res<LightMix>) {
     if lights.job != film.job {
         lights.job = film.job;
         lights.baked.clone_from(&mix.baked);
@@ -56,12 +56,12 @@ impl Default for Channel {
 }
 
 impl Channel {
-    pub fn gain(&self) -> Rgb {
+    pub(crate) fn gain(&self) -> Rgb {
         self.strength * self.color
     }
 
     /// Strength and colour are part of the light now; solo and mute stay.
-    pub fn baked(self) -> Self {
+    pub(crate) fn baked(self) -> Self {
         Self {
             solo: self.solo,
             mute: self.mute,
@@ -85,7 +85,7 @@ impl LightMix {
     }
 
     /// Other channels; what was baked stays so.
-    pub fn with_channels(&self, of: Self) -> Self {
+    pub(crate) fn with_channels(&self, of: Self) -> Self {
         Self {
             channels: of.channels,
             baked: self.baked.clone(),
@@ -93,7 +93,7 @@ impl LightMix {
     }
 
     /// The light was multiplied by this in the scene; of its channel solo and mute are left.
-    pub fn note_baked(&mut self, light: Entity, gain: Rgb) {
+    pub(crate) fn note_baked(&mut self, light: Entity, gain: Rgb) {
         self.set(light, self.channel(light).baked());
         match self.baked.iter_mut().find(|(entity, _)| *entity == light) {
             Some((_, baked)) => *baked *= gain,
@@ -101,13 +101,13 @@ impl LightMix {
         }
     }
 
-    pub fn is_neutral(&self) -> bool {
+    pub(crate) fn is_neutral(&self) -> bool {
         self.channels.is_empty()
     }
 
     /// The factors on the layers of a film of these groups, begun with `lights`; none if all of them are one. Lights that share a layer have
     /// the channel of the first.
-    pub fn factors(&self, groups: &[LightGroup], lights: &FilmLights) -> Vec<Rgb> {
+    pub(crate) fn factors(&self, groups: &[LightGroup], lights: &FilmLights) -> Vec<Rgb> {
         let any_solo = groups.iter().any(|group| self.group_channel(group).solo);
         let factor = |group: &LightGroup| match self.group_channel(group) {
             Channel { mute: true, .. } => Rgb::ZERO,
@@ -132,13 +132,13 @@ impl LightMix {
         Rgb::new(ratio(now.x, then.x), ratio(now.y, then.y), ratio(now.z, then.z))
     }
 
-    pub fn group_channel(&self, group: &LightGroup) -> Channel {
+    pub(crate) fn group_channel(&self, group: &LightGroup) -> Channel {
         let first = group.entities.first();
         first.map_or_else(Channel::default, |&light| self.channel(light))
     }
 
     /// What baking multiplies each light by, where that is not one.
-    pub fn gains(&self, groups: &[LightGroup]) -> Vec<(Entity, Rgb)> {
+    pub(crate) fn gains(&self, groups: &[LightGroup]) -> Vec<(Entity, Rgb)> {
         let of_group = |group: &LightGroup| {
             let gain = self.group_channel(group).gain();
             let lights = group.entities.clone().into_iter();
@@ -154,7 +154,7 @@ const FROM_PICTURE: &str = "takes its colour from a picture";
 const ONLY_GREY: &str = "can be made brighter or darker, but not of another colour";
 
 /// The light, `gain` times.
-pub fn bake_area(light: &AreaLight, gain: Rgb) -> Result<AreaLight, &'static str> {
+pub(crate) fn bake_area(light: &AreaLight, gain: Rgb) -> Result<AreaLight, &'static str> {
     Ok(AreaLight {
         radiance: bake_parameter(&light.radiance, gain)?,
         ..light.clone()
@@ -162,7 +162,7 @@ pub fn bake_area(light: &AreaLight, gain: Rgb) -> Result<AreaLight, &'static str
 }
 
 /// The emitter, `gain` times.
-pub fn bake_emitter(emitter: &Emitter, gain: Rgb) -> Result<Emitter, &'static str> {
+pub(crate) fn bake_emitter(emitter: &Emitter, gain: Rgb) -> Result<Emitter, &'static str> {
     let mut baked = emitter.clone();
     match &mut baked.kind {
         EmitterKind::Point { intensity } | EmitterKind::Spot { intensity, .. } => *intensity *= gain,

@@ -35,7 +35,7 @@ impl From<Material> for MaterialTree {
 }
 
 /// The plugins that go around a material.
-pub const WRAPPERS: [&str; 5] = ["twosided", "blendbsdf", "mask", "normalmap", "bumpmap"];
+pub(crate) const WRAPPERS: [&str; 5] = ["twosided", "blendbsdf", "mask", "normalmap", "bumpmap"];
 
 impl MaterialTree {
     /// The material as it is, around the materials that are in it.
@@ -62,7 +62,7 @@ impl MaterialTree {
 }
 
 /// The materials that a material is made of.
-pub fn materials_inside(world: &World, material: Entity) -> Vec<Entity> {
+pub(crate) fn materials_inside(world: &World, material: Entity) -> Vec<Entity> {
     let first = world.get::<FirstNested>(material).map(|nested| nested.0);
     let second = world.get::<SecondNested>(material).map(|nested| nested.0);
     first.into_iter().chain(second).collect()
@@ -70,7 +70,9 @@ pub fn materials_inside(world: &World, material: Entity) -> Vec<Entity> {
 
 /// Flattens trees into one list. Each material has the indices of those nested in it; the second list has the index of each tree's outermost
 /// material. Materials of the scene are left out.
-pub fn flattened<'t>(trees: impl IntoIterator<Item = &'t MaterialTree>) -> (Vec<(Material, Vec<usize>)>, Vec<usize>) {
+pub(crate) fn flattened<'t>(
+    trees: impl IntoIterator<Item = &'t MaterialTree>,
+) -> (Vec<(Material, Vec<usize>)>, Vec<usize>) {
     fn add(tree: &MaterialTree, list: &mut Vec<(Material, Vec<usize>)>) -> usize {
         let place = list.len();
         list.push((tree.material.clone(), Vec::new()));
@@ -88,7 +90,7 @@ pub fn flattened<'t>(trees: impl IntoIterator<Item = &'t MaterialTree>) -> (Vec<
 }
 
 /// Whether a plugin may go around this material: what refracts has two sides already.
-pub fn can_wrap(plugin: &str, material: &Material) -> bool {
+pub(crate) fn can_wrap(plugin: &str, material: &Material) -> bool {
     plugin != "twosided" || !(material.refracts() || matches!(material, Material::TwoSided | Material::Null))
 }
 

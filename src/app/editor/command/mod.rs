@@ -382,7 +382,7 @@ impl Command {
     }
 
     /// The entities that an edit names; empty for those that are about the selection or nothing in particular.
-    pub fn targets(&self) -> Vec<Entity> {
+    pub(crate) fn targets(&self) -> Vec<Entity> {
         match self {
             Self::OnSelection(command) => command.targets(),
             Self::Transform(poses) => poses.iter().map(|(entity, _)| *entity).collect(),
@@ -408,22 +408,22 @@ impl Command {
     }
 
     /// Whether it gives one thing a value that others of its sort have, too.
-    pub fn is_about_one(&self) -> bool {
+    pub(crate) fn is_about_one(&self) -> bool {
         self.effect() == Effect::Drag && !self.targets().is_empty()
     }
 
     /// Whether it is one of many that follow each other while the view or something in it moves.
-    pub fn moves_picture(&self) -> bool {
+    pub(crate) fn moves_picture(&self) -> bool {
         matches!(self, Self::MoveView(_)) || self.effect() == Effect::Drag
     }
 
     /// Whether it is about the picture's very pixels.
-    pub fn keeps_picture(&self) -> bool {
+    pub(crate) fn keeps_picture(&self) -> bool {
         matches!(self, Self::SaveImage(_) | Self::TakeSnapshot | Self::Measure)
     }
 
     /// Whether the picture as a rule is begun anew by it.
-    pub fn restarts_picture(&self) -> bool {
+    pub(crate) fn restarts_picture(&self) -> bool {
         self.effect() != Effect::None
             && !matches!(
                 self,

@@ -28,7 +28,7 @@ impl Panel {
         Self::Paths,
     ];
     /// Those that stand at the right, one behind the other, until the user moves them.
-    pub const RIGHT: [Self; 5] = [
+    pub(crate) const RIGHT: [Self; 5] = [
         Self::Inspector,
         Self::Render,
         Self::History,
@@ -36,9 +36,9 @@ impl Panel {
         Self::Paths,
     ];
     /// Those at the left.
-    pub const LEFT: [Self; 2] = [Self::Outliner, Self::Library];
+    pub(crate) const LEFT: [Self; 2] = [Self::Outliner, Self::Library];
     /// Shown only when asked for.
-    pub const CLOSED: [Self; 1] = [Self::Paths];
+    pub(crate) const CLOSED: [Self; 1] = [Self::Paths];
 
     pub fn title(self) -> &'static str {
         match self {

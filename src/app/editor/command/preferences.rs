@@ -12,7 +12,7 @@ use crate::memory;
 /// Of the file's format.
 const VERSION: u32 = 1;
 
-pub const MOST_RECENT_FILES: usize = 10;
+pub(crate) const MOST_RECENT_FILES: usize = 10;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -74,7 +74,7 @@ impl Default for Preferences {
 
 pub const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
 pub const LONGEST_AUTOSAVE: u32 = 3600;
-pub const MOST_MEMORY_GIB: u32 = 4096;
+pub(crate) const MOST_MEMORY_GIB: u32 = 4096;
 pub const MOVING_SCALES: std::ops::RangeInclusive<f32> = 0.25..=1.0;
 
 impl Preferences {
@@ -96,7 +96,7 @@ impl Preferences {
     }
 
     /// Without values that no control could set.
-    pub fn within_range(mut self) -> Self {
+    pub(crate) fn within_range(mut self) -> Self {
         self.ui_scale = self.ui_scale.clamp(*UI_SCALES.start(), *UI_SCALES.end());
         self.speed = self.speed.clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end());
         self.steps = self.steps.within_range();

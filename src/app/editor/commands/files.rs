@@ -149,7 +149,7 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
 
 /// Keeps the picture in a temporary file, where its own place could not be written and the program is about to end. Says in words where it is;
 /// None if there is no picture.
-pub fn keep_image(world: &World) -> Option<String> {
+pub(crate) fn keep_image(world: &World) -> Option<String> {
     match write_to_temporary_folder(&finished::picture(world)) {
         Ok(place) => Some(format!("the picture is kept in {}", place.display())),
         Err(ImageIoError::WrongSize { .. }) => None,

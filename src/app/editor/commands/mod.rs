@@ -50,11 +50,11 @@ use crate::scene::write::OnChange;
 use crate::scene::{
     ActiveSensor, DocumentOrder, Emitter, Hidden, Locked, MemberOf, ObjectState, Sensor, Shape, ToWorld,
 };
-pub use files::keep_image;
+pub(crate) use files::keep_image;
 use world::{control, set_resource};
 
 /// Applies this frame's commands in order.
-pub fn apply_commands(world: &mut World) {
+pub(crate) fn apply_commands(world: &mut World) {
     let commands = std::mem::take(&mut world.resource_mut::<CommandQueue>().0);
     let commands = keep_for_later(world, commands);
     if commands.is_empty() {
@@ -90,7 +90,7 @@ fn keep_for_later(world: &mut World, commands: Vec<Command>) -> Vec<Command> {
 }
 
 /// Applies a command in this frame and returns its error. A question to the user is returned as an error as well.
-pub fn apply_now(world: &mut World, command: Command) -> Result<(), CommandError> {
+pub(crate) fn apply_now(world: &mut World, command: Command) -> Result<(), CommandError> {
     note_input(world, command.restarts_picture());
     apply(world, command.clone())?;
     files::unanswered(world, &command)

@@ -23,7 +23,7 @@ use crate::engine::{PackedScene, RenderControl};
 use crate::scene::{ActiveSensor, FileReadAgain, FreeView, SceneFile, SceneState, SceneStatus, ToWorld, find_camera};
 
 /// What is read of the scene's file waits while the user is asked what is to become of its changes.
-pub fn hold_reloads(requests: Res<Requests>, mut file: ResMut<SceneFile>) {
+pub(crate) fn hold_reloads(requests: Res<Requests>, mut file: ResMut<SceneFile>) {
     let is_asked = requests.save_question.is_some();
     if file.is_held() != is_asked {
         file.hold(is_asked);
@@ -114,7 +114,7 @@ pub fn follow_scene(
 }
 
 /// Messages about meshes and pictures that were read again or could not be, and about files that are not there any more.
-pub fn follow_files(
+pub(crate) fn follow_files(
     mut read_again: MessageReader<FileReadAgain>,
     status: Res<SceneStatus>,
     mut toasts: ResMut<Toasts>,
@@ -148,7 +148,7 @@ pub fn follow_files(
 
 /// What has been told of files.
 #[derive(Default)]
-pub struct FileTroubles {
+pub(crate) struct FileTroubles {
     gone: Vec<PathBuf>,
     unreadable: Vec<String>,
 }
@@ -167,12 +167,12 @@ impl FileTroubles {
 }
 
 /// Whether somebody asked for a camera, and there is a scene to look for it in.
-pub fn camera_is_wanted(wanted: Res<WantedCamera>, status: Res<SceneStatus>) -> bool {
+pub(crate) fn camera_is_wanted(wanted: Res<WantedCamera>, status: Res<SceneStatus>) -> bool {
     wanted.name.is_some() && status.revision > 0
 }
 
 /// Looks through the camera that was asked for.
-pub fn choose_camera(world: &mut World) {
+pub(crate) fn choose_camera(world: &mut World) {
     let mut wanted = world.resource_mut::<WantedCamera>();
     let (name, is_required) = (wanted.name.take(), wanted.is_required);
     let Some(name) = name else {

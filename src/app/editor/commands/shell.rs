@@ -42,7 +42,7 @@ fn toggle_full_screen(world: &mut World) {
 }
 
 /// The window stays open until the user has been asked about unsaved edits.
-pub fn note_close_requests(mut closing: MessageReader<WindowCloseRequested>, mut requests: ResMut<Requests>) {
+pub(crate) fn note_close_requests(mut closing: MessageReader<WindowCloseRequested>, mut requests: ResMut<Requests>) {
     if closing.read().count() > 0 {
         requests.closes = true;
     }

@@ -13,7 +13,7 @@ use crate::scene::{
 };
 
 /// An error unless the entity has a component of this type.
-pub fn need<C: Component>(edit: &Edit, entity: Entity) -> Result<(), CommandError> {
+pub(crate) fn need<C: Component>(edit: &Edit, entity: Entity) -> Result<(), CommandError> {
     match edit.world.get::<C>(entity) {
         Some(_) => Ok(()),
         None => Err("That cannot be done to this thing.".into()),
@@ -27,7 +27,7 @@ pub fn replace<C: Component + PartialEq>(edit: &mut Edit, entity: Entity, value:
     Ok(())
 }
 
-pub fn selected(edit: &Edit) -> Result<Vec<Entity>, CommandError> {
+pub(crate) fn selected(edit: &Edit) -> Result<Vec<Entity>, CommandError> {
     let selection = edit.world.resource::<Selection>().entities();
     let free: Vec<Entity> = selection
         .iter()
@@ -88,7 +88,7 @@ pub(super) fn delete(edit: &mut Edit, entity: Entity) {
 }
 
 /// The materials that this one is nested in.
-pub fn outer_materials(world: &World, material: Entity) -> Vec<Entity> {
+pub(crate) fn outer_materials(world: &World, material: Entity) -> Vec<Entity> {
     let first = world
         .get::<FirstNestedIn>(material)
         .into_iter()
@@ -104,7 +104,7 @@ pub fn outer_materials(world: &World, material: Entity) -> Vec<Entity> {
 }
 
 /// What the file could not have as an id.
-pub fn check_name(name: &str) -> Result<(), CommandError> {
+pub(crate) fn check_name(name: &str) -> Result<(), CommandError> {
     match name.chars().find(|c| is_no_name(*c)) {
         Some(wrong) => Err(format!("Names cannot have {wrong:?} in them.").into()),
         None => Ok(()),
@@ -112,11 +112,11 @@ pub fn check_name(name: &str) -> Result<(), CommandError> {
 }
 
 /// Characters that ids cannot have.
-pub fn is_no_name(c: char) -> bool {
+pub(crate) fn is_no_name(c: char) -> bool {
     c.is_control() || "$.\"<>&".contains(c)
 }
 
-pub fn call(edit: &mut Edit, entity: Entity, name: &str) {
+pub(crate) fn call(edit: &mut Edit, entity: Entity, name: &str) {
     edit.set(entity, SceneId(name.to_owned()));
     edit.set(entity, Name::new(name.to_owned()));
 }
@@ -139,6 +139,6 @@ pub fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), 
 }
 
 /// Selects what an edit has made.
-pub fn select_new(edit: &mut Edit, made: Vec<Entity>) {
+pub(crate) fn select_new(edit: &mut Edit, made: Vec<Entity>) {
     edit.world.resource_mut::<Selection>().extend(made, Extend::Replace);
 }

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use crate::engine::RenderControl;
 
-pub fn set_resource<R: Resource + PartialEq>(world: &mut World, value: R) {
+pub(crate) fn set_resource<R: Resource + PartialEq>(world: &mut World, value: R) {
     if world.get_resource::<R>() != Some(&value) {
         world.insert_resource(value);
     }

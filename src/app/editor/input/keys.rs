@@ -11,7 +11,7 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::shell::ShellCommand;
 
 /// To the left, up, forward, each -1, 0 or 1.
-pub fn fly_direction(input: &InputState) -> Vec3 {
+pub(crate) fn fly_direction(input: &InputState) -> Vec3 {
     let axis = |plus: Key, minus: Key| f32::from(input.key_down(plus)) - f32::from(input.key_down(minus));
     Vec3::new(axis(Key::A, Key::D), axis(Key::E, Key::Q), axis(Key::W, Key::S))
 }
@@ -56,7 +56,7 @@ fn numpad_digit(code: KeyCode) -> Option<Key> {
 }
 
 /// Whether the key changes the meaning of others.
-pub fn is_modifier(key: &LogicalKey) -> bool {
+pub(crate) fn is_modifier(key: &LogicalKey) -> bool {
     match key {
         LogicalKey::Control | LogicalKey::Shift | LogicalKey::Alt => true,
         LogicalKey::Super => cfg!(target_os = "macos"),

@@ -47,7 +47,7 @@ const PARTS: [(&str, &str, &str); 6] = [
 
 impl Inspected {
     /// With what differs in others that are selected, too.
-    pub fn compared(mut self, others: &[Self]) -> Self {
+    pub(crate) fn compared(mut self, others: &[Self]) -> Self {
         self.mixed = Mixed::of(&self, others);
         for entry in &mut self.materials {
             let path = &entry.path;
@@ -84,7 +84,7 @@ impl Mixed {
     }
 
     /// Finds what differs among values of one type; the panel shows the first of them.
-    pub fn of_values<'v, T: PartialReflect>(shown: &T, others: impl Iterator<Item = &'v T>) -> Self {
+    pub(crate) fn of_values<'v, T: PartialReflect>(shown: &T, others: impl Iterator<Item = &'v T>) -> Self {
         let mut found = BTreeSet::new();
         for other in others {
             differ("type", shown, other, &mut found);
@@ -172,7 +172,7 @@ fn add(name: &str, found: &mut BTreeSet<String>) {
 }
 
 /// What the way to a shape's middle and back may change of where it is, per coordinate. `pose`: world from a space whose origin is there.
-pub fn rounding(pose: &Affine3A, middle: Vec3) -> Vec3A {
+pub(crate) fn rounding(pose: &Affine3A, middle: Vec3) -> Vec3A {
     // A few units in the last place of numbers that are added.
     const ROUNDING: f32 = 4.0 * f32::EPSILON;
     ROUNDING * (pose.translation.abs() + (pose.matrix3 * Vec3A::from(middle)).abs())

@@ -56,7 +56,7 @@ pub struct Outline {
 
 impl Outline {
     /// The heading of the materials.
-    pub const MATERIALS: &str = "Materials";
+    pub(crate) const MATERIALS: &str = "Materials";
 
     /// The four groups with their headings.
     pub fn groups(&self) -> [(&'static str, &[Item]); 4] {
@@ -102,7 +102,7 @@ pub enum MaterialPlace {
 
 impl MaterialPlace {
     /// Whether a scene file may have this material there: a two-sided one takes nothing that refracts.
-    pub fn takes(self, material: &Material) -> bool {
+    pub(crate) fn takes(self, material: &Material) -> bool {
         match self {
             Self::Front | Self::Back => can_wrap("twosided", material),
             Self::Whole | Self::First | Self::Second | Self::Inside => true,
@@ -259,7 +259,7 @@ pub struct Model {
 
 impl Model {
     /// The shapes among what is selected.
-    pub fn selected_shapes(&self) -> Vec<Entity> {
+    pub(crate) fn selected_shapes(&self) -> Vec<Entity> {
         let shapes = &self.outline.shapes;
         let selected = shapes.iter().map(|item| item.entity);
         selected.filter(|entity| self.selection.contains(*entity)).collect()
@@ -267,4 +267,4 @@ impl Model {
 }
 
 #[derive(Resource, Default)]
-pub struct EditorModel(pub Model);
+pub(crate) struct EditorModel(pub Model);

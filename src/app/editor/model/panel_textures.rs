@@ -32,7 +32,7 @@ pub struct Thumbnail {
 
 impl PanelTextures {
     /// Paints the rendered ball, or a plain disc as long as there is no picture.
-    pub fn paint_ball(&self, ui: &egui::Ui, ball: Ball, rect: egui::Rect) {
+    pub(crate) fn paint_ball(&self, ui: &egui::Ui, ball: Ball, rect: egui::Rect) {
         match self.balls.get(&ball) {
             Some(texture) => {
                 let whole = egui::Rect::from_min_max(egui::Pos2::ZERO, egui::pos2(1.0, 1.0));

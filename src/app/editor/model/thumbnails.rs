@@ -24,10 +24,10 @@ struct Made {
 }
 
 #[derive(Resource, Default)]
-pub struct Thumbnails(HashMap<PathBuf, Made>);
+pub(crate) struct Thumbnails(HashMap<PathBuf, Made>);
 
 /// Makes what the inspected thing needs and is not there; what nobody shows any more is let go.
-pub fn update_thumbnails(
+pub(crate) fn update_thumbnails(
     mut thumbnails: ResMut<Thumbnails>,
     mut model: ResMut<EditorModel>,
     mut contexts: EguiContexts,

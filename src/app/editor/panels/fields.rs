@@ -12,7 +12,7 @@ use crate::app::editor::model::mixed::Mixed;
 use crate::app::editor::words::parameter::Words;
 
 /// Width of the names' column in points.
-pub const NAME_WIDTH: f32 = 88.0;
+pub(crate) const NAME_WIDTH: f32 = 88.0;
 /// Of it for the word where the selected things differ.
 const MIXED_WIDTH: f32 = 32.0;
 /// The tag of a part of a panel that knows of differences.
@@ -41,7 +41,7 @@ impl<'a> From<&'a String> for Caption<'a> {
 
 impl<'a> Caption<'a> {
     /// The same explanation under another name.
-    pub fn titled(self, text: &'a str) -> Self {
+    pub(crate) fn titled(self, text: &'a str) -> Self {
         Self { text, ..self }
     }
 }
@@ -66,7 +66,7 @@ pub fn row<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, control: impl FnOnc
 }
 
 /// The names' column of a row that is under way.
-pub fn name_cell<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>) -> Response {
+pub(crate) fn name_cell<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>) -> Response {
     let caption = caption.into();
     let size = egui::vec2(NAME_WIDTH, ui.spacing().interact_size.y);
     let is_mixed = is_mixed(ui, caption);
@@ -122,12 +122,17 @@ pub fn note<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, text: impl Into<St
     });
 }
 
-pub fn slider<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut f32, range: RangeInclusive<f32>) -> bool {
+pub(crate) fn slider<'a>(
+    ui: &mut Ui,
+    caption: impl Into<Caption<'a>>,
+    value: &mut f32,
+    range: RangeInclusive<f32>,
+) -> bool {
     slider_with(ui, caption, value, range, |slider| slider)
 }
 
 /// A slider whose steps are even in the exponent.
-pub fn log_slider<'a>(
+pub(crate) fn log_slider<'a>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,
     value: &mut f32,
@@ -136,7 +141,7 @@ pub fn log_slider<'a>(
     slider_with(ui, caption, value, range, |slider| slider.logarithmic(true))
 }
 
-pub fn slider_with<'a>(
+pub(crate) fn slider_with<'a>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,
     value: &mut f32,
@@ -155,7 +160,7 @@ pub fn slider_with<'a>(
     write_back(changed, value, copy)
 }
 
-pub fn integer_slider<'a>(
+pub(crate) fn integer_slider<'a>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,
     value: &mut u32,
@@ -209,7 +214,7 @@ pub fn number<'a>(
 }
 
 /// The same with a unit.
-pub fn quantity<'a>(
+pub(crate) fn quantity<'a>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,
     value: &mut f32,
@@ -295,7 +300,7 @@ pub fn numbers<'a, const N: usize>(
 }
 
 /// The numbers without a name before them, `width` points wide together.
-pub fn number_cells<const N: usize>(
+pub(crate) fn number_cells<const N: usize>(
     ui: &mut Ui,
     name: &str,
     values: &mut [f32; N],
@@ -328,7 +333,7 @@ pub fn number_cells<const N: usize>(
     changed
 }
 
-pub fn checkbox<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut bool) -> bool {
+pub(crate) fn checkbox<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut bool) -> bool {
     let caption = caption.into();
     let mut copy = *value;
     let changed = row(ui, caption, |ui| {
@@ -342,7 +347,7 @@ pub fn checkbox<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut bo
 }
 
 /// A choice among a few; `options` are value and name.
-pub fn choice<'a, T: Copy + PartialEq>(
+pub(crate) fn choice<'a, T: Copy + PartialEq>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,
     value: &mut T,
@@ -369,7 +374,7 @@ pub fn choice<'a, T: Copy + PartialEq>(
     write_back(copy != *value, value, copy)
 }
 
-pub fn write_back<T>(changed: bool, value: &mut T, copy: T) -> bool {
+pub(crate) fn write_back<T>(changed: bool, value: &mut T, copy: T) -> bool {
     if changed {
         *value = copy;
     }

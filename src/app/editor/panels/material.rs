@@ -92,7 +92,7 @@ impl<'u> Rows<'u> {
 
     /// A parameter that may be a texture; `plain` is what its value is called where it is none, `otherwise` the value if the texture has
     /// none to give back.
-    pub fn slot<T: PlainValue>(
+    pub(crate) fn slot<T: PlainValue>(
         &mut self,
         name: &'static str,
         plain: &'static str,

@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 
 /// A parameter's value where it is the same everywhere, as a colour that textures begin with.
-pub trait PlainValue: Copy {
+pub(crate) trait PlainValue: Copy {
     fn of_color(color: Rgb) -> Self;
     fn to_color(self) -> Rgb;
 }

@@ -25,7 +25,7 @@ pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, aspect: f32, scene_size: f32) ->
 }
 
 /// True if edited.
-pub fn field_of_view(ui: &mut Ui, fov: &mut f32, axis: &mut FovAxis) -> bool {
+pub(crate) fn field_of_view(ui: &mut Ui, fov: &mut f32, axis: &mut FovAxis) -> bool {
     let caption = |name| words::find("projector", name).map_or(Caption::from(name), Caption::from);
     let changed = fields::slider_with(ui, caption("fov"), fov, 1.0..=170.0, |slider| slider.suffix("°"));
     let axes = [

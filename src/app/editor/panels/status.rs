@@ -102,7 +102,7 @@ fn time(status: &RenderStatus) -> String {
     format!("{spent}, {} left", clock(left))
 }
 
-pub fn state_name(status: &RenderStatus) -> &'static str {
+pub(crate) fn state_name(status: &RenderStatus) -> &'static str {
     match status.state {
         RenderState::Idle => "No camera",
         RenderState::Loading => "Loading",

@@ -10,7 +10,7 @@ use crate::scene::{Bitmap, Parameter, Texture, TextureFilter, TextureWrap};
 
 /// What a parameter can be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TextureKind {
+pub(crate) enum TextureKind {
     /// No texture.
     Plain,
     Bitmap,
@@ -42,7 +42,7 @@ impl TextureKind {
 
 /// Makes the parameter a texture of another kind, or none. Colours and the placing stay as far as both have them. A bitmap stays what it
 /// was: it needs a file first.
-pub fn switch<T: PlainValue>(value: &mut Parameter<T>, kind: TextureKind, otherwise: T) {
+pub(crate) fn switch<T: PlainValue>(value: &mut Parameter<T>, kind: TextureKind, otherwise: T) {
     let (color, to_uv) = match &*value {
         Parameter::Constant(plain) => (Some(plain.to_color()), Affine2::IDENTITY),
         Parameter::Texture(Texture::Bitmap(bitmap)) => (None, bitmap.to_uv),
@@ -87,7 +87,7 @@ pub fn bitmap(ui: &mut Ui, bitmap: &mut Bitmap, caption: impl Fn(&'static str) -
 }
 
 /// Scale, rotation and offset of uv; true if edited.
-pub fn placing(ui: &mut Ui, to_uv: &mut Affine2, caption: Caption<'static>) -> bool {
+pub(crate) fn placing(ui: &mut Ui, to_uv: &mut Affine2, caption: Caption<'static>) -> bool {
     let (scale, angle, offset) = to_uv.to_scale_angle_translation();
     let made = Affine2::from_scale_angle_translation(scale, angle, offset);
     if !made.is_finite() || !made.abs_diff_eq(*to_uv, 1e-4 * to_uv.matrix2.x_axis.length().max(1.0)) {
@@ -118,7 +118,7 @@ pub fn placing(ui: &mut Ui, to_uv: &mut Affine2, caption: Caption<'static>) -> b
 }
 
 /// The name of values of the mesh; true if edited.
-pub fn mesh_attribute(ui: &mut Ui, name: &mut String, caption: Caption<'static>) -> bool {
+pub(crate) fn mesh_attribute(ui: &mut Ui, name: &mut String, caption: Caption<'static>) -> bool {
     let mut copy = name.clone();
     let changed = fields::row(ui, caption, |ui| {
         let width = ui.available_width() - 8.0;

@@ -16,7 +16,7 @@ use crate::scene::{Parameter, SquarePath, Texture};
 
 /// What the user did with a slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SlotEdit {
+pub(crate) struct SlotEdit {
     pub changed: bool,
     /// The place that is to be another picture.
     pub wants_picture: Option<SquarePath>,
@@ -31,7 +31,7 @@ impl SlotEdit {
 
 /// A slot: what it is called, what pictures look like, and where in nested textures it is.
 #[derive(Clone, Copy)]
-pub struct Slot<'a> {
+pub(crate) struct Slot<'a> {
     pub caption: Caption<'a>,
     /// What the value without a texture is called.
     pub plain: &'static str,
@@ -177,7 +177,7 @@ impl Slot<'_> {
 }
 
 /// A picture file that is no texture, as that of an environment; true when another is wanted.
-pub fn picture_row(ui: &mut Ui, caption: Caption<'_>, path: &Path, textures: &PanelTextures) -> bool {
+pub(crate) fn picture_row(ui: &mut Ui, caption: Caption<'_>, path: &Path, textures: &PanelTextures) -> bool {
     let texture = Texture::of_picture(path.to_owned(), None);
     ui.horizontal(|ui| {
         let label = name_cell(ui, caption);

@@ -60,7 +60,7 @@ pub struct Measured {
 
 /// A comparison of pictures of one shape, pixel by pixel.
 #[derive(Clone, Debug)]
-pub struct PixelComparison<'a> {
+pub(crate) struct PixelComparison<'a> {
     view: CompareView,
     /// The snapshot at the picture's size.
     kept: Cow<'a, [Rgb]>,

@@ -15,7 +15,7 @@ use crate::engine::{RenderControl, RenderFilm, WakeUp};
 use crate::render::denoise::{DenoiseError, DenoiseInput, DenoiseQuality, denoise};
 
 /// A denoised picture, as large as the film it was made from.
-pub struct Denoised {
+pub(crate) struct Denoised {
     pub radiance: Vec<Rgb>,
     /// The factors on the layers of the film that it was made with.
     pub mix: Vec<Rgb>,
@@ -29,7 +29,7 @@ pub struct Denoised {
 
 /// At most one at work; its result is shown until the film is begun anew.
 #[derive(Resource, Default)]
-pub struct Denoiser {
+pub(crate) struct Denoiser {
     work: Option<Work>,
     shown: Option<Denoised>,
     started: u64,
@@ -129,7 +129,7 @@ impl Denoiser {
 }
 
 /// Takes a finished picture; drops what belongs to a film that is no more. A failure is returned as a message.
-pub fn collect_denoised(
+pub(crate) fn collect_denoised(
     mut denoiser: ResMut<Denoiser>,
     film: Res<RenderFilm>,
     control: Res<RenderControl>,

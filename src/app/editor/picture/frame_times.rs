@@ -12,7 +12,7 @@ use super::pacing::Pacing;
 
 /// Times between the last frames.
 #[derive(Resource, Default)]
-pub struct FrameTimes {
+pub(crate) struct FrameTimes {
     recent: VecDeque<f32>,
     /// The last frame's whole time, see [`Frame`].
     whole: Option<f32>,
@@ -63,12 +63,12 @@ impl FrameTimes {
 }
 
 /// At the end of the frame's systems.
-pub fn time_systems(mut frames: ResMut<FrameTimes>) {
+pub(crate) fn time_systems(mut frames: ResMut<FrameTimes>) {
     frames.own = frames.last.map_or(0.0, |begun| 1e3 * begun.elapsed().as_secs_f32());
 }
 
 /// Measures the thread that draws the window.
-pub fn time_drawing(app: &mut App) {
+pub(crate) fn time_drawing(app: &mut App) {
     let drawn = app.world().resource::<FrameTimes>().drawn.clone();
     if let Some(renderer) = app.get_sub_app_mut(RenderApp) {
         let begun = Arc::new(Mutex::new(None));
@@ -86,7 +86,7 @@ pub fn time_drawing(app: &mut App) {
 }
 
 /// Only frames count that followed each other as fast as they could.
-pub fn time_frames(mut frames: ResMut<FrameTimes>, pacing: Res<Pacing>) {
+pub(crate) fn time_frames(mut frames: ResMut<FrameTimes>, pacing: Res<Pacing>) {
     let now = Instant::now();
     let last = frames.last.replace(now).filter(|_| pacing.is_lively());
     frames.whole = last.map(|last| 1e3 * (now - last).as_secs_f32());

@@ -113,7 +113,7 @@ impl SeenInstances {
     }
 
     /// Whatever shows in a rectangle of the picture, by its film coordinates, each thing once.
-    pub fn instances_in(&self, min: Vec2, max: Vec2) -> HashSet<u32> {
+    pub(crate) fn instances_in(&self, min: Vec2, max: Vec2) -> HashSet<u32> {
         let size = Vec2::new(self.width as f32, self.height as f32);
         let (min, max) = ((min * size).max(Vec2::ZERO).floor(), (max * size).min(size).ceil());
         let (columns, rows) = (min.x as usize..max.x as usize, min.y as usize..max.y as usize);
@@ -242,7 +242,7 @@ impl SelectionOutline {
     }
 
     /// The entities that show in a rectangle of the picture, in the order of the scene.
-    pub fn entities_in(&self, min: Vec2, max: Vec2) -> Vec<Entity> {
+    pub(crate) fn entities_in(&self, min: Vec2, max: Vec2) -> Vec<Entity> {
         let mut instances: Vec<u32> = self.seen.instances_in(min, max).into_iter().collect();
         instances.sort_unstable();
         let entities = instances

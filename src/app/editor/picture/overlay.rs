@@ -13,7 +13,7 @@ use crate::math::Aabb;
 use crate::render::camera::Camera;
 
 /// More would neither be legible nor drawn in time.
-pub const MAX_BOXES: usize = 4000;
+pub(crate) const MAX_BOXES: usize = 4000;
 
 /// The eight corners of a box in the world. Corner k has bit 0 of k for the upper x, bit 1 for y, bit 2 for z.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,7 +106,7 @@ impl BoxList {
     }
 
     /// What there is to be known of the boxes that `overlay` shows, a few short lines.
-    pub fn figures(&self, overlay: &BvhOverlay) -> String {
+    pub(crate) fn figures(&self, overlay: &BvhOverlay) -> String {
         let shown = match overlay.leaves_only {
             true => format!("to depth {}: {}", overlay.depth, counted(self.leaves as u64, "leaf")),
             false => format!(
@@ -167,7 +167,7 @@ fn corners(bounds: &Aabb) -> [Vec3; 8] {
 }
 
 /// The edges of a box as pairs of film coordinates ((0, 0) top left, (1, 1) bottom right), cut off at the camera's plane.
-pub fn edges(camera: &Camera, world_box: &WorldBox) -> Vec<[Vec2; 2]> {
+pub(crate) fn edges(camera: &Camera, world_box: &WorldBox) -> Vec<[Vec2; 2]> {
     let mut edges = Vec::with_capacity(12);
     for from in 0..8usize {
         for bit in 0..3 {

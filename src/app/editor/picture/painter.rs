@@ -104,7 +104,7 @@ impl<'a> Painter<'a> {
     }
 
     /// Light is shown beside that of a snapshot.
-    pub fn compared(self, comparison: Option<PixelComparison<'a>>) -> Self {
+    pub(crate) fn compared(self, comparison: Option<PixelComparison<'a>>) -> Self {
         Self { comparison, ..self }
     }
 
@@ -192,7 +192,7 @@ fn nearness(depth: f32, [near, far]: [f32; 2]) -> f32 {
 }
 
 /// Neighbours in number are far apart in hue (by the golden section), and differ in brightness; sRGB.
-pub fn color_of_id(id: u32) -> [u8; 3] {
+pub(crate) fn color_of_id(id: u32) -> [u8; 3] {
     const GOLDEN: f64 = 0.618_033_988_749_895;
     let hue = (f64::from(id) * GOLDEN).fract() as f32;
     let value = [0.95, 0.7, 0.5][id as usize % 3];
@@ -210,7 +210,7 @@ fn quantized(encoded: f32) -> u8 {
 }
 
 /// Resizes a picture by nearest neighbours; it is shown until the one of the new size is there.
-pub fn resized(rgba: &[u8], from: [u32; 2], to: [u32; 2]) -> Vec<u8> {
+pub(crate) fn resized(rgba: &[u8], from: [u32; 2], to: [u32; 2]) -> Vec<u8> {
     let [width, height] = to.map(|n| n as usize);
     let mut resized = vec![0; 4 * width * height];
     for (place, target) in resized.chunks_exact_mut(4).enumerate() {

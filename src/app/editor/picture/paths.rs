@@ -33,7 +33,7 @@ pub struct PathInspector {
 }
 
 #[derive(SystemParam)]
-pub struct Names<'w, 's> {
+pub(crate) struct Names<'w, 's> {
     shapes: Query<'w, 's, (Option<&'static Name>, Option<&'static UsesMaterial>)>,
     materials: Query<'w, 's, (Option<&'static Name>, &'static Material)>,
 }
@@ -56,7 +56,7 @@ impl Names<'_, '_> {
 }
 
 /// Traces them again when something changed; that takes less than a frame.
-pub fn follow_paths(mut inspector: ResMut<PathInspector>, packed: Res<PackedScene>, names: Names) {
+pub(crate) fn follow_paths(mut inspector: ResMut<PathInspector>, packed: Res<PackedScene>, names: Names) {
     let (Some(wanted), Some(scene), Some(view)) = (inspector.wanted, &packed.scene, &packed.view) else {
         if !inspector.paths.is_empty() {
             inspector.paths = Arc::default();

@@ -18,13 +18,13 @@ use crate::scene::{
 };
 
 /// Older entries are forgotten above this number of steps.
-pub const MOST_ENTRIES: usize = 1000;
+pub(crate) const MOST_ENTRIES: usize = 1000;
 /// Older entries are also forgotten above this estimate of their memory. The newest step stays, however large it is.
-pub const MOST_BYTES: usize = 64 << 20;
+pub(crate) const MOST_BYTES: usize = 64 << 20;
 
 /// The settings that a scene has as a whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SettingsState {
+pub(crate) struct SettingsState {
     pub integrator: IntegratorSettings,
     pub sampler: SamplerSettings,
     pub accel: AccelMethod,
@@ -125,7 +125,7 @@ impl History {
     }
 
     /// What can be undone, oldest first, and what can be done again, next first.
-    pub fn labels(&self) -> (Vec<&str>, Vec<&str>) {
+    pub(crate) fn labels(&self) -> (Vec<&str>, Vec<&str>) {
         let done = self.done.iter().map(|entry| entry.label.as_str());
         let undone = self.undone.iter().rev().map(|entry| entry.label.as_str());
         (done.collect(), undone.collect())
@@ -223,7 +223,7 @@ impl History {
 const GONE_AT_ONCE: usize = 512;
 
 /// Despawns what was deleted, cannot come back by undo or redo, and is not deleted from the file as well: a reload must know the latter.
-pub fn despawn_forgotten(world: &mut World) {
+pub(crate) fn despawn_forgotten(world: &mut World) {
     let mut history = world.resource_mut::<History>();
     if history.named_once.len() < GONE_AT_ONCE {
         return;
@@ -297,7 +297,7 @@ pub struct Edit<'w> {
 }
 
 impl<'w> Edit<'w> {
-    pub fn begin(world: &'w mut World) -> Self {
+    pub(crate) fn begin(world: &'w mut World) -> Self {
         Self {
             before: Vec::new(),
             places: HashMap::new(),
@@ -310,7 +310,7 @@ impl<'w> Edit<'w> {
     }
 
     /// Remembers the entity as it is; to be called before anything of it is changed.
-    pub fn touch(&mut self, entity: Entity) {
+    pub(crate) fn touch(&mut self, entity: Entity) {
         if !self.places.contains_key(&entity) {
             let state = ObjectState::of(self.world, entity);
             self.note(entity, state);
@@ -323,7 +323,7 @@ impl<'w> Edit<'w> {
     }
 
     /// An error if something stands so that no file could say it.
-    pub fn check_poses(&self) -> Result<(), CommandError> {
+    pub(crate) fn check_poses(&self) -> Result<(), CommandError> {
         let mut poses = self
             .before
             .iter()
@@ -358,20 +358,20 @@ impl<'w> Edit<'w> {
     }
 
     /// Notes entities that were spawned by others.
-    pub fn spawned(&mut self, entities: impl IntoIterator<Item = Entity>) {
+    pub(crate) fn spawned(&mut self, entities: impl IntoIterator<Item = Entity>) {
         for entity in entities {
             self.note(entity, ObjectState::default());
         }
     }
 
     /// Takes an entity out of the scene.
-    pub fn delete(&mut self, entity: Entity) {
+    pub(crate) fn delete(&mut self, entity: Entity) {
         self.touch(entity);
         ObjectState::default().write(self.world, entity);
     }
 
     /// Puts everything back.
-    pub fn abandon(self) {
+    pub(crate) fn abandon(self) {
         for (entity, before) in self.before.iter().rev() {
             before.write(self.world, *entity);
         }
@@ -438,7 +438,7 @@ fn separate_ids(world: &mut World, changes: &[Change]) {
 }
 
 /// An error, in words, if there is nothing to undo.
-pub fn undo(world: &mut World) -> Result<(), CommandError> {
+pub(crate) fn undo(world: &mut World) -> Result<(), CommandError> {
     let Some(mut entry) = world.resource_mut::<History>().done.pop() else {
         return Err("There is nothing to undo.".into());
     };
@@ -460,7 +460,7 @@ pub fn undo(world: &mut World) -> Result<(), CommandError> {
 }
 
 /// An error, in words, if there is nothing to do again.
-pub fn redo(world: &mut World) -> Result<(), CommandError> {
+pub(crate) fn redo(world: &mut World) -> Result<(), CommandError> {
     let Some(entry) = world.resource_mut::<History>().undone.pop() else {
         return Err("There is nothing to do again.".into());
     };

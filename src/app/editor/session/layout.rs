@@ -77,7 +77,7 @@ impl Layout {
     }
 
     /// In front of its group; false if it is closed.
-    pub fn bring_to_front(&mut self, panel: Panel) -> bool {
+    pub(crate) fn bring_to_front(&mut self, panel: Panel) -> bool {
         let place = self.0.find_tab(&panel);
         place.is_some_and(|place| self.0.set_active_tab(place).is_ok())
     }

@@ -58,7 +58,7 @@ impl Default for WindowOptions {
 
 impl WindowOptions {
     /// Somebody sits before it.
-    pub fn is_attended(&self) -> bool {
+    pub(crate) fn is_attended(&self) -> bool {
         !self.exit && self.script.is_none() && self.measure_latency.is_none() && self.monkey.is_none()
     }
 }
@@ -69,7 +69,7 @@ pub struct SceneDefines(pub Vec<(String, String)>);
 
 /// A camera that is asked for, until a scene is there.
 #[derive(Resource, Clone, Debug, Default)]
-pub struct WantedCamera {
+pub(crate) struct WantedCamera {
     pub name: Option<String>,
     /// The program ends with an error if the camera does not exist, because no user is there to choose another.
     pub is_required: bool,

@@ -144,7 +144,7 @@ fn holds_viewport(tree: &Tree<Panel>, node: NodeIndex) -> bool {
 }
 
 /// As if the tree had been shown in so much room.
-pub fn assume_shown(tree: &mut Tree<Panel>, room: Vec2) {
+pub(crate) fn assume_shown(tree: &mut Tree<Panel>, room: Vec2) {
     assume(tree, NodeIndex::root(), room);
 }
 

@@ -112,7 +112,7 @@ impl PreferencesFile {
 }
 
 /// A scene that is open, or was saved under this name, is among the recent ones.
-pub fn note_scene(status: Res<SceneStatus>, mut preferences: ResMut<Preferences>) {
+pub(crate) fn note_scene(status: Res<SceneStatus>, mut preferences: ResMut<Preferences>) {
     if !status.is_changed() || status.state != SceneState::Ready {
         return;
     }
@@ -124,7 +124,7 @@ pub fn note_scene(status: Res<SceneStatus>, mut preferences: ResMut<Preferences>
 }
 
 /// Writes what has changed, now and then and at the end.
-pub fn remember(
+pub(crate) fn remember(
     mut file: ResMut<PreferencesFile>,
     preferences: Res<Preferences>,
     layout: Res<Layout>,

@@ -234,7 +234,7 @@ pub fn follow_scene(
 
 /// Decides when to write, and removes what is of no use any more. A run that ends without the user having been asked, such as by a signal,
 /// writes at once.
-pub fn plan_autosave(
+pub(crate) fn plan_autosave(
     mut recovery: ResMut<Recovery>,
     mut toasts: ResMut<Toasts>,
     history: Res<History>,
@@ -300,7 +300,7 @@ pub fn autosave(world: &mut World) {
 }
 
 /// After a good end nothing is left over. Otherwise the program waits for what is being written.
-pub fn clean_up(mut exits: MessageReader<AppExit>, mut recovery: ResMut<Recovery>) {
+pub(crate) fn clean_up(mut exits: MessageReader<AppExit>, mut recovery: ResMut<Recovery>) {
     let Some(exit) = exits.read().last() else {
         return;
     };

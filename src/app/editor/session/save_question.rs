@@ -33,7 +33,7 @@ impl SaveQuestion {
     }
 
     /// The same for those who cannot be asked.
-    pub fn refusal(&self) -> String {
+    pub(crate) fn refusal(&self) -> String {
         let merge = match self.can_merge {
             true => "`save-to FILE merge` takes in what the file changed, ",
             false => "",

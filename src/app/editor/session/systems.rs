@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 /// The editor's steps in `PostUpdate`, around those of egui and the engine.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum EditorSystems {
+pub(crate) enum EditorSystems {
     /// World to model, before the panels are shown.
     Gather,
     /// Commands to world, before the engine looks for changes.

@@ -33,13 +33,13 @@ pub struct Toast {
 }
 
 /// The time for which notes and warnings are shown.
-pub const SHOWN: Duration = Duration::from_secs(5);
+pub(crate) const SHOWN: Duration = Duration::from_secs(5);
 /// The last part of that time, in which they fade.
-pub const FADING: Duration = Duration::from_millis(400);
+pub(crate) const FADING: Duration = Duration::from_millis(400);
 /// The time between two frames of something that fades.
-pub const FADE_STEP: Duration = Duration::from_millis(40);
+pub(crate) const FADE_STEP: Duration = Duration::from_millis(40);
 /// The most messages that are shown at once; the oldest make room.
-pub const MOST: usize = 5;
+pub(crate) const MOST: usize = 5;
 
 /// The messages that are shown, the newest last.
 #[derive(Resource, Clone, Debug, Default)]
@@ -47,21 +47,21 @@ pub struct Toasts(Vec<Toast>);
 
 impl Toasts {
     /// Tells that something was done.
-    pub fn info(&mut self, message: impl Into<String>) {
+    pub(crate) fn info(&mut self, message: impl Into<String>) {
         let message = message.into();
         info!("{message}");
         self.add(Tone::Note, Topic::Other, message, None);
     }
 
     /// Tells that something the user asked for cannot be done.
-    pub fn reject(&mut self, message: impl Into<String>) {
+    pub(crate) fn reject(&mut self, message: impl Into<String>) {
         let message = message.into();
         info!("{message}");
         self.add(Tone::Warning, Topic::Other, message, None);
     }
 
     /// Tells of something that the user may not have wanted.
-    pub fn warn(&mut self, message: impl Into<String>) {
+    pub(crate) fn warn(&mut self, message: impl Into<String>) {
         let message = message.into();
         warn!("{message}");
         self.add(Tone::Warning, Topic::Other, message, None);
@@ -121,7 +121,7 @@ impl Toasts {
     }
 
     /// Takes one of [`Self::current`] away.
-    pub fn dismiss(&mut self, index: usize) {
+    pub(crate) fn dismiss(&mut self, index: usize) {
         self.0.remove(index);
     }
 }
@@ -133,7 +133,7 @@ impl Toast {
     }
 
     /// In [0, 1].
-    pub fn opacity(&self) -> f32 {
+    pub(crate) fn opacity(&self) -> f32 {
         self.left()
             .map_or(1.0, |left| (left.as_secs_f32() / FADING.as_secs_f32()).min(1.0))
     }

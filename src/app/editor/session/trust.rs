@@ -39,7 +39,7 @@ pub struct TrustedFolders {
 
 impl TrustedFolders {
     /// What is to be said of the files that the open scene has read now because they were allowed; None without such.
-    pub fn take_news(&mut self) -> Option<String> {
+    pub(crate) fn take_news(&mut self) -> Option<String> {
         let mut names: Vec<String> = std::mem::take(&mut self.news)
             .iter()
             .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
@@ -135,7 +135,7 @@ pub fn follow_access(access: Res<SceneAccess>, status: Res<SceneStatus>, mut tru
 }
 
 /// Asks about the files that a scene names which could not be imported without them.
-pub fn ask_about_import(world: &mut World, import: &Path, files: Vec<PathBuf>) {
+pub(crate) fn ask_about_import(world: &mut World, import: &Path, files: Vec<PathBuf>) {
     if let Some(mut trusted) = world.get_resource_mut::<TrustedFolders>() {
         let question = Question::about(files);
         trusted.question = question.map(|question| Question {
@@ -188,7 +188,7 @@ pub fn allow(world: &mut World, question: &Question) {
 }
 
 /// Lets scenes read a file that the user has chosen, with its neighbours if it may name some of them.
-pub fn allow_chosen(world: &mut World, file: &Path) {
+pub(crate) fn allow_chosen(world: &mut World, file: &Path) {
     let (Some(access), Some(trust)) = (world.get_resource::<SceneAccess>(), world.get_resource::<Trust>()) else {
         return;
     };

@@ -10,7 +10,7 @@ const PATIENCE: u32 = 12;
 
 /// The cursor in the hand that turns the view. All places in points of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TurningCursor {
+pub(crate) struct TurningCursor {
     /// Where it was when the turning began; None: it is free.
     pub(super) origin: Option<Pos2>,
     /// Where it was seen last.

@@ -35,7 +35,7 @@ use crate::scene::{
 
 /// What is seen of the scene in the viewport, as of this frame. What takes long to find is kept from frame to frame.
 #[derive(Resource, Default)]
-pub struct ViewportScene {
+pub(crate) struct ViewportScene {
     /// The picture and its size in pixels.
     pub picture: Option<(egui::TextureId, [u32; 2])>,
     /// Pixels of the picture at its full resolution.
@@ -188,7 +188,7 @@ impl Sources<'_, '_> {
 }
 
 /// Gathers what the viewport shows. It must run after the panels' model has been gathered.
-pub fn gather_viewport(
+pub(crate) fn gather_viewport(
     mut seen: ResMut<ViewportScene>,
     mut sources: Sources,
     settings: Res<ViewSettings>,

@@ -66,7 +66,7 @@ pub fn paint(painter: &Painter, screen: &Screen, icons: &[Icon], color: impl Fn(
 }
 
 /// The icon under the pointer: the nearest to it.
-pub fn icon_at(screen: &Screen, icons: &[Icon], pointer: Pos2) -> Option<Entity> {
+pub(crate) fn icon_at(screen: &Screen, icons: &[Icon], pointer: Pos2) -> Option<Entity> {
     let distances = icons
         .iter()
         .filter_map(|icon| Some((place(screen, icon)?.distance(pointer), icon.entity)));

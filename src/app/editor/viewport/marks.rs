@@ -3,10 +3,10 @@
 use bevy_egui::egui::{self, Align2, Color32, FontId, Pos2, Rect, Stroke};
 
 /// Of texts over the picture: white ones are legible on it whatever is behind.
-pub const BACKING: Color32 = Color32::from_black_alpha(228);
+pub(crate) const BACKING: Color32 = Color32::from_black_alpha(228);
 
 /// White, with black around it: seen on any picture.
-pub fn thin_frame(painter: &egui::Painter, rect: Rect, alpha: u8) {
+pub(crate) fn thin_frame(painter: &egui::Painter, rect: Rect, alpha: u8) {
     for (width, color) in [
         (3.0, Color32::from_black_alpha(alpha)),
         (1.0, Color32::from_white_alpha(alpha)),
@@ -16,7 +16,7 @@ pub fn thin_frame(painter: &egui::Painter, rect: Rect, alpha: u8) {
 }
 
 /// A text that can be read on any picture.
-pub fn tag(painter: &egui::Painter, corner: Pos2, align: Align2, text: &str) -> Rect {
+pub(crate) fn tag(painter: &egui::Painter, corner: Pos2, align: Align2, text: &str) -> Rect {
     let layout = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), Color32::from_gray(230));
     let rect = align.anchor_size(corner, layout.size() + egui::vec2(12.0, 6.0));
     painter.rect_filled(rect, 3.0, BACKING);

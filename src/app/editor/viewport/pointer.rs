@@ -23,7 +23,7 @@ use crate::app::editor::command::tool::Tool;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointerState {
     hold: Option<Hold>,
-    pub cursor: TurningCursor,
+    pub(crate) cursor: TurningCursor,
     /// What is under the pointer.
     pub hovered: Option<Entity>,
 }
@@ -43,7 +43,7 @@ const NOWHERE: f32 = 0.5;
 
 impl PointerState {
     /// Whether the view is being turned: flying keys are meant then, whatever the modifiers.
-    pub fn is_looking(&self) -> bool {
+    pub(crate) fn is_looking(&self) -> bool {
         matches!(self.hold, Some(Hold::Look | Hold::Orbit { .. }))
     }
 
@@ -129,7 +129,7 @@ impl PointerState {
     }
 
     /// Whatever is done with the mouse is over.
-    pub fn let_go(&mut self, ui: &Ui) {
+    pub(crate) fn let_go(&mut self, ui: &Ui) {
         self.hold = None;
         self.cursor.let_go(ui.ctx().pixels_per_point());
     }

@@ -6,7 +6,7 @@ use bevy::window::{CursorGrabMode, CursorOptions, PrimaryWindow};
 use super::state::ViewportState;
 
 /// Does with the window's cursor what the turning view asks for.
-pub fn steer_cursor(
+pub(crate) fn steer_cursor(
     mut state: ResMut<ViewportState>,
     mut windows: Query<(&mut Window, &mut CursorOptions), With<PrimaryWindow>>,
 ) {

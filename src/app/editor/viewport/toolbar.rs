@@ -11,7 +11,13 @@ const HEIGHT: f32 = 30.0;
 const WIDTH: f32 = 470.0;
 
 /// `length_step` is the step of lengths in use, in world units.
-pub fn toolbar(ui: &mut Ui, panel: Rect, settings: GizmoSettings, length_step: f32, commands: &mut Vec<Command>) {
+pub(crate) fn toolbar(
+    ui: &mut Ui,
+    panel: Rect,
+    settings: GizmoSettings,
+    length_step: f32,
+    commands: &mut Vec<Command>,
+) {
     let size = egui::vec2(WIDTH.min(panel.width() - 16.0), HEIGHT);
     let place = Rect::from_min_size(panel.center_top() + egui::vec2(-0.5 * size.x, 6.0), size);
     let mut edited = settings;

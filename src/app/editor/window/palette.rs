@@ -80,7 +80,7 @@ fn title(action: &Action) -> String {
 }
 
 /// How well the words of a query match a text: each has to be in it, as a part or letter by letter. Greater is better.
-pub fn score(query: &str, text: &str) -> Option<i32> {
+pub(crate) fn score(query: &str, text: &str) -> Option<i32> {
     let text = text.to_lowercase();
     let mut total = -(text.chars().count().min(60) as i32) / 4;
     for word in query.to_lowercase().split_whitespace() {

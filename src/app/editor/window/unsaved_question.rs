@@ -42,7 +42,7 @@ const FRAMES_UNTIL_SAVED: u32 = 3;
 
 impl UnsavedQuestion {
     /// Whether the question is open and takes keys and mouse.
-    pub fn is_asking(&self) -> bool {
+    pub(crate) fn is_asking(&self) -> bool {
         self.waiting
             .as_ref()
             .is_some_and(|waiting| waiting.step == Step::Asking)

@@ -9,7 +9,7 @@ use crate::app::editor::panels::library::LibraryState;
 use crate::app::editor::panels::outliner::state::OutlinerState;
 
 #[derive(Resource)]
-pub struct Widgets {
+pub(crate) struct Widgets {
     pub outliner: OutlinerState,
     /// The panel with the library of materials.
     pub shelf: LibraryState,

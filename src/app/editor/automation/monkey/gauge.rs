@@ -5,7 +5,7 @@ use std::time::Duration;
 
 /// One look at the process.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Gauge {
+pub(crate) struct Gauge {
     /// Resident memory in kB.
     pub memory_kb: u64,
     pub threads: u64,
@@ -33,7 +33,7 @@ impl Gauge {
 
 /// Times of one thread since it began. Zero where the system does not say.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ThreadTimes {
+pub(crate) struct ThreadTimes {
     /// On a core.
     pub computed: Duration,
     /// Ready to run while other threads had the cores.
@@ -55,7 +55,7 @@ impl ThreadTimes {
 }
 
 /// Threads of the whole machine that run or are ready to run, for each core, as a mean over the last minute. Zero where the system does not say.
-pub fn threads_per_core() -> f32 {
+pub(crate) fn threads_per_core() -> f32 {
     let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     let load = text.split_whitespace().next().and_then(|load| load.parse().ok());
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get);

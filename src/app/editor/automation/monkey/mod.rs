@@ -29,12 +29,13 @@ use crate::app::editor::picture::frame_times::{self, FrameTimes};
 use crate::app::editor::session::systems::EditorSystems;
 use frames::{Span, Stopwatch};
 pub use snapshot::Snapshot;
+pub use state::Monkey;
 use state::Phase;
-pub use state::{Monkey, settings_folder};
-pub use windowless::{run_windowless, windowless};
+pub(crate) use state::settings_folder;
+pub use windowless::run_windowless;
 
 /// Lets the monkey play in an editor.
-pub fn add_to(app: &mut App, monkey: Monkey) {
+pub(crate) fn add_to(app: &mut App, monkey: Monkey) {
     app.insert_resource(monkey)
         .add_systems(First, begin_frame.after(frame_times::time_frames))
         .add_systems(

@@ -33,12 +33,12 @@ impl Random {
     }
 
     /// From 0 to 1 in steps of 0.01.
-    pub fn fraction(&mut self) -> f32 {
+    pub(crate) fn fraction(&mut self) -> f32 {
         self.below(101) as f32 * 0.01
     }
 
     /// Three numbers as a script writes them.
-    pub fn vector(&mut self) -> String {
+    pub(crate) fn vector(&mut self) -> String {
         format!("{},{},{}", self.number(), self.number(), self.number())
     }
 }

@@ -9,7 +9,7 @@ use super::gauge::Gauge;
 
 /// One look at the process.
 #[derive(Clone, Copy, Debug)]
-pub struct Mark {
+pub(crate) struct Mark {
     pub at: Duration,
     /// The share of the run that was done, 0 to 1.
     pub progress: f32,
@@ -48,7 +48,7 @@ impl Frame {
 
 /// Everything that is reported.
 #[derive(Default)]
-pub struct Record {
+pub(crate) struct Record {
     pub seed: u64,
     pub scenes: usize,
     pub has_window: bool,
@@ -74,7 +74,7 @@ pub struct Record {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Criterion {
+pub(crate) enum Criterion {
     Undo,
     Saving,
     Files,
@@ -84,7 +84,7 @@ pub enum Criterion {
 
 /// Above these the run has failed.
 #[derive(Clone, Copy, Debug)]
-pub struct Bounds {
+pub(crate) struct Bounds {
     /// None: frames are not judged.
     pub longest_frame: Option<Duration>,
 }

@@ -30,7 +30,7 @@ impl Snapshot {
 
     /// Shapes with their materials, lights, sensors and all other materials, each as a text, sorted. What saving and reloading renew is not
     /// compared: names and ids that files give to things, the numbers of their order, and the text that the file has for each.
-    pub fn contents(&self) -> Vec<String> {
+    pub(crate) fn contents(&self) -> Vec<String> {
         let scene = &self.scene;
         let material = |index: &Option<usize>| index.map(|index| self.material(index));
         let shapes = scene.shapes.iter().map(|it| {
@@ -87,7 +87,7 @@ impl Snapshot {
     }
 
     /// In words, the first difference of the [contents](Self::contents) to those of another.
-    pub fn difference_of_contents(&self, other: &Self) -> Option<String> {
+    pub(crate) fn difference_of_contents(&self, other: &Self) -> Option<String> {
         let (one, two) = (self.contents(), other.contents());
         let differs = one.iter().zip(&two).find(|(one, two)| one != two);
         let differs = differs.map(|(one, two)| format!("{one} | {two}"));

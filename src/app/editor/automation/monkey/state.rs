@@ -83,7 +83,7 @@ pub struct Monkey {
 }
 
 /// The folder in which an editor that a monkey uses keeps its settings.
-pub fn settings_folder(monkey: &Monkey) -> PathBuf {
+pub(crate) fn settings_folder(monkey: &Monkey) -> PathBuf {
     monkey.folder.path().join("settings")
 }
 

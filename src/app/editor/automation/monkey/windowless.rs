@@ -24,7 +24,7 @@ use crate::engine::{EnginePlugin, EngineSystems, RenderControl};
 use crate::scene::{FileSourcePlugin, ScenePlugin, SceneSystems, asset_plugin};
 
 /// An editor without a window, in which the monkey plays until the app exits. `threads` as in [`worker_count`].
-pub fn windowless(monkey: Monkey, threads: Option<i32>) -> App {
+fn windowless(monkey: Monkey, threads: Option<i32>) -> App {
     let folder = settings_folder(&monkey);
     let mut app = App::new();
     let (preferences_file, preferences) = preferences::PreferencesFile::open(Some(&folder));

@@ -15,6 +15,7 @@ use crate::scene::{
 
 /// Says why a parameter was not set.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum AssignError {
     #[error("expected {}", known.join(" or "))]
     Unknown { known: Vec<&'static str> },

@@ -8,6 +8,7 @@ use crate::document::value::ValueError;
 
 /// Says why a line of a script is not carried out, without the place of the line.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum ScriptError {
     /// A word of the line names nothing, or stands in the wrong place.
     #[error("{0}")]

@@ -34,7 +34,7 @@ use parse::{Step, Wait};
 const FRAMES_TO_BEGIN: u32 = 3;
 
 #[derive(Resource, Debug)]
-pub struct Script {
+pub(crate) struct Script {
     path: PathBuf,
     /// With their numbers from 1 on.
     lines: VecDeque<(usize, String)>,
@@ -78,7 +78,7 @@ impl Script {
 }
 
 /// Does the next line when its time has come.
-pub fn run_script(world: &mut World) {
+pub(crate) fn run_script(world: &mut World) {
     let Some(mut script) = world.remove_resource::<Script>() else {
         return;
     };

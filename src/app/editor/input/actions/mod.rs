@@ -75,7 +75,7 @@ impl Group {
 }
 
 impl Shortcut {
-    pub fn is_pressed(&self, press: &Press) -> bool {
+    pub(crate) fn is_pressed(&self, press: &Press) -> bool {
         let modifiers = press.modifiers;
         press.key == self.key
             && press.numpad == self.numpad

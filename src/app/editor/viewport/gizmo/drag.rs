@@ -99,7 +99,7 @@ impl Drag {
     }
 
     /// Begins to follow a pointer that is here.
-    pub fn take_hold(&mut self, pointer: Pos2) {
+    pub(crate) fn take_hold(&mut self, pointer: Pos2) {
         self.grabbed = pointer;
         self.last = pointer;
         self.angle = 0.0;

@@ -13,13 +13,13 @@ use crate::app::editor::command::gizmo_settings::Mode;
 /// Length of an axis.
 pub const SIZE: f32 = 90.0;
 /// Radius of the rings around the axes, and of that around the view axis.
-pub const RING: f32 = 78.0;
+pub(crate) const RING: f32 = 78.0;
 const VIEW_RING: f32 = 94.0;
 /// Where an axis begins, where the squares of the planes lie along their axes, half a width of what is in the middle and at the tips.
 const AXIS_START: f32 = 18.0;
 const SQUARE: [f32; 2] = [26.0, 44.0];
 pub const MIDDLE: f32 = 9.0;
-pub const TIP: f32 = 6.0;
+pub(crate) const TIP: f32 = 6.0;
 /// How near to a line the pointer takes it.
 const REACH: f32 = 7.0;
 /// Axes that look shorter than this share of their length, and squares that are seen at a sine below it, are left out.
@@ -49,7 +49,7 @@ pub struct Handle {
 }
 
 /// The handles in the order in which they are painted; none if the gizmo is behind the camera.
-pub fn handles(frame: &Frame, mode: Mode, screen: &Screen) -> Vec<Handle> {
+pub(crate) fn handles(frame: &Frame, mode: Mode, screen: &Screen) -> Vec<Handle> {
     let depth = screen.depth(frame.origin);
     let unit = screen.units_per_point(depth);
     let Some(middle) = screen.project(frame.origin).filter(|_| unit > 0.0) else {
@@ -139,7 +139,7 @@ impl Layout<'_> {
 }
 
 /// The handle that a press here takes: what is in the middle before lines, lines before squares.
-pub fn handle_at(handles: &[Handle], pointer: Pos2) -> Option<Constraint> {
+pub(crate) fn handle_at(handles: &[Handle], pointer: Pos2) -> Option<Constraint> {
     let distance = |handle: &Handle| match &handle.form {
         Form::Circle { middle, radius } if *radius <= MIDDLE => {
             let inside = pointer.distance(*middle) <= radius + 2.0;
@@ -170,7 +170,7 @@ fn is_at_tip(pointer: Pos2, [_, tip]: &[Pos2; 2]) -> bool {
     Rect::from_center_size(*tip, bevy_egui::egui::Vec2::splat(4.0 * TIP)).contains(pointer)
 }
 
-pub fn distance_to_segment(p: Pos2, [a, b]: &[Pos2; 2]) -> f32 {
+pub(crate) fn distance_to_segment(p: Pos2, [a, b]: &[Pos2; 2]) -> f32 {
     let along = *b - *a;
     let share = ((p - *a).dot(along) / along.length_sq().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
     p.distance(*a + along * share)

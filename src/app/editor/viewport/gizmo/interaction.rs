@@ -68,7 +68,7 @@ pub struct Rest {
 
 impl GizmoState {
     /// Something is being moved, or is about to be.
-    pub fn is_dragging(&self) -> bool {
+    pub(crate) fn is_dragging(&self) -> bool {
         self.held.is_some()
     }
 

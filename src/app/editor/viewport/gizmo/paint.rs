@@ -65,7 +65,13 @@ pub fn paint(painter: &Painter, handles: &[Handle], mode: Mode, lit: Option<Cons
 }
 
 /// What is drawn instead of the handles during a drag: the axes it is held to, and in a rotation the way from the middle to the pointer.
-pub fn paint_drag(painter: &Painter, drag: &Drag, change: Option<Change>, screen: &Screen, pointer: Option<Pos2>) {
+pub(crate) fn paint_drag(
+    painter: &Painter,
+    drag: &Drag,
+    change: Option<Change>,
+    screen: &Screen,
+    pointer: Option<Pos2>,
+) {
     let Frame { mut origin, axes } = drag.frame;
     if let Some(Change::Moved(by)) = change {
         origin += by;
