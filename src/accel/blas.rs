@@ -93,10 +93,12 @@ impl Blas {
         blas
     }
 
+    /// The mesh that the hierarchy was built over.
     pub fn mesh(&self) -> &Arc<MeshData> {
         &self.mesh
     }
 
+    /// The hierarchy over the mesh's triangles.
     pub fn bvh(&self) -> &Bvh {
         &self.bvh
     }

@@ -29,7 +29,9 @@ pub struct Bvh {
 /// Figures of a built hierarchy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BvhStats {
+    /// Inner nodes, each of up to eight children.
     pub nodes: usize,
+    /// Leaves with at least one primitive.
     pub leaves: usize,
     /// The greatest depth of a node; the root is at depth 1.
     pub max_depth: usize,
@@ -43,9 +45,11 @@ pub struct BvhStats {
 /// One box of the hierarchy, for display.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BvhBox {
+    /// In the space of the hierarchy.
     pub bounds: Aabb,
     /// 0 for the box around everything, 1 for the root's children, and so on.
     pub depth: usize,
+    /// Whether there are primitives in it and no further boxes.
     pub is_leaf: bool,
     /// The number of primitives of a leaf; zero for other boxes.
     pub primitives: u32,
@@ -174,6 +178,7 @@ impl Bvh {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.order.as_slice())
     }
 
+    /// Walks the whole hierarchy for its figures.
     pub fn stats(&self) -> BvhStats {
         let mut stats = BvhStats {
             nodes: self.nodes.len(),

@@ -18,6 +18,7 @@ pub struct Hit {
     pub primitive: u32,
     /// `u` and `v` have the meaning that [`crate::geometry::local::LocalHit`] gives them.
     pub u: f32,
+    /// See `u`.
     pub v: f32,
     /// The slot of a mesh's triangle, see [`MeshHit::slot`]; [`Hit::NO_SLOT`] for other shapes.
     pub(super) slot: u32,
@@ -57,10 +58,13 @@ impl Hit {
 /// A hit of a mesh; `u`, `v` are the barycentric weights of the triangle's corners 1 and 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshHit {
+    /// Parameter of the ray, the same in the mesh's space as in the world.
     pub t: f32,
     /// Index into the mesh's triangles.
     pub triangle: u32,
+    /// In [0, 1].
     pub u: f32,
+    /// In [0, 1]; `u + v` is at most 1 but for rounding.
     pub v: f32,
     /// The triangle's number in the order of the leaves, with empty places between some.
     pub slot: u32,
@@ -69,6 +73,7 @@ pub struct MeshHit {
 /// The point at which a ray met a surface, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
+    /// The point on the surface, which rays that leave it move off by `error`.
     pub position: Vec3,
     /// Bound, per coordinate, on how far `position` may lie off the surface as rays see it; what `math::offset_origin` wants.
     pub error: f32,
@@ -81,13 +86,16 @@ pub struct SurfacePoint {
     /// How `position` moves with u and with v (Mitsuba 3's parametrisation; world lengths). Zero at the poles of spheres (`dp_du`) and the
     /// centres of disks; any two tangents where a mesh's texture coordinates are degenerate. Normals that are flipped do not change them.
     pub dp_du: Vec3,
+    /// See `dp_du`.
     pub dp_dv: Vec3,
 }
 
 /// The parts of a [`SurfacePoint`] that are wanted. Those that depend on texture coordinates can cost as much as all the rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
+    /// Position and normals alone.
     Plain,
+    /// Texture coordinates and derivatives as well.
     Parametrised,
 }
 

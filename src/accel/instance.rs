@@ -17,18 +17,26 @@ use crate::math::{Aabb, Ray, gamma};
 /// A shape in its own local space; see the files in [`crate::geometry`] for where each lies there.
 #[derive(Clone, Debug)]
 pub enum Primitive {
+    /// Triangles with their own hierarchy.
     Mesh(Arc<Blas>),
+    /// The unit sphere.
     Sphere,
+    /// The square [-1, 1]^2 in the plane z = 0.
     Rectangle,
+    /// The unit disk in the plane z = 0.
     Disk,
+    /// The cylinder of radius 1 around the z axis from z = 0 to z = 1, without caps.
     Cylinder,
 }
 
 /// A shape, where it is, and how its normals are taken.
 #[derive(Clone, Debug)]
 pub struct Instance {
+    /// The shape that is placed.
     pub primitive: Primitive,
+    /// Invertible.
     pub world_from_local: Affine3A,
+    /// Its inverse, rounded once.
     pub local_from_world: Affine3A,
     /// Whether to shade with the geometric normal even if the mesh has vertex normals.
     pub face_normals: bool,

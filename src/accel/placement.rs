@@ -58,6 +58,7 @@ impl Placement {
         }
     }
 
+    /// The way out of the group, rounded to single precision.
     pub fn world_from_group(&self) -> Affine3A {
         let exact = self.exact_world_from_group();
         Affine3A::from_mat3_translation(exact.matrix3.as_mat3(), exact.translation.as_vec3())

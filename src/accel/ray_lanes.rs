@@ -6,9 +6,13 @@ use crate::math::{PerLane, Ray};
 /// Rays in lanes, as [`Ray`].
 #[derive(Clone, Copy, Debug)]
 pub struct RayLanes {
+    /// As [`Ray::origin`].
     pub origin: Vec3Lanes,
+    /// As [`Ray::dir`]; of any length.
     pub dir: Vec3Lanes,
+    /// As [`Ray::t_min`].
     pub t_min: Lanes,
+    /// As [`Ray::t_max`]. A lane without a ray has 0.
     pub t_max: Lanes,
 }
 
@@ -66,6 +70,7 @@ impl RayLanes {
         std::array::from_fn(|lane| self.get(lane))
     }
 
+    /// Replaces the ray of a lane below [`LANES`].
     #[inline(always)]
     pub fn set(&mut self, lane: usize, ray: &Ray) {
         self.origin.set(lane, ray.origin);
@@ -74,6 +79,7 @@ impl RayLanes {
         self.t_max.as_mut_array()[lane] = ray.t_max;
     }
 
+    /// Returns the ray of a lane below [`LANES`].
     #[inline(always)]
     pub fn get(&self, lane: usize) -> Ray {
         Ray {

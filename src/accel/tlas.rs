@@ -97,14 +97,17 @@ impl Tlas {
         tlas
     }
 
+    /// The shapes that stand in the world by themselves, by [`Hit::instance`].
     pub fn instances(&self) -> &[Instance] {
         &self.instances
     }
 
+    /// The hierarchies of the groups that are placed.
     pub fn groups(&self) -> &[Arc<Tlas>] {
         &self.groups
     }
 
+    /// Where the groups stand.
     pub fn placements(&self) -> &[Placement] {
         &self.placements
     }
@@ -116,6 +119,7 @@ impl Tlas {
         }
     }
 
+    /// The hierarchy over instances and placements.
     pub fn bvh(&self) -> &Bvh {
         &self.bvh
     }

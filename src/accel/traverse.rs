@@ -14,11 +14,14 @@ use crate::math::Ray;
 /// The work of a traversal: the numbers of boxes and primitives that were tested.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TraversalStats {
+    /// Boxes that were tested.
     pub boxes: u32,
+    /// Primitives that were tested.
     pub primitives: u32,
 }
 
 impl TraversalStats {
+    /// Tests of either kind.
     pub fn total(&self) -> u32 {
         self.boxes + self.primitives
     }

@@ -21,6 +21,7 @@ pub use crate::app::editor::session::options::WindowOptions;
 use crate::engine::{EnginePlugin, RenderControl};
 use crate::scene::{FileSourcePlugin, ScenePlugin, asset_plugin};
 
+/// Why the window is not opened.
 #[derive(Debug, Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum WindowError {

@@ -16,14 +16,18 @@ pub struct SourceId(pub u32);
 /// A byte range of one source file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Span {
+    /// The file that the range lies in.
     pub source: SourceId,
+    /// The first byte, counted from 0 after a byte order mark.
     pub start: u32,
+    /// The byte after the last one; `start` where the range is empty.
     pub end: u32,
 }
 
 /// A file's text, kept so that messages can show the line they speak of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceFile {
+    /// The path that the file was opened by. It is shown in messages, and relative names in the file start from its folder.
     pub path: PathBuf,
     /// The text without a byte order mark. It is not copied from the memory that it was read into, since scenes may have 200 MB.
     pub text: Arc<String>,
@@ -31,28 +35,36 @@ pub struct SourceFile {
     pub byte_order_mark: bool,
 }
 
+/// How grave a message is. Levels are ordered by their declaration, the mildest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
     /// A choice that the reader made, and that the user may want to know.
     Note,
+    /// Something in the file has no effect, or another one than its author may expect.
     Warning,
+    /// Something cannot be read as it is. A stand-in or a default takes its place, and strict commands fail.
     Error,
 }
 
 /// One message about the scene; `span` is None when it is about a file as a whole.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Diagnostic {
+    /// Decides how the message is labelled and which count it belongs to.
     pub severity: Severity,
+    /// One sentence without a full stop.
     pub message: String,
     /// What the user can do about it, if there is something ("did you mean `alpha`?").
     pub help: Option<String>,
+    /// The text that is underlined.
     pub span: Option<Span>,
 }
 
 /// All messages about one document, in the order they were found, with the sources they point into.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Diagnostics {
+    /// The main file and its includes. A [`SourceId`] is an index into this list.
     pub sources: Vec<SourceFile>,
+    /// The messages in the order in which they came up, at most a thousand; further ones are only counted.
     pub list: Vec<Diagnostic>,
     /// The same message at the same place is said once: a file may be included many times.
     said: HashSet<Diagnostic>,
@@ -62,14 +74,18 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
+    /// Adds a warning about a place, without help.
     pub fn warn(&mut self, span: Span, message: impl Into<String>) {
         self.push(Severity::Warning, Some(span), message.into(), None);
     }
 
+    /// Adds an error about a place, without help.
     pub fn error(&mut self, span: Span, message: impl Into<String>) {
         self.push(Severity::Error, Some(span), message.into(), None);
     }
 
+    /// Adds a message unless the same one was said about the same place. If the list is full, an error takes the place of a milder message and
+    /// everything else is only counted.
     pub fn push(&mut self, severity: Severity, span: Option<Span>, message: String, help: Option<String>) {
         let diagnostic = Diagnostic {
             severity,
@@ -117,20 +133,24 @@ impl Diagnostics {
         self.list.len() >= MAX_HELPED
     }
 
+    /// Whether there is any error, listed or only counted.
     pub fn has_errors(&self) -> bool {
         self.error_count() > 0
     }
 
+    /// Counts all errors, those that found no place in the list included.
     pub fn error_count(&self) -> usize {
         let listed = self.list.iter().filter(|d| d.severity == Severity::Error).count();
         listed + self.dropped_errors
     }
 
+    /// Counts all warnings, those that found no place in the list included.
     pub fn warning_count(&self) -> usize {
         let listed = self.list.iter().filter(|d| d.severity == Severity::Warning).count();
         listed + self.dropped_warnings
     }
 
+    /// Returns the file of an id; None for the id of another document.
     pub fn source(&self, id: SourceId) -> Option<&SourceFile> {
         self.sources.get(id.0 as usize)
     }

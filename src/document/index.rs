@@ -12,6 +12,7 @@ pub struct Index<'a> {
 }
 
 impl<'a> Index<'a> {
+    /// Walks the whole tree under `root`. If an id occurs twice, one of the two is found.
     pub fn new(root: &'a Object) -> Self {
         let mut by_id = HashMap::new();
         let mut waiting = vec![root];
@@ -24,6 +25,7 @@ impl<'a> Index<'a> {
         Self { by_id }
     }
 
+    /// Returns the object with this id.
     pub fn get(&self, id: &str) -> Option<&'a Object> {
         self.by_id.get(id).copied()
     }

@@ -13,22 +13,36 @@ pub const MAX_DEPTH: usize = 256;
 /// The kind of plugin a tag declares; the tag's name is the kind's name in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Category {
+    /// The root of a file, `<scene>`.
     Scene,
+    /// What decides how light is computed, `<integrator>`.
     Integrator,
+    /// A camera, `<sensor>`.
     Sensor,
+    /// The size and crop of a sensor's picture, `<film>`.
     Film,
+    /// The pixel filter of a film, `<rfilter>`.
     ReconstructionFilter,
+    /// Number, kind and seed of a sensor's samples, `<sampler>`.
     Sampler,
+    /// A geometric object, a group of them or an instance of a group, `<shape>`.
     Shape,
+    /// A material, `<bsdf>`.
     Bsdf,
+    /// A light, in the scene or inside of a shape that shines, `<emitter>`.
     Emitter,
+    /// A value that varies over a surface, `<texture>`.
     Texture,
+    /// A participating medium, `<medium>`. It is parsed, but no medium is supported.
     Medium,
+    /// The phase function of a medium, `<phase>`. It is parsed, but none is supported.
     Phase,
+    /// A value that varies in space, `<volume>`. It is parsed, but none is supported.
     Volume,
 }
 
 impl Category {
+    /// All kinds in the order of their declaration.
     pub const ALL: [Self; 13] = [
         Self::Scene,
         Self::Integrator,
@@ -72,16 +86,23 @@ impl Category {
 /// A property's value. Numbers are single precision, as everything downstream.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
+    /// `<float>`; finite where it was read from a file.
     Float(f32),
+    /// `<integer>`.
     Integer(i64),
+    /// `<boolean>`.
     Boolean(bool),
+    /// `<string>`; in names of files as the file has them, relative or absolute.
     String(String),
     /// `<rgb>`: linear Rec. 709 (a `#rrggbb` has been taken through the sRGB transfer).
     Rgb(Vec3),
     /// `<spectrum>` given as one number, the same at all wavelengths.
     Spectrum(f32),
+    /// `<point>`, a place.
     Point(Vec3),
+    /// `<vector>`, a direction or an extent of any length.
     Vector(Vec3),
+    /// `<transform>`: its steps, which apply in this order.
     Transform(Vec<TransformOp>),
 }
 
@@ -102,10 +123,12 @@ impl Value {
     }
 }
 
+/// A parameter of an object that is a value and no plugin, with its place in the text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Property {
     /// The name in snake_case: camelCase names of old files have been renamed.
     pub name: SmolStr,
+    /// The value, of the type that the tag names.
     pub value: Value,
     /// The span of the whole tag; what a message about the value points at.
     pub span: Span,
@@ -116,10 +139,13 @@ pub struct Property {
 pub enum Child {
     /// Shared: what is read from a document keeps its objects without a copy.
     Object(Arc<Object>),
+    /// `<ref>` to an object that is declared elsewhere in the scene.
     Reference {
         /// The parameter it is meant for, where the file names one.
         name: Option<SmolStr>,
+        /// The id of the object that is meant. A [`super::Index`] finds it.
         id: SmolStr,
+        /// The whole tag.
         span: Span,
     },
 }
@@ -141,6 +167,7 @@ impl Child {
         }
     }
 
+    /// Returns the start tag of a child in place, the whole tag of a reference.
     pub fn span(&self) -> Span {
         match self {
             Self::Object(object) => object.span,
@@ -158,13 +185,17 @@ impl From<Object> for Child {
 /// One plugin: `<bsdf type="diffuse" id="red" name="..."> ... </bsdf>`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
+    /// The kind of plugin, which the name of the tag gives.
     pub category: Category,
     /// The `type` attribute; empty for the scene itself.
     pub plugin: SmolStr,
+    /// The name by which references find the object, unique in a parsed document.
     pub id: Option<SmolStr>,
     /// The parameter of the parent it is meant for, where the file names one.
     pub name: Option<SmolStr>,
+    /// The values in the order of the file. A name occurs at most once in a parsed document.
     pub properties: Vec<Property>,
+    /// The plugins inside this one, in the order of the file.
     pub children: Vec<Child>,
     /// The start tag.
     pub span: Span,

@@ -36,6 +36,7 @@ pub struct Reader<'a, 'd> {
 }
 
 impl<'a, 'd> Reader<'a, 'd> {
+    /// Begins to read `object`. References are looked up in `index`, and messages are added to `diagnostics`.
     pub fn new(index: &'d Index<'a>, object: &'a Object, diagnostics: &'d mut Diagnostics) -> Self {
         Self {
             index,
@@ -47,6 +48,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         }
     }
 
+    /// Returns the object that is read.
     pub fn object(&self) -> &'a Object {
         self.object
     }
@@ -105,6 +107,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.get(name, "a float", as_float)
     }
 
+    /// A number, or `default` if it is absent or unusable.
     pub fn float_or(&mut self, name: &str, default: f32) -> f32 {
         self.float(name).unwrap_or(default)
     }
@@ -115,6 +118,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.check(name, value, &range, |number| format_float(*number))
     }
 
+    /// A whole number; `<float>` is an error even if its value is whole.
     pub fn integer(&mut self, name: &str) -> Option<i64> {
         self.get(name, "an integer", |value| match value {
             Value::Integer(number) => Some(*number),
@@ -122,6 +126,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         })
     }
 
+    /// A whole number, or `default` if it is absent or unusable.
     pub fn integer_or(&mut self, name: &str, default: i64) -> i64 {
         self.integer(name).unwrap_or(default)
     }
@@ -132,6 +137,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.check(name, value, &range, i64::to_string)
     }
 
+    /// A truth value; no other type will do.
     pub fn boolean(&mut self, name: &str) -> Option<bool> {
         self.get(name, "a boolean", |value| match value {
             Value::Boolean(truth) => Some(*truth),
@@ -139,10 +145,12 @@ impl<'a, 'd> Reader<'a, 'd> {
         })
     }
 
+    /// A truth value, or `default` if it is absent or unusable.
     pub fn boolean_or(&mut self, name: &str, default: bool) -> bool {
         self.boolean(name).unwrap_or(default)
     }
 
+    /// A text; no other type will do.
     pub fn string(&mut self, name: &str) -> Option<&'a str> {
         self.get(name, "a string", |value| match value {
             Value::String(text) => Some(text.as_str()),
@@ -150,6 +158,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         })
     }
 
+    /// A text, or `default` if it is absent or unusable.
     pub fn string_or(&mut self, name: &str, default: &'a str) -> &'a str {
         self.string(name).unwrap_or(default)
     }
@@ -191,6 +200,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         }
     }
 
+    /// The steps of a transform in the order in which they apply.
     pub fn transform(&mut self, name: &str) -> Option<Vec<TransformOp>> {
         self.get(name, "a transform", |value| match value {
             Value::Transform(ops) => Some(ops.clone()),

@@ -156,7 +156,9 @@ impl SampledSpectrum {
 pub struct BlackBody {
     /// The temperature, above zero.
     pub kelvin: f32,
+    /// The shortest wavelength, in nanometres. There is no light below it.
     pub first_nm: f32,
+    /// The longest wavelength, in nanometres. There is no light above it.
     pub last_nm: f32,
 }
 

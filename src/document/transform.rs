@@ -5,20 +5,27 @@ use glam::{Affine3A, DMat3, DVec3, Mat3, Mat4, Quat, Vec3};
 /// One child of a `<transform>`; they apply in document order, the first one nearest to the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TransformOp {
+    /// A shift by this vector.
     Translate(Vec3),
     /// Rotation by `degrees`, counter-clockwise seen against `axis`. The axis may have any length but zero. If that is not 1, the step also
     /// scales and shears, as in Mitsuba 3.
     Rotate {
+        /// The direction of the axis through the origin.
         axis: Vec3,
+        /// The angle in degrees.
         degrees: f32,
     },
+    /// A factor along each axis; a negative one mirrors.
     Scale(Vec3),
     /// An affine matrix (its last row is 0 0 0 1).
     Matrix(Mat4),
     /// The camera frame at `origin`: +z to `target`, +x to the left, +y nearest to `up`.
     LookAt {
+        /// The place of the camera.
         origin: Vec3,
+        /// The point that the camera looks at.
         target: Vec3,
+        /// A direction of any length that is not along the view.
         up: Vec3,
     },
 }

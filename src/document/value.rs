@@ -8,6 +8,7 @@ use crate::color::linear_from_srgb;
 /// Quotes at most so much of a text in a message.
 const LONGEST_QUOTE: usize = 40;
 
+/// Returns the text in backticks, shortened to 40 characters, for messages.
 pub fn quote(text: &str) -> String {
     match text.char_indices().nth(LONGEST_QUOTE) {
         Some((end, _)) => format!("`{}...`", &text[..end]),
@@ -53,6 +54,7 @@ pub fn parse_float(text: &str) -> Result<f32, ValueError> {
     }
 }
 
+/// A whole number of at most 64 bits.
 pub fn parse_integer(text: &str) -> Result<i64, ValueError> {
     use std::num::IntErrorKind::{NegOverflow, PosOverflow};
     let text = text.trim();

@@ -15,6 +15,7 @@ use super::{Category, Child, Document, Object, Property, TransformOp, Value};
 
 const VERSION: &str = "3.0.0";
 
+/// Why a document cannot be written as XML.
 #[derive(Debug, thiserror::Error, PartialEq)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum WriteError {

@@ -92,6 +92,7 @@ pub(super) struct Authored<'w, 's> {
 }
 
 impl Authored<'_, '_> {
+    /// Packs all materials in the order of the file. What cannot be packed is told in `errors`, and a stand-in takes its place.
     pub fn pack_materials(
         &self,
         model: DielectricModel,
@@ -113,6 +114,7 @@ impl Authored<'_, '_> {
         pack_materials(&sources, model, textures, errors)
     }
 
+    /// Packs the lights that are no surfaces in the order of the file and adds them to `lights`.
     pub fn pack_emitters(
         &self,
         context: &mut LightContext,

@@ -43,6 +43,7 @@ pub enum Outcome {
     Complete,
     /// Time was up; pixels may differ in their number of samples if the last pass took too long to finish.
     TimeUp,
+    /// The flag was set; the film holds whole passes.
     Cancelled,
 }
 

@@ -32,6 +32,7 @@ pub struct RenderControl {
     pub motion_scale: f32,
     /// Size in pixels that replaces the film's (before `resolution_scale`), as given on the command line.
     pub film_size_override: Option<UVec2>,
+    /// What the value of a pixel is.
     pub view_mode: ViewMode,
     /// Show what each way of finding light does: the left third of the picture by bsdf sampling alone, the middle by light sampling
     /// alone, the right by both.

@@ -16,6 +16,7 @@ use super::light_groups::LightGroup;
 /// The film, and the parts of it that have changed since the last look.
 #[derive(Resource, Default)]
 pub struct RenderFilm {
+    /// The samples of the picture so far.
     pub film: Film,
     /// Counts the pictures that were begun; with a new number all that was shown is old, though worth showing until tiles arrive. A
     /// picture is begun here when its first tile arrives, until then the last one stays.
@@ -38,6 +39,7 @@ impl RenderFilm {
         self.dirty.drain().collect()
     }
 
+    /// Whether there are tiles that were not painted since they changed.
     pub fn has_dirty(&self) -> bool {
         !self.dirty.is_empty()
     }

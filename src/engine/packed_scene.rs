@@ -12,6 +12,7 @@ use crate::render::view::View;
 /// The tables that the next picture is rendered from. They may be ahead of the shown picture by a frame or two.
 #[derive(Resource, Debug, Default)]
 pub struct PackedScene {
+    /// The tables that are rendered; None until the first scene is packed.
     pub scene: Option<RenderScene>,
     /// The shape behind each instance of `scene.geometry`, then behind each placement.
     pub entity_of_instance: Arc<[Entity]>,

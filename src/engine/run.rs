@@ -96,6 +96,7 @@ impl Run {
         }
     }
 
+    /// Asks the workers to stop, without waiting for them.
     pub fn cancel(&self) {
         self.cancel.store(true, Ordering::Relaxed);
     }

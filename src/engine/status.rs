@@ -10,6 +10,7 @@ use super::stop_condition::StopReason;
 /// The state of rendering, brought up to date once per frame.
 #[derive(Resource, Clone, Debug)]
 pub struct RenderStatus {
+    /// What the engine is at.
     pub state: RenderState,
     /// Whether everything that the scene names is loaded, built and packed, so that the picture shows the scene as it is.
     pub is_up_to_date: bool,
@@ -27,6 +28,7 @@ pub struct RenderStatus {
     pub seconds: f64,
     /// Rays traced for this picture, camera and shadow rays included.
     pub rays: u64,
+    /// Rays per second, in millions.
     pub mrays_per_s: f64,
     /// Camera samples per second, in millions.
     pub msamples_per_s: f64,
@@ -34,6 +36,7 @@ pub struct RenderStatus {
     pub invalid_samples: u64,
     /// Triangles of all instances.
     pub triangles: u64,
+    /// Figures of the hierarchies in use.
     pub bvh: BvhStatus,
     /// Meshes that are named by shapes and not there yet.
     pub meshes_loading: u32,
@@ -43,6 +46,7 @@ pub struct RenderStatus {
     pub errors: Vec<String>,
     /// The part of `errors` about things that do not fit into the memory budget: the scene is good, but the picture is not the one asked for.
     pub shortages: Vec<String>,
+    /// When the picture was begun anew.
     pub last_restart: Instant,
     /// The time from a change to the first tile of the new picture in the film.
     pub latency: LatencyStats,
@@ -78,6 +82,7 @@ impl Default for RenderStatus {
     }
 }
 
+/// What the engine is at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RenderState {
     /// There is no camera to render from.
@@ -87,7 +92,9 @@ pub enum RenderState {
     Loading,
     /// Waiting for acceleration structures.
     Building,
+    /// Samples are added.
     Rendering,
+    /// The user has paused; samples stay.
     Paused,
     /// The picture has the samples asked for, or has reached another limit.
     Done,
@@ -98,12 +105,15 @@ pub enum RenderState {
 /// The acceleration structures of the scene together (each mesh counted once).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BvhStatus {
+    /// Inner nodes.
     pub nodes: u64,
+    /// Leaves with primitives.
     pub leaves: u64,
     /// Depth of the deepest mesh hierarchy below the deepest path of the scene's.
     pub max_depth: u32,
     /// Surface area heuristic cost of the largest hierarchy.
     pub sah_cost: f64,
+    /// Memory held.
     pub bytes: u64,
     /// Time spent building what is now in use, milliseconds.
     pub build_ms: f64,
@@ -119,6 +129,7 @@ impl LatencyStats {
     /// The number of latencies over which median and percentile are taken.
     pub const WINDOW: usize = 128;
 
+    /// Adds a latency; the oldest one is forgotten beyond [`Self::WINDOW`].
     pub fn record(&mut self, milliseconds: f32) {
         if self.recent.len() == Self::WINDOW {
             self.recent.pop_front();
@@ -126,22 +137,27 @@ impl LatencyStats {
         self.recent.push_back(milliseconds);
     }
 
+    /// Latencies that are remembered.
     pub fn len(&self) -> usize {
         self.recent.len()
     }
 
+    /// Whether none was recorded.
     pub fn is_empty(&self) -> bool {
         self.recent.is_empty()
     }
 
+    /// The newest one; None before the first.
     pub fn last_ms(&self) -> Option<f32> {
         self.recent.back().copied()
     }
 
+    /// The median of those remembered; None before the first.
     pub fn median_ms(&self) -> Option<f32> {
         self.quantile_ms(0.5)
     }
 
+    /// The 95th percentile of those remembered; None before the first.
     pub fn p95_ms(&self) -> Option<f32> {
         self.quantile_ms(0.95)
     }

@@ -20,8 +20,11 @@ pub(super) struct StopCondition {
 /// The limit that a picture has reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
+    /// The samples asked for.
     Samples,
+    /// The time allowed.
     Time,
+    /// The noise asked for.
     Noise,
 }
 

@@ -7,8 +7,11 @@ use glam::{Vec2, Vec3};
 /// `u`, `v` mean: triangle: barycentric weights of its corners 1 and 2; rectangle and disk: local x and y; others: unused, zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalHit {
+    /// Within the bounds of the ray.
     pub t: f32,
+    /// See the type.
     pub u: f32,
+    /// See the type.
     pub v: f32,
 }
 

@@ -16,6 +16,7 @@ use crate::memory::{self, Held, Shortage};
 /// degenerate.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshData {
+    /// The vertices.
     pub positions: Vec<Vec3>,
     /// Unit shading normals per vertex, or empty. Loaders always fill them: where the file has none, they are computed, as Mitsuba does.
     /// A shape with `face_normals` ignores them.
@@ -26,6 +27,7 @@ pub struct MeshData {
     /// The texture coordinates as they are in the file. Mitsuba's `obj` shape flips v (`flip_tex_coords` is true there by default, false for
     /// `ply`): see [`MeshData::flip_tex_coords`].
     pub uvs: Vec<Vec2>,
+    /// Vertex indices of the corners, counter-clockwise as seen from the front.
     pub triangles: Vec<[u32; 3]>,
     /// Further values of vertices or faces in the file, each name once.
     pub attributes: Vec<MeshAttribute>,
@@ -44,9 +46,11 @@ pub(super) const HIERARCHY_BYTES: u64 = 100;
 /// A material of an MTL library, as numbers. The scene decides what they mean as a BSDF.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MtlMaterial {
+    /// As the library writes it after `newmtl`.
     pub name: String,
     /// Diffuse and specular colour, linear.
     pub kd: Vec3,
+    /// Specular colour, linear.
     pub ks: Vec3,
     /// Emitted radiance.
     pub ke: Vec3,
@@ -60,11 +64,14 @@ pub struct MtlMaterial {
     pub illum: Option<u8>,
     /// PBR extension: roughness and metallic in [0, 1], where given.
     pub pr: Option<f32>,
+    /// Metallic of the PBR extension, in [0, 1], where given.
     pub pm: Option<f32>,
+    /// Pictures in place of numbers.
     pub maps: MtlMaps,
 }
 
 impl MeshData {
+    /// The box around all vertices, those of no triangle included.
     pub fn bounds(&self) -> Aabb {
         Aabb::from_points(self.positions.iter().copied())
     }
@@ -91,6 +98,7 @@ impl MeshData {
         0.5 * (b - a).cross(c - a).length()
     }
 
+    /// Finds an attribute by its whole name.
     pub fn attribute(&self, name: &str) -> Option<&MeshAttribute> {
         self.attributes.iter().find(|attribute| attribute.name == name)
     }

@@ -12,6 +12,7 @@ use crate::memory::{self, Reservation, Shortage};
 /// A mesh that was read, and what of the file was left out or mended on the way, one sentence each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadedMesh {
+    /// Complete, with normals.
     pub mesh: MeshData,
     /// Bounded in number whatever the file holds; equal remarks are counted, not repeated.
     pub warnings: Vec<String>,

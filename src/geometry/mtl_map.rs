@@ -11,6 +11,7 @@ pub struct MtlMap {
     pub file: PathBuf,
     /// uv times `scale` plus `offset` is where the picture is looked up; v counts from the bottom up, as OBJ has it.
     pub scale: Vec2,
+    /// See `scale`.
     pub offset: Vec2,
     /// Whether the picture's edge continues outside of the unit square, instead of a repetition.
     pub clamp: bool,
@@ -19,6 +20,7 @@ pub struct MtlMap {
 /// The pictures of a material; each takes the place of the number of the same name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MtlMaps {
+    /// Diffuse colour.
     pub kd: Option<MtlMap>,
     /// Opacity.
     pub d: Option<MtlMap>,
@@ -37,11 +39,13 @@ impl MtlMaps {
         })
     }
 
+    /// The pictures that are given.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut MtlMap> {
         let Self { kd, d, norm } = self;
         [kd, d, norm].into_iter().flatten()
     }
 
+    /// The pictures that are given.
     pub fn iter(&self) -> impl Iterator<Item = &MtlMap> {
         let Self { kd, d, norm } = self;
         [kd, d, norm].into_iter().flatten()

@@ -114,6 +114,7 @@ pub struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
+    /// Begins at the first word of `line`, which has no line end.
     pub fn new(line: &'a [u8]) -> Self {
         Self { rest: line }
     }

@@ -122,6 +122,7 @@ pub struct Element {
 }
 
 impl Element {
+    /// Whether there is a property of this name.
     pub fn has(&self, property: &str) -> bool {
         self.properties.iter().any(|p| p.name == property)
     }

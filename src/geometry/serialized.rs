@@ -41,6 +41,7 @@ pub struct SerializedFile<'a> {
 }
 
 impl<'a> SerializedFile<'a> {
+    /// Reads the header and the table of shapes; the shapes themselves are read one by one.
     pub fn open(bytes: &'a [u8]) -> Result<Self, MeshError> {
         let word = |at: usize| bytes.get(at..at + 2).map(|two| u16::from_le_bytes([two[0], two[1]]));
         match (word(0), word(2)) {

@@ -15,7 +15,9 @@ use crate::math::{Ray, gamma};
 /// The sides of a triangle that can be hit. The front is the side from which its corners turn counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Faces {
+    /// Rays hit front and back.
     Both,
+    /// Rays that come from behind pass.
     FrontOnly,
 }
 

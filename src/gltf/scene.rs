@@ -28,6 +28,7 @@ pub trait References {
 /// A scene as it would stand in a file of the format.
 #[derive(Debug)]
 pub struct Imported {
+    /// The `<scene>`.
     pub root: Object,
     /// One sentence for each thing of the file that is left out.
     pub warnings: Vec<String>,

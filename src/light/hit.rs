@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3};
 /// A place on a surface as the density of a light needs it, world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceHit {
+    /// The point on the surface.
     pub position: Vec3,
     /// Unit geometric normal.
     pub normal: Vec3,
@@ -14,6 +15,7 @@ pub struct SurfaceHit {
     pub primitive: u32,
     /// Weights of the triangle's corners 1 and 2; zero for other shapes.
     pub barycentric: Vec2,
+    /// The surface coordinates, for textured light.
     pub uv: Vec2,
 }
 

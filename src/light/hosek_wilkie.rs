@@ -21,6 +21,7 @@ pub struct Atmosphere {
     pub sun_direction: Vec3,
     /// Factors on the radiance of each.
     pub sky_scale: f32,
+    /// Factor on the radiance of the sun, not negative.
     pub sun_scale: f32,
     /// Angle under which the sun is seen, radians, in (0, pi); its irradiance does not depend on it.
     pub sun_aperture: f32,

@@ -14,6 +14,7 @@ use crate::sampling::lanes::{RectangleLanes, cosine_hemisphere};
 /// A rectangle that is the only light.
 #[derive(Clone, Copy, Debug)]
 pub struct SoleRectangle {
+    /// W/(m^2 sr), from the front.
     pub radiance: Rgb,
     pub(super) rectangle: RectangleLanes,
     pub(super) corner: Vec3,
@@ -27,7 +28,9 @@ pub struct SoleRectangle {
 /// The points from which light is sought in each lane, as [`LightReference`].
 #[derive(Clone, Copy, Debug)]
 pub struct ReferenceLanes {
+    /// As [`LightReference::position`].
     pub position: Vec3Lanes,
+    /// As [`LightReference::normal`].
     pub normal: Vec3Lanes,
     /// The lanes that see the half space around their normal only, a bit per lane; the others have no normal.
     pub halved: u32,
@@ -67,9 +70,11 @@ impl PerLane for LightReference {
 /// A direction towards the light per lane, as [`super::LightSample`].
 #[derive(Clone, Copy, Debug)]
 pub struct RectangleLightSampleLanes {
+    /// Unit vectors towards the light.
     pub wi: Vec3Lanes,
     /// The ends of the shadow rays.
     pub target: Vec3Lanes,
+    /// Densities per solid angle.
     pub pdf: Lanes,
     /// The lanes that it shines on.
     pub is_valid: Lanes,
@@ -78,6 +83,7 @@ pub struct RectangleLightSampleLanes {
 /// A scene's only light.
 #[derive(Clone, Copy, Debug)]
 pub enum SoleLight {
+    /// A rectangle of constant radiance.
     Rectangle(SoleRectangle),
     /// The same radiance from everywhere.
     Constant(Rgb),

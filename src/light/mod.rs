@@ -57,35 +57,50 @@ pub enum LightSource {
     /// The triangles of material slot `slot` of an instance (all of an analytic shape), emitting `radiance` (W/(m^2 sr)) from the
     /// front, the side of the shading normal.
     Surface {
+        /// Index into [`crate::accel::Tlas::instances`].
         instance: u32,
+        /// Number of the slot among those of the instance.
         slot: u32,
+        /// Negative values of a texture count as no light.
         radiance: Parameter<Rgb>,
     },
     /// Radiant intensity in W/sr.
     Point {
+        /// In world space.
         position: Vec3,
+        /// The same in all directions.
         intensity: Rgb,
     },
     /// `direction` is a unit vector, where the light goes; `irradiance` (W/m^2) on a surface that faces it.
     Directional {
+        /// In world space.
         direction: Vec3,
+        /// The same everywhere.
         irradiance: Rgb,
     },
+    /// A cone of light from a point, with an optional picture.
     Spot(Spot),
+    /// A picture thrown from a point.
     Projector(Projector),
     /// The same radiance from all directions.
     Constant {
+        /// W/(m^2 sr).
         radiance: Rgb,
     },
     /// `scale` times the picture; `world_from_local` is orthonormal.
     Environment {
+        /// The picture with the table that it is sampled by.
         map: Arc<EnvironmentMap>,
+        /// From the frame of the picture.
         world_from_local: Mat3,
+        /// Not negative.
         scale: f32,
     },
     /// `world_from_local` is orthonormal.
     SunSky {
+        /// What sky and sun look like.
         atmosphere: Atmosphere,
+        /// From the frame in which z points up.
         world_from_local: Mat3,
     },
 }
@@ -106,6 +121,7 @@ impl LightSource {
 /// A source and how many samples it gets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WeightedSource {
+    /// The light itself.
     pub source: LightSource,
     /// Factor on the probability of being chosen, not negative. A source of weight 0 is only ever found by other means.
     pub sampling_weight: f32,
@@ -123,6 +139,7 @@ impl From<LightSource> for WeightedSource {
 /// The point from which light is sought.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightReference {
+    /// A point in world space.
     pub position: Vec3,
     /// Unit normal of the half space that holds all directions of use; None where light from all around counts, as on a surface that
     /// transmits. Lights wholly outside of the half space are not chosen.
@@ -144,9 +161,11 @@ pub struct LightSample {
     pub is_delta: bool,
 }
 
+/// Where a shadow ray ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
     /// A point just in front of the emitting surface.
     Point(Vec3),
+    /// The light has no place: the ray ends nowhere.
     Infinity,
 }

@@ -21,6 +21,7 @@ pub struct Projector {
     pub world_from_local: Affine3A,
     /// Across the picture, whose uv go from its top left to its bottom right.
     pub irradiance: Parameter<Rgb>,
+    /// Factor on the irradiance, not negative.
     pub scale: f32,
     /// Half the picture's size on the plane z = 1: tangents of half the fields of view.
     pub half_size: Vec2,

@@ -20,6 +20,7 @@ pub struct Spot {
     pub intensity: Rgb,
     /// Half angles, radians: no light beyond the cutoff, all of it within the beam. 0 <= beam <= cutoff <= pi.
     pub cutoff_angle: f32,
+    /// See `cutoff_angle`.
     pub beam_angle: f32,
     /// Factor on the intensity, spanning the square around the cone's cross section.
     pub texture: Parameter<Rgb>,

@@ -12,16 +12,21 @@ use glam::{DVec3, Vec3};
 pub struct PlaceAndTime {
     /// Degrees, north and east positive.
     pub latitude: f64,
+    /// Degrees, east positive.
     pub longitude: f64,
     /// Hours that local time is ahead of universal time.
     pub timezone: f64,
     /// The year of the Gregorian calendar; months and days count from 1.
     pub year: i32,
+    /// From 1 to 12.
     pub month: i32,
+    /// From 1 to 31.
     pub day: i32,
     /// Local time; may lie outside of the day.
     pub hour: f64,
+    /// Added to the hour; may lie outside of [0, 60).
     pub minute: f64,
+    /// Added to the minute; may lie outside of [0, 60).
     pub second: f64,
 }
 

@@ -150,10 +150,12 @@ impl LightTable {
         }
     }
 
+    /// Number of lights; ids lie below it.
     pub fn len(&self) -> usize {
         self.places.len()
     }
 
+    /// Whether the scene is without lights.
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()
     }

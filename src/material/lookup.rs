@@ -7,24 +7,33 @@ use crate::texture::{Parameter, TexturePoint, TextureTable};
 /// A rough surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TexturedFacets {
+    /// The distribution of microfacet normals.
     pub kind: MicrofacetKind,
+    /// Roughness along `dp_du`, above 0.
     pub alpha_u: Parameter<f32>,
+    /// Roughness along `dp_dv`, above 0.
     pub alpha_v: Parameter<f32>,
 }
 
 /// The layer below a coat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TexturedBase {
+    /// Of the base, in [0, 1].
     pub diffuse_reflectance: Parameter<Rgb>,
+    /// Multiplies what the coat reflects; 1 is physical.
     pub specular_reflectance: Parameter<Rgb>,
+    /// Whether light that is scattered again takes up the base's colour each time.
     pub nonlinear: bool,
 }
 
 /// A conductor's reflection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TexturedSpecular {
+    /// Real part of the refractive index relative to the outside.
     pub eta: Parameter<Rgb>,
+    /// Imaginary part of it (extinction), positive.
     pub k: Parameter<Rgb>,
+    /// Multiplies the reflection; 1 is physical.
     pub specular_reflectance: Parameter<Rgb>,
 }
 

@@ -21,9 +21,11 @@ const DEEPEST: usize = 64;
 pub struct MaterialTableError {
     /// The index in the list.
     pub place: usize,
+    /// What is wrong there.
     pub problem: NestingProblem,
 }
 
+/// What is wrong with the materials that a material refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum NestingProblem {

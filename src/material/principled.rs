@@ -8,19 +8,31 @@ use crate::texture::Parameter;
 /// [`Principled`], textured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TexturedPrincipled {
+    /// As [`Principled::base_color`].
     pub base_color: Parameter<Rgb>,
+    /// As [`Principled::roughness`].
     pub roughness: Parameter<f32>,
+    /// As [`Principled::anisotropic`].
     pub anisotropic: Parameter<f32>,
+    /// As [`Principled::metallic`].
     pub metallic: Parameter<f32>,
+    /// As [`Principled::spec_trans`].
     pub spec_trans: Parameter<f32>,
     /// Index inside over that outside; not 1 if there may be glass.
     pub eta: f32,
+    /// As [`Principled::spec_tint`].
     pub spec_tint: Parameter<f32>,
+    /// As [`Principled::sheen`].
     pub sheen: Parameter<f32>,
+    /// As [`Principled::sheen_tint`].
     pub sheen_tint: Parameter<f32>,
+    /// As [`Principled::flatness`].
     pub flatness: Parameter<f32>,
+    /// As [`Principled::clearcoat`].
     pub clearcoat: Parameter<f32>,
+    /// As [`Principled::clearcoat_gloss`].
     pub clearcoat_gloss: Parameter<f32>,
+    /// As [`Principled::rates`].
     pub rates: SamplingRates,
 }
 
@@ -47,16 +59,27 @@ impl TexturedPrincipled {
 /// [`PrincipledThin`], textured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TexturedPrincipledThin {
+    /// As [`PrincipledThin::base_color`].
     pub base_color: Parameter<Rgb>,
+    /// As [`PrincipledThin::roughness`].
     pub roughness: Parameter<f32>,
+    /// As [`PrincipledThin::anisotropic`].
     pub anisotropic: Parameter<f32>,
+    /// As [`PrincipledThin::spec_trans`].
     pub spec_trans: Parameter<f32>,
+    /// As [`PrincipledThin::diff_trans`].
     pub diff_trans: Parameter<f32>,
+    /// As [`PrincipledThin::eta`].
     pub eta: Parameter<f32>,
+    /// As [`PrincipledThin::spec_tint`].
     pub spec_tint: Parameter<f32>,
+    /// As [`PrincipledThin::sheen`].
     pub sheen: Parameter<f32>,
+    /// As [`PrincipledThin::sheen_tint`].
     pub sheen_tint: Parameter<f32>,
+    /// As [`PrincipledThin::flatness`].
     pub flatness: Parameter<f32>,
+    /// As [`PrincipledThin::rates`].
     pub rates: ThinSamplingRates,
 }
 

@@ -59,6 +59,7 @@ pub struct ScatterSample {
     pub weight: Rgb,
     /// Solid angle density of `wi`; for delta and null lobes the probability of choosing them.
     pub pdf: f32,
+    /// Says how `pdf` is to be read, and whether sampling lights could have found the direction.
     pub lobe: Lobe,
     /// The eta of [`BsdfSample::eta`].
     pub eta: f32,

@@ -27,6 +27,7 @@ pub struct MaterialTable {
 /// The one model that a surface is made of about its own shading normal.
 #[derive(Clone, Copy, Debug)]
 pub struct PlainSide<'a> {
+    /// The model, whose frame has its z along the shading normal.
     pub bsdf: &'a Bsdf,
     /// [`Bsdf::albedo`].
     pub albedo: Rgb,
@@ -80,14 +81,17 @@ impl MaterialTable {
         Self::new(self.materials.iter().cloned().chain(more).collect())
     }
 
+    /// Number of materials, nested ones included.
     pub fn len(&self) -> usize {
         self.materials.len()
     }
 
+    /// Whether there is no material at all.
     pub fn is_empty(&self) -> bool {
         self.materials.is_empty()
     }
 
+    /// Returns the material of an id; None for an id of another table.
     pub fn get(&self, id: MaterialId) -> Option<&Material> {
         self.materials.get(id.0 as usize)
     }

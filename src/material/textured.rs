@@ -12,54 +12,83 @@ use crate::texture::{Parameter, TexturePoint, TextureTable};
 /// A model of [`crate::shading`] whose parameters vary over the surface.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TexturedBsdf {
+    /// As [`Diffuse`].
     Diffuse {
+        /// Reflected fraction of the power, [0, 1].
         reflectance: Parameter<Rgb>,
     },
+    /// As [`Conductor`].
     Conductor {
+        /// The optical constants.
         specular: TexturedSpecular,
     },
+    /// As [`RoughConductor`].
     RoughConductor {
+        /// The optical constants.
         specular: TexturedSpecular,
+        /// Distribution and roughness.
         facets: TexturedFacets,
+        /// As [`RoughConductor::multiple_scattering`].
         multiple_scattering: Option<&'static Microalbedo>,
     },
+    /// As [`Dielectric`].
     Dielectric {
         /// Index inside over that outside.
         eta: f32,
         model: DielectricModel,
+        /// Multiplies what is reflected; 1 is physical.
         specular_reflectance: Parameter<Rgb>,
+        /// Multiplies what passes; 1 is physical.
         specular_transmittance: Parameter<Rgb>,
     },
+    /// As [`RoughDielectric`].
     RoughDielectric {
         /// The eta of [`RoughDielectric::eta`].
         eta: f32,
         model: DielectricModel,
+        /// Distribution and roughness.
         facets: TexturedFacets,
+        /// Multiplies what is reflected; 1 is physical.
         specular_reflectance: Parameter<Rgb>,
+        /// Multiplies what passes; 1 is physical.
         specular_transmittance: Parameter<Rgb>,
     },
+    /// As [`ThinDielectric`].
     ThinDielectric {
         /// Index of the pane over that around it.
         eta: f32,
         model: DielectricModel,
+        /// Multiplies what is reflected; 1 is physical.
         specular_reflectance: Parameter<Rgb>,
+        /// Multiplies what passes; 1 is physical.
         specular_transmittance: Parameter<Rgb>,
     },
+    /// As [`Plastic`].
     Plastic {
+        /// The same everywhere.
         coat: SmoothCoat,
+        /// What lies below the coat.
         base: TexturedBase,
     },
+    /// As [`RoughPlastic`].
     RoughPlastic {
         /// The coat of the constant roughness, or one for any.
         coat: &'static RoughCoat,
+        /// Roughness, above 0.
         alpha: Parameter<f32>,
+        /// What lies below the coat.
         base: TexturedBase,
     },
+    /// As [`Metal`].
     Metal {
+        /// Reflected fraction of the power, [0, 1].
         reflectance: Parameter<Rgb>,
+        /// As [`Metal::fuzz`].
         fuzz: Parameter<f32>,
     },
+    /// As [`crate::shading::Principled`].
     Principled(TexturedPrincipled),
+    /// As [`crate::shading::PrincipledThin`].
     PrincipledThin(TexturedPrincipledThin),
     Hair {
         fiber: Fiber,

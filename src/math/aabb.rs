@@ -10,11 +10,14 @@ const SMALLEST_RADIUS: f32 = 1e-9;
 /// An axis-aligned box; [`Aabb::EMPTY`] (min > max) holds nothing and is the identity of union.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
+    /// The least coordinates.
     pub min: Vec3,
+    /// The greatest coordinates.
     pub max: Vec3,
 }
 
 impl Aabb {
+    /// Holds nothing, and is the identity of [`Self::union`].
     pub const EMPTY: Self = Self {
         min: Vec3::INFINITY,
         max: Vec3::NEG_INFINITY,
@@ -25,6 +28,7 @@ impl Aabb {
         points.into_iter().fold(Self::EMPTY, Self::grown)
     }
 
+    /// Whether `min` is above `max` along any axis. A box without volume is not empty.
     pub fn is_empty(&self) -> bool {
         self.min.cmpgt(self.max).any()
     }
@@ -37,6 +41,7 @@ impl Aabb {
         }
     }
 
+    /// The smallest box around both.
     pub fn union(self, other: Self) -> Self {
         Self {
             min: self.min.min(other.min),
@@ -57,6 +62,7 @@ impl Aabb {
         (self.max - self.min).max(Vec3::ZERO)
     }
 
+    /// The midpoint; not a number for the empty box.
     pub fn center(&self) -> Vec3 {
         0.5 * self.min + 0.5 * self.max
     }
@@ -113,6 +119,7 @@ impl Aabb {
         self.min.cmple(point).all() && point.cmple(self.max).all()
     }
 
+    /// Whether `other` lies inside, faces included; the empty box lies in every one.
     pub fn contains(&self, other: &Self) -> bool {
         other.is_empty() || (self.min.cmple(other.min).all() && self.max.cmpge(other.max).all())
     }

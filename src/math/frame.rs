@@ -9,8 +9,11 @@ const PARALLEL: f32 = 1e-6;
 /// A right-handed orthonormal frame whose z axis is `n`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
+    /// Unit x axis of the local space, in world space.
     pub s: Vec3,
+    /// Unit y axis.
     pub t: Vec3,
+    /// Unit z axis, most often a normal.
     pub n: Vec3,
 }
 

@@ -19,8 +19,11 @@ pub type WordLanes = u32x16;
 /// A vector per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Vec3Lanes {
+    /// First components.
     pub x: Lanes,
+    /// Second components.
     pub y: Lanes,
+    /// Third components.
     pub z: Lanes,
 }
 
@@ -65,8 +68,10 @@ pub(crate) fn copy_sign(magnitude: Lanes, sign: Lanes) -> Lanes {
 }
 
 impl Vec3Lanes {
+    /// The zero vector in every lane.
     pub const ZERO: Self = Self::of(Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
 
+    /// Puts components together.
     #[inline(always)]
     pub const fn of(x: Lanes, y: Lanes, z: Lanes) -> Self {
         Self { x, y, z }
@@ -78,6 +83,7 @@ impl Vec3Lanes {
         Self::of(Lanes::splat(v.x), Lanes::splat(v.y), Lanes::splat(v.z))
     }
 
+    /// Returns the vector of a lane below [`LANES`].
     #[inline(always)]
     pub fn get(&self, lane: usize) -> Vec3 {
         Vec3::new(
@@ -87,6 +93,7 @@ impl Vec3Lanes {
         )
     }
 
+    /// Replaces the vector of a lane below [`LANES`].
     #[inline(always)]
     pub fn set(&mut self, lane: usize, v: Vec3) {
         self.x.as_mut_array()[lane] = v.x;
@@ -94,11 +101,13 @@ impl Vec3Lanes {
         self.z.as_mut_array()[lane] = v.z;
     }
 
+    /// The dot product in each lane, rounded once per step where the hardware has fused multiply-add.
     #[inline(always)]
     pub fn dot(self, other: Self) -> Lanes {
         self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
     }
 
+    /// The cross product in each lane.
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         Self::of(
@@ -108,6 +117,7 @@ impl Vec3Lanes {
         )
     }
 
+    /// The squared length in each lane.
     #[inline(always)]
     pub fn length_squared(self) -> Lanes {
         self.dot(self)
@@ -119,11 +129,13 @@ impl Vec3Lanes {
         self * (Lanes::ONE / self.length_squared().sqrt())
     }
 
+    /// The components without their signs.
     #[inline(always)]
     pub fn abs(self) -> Self {
         Self::of(self.x.abs(), self.y.abs(), self.z.abs())
     }
 
+    /// The largest component in each lane.
     #[inline(always)]
     pub fn max_element(self) -> Lanes {
         self.x.fast_max(self.y).fast_max(self.z)
@@ -162,6 +174,7 @@ impl Vec3Lanes {
         Self::of(self.x & condition, self.y & condition, self.z & condition)
     }
 
+    /// Applies `f` to each component.
     #[inline(always)]
     pub fn map(self, f: impl Fn(Lanes) -> Lanes) -> Self {
         Self::of(f(self.x), f(self.y), f(self.z))

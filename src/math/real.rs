@@ -14,6 +14,7 @@ pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
     /// A whole number.
     type Word: Word;
 
+    /// The same value in every lane.
     fn splat(value: f32) -> Self;
 
     /// `self a + b`.
@@ -22,6 +23,7 @@ pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
     /// The smaller one; `other` where `self` is no number.
     fn min(self, other: Self) -> Self;
 
+    /// Where both are equal; nowhere for what is no number.
     fn equals(self, other: Self) -> Self::Mask;
 
     /// Selects `yes` where `condition` holds, else `no`.
@@ -33,6 +35,7 @@ pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
 
 /// `u32` or [`WordLanes`].
 pub trait Word: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+    /// The same value in every lane.
     fn splat(value: u32) -> Self;
 }
 

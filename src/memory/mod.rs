@@ -130,6 +130,7 @@ pub struct Reservation {
 }
 
 impl Reservation {
+    /// How many bytes of the budget it holds.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
@@ -194,6 +195,7 @@ pub struct Shortage {
     pub asked: u64,
     /// Reserved for other data.
     pub others: u64,
+    /// The whole budget.
     pub limit: u64,
 }
 

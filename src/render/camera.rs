@@ -11,6 +11,7 @@ use crate::math::lanes::{Lanes, Vec3Lanes};
 use crate::math::{Aabb, Ray};
 use crate::sampling::warp;
 
+/// A thin lens with a circular or polygonal aperture: what is off the focus plane is blurred.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinLens {
     /// World units; of the circle around the blades' corners, if there are blades.
@@ -45,6 +46,7 @@ enum Projection {
     Orthographic,
 }
 
+/// The map from points of the film and of the lens to rays in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     world_from_camera: Affine3A,

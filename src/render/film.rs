@@ -32,6 +32,7 @@ pub struct Film {
 }
 
 impl Film {
+    /// An empty film of this size in pixels, without layers.
     pub fn new(width: u32, height: u32) -> Self {
         Self::with_layers(width, height, 0)
     }
@@ -75,10 +76,12 @@ impl Film {
         rounded(width) * rounded(height) * pixel as u64
     }
 
+    /// Pixels in a row.
     pub fn width(&self) -> u32 {
         self.width
     }
 
+    /// Number of rows.
     pub fn height(&self) -> u32 {
         self.height
     }
@@ -197,6 +200,7 @@ impl Film {
         }
     }
 
+    /// How many light groups have a layer of their own; 0 where only the whole is kept.
     pub fn layer_count(&self) -> usize {
         self.layer_count
     }

@@ -19,7 +19,9 @@ use crate::files::write_atomically;
 /// A picture of linear Rec. 709 radiance, row by row from the top left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageRgb {
+    /// Pixels in a row, above zero.
     pub width: u32,
+    /// Number of rows, above zero.
     pub height: u32,
     /// `width * height` of them.
     pub pixels: Vec<Rgb>,
@@ -31,10 +33,14 @@ impl ImageRgb {
     }
 }
 
+/// The formats in which pictures are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileFormat {
+    /// OpenEXR with linear radiance in 32-bit floats.
     Exr,
+    /// Radiance's RGBE: linear, with eight bits for each mantissa and a common exponent.
     Hdr,
+    /// The picture as it is shown, with eight bits per channel encoded as sRGB.
     Png,
 }
 
@@ -55,6 +61,7 @@ impl FileFormat {
     }
 }
 
+/// Why a picture is not written.
 #[derive(Debug, Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum ImageIoError {

@@ -16,10 +16,13 @@ use crate::math::Ray;
 pub struct RecordedPath {
     /// Index of the sample.
     pub sample: u32,
+    /// The first ray, in world space.
     pub camera_ray: Ray,
+    /// The surfaces on the way, the one nearest to the camera first.
     pub vertices: Vec<RecordedVertex>,
     /// Emitters met at infinity, in the direction of the last bounce or of the camera ray.
     pub escaped_to: Vec<MetEmitter>,
+    /// What ended the path after its last vertex.
     pub end: PathEnd,
     /// The sum of all contributions.
     pub radiance: Rgb,
@@ -33,6 +36,7 @@ pub struct RecordedVertex {
     pub place: PathVertex,
     /// The surface's own light.
     pub met: Option<MetEmitter>,
+    /// The light that was sampled from here; None where none was looked for.
     pub sampled: Option<SampledLight>,
     /// None where the path ended.
     pub bounce: Option<Bounce>,

@@ -10,10 +10,15 @@ use crate::material::{Lobe, MaterialId};
 /// Is told what happens along a path, in this order: at each vertex, an emitter met there, a light sampled from there, and the bounce
 /// to the next; emitters at infinity after the last; then how it ended.
 pub trait PathObserver {
+    /// A ray of the path has met a surface.
     fn vertex(&mut self, _vertex: &PathVertex) {}
+    /// The path has met an emitter at its last vertex or at infinity.
     fn emitter_met(&mut self, _met: &MetEmitter) {}
+    /// A light was sampled from the last vertex.
     fn light_sampled(&mut self, _sampled: &SampledLight) {}
+    /// The path goes on from its last vertex.
     fn bounced(&mut self, _bounce: &Bounce) {}
+    /// The path is over.
     fn ended(&mut self, _end: PathEnd) {}
 }
 
@@ -42,12 +47,14 @@ pub struct SurfaceVertex {
     pub normal: Vec3,
     /// The instance as [`crate::accel::Hit::instance`] counts them.
     pub instance: u32,
+    /// The material of the slot that was hit.
     pub material: MaterialId,
 }
 
 /// An emitter that the path came upon by itself: at its last vertex, or at infinity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetEmitter {
+    /// Which light it is.
     pub light: LightId,
     /// The radiance as emitted to the vertex before.
     pub radiance: Rgb,
@@ -64,7 +71,9 @@ pub struct MetEmitter {
 /// A light that was looked for from the last vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampledLight {
+    /// The light that was chosen.
     pub light: LightId,
+    /// The direction towards it, with radiance and density.
     pub sample: LightSample,
     /// Density per solid angle with which the bsdf would have chosen the direction.
     pub bsdf_pdf: f32,
@@ -81,6 +90,7 @@ pub struct SampledLight {
 pub struct Bounce {
     /// Unit vector, world space.
     pub wi: Vec3,
+    /// Whether the direction was drawn from a density or was the only one of its lobe.
     pub lobe: Lobe,
     /// Density per solid angle; of delta and null lobes the probability of choosing them.
     pub pdf: f32,
@@ -90,6 +100,7 @@ pub struct Bounce {
     pub throughput: Rgb,
 }
 
+/// Why a path has no further vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PathEnd {
     /// The ray met nothing.
@@ -99,5 +110,6 @@ pub enum PathEnd {
     DepthLimit,
     /// The surface does not scatter light on.
     Absorbed,
+    /// Russian roulette has ended it.
     Roulette,
 }

@@ -15,17 +15,24 @@ use crate::texture::{MeshPoint, TexturePoint, TextureTable};
 /// The data that light transport needs of a scene. A clone copies five pointers.
 #[derive(Clone, Debug)]
 pub struct RenderScene {
+    /// The hierarchy over all shapes.
     pub geometry: Arc<Tlas>,
+    /// Which material and which light each piece of a shape has.
     pub surfaces: Arc<SurfaceTable>,
+    /// What [`SurfaceSlot::material`] refers to.
     pub materials: Arc<MaterialTable>,
+    /// What the parameters of materials and lights refer to.
     pub textures: Arc<TextureTable>,
+    /// What [`SurfaceSlot::light`] refers to, with the tree that chooses among all lights.
     pub lights: Arc<LightTable>,
 }
 
 /// The material and the light of a piece of surface, and the media on its sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SurfaceSlot {
+    /// The material, in [`RenderScene::materials`].
     pub material: MaterialId,
+    /// The light that the slot shines as; None where it does not shine.
     pub light: Option<LightId>,
     pub media: MediumInterface,
 }
@@ -35,7 +42,9 @@ pub struct SurfaceSlot {
 pub struct FirstHit {
     /// The instance as [`Hit::instance`] counts them.
     pub instance: u32,
+    /// The material of the slot that was hit.
     pub material: MaterialId,
+    /// The surface coordinates of the hit.
     pub uv: Vec2,
 }
 
@@ -44,6 +53,7 @@ pub struct FirstHit {
 pub struct SurfaceTable {
     /// The index of the first slot of each shape, as [`Tlas::shape_index`] counts them.
     pub first_slot: Vec<u32>,
+    /// The slots of all shapes, those of a shape side by side.
     pub slots: Vec<SurfaceSlot>,
 }
 

@@ -20,9 +20,13 @@ pub const TILE: u32 = 32;
 /// A rectangle of pixels, (x, y) its top left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Tile {
+    /// The first column, in pixels from the left edge of the picture.
     pub x: u32,
+    /// The first row, in pixels from the upper edge.
     pub y: u32,
+    /// In pixels, from 1 to [`TILE`].
     pub width: u32,
+    /// In pixels, from 1 to [`TILE`].
     pub height: u32,
 }
 
@@ -44,15 +48,20 @@ pub fn tiles(width: u32, height: u32) -> Vec<Tile> {
 /// Sums over the samples of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelSum {
+    /// Linear Rec. 709.
     pub radiance: Rgb,
+    /// Colours at the first surfaces that are not perfectly specular.
     pub albedo: Rgb,
+    /// World normals of the same surfaces; the length tells how far they agree.
     pub normal: Vec3,
+    /// Distances from the origin of the camera ray to the first surface, 0 for samples that meet none.
     pub depth: f32,
     /// Sum of squared luminances, for the noise estimate.
     pub luminance_squared: f32,
 }
 
 impl PixelSum {
+    /// Adds the sums over other samples of the same pixel.
     pub fn add(&mut self, other: &Self) {
         self.radiance += other.radiance;
         self.albedo += other.albedo;
@@ -77,7 +86,9 @@ impl From<PathSample> for PixelSum {
 /// A rendered piece of work.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileSamples {
+    /// The pixels that were rendered.
     pub tile: Tile,
+    /// The indices of the samples that the sums are over.
     pub samples: Range<u32>,
     /// Row by row.
     pub pixels: Vec<PixelSum>,
@@ -85,6 +96,7 @@ pub struct TileSamples {
     pub layers: Vec<Rgb>,
     /// The first hit of sample 0 of every pixel; empty if that is not among the samples.
     pub first_hits: Vec<Option<FirstHit>>,
+    /// Rays traced, shadow rays included.
     pub rays: u64,
     /// Samples that were not finite; they count as black.
     pub invalid: u32,
@@ -93,7 +105,9 @@ pub struct TileSamples {
 /// A coarse picture of a tile: one sample per block of `step` x `step` pixels. Shown, never accumulated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TilePreview {
+    /// The pixels that the blocks cover.
     pub tile: Tile,
+    /// Edge length of a block in pixels.
     pub step: u32,
     /// Row by row, ceil(width / step) x ceil(height / step).
     pub blocks: Vec<PixelSum>,
@@ -101,6 +115,7 @@ pub struct TilePreview {
     pub layers: Vec<Rgb>,
     /// The first hit of each block's sample.
     pub first_hits: Vec<Option<FirstHit>>,
+    /// Rays traced, shadow rays included.
     pub rays: u64,
 }
 

@@ -30,6 +30,7 @@ pub enum ToneMap {
 }
 
 impl ToneMap {
+    /// All curves in the order in which they are offered.
     pub const ALL: [Self; 5] = [Self::Clip, Self::Reinhard, Self::Aces, Self::Filmic, Self::AgX];
 
     /// The name in panels and on the command line.
@@ -49,7 +50,9 @@ impl ToneMap {
 pub struct Display {
     /// The exposure in stops: the radiance is first multiplied by two to this power.
     pub exposure_ev: f32,
+    /// Applied to linear colours before the tone map.
     pub white_balance: WhiteBalance,
+    /// The curve from linear colours to what a display can show.
     pub tone_map: ToneMap,
 }
 

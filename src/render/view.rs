@@ -9,24 +9,32 @@ use super::light_layers::LightGroups;
 use crate::math::Ray;
 use crate::sampling::{Sampler, SequenceKind};
 
+/// Everything that a picture depends on besides the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
+    /// Gives the ray for each point of the film.
     pub camera: Camera,
     /// Pixels.
     pub width: u32,
+    /// Pixels.
     pub height: u32,
+    /// The reconstruction filter around the centre of each pixel.
     pub filter: PixelFilter,
+    /// What the value of a pixel is.
     pub integrator: Integrator,
     pub shown: Shown,
     /// The layers that the film keeps beside the picture; none by default.
     pub light_groups: LightGroups,
+    /// The kind of random numbers.
     pub sequence: SequenceKind,
+    /// Another seed gives other noise.
     pub seed: u32,
 }
 
 /// The method by which light is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Integrator {
+    /// Light, by path tracing.
     Path(PathSettings),
 }
 
@@ -48,6 +56,7 @@ pub enum Shown {
 /// surfaces, so that the bound leaves two orders of magnitude.
 pub const LONGEST_PATH: u32 = 1 << 16;
 
+/// The parameters of the path tracer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathSettings {
     /// Longest path in segments; 0 leaves the picture black. Values above [`LONGEST_PATH`], such as `u32::MAX` for an unbounded path, mean that bound.
@@ -56,6 +65,7 @@ pub struct PathSettings {
     pub rr_depth: u32,
     /// The camera does not see emitters: its rays pass shapes that emit, and find nothing at infinity.
     pub hide_emitters: bool,
+    /// How direct light is found at each vertex.
     pub strategy: Strategy,
 }
 
@@ -93,9 +103,11 @@ pub enum Strategy {
 /// The start of one sample of a pixel.
 #[derive(Clone, Debug)]
 pub struct CameraSample {
+    /// In world space.
     pub ray: Ray,
     /// The weight of the light along the ray, by the filter; 1 on average.
     pub weight: f32,
+    /// The random numbers of the sample, of which those for filter and lens are taken.
     pub sampler: Sampler,
 }
 
@@ -117,6 +129,7 @@ impl View {
         }
     }
 
+    /// The camera ray of sample number `sample_index` of a pixel. The same arguments always give the same ray.
     pub fn camera_sample(&self, pixel: UVec2, sample_index: u32) -> CameraSample {
         let sampler = Sampler::new(self.sequence, pixel, sample_index, self.seed);
         let place = self.filter.sample(sampler.at_2d(FILTER));

@@ -33,6 +33,7 @@ const D65: Vec2 = Vec2::new(0.3127, 0.3290);
 impl WhiteBalance {
     /// The temperatures for which the formula for black bodies holds.
     pub const TEMPERATURES: std::ops::RangeInclusive<f32> = 1000.0..=15_000.0;
+    /// The range of tints that is offered.
     pub const TINTS: std::ops::RangeInclusive<f32> = -150.0..=150.0;
 
     /// The matrix that linear Rec. 709 colours are multiplied by; None if it changes nothing.

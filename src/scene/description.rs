@@ -18,6 +18,7 @@ use crate::document::Span;
 /// The place where the scene file first names each picture, by absolute path.
 pub type PicturePlaces = HashMap<PathBuf, Span>;
 
+/// A scene as data, before it becomes entities or XML.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneDescription {
     /// The scene file.
@@ -28,9 +29,11 @@ pub struct SceneDescription {
     pub sensors: Vec<SensorDescription>,
     /// All materials, nested ones too.
     pub materials: Vec<MaterialDescription>,
+    /// The `shapegroup`s that instances place.
     pub groups: Vec<GroupDescription>,
     /// The members of groups among them.
     pub shapes: Vec<ShapeDescription>,
+    /// Lights that are no surfaces.
     pub emitters: Vec<EmitterDescription>,
     /// The parts of the file that became none of these.
     pub remains: AuthoredScene,
@@ -100,32 +103,44 @@ pub struct Identity {
     pub name: Cow<'static, str>,
     /// Place in the file among all objects; ascending in every list of the description.
     pub order: u32,
+    /// Where the object is declared; empty for what was made in the editor.
     pub span: Span,
     /// None for what was made in the editor.
     pub authored: Option<Authored>,
 }
 
+/// A camera with what it records on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SensorDescription {
+    /// Place in the file and names.
     pub identity: Identity,
+    /// Lens and field of view.
     pub sensor: Sensor,
+    /// Size, crop, filter and number of samples.
     pub film: Film,
+    /// From camera space: +z forward, +x left, +y up.
     pub to_world: Affine3A,
 }
 
+/// A bsdf.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialDescription {
+    /// Place in the file and names.
     pub identity: Identity,
+    /// The model with its parameters; nested materials are named by `first` and `second`.
     pub material: Material,
     /// The nested materials, as indices into [`SceneDescription::materials`]. They form no circle.
     pub first: Option<usize>,
+    /// See `first`. Only materials of two others have it.
     pub second: Option<usize>,
+    /// Decides where the material is written when the scene is saved.
     pub declared_in: DeclarationPlace,
 }
 
 /// The place at which a material is declared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeclarationPlace {
+    /// In the scene itself, found by references.
     TopLevel,
     /// It is inside the shape of this index.
     Shape(usize),
@@ -133,16 +148,22 @@ pub enum DeclarationPlace {
     Material(usize),
 }
 
+/// A shape with everything that hangs on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShapeDescription {
+    /// Place in the file and names.
     pub identity: Identity,
+    /// What is placed.
     pub shape: Shape,
+    /// From local space, invertible. It is the identity for members whose group is placed and not they.
     pub to_world: Affine3A,
     /// The material. None if the file names none: the mesh's own materials apply then, or else the default.
     pub material: Option<usize>,
+    /// None for a shape that does not shine.
     pub area_light: Option<AreaLight>,
     /// The group of a member, or below of an instance: indices into [`SceneDescription::groups`].
     pub member_of: Option<usize>,
+    /// See `member_of`.
     pub instance_of: Option<usize>,
     /// The places of the instances, if there are very many.
     pub placements: Option<Placements>,
@@ -151,12 +172,17 @@ pub struct ShapeDescription {
 /// Shapes that are seen only where instances are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupDescription {
+    /// Place in the file and names.
     pub identity: Identity,
 }
 
+/// A light that is no surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmitterDescription {
+    /// Place in the file and names.
     pub identity: Identity,
+    /// Kind and strength.
     pub emitter: Emitter,
+    /// From the light's own space, in which it shines along +z or has +y or +z up.
     pub to_world: Affine3A,
 }

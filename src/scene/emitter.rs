@@ -25,29 +25,35 @@ pub struct AreaLight {
 #[reflect(Component, PartialEq)]
 #[require(ToWorld, DocumentOrder)]
 pub struct Emitter {
+    /// The plugin with its parameters.
     pub kind: EmitterKind,
     /// Factor on how often it is chosen when light is looked for; 0 leaves it to be found by chance. The picture does not depend on it.
     pub sampling_weight: f32,
 }
 
+/// The kinds of lights that are no surfaces.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 pub enum EmitterKind {
     /// Radiant intensity, W/sr.
     Point {
+        /// Linear Rec. 709.
         intensity: Rgb,
     },
     /// Irradiance on a surface that faces the light, W/m^2.
     Directional {
+        /// Linear Rec. 709.
         irradiance: Rgb,
     },
     /// The same radiance from every direction, W/(m^2 sr).
     Constant {
+        /// Linear Rec. 709.
         radiance: Rgb,
     },
     /// `envmap`: a picture of all directions, `scale` times its radiance.
     Environment {
         /// Absolute path.
         picture: PathBuf,
+        /// Not negative.
         scale: f32,
         /// Whether directions that surfaces find by themselves are sampled less.
         mis_compensation: bool,
@@ -58,6 +64,7 @@ pub enum EmitterKind {
         intensity: Rgb,
         /// Angles from the axis in degrees: no light beyond the cutoff, all of it within the beam.
         cutoff_angle: f32,
+        /// Half the angle of the full beam in degrees, at most `cutoff_angle`.
         beam_width: f32,
         /// Factor on the intensity, across the cone.
         texture: Option<Texture>,
@@ -66,11 +73,14 @@ pub enum EmitterKind {
     Projector {
         /// Pi times that on the plane z = 1.
         irradiance: Parameter<Rgb>,
+        /// Factor on the irradiance, not negative.
         scale: f32,
         /// As those of a [`super::Sensor`] whose film is the picture.
         fov: f32,
+        /// Along which side of the picture `fov` is measured.
         fov_axis: FovAxis,
     },
+    /// A clear sky with its sun.
     SunSky(SunSky),
 }
 

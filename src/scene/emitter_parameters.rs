@@ -34,6 +34,7 @@ pub(crate) trait EmitterVisitor: ParameterVisitor {
 /// For factors.
 pub(super) const POSITIVE: RangeInclusive<f32> = 0.0..=f32::MAX;
 
+/// Where the sun stands, or what that follows from.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 pub enum SunPosition {
     /// Towards the sun, in the world; of any length.
@@ -47,16 +48,21 @@ pub enum SunPosition {
 pub struct PlaceAndTime {
     /// Degrees, north and east positive.
     pub latitude: f32,
+    /// Degrees, east positive.
     pub longitude: f32,
     /// Hours that local time is ahead of universal time.
     pub timezone: f32,
+    /// In the Gregorian calendar.
     pub year: i32,
     /// From 1.
     pub month: i32,
+    /// From 1.
     pub day: i32,
     /// Local time.
     pub hour: f32,
+    /// Added to the hour.
     pub minute: f32,
+    /// Added to the minute.
     pub second: f32,
 }
 

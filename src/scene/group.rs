@@ -29,6 +29,7 @@ pub(crate) struct Members(Vec<Entity>);
 #[relationship(relationship_target = Instances)]
 pub(crate) struct InstanceOf(pub Entity);
 
+/// The instances of a group. Bevy keeps it up to date from the other side of the relationship.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[relationship_target(relationship = InstanceOf)]
 pub(crate) struct Instances(Vec<Entity>);

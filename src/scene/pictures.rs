@@ -22,6 +22,7 @@ impl Pictures {
         self.0.get(path)
     }
 
+    /// The absolute paths of all pictures that something in the scene names, sorted.
     pub fn paths(&self) -> impl Iterator<Item = &Path> {
         self.0.keys().map(PathBuf::as_path)
     }

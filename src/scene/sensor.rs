@@ -10,12 +10,15 @@ use super::{DocumentOrder, ToWorld};
 #[reflect(Component, PartialEq)]
 #[require(ToWorld, Film, DocumentOrder)]
 pub struct Sensor {
+    /// How rays leave the camera.
     pub lens: Lens,
     /// Field of view in degrees, 0 to 180 exclusive, along `fov_axis`.
     pub fov: f32,
+    /// Along which side of the picture `fov` is measured.
     pub fov_axis: FovAxis,
     /// Distances along the view axis between which things are seen.
     pub near_clip: f32,
+    /// See `near_clip`.
     pub far_clip: f32,
     /// The offset of the picture in the image plane, in parts of its width and height; right and down are positive.
     pub principal_point_offset: Vec2,
@@ -34,6 +37,7 @@ impl Default for Sensor {
     }
 }
 
+/// The kinds of cameras, by their plugins.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 pub enum Lens {
     /// `perspective`
@@ -41,7 +45,9 @@ pub enum Lens {
     Pinhole,
     /// `thinlens`: the picture is sharp in the plane at `focus_distance` along the view axis.
     Thin {
+        /// World units; of the circle around the blades' corners, if there are blades.
         aperture_radius: f32,
+        /// World units.
         focus_distance: f32,
         /// Edges of the aperture; below 3 it is round.
         blades: u32,
@@ -52,13 +58,19 @@ pub enum Lens {
     Orthographic,
 }
 
+/// Along which extent of the picture a field of view is measured.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FovAxis {
+    /// Its width.
     #[default]
     X,
+    /// Its height.
     Y,
+    /// From corner to corner.
     Diagonal,
+    /// The smaller one of width and height.
     Smaller,
+    /// The larger one of width and height.
     Larger,
 }
 
@@ -83,9 +95,11 @@ impl FovAxis {
 pub struct Film {
     /// Pixels.
     pub width: u32,
+    /// Pixels.
     pub height: u32,
     /// The part that is rendered; None for all of it.
     pub crop: Option<Crop>,
+    /// How samples near a pixel's border count for its neighbours.
     pub filter: ReconstructionFilter,
     /// Samples per pixel to stop at.
     pub sample_count: u32,
@@ -94,9 +108,13 @@ pub struct Film {
 /// A rectangle of pixels of a film, (x, y) its top left.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Crop {
+    /// The first column.
     pub x: u32,
+    /// The first row.
     pub y: u32,
+    /// Pixels; what reaches beyond the film is left out.
     pub width: u32,
+    /// Pixels; what reaches beyond the film is left out.
     pub height: u32,
 }
 
@@ -150,22 +168,30 @@ impl Default for Film {
 /// Weighs samples around a pixel's centre.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 pub enum ReconstructionFilter {
+    /// The same weight all over the pixel.
     Box,
     /// `radius` in pixels.
     Tent {
+        /// Above 0.
         radius: f32,
     },
     /// Mitchell and Netravali's parameters B and C.
     Mitchell {
+        /// Blurring; 1/3 by default.
         b: f32,
+        /// Ringing; 1/3 by default.
         c: f32,
     },
+    /// Mitchell and Netravali's filter with B = 0 and C = 1/2, which interpolates.
     CatmullRom,
+    /// A sinc in a sinc window.
     Lanczos {
+        /// Half the width of the window in pixels, at least 1.
         lobes: u32,
     },
     /// Truncated at four standard deviations; `stddev` in pixels.
     Gaussian {
+        /// Above 0.
         stddev: f32,
     },
 }
@@ -202,9 +228,11 @@ pub fn find_camera(world: &mut World, wanted: &str) -> Result<Entity, NoSuchCame
     }
 }
 
+/// Why no camera was found; the message lists those that there are.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("there is no camera `{wanted}`; {}", known(names))]
 pub struct NoSuchCamera {
+    /// The name or index that was asked for.
     pub wanted: String,
     /// The names of all cameras of the scene.
     pub names: Vec<String>,

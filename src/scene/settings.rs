@@ -12,6 +12,7 @@ pub struct IntegratorSettings {
     pub rr_depth: u32,
     /// Emitters are not seen by the camera directly.
     pub hide_emitters: bool,
+    /// For comparisons; files do not say it.
     pub strategy: Strategy,
     /// Schlick's approximation for dielectrics instead of the exact Fresnel equations.
     pub schlick: bool,
@@ -33,8 +34,11 @@ impl Default for IntegratorSettings {
 /// emitter through a mirror or glass other than by following the path there.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Strategy {
+    /// Directions are drawn from the materials alone.
     Bsdf,
+    /// Directions are drawn from the lights alone.
     Light,
+    /// Both, weighted by multiple importance sampling.
     #[default]
     Mis,
 }
@@ -43,10 +47,13 @@ pub enum Strategy {
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, PartialEq)]
 pub struct SamplerSettings {
+    /// The kind of random numbers.
     pub sequence: Sequence,
+    /// Another seed gives other noise.
     pub seed: u32,
 }
 
+/// The kinds of random numbers.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sequence {
     /// Owen-scrambled Sobol points: less noise for the same number of samples.

@@ -11,6 +11,7 @@ use super::{DocumentOrder, ToWorld};
 #[reflect(Component, PartialEq)]
 #[require(ToWorld, DocumentOrder)]
 pub struct Shape {
+    /// Its geometry.
     pub kind: ShapeKind,
     /// Turns the normals over: the side that emits and, for one-sided materials, the side that is seen.
     pub flip_normals: bool,
@@ -26,11 +27,14 @@ impl Shape {
     }
 }
 
+/// The kinds of shapes, by their plugins.
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 pub enum ShapeKind {
     /// `center` and `radius` in local space.
     Sphere {
+        /// In local space, as the radius.
         center: Vec3,
+        /// Above 0.
         radius: f32,
     },
     /// The square [-1, 1]^2 in the local plane z = 0, its normal +z.
@@ -42,14 +46,19 @@ pub enum ShapeKind {
     Disk,
     /// One triangle, in local space; its front is where its corners run counter-clockwise.
     Triangle {
+        /// In local space.
         corners: [Vec3; 3],
     },
     /// Open, without caps; the ends' centres in local space. The normals point outwards.
     Cylinder {
+        /// The centre of the first end.
         p0: Vec3,
+        /// The centre of the other end.
         p1: Vec3,
+        /// Above 0.
         radius: f32,
     },
+    /// Triangles of a file.
     Mesh(MeshFile),
     /// The shapes of the group that [`super::InstanceOf`] names.
     Instance,
@@ -76,6 +85,7 @@ impl ShapeKind {
 pub struct MeshFile {
     /// Absolute path.
     pub path: PathBuf,
+    /// By the plugin that names the file, not by its ending.
     pub format: MeshFormat,
     /// The index of the shape in a serialized file, from 0.
     pub shape_index: u32,
@@ -85,10 +95,13 @@ pub struct MeshFile {
     pub flip_tex_coords: bool,
 }
 
+/// The formats of mesh files.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MeshFormat {
+    /// Wavefront, with materials of MTL libraries.
     #[default]
     Obj,
+    /// Text, or binary of either byte order.
     Ply,
     /// Mitsuba's own, several shapes to a file.
     Serialized,

@@ -24,6 +24,7 @@ pub struct OpenScene {
 #[derive(Message, Clone, Debug, PartialEq, Eq)]
 pub struct FileReadAgain(pub PathBuf);
 
+/// How far the scene that was asked for has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SceneState {
     /// Nothing has been opened.
@@ -40,6 +41,7 @@ pub enum SceneState {
 /// A problem with a mesh or a picture of the scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FileProblem {
+    /// The absolute path of the mesh or picture.
     pub path: PathBuf,
     /// The place where the scene file names it, in the diagnostics of the last good load.
     pub span: Option<Span>,
@@ -73,6 +75,7 @@ pub struct SceneStatus {
     pub asked: Option<PathBuf>,
     /// Whether the file of `path` cannot be read as it is now, such as while it is being edited.
     pub file_is_broken: bool,
+    /// How far the scene that was asked for last has come.
     pub state: SceneState,
     /// The diagnostics of the last attempt, failed or not.
     pub diagnostics: Arc<Diagnostics>,
@@ -168,8 +171,11 @@ impl FreeView {
 /// The numbers of things that a reload changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReloadSummary {
+    /// Are new in the file.
     pub added: usize,
+    /// Are otherwise in the file than before, and were not edited here.
     pub changed: usize,
+    /// Are in the file no more.
     pub removed: usize,
     /// Are as they were edited here, though the file says otherwise.
     pub kept: usize,

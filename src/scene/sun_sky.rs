@@ -12,9 +12,11 @@ pub struct SunSky {
     pub turbidity: f32,
     /// The albedo of the ground.
     pub albedo: Rgb,
+    /// The direction to the sun, or a place and time that it follows from.
     pub sun: SunPosition,
     /// Factors on the radiance of each.
     pub sun_scale: f32,
+    /// See `sun_scale`.
     pub sky_scale: f32,
     /// Angle in degrees under which the sun is seen; how much light it sends does not depend on it.
     pub sun_aperture: f32,

@@ -25,6 +25,7 @@ impl ConductorSpecular {
 /// A smooth metal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductor {
+    /// The optical constants.
     pub specular: ConductorSpecular,
 }
 

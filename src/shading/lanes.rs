@@ -30,15 +30,20 @@ pub struct BsdfLanes {
 /// A continuation per lane, as [`super::BsdfSample`].
 #[derive(Clone, Copy, Debug)]
 pub struct BsdfSampleLanes {
+    /// As [`super::BsdfSample::wi`].
     pub wi: Vec3Lanes,
+    /// As [`super::BsdfSample::weight`].
     pub weight: Vec3Lanes,
+    /// As [`super::BsdfSample::pdf`].
     pub pdf: Lanes,
+    /// As [`super::BsdfSample::eta`].
     pub eta: Lanes,
     /// The lanes whose light is not absorbed.
     pub returned: Lanes,
 }
 
 impl BsdfLanes {
+    /// No model in any lane.
     pub fn new() -> Self {
         Self {
             diffuse: 0,

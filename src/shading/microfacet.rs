@@ -8,15 +8,19 @@ use glam::{Vec2, Vec3};
 /// A family of distributions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum MicrofacetKind {
+    /// Gaussian slopes.
     #[default]
     Beckmann,
+    /// The Trowbridge-Reitz distribution, with longer tails.
     Ggx,
 }
 
 /// A distribution of microfacet normals with its masking.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Microfacet {
+    /// Gaussian slopes.
     Beckmann(Beckmann),
+    /// The Trowbridge-Reitz distribution, with longer tails.
     Ggx(Ggx),
 }
 

@@ -58,16 +58,27 @@ use glam::{Vec2, Vec3};
 /// A surface's scattering model with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bsdf {
+    /// Lambert's reflection.
     Diffuse(Diffuse),
+    /// A smooth metal.
     Conductor(Conductor),
+    /// A metal of microfacets.
     RoughConductor(RoughConductor),
+    /// A smooth interface of two transparent media.
     Dielectric(Dielectric),
+    /// The fuzzy metal of the course project's format.
     Metal(Metal),
+    /// The principled model of a closed surface.
     Principled(Principled),
+    /// The principled model of a sheet without thickness.
     PrincipledThin(PrincipledThin),
+    /// An interface of microfacets between two transparent media.
     RoughDielectric(RoughDielectric),
+    /// A pane through which light goes straight.
     ThinDielectric(ThinDielectric),
+    /// A diffuse base below a smooth coat.
     Plastic(Plastic),
+    /// A diffuse base below a coat of microfacets.
     RoughPlastic(RoughPlastic),
     Hair(Hair),
 }

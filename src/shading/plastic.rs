@@ -68,7 +68,9 @@ impl CoatedBase {
 /// Smooth plastic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plastic {
+    /// The interface on top.
     pub coat: SmoothCoat,
+    /// What is below it.
     pub base: CoatedBase,
 }
 

@@ -80,10 +80,12 @@ impl RoughCoat {
         coats.entry(key).or_insert_with(|| Box::leak(Box::new(make())))
     }
 
+    /// The distribution of the coat's microfacet normals.
     pub fn kind(&self) -> MicrofacetKind {
         self.kind
     }
 
+    /// The refractive index of the coat relative to the outside.
     pub fn eta(&self) -> f32 {
         self.eta
     }

@@ -10,7 +10,9 @@ use glam::{Vec2, Vec3};
 /// A rough metal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughConductor {
+    /// The optical constants.
     pub specular: ConductorSpecular,
+    /// Roughness of the surface.
     pub distribution: Microfacet,
     /// Compensates for light that bounces several times; `None` is single scattering. Not reciprocal.
     pub multiple_scattering: Option<&'static Microalbedo>,

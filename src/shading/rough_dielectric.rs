@@ -16,6 +16,7 @@ pub struct RoughDielectric {
     /// Refractive index inside over outside, above 0; with 1 there is no surface, and no density: that is the smooth dielectric's.
     pub eta: f32,
     pub model: DielectricModel,
+    /// Roughness of the interface.
     pub distribution: Microfacet,
     /// Multiplies reflected light; 1 is physical.
     pub specular_reflectance: Rgb,

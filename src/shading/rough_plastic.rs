@@ -9,9 +9,11 @@ use glam::{Vec2, Vec3};
 /// Rough plastic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughPlastic {
+    /// The tabulated transmittances of the coat.
     pub coat: &'static RoughCoat,
     /// Roughness of the coat.
     pub alpha: f32,
+    /// What is below the coat.
     pub base: CoatedBase,
 }
 

@@ -13,6 +13,7 @@ use crate::color::{Rgb, luminance};
 pub enum Filter {
     /// The texel that the point lies in.
     Nearest,
+    /// A mean of the four texels around the point, weighted by how near they are.
     #[default]
     Bilinear,
 }
@@ -20,6 +21,7 @@ pub enum Filter {
 /// The continuation of a picture outside of the unit square.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
+    /// The picture again.
     #[default]
     Repeat,
     /// The picture is repeated, and every other repetition is mirrored.
@@ -31,8 +33,11 @@ pub enum Wrap {
 /// A picture with the way it is looked at; the picture itself is shared.
 #[derive(Clone, Debug)]
 pub struct Bitmap {
+    /// Looked up at `to_uv` times uv.
     pub image: Arc<Image>,
+    /// How values between texel centres come about.
     pub filter: Filter,
+    /// What lies outside of the unit square.
     pub wrap: Wrap,
     /// Take the samples as they are, without decoding them to linear: for pictures of data.
     pub raw: bool,

@@ -9,7 +9,9 @@ use crate::color::Rgb;
 /// Mitsuba 3.9 has it, and its scenes are made to look right there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checkerboard {
+    /// The two colours, each of which may be a texture before this one in the table.
     pub colors: [Parameter<Rgb>; 2],
+    /// Applied to uv before the look-up.
     pub to_uv: Affine2,
 }
 

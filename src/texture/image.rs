@@ -14,9 +14,13 @@ use crate::sampling::PiecewiseBilinear2d;
 /// Samples row by row from the top left, the channels of a pixel side by side. Integers stand for [0, 1].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Samples {
+    /// Eight bits.
     U8(Vec<u8>),
+    /// Sixteen bits.
     U16(Vec<u16>),
+    /// Half precision, finite.
     F16(Vec<f16>),
+    /// Single precision, finite.
     F32(Vec<f32>),
 }
 
@@ -34,6 +38,7 @@ impl Samples {
 /// The transfer function from samples to light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transfer {
+    /// Samples are proportional to light.
     Linear,
     /// sRGB; only integers are stored so.
     Srgb,
@@ -139,10 +144,12 @@ impl Image {
         }
     }
 
+    /// Pixels in a row, at least 1.
     pub fn width(&self) -> u32 {
         self.width
     }
 
+    /// Number of rows, at least 1.
     pub fn height(&self) -> u32 {
         self.height
     }

@@ -33,13 +33,16 @@ pub struct TextureId(pub u32);
 /// A parameter that is the same everywhere, or varies as a texture does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Parameter<T> {
+    /// The same value everywhere.
     Constant(T),
+    /// A texture of the scene's table.
     Texture(TextureId),
 }
 
 /// The point at which a texture is looked up.
 #[derive(Clone, Copy, Debug)]
 pub struct TexturePoint<'a> {
+    /// Surface coordinates, before the texture's own transform.
     pub uv: Vec2,
     /// The place on the mesh, if the surface is one: what mesh attributes are interpolated by.
     pub mesh: Option<MeshPoint<'a>>,
@@ -55,7 +58,9 @@ impl TexturePoint<'_> {
 /// A place on a triangle of a mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshPoint<'a> {
+    /// The mesh whose attributes may be looked up.
     pub mesh: &'a MeshData,
+    /// Index into the mesh's triangles.
     pub triangle: u32,
     /// Weights of the triangle's corners; their sum is 1.
     pub barycentric: Vec3,
@@ -64,8 +69,11 @@ pub struct MeshPoint<'a> {
 /// A texture with its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texture {
+    /// A picture over uv.
     Bitmap(Bitmap),
+    /// Two alternating values over uv.
     Checkerboard(Checkerboard),
+    /// Values stored with a mesh.
     MeshAttribute(MeshAttribute),
 }
 
@@ -88,10 +96,12 @@ impl TextureTable {
         (Self { textures }, id)
     }
 
+    /// Returns the texture of an id; None for an id of another table.
     pub fn get(&self, id: TextureId) -> Option<&Texture> {
         self.textures.get(id.0 as usize)
     }
 
+    /// The parameter's colour at a place, linear Rec. 709. A grey texture gives three equal components.
     pub fn color(&self, parameter: Parameter<Rgb>, at: &TexturePoint) -> Rgb {
         match parameter {
             Parameter::Constant(color) => color,

@@ -12,6 +12,7 @@ pub struct Edit {
 }
 
 impl Edit {
+    /// Puts `text` in the place of the bytes of `range`.
     pub fn replace(range: Range<usize>, text: impl Into<String>) -> Self {
         Self {
             range,
@@ -19,6 +20,7 @@ impl Edit {
         }
     }
 
+    /// Puts `text` before the byte `at`.
     pub fn insert(at: usize, text: impl Into<String>) -> Self {
         Self::replace(at..at, text)
     }
@@ -60,6 +62,9 @@ fn line_start(text: &str, at: usize) -> usize {
 /// The layout of a text, so that additions look like the rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
+    /// What ends a line: `
+    /// ` or `\r
+    /// `.
     pub newline: &'static str,
     /// One step of indentation.
     pub unit: String,

@@ -12,6 +12,7 @@ pub struct Element {
     pub tag: Range<usize>,
     /// The place after the end tag.
     pub end: usize,
+    /// Indices into [`Elements`], in the order of the text.
     pub children: Vec<usize>,
     /// `<a/>`
     pub closes_itself: bool,
@@ -20,9 +21,11 @@ pub struct Element {
 /// An attribute's place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribute {
+    /// The bytes of the name.
     pub name: Range<usize>,
     /// The place of the value without the quotes.
     pub value: Range<usize>,
+    /// `"` or `'`.
     pub quote: char,
 }
 
@@ -80,6 +83,7 @@ impl Elements {
         }
     }
 
+    /// Returns the element of an index that [`Self::root`] or [`Element::children`] gave; panics for others.
     pub fn get(&self, index: usize) -> &Element {
         &self.0[index]
     }
@@ -96,16 +100,19 @@ impl Elements {
 }
 
 impl Element {
+    /// The bytes from the start tag to the end tag, both included.
     pub fn range(&self) -> Range<usize> {
         self.tag.start..self.end
     }
 
+    /// Returns the name of the tag. `text` is the text that the element was read from, here and below.
     pub fn name<'t>(&self, text: &'t str) -> &'t str {
         let inside = &text[self.tag.start + 1..self.tag.end];
         let end = inside.find(|c: char| c.is_whitespace() || c == '/' || c == '>');
         &inside[..end.unwrap_or(inside.len())]
     }
 
+    /// Reads the attributes of the start tag in their order, up to the first that is not well-formed.
     pub fn attributes(&self, text: &str) -> Vec<Attribute> {
         let mut found = Vec::new();
         let mut at = self.tag.start + 1 + self.name(text).len();
@@ -134,6 +141,7 @@ impl Element {
         }
     }
 
+    /// Finds an attribute by its name.
     pub fn attribute(&self, text: &str, name: &str) -> Option<Attribute> {
         let mut all = self.attributes(text).into_iter();
         all.find(|attribute| &text[attribute.name.clone()] == name)

@@ -16,6 +16,7 @@ pub struct Destination<'d> {
     pub path: &'d Path,
     /// Finds the file that a name means now, and below that it means once the main file is at `path`.
     pub find_before: FindFile<'d>,
+    /// Where the same name leads once the main file is at `path`.
     pub find_after: FindFile<'d>,
     /// Whether an included file (absolute) holds something else now than what was read: it cannot stand for that in a main file elsewhere.
     pub has_changed: &'d dyn Fn(&Path) -> bool,
@@ -29,6 +30,7 @@ pub struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
+    /// Reads the layout of every file of a document, in the order of [`SourceId`].
     pub fn all(document: &'a Document) -> Vec<Self> {
         let files = document.diagnostics.sources.iter();
         files
@@ -47,10 +49,12 @@ impl<'a> Source<'a> {
             .collect()
     }
 
+    /// The text as it was read, without a byte order mark.
     pub fn text(&self) -> &'a str {
         &self.file.text
     }
 
+    /// The bytes to write: the text with the edits made, and with the byte order mark that the file had.
     pub fn with(&self, edits: Vec<Edit>) -> String {
         let text = apply(self.text(), 0..self.text().len(), edits);
         match self.file.byte_order_mark {

@@ -19,7 +19,9 @@ use crate::scene::{KeepSource, SceneAccess, read};
 /// Loads also when the file is broken: the diagnostics say how, and nothing else should be believed then.
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct SceneAsset {
+    /// What the file describes, as far as it could be read.
     pub description: Arc<SceneDescription>,
+    /// What is wrong with the file. Errors mean that the description must not be shown.
     pub diagnostics: Arc<Diagnostics>,
 }
 
@@ -28,6 +30,7 @@ pub struct SceneAsset {
 pub struct SceneDefines(Arc<RwLock<HashMap<PathBuf, Vec<(String, String)>>>>);
 
 impl SceneDefines {
+    /// Replaces the values for the scene at `path`, which is as the loader is asked for it.
     pub fn set(&self, path: PathBuf, defines: Vec<(String, String)>) {
         self.0
             .write()
@@ -35,6 +38,7 @@ impl SceneDefines {
             .insert(path, defines);
     }
 
+    /// Returns the values for the scene at `path`, none if none were set.
     pub fn get(&self, path: &Path) -> Vec<(String, String)> {
         let all = self.0.read().unwrap_or_else(PoisonError::into_inner);
         all.get(path).cloned().unwrap_or_default()

@@ -15,6 +15,7 @@ use crate::texture::{Image, ImageFileError, load_image};
 /// `image` is a new `Arc` after each reload.
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct TextureMap {
+    /// The picture, with finite samples.
     pub image: Arc<Image>,
     /// The number of pixels that have a channel below zero; as light these channels count as zero.
     pub negative_pixels: usize,

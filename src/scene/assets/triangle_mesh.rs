@@ -53,6 +53,7 @@ pub(crate) struct MeshLoader {
     pub access: SceneAccess,
 }
 
+/// Why a mesh file gives no mesh.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum MeshLoadError {

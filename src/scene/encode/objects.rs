@@ -148,6 +148,7 @@ pub fn shape(shape: &Shape, to_world: &Affine3A, area: Option<&AreaLight>, folde
     }
 }
 
+/// The `<sensor>` with its film and sampler count.
 pub fn sensor(sensor: &Sensor, film: &Film, to_world: &Affine3A) -> Object {
     let object = |plugin: &str| Object::new(Category::Sensor, plugin);
     let object = match sensor.lens {
@@ -207,6 +208,7 @@ fn film_object(film: &Film) -> Object {
     with_child(object, filter)
 }
 
+/// The `<integrator>`; what the format has no parameter for is left out.
 pub fn integrator(settings: &IntegratorSettings) -> Object {
     let depth = settings.max_depth.map_or(-1, i64::from);
     let object = with(

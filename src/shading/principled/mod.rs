@@ -42,6 +42,7 @@ const SHEEN_SHARE: f32 = 0.25;
 pub struct Principled {
     /// Colour of base, metal, and (its root, for each of the two crossings) glass.
     pub base_color: Rgb,
+    /// Perceptual: the GGX roughness is its square.
     pub roughness: f32,
     /// The stretch of highlights along the first tangent; 0 is isotropic.
     pub anisotropic: f32,
@@ -53,22 +54,28 @@ pub struct Principled {
     pub eta: f32,
     /// The share of the base colour's hue in the dielectric reflection.
     pub spec_tint: f32,
+    /// Strength of the grazing reflection of fabrics.
     pub sheen: f32,
     /// The share of the base colour's hue in the sheen.
     pub sheen_tint: f32,
     /// The blend from diffuse reflection to imitated subsurface scattering.
     pub flatness: f32,
+    /// Strength of a second specular lobe on top.
     pub clearcoat: f32,
     /// The gloss of the coat, from satin to glossy.
     pub clearcoat_gloss: f32,
+    /// How often each lobe is sampled.
     pub rates: SamplingRates,
 }
 
 /// The rates at which lobes are sampled, relative to what their strengths suggest; not negative. Changes noise, not the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SamplingRates {
+    /// Of reflection and refraction at the base's own interface.
     pub main_specular: f32,
+    /// Of the clear coat.
     pub clearcoat: f32,
+    /// Of diffuse light and sheen.
     pub diffuse_reflectance: f32,
 }
 

@@ -21,6 +21,7 @@ use crate::shading::{BsdfSample, Ggx};
 pub struct PrincipledThin {
     /// Colour of diffuse light and of what passes.
     pub base_color: Rgb,
+    /// Perceptual: the GGX roughness is its square.
     pub roughness: f32,
     /// The stretch of highlights along the first tangent; 0 is isotropic.
     pub anisotropic: f32,
@@ -32,20 +33,26 @@ pub struct PrincipledThin {
     pub eta: f32,
     /// The share of the base colour's hue in the specular reflection.
     pub spec_tint: f32,
+    /// Strength of the grazing reflection of fabrics.
     pub sheen: f32,
     /// The share of the base colour's hue in the sheen.
     pub sheen_tint: f32,
     /// The blend from diffuse reflection to imitated subsurface scattering.
     pub flatness: f32,
+    /// How often each lobe is sampled.
     pub rates: ThinSamplingRates,
 }
 
 /// The rates at which lobes are sampled, relative to their shares; not negative. Changes noise, not the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinSamplingRates {
+    /// Of mirror-like reflection.
     pub specular_reflectance: f32,
+    /// Of light that passes with the specular lobe.
     pub specular_transmittance: f32,
+    /// Of diffuse reflection and sheen.
     pub diffuse_reflectance: f32,
+    /// Of light that passes diffusely.
     pub diffuse_transmittance: f32,
 }
 

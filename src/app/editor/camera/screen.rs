@@ -9,6 +9,7 @@ use crate::render::camera::Camera;
 /// A picture in the window and the camera that took it.
 #[derive(Clone, Copy, Debug)]
 pub struct Screen {
+    /// What the picture was rendered with.
     pub camera: Camera,
     /// Where the picture is shown, in points.
     pub picture: Rect,

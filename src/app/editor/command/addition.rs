@@ -7,6 +7,7 @@ use crate::scene::Emitter;
 /// Something new in the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Addition {
+    /// Decides which plugin is added.
     pub kind: AdditionKind,
     /// None: named after its kind.
     pub name: Option<String>,
@@ -16,17 +17,24 @@ pub struct Addition {
     pub size: Option<f32>,
 }
 
+/// The kinds of things that the menu *Add* and scripts offer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AdditionKind {
+    /// A sphere.
     Sphere,
+    /// A flat square, lying.
     Rectangle,
+    /// A cube.
     Cube,
+    /// A flat disk, lying.
     Disk,
+    /// An open cylinder, upright.
     Cylinder,
     /// A rectangle that shines downwards.
     AreaLight,
     /// One of [`Emitter::PLUGINS`].
     Emitter(&'static str),
+    /// A camera where the view is.
     Camera,
 }
 
@@ -58,6 +66,7 @@ impl AdditionKind {
         }
     }
 
+    /// Shapes, the area light, the camera, then all kinds of emitters.
     pub fn all() -> impl Iterator<Item = Self> {
         let plain = [Self::AreaLight, Self::Camera];
         let emitters = Emitter::PLUGINS.map(Self::Emitter);

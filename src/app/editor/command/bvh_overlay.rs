@@ -3,6 +3,7 @@
 /// The boxes that are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BvhOverlay {
+    /// Whether boxes are drawn at all.
     pub shown: bool,
     /// Depth in each hierarchy: 0 is the box around everything in it.
     pub depth: u32,

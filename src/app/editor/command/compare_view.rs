@@ -1,5 +1,6 @@
 //! How the picture is compared with a snapshot.
 
+/// How picture and snapshot share the viewport.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum CompareView {
     /// The picture alone.

@@ -9,7 +9,9 @@ pub struct DisplaySettings {
     pub mode: DisplayMode,
     /// Stops: the radiance is multiplied by two to this power.
     pub exposure: f32,
+    /// Of what shows light, as the tone map.
     pub white_balance: WhiteBalance,
+    /// The curve from linear colours to the display's.
     pub tone_map: ToneMap,
 }
 
@@ -35,11 +37,15 @@ impl DisplaySettings {
     }
 }
 
+/// The quantities of the film that can be shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DisplayMode {
+    /// The light of the whole scene.
     #[default]
     Shaded,
+    /// The colour of the first surface that is not perfectly specular.
     Albedo,
+    /// The world normal of the same surface.
     Normal,
     /// Near is bright, over the range of the picture's depths.
     Depth,
@@ -47,6 +53,7 @@ pub enum DisplayMode {
     Uv,
     /// Every material and every object in a colour of its own.
     Material,
+    /// Every object in a colour of its own.
     Object,
     /// Samples per pixel, in false colour.
     Samples,
@@ -59,6 +66,7 @@ pub enum DisplayMode {
 }
 
 impl DisplayMode {
+    /// The modes with their names, in the order of the menu.
     pub const ALL: [(Self, &'static str); 10] = [
         (Self::Shaded, "Shaded"),
         (Self::Albedo, "Albedo"),
@@ -79,6 +87,7 @@ impl DisplayMode {
         Self::ALL[next % Self::ALL.len()].0
     }
 
+    /// The name in menus and the status line.
     pub fn name(self) -> &'static str {
         match Self::ALL.iter().find(|(mode, _)| *mode == self) {
             Some((_, name)) => name,

@@ -15,6 +15,7 @@ pub enum CommandError {
 }
 
 impl CommandError {
+    /// An error about a file, in the words of its cause.
     pub fn file(error: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
         Self::File(error.into())
     }

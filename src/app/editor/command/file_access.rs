@@ -7,6 +7,7 @@ use crate::document::paths::settle;
 /// Files and folders outside a scene's folder that it names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Question {
+    /// The paths as the scene gives them, made absolute.
     pub files: Vec<PathBuf>,
     /// The same as the user reads them, without `..`.
     pub shown: Vec<PathBuf>,

@@ -4,17 +4,22 @@ use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 
+/// What a drag of the gizmo does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
+    /// Along axes and in planes.
     #[default]
     Move,
+    /// About axes.
     Rotate,
+    /// Along axes, or evenly.
     Scale,
 }
 
 /// The axes along which things are moved and turned.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Axes {
+    /// The axes of the world.
     #[default]
     World,
     /// The axes of the active object.
@@ -34,6 +39,7 @@ pub enum Pivot {
 }
 
 impl Pivot {
+    /// The pivots with their names, in the order of the menu.
     pub const ALL: [(Self, &'static str); 3] = [
         (Self::Middle, "Middle"),
         (Self::Active, "Active origin"),
@@ -47,6 +53,7 @@ impl Pivot {
 pub struct Steps {
     /// World units; None for what suits the scene.
     pub length: Option<f32>,
+    /// The step of rotations.
     pub degrees: f32,
     /// The step of a scaling factor.
     pub factor: f32,
@@ -54,7 +61,9 @@ pub struct Steps {
 
 /// What steps can be set to, each in its unit.
 pub const LENGTHS: RangeInclusive<f32> = 1e-6..=1e6;
+/// The range of [`Steps::degrees`].
 pub const DEGREES: RangeInclusive<f32> = 0.1..=180.0;
+/// The range of [`Steps::factor`].
 pub const FACTORS: RangeInclusive<f32> = 0.001..=10.0;
 
 impl Default for Steps {
@@ -100,11 +109,15 @@ fn round_number(x: f32) -> f32 {
     (digit.unwrap_or(1.0) * power) as f32
 }
 
+/// Everything that decides what a drag of the gizmo does.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GizmoSettings {
     pub mode: Mode,
+    /// Ignored by scaling, which is along the object's own axes.
     pub axes: Axes,
+    /// The fixed point of rotations and scalings.
     pub pivot: Pivot,
+    /// For drags with Control and for arrow keys.
     pub steps: Steps,
 }
 

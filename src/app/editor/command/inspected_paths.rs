@@ -17,6 +17,7 @@ impl InspectedPaths {
     /// More would cover the picture.
     pub(crate) const MOST: u32 = 64;
 
+    /// The first eight paths of the pixel at `place`.
     pub fn at(place: Vec2) -> Self {
         Self {
             place,

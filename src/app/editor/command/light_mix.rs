@@ -38,9 +38,11 @@ pub(crate) fn note_film_lights(mut lights: ResMut<FilmLights>, film: Res<RenderF
 pub struct Channel {
     /// Factors on the light, together.
     pub strength: f32,
+    /// Linear Rec. 709.
     pub color: Rgb,
     /// Only lights with this are shown, if any has it.
     pub solo: bool,
+    /// The light is not shown.
     pub mute: bool,
 }
 
@@ -71,11 +73,13 @@ impl Channel {
 }
 
 impl LightMix {
+    /// What is done to a light; nothing unless it was set.
     pub fn channel(&self, light: Entity) -> Channel {
         let found = self.channels.iter().find(|(entity, _)| *entity == light);
         found.map_or_else(Channel::default, |(_, channel)| *channel)
     }
 
+    /// Replaces what is done to a light.
     pub fn set(&mut self, light: Entity, channel: Channel) {
         self.channels.retain(|(entity, _)| *entity != light);
         if channel != Channel::default() {

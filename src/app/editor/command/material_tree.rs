@@ -4,8 +4,10 @@ use bevy::prelude::{Entity, World};
 
 use crate::scene::{FirstNested, Material, SecondNested};
 
+/// A material and what is nested in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialTree {
+    /// The outermost one.
     pub material: Material,
     /// At most two, in the order of the file.
     pub inside: Vec<Inside>,
@@ -16,6 +18,7 @@ pub struct MaterialTree {
 pub enum Inside {
     /// One that there is.
     Kept(Entity),
+    /// One that is made.
     New(Box<MaterialTree>),
 }
 

@@ -45,10 +45,13 @@ use selection::Extend;
 use shell::ShellCommand;
 use tool::Tool;
 
+/// What a user can do, with all that it takes: applied to the same state, a command always does the same.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     // The file.
+    /// A camera and a grey sky, without a file.
     NewScene,
+    /// Replaces the scene by that of a file: XML or glTF.
     OpenScene(PathBuf),
     /// Reads the file of the scene again; edits stay.
     ReloadScene,
@@ -64,23 +67,31 @@ pub enum Command {
     SaveImage(PathBuf),
     /// Adds what a file holds: a mesh, a scene, a glTF, or a picture as environment.
     Import(PathBuf),
+    /// Asks for a file.
     ShowDialog(FileDialogKind),
+    /// Closes the window; asks first if edits would be lost.
     Quit,
 
     // The history.
+    /// One step of the history back.
     Undo,
+    /// One step of the history forward.
     Redo,
     /// Back or forward to where so many steps are done.
     GoTo(usize),
 
     // What is selected.
+    /// Things of the scene, which need not be visible.
     Select(Vec<Entity>, Extend),
+    /// Everything that the outliner shows.
     SelectAll,
     /// What is seen at a place of the picture, (0, 0) top left, (1, 1) bottom right.
     Pick(Vec2, Extend),
 
     // From where it is looked at. None of it edits the scene, except `MoveCameraToView`.
+    /// Moves back or forth until the selection fills the view.
     FrameSelection,
+    /// Moves back or forth until the scene fills the view.
     FrameAll,
     /// Flies there: world from camera.
     MoveView(Affine3A),
@@ -100,11 +111,15 @@ pub enum Command {
     SetSpeed(f32),
 
     // The scene.
+    /// Adds one thing, which becomes the selection.
     Add(Addition),
+    /// Removes what is selected.
     Delete,
+    /// Copies what is selected; the copies become the selection.
     Duplicate,
     /// As XML text, to the clipboard.
     Copy,
+    /// As `Copy`, then `Delete`.
     Cut,
     /// Adds the plugins of an XML text.
     Paste(String),
@@ -112,21 +127,27 @@ pub enum Command {
     Rename(Entity, String),
     /// Puts things, in this order, before another of their kind, or last.
     Reorder {
+        /// Things of one kind.
         moved: Vec<Entity>,
+        /// None for the end of the list.
         before: Option<Entity>,
     },
     /// Puts the selection into a folder of its own.
     Group,
     /// Into the folder of this path, or out of all.
     PutInto {
+        /// What is put there.
         things: Vec<Entity>,
+        /// Names from the outermost folder on, with `/` between.
         folder: Option<String>,
     },
     /// Hides these, or shows them again.
     Hide(Vec<Entity>, bool),
     /// Hides all shapes and lights but the selected.
     HideOthers,
+    /// Shows everything that is hidden.
     ShowAll,
+    /// Protects these from edits and clicks in the picture, or lifts that.
     Lock(Vec<Entity>, bool),
     /// The selection by a step along an axis of the world, the one that looks most like this in the picture.
     Nudge(Direction),
@@ -134,61 +155,88 @@ pub enum Command {
     Drop,
     /// World from local of several things at once.
     Transform(Vec<(Entity, Affine3A)>),
+    /// The geometry of a shape.
     SetShape(Entity, Shape),
+    /// The parameters of a material; what is nested in it stays.
     SetMaterial(Entity, Box<Material>),
     /// Another picture for a texture of a material or a light, or a picture where there is none.
     SetPicture {
+        /// A material or a light.
         owner: Entity,
+        /// The name of the parameter in the file.
         parameter: &'static str,
+        /// Where the texture is within the parameter, if it is inside a checkerboard.
         place: SquarePath,
+        /// Absolute.
         path: PathBuf,
     },
     /// The shapes get this material, or none of their own.
     UseMaterial {
+        /// Those that get it.
         shapes: Vec<Entity>,
+        /// None removes what the shapes name.
         material: Option<Entity>,
     },
     /// The shape that is seen at a place of the picture, as [`Command::Pick`] has it, gets the material.
     DropMaterial {
+        /// A material of the scene.
         material: Entity,
+        /// (0, 0) top left, (1, 1) bottom right.
         at: Vec2,
     },
     /// A new grey material for this shape alone.
     GiveMaterial {
+        /// The shape that gets it.
         shape: Entity,
     },
     /// Materials, or those of shapes, become the tree.
     BuildMaterial {
+        /// Materials, or shapes whose materials are meant.
         targets: Vec<Entity>,
+        /// What each becomes.
         tree: Box<MaterialTree>,
     },
     /// The shapes get a material of the library: one like it that is called like it already, or a new one.
     UsePreset {
+        /// The entry of the library.
         preset: Box<Preset>,
+        /// Those that get it.
         shapes: Vec<Entity>,
     },
     /// So does the shape that is seen at a place of the picture, as [`Command::Pick`] has it.
     DropPreset {
+        /// The entry of the library.
         preset: Box<Preset>,
+        /// (0, 0) top left, (1, 1) bottom right.
         at: Vec2,
     },
+    /// What a shape emits; None for a shape that does not shine.
     SetAreaLight(Entity, Option<AreaLight>),
+    /// Kind and parameters of a light that is no surface.
     SetEmitter(Entity, Emitter),
+    /// Lens and field of view of a camera.
     SetSensor(Entity, Sensor),
     /// The camera in use becomes sharp at what is seen there, (0, 0) top left, (1, 1) bottom right; a pinhole becomes a thin lens.
     FocusAt(Vec2),
+    /// Size, crop, filter and samples of a camera.
     SetFilm(Entity, Film),
     /// The edit, which names one thing, and the same change to everything selected that is of the same sort.
     OnSelection(Box<Command>),
+    /// Lengths of paths and strategy.
     SetIntegrator(IntegratorSettings),
+    /// Kind and seed of random numbers.
     SetSampler(SamplerSettings),
+    /// How acceleration structures are built.
     SetAccel(AccelMethod),
     /// Multiplies the lights by their strengths and colours in the mix, which is neutral then.
     BakeLights,
 
     // Rendering and display.
+    /// Holds rendering, or goes on.
     SetPaused(bool),
+    /// Drops the samples of the picture.
     Restart,
+    /// Samples per pixel to stop at, above 0.
     SetTargetSamples(u32),
     /// Seconds of rendering; None is no limit.
     SetTimeLimit(Option<f32>),
@@ -196,41 +244,58 @@ pub enum Command {
     SetNoiseTarget(Option<f32>),
     /// The part of the picture that gets samples, (0, 0) top left, (1, 1) bottom right; None is all of it.
     SetRegion(Option<Rect>),
+    /// Rendered pixels per pixel of the film along each side, above 0.
     SetResolutionScale(f32),
     /// Thirds of the picture by bsdf sampling, by light sampling, and by both.
     SetStrategySplit(bool),
+    /// How the film becomes a picture.
     SetDisplay(DisplaySettings),
     /// The exposure that brings the picture to middle grey.
     ExposeAutomatically,
     /// Keeps the light of every light by itself, for mixing.
     SetLightLayers(bool),
+    /// Strength, colour, solo and mute of each light.
     SetLightMix(LightMix),
     /// Keeps the picture for comparison.
     TakeSnapshot,
+    /// How picture and snapshot share the viewport.
     SetCompareView(CompareView),
     /// Figures of the picture against the snapshot.
     Measure,
+    /// Boxes of the acceleration structures over the picture.
     SetOverlay(BvhOverlay),
+    /// What the next click in the picture does.
     SetTool(Tool),
+    /// Dims what lies outside of the film.
     ShowSafeFrame(bool),
     /// The paths of a pixel, or none.
     InspectPaths(Option<InspectedPaths>),
+    /// What a drag of the gizmo does.
     SetGizmo(GizmoSettings),
+    /// Shows the picture without noise until its next change.
     Denoise,
     /// Back to the picture as sampled.
     DropDenoised,
+    /// All panels, or the viewport alone.
     ShowPanels(bool),
+    /// To the window itself.
     Shell(ShellCommand),
 }
 
 /// Ways to go on the ground, as the camera sees it, and up and down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
+    /// To the left in the picture.
     Left,
+    /// To the right in the picture.
     Right,
+    /// Away from the camera.
     Ahead,
+    /// Towards the camera.
     Back,
+    /// Along +y of the world.
     Up,
+    /// Along -y of the world.
     Down,
 }
 
@@ -248,6 +313,7 @@ pub enum Effect {
 }
 
 impl Command {
+    /// Whether the command is recorded in the history, and whether it begins the picture anew.
     pub fn effect(&self) -> Effect {
         match self {
             Self::OnSelection(command) => command.effect(),
@@ -432,18 +498,26 @@ impl Command {
     }
 }
 
+/// What a file dialog asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileDialogKind {
+    /// A scene to open.
     OpenScene,
+    /// Where the scene is to be saved.
     SaveScene,
+    /// Where the picture is to be saved.
     SaveImage,
+    /// A file whose content is added to the scene.
     Import,
     /// A picture of all directions, to be the scene's light from everywhere.
     OpenEnvironment,
     /// The picture of the texture that this parameter of the material or the light is, or that is at a place within it.
     OpenPicture {
+        /// A material or a light.
         owner: Entity,
+        /// The name of the parameter in the file.
         parameter: &'static str,
+        /// Where the texture is within the parameter, if it is inside a checkerboard.
         place: SquarePath,
     },
 }

@@ -6,13 +6,21 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Panel {
+    /// The picture.
     Viewport,
+    /// All things of the scene in a list.
     Outliner,
+    /// Materials to choose from.
     Library,
+    /// The parameters of what is selected.
     Inspector,
+    /// Samples, limits, integrator, light mixing and comparison.
     Render,
+    /// The steps that can be undone and redone.
     History,
+    /// What is wrong with the scene and its files.
     Messages,
+    /// The paths of an inspected pixel, vertex by vertex.
     Paths,
 }
 
@@ -40,6 +48,7 @@ impl Panel {
     /// Shown only when asked for.
     pub(crate) const CLOSED: [Self; 1] = [Self::Paths];
 
+    /// The word on the tab and in the menu.
     pub fn title(self) -> &'static str {
         match self {
             Self::Viewport => "Viewport",

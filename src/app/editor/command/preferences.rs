@@ -14,21 +14,26 @@ const VERSION: u32 = 1;
 
 pub(crate) const MOST_RECENT_FILES: usize = 10;
 
+/// The colours of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ThemeChoice {
+    /// Light text on dark grey.
     #[default]
     Dark,
+    /// Dark text on light grey.
     Light,
     /// As the system's windows are.
     System,
 }
 
+/// What a user has chosen for all scenes; a JSON file holds it.
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
     /// Of the file's format.
     pub version: u32,
+    /// The colours of the window.
     pub theme: ThemeChoice,
     /// How large texts and controls are, beside the scale of the system.
     pub ui_scale: f32,
@@ -72,9 +77,12 @@ impl Default for Preferences {
     }
 }
 
+/// The range of [`Preferences::ui_scale`].
 pub const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
+/// The largest [`Preferences::autosave_seconds`].
 pub const LONGEST_AUTOSAVE: u32 = 3600;
 pub(crate) const MOST_MEMORY_GIB: u32 = 4096;
+/// The range of [`Preferences::moving_scale`].
 pub const MOVING_SCALES: std::ops::RangeInclusive<f32> = 0.25..=1.0;
 
 impl Preferences {
@@ -108,4 +116,5 @@ impl Preferences {
     }
 }
 
+/// The range of [`Preferences::speed`].
 pub const SPEED_RANGE: std::ops::RangeInclusive<f32> = 0.01..=100.0;

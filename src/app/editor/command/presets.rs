@@ -13,7 +13,9 @@ use crate::scene::read;
 pub struct Preset {
     /// The part of its id before the `/`.
     pub group: String,
+    /// The part of its id after the `/`.
     pub name: String,
+    /// What a material becomes that is made of it.
     pub tree: MaterialTree,
 }
 

@@ -19,6 +19,8 @@ pub struct Note {
 /// Edits that can be had back.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Offer {
+    /// Holds the note and the scene that was written aside.
     pub folder: PathBuf,
+    /// Tells which scene it was and when.
     pub note: Note,
 }

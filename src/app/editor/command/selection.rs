@@ -18,34 +18,41 @@ pub enum Extend {
     /// They become the selection.
     #[default]
     Replace,
+    /// They join what is selected.
     Add,
     /// What was selected is so no more, and the other way round.
     Toggle,
 }
 
 impl Selection {
+    /// The entities in this order; what is named twice counts once.
     pub fn of(entities: impl IntoIterator<Item = Entity>) -> Self {
         let mut selection = Self::default();
         selection.extend(entities, Extend::Add);
         selection
     }
 
+    /// The one that was chosen last.
     pub fn active(&self) -> Option<Entity> {
         self.order.last().copied()
     }
 
+    /// All of them, the active one last.
     pub fn entities(&self) -> &[Entity] {
         &self.order
     }
 
+    /// Whether an entity is selected.
     pub fn contains(&self, entity: Entity) -> bool {
         self.all.contains(&entity)
     }
 
+    /// Whether nothing is selected.
     pub fn is_empty(&self) -> bool {
         self.order.is_empty()
     }
 
+    /// Lets entities join in this order, so that the last one that is selected becomes active.
     pub fn extend(&mut self, entities: impl IntoIterator<Item = Entity>, how: Extend) {
         if how == Extend::Replace {
             *self = Self::default();
@@ -65,6 +72,7 @@ impl Selection {
         self.all = self.order.iter().copied().collect();
     }
 
+    /// Drops the entities for which `keep` is false.
     pub fn retain(&mut self, keep: impl FnMut(&Entity) -> bool) {
         self.order.retain(keep);
         self.all = self.order.iter().copied().collect();

@@ -9,9 +9,11 @@ use serde::{Deserialize, Serialize};
 pub struct StoredView {
     /// World from camera, with the extent of the picture as its scale if it is orthographic.
     pub pose: Affine3A,
+    /// Whether the view has no perspective.
     pub orthographic: bool,
 }
 
+/// The views by their number less one.
 pub type StoredViews = [Option<StoredView>; 9];
 
 /// As it stands in the file.

@@ -3,6 +3,7 @@
 /// Given up by Escape, and after it was used, but for the paths: one looks at many pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
+    /// Selects, as without any tool.
     #[default]
     Select,
     /// Focuses a thin lens on what is clicked.

@@ -10,6 +10,7 @@ use crate::app::editor::session::requests::Requests;
 use crate::app::editor::session::{recovery, trust};
 use crate::memory;
 
+/// Does what a command asks of the window. The error is a sentence for the user.
 pub fn apply(world: &mut World, command: ShellCommand) -> Result<(), CommandError> {
     match command {
         ShellCommand::ShowPanel(panel) => world.get_resource_or_init::<Layout>().show(panel),

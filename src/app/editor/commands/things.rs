@@ -121,6 +121,8 @@ pub(crate) fn call(edit: &mut Edit, entity: Entity, name: &str) {
     edit.set(entity, Name::new(name.to_owned()));
 }
 
+/// Sets poses, world from local, as one edit. The error is a sentence for the user; poses before the refused one are set then, and the caller
+/// abandons the edit.
 pub fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), CommandError> {
     for (entity, pose) in poses {
         if edit.world.get::<Placements>(entity).is_some() {

@@ -10,6 +10,7 @@ pub(crate) fn set_resource<R: Resource + PartialEq>(world: &mut World, value: R)
     }
 }
 
+/// Edits the settings of the renderer. They count as changed only if they are others then.
 pub fn control(world: &mut World, edit: impl FnOnce(&mut RenderControl)) {
     let mut edited = world.resource::<RenderControl>().clone();
     edit(&mut edited);

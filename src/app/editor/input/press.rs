@@ -5,6 +5,7 @@ use bevy_egui::egui::{Key, Modifiers};
 /// A key going down, with the modifiers held at that moment; never a repeat of a key held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Press {
+    /// As egui names it.
     pub key: Key,
     pub modifiers: Modifiers,
     /// A digit of the block at the keyboard's right.

@@ -3,6 +3,7 @@
 /// The parts of a transform that can be edited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Freedom {
+    /// Place, rotation and scale along any axes.
     Affine,
     /// No scale, as of a camera.
     Rigid,

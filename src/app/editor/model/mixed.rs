@@ -18,6 +18,7 @@ impl Mixed {
         !self.0.is_empty() && self.0.contains(&key(name))
     }
 
+    /// Whether all values are the same, as with one thing alone.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

@@ -33,11 +33,15 @@ use panel_textures::PanelTextures;
 /// One line of the outliner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Item {
+    /// What a click selects.
     pub entity: Entity,
+    /// What the row says.
     pub name: String,
     /// The word for the kind of thing that it is.
     pub kind: &'static str,
+    /// Whether it is left out of the picture.
     pub hidden: bool,
+    /// Whether it is protected from edits.
     pub locked: bool,
     /// Whether it may be left out of the picture: shapes and lights may.
     pub can_hide: bool,
@@ -48,9 +52,13 @@ pub struct Item {
 /// Everything in the scene, by kind, in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outline {
+    /// With instances, without groups.
     pub shapes: Vec<Item>,
+    /// With nested ones.
     pub materials: Vec<Item>,
+    /// Those that are no surfaces.
     pub lights: Vec<Item>,
+    /// All cameras.
     pub sensors: Vec<Item>,
 }
 
@@ -72,8 +80,11 @@ impl Outline {
 /// A material of the selection.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InspectedMaterial {
+    /// What commands name.
     pub entity: Entity,
+    /// The heading.
     pub name: String,
+    /// The present parameters.
     pub material: Material,
     /// The part that it has within another material.
     pub place: MaterialPlace,
@@ -87,14 +98,18 @@ pub struct InspectedMaterial {
     pub inside: Vec<Entity>,
 }
 
+/// The part that a material has within another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MaterialPlace {
+    /// It is in no other.
     Whole,
     /// The front of a two-sided material.
     Front,
+    /// The back of a two-sided material.
     Back,
     /// The first material of a blend.
     First,
+    /// The second material of a blend.
     Second,
     /// The nested material of one that takes a single one.
     Inside,
@@ -113,22 +128,32 @@ impl MaterialPlace {
 /// What a mesh file brings along.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InspectedMesh {
+    /// All triangles of the file's mesh.
     pub triangles: usize,
+    /// Whether the file names materials of its own.
     pub has_materials: bool,
 }
 
 /// The selected entity with everything that can be edited on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inspected {
+    /// What commands name.
     pub entity: Entity,
+    /// The heading.
     pub name: String,
+    /// None for what has no place, such as a material.
     pub to_world: Option<Affine3A>,
+    /// Of shapes.
     pub shape: Option<Shape>,
     /// Once its mesh is loaded.
     pub mesh: Option<InspectedMesh>,
+    /// Of shapes that shine.
     pub area_light: Option<AreaLight>,
+    /// Of lights that are no surfaces.
     pub emitter: Option<Emitter>,
+    /// Of cameras.
     pub sensor: Option<Sensor>,
+    /// Of cameras.
     pub film: Option<Film>,
     pub uses_material: Option<Entity>,
     /// What differs among all that is selected, but for materials.
@@ -170,26 +195,38 @@ impl Inspected {
 /// What was done, oldest first, and what can be done again, next first.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct HistoryModel {
+    /// Labels of the steps.
     pub done: Vec<String>,
+    /// Labels of the steps.
     pub undone: Vec<String>,
 }
 
 /// The render panel's content.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderModel {
+    /// Samples per pixel.
     pub target_samples: u32,
+    /// Rendered pixels per pixel of the film along each side.
     pub resolution_scale: f32,
+    /// Of the scene.
     pub integrator: IntegratorSettings,
+    /// Of the scene.
     pub sampler: SamplerSettings,
+    /// Of the scene.
     pub accel: AccelMethod,
     /// The longest time to render for, in seconds.
     pub time_limit: Option<f32>,
+    /// Relative noise to stop at; None is no limit.
     pub noise_target: Option<f32>,
     /// The last estimate of the noise.
     pub noise: Option<f32>,
+    /// The part that gets samples, (0, 0) top left, (1, 1) bottom right; None is all of it.
     pub region: Option<Rect>,
+    /// Whether the picture is three thirds by different strategies.
     pub strategy_split: bool,
+    /// The section for light mixing.
     pub mixing: MixingModel,
+    /// The section for comparison with a snapshot.
     pub comparison: ComparisonModel,
 }
 
@@ -198,26 +235,33 @@ pub struct RenderModel {
 pub struct MixingModel {
     /// Whether the film keeps the lights apart.
     pub is_on: bool,
+    /// What is done to each light.
     pub mix: LightMix,
     /// The lights that the film keeps apart, as the mix and the panel call them.
     pub lights: Vec<(Entity, String)>,
 }
 
+/// The snapshot, and how the picture is compared with it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ComparisonModel {
     /// Samples per pixel of the snapshot; None without one.
     pub snapshot: Option<u32>,
+    /// How both share the viewport.
     pub view: CompareView,
+    /// Measured last; None before.
     pub figures: Option<Measured>,
 }
 
 /// One message of the diagnostics panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Notice {
+    /// Decides the colour and the word before the text.
     pub severity: Severity,
     /// `file:line:column`, where it is about a place.
     pub place: Option<String>,
+    /// The message.
     pub text: String,
+    /// What to do about it.
     pub help: Option<String>,
     /// The line it is about, with marks under the place.
     pub excerpt: Option<String>,
@@ -226,6 +270,7 @@ pub struct Notice {
 /// What the status line and the menus show.
 #[derive(Clone, Debug, Default)]
 pub struct StatusModel {
+    /// What the engine tells.
     pub status: RenderStatus,
     /// Whether the user has paused rendering.
     pub paused: bool,
@@ -235,6 +280,7 @@ pub struct StatusModel {
     pub unsaved: bool,
     /// The scene file could not be read; the last good one is shown.
     pub load_failed: bool,
+    /// Whether a denoised picture is shown or on its way.
     pub denoiser: DenoiserState,
     /// Median time between frames, milliseconds.
     pub frame_ms: Option<f32>,
@@ -243,15 +289,23 @@ pub struct StatusModel {
 /// All of it.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
+    /// The rows of the outliner.
     pub outline: Arc<Outline>,
+    /// In the order of choosing.
     pub selection: Selection,
     /// The active one of the selection.
     pub inspected: Option<Inspected>,
+    /// The steps.
     pub history: Arc<HistoryModel>,
+    /// Pictures and rendered balls that are shown beside names.
     pub textures: PanelTextures,
+    /// The library of materials, the program's own before the user's.
     pub presets: Arc<Vec<Preset>>,
+    /// The render panel.
     pub render: RenderModel,
+    /// The messages panel.
     pub notices: Arc<Vec<Notice>>,
+    /// The status line.
     pub status: StatusModel,
     /// Scene files beside the open one.
     pub scene_files: Arc<Vec<PathBuf>>,

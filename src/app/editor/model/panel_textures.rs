@@ -18,13 +18,16 @@ pub struct PanelTextures {
 /// What a rendered ball is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Ball {
+    /// A material of the scene.
     Material(Entity),
     /// A material of the library, by its index there.
     Preset(usize),
 }
 
+/// A small version of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thumbnail {
+    /// What egui paints.
     pub texture: egui::TextureId,
     /// Width and height of the picture itself, in pixels.
     pub size: [u32; 2],
@@ -46,6 +49,7 @@ impl PanelTextures {
         }
     }
 
+    /// The thumbnail of a picture by its absolute path; None until it is made.
     pub fn picture(&self, path: &Path) -> Option<Thumbnail> {
         self.pictures.get(path).copied()
     }

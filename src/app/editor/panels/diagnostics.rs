@@ -6,6 +6,7 @@ use super::excerpt::excerpt;
 use crate::app::editor::model::Notice;
 use crate::document::Severity;
 
+/// One block for each message; its text can be copied.
 pub fn diagnostics(ui: &mut Ui, notices: &[Notice]) {
     if notices.is_empty() {
         ui.add_space(8.0);

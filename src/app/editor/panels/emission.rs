@@ -35,6 +35,7 @@ pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, textures: &PanelTe
     }
 }
 
+/// The rows of a light that is no surface. Another kind of light is chosen in the first of them.
 pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, textures: &PanelTextures) -> Edit {
     let plugin = emitter.plugin();
     let mut wanted = plugin;

@@ -23,6 +23,7 @@ const VALUE_WIDTH: f32 = 54.0;
 /// What a row is called, with what is told of it when the pointer rests there.
 #[derive(Clone, Copy, Debug)]
 pub struct Caption<'a> {
+    /// The name that the row shows and by which its control is found.
     pub text: &'a str,
     words: Option<&'static Words>,
 }
@@ -234,6 +235,7 @@ pub(crate) fn quantity<'a>(
     write_back(changed, value, copy)
 }
 
+/// A whole number to drag or type, in `range`. True if the user has changed it.
 pub fn integer<'a, N: egui::emath::Numeric>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,
@@ -278,8 +280,11 @@ pub fn vector<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Vec3
 pub struct NumberStyle<'s> {
     /// Tells it from its neighbours in names.
     pub letter: &'s str,
+    /// Change per point of a drag.
     pub speed: f32,
+    /// The unit, behind the number.
     pub suffix: &'s str,
+    /// What can be dragged or typed.
     pub range: RangeInclusive<f32>,
 }
 

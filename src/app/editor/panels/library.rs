@@ -21,6 +21,7 @@ const BALL: f32 = 64.0;
 const NAME: f32 = 26.0;
 const GAP: f32 = 6.0;
 
+/// The materials to choose from; they are dragged onto things or used on the selection.
 pub fn library(ui: &mut Ui, model: &Model, state: &mut LibraryState, commands: &mut Vec<Command>) {
     ui.add(
         egui::TextEdit::singleline(&mut state.filter)

@@ -8,6 +8,7 @@ use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::light_mix::{Channel, LightMix};
 use crate::app::editor::model::MixingModel;
 
+/// A row of controls for each light that the film keeps apart.
 pub fn light_mixing(ui: &mut Ui, model: &MixingModel, display: DisplaySettings, commands: &mut Vec<Command>) {
     let mut is_on = model.is_on;
     if fields::checkbox(ui, "Mix lights", &mut is_on) {

@@ -35,6 +35,7 @@ const METALS: [(&str, &str); 7] = [
 /// What the user did with the rows of a material or a light.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Edit {
+    /// Whether a value is another than before.
     pub changed: bool,
     /// The parameter that is to be another picture, and the place in it.
     pub wants_picture: Option<(&'static str, SquarePath)>,
@@ -69,13 +70,16 @@ pub fn material(ui: &mut Ui, material: &mut Material, place: MaterialPlace, text
 
 /// One row, or a few, for each parameter.
 pub struct Rows<'u> {
+    /// Where the rows are shown.
     pub ui: &'u mut Ui,
+    /// What the user did with the rows so far.
     pub edit: Edit,
     plugin: &'static str,
     textures: &'u PanelTextures,
 }
 
 impl<'u> Rows<'u> {
+    /// Begins with the rows of a plugin.
     pub fn new(ui: &'u mut Ui, plugin: &'static str, textures: &'u PanelTextures) -> Self {
         Self {
             ui,
@@ -118,6 +122,7 @@ impl<'u> Rows<'u> {
         words::find(self.plugin, name).map_or("", |words| words.suffix)
     }
 
+    /// The pictures that are shown in rows of textures.
     pub fn textures(&self) -> &'u PanelTextures {
         self.textures
     }

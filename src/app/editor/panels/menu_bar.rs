@@ -17,14 +17,17 @@ use crate::app::editor::session::layout::Layout;
 /// The settings beside the model that menus show with a tick.
 #[derive(Clone, Copy)]
 pub struct MenuState<'a> {
+    /// What the actions of the menus refer to.
     pub context: ActionContext<'a>,
     /// The camera in use.
     pub camera: Option<Entity>,
+    /// Which panels there are.
     pub layout: &'a Layout,
     /// Scenes that were opened lately, the newest first.
     pub recent: &'a [PathBuf],
 }
 
+/// The menus of the window, in one row.
 pub fn menu_bar(ui: &mut Ui, model: &Model, state: MenuState, commands: &mut Vec<Command>) {
     egui::MenuBar::new().ui(ui, |ui| {
         let context = &state.context;

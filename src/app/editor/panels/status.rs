@@ -10,6 +10,7 @@ use crate::engine::{RenderState, RenderStatus};
 /// Room for the separator before a part.
 const MARGIN: f32 = 22.0;
 
+/// One line: what the renderer is at, samples, time, speed and noise.
 pub fn status_line(ui: &mut Ui, model: &StatusModel) {
     let status = &model.status;
     ui.horizontal(|ui| {

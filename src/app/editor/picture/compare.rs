@@ -10,6 +10,7 @@ use crate::color::{Rgb, luminance, srgb_from_linear};
 /// A picture that was kept.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
+    /// Width and height in pixels.
     pub size: [u32; 2],
     /// Linear colours, row by row.
     pub radiance: Vec<Rgb>,
@@ -40,7 +41,9 @@ impl Snapshot {
 /// The snapshot and how it is shown.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Comparison {
+    /// None until one is taken.
     pub snapshot: Option<Snapshot>,
+    /// How picture and snapshot share the viewport.
     pub view: CompareView,
     /// The differences as they were measured last.
     pub figures: Option<Measured>,
@@ -51,6 +54,7 @@ pub struct Comparison {
 /// Figures and what they are of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
+    /// The differences.
     pub figures: Figures,
     /// Of the film; those of another picture say nothing about this one.
     pub job: u64,

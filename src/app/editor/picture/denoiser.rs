@@ -160,14 +160,19 @@ pub(crate) fn collect_denoised(
     }
 }
 
+/// What the menu and the status line say of the denoiser.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum DenoiserState {
+    /// The picture is shown as sampled.
     #[default]
     Idle,
+    /// A filter is at work in the background.
     Running,
     /// The denoised picture is shown.
     Shown {
+        /// How long the filter took.
         seconds: f32,
+        /// Samples per pixel that it had.
         samples: u32,
     },
     /// Built without, or failed.

@@ -47,6 +47,7 @@ impl FrameTimes {
 pub struct Frame {
     /// From its beginning to that of the next one; None where the window rested between them.
     pub whole: Option<f32>,
+    /// The window's own systems.
     pub own: f32,
     /// At the same time as the next one's `own`, on a thread of its own.
     pub drawing: f32,

@@ -8,6 +8,7 @@ use crate::app::editor::command::display::{DisplayMode, HOTTEST_NOISE, HOTTEST_S
 pub struct Legend {
     /// Where the heat map is 0 and where it is 1.
     pub low: String,
+    /// Where the heat map is 1.
     pub high: String,
 }
 

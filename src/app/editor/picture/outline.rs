@@ -17,14 +17,19 @@ use crate::render::tile::{Tile, tiles};
 /// How a thing stands out. Where two meet, the later one shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
+    /// Not at all.
     #[default]
     None,
+    /// Under the pointer.
     Hovered,
+    /// Selected, but not the active one.
     Selected,
+    /// The one that was selected last.
     Active,
 }
 
 impl Level {
+    /// The strongest level that holds for `entity`.
     pub fn of(entity: Entity, selection: &Selection, hovered: Option<Entity>) -> Self {
         if selection.active() == Some(entity) {
             Self::Active
@@ -37,6 +42,7 @@ impl Level {
         }
     }
 
+    /// The colour of outlines and icons.
     pub fn color(self) -> Color32 {
         match self {
             Self::None => Color32::from_rgb(235, 225, 170),
@@ -50,9 +56,13 @@ impl Level {
 /// A piece of an outline: pixels of one row, from the first to before the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Run {
+    /// The row, from the top.
     pub y: u32,
+    /// The first column.
     pub from: u32,
+    /// The column after the last.
     pub to: u32,
+    /// Decides the colour.
     pub level: Level,
 }
 
@@ -175,6 +185,7 @@ impl SeenInstances {
 /// The outline as it was last found.
 #[derive(Debug, Default)]
 pub struct SelectionOutline {
+    /// What each pixel shows.
     pub seen: SeenInstances,
     runs: Vec<Run>,
     /// Of the scene that the film is of.

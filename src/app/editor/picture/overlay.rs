@@ -18,6 +18,7 @@ pub(crate) const MAX_BOXES: usize = 4000;
 /// The eight corners of a box in the world. Corner k has bit 0 of k for the upper x, bit 1 for y, bit 2 for z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldBox {
+    /// In world space.
     pub corners: [Vec3; 8],
     /// True for a box of the hierarchy over the instances, false for one of a mesh.
     pub over_instances: bool,
@@ -26,7 +27,9 @@ pub struct WorldBox {
 /// What is to be drawn: at most [`MAX_BOXES`] boxes, and how many there would have been; with figures of the hierarchies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoxList {
+    /// Those that are drawn.
     pub boxes: Vec<WorldBox>,
+    /// Boxes that the choice of depth holds.
     pub total: usize,
     /// Of the total those that are leaves.
     pub leaves: usize,
@@ -37,9 +40,11 @@ pub struct BoxList {
     pub expected_work: f64,
     /// Of all hierarchies, each mesh's counted once.
     pub nodes: usize,
+    /// Memory of all hierarchies.
     pub bytes: usize,
 }
 
+/// Collects the boxes of all hierarchies at the depth that `overlay` asks for.
 pub fn boxes(geometry: &Tlas, overlay: &BvhOverlay) -> BoxList {
     let mut list = BoxList {
         expected_work: geometry.expected_work(),

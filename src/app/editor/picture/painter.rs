@@ -87,6 +87,7 @@ pub struct Painter<'a> {
 }
 
 impl<'a> Painter<'a> {
+    /// A painter for the present state of the film.
     pub fn new(film: &'a Film, settings: &DisplaySettings, scales: &'a Scales) -> Self {
         let brightness = match settings.mode {
             DisplayMode::Noise => mean_luminance(film),

@@ -18,14 +18,18 @@ use crate::scene::{Material, UsesMaterial};
 /// A path and the names of its vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedPath {
+    /// What the renderer recorded.
     pub path: RecordedPath,
     /// Per vertex the shape's and its material's.
     pub names: Vec<(String, String)>,
 }
 
+/// The paths that are drawn and told of.
 #[derive(Resource, Debug, Default)]
 pub struct PathInspector {
+    /// What the user has asked for; None for nothing.
     pub wanted: Option<InspectedPaths>,
+    /// Recorded from the picture's scene; empty while that is being packed.
     pub paths: Arc<Vec<NamedPath>>,
     /// The pixel they are of.
     pub pixel: UVec2,

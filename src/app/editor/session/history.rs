@@ -97,6 +97,7 @@ pub struct Entry {
 /// What kind of edit it is and of which entities: two of a kind in one drag are one step.
 pub type MergeKey = (&'static str, Vec<Entity>);
 
+/// The steps that can be undone and redone.
 #[derive(Resource, Debug, Default)]
 pub struct History {
     done: Vec<Entry>,
@@ -157,10 +158,12 @@ impl History {
         self.done.last().map(|entry| entry.number)
     }
 
+    /// Whether the scene is as the file has it.
     pub fn is_saved(&self) -> bool {
         !self.saved_is_lost && self.position() == self.saved_at
     }
 
+    /// The scene as it is now is in the file.
     pub fn note_saved(&mut self) {
         self.saved_at = self.position();
         self.saved_is_lost = false;
@@ -286,6 +289,7 @@ impl Entry {
 
 /// An edit under way: remembers what each entity was before it was first touched.
 pub struct Edit<'w> {
+    /// What was not recorded must be read only.
     pub world: &'w mut World,
     before: Vec<(Entity, ObjectState)>,
     /// Where each entity is in `before`.
@@ -342,6 +346,7 @@ impl<'w> Edit<'w> {
         }
     }
 
+    /// Takes a component off; undo puts it back.
     pub fn remove<C: Component>(&mut self, entity: Entity) {
         if self.world.get::<C>(entity).is_some() {
             self.touch(entity);

@@ -49,6 +49,7 @@ impl Layout {
         self
     }
 
+    /// Whether the panel is somewhere in the window, in front or not.
     pub fn has(&self, panel: Panel) -> bool {
         self.0.find_tab(&panel).is_some()
     }
@@ -82,6 +83,7 @@ impl Layout {
         place.is_some_and(|place| self.0.set_active_tab(place).is_ok())
     }
 
+    /// Takes the panel out; the viewport stays.
     pub fn close(&mut self, panel: Panel) {
         if let Some(place) = self.0.find_tab(&panel).filter(|_| panel != Panel::Viewport) {
             self.0.remove_tab(place);

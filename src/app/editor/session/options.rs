@@ -78,6 +78,7 @@ pub(crate) struct WantedCamera {
 /// How long the monkey plays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Length {
+    /// At least this long.
     Time(Duration),
     /// So many acts: such a run can be repeated exactly.
     Steps(usize),
@@ -86,7 +87,9 @@ pub enum Length {
 /// What is asked of the monkey.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonkeyOptions {
+    /// When the run ends.
     pub length: Length,
+    /// Of everything random.
     pub seed: u64,
     /// Copies of them are edited; at least one. Others than these are never touched.
     pub scenes: Vec<PathBuf>,

@@ -30,6 +30,7 @@ struct Aside {
     lock: Option<File>,
 }
 
+/// What is written aside while a scene is edited, so that a crash loses little.
 #[derive(Resource, Default)]
 pub struct Recovery {
     /// Of all scenes; None: nothing is written aside.
@@ -51,6 +52,7 @@ pub struct Recovery {
 }
 
 impl Recovery {
+    /// Writes into a folder below `folder`; nothing is written without one.
     pub fn new(folder: Option<&Path>) -> Self {
         let begun = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         Self {
@@ -277,6 +279,7 @@ pub(crate) fn plan_autosave(
     recovery.is_due = breaks_off || is_over && is_staying;
 }
 
+/// Whether [`autosave`] is to run in this frame.
 pub fn is_due(recovery: Res<Recovery>) -> bool {
     recovery.is_due
 }
@@ -332,6 +335,7 @@ pub fn recover(world: &mut World, offer: Offer) -> Result<(), CommandError> {
     Ok(())
 }
 
+/// Deletes what an offer is about. An error says that another window has it open.
 pub fn discard(offer: &Offer) -> Result<(), CommandError> {
     Aside::claim(&offer.folder).ok_or(IN_USE)?.remove();
     Ok(())

@@ -14,6 +14,7 @@ pub struct CommandQueue(pub Vec<Command>);
 /// What the window is asked to show or do.
 #[derive(Resource, Default)]
 pub struct Requests {
+    /// A file to ask for.
     pub dialog: Option<FileDialogKind>,
     /// How to save a file that others changed.
     pub save_question: Option<SaveQuestion>,

@@ -7,6 +7,7 @@ use crate::scene::write::SaveError;
 /// Shown until it is answered; while it is there, what is read of the file anew stays aside.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SaveQuestion {
+    /// Where the scene was to be saved.
     pub path: PathBuf,
     /// What has happened to the file, without a full stop.
     pub reason: String,

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 
+/// How grave a message is, and with it its colour and how long it stays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
     /// Something was done.
@@ -17,18 +18,26 @@ pub enum Tone {
 /// What an error is about, so that it can go when that is mended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Topic {
+    /// The open file cannot be read as it is now.
     SceneFile,
+    /// The scene could not be saved.
     Saving,
+    /// Nothing that is ever mended by itself.
     Other,
 }
 
+/// A message over the window.
 #[derive(Clone, Debug)]
 pub struct Toast {
+    /// Errors stay, all others go.
     pub tone: Tone,
+    /// What an error is about.
     pub topic: Topic,
+    /// One or two sentences.
     pub text: String,
     /// Lines of a file, with marks under them.
     pub excerpt: Option<String>,
+    /// When it came up.
     pub since: Instant,
 }
 
@@ -110,6 +119,7 @@ impl Toasts {
         waits.min()
     }
 
+    /// The messages without excerpts, the oldest first.
     pub fn texts(&self) -> impl Iterator<Item = &str> {
         self.0.iter().map(|toast| toast.text.as_str())
     }

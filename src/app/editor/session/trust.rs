@@ -28,6 +28,7 @@ const MOST_NAMED: usize = 3;
 pub struct TrustedFolders {
     /// None: nothing is remembered.
     path: Option<PathBuf>,
+    /// What the user is asked; None where nothing is open.
     pub question: Option<Question>,
     /// A scene that could not be read before its files were allowed. To be opened, unless that would lose edits.
     pub opens: Option<PathBuf>,

@@ -12,15 +12,21 @@ use crate::app::editor::command::tool::Tool;
 /// The settings that commands change and that the viewport, the menus and scripts read.
 #[derive(Resource)]
 pub struct ViewSettings {
+    /// How the film becomes a picture.
     pub display: DisplaySettings,
+    /// Boxes of the acceleration structures over the picture.
     pub overlay: BvhOverlay,
+    /// Speed and centre of the view's movements.
     pub navigation: Navigation,
+    /// What a drag of the gizmo does.
     pub gizmo: GizmoSettings,
     /// Views to come back to.
     pub bookmarks: StoredViews,
+    /// What the next click in the picture does.
     pub tool: Tool,
     /// Frames within the picture that titles and actions should keep to.
     pub safe_frame: bool,
+    /// False where the viewport fills the window.
     pub panels_shown: bool,
 }
 

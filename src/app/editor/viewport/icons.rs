@@ -9,16 +9,21 @@ use bevy_egui::egui::{Color32, Painter, Pos2, Shape, Stroke, Vec2};
 use crate::app::editor::camera::screen::Screen;
 use crate::scene::{Emitter, EmitterKind};
 
+/// The mark of a light or a camera, which no ray hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Icon {
+    /// What a click selects.
     pub entity: Entity,
+    /// What is drawn.
     pub kind: IconKind,
     /// World from local.
     pub pose: Affine3A,
 }
 
+/// The drawings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum IconKind {
+    /// Shines in all directions.
     Bulb,
     /// Shines along +z from everywhere.
     Sun,
@@ -49,6 +54,7 @@ const LENGTH: f32 = 30.0;
 const MOST_ICONS: usize = 1000;
 const SHADOW: Color32 = Color32::from_black_alpha(120);
 
+/// Draws the icons that are in front of the camera, at most a thousand of them.
 pub fn paint(painter: &Painter, screen: &Screen, icons: &[Icon], color: impl Fn(Entity) -> Color32) {
     let seen = icons.iter().filter_map(|icon| Some((icon, place(screen, icon)?)));
     for (icon, middle) in seen.take(MOST_ICONS) {

@@ -14,8 +14,11 @@ use crate::engine::PackedScene;
 /// What may be there to take a material.
 #[derive(Clone, Copy, Debug)]
 pub struct Takers<'a> {
+    /// Tells what is seen under the pointer.
     pub packed: &'a PackedScene,
+    /// Tells what is a material.
     pub things: &'a Outline,
+    /// Takes no material.
     pub locked: &'a EntityHashSet,
 }
 

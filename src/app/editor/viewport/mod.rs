@@ -44,6 +44,7 @@ const REGION: Color32 = Color32::from_rgb(230, 70, 60);
 const SCENE_BOX: Color32 = Color32::from_rgba_premultiplied(60, 200, 90, 200);
 const MESH_BOX: Color32 = Color32::from_rgba_premultiplied(60, 130, 230, 160);
 
+/// Shows the picture with everything over it, and adds what mouse and keys ask for to `commands`.
 pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, commands: &mut Vec<Command>) {
     let panel = ui.available_rect_before_wrap();
     ui.painter().rect_filled(panel, 0.0, Color32::from_gray(18));

@@ -31,10 +31,15 @@ pub struct ViewportModel<'a> {
     pub pose: Option<Affine3A>,
     /// The camera of the picture, to draw over it.
     pub camera: Option<Camera>,
+    /// Boxes of the acceleration structures to draw.
     pub boxes: &'a BoxList,
+    /// Inspected paths to draw.
     pub paths: &'a PathInspector,
+    /// Outlines of what is selected or under the pointer.
     pub outline: &'a SelectionOutline,
+    /// Lights and cameras.
     pub icons: &'a [Icon],
+    /// What the handles act on.
     pub gizmo: GizmoModel<'a>,
     /// Not to be selected.
     pub locked: &'a EntityHashSet,
@@ -44,10 +49,13 @@ pub struct ViewportModel<'a> {
     pub packed: &'a PackedScene,
     /// Of false colours, where there are any.
     pub legend: Option<&'a Legend>,
+    /// Texts at the edge of the picture.
     pub captions: &'a [Caption],
     /// The part of the picture that is rendered, if it is not all of it; (0, 0) top left, (1, 1) bottom right.
     pub region: Option<bevy::math::Rect>,
+    /// Speed and centre of the view's movements.
     pub navigation: Navigation,
+    /// What keys refer to.
     pub keys: ActionContext<'a>,
     /// By how much the mouse has been moved since the last frame, pixels; told even of a pointer that stands at an edge.
     pub mouse: egui::Vec2,

@@ -20,9 +20,11 @@ use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::tool::Tool;
 
+/// What the mouse is at, from press to release.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointerState {
     hold: Option<Hold>,
+    /// Where the mouse is caught while the view turns.
     pub(crate) cursor: TurningCursor,
     /// What is under the pointer.
     pub hovered: Option<Entity>,

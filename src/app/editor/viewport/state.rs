@@ -11,7 +11,9 @@ use super::pointer::PointerState;
 /// What the viewport remembers between frames.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct ViewportState {
+    /// Of the handles.
     pub gizmo: GizmoState,
+    /// Of the mouse.
     pub pointer: PointerState,
     pub(super) flying: bool,
     pub(super) speed: SpeedTag,

@@ -19,8 +19,11 @@ pub struct Palette {
 /// A line of the list.
 #[derive(Clone, Copy)]
 pub enum Hit<'a> {
+    /// An action of the table.
     Action(&'static Action),
+    /// A scene file to open.
     Scene(&'a Path),
+    /// A thing of the scene to select.
     Thing(&'a Item),
 }
 

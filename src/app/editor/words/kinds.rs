@@ -21,6 +21,7 @@ pub fn material_kind(material: &Material) -> &'static str {
     plugin_name(material.plugin())
 }
 
+/// The name of a kind of material by its plugin.
 pub fn plugin_name(plugin: &'static str) -> &'static str {
     in_words(&MATERIAL_KINDS, plugin)
 }

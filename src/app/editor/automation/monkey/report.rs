@@ -25,8 +25,11 @@ pub(crate) struct Mark {
 /// A frame of the window's own systems, without the monkey's own work.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
+    /// How long it took.
     pub time: Span,
+    /// Since the run began.
     pub at: Duration,
+    /// The command that was applied in it.
     pub doing: String,
     /// Threads of the machine that were ready to run, for each core.
     pub load: f32,
@@ -104,9 +107,11 @@ const MARKS_LISTED: usize = 60;
 
 /// What came out of one criterion.
 pub struct Verdict {
+    /// The criterion in words.
     pub what: &'static str,
     /// None: it was not judged.
     pub holds: Option<bool>,
+    /// The figures behind it.
     pub text: String,
 }
 

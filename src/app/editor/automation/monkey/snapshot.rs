@@ -15,6 +15,7 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
+    /// Describes the scene of a world as saving would.
     pub fn of(world: &mut World) -> Self {
         let mut marks: Vec<(String, bool, bool)> = world
             .query_filtered::<(&Name, Has<Hidden>, Has<Locked>), With<DocumentOrder>>()

@@ -17,6 +17,7 @@ use crate::scene::{
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum AssignError {
+    /// There is no such parameter.
     #[error("expected {}", known.join(" or "))]
     Unknown { known: Vec<&'static str> },
     #[error(transparent)]
@@ -34,18 +35,22 @@ struct Assign<'t> {
     outcome: Option<Result<(), AssignError>>,
 }
 
+/// Sets a parameter of a material by its name in the file from a text of the script.
 pub fn material(material: &mut Material, parameter: &str, text: &str) -> Result<(), AssignError> {
     assign(parameter, text, |visitor| material.visit(visitor))
 }
 
+/// Sets a parameter of what a shape emits, as [`material`] does.
 pub fn area_light(light: &mut AreaLight, parameter: &str, text: &str) -> Result<(), AssignError> {
     assign(parameter, text, |visitor| light.visit(visitor))
 }
 
+/// Sets a parameter of a light that is no surface, as [`material`] does.
 pub fn emitter(emitter: &mut Emitter, parameter: &str, text: &str) -> Result<(), AssignError> {
     assign(parameter, text, |visitor| emitter.visit(visitor))
 }
 
+/// Sets a parameter of a shape, as [`material`] does.
 pub fn shape(shape: &mut Shape, parameter: &str, text: &str) -> Result<(), AssignError> {
     assign(parameter, text, |visitor| {
         visitor.parsed("flip_normals", &mut shape.flip_normals, parse_boolean);
@@ -69,6 +74,7 @@ pub fn shape(shape: &mut Shape, parameter: &str, text: &str) -> Result<(), Assig
     })
 }
 
+/// Sets a parameter of a camera, as [`material`] does.
 pub fn sensor(sensor: &mut Sensor, parameter: &str, text: &str) -> Result<(), AssignError> {
     assign(parameter, text, |visitor| {
         visitor.bounded("fov", &mut sensor.fov, 0.1..=179.0);
@@ -86,6 +92,7 @@ pub fn sensor(sensor: &mut Sensor, parameter: &str, text: &str) -> Result<(), As
     })
 }
 
+/// Sets a parameter of a camera's film, as [`material`] does.
 pub fn film(film: &mut Film, parameter: &str, text: &str) -> Result<(), AssignError> {
     let pixels = |text: &str| match parse_integer(text)? {
         number @ 1..=65536 => Ok(number as u32),

@@ -30,7 +30,9 @@ use crate::scene::{AreaLight, DocumentOrder, Emitter, Film, Material, SceneId, S
 /// What a line asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
+    /// A command for this frame.
     Do(Command),
+    /// The lines after it wait.
     Wait(Wait),
     /// The whole window, as PNG.
     Screenshot(PathBuf),
@@ -92,6 +94,7 @@ pub const VERBS: [(&str, &str); 40] = [
     ("screenshot", "FILE"),
 ];
 
+/// Reads one line of a script; None for a comment or an empty line. Names are looked up in the scene of `world` as it is now.
 pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> {
     let text = text.trim();
     if text.is_empty() || text.starts_with('#') {

@@ -17,13 +17,21 @@ pub use table::ACTIONS;
 /// What actions toggle, step or are about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActionContext<'a> {
+    /// Modes and exposure are stepped from here.
     pub display: DisplaySettings,
+    /// Depth is stepped from here.
     pub overlay: BvhOverlay,
+    /// Modes and axes are switched from here.
     pub gizmo: GizmoSettings,
+    /// Whether rendering is held.
     pub paused: bool,
+    /// Whether there are panels beside the viewport.
     pub panels_shown: bool,
+    /// Many actions need one.
     pub selection: &'a Selection,
+    /// A tool that is in use is given up by its own key.
     pub tool: Tool,
+    /// Whether the safe frame is shown.
     pub safe_frame: bool,
     /// While flying, Control means slow and is no part of a shortcut.
     pub flying: bool,
@@ -32,21 +40,28 @@ pub struct ActionContext<'a> {
 /// A key with its modifiers; `command` is Control, on a Mac the command key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shortcut {
+    /// The key that goes down last.
     pub key: Key,
+    /// Control, or the command key of a Mac.
     pub command: bool,
+    /// Whether Shift is held.
     pub shift: bool,
+    /// Whether Alt is held.
     pub alt: bool,
     /// A digit of the block at the keyboard's right.
     pub numpad: bool,
 }
 
+/// What keys, menus, palette and scripts call by one name.
 #[derive(Clone, Copy)]
 pub struct Action {
     /// In scripts and the palette.
     pub name: &'static str,
     /// In menus and the palette.
     pub label: &'static str,
+    /// Its menu, and its heading in the overview.
     pub group: Group,
+    /// Any of them will do; the first is shown.
     pub keys: &'static [Shortcut],
     /// None: there is nothing to do it to.
     pub command: fn(&ActionContext) -> Option<Command>,
@@ -55,15 +70,22 @@ pub struct Action {
 /// Headings of the overview, and menus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {
+    /// Opening, saving, importing.
     File,
+    /// History, selection, clipboard.
     Edit,
+    /// New things.
     Add,
+    /// Camera and display.
     View,
+    /// Samples, denoiser, comparison.
     Render,
+    /// Panels, preferences, help.
     Window,
 }
 
 impl Group {
+    /// The groups with their headings, in the order of the menus.
     pub const ALL: [(Self, &'static str); 6] = [
         (Self::File, "File"),
         (Self::Edit, "Edit"),

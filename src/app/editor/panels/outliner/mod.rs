@@ -17,6 +17,7 @@ use lines::{Folding, Line, folders_of, leaf};
 use row::Row;
 use state::{OutlinerState, Renaming, how};
 
+/// All things of the scene as a tree, with a filter; what is done to them is added to `commands`.
 pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands: &mut Vec<Command>) {
     let (outline, selection) = (&model.outline, &model.selection);
     ui.add(

@@ -10,6 +10,7 @@ use crate::app::editor::model::Item;
 /// What the panel remembers between frames.
 #[derive(Clone, Debug, Default)]
 pub struct OutlinerState {
+    /// Only things are listed whose names contain it.
     pub filter: String,
     pub(super) folding: Folding,
     pub(super) lines: Lines,

@@ -41,7 +41,9 @@ impl Change {
 /// A drag, from the press on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drag {
+    /// Where the gizmo stood at the press; it stays there until the drag is over.
     pub frame: Frame,
+    /// What is moved, with the poses at the press.
     pub targets: Vec<Target>,
     pub constraint: Constraint,
     pub typed: Typed,
@@ -64,6 +66,7 @@ const POINTS_PER_DOUBLING: f32 = 100.0;
 const SMALLEST_FACTOR: f32 = 0.01;
 
 impl Drag {
+    /// Begins a drag that took hold at the point `grabbed` of the window.
     pub fn new(
         frame: Frame,
         targets: Vec<Target>,
@@ -83,6 +86,7 @@ impl Drag {
         }
     }
 
+    /// What the drag does.
     pub fn mode(&self) -> Mode {
         self.settings.mode
     }

@@ -18,6 +18,7 @@ const VIEW_RING: f32 = 94.0;
 /// Where an axis begins, where the squares of the planes lie along their axes, half a width of what is in the middle and at the tips.
 const AXIS_START: f32 = 18.0;
 const SQUARE: [f32; 2] = [26.0, 44.0];
+/// Half the width of what is in the middle, in points.
 pub const MIDDLE: f32 = 9.0;
 pub(crate) const TIP: f32 = 6.0;
 /// How near to a line the pointer takes it.
@@ -26,25 +27,34 @@ const REACH: f32 = 7.0;
 const SHORTEST: f32 = 0.12;
 const RING_SEGMENTS: usize = 64;
 
+/// What a handle looks like, in points of the window.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Form {
     /// From where it begins to the tip.
     Line([Pos2; 2]),
+    /// The corners in their order around it.
     Square([Pos2; 4]),
     /// Segments of the part that is in front, then of the part behind the middle.
     Ring {
+        /// In front of the middle.
         front: Vec<[Pos2; 2]>,
+        /// Behind the middle.
         back: Vec<[Pos2; 2]>,
     },
+    /// A ring around the view axis.
     Circle {
+        /// The origin of the gizmo.
         middle: Pos2,
+        /// In points.
         radius: f32,
     },
 }
 
+/// A part of the gizmo that can be dragged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Handle {
     pub constraint: Constraint,
+    /// Where the pointer takes it.
     pub form: Form,
 }
 

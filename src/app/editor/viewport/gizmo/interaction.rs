@@ -20,6 +20,7 @@ use crate::engine::PackedScene;
 /// What the gizmo acts on.
 #[derive(Clone, Copy, Debug)]
 pub struct GizmoModel<'a> {
+    /// Mode, axes, pivot and steps.
     pub settings: GizmoSettings,
     /// The selected objects that can be moved, the active one last.
     pub targets: &'a [Target],
@@ -27,9 +28,11 @@ pub struct GizmoModel<'a> {
     pub length_step: f32,
     /// The world's upward direction, an axis.
     pub up: Vec3,
+    /// What the picture is of, to drop things onto.
     pub packed: &'a PackedScene,
 }
 
+/// What the gizmo remembers between frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GizmoState {
     lit: Option<Constraint>,
@@ -63,6 +66,7 @@ enum Hold {
 pub struct Rest {
     /// The mouse was not for the gizmo.
     pub pointer: bool,
+    /// Keys that were not for the gizmo, in order.
     pub presses: Vec<Press>,
 }
 
@@ -239,6 +243,7 @@ impl GizmoState {
         true
     }
 
+    /// Draws the handles, or the drag that is under way. `pointer` lights the handle below it.
     pub fn paint(&self, painter: &Painter, screen: &Screen, model: &GizmoModel, pointer: Option<Pos2>) {
         match &self.held {
             Some(held) if held.by != Hold::Keys || held.change.is_some() => {

@@ -20,14 +20,18 @@ use crate::math::Aabb;
 /// An object to be moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
+    /// What commands name.
     pub entity: Entity,
+    /// World from local.
     pub to_world: Affine3A,
+    /// Which parts of the pose can be edited.
     pub freedom: Freedom,
     /// World bounds; None for what has no surface.
     pub bounds: Option<Aabb>,
 }
 
 impl Target {
+    /// The origin of its own space, in the world.
     pub fn origin(&self) -> Vec3 {
         self.to_world.translation.into()
     }
@@ -45,6 +49,7 @@ impl Target {
 /// Where the gizmo stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
+    /// In the world.
     pub origin: Vec3,
     /// Of unit length, at right angles.
     pub axes: [Vec3; 3],

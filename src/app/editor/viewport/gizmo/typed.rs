@@ -2,6 +2,7 @@
 
 use bevy_egui::egui::Key;
 
+/// The text so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Typed(String);
 
@@ -9,10 +10,12 @@ pub struct Typed(String);
 const LONGEST: usize = 32;
 
 impl Typed {
+    /// Whether nothing was typed.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
+    /// As it is shown beside the pointer.
     pub fn text(&self) -> &str {
         &self.0
     }
