@@ -1,4 +1,4 @@
-//! How the C library of Linux gives memory back to the system. No other module sets it.
+//! Makes the C library of Linux give memory back to the system. No other module sets it.
 #![allow(unsafe_code)]
 
 /// Larger pieces of memory go back to the system when they are freed, in bytes.
@@ -10,7 +10,7 @@
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const GIVEN_BACK_ABOVE: libc::c_int = 1 << 20;
 
-/// For programs that run long. To be called before other threads are started.
+/// Keeps the memory of long runs low. To be called before other threads are started.
 pub fn keep_memory_low() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: `mallopt` changes a parameter of the allocator, which glibc guards by a lock of its own; it touches no memory of ours. Where it

@@ -1,4 +1,4 @@
-//! The program without a window: the scene and the engine, updated by whoever renders.
+//! The app without a window: the scene and the engine, updated by the caller that renders.
 
 use bevy::prelude::*;
 
@@ -28,7 +28,7 @@ pub fn render_only(scene: OpenScene, threads: Option<i32>) -> App {
     keep_memory_low();
     let mut app = headless(scene, threads);
     app.world().resource::<KeepSource>().set(false);
-    // After the tree of the file is gone, and after its description is.
+    // It runs after the tree of the file and its description have been dropped.
     app.add_systems(
         PreUpdate,
         (

@@ -1,12 +1,12 @@
-//! How many threads trace rays. The one place that decides it: neither Bevy's task pools nor rayon's global pool are used for that. And
-//! what is left to the others.
+//! Decides how many threads trace rays, and how many cores are left to others. No other place decides it: neither Bevy's task pools nor rayon's
+//! global pool trace rays.
 
 use std::num::NonZeroUsize;
 
 use bevy::ecs::schedule::{Schedules, SingleThreadedExecutor};
 use bevy::prelude::*;
 
-/// More threads than the largest machines have cores; each costs memory, and the system refuses to start many more.
+/// The most threads that are started, more than the largest machines have cores. Each costs memory, and the system refuses to start many more.
 pub const MOST_WORKERS: usize = 1024;
 
 /// The number of workers.

@@ -67,15 +67,15 @@ pub fn windowed(options: WindowOptions) -> App {
         })
         .set(asset_plugin())
         .set(LogPlugin {
-            // Of the libraries only what is wrong; a software driver and a window manager without sizes are not. Files that cannot be
-            // read are reported by the scene, without the backtraces of the asset server.
+            // Only errors of libraries are logged. A software driver and a window manager without sizes are none. The scene reports files that
+            // cannot be read, without the backtraces of the asset server.
             filter: "error,sunroom=info,bevy_asset::server=off".to_owned(),
             fmt_layer: |_| Some(log_layer()),
             ..default()
         })
         .set(RenderPlugin {
             render_creation: RenderCreation::Automatic(Box::new(WgpuSettings {
-                // Those that can show a window everywhere they exist; OpenGL cannot.
+                // Only backends that can show a window wherever they exist are used, which OpenGL is not.
                 backends: Some(Backends::from_env().unwrap_or(Backends::PRIMARY)),
                 ..default()
             })),
@@ -113,7 +113,7 @@ fn keep_driver(adapter: Option<Res<RenderAdapter>>) {
     std::mem::forget(adapter.map(|adapter| adapter.clone()));
 }
 
-/// On systems where windows need no display server to be named there always is one.
+/// Whether there is a display. Systems whose windows need no display server always have one.
 fn has_display() -> bool {
     let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     !cfg!(all(unix, not(target_os = "macos")))

@@ -63,7 +63,7 @@ impl Plugin for EditorPlugin {
         if let Some(problem) = &preferences_file.problem {
             toasts.error(Topic::Other, problem, None);
         }
-        // Nobody could answer the question.
+        // Without a user the question could not be answered.
         let (trusted_folders, trust) = match options.is_attended() {
             true => session::trust::TrustedFolders::open(folder.as_deref()),
             false => Default::default(),

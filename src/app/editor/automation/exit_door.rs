@@ -17,9 +17,9 @@ pub struct ExitDoor {
 
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Step {
-    /// For the samples, or the measurement.
+    /// It waits for the samples, or for the measurement.
     Waiting,
-    /// For exactly so many samples.
+    /// It waits for exactly this number of samples.
     Sampling(u32),
     /// The picture is ready; a few frames more, so that the panels show it too.
     Settling(u32),
@@ -39,7 +39,7 @@ impl ExitDoor {
         }
     }
 
-    /// Nothing is done any more; the picture that is not there then.
+    /// Stops waiting. Returns the picture that will not be written.
     pub fn give_up(&mut self) -> Option<PathBuf> {
         let before = std::mem::replace(&mut self.step, Step::Done);
         self.screenshot.take().filter(|_| before != Step::Done)

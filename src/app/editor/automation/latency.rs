@@ -1,4 +1,4 @@
-//! How quickly the window answers: frame times, and the time from a command to the first changed pixels in the texture.
+//! Measures how quickly the window responds: frame times, and the time from a command to the first changed pixels in the texture.
 
 use std::io::Write;
 use std::time::{Duration, Instant};
@@ -17,7 +17,7 @@ use crate::app::editor::session::view_settings::ViewSettings;
 use crate::engine::{RenderFilm, RenderState, RenderStatus};
 use crate::scene::{AreaLight, Emitter, Material, MeshHandle, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial};
 
-/// The measurement asked for on the command line: so many edits of each kind, one after the other.
+/// The measurement that the command line asks for: this many edits of each kind, one after the other.
 #[derive(Resource)]
 pub struct LatencyProbe {
     /// Edits of each kind.
@@ -42,10 +42,10 @@ enum Phase {
     },
 }
 
-/// An edit that shows nothing for so long has changed nothing.
+/// The longest wait for an edit to show. After it the edit is taken to have changed nothing.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Between two edits that have nothing to do with each other.
+/// The rest between two edits that are independent.
 const REST: Duration = Duration::from_millis(400);
 
 enum Act {
@@ -55,7 +55,8 @@ enum Act {
     ReadMesh,
 }
 
-/// What is measured, and the rest before each: without one the picture moves, see [`crate::app::editor::picture::motion`].
+/// The kinds of edits that are measured, with the rest before each: without a rest the picture counts as moving, see
+/// [`crate::app::editor::picture::motion`].
 const KINDS: [(&str, Act, Duration); 8] = [
     ("fly", Act::Command(fly), REST),
     ("fly on and on", Act::Command(fly), Duration::ZERO),
@@ -234,7 +235,7 @@ fn largest_mesh(world: &mut World) -> Option<(Entity, Affine3A)> {
     largest.map(|(entity, pose, ..)| (entity, pose.0))
 }
 
-/// Of the material of that mesh, or any, the first colour that can be set.
+/// Changes the first colour that can be set in the material of that mesh, or in any material.
 fn change_material(world: &mut World, time: usize) -> Option<Command> {
     let of_mesh = largest_mesh(world).and_then(|(entity, _)| world.get::<UsesMaterial>(entity).map(|uses| uses.0));
     let mut all: Vec<Entity> = of_mesh.into_iter().collect();
@@ -274,7 +275,7 @@ fn change_light(world: &mut World, time: usize) -> Option<Command> {
     })
 }
 
-/// What the edits before have left in the history.
+/// Undoes the edits that are left in the history.
 fn undo(world: &mut World, time: usize) -> Option<Command> {
     if world.resource::<History>().len() == (0, 0) {
         return None;

@@ -11,7 +11,7 @@ use crate::math::Aabb;
 
 /// Radians per point of mouse movement: a quarter turn takes about 500 points.
 const LOOK_RATE: f32 = 0.003;
-/// At speed 1 it takes this many seconds to cross the scene.
+/// The seconds that crossing the scene takes at speed 1.
 const SECONDS_ACROSS: f32 = 4.0;
 /// A notch of the wheel dollies as far as this many seconds of flying.
 const SECONDS_PER_NOTCH: f32 = 0.2;
@@ -21,13 +21,13 @@ const FAST: f32 = 4.0;
 const SLOW: f32 = 0.25;
 /// Longer frames (the first after a pause) count as this long, in seconds, so that the camera never leaps.
 const LONGEST_FRAME: f32 = 0.1;
-/// How near, in radians, the view may come to straight up or down.
+/// The least angle, in radians, between the view and straight up or down.
 const POLE_MARGIN: f32 = 0.02;
 
 /// One frame's input.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct FlyInput {
-    /// In [-1, 1]: to the left, up, forward.
+    /// The direction to the left, up and forward, each in [-1, 1].
     pub direction: Vec3,
     /// Mouse movement in points while looking, +x right, +y down.
     pub look: Vec2,
@@ -37,7 +37,7 @@ pub(crate) struct FlyInput {
     pub seconds: f32,
 }
 
-/// What flying needs to know beside the camera.
+/// The settings of flying beside the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Navigation {
     /// Multiple of the speed that suits the scene.
@@ -105,7 +105,7 @@ impl Navigation {
         pose.is_finite().then_some(pose)
     }
 
-    /// The level axes of a camera that has been turned by a mouse movement of so many points.
+    /// The level axes of a camera that is turned by a mouse movement in points.
     pub(crate) fn looking(&self, world_from_camera: &Affine3A, look: Vec2) -> Mat3A {
         let forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
         let angles = look * LOOK_RATE;
@@ -117,7 +117,7 @@ impl Navigation {
         facing(heading * elevation.cos() + self.up * elevation.sin(), self.up)
     }
 
-    /// What is up in a picture of this pose: the world's, or straight up and down where that heads.
+    /// The direction that is up in a picture of this pose: the world's up, or the heading if the view is straight up or down.
     pub(crate) fn upright(&self, world_from_camera: &Affine3A) -> Vec3 {
         let forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
         let down = -forward.dot(self.up);
@@ -168,10 +168,10 @@ pub(crate) fn framing(world_from_camera: Affine3A, bounds: &Aabb, half_fov: f32)
     pose.is_finite().then_some(pose)
 }
 
-/// As [`framing`] for an orthographic camera, whose scale is its extent; `aspect` is the picture's width over its height.
+/// [`framing`] for an orthographic camera, whose scale is its extent; `aspect` is the picture's width over its height.
 pub(crate) fn framing_parallel(world_from_camera: Affine3A, bounds: &Aabb, aspect: f32) -> Option<Affine3A> {
     let radius = bounds.framed_radius();
-    // From twice the radius away nothing of the sphere is behind the camera.
+    // At a distance of twice the radius nothing of the sphere is behind the camera.
     let pose = framing(world_from_camera, bounds, 30f32.to_radians())?;
     let pose = pose * Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.0) * radius * aspect.max(1.0) + Vec3::Z);
     pose.is_finite().then_some(pose)

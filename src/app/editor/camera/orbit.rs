@@ -17,7 +17,7 @@ const LEAST: f32 = 0.1;
 const NARROWEST: f32 = 1e-4;
 
 impl Navigation {
-    /// Turns the view by a drag of so many points, and the camera around `center` with it.
+    /// Turns the view by a drag in points, and the camera around `center` with it.
     pub(crate) fn orbit(&self, world_from_camera: Affine3A, center: Vec3, drag: Vec2) -> Affine3A {
         let forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
         let level = facing(forward, self.upright(&world_from_camera));
@@ -69,7 +69,7 @@ impl Navigation {
         translated(narrowed, from_middle * (1.0 - factor))
     }
 
-    /// Along an axis of the world, level, with `center` straight ahead and as far as it is now.
+    /// A level view along an axis of the world, with `center` straight ahead and as far as it is now.
     pub fn axis_view(&self, world_from_camera: Affine3A, center: Vec3, view: AxisView) -> Affine3A {
         let north = north(self.up);
         let forward = match view {
@@ -106,7 +106,7 @@ fn translated(pose: Affine3A, way: Vec3) -> Affine3A {
     }
 }
 
-/// What is away from someone who looks at the front, where this is up: as modellers have it, -z where y is up, else y.
+/// The direction away from a viewer who looks at the front, where `up` is up: as in modelling programs -z where y is up, else y.
 fn north(up: Vec3) -> Vec3 {
     if up.y.abs() > 0.5 { Vec3::NEG_Z } else { Vec3::Y }
 }
@@ -116,7 +116,7 @@ mod tests {
     use super::super::screen::tests::{orthographic, perspective};
     use super::*;
 
-    /// That of the test screens.
+    /// The pose of the test screens.
     fn pose() -> Affine3A {
         Affine3A::from_translation(Vec3::new(0.0, 0.0, -8.0))
     }
@@ -138,7 +138,7 @@ mod tests {
             assert!(!moved.abs_diff_eq(camera, 0.1));
             camera = moved;
         }
-        // To the right: the front of things goes there, the camera to its left.
+        // The front of things moves to the right, and the camera to its left.
         let right = navigation.orbit(pose(), Vec3::ZERO, Vec2::new(50.0, 0.0));
         assert!(right.translation.x > 0.5 && forward(&right).x < -0.1);
     }
@@ -188,7 +188,7 @@ mod tests {
         let narrowed = Navigation::default().narrow(scaled, film, &screen, 2.0);
         let factor = WAY_LEFT.powi(2);
         assert!((narrowed.matrix3.x_axis.length() - 8.0 * factor).abs() < 1e-4);
-        // From the middle to the pointer it is as far as before, times the factor.
+        // The distance from the middle to the pointer is the former one times the factor.
         let out = |film| screen.camera.unproject(film, 0.0) - screen.camera.unproject(Vec2::splat(0.5), 0.0);
         let before = Vec3::from(scaled.translation) + out(film);
         let after = Vec3::from(narrowed.translation) + factor * out(film);

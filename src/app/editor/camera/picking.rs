@@ -38,7 +38,8 @@ impl SeenSurface {
 
 /// Rays that go through what is passed over are begun anew behind it, at most so often.
 const MOST_PASSED: usize = 256;
-/// How far behind, as a share of the way so far and of the ray's origin's coordinates: well above rounding, well below what is seen.
+/// The distance behind a surface at which a ray goes on, as a share of the way so far and of the origin's coordinates: well above rounding, and
+/// well below what is visible.
 const BEHIND: f32 = 1e-5;
 
 /// The first surface along a ray, as if the entities that `is_passed` names were not there. The ray's direction need not have unit length.
@@ -76,7 +77,7 @@ pub fn ahead(packed: &PackedScene) -> Option<SeenSurface> {
     surface(packed, &camera.ray(Vec2::splat(0.5), Vec2::splat(0.5)), |_| false)
 }
 
-/// How far that is from the camera, not from where it begins to see.
+/// The distance from the camera, not from where it begins to see.
 pub fn distance_ahead(packed: &PackedScene) -> Option<f32> {
     let camera = &packed.view.as_ref()?.camera;
     ahead(packed).map(|seen| camera.project(seen.position).1)
@@ -108,7 +109,7 @@ pub fn bounds_of(packed: &PackedScene, entity: Entity) -> Option<Aabb> {
     bounds_of_each(packed, &[entity]).pop().flatten()
 }
 
-/// World bounds of each of some shapes; None for those that are not in the picture.
+/// The world bounds of each of some shapes; None for those that are not in the picture.
 pub fn bounds_of_each(packed: &PackedScene, entities: &[Entity]) -> Vec<Option<Aabb>> {
     let mut bounds = vec![Aabb::EMPTY; entities.len()];
     if let Some(scene) = &packed.scene {
@@ -159,7 +160,7 @@ pub(crate) mod tests {
         (packed, entities)
     }
 
-    /// Nothing but shapes where they are.
+    /// A scene of nothing but shapes at their places.
     pub fn scene_of(shapes: impl Iterator<Item = (Primitive, Affine3A)>) -> RenderScene {
         let instances = shapes.filter_map(|(primitive, pose)| Instance::new(primitive, pose));
         RenderScene {

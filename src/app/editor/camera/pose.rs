@@ -1,4 +1,4 @@
-//! From where the scene is looked at, and through which lens.
+//! The pose and the lens of the view.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -28,7 +28,7 @@ pub(crate) fn is_orthographic(world: &World) -> bool {
     lens(world) == Some(Lens::Orthographic)
 }
 
-/// What a view needs in place of the lens of the camera in use, to be orthographic or not; None if the camera is so.
+/// The lens that a view needs in place of that of the camera in use to be orthographic or not; None if the camera is so itself.
 pub(crate) fn lens_of_view(world: &World, orthographic: bool) -> Option<Lens> {
     let sensor = world.get::<Sensor>(world.resource::<ActiveSensor>().0?)?;
     let is_so = (sensor.lens == Lens::Orthographic) == orthographic;

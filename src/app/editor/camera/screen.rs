@@ -1,4 +1,4 @@
-//! Between the world and the window: where things of the world are seen, in points, and what lies behind a point.
+//! Maps between the world and the window: the place in points where something is seen, and the ray behind a point.
 
 use bevy::math::{Vec2, Vec3};
 use bevy_egui::egui::{Pos2, Rect};
@@ -11,7 +11,7 @@ use crate::render::camera::Camera;
 pub struct Screen {
     /// What the picture was rendered with.
     pub camera: Camera,
-    /// Where the picture is shown, in points.
+    /// The rectangle of the picture, in points.
     pub picture: Rect,
 }
 
@@ -26,7 +26,7 @@ impl Screen {
         self.picture.min + bevy_egui::egui::vec2(film.x, film.y) * self.picture.size()
     }
 
-    /// Where a point of the world is seen; None behind the camera.
+    /// The place where a point of the world is seen; None behind the camera.
     pub fn project(&self, world: Vec3) -> Option<Pos2> {
         let (film, depth) = self.camera.project(world);
         (depth > 0.0 && film.is_finite()).then(|| self.point_of_film(film))
@@ -66,7 +66,7 @@ impl Screen {
         (self.camera.unproject(film, 1.0) - self.camera.unproject(film, 0.0)).normalize_or_zero()
     }
 
-    /// How many world units one point of the window is wide at this distance along the view axis.
+    /// The width in world units of one point of the window at this distance along the view axis.
     pub(crate) fn units_per_point(&self, depth: f32) -> f32 {
         let across = self.camera.unproject(Vec2::X, depth) - self.camera.unproject(Vec2::ZERO, depth);
         across.length() / self.picture.width()
@@ -125,7 +125,7 @@ pub(crate) mod tests {
             let back = screen.ray(at).at(screen.depth(world));
             assert!(back.abs_diff_eq(world, 1e-4), "{back}");
             assert!(screen.forward().abs_diff_eq(Vec3::Z, 1e-5));
-            // Both are sixteen units and 400 points wide at distance eight.
+            // Both views are sixteen units and 400 points wide at distance eight.
             assert!((screen.units_per_point(8.0) - 0.04).abs() < 1e-5);
             assert!(screen.project(Vec3::new(0.0, 0.0, -9.0)).is_none());
         }

@@ -1,15 +1,15 @@
-//! What can be added to the scene, and how it is told where.
+//! The things that can be added to the scene, and where.
 
 use bevy::math::Vec3;
 
 use crate::scene::Emitter;
 
-/// Something new in the scene.
+/// A new thing in the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Addition {
     /// Decides which plugin is added.
     pub kind: AdditionKind,
-    /// None: named after its kind.
+    /// The name. None: it is named after its kind.
     pub name: Option<String>,
     /// World space, where it stands or shines from; None: on what is seen in the middle of the picture, the first thing at the origin.
     pub at: Option<Vec3>,

@@ -1,4 +1,4 @@
-//! How the picture is compared with a snapshot.
+//! The ways of comparing the picture with a snapshot.
 
 /// How picture and snapshot share the viewport.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -8,6 +8,6 @@ pub enum CompareView {
     Off,
     /// The snapshot left of this fraction of the width, the picture right of it.
     Wipe(f32),
-    /// How far apart they are, per component.
+    /// The difference of each component.
     Difference,
 }

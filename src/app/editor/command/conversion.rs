@@ -188,7 +188,7 @@ mod tests {
             assert_eq!((spot.plugin(), spot.sampling_weight), (plugin, 0.25));
         }
         assert_eq!(spot.kind, EmitterKind::Point { intensity: warm });
-        // What sends out a picture alone has no colour to keep.
+        // A light that emits only a picture has no colour to keep.
         let sky = emitter_turned_into(&spot, "envmap");
         assert_eq!(sky.plugin(), "envmap");
     }

@@ -1,9 +1,10 @@
-//! How the film is shown: which of its quantities, and how light becomes a colour of the display. No rendering, no Bevy.
+//! The settings of how the film is shown: which of its quantities, and how light becomes a colour of the display. They know neither rendering nor
+//! Bevy.
 
 use crate::render::tonemap::{Display, ToneMap};
 use crate::render::white_balance::WhiteBalance;
 
-/// Everything that decides how the film is shown; changing it needs no new samples.
+/// All settings of how the film is shown. A change of them needs no new samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DisplaySettings {
     pub mode: DisplayMode,
@@ -51,7 +52,7 @@ pub enum DisplayMode {
     Depth,
     /// Texture coordinates: u in red, v in green, both modulo 1.
     Uv,
-    /// Every material and every object in a colour of its own.
+    /// Each material and each object has a colour of its own.
     Material,
     /// Every object in a colour of its own.
     Object,
@@ -61,7 +62,7 @@ pub enum DisplayMode {
     Noise,
     /// The light of one group of lights alone, by its layer of the film. Not among [`Self::ALL`].
     LightGroup(u8),
-    /// How much of the acceleration structure each camera ray visits, in false colour.
+    /// The number of nodes of the acceleration structure that each camera ray visits, in false colour.
     BvhSteps,
 }
 

@@ -1,4 +1,4 @@
-//! What is dragged from one panel to another, or onto the picture.
+//! The things that can be dragged from one panel to another, or onto the picture.
 
 use bevy::prelude::Entity;
 

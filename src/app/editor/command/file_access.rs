@@ -11,7 +11,7 @@ pub struct Question {
     pub files: Vec<PathBuf>,
     /// The same as the user reads them, without `..`.
     pub shown: Vec<PathBuf>,
-    /// What would be allowed, with all that is below.
+    /// The folders that would be allowed, with all below them.
     pub folders: Vec<PathBuf>,
     /// The scene could not be read without them.
     pub is_needed: bool,

@@ -1,4 +1,4 @@
-//! How the gizmo is set: what it does, along which axes, about which point, and in which steps.
+//! The settings of the gizmo: what it does, along which axes, about which point, and in which steps.
 
 use std::ops::RangeInclusive;
 
@@ -34,7 +34,7 @@ pub enum Pivot {
     Middle,
     /// The origin of the active object's own space.
     Active,
-    /// For each object the origin of its own space.
+    /// Each object turns about the origin of its own space.
     Each,
 }
 
@@ -47,7 +47,7 @@ impl Pivot {
     ];
 }
 
-/// What Control rounds a drag to, and the arrow keys move by.
+/// The steps to which Control rounds a drag, and by which the arrow keys move.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Steps {
@@ -59,7 +59,7 @@ pub struct Steps {
     pub factor: f32,
 }
 
-/// What steps can be set to, each in its unit.
+/// The ranges of steps, each in its unit.
 pub const LENGTHS: RangeInclusive<f32> = 1e-6..=1e6;
 /// The range of [`Steps::degrees`].
 pub const DEGREES: RangeInclusive<f32> = 0.1..=180.0;
@@ -77,7 +77,7 @@ impl Default for Steps {
 }
 
 impl Steps {
-    /// Without values that no control could set.
+    /// The steps with values limited to what the controls can set.
     pub(crate) fn within_range(self) -> Self {
         let default = Self::default();
         let sound = |value: f32, range: RangeInclusive<f32>, otherwise: f32| match value.is_nan() {

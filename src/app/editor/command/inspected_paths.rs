@@ -7,14 +7,14 @@ use bevy::math::Vec2;
 pub struct InspectedPaths {
     /// (0, 0) top left of the picture, (1, 1) bottom right.
     pub place: Vec2,
-    /// The first so many samples of the pixel.
+    /// The number of samples of the pixel, from the first on.
     pub count: u32,
-    /// The one that is told of, from 0 on.
+    /// The path that is described, from 0.
     pub chosen: u32,
 }
 
 impl InspectedPaths {
-    /// More would cover the picture.
+    /// The most paths; more would cover the picture.
     pub(crate) const MOST: u32 = 64;
 
     /// The first eight paths of the pixel at `place`.

@@ -14,14 +14,14 @@ pub struct LightMix {
     baked: Gains,
 }
 
-/// What has been baked into lights so far, in all.
+/// The factors that have been baked into lights so far, in all.
 type Gains = Vec<(Entity, Rgb)>;
 
-/// What had been baked into the lights when the film was begun: until there is one with the lights as they are now, it is shown with the
+/// The factors that had been baked into the lights when the film was begun. Until there is a film with the present lights, it is shown with the
 /// rest on top.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct FilmLights {
-    /// As [`RenderFilm::job`].
+    /// The job as [`RenderFilm::job`].
     job: u64,
     baked: Gains,
 }
@@ -33,14 +33,14 @@ pub(crate) fn note_film_lights(mut lights: ResMut<FilmLights>, film: Res<RenderF
     }
 }
 
-/// What is done to one light.
+/// The mix of one light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Channel {
     /// Factors on the light, together.
     pub strength: f32,
     /// Linear Rec. 709.
     pub color: Rgb,
-    /// Only lights with this are shown, if any has it.
+    /// Whether this light is solo. If any is, only those are shown.
     pub solo: bool,
     /// The light is not shown.
     pub mute: bool,
@@ -131,7 +131,7 @@ impl LightMix {
             found.map_or(Rgb::ONE, |(_, gain)| *gain)
         };
         let (now, then) = (of(&self.baked), of(&lights.baked));
-        // Of a light that was dark there is nothing in the film to be multiplied.
+        // The film holds nothing to be multiplied of a light that was dark.
         let ratio = |now: f32, then: f32| if now == then || then == 0.0 { 1.0 } else { now / then };
         Rgb::new(ratio(now.x, then.x), ratio(now.y, then.y), ratio(now.z, then.z))
     }
@@ -141,7 +141,7 @@ impl LightMix {
         first.map_or_else(Channel::default, |&light| self.channel(light))
     }
 
-    /// What baking multiplies each light by, where that is not one.
+    /// The factors by which baking multiplies lights, where they are not one.
     pub(crate) fn gains(&self, groups: &[LightGroup]) -> Vec<(Entity, Rgb)> {
         let of_group = |group: &LightGroup| {
             let gain = self.group_channel(group).gain();
@@ -242,7 +242,7 @@ mod tests {
         assert!(mix.factors(&groups, &film).is_empty() && mix.is_neutral());
         mix.set(lights[1], RED);
         assert_eq!(mix.factors(&groups, &film), [Rgb::ONE, 2.0 * Rgb::X, Rgb::ONE]);
-        // Of another scene: not ours.
+        // The film of another scene is left as it is.
         assert!(mix.factors(&groups[..1], &film).is_empty());
         let soloist = Channel {
             solo: true,
@@ -269,7 +269,7 @@ mod tests {
         mix.note_baked(lights[0], RED.gain());
         assert!(mix.is_neutral());
         assert_eq!(mix.factors(&groups, &FilmLights::default()), shown);
-        // More of it, before there is another film.
+        // The light gets stronger before there is another film.
         mix.set(
             lights[0],
             Channel {

@@ -9,7 +9,7 @@ use crate::scene::{FirstNested, Material, SecondNested};
 pub struct MaterialTree {
     /// The outermost one.
     pub material: Material,
-    /// At most two, in the order of the file.
+    /// The nested materials, at most two, in the order of the file.
     pub inside: Vec<Inside>,
 }
 

@@ -1,4 +1,4 @@
-//! What the user can ask for: [`Command`], and the plain values that commands carry. Imports no other module of the editor.
+//! The commands that a user can give: [`Command`], and the plain values that commands carry. This module imports no other module of the editor.
 
 pub mod addition;
 pub mod axis_view;
@@ -55,9 +55,9 @@ pub enum Command {
     OpenScene(PathBuf),
     /// Reads the file of the scene again; edits stay.
     ReloadScene,
-    /// Back to what the file says.
+    /// Restores what the file says.
     RevertScene,
-    /// To the file that is open; asks for one where there is none.
+    /// Saves to the file that is open; asks for one if there is none.
     Save,
     /// The scene is that file from then on.
     SaveScene(PathBuf),
@@ -77,18 +77,18 @@ pub enum Command {
     Undo,
     /// One step of the history forward.
     Redo,
-    /// Back or forward to where so many steps are done.
+    /// Goes back or forward to where this number of steps is done.
     GoTo(usize),
 
-    // What is selected.
+    // Commands that select.
     /// Things of the scene, which need not be visible.
     Select(Vec<Entity>, Extend),
     /// Everything that the outliner shows.
     SelectAll,
-    /// What is seen at a place of the picture, (0, 0) top left, (1, 1) bottom right.
+    /// Selects what is seen at a place of the picture, (0, 0) top left, (1, 1) bottom right.
     Pick(Vec2, Extend),
 
-    // From where it is looked at. None of it edits the scene, except `MoveCameraToView`.
+    // Commands that move the view. None of them edits the scene, except `MoveCameraToView`.
     /// Moves back or forth until the selection fills the view.
     FrameSelection,
     /// Moves back or forth until the scene fills the view.
@@ -99,9 +99,9 @@ pub enum Command {
     LookThrough(Entity),
     /// Puts the sensor in use to where the view is.
     MoveCameraToView,
-    /// Along an axis of the world, onto the selection or what is ahead.
+    /// Looks along an axis of the world, at the selection or what is ahead.
     LookAlong(AxisView),
-    /// In perspective or not, with what is in the middle as large.
+    /// Switches between perspective and orthographic, so that what is in the middle keeps its size.
     SwitchProjection,
     /// Keeps the view under a number from 1 to 9.
     StoreView(usize),
@@ -117,7 +117,7 @@ pub enum Command {
     Delete,
     /// Copies what is selected; the copies become the selection.
     Duplicate,
-    /// As XML text, to the clipboard.
+    /// Copies to the clipboard, as XML text.
     Copy,
     /// As `Copy`, then `Delete`.
     Cut,
@@ -134,7 +134,7 @@ pub enum Command {
     },
     /// Puts the selection into a folder of its own.
     Group,
-    /// Into the folder of this path, or out of all.
+    /// Puts things into the folder of this path, or out of all.
     PutInto {
         /// What is put there.
         things: Vec<Entity>,
@@ -159,7 +159,7 @@ pub enum Command {
     SetShape(Entity, Shape),
     /// The parameters of a material; what is nested in it stays.
     SetMaterial(Entity, Box<Material>),
-    /// Another picture for a texture of a material or a light, or a picture where there is none.
+    /// Sets another picture for a texture of a material or a light, or a picture where there is none.
     SetPicture {
         /// A material or a light.
         owner: Entity,
@@ -189,7 +189,7 @@ pub enum Command {
         /// The shape that gets it.
         shape: Entity,
     },
-    /// Materials, or those of shapes, become the tree.
+    /// Makes materials, or those of shapes, become the tree.
     BuildMaterial {
         /// Materials, or shapes whose materials are meant.
         targets: Vec<Entity>,
@@ -203,7 +203,7 @@ pub enum Command {
         /// Those that get it.
         shapes: Vec<Entity>,
     },
-    /// So does the shape that is seen at a place of the picture, as [`Command::Pick`] has it.
+    /// Drops a preset onto the shape that is seen at a place of the picture, see [`Command::Pick`].
     DropPreset {
         /// The entry of the library.
         preset: Box<Preset>,
@@ -274,7 +274,7 @@ pub enum Command {
     SetGizmo(GizmoSettings),
     /// Shows the picture without noise until its next change.
     Denoise,
-    /// Back to the picture as sampled.
+    /// Shows the picture as sampled again.
     DropDenoised,
     /// All panels, or the viewport alone.
     ShowPanels(bool),
@@ -299,10 +299,10 @@ pub enum Direction {
     Down,
 }
 
-/// What a command does to the history and the picture.
+/// The effect of a command on the history and the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
-    /// Nothing of the scene.
+    /// It changes nothing in the scene.
     None,
     /// The picture is begun anew, but the scene stays as it is.
     View,
@@ -406,7 +406,7 @@ impl Command {
         }
     }
 
-    /// What the history calls an edit; the name of what it is about follows where there is one.
+    /// The label of an edit in the history; the name of the thing follows where there is one.
     pub fn label(&self) -> &'static str {
         match self {
             Self::OnSelection(command) => command.label(),
@@ -447,7 +447,7 @@ impl Command {
         }
     }
 
-    /// The entities that an edit names; empty for those that are about the selection or nothing in particular.
+    /// The entities that an edit names; empty for edits of the selection or of nothing in particular.
     pub(crate) fn targets(&self) -> Vec<Entity> {
         match self {
             Self::OnSelection(command) => command.targets(),

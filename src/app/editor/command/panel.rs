@@ -25,7 +25,7 @@ pub enum Panel {
 }
 
 impl Panel {
-    /// Those that can be closed and shown again, in the order of the menu.
+    /// The panels that can be closed and shown again, in the order of the menu.
     pub const CLOSEABLE: [Self; 7] = [
         Self::Outliner,
         Self::Library,
@@ -35,7 +35,7 @@ impl Panel {
         Self::Messages,
         Self::Paths,
     ];
-    /// Those that stand at the right, one behind the other, until the user moves them.
+    /// The panels at the right, one behind the other, until the user moves them.
     pub(crate) const RIGHT: [Self; 5] = [
         Self::Inspector,
         Self::Render,
@@ -43,7 +43,7 @@ impl Panel {
         Self::Messages,
         Self::Paths,
     ];
-    /// Those at the left.
+    /// The panels at the left.
     pub(crate) const LEFT: [Self; 2] = [Self::Outliner, Self::Library];
     /// Shown only when asked for.
     pub(crate) const CLOSED: [Self; 1] = [Self::Paths];

@@ -1,4 +1,4 @@
-//! What is remembered between runs, and the ranges of what can be set.
+//! The preferences, which are remembered between runs, and the ranges of their values.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 use super::gizmo_settings::Steps;
 use crate::memory;
 
-/// Of the file's format.
+/// The version of the file's format.
 const VERSION: u32 = 1;
 
 pub(crate) const MOST_RECENT_FILES: usize = 10;
@@ -23,7 +23,7 @@ pub enum ThemeChoice {
     Dark,
     /// Dark text on light grey.
     Light,
-    /// As the system's windows are.
+    /// Follows the theme of the system.
     System,
 }
 
@@ -31,19 +31,19 @@ pub enum ThemeChoice {
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
-    /// Of the file's format.
+    /// The version of the file's format.
     pub version: u32,
     /// The colours of the window.
     pub theme: ThemeChoice,
-    /// How large texts and controls are, beside the scale of the system.
+    /// The scale of texts and controls, beside that of the system.
     pub ui_scale: f32,
     /// Seconds between; 0 is never.
     pub autosave_seconds: u32,
-    /// Of flying, as a factor of the usual speed.
+    /// The speed of flying, as a factor of the usual speed.
     pub speed: f32,
-    /// Of the gizmo.
+    /// The steps of the gizmo.
     pub steps: Steps,
-    /// Of the picture's resolution this share is rendered while something moves, where all of it takes too long; 1 is all of it.
+    /// The share of the picture's resolution that is rendered while something moves, where rendering all of it takes too long; 1 is all of it.
     pub moving_scale: f32,
     /// The view jumps to where it goes.
     pub reduced_motion: bool,
@@ -53,7 +53,7 @@ pub struct Preferences {
     pub recent_files: Vec<PathBuf>,
     /// The docked panels, as the layout writes itself.
     pub layout: Value,
-    /// What other versions of the program wrote.
+    /// Entries that other versions of the program wrote.
     #[serde(flatten)]
     pub unknown: Map<String, Value>,
 }
@@ -94,7 +94,7 @@ impl Preferences {
         }
     }
 
-    /// To the top of the list. Names that JSON cannot hold are left out.
+    /// Moves a file to the top of the list. Names that JSON cannot hold are left out.
     pub fn note_recent(&mut self, path: &Path) {
         self.recent_files.retain(|known| known != path);
         if path.to_str().is_some() {
@@ -103,7 +103,7 @@ impl Preferences {
         }
     }
 
-    /// Without values that no control could set.
+    /// The preferences with values limited to what the controls can set.
     pub(crate) fn within_range(mut self) -> Self {
         self.ui_scale = self.ui_scale.clamp(*UI_SCALES.start(), *UI_SCALES.end());
         self.speed = self.speed.clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end());

@@ -20,7 +20,7 @@ pub struct Preset {
 }
 
 impl Preset {
-    /// What a material of the scene is called that is made of it.
+    /// The id that a material of the scene gets which is made from it.
     pub fn id(&self) -> String {
         self.name.replace(", ", "-").replace(' ', "-")
     }
@@ -47,17 +47,17 @@ pub fn load() -> (Vec<Preset>, Vec<String>) {
     (presets, complaints)
 }
 
-/// Where the user's presets are, if there are any.
+/// The path of the user's presets, if there are any.
 fn own_file() -> Option<PathBuf> {
     let folders = directories::ProjectDirs::from("", "", "sunroom")?;
     Some(folders.config_dir().join("materials.xml"))
 }
 
-/// Every bsdf of the file that has an id and is not inside another.
+/// The bsdfs of the file that have an id and are not inside another.
 fn of_text(text: &str, path: &Path) -> (Vec<Preset>, Vec<String>) {
     let mut document = parse_str(text, path, &[]);
     let scene = read::read(&mut document);
-    // What is said of the whole is that it has no camera, as a scene would.
+    // The only message about the whole document is that it has no camera, as a scene would have.
     let whole = Some(document.root.span);
     let located = document.diagnostics.list.iter().filter(|told| told.span != whole);
     let complaints = located.map(|told| format!("{}: {}", path.display(), told.message));
@@ -98,7 +98,7 @@ mod tests {
 
     impl ParameterVisitor for Checker {
         fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-            // Nothing is whiter than fresh snow but factors, which are 1.
+            // Only factors, which are 1, are whiter than fresh snow.
             let is_factor = name.starts_with("specular");
             let limit = if is_factor { 1.0 } else { 0.95 };
             if !value

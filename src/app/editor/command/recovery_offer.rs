@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-/// What is known of edits that were written aside.
+/// The description of edits that were written aside.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Note {
-    /// None: of a scene that was never saved.
+    /// The file of the scene. None: it was never saved.
     pub scene: Option<PathBuf>,
     /// Seconds since 1970.
     pub time: u64,

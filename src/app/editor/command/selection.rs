@@ -1,4 +1,4 @@
-//! What is selected: things of the scene in the order in which they were chosen.
+//! The selection: things of the scene in the order in which they were chosen.
 
 use std::collections::HashSet;
 
@@ -12,7 +12,7 @@ pub struct Selection {
     all: HashSet<Entity>,
 }
 
-/// How things join a selection.
+/// The way in which things join a selection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Extend {
     /// They become the selection.
@@ -20,7 +20,7 @@ pub enum Extend {
     Replace,
     /// They join what is selected.
     Add,
-    /// What was selected is so no more, and the other way round.
+    /// Selected things are deselected, and the others are selected.
     Toggle,
 }
 
@@ -64,7 +64,7 @@ impl Selection {
                 joining.push(entity);
             }
         }
-        // What is named again becomes the active one.
+        // A thing that is named again becomes the active one.
         if !self.order.is_empty() {
             self.order.retain(|entity| !moved.contains(entity));
         }

@@ -1,4 +1,4 @@
-//! What the user does to the window itself: panels, overlays, full screen, preferences, questions that are answered.
+//! Commands for the window itself: panels, overlays, full screen, preferences, answers to questions.
 
 use bevy::prelude::*;
 
@@ -10,7 +10,7 @@ use super::recovery_offer::Offer;
 /// What a user can do to the window itself; none of it touches the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ShellCommand {
-    /// In front of its group, also if it was closed.
+    /// Shows a panel in front of its group, also if it was closed.
     ShowPanel(Panel),
     /// Takes a panel out of the window.
     ClosePanel(Panel),
@@ -30,7 +30,7 @@ pub enum ShellCommand {
     AllowFiles(Question),
 }
 
-/// What lies over the window until it is closed.
+/// A sheet that covers the window until it is closed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sheet {
     /// The search among all actions.

@@ -16,7 +16,7 @@ pub struct StoredView {
 /// The views by their number less one.
 pub type StoredViews = [Option<StoredView>; 9];
 
-/// As it stands in the file.
+/// The view as it is in the file.
 #[derive(Serialize, Deserialize)]
 struct Written {
     /// Left, up and forward, and the place.

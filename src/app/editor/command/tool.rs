@@ -1,4 +1,4 @@
-//! What a click or a drag in the picture does instead of selecting, for once.
+//! A tool that replaces selection for one click or drag in the picture.
 
 /// Given up by Escape, and after it was used, but for the paths: one looks at many pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,7 +15,7 @@ pub enum Tool {
 }
 
 impl Tool {
-    /// What to do now, shown over the picture.
+    /// The instruction that is shown over the picture.
     pub fn hint(self) -> Option<&'static str> {
         match self {
             Self::Select => None,

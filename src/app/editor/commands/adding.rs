@@ -59,14 +59,14 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
         }
         _ => foot,
     };
-    // What is flat does not lie in what it lies on.
+    // A flat thing must not coincide with what it lies on.
     let ground = match on {
         Some(_) => foot + up * (FLAT * size),
         None => foot,
     };
     let scale = Affine3A::from_scale(Vec3::splat(size));
     let at = Affine3A::from_translation;
-    // Of axes that are the world's this makes exact zeros and ones.
+    // For axes that are the world's this gives exact zeros and ones.
     let facing = |direction: Vec3| {
         let (x, y) = direction.any_orthonormal_pair();
         Affine3A::from_mat3(Mat3::from_cols(x, y, direction))
@@ -123,7 +123,7 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
             let pose = match emitter.kind {
                 EmitterKind::Constant { .. } => Affine3A::IDENTITY,
                 EmitterKind::Environment { .. } => turned_up(up, Vec3::Y),
-                // Its sky is above its xy plane.
+                // The sky of the model is above its xy plane.
                 EmitterKind::SunSky(_) => turned_up(up, Vec3::Z),
                 EmitterKind::Directional { .. } => facing(free_direction(&sun_directions(edit.world), up)),
                 _ => at(above) * facing(-up),
@@ -156,7 +156,7 @@ fn emitter(plugin: &'static str, distance: f32) -> Result<Emitter, CommandError>
     Ok(emitter)
 }
 
-/// How far above its foot a thing is placed, in half sizes.
+/// The height of a thing's position above its foot, in half sizes.
 fn lift(kind: AdditionKind) -> f32 {
     match kind {
         AdditionKind::Sphere | AdditionKind::Cube => 1.0,
@@ -174,7 +174,7 @@ fn has_spot(kind: AdditionKind) -> bool {
     }
 }
 
-/// Where lights shine that are infinitely far away in one direction.
+/// The directions towards which lights shine that are infinitely far away.
 fn sun_directions(world: &mut World) -> Vec<Vec3> {
     let mut emitters = world.query::<(&Emitter, &ToWorld)>();
     let suns = emitters
@@ -203,7 +203,7 @@ fn turned_up(up: Vec3, from: Vec3) -> Affine3A {
     Affine3A::from_quat(Quat::from_rotation_arc(from, up))
 }
 
-/// Where the view is, as the camera in use.
+/// The view, as the camera in use.
 fn camera(world: &World) -> (Affine3A, Sensor, Film) {
     let active = world.resource::<ActiveSensor>().0;
     let sensor = active
@@ -289,7 +289,7 @@ fn add_mesh(edit: &mut Edit, path: PathBuf, format: MeshFormat) {
     select_new(edit, vec![entity]);
 }
 
-/// In place of the surroundings that there are: a scene has one sky.
+/// Replaces the environment, since a scene has one sky.
 fn set_environment(edit: &mut Edit, picture: PathBuf) {
     let up = edit.world.resource::<ViewSettings>().navigation.up;
     let emitter = match sky(edit.world) {

@@ -1,4 +1,4 @@
-//! Which edit of the scene does what an edit command says.
+//! Finds the edit of the scene that an edit command asks for.
 
 use bevy::prelude::*;
 
@@ -17,7 +17,7 @@ use crate::scene::{
     SamplerSettings, SceneId, Sensor, Shape, ToWorld, UsesMaterial,
 };
 
-/// After an error the caller takes back what was done before it.
+/// Applies an edit. After an error the caller undoes what was done before it.
 pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
     match command {
         Command::Import(path) => {

@@ -31,7 +31,7 @@ pub fn duplicate(edit: &mut Edit) -> Result<(), CommandError> {
     let mut taken = names(edit.world);
     let mut order = next_order(edit.world);
     let mut copies = Vec::new();
-    // Where it can be seen that there are two.
+    // The copy is placed where it is visible beside the original.
     let aside = placing::step(edit.world, Direction::Right);
     for original in selected(edit)? {
         let mut state = ObjectState::of(edit.world, original);
@@ -120,7 +120,7 @@ pub fn put_into(edit: &mut Edit, things: Vec<Entity>, folder: Option<&str>) -> R
     Ok(())
 }
 
-/// Only the places between the first and the last of those concerned are dealt out anew.
+/// Moves things in the order. Only the places between the first and the last of those concerned are dealt out anew.
 pub fn reorder(edit: &mut Edit, moved: &[Entity], before: Option<Entity>) {
     let mut all = edit.world.query::<(&DocumentOrder, Entity)>();
     let mut all: Vec<(DocumentOrder, Entity)> = all.iter(edit.world).map(|(order, entity)| (*order, entity)).collect();

@@ -20,7 +20,7 @@ use crate::render::image_io::{FileFormat, ImageIoError, write_image, write_png, 
 use crate::scene::write::{self, OnChange};
 use crate::scene::{self, OpenScene, Placements, SceneFile, SceneState, SceneStatus, insert};
 
-/// Where texts of the clipboard stand: files in them are named in full.
+/// The path of texts of the clipboard: files in them are named in full.
 pub const CLIPBOARD: &str = "/clipboard.xml";
 
 pub fn new_scene(world: &mut World) {
@@ -38,7 +38,7 @@ pub fn open_scene(world: &mut World, path: PathBuf) {
     });
 }
 
-/// As if the file had changed on disk.
+/// Reads the scene again, as if the file had changed on disk.
 pub fn reload_scene(world: &mut World) -> Result<(), CommandError> {
     let path = own_path(world)?;
     if !world.resource::<SceneFile>().is_followed() {
@@ -110,7 +110,7 @@ fn say_saved(world: &mut World, message: String) {
     toasts.info(message);
 }
 
-/// What the last command would ask the user, taken back, as an error for those who cannot answer.
+/// Cancels the question of the last command, and returns it as an error for callers that cannot answer.
 pub fn unanswered(world: &mut World, command: &Command) -> Result<(), CommandError> {
     let mut requests = world.resource_mut::<Requests>();
     if let Some(question) = requests.save_question.take() {
@@ -134,7 +134,7 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
         write_png(path, size, &rgb)
     } else {
         let picture = finished::picture(world);
-        // Whoever saves radiance wants that of the scene.
+        // Files with radiance hold that of the scene, without a comparison.
         let picture = if is_png {
             finished::compared(world, picture)
         } else {

@@ -16,7 +16,7 @@ use crate::render::exposure::auto_exposure;
 use crate::render::image_io::ImageRgb;
 use crate::render::tile::tiles;
 
-/// As it is shown: with its lights mixed, and denoised if that is what is seen.
+/// The picture as it is shown: with its lights mixed, and denoised if the denoised picture is shown.
 pub fn picture(world: &World) -> ImageRgb {
     let film = world.resource::<RenderFilm>();
     let mix = match world.resource::<ViewSettings>().display.mode {
@@ -51,7 +51,7 @@ pub fn compared(world: &World, picture: ImageRgb) -> ImageRgb {
     }
 }
 
-/// What is shown of the film where that is no light: size, and three bytes a pixel; black where there is nothing yet.
+/// The film as it is shown in modes that show no light: size, and three bytes a pixel; black where there is nothing yet.
 pub fn painted(world: &World) -> ([u32; 2], Vec<u8>) {
     let film = &world.resource::<RenderFilm>().film;
     let (width, height) = (film.width(), film.height());
@@ -63,7 +63,7 @@ pub fn painted(world: &World) -> ([u32; 2], Vec<u8>) {
     ([width, height], rgb)
 }
 
-/// On the layers of the film, as its picture is shown.
+/// The factors of the film's layers by which its picture is shown.
 pub fn factors(world: &World) -> Vec<Rgb> {
     let groups = &world.resource::<RenderFilm>().light_groups;
     let lights = world.resource::<FilmLights>();

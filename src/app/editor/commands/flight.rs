@@ -1,5 +1,5 @@
-//! Short flights of the view to where a command has sent it, so that one sees where one is going. The flight is no part of any command:
-//! what comes after finds the view where it was sent, and nobody flies who has no eyes on the window or does not want to.
+//! Short flights of the view to where a command has sent it, so that the user sees where the view goes. A flight is no part of a command: later
+//! commands find the view at its end. There are no flights without a user, or if the preferences turn them off.
 
 use std::time::{Duration, Instant};
 
@@ -20,7 +20,7 @@ const FIRST_STEP: Duration = Duration::from_millis(16);
 
 #[derive(Resource, Debug, Default)]
 pub struct Flights {
-    /// Somebody sits before the window.
+    /// Whether there is a user.
     attended: bool,
     course: Option<Course>,
 }
@@ -35,12 +35,12 @@ impl Flights {
 struct Course {
     from: Affine3A,
     to: Affine3A,
-    /// What is looked at, if that is known: the view turns around it.
+    /// The point that is looked at, if it is known: the view turns around it.
     center: Option<Vec3>,
     /// The view from then on.
     end: FreeView,
     began: Instant,
-    /// Of the scene that it is in.
+    /// The revision of the scene that the flight is in.
     revision: u64,
 }
 
@@ -75,7 +75,7 @@ pub fn go(world: &mut World, from: Option<Affine3A>, end: FreeView, center: Opti
     world.resource_mut::<FreeView>().set_if_neq(first);
 }
 
-/// What was done meanwhile finds the view where it was sent; only who flies themselves goes on from where they are.
+/// Ends the flight before a command, which finds the view at the end of the flight. Only steering by the user goes on from where the view is.
 pub fn make_way(world: &mut World, command: &Command) {
     let Some(mut flights) = world.get_resource_mut::<Flights>() else {
         return;
@@ -93,7 +93,7 @@ pub fn fly_on(world: &mut World) {
         return;
     };
     if world.resource::<SceneStatus>().revision != course.revision {
-        // Another scene, or another camera in it.
+        // It is another scene, or another camera in it.
         world.resource_mut::<Flights>().course = None;
         return;
     }
@@ -130,7 +130,7 @@ fn between(course: &Course, share: f32) -> Affine3A {
         let center = course.center.unwrap_or(place(pose));
         (center - place(pose)).dot(ahead(pose)).max(0.0)
     };
-    // What is that far ahead goes straight, and the camera around it.
+    // The point that far ahead moves straight, and the camera moves around it.
     let looked_at = |pose: &Affine3A| place(pose) + ahead(pose) * distance(pose);
     let middle = looked_at(from).lerp(looked_at(to), share);
     let back = rotation * Vec3::Z * distance(from).lerp(distance(to), share);
@@ -141,7 +141,7 @@ fn between(course: &Course, share: f32) -> Affine3A {
     }
 }
 
-/// Of a pose without its scale; of a mirrored one, of its other two axes.
+/// The rotation of a pose without its scale; of a mirrored pose, that of its other two axes.
 fn direction(pose: &Affine3A) -> Quat {
     let forward = Vec3::from(pose.matrix3.z_axis).normalize_or(Vec3::Z);
     Quat::from_mat3a(&crate::app::editor::camera::navigation::facing(
@@ -235,7 +235,7 @@ mod tests {
     fn the_last_frame_is_the_end_itself() {
         let (mut world, from, _) = world(true);
         let there = looking(Vec3::new(0.1, 0.2, 0.3), Vec3::new(1.0, 0.0, 0.7));
-        // Back to the camera's own pose.
+        // The view goes back to the camera's own pose.
         world.insert_resource(FreeView::at(there));
         go(&mut world, Some(there), FreeView::default(), None);
         fly_on(&mut world);

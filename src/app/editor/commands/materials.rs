@@ -77,8 +77,8 @@ fn tree_of(world: &World, material: Entity) -> Option<MaterialTree> {
     below(world, material, DEEPEST)
 }
 
-/// Makes materials, or those of shapes, become the tree; a shape without one gets a new one. Several shapes that share a material share it on.
-/// An error where the tree has no place inside of what is around the material.
+/// Makes materials, or those of shapes, become the tree; a shape without one gets a new one. Shapes that share a material still share it
+/// afterwards. An error if the tree does not fit inside what is around the material.
 pub fn build(edit: &mut Edit, targets: &[Entity], tree: &MaterialTree) -> Result<(), CommandError> {
     let mut done = Vec::new();
     for &target in targets {
@@ -125,7 +125,7 @@ pub fn check_sides(world: &World, material: Entity) -> Result<(), CommandError> 
     Ok(())
 }
 
-/// What was inside before and is used by nobody any more goes.
+/// Makes a material become a tree. Materials that were inside before and are no longer used are removed.
 fn become_tree(edit: &mut Edit, material: Entity, tree: &MaterialTree) {
     let before = materials_inside(edit.world, material);
     let mut moves = Vec::new();
@@ -261,7 +261,7 @@ mod tests {
         let inner = materials_inside(&world, bump)[0];
         assert_eq!(world.get(bump), Some(&DeclaredIn(paint)));
         assert_eq!(world.get(inner), Some(&DeclaredIn(bump)));
-        // Off: the bump map takes the place of the two-sided one, around the very same paint.
+        // Without two-sidedness the bump map replaces the two-sided material, around the very same paint.
         let off = MaterialTree::of(world.get(bump).expect("there"), &[inner]);
         apply(&mut world, paint, &off);
         assert_eq!(tree_of(&world, paint), plain.clone().wrapped("bumpmap"));

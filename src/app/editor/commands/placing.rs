@@ -30,7 +30,7 @@ pub fn step(world: &World, direction: Direction) -> Vec3 {
 /// The axis of the world that is nearest to a direction as the camera sees it, of unit length.
 fn along(direction: Direction, upright: Vec3, up: Vec3, pose: &Affine3A) -> Vec3 {
     let left = upright.cross(pose.matrix3.z_axis.into());
-    // On the ground: straight down the camera's upper edge is ahead.
+    // Movement on the ground: if the camera looks straight down, its upper edge is ahead.
     let ahead = left.cross(up);
     let wanted = match direction {
         Direction::Left => left,
@@ -54,7 +54,7 @@ pub fn drop(edit: &mut Edit) -> Result<(), CommandError> {
         let (middle, half) = bounds.map_or((place, 0.0), |bounds| {
             (bounds.center(), 0.5 * bounds.extent().dot(up.abs()))
         });
-        // From the middle: what has sunk in a little comes up again.
+        // The ray starts at the middle, so that a thing that has sunk in a little comes up again.
         let below = picking::surface(packed, &Ray::new(middle, -up), |other| selected.contains(&other))?;
         Some((entity, below.position + up * half - middle))
     });
@@ -89,7 +89,7 @@ mod tests {
         let pose = looks_along(Vec3::new(0.3, -0.8, -1.0).normalize());
         let go = |direction| along(direction, Vec3::Y, Vec3::Y, &pose);
         assert_eq!((go(Direction::Ahead), go(Direction::Back)), (Vec3::NEG_Z, Vec3::Z));
-        // To someone who looks along -z, +x is to the right.
+        // For a view along -z, +x is to the right.
         assert_eq!((go(Direction::Right), go(Direction::Left)), (Vec3::X, Vec3::NEG_X));
         assert_eq!((go(Direction::Up), go(Direction::Down)), (Vec3::Y, Vec3::NEG_Y));
     }

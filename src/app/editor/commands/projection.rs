@@ -9,7 +9,7 @@ use crate::app::editor::camera::pose::{self, is_orthographic, lens_of_view};
 use crate::app::editor::command::error::CommandError;
 use crate::scene::{ActiveSensor, Film, FreeView, Sensor};
 
-/// What is in the middle stays as large: the selection, or what is ahead.
+/// Switches the projection. What is in the middle keeps its size: the selection, or what is ahead.
 pub fn switch(world: &mut World) -> Result<(), CommandError> {
     const MISSING: &str = "There is no camera.";
     let pose = pose::view_pose(world).ok_or(MISSING)?;
@@ -36,7 +36,7 @@ pub fn switch(world: &mut World) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// From the same place a picture this half as wide, in world units.
+/// The orthographic pose at the same place for a picture this half as wide, in world units.
 fn in_parallel(pose: Affine3A, half_width: f32) -> Affine3A {
     let extent = Vec3::new(half_width, half_width, 1.0);
     Affine3A {
@@ -45,7 +45,7 @@ fn in_parallel(pose: Affine3A, half_width: f32) -> Affine3A {
     }
 }
 
-/// From where what is `distance` ahead fills as much of a picture whose half width at distance 1 is `half_width`.
+/// The perspective pose from which things at `distance` fill as much of a picture whose half width at distance 1 is `half_width`.
 fn in_perspective(pose: Affine3A, distance: f32, half_width: f32) -> Affine3A {
     let axes = unscaled(&pose);
     let new_distance = pose.matrix3.x_axis.length() / half_width;
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
     use crate::render::camera::Camera;
 
-    /// As wide as high, ninety degrees: the half width at distance 1 is 1.
+    /// The picture is as wide as high with ninety degrees: the half width at distance 1 is 1.
     #[test]
     fn what_is_in_the_middle_stays_as_large() {
         let pose = Affine3A::from_rotation_y(0.4) * Affine3A::from_translation(Vec3::new(1.0, 2.0, 3.0));
@@ -83,7 +83,7 @@ mod tests {
             seen.project(at(9.0, 2.0)).0.abs_diff_eq(before, 1e-4),
             "nothing shrinks"
         );
-        // Back again, and as far from something nearer.
+        // Switching back gives the same pose, and the same distance from something nearer.
         assert!(in_perspective(flat, 5.0, 1.0).abs_diff_eq(pose, 1e-4));
         let nearer = in_perspective(flat, 4.0, 1.0);
         let seen = Camera::new(nearer, 90.0, 1.0, 0.01, 100.0, None);

@@ -1,4 +1,4 @@
-//! What the editor does when a scene has been opened or read anew.
+//! The editor's response to a scene that has been opened or read again.
 
 use std::path::{Path, PathBuf};
 
@@ -22,7 +22,7 @@ use crate::document::Severity;
 use crate::engine::{PackedScene, RenderControl};
 use crate::scene::{ActiveSensor, FileReadAgain, FreeView, SceneFile, SceneState, SceneStatus, ToWorld, find_camera};
 
-/// What is read of the scene's file waits while the user is asked what is to become of its changes.
+/// Holds changes of the scene's file back while the user is asked about them.
 pub(crate) fn hold_reloads(requests: Res<Requests>, mut file: ResMut<SceneFile>) {
     let is_asked = requests.save_question.is_some();
     if file.is_held() != is_asked {
@@ -49,13 +49,13 @@ pub fn follow_scene(
     mut seen: Local<(u64, u64)>,
     mut was_asked: Local<bool>,
 ) {
-    // Whoever asked for it wants to hear also that nothing has changed.
+    // A user who asked for a reload is also told that nothing has changed.
     let is_answer = std::mem::replace(&mut *was_asked, status.state == SceneState::Loading);
     if *seen == (status.revision, status.failures) {
         return;
     }
     let before = std::mem::replace(&mut *seen, (status.revision, status.failures));
-    // What was allowed counts for this reading alone, whatever comes of it.
+    // The permission was for this reading alone, whatever its result.
     let news = trusted.as_mut().and_then(|trusted| trusted.take_news());
     let file = status
         .path
@@ -146,7 +146,7 @@ pub(crate) fn follow_files(
     *known = troubles;
 }
 
-/// What has been told of files.
+/// The messages about files that were shown.
 #[derive(Default)]
 pub(crate) struct FileTroubles {
     gone: Vec<PathBuf>,
@@ -166,7 +166,7 @@ impl FileTroubles {
     }
 }
 
-/// Whether somebody asked for a camera, and there is a scene to look for it in.
+/// Whether a camera was asked for, and there is a scene to look for it in.
 pub(crate) fn camera_is_wanted(wanted: Res<WantedCamera>, status: Res<SceneStatus>) -> bool {
     wanted.name.is_some() && status.revision > 0
 }

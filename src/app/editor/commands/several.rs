@@ -156,7 +156,7 @@ fn materials_like(world: &World, material: Entity, selected: &[Entity]) -> Vec<E
     found
 }
 
-/// Which of those inside to take, from one material to another.
+/// The path from one material to another inside it.
 fn path_to(world: &World, from: Entity, to: Entity, deepest: usize) -> Option<Vec<usize>> {
     if from == to {
         return Some(Vec::new());

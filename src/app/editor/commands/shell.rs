@@ -1,4 +1,4 @@
-//! What the user does to the window itself: panels, overlays, full screen.
+//! Applies commands for the window itself: panels, overlays, full screen.
 
 use bevy::prelude::*;
 use bevy::window::{MonitorSelection, PrimaryWindow, WindowCloseRequested, WindowMode};

@@ -1,4 +1,4 @@
-//! Where new things go, and how large they are, if nobody says: in the middle of the picture, on what is there, beside what is like them.
+//! Finds the place and size of new things if none are given: in the middle of the picture, on what is there, beside similar things.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::*;
@@ -14,34 +14,34 @@ use crate::scene::{AreaLight, Emitter, MemberOf, Shape, ToWorld};
 const FIRST: f32 = 0.5;
 /// Half the size of others, of the height of what is seen where they go.
 const SIZE_IN_VIEW: f32 = 0.125;
-/// From the middle of one new thing to that of the next, in half sizes.
+/// The distance from the middle of one new thing to that of the next, in half sizes.
 const APART: f32 = 2.5;
-/// What is no wider than so many half sizes is not stood upon: new things go beside it.
+/// Things no wider than this number of half sizes are not stood upon: new things go beside them.
 const WIDEST_BESIDE: f32 = 3.0;
-/// So many places are tried.
+/// The most places that are tried.
 const MOST_TRIED: usize = 64;
-/// The ground is looked at where it is no farther than so many times what there is.
+/// The ground counts where it is no farther than this multiple of the scene's size.
 const FARTHEST: f32 = 3.0;
-/// In half sizes, how far off a surface one looks from it.
+/// The distance from a surface at which rays start, in half sizes.
 const OFF: f32 = 1e-3;
 /// Cosine of the angle to the upward direction: what is steeper is a wall, and not stood upon.
 const STEEPEST: f32 = 0.1;
 
-/// Where a new thing goes.
+/// The place of a new thing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spot {
-    /// Where it stands, world space.
+    /// The foot of the thing, in world space.
     pub foot: Vec3,
     /// Half its size.
     pub size: f32,
-    /// What it stands on, if that is something.
+    /// The surface that it stands on, if there is one.
     pub on: Option<SeenSurface>,
 }
 
 /// A foot, and what is there.
 type Place = (Vec3, Option<SeenSurface>);
 
-/// `lift`: from the foot to where it is placed, in half sizes.
+/// Finds a place. `lift` is the distance from the foot to the position, in half sizes.
 pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> Spot {
     let taken = Taken::of(world, is_light);
     let nothing = PackedScene::default();
@@ -68,7 +68,7 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
     let towards_eye = -ahead.reject_from(up).normalize_or_zero() * size;
     let stand = match surface {
         Some(surface) if surface.normal.dot(up) > STEEPEST => (surface.position, Some(surface)),
-        // Before what does not face up, and on what is below.
+        // If the surface does not face up, the thing goes before it, onto what is below.
         Some(surface) => {
             let before = surface.before(OFF * size);
             let step = match is_free(packed, before, towards_eye, |_| false) {
@@ -84,12 +84,12 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
         let bounds = picking::bounds_of(packed, entity);
         bounds.is_some_and(|bounds| is_like(&bounds, size, up))
     };
-    // Beside a thing among things, whichever side of it is seen.
+    // Beside a thing of similar size, whichever side of it is seen.
     let start = match surface {
         Some(surface) if is_passed(surface.entity) => (surface.position, Some(surface)),
         _ => stand,
     };
-    // None: something is in the way that is no thing among things.
+    // None: something is in the way that is no similar thing.
     let walk = |way: Vec3| -> Option<Place> {
         let mut place = start;
         for _ in 0..MOST_TRIED {
@@ -102,24 +102,24 @@ pub fn find(world: &mut World, size: Option<f32>, lift: f32, is_light: bool) -> 
                 _ => break,
             };
             let next = beside + way * size;
-            // As high as its middle, as far as its far side.
+            // The step is as high as its middle, and reaches to its far side.
             let step = (next - foot).reject_from(up) + way * size;
             if !is_free(packed, foot + up * size, step, is_passed) {
                 return None;
             }
-            // From above all that is like it.
+            // The fall begins above all similar things.
             place = fall(packed, next + up * (APART * size), &ground);
         }
         Some(place)
     };
-    // On the side where there is room sooner.
+    // The side that has room sooner is taken.
     let sides = [right, -right].into_iter().filter_map(walk);
     let nearest = sides.min_by(|(one, _), (other, _)| one.distance(seen).total_cmp(&other.distance(seen)));
     let (foot, on) = nearest.unwrap_or(stand);
     Spot { foot, size, on }
 }
 
-/// How far up from there is free, at most `wanted`.
+/// The free height above the place, at most `wanted`.
 pub fn headroom(world: &World, spot: &Spot, wanted: f32) -> f32 {
     let up = world.resource::<ViewSettings>().navigation.up;
     let Some(packed) = world.get_resource::<PackedScene>() else {
@@ -163,7 +163,7 @@ impl Taken {
         Self { places, has_shapes }
     }
 
-    /// Without what a new thing may stand in the middle of, as a floor. What is in the picture has its middle there.
+    /// Removes things in whose middle a new thing may stand, such as a floor. What is in the picture has its middle there.
     fn only_like(mut self, packed: &PackedScene, size: f32, up: Vec3) -> Self {
         let entities: Vec<Entity> = self.places.iter().map(|(entity, _)| *entity).collect();
         let mut bounds = picking::bounds_of_each(packed, &entities).into_iter();
@@ -188,10 +188,10 @@ impl Taken {
     }
 }
 
-/// What is below everything.
+/// The ground below everything.
 struct Ground {
     up: Vec3,
-    /// Along `up`.
+    /// The height along `up`.
     height: f32,
     bounds: Option<Aabb>,
 }
@@ -208,7 +208,7 @@ impl Ground {
         point + self.up * (self.height - point.dot(self.up))
     }
 
-    /// From the eye to the far side of what there is.
+    /// The distance from the eye to the far side of the scene.
     fn reach(&self, eye: Vec3) -> f32 {
         let reach = |bounds: Aabb| bounds.center().distance(eye) + 0.5 * bounds.extent().length();
         self.bounds.map_or(eye.length(), reach).max(f32::MIN_POSITIVE)
@@ -244,7 +244,7 @@ fn is_like(bounds: &Aabb, size: f32, up: Vec3) -> bool {
     across.max_element() <= WIDEST_BESIDE * size
 }
 
-/// To one digit.
+/// The size rounded to one digit.
 pub fn rounded(size: f32) -> f32 {
     let size = f64::from(size.max(f32::MIN_POSITIVE));
     let digit = 10f64.powf(size.log10().floor());
@@ -311,7 +311,7 @@ mod tests {
         packed.entity_of_instance = entities.into();
     }
 
-    /// Its top is at y = 0.
+    /// A floor with its top at y = 0.
     fn floor() -> (Primitive, Affine3A) {
         let level = Affine3A::from_rotation_x(-std::f32::consts::FRAC_PI_2);
         (Primitive::Rectangle, level * Affine3A::from_scale(Vec3::splat(20.0)))
@@ -353,7 +353,7 @@ mod tests {
             show(&mut world, &[floor()]);
             let spot = find(&mut world, None, 1.0, false);
             assert!(spot.on.is_some() && spot.foot.length() < 1e-3, "{near}: {spot:?}");
-            // Before a wall they stand on the floor.
+            // Things before a wall stand on the floor.
             let wall = (
                 Primitive::Rectangle,
                 Affine3A::from_translation(Vec3::Z) * Affine3A::from_scale(Vec3::splat(9.0)),

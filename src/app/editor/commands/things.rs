@@ -1,4 +1,4 @@
-//! What several edits of things in the scene have in common.
+//! Helpers that several edits of things in the scene share.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -20,7 +20,7 @@ pub(crate) fn need<C: Component>(edit: &Edit, entity: Entity) -> Result<(), Comm
     }
 }
 
-/// Another value for a component that is there.
+/// Replaces the value of a component that exists.
 pub fn replace<C: Component + PartialEq>(edit: &mut Edit, entity: Entity, value: C) -> Result<(), CommandError> {
     need::<C>(edit, entity)?;
     edit.set(entity, value);
@@ -41,7 +41,7 @@ pub(crate) fn selected(edit: &Edit) -> Result<Vec<Entity>, CommandError> {
     }
 }
 
-/// With the materials that were written inside of it and that nobody else uses; whoever used it uses none then.
+/// Deletes a thing with the materials that were written inside it and that nothing else uses. Users of the thing lose the reference.
 pub(super) fn delete(edit: &mut Edit, entity: Entity) {
     let declared: Vec<Entity> = edit
         .world
@@ -56,7 +56,7 @@ pub(super) fn delete(edit: &mut Edit, entity: Entity) {
     for user in users {
         edit.remove::<UsesMaterial>(user);
     }
-    // What it was inside of needs something in its place.
+    // The material around it needs something in its place.
     for outer in outer_materials(edit.world, entity) {
         let is_first = edit
             .world
@@ -103,7 +103,7 @@ pub(crate) fn outer_materials(world: &World, material: Entity) -> Vec<Entity> {
         .collect()
 }
 
-/// What the file could not have as an id.
+/// Checks a name. An error if the file could not have it as an id.
 pub(crate) fn check_name(name: &str) -> Result<(), CommandError> {
     match name.chars().find(|c| is_no_name(*c)) {
         Some(wrong) => Err(format!("Names cannot have {wrong:?} in them.").into()),

@@ -1,4 +1,4 @@
-//! From where the scene is looked at, and how it is shown.
+//! Applies commands for the view of the scene, and for how it is shown.
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -27,7 +27,7 @@ pub fn move_view(world: &mut World, pose: Affine3A) {
     }
 }
 
-/// As [`move_view`], by a short flight, with what is looked at from then on.
+/// Moves the view as [`move_view`], but by a short flight, and sets the point that is looked at.
 fn fly_to(world: &mut World, pose: Affine3A, center: Option<Vec3>) {
     let from = view_pose(world);
     let lens = world.resource::<FreeView>().lens;
@@ -35,7 +35,7 @@ fn fly_to(world: &mut World, pose: Affine3A, center: Option<Vec3>) {
     flight::go(world, from, FreeView { pose, lens }, center);
 }
 
-/// Of the middle of the selection along the view, or of what is ahead.
+/// The distance of the middle of the selection along the view, or of what is ahead.
 pub fn distance_looked(world: &World, pose: &Affine3A) -> f32 {
     let forward = Vec3::from(pose.matrix3.z_axis).normalize_or_zero();
     let selected = selected_bounds(world);
@@ -94,7 +94,7 @@ pub fn look_through(world: &mut World, sensor: Entity) {
     }
 }
 
-/// As [`look_through`]; None looks through no camera.
+/// Looks as [`look_through`]; None looks through no camera.
 pub fn look_through_first(world: &mut World, sensor: Option<Entity>) {
     let pose = sensor.and_then(|sensor| world.get::<ToWorld>(sensor)).copied();
     if let Some(ToWorld(pose)) = pose {
@@ -153,7 +153,7 @@ fn frame(world: &mut World, bounds: Aabb) {
 
 const SHARP_EVERYWHERE: &str = "An orthographic camera is sharp everywhere.";
 
-/// On what is seen there; the aperture of a pinhole becomes a two-hundredth of the distance.
+/// Focuses on what is seen there; the aperture of a pinhole becomes a two-hundredth of the distance.
 pub fn focus(edit: &mut Edit, film: Vec2) -> Result<(), CommandError> {
     let packed = edit.world.resource::<PackedScene>();
     let (Some(scene), Some(view)) = (&packed.scene, &packed.view) else {

@@ -10,7 +10,7 @@ use super::press::Press;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::shell::ShellCommand;
 
-/// To the left, up, forward, each -1, 0 or 1.
+/// The direction of flight to the left, up and forward, each -1, 0 or 1.
 pub(crate) fn fly_direction(input: &InputState) -> Vec3 {
     let axis = |plus: Key, minus: Key| f32::from(input.key_down(plus)) - f32::from(input.key_down(minus));
     Vec3::new(axis(Key::A, Key::D), axis(Key::E, Key::Q), axis(Key::W, Key::S))
@@ -38,7 +38,7 @@ fn press(event: &KeyboardInput, modifiers: Modifiers) -> Option<Press> {
     })
 }
 
-/// Whatever Num Lock makes of it.
+/// The digit of a key of the numeric keypad, whether Num Lock is on or not.
 fn numpad_digit(code: KeyCode) -> Option<Key> {
     let digits = [
         (KeyCode::Numpad0, Key::Num0),
@@ -88,7 +88,7 @@ pub fn shortcuts(presses: &[Press], context: &ActionContext) -> Vec<Command> {
         );
         commands.push(command);
         if opens_dialog {
-            // What follows is meant for the dialog.
+            // Later keys are meant for the dialog.
             break;
         }
     }

@@ -5,7 +5,8 @@ use bevy::window::{CursorLeft, PrimaryWindow};
 use bevy_egui::EguiInput;
 use bevy_egui::egui::Event;
 
-/// After egui's events have been gathered, before it is given them. A drag goes on outside of the window.
+/// Tells egui that the pointer has left the window. It runs after egui's events have been gathered and before egui gets them. A drag goes on
+/// outside of the window.
 pub fn note_pointer_gone(
     mut left: MessageReader<CursorLeft>,
     windows: Query<&Window, With<PrimaryWindow>>,

@@ -8,7 +8,7 @@ use bevy::window::{RequestRedraw, WindowEvent};
 
 use super::keys::is_modifier;
 
-/// Before anything reads the keyboard.
+/// Orders the keys. It runs before anything reads the keyboard.
 pub fn order_keys(
     mut keys: ResMut<Messages<KeyboardInput>>,
     mut events: MessageReader<WindowEvent>,
@@ -31,7 +31,7 @@ pub fn order_keys(
     keys.write_batch(waiting.drain(..now));
     read.clear(&keys);
     if is_focus_lost {
-        // Nothing is held any more after this frame: what went down and would be played then stayed down.
+        // No key is held after this frame: one that went down now and was played later would stay down.
         waiting.retain(|key| !key.state.is_pressed());
     }
     if !waiting.is_empty() {
@@ -52,21 +52,22 @@ fn before_button<'a>(events: impl Iterator<Item = &'a WindowEvent>) -> Option<us
     found
 }
 
-/// How many of the keys, from the first on, go with one state of the modifiers, that of the first that is none, and to one who has the keyboard.
+/// The number of keys, from the first on, that share one state of the modifiers, that of the first that is no modifier, and one reader of the
+/// keyboard.
 fn batch(keys: &[KeyboardInput]) -> usize {
     let (mut has_press, mut has_left) = (false, false);
     let next = keys.iter().position(|key| {
         let is_modifier = is_modifier(&key.logical_key);
         let is_next = has_left || (is_modifier && has_press);
         has_press |= !is_modifier && key.state.is_pressed();
-        // Slow frames would never come to the end of those that a held key repeats.
+        // Slow frames would never come to the end of the repetitions of a held key.
         has_left |= key.state.is_pressed() && !key.repeat && leaves(&key.logical_key);
         is_next
     });
     next.unwrap_or(keys.len())
 }
 
-/// Whether somebody else may have the keyboard after it.
+/// Whether another reader may have the keyboard after the key.
 fn leaves(key: &Key) -> bool {
     matches!(key, Key::Enter | Key::Tab | Key::Escape)
 }
@@ -85,7 +86,7 @@ mod tests {
         (code, Key::Character(text.into()))
     }
 
-    /// What is read of the keyboard in each frame after all of this came in the first; None is a mouse button.
+    /// The keys that each frame reads if all of these arrive in the first one; None is a mouse button.
     fn frames(came: &[Option<((KeyCode, Key), ButtonState)>]) -> Vec<Vec<(KeyCode, ButtonState)>> {
         frames_in(World::new(), came)
     }

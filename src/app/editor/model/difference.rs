@@ -1,4 +1,4 @@
-//! What differs among several selected things.
+//! Finds the differences among several selected things.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -46,7 +46,7 @@ const PARTS: [(&str, &str, &str); 6] = [
 ];
 
 impl Inspected {
-    /// With what differs in others that are selected, too.
+    /// Marks what differs in the other selected things.
     pub(crate) fn compared(mut self, others: &[Self]) -> Self {
         self.mixed = Mixed::of(&self, others);
         for entry in &mut self.materials {
@@ -61,7 +61,7 @@ impl Inspected {
 }
 
 impl Mixed {
-    /// Of these things, the first of which is shown.
+    /// The differences among these things, the first of which is shown.
     pub fn of(shown: &Inspected, others: &[Inspected]) -> Self {
         let mut found = BTreeSet::new();
         for other in others {
@@ -97,7 +97,7 @@ fn poses(shown: &Inspected, other: &Inspected, found: &mut BTreeSet<String>) {
     let (Some(one), Some(two)) = (&shown.pose(), &other.pose()) else {
         return;
     };
-    // What rounding leaves of a turn and back.
+    // The tolerance for the rounding of a turn and back.
     const SAME: f32 = 1e-5;
     let axes = |pose: &Affine3A| [pose.matrix3.x_axis, pose.matrix3.y_axis, pose.matrix3.z_axis].map(Vec3::from);
     let lengths = |pose: &Affine3A| Vec3::from_array(axes(pose).map(Vec3::length));
@@ -171,7 +171,7 @@ fn add(name: &str, found: &mut BTreeSet<String>) {
     found.insert(key(name));
 }
 
-/// What the way to a shape's middle and back may change of where it is, per coordinate. `pose`: world from a space whose origin is there.
+/// The rounding of a shape's position by the way to its middle and back, per coordinate. `pose`: world from a space whose origin is there.
 pub(crate) fn rounding(pose: &Affine3A, middle: Vec3) -> Vec3A {
     // A few units in the last place of numbers that are added.
     const ROUNDING: f32 = 4.0 * f32::EPSILON;
@@ -267,7 +267,7 @@ mod tests {
             entry(&[0], plugin("diffuse")),
             entry(&[1], plugin("plastic")),
         ]);
-        // Its front has one more in it.
+        // The front of the other has one more material inside.
         let other = made_of(vec![
             entry(&[], Material::TwoSided),
             entry(&[0], plugin("bumpmap")),

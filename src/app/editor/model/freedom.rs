@@ -1,4 +1,4 @@
-//! How a thing may be moved.
+//! The ways in which a thing may be moved.
 
 /// The parts of a transform that can be edited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! From the world to the panels' [`Model`], once per frame. Lists are made anew only when something in them changed.
+//! Fills the panels' [`Model`] from the world, once per frame. Lists are made anew only when something in them changed.
 
 use std::cmp::Reverse;
 use std::collections::HashMap;
@@ -26,7 +26,7 @@ use crate::scene::{
     Locked, Material, SamplerSettings, SceneId, SceneState, SceneStatus, SecondNestedIn, Sensor, Shape, ShapeKind,
 };
 
-/// What names a thing.
+/// The components that name a thing.
 #[derive(QueryData)]
 pub struct Naming {
     entity: Entity,
@@ -146,7 +146,7 @@ impl OutlineSources<'_, '_> {
     }
 }
 
-/// In the order of the file; what was made here comes last.
+/// The items in the order of the file; those that were made here come last.
 fn sorted(items: impl Iterator<Item = (u32, Item)>) -> Vec<Item> {
     let mut items: Vec<(u32, Item)> = items.collect();
     items.sort_by_key(|(order, item)| (*order, item.entity));

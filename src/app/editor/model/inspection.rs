@@ -1,4 +1,4 @@
-//! From what is selected to the inspector's part of the panels' model.
+//! Fills the inspector's part of the panels' model from the selection.
 
 use bevy::prelude::*;
 
@@ -25,7 +25,7 @@ type Parts = (
     Has<Placements>,
 );
 
-/// What was deleted is an entity without these.
+/// Things have one of these; an entity that was deleted has none.
 type IsThing = Or<(With<Shape>, With<Material>, With<Emitter>, With<Sensor>)>;
 
 type MaterialParts = (
@@ -36,7 +36,7 @@ type MaterialParts = (
     Option<&'static SecondNested>,
 );
 
-/// How deep two-sided materials are followed; the format needs one.
+/// The depth to which two-sided materials are followed; the format needs one.
 const DEEPEST_NESTING: usize = 4;
 
 pub fn gather_selection(
@@ -62,7 +62,7 @@ pub fn gather_selection(
     model.0.selection = selection.clone();
 }
 
-/// Of a selection, to see where they differ.
+/// The most things of a selection that are compared.
 const MOST_COMPARED: usize = 256;
 
 fn inspect(

@@ -1,4 +1,4 @@
-//! What differs among several selected things, so that the panel can say that the value it shows is that of one of them.
+//! The differences among several selected things, so that the panel can say that it shows the value of one of them.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ pub fn key(name: &str) -> String {
 }
 
 impl Mixed {
-    /// `name`: of the row, or of its parameter in the file.
+    /// Whether the row differs. `name` is that of the row, or of its parameter in the file.
     pub fn has(&self, name: &str) -> bool {
         !self.0.is_empty() && self.0.contains(&key(name))
     }

@@ -1,5 +1,5 @@
-//! What the panels show, as plain data: gathered from the world once per frame, so that panels never touch the ECS. May import
-//! `picture` and the modules below it.
+//! The data that the panels show: gathered from the world once per frame, so that panels never touch the ECS. May import `picture` and the modules
+//! below it.
 
 pub mod difference;
 pub mod freedom;
@@ -49,7 +49,7 @@ pub struct Item {
     pub inside_of: Option<Entity>,
 }
 
-/// Everything in the scene, by kind, in the order of the file.
+/// The things in the scene, by kind, in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outline {
     /// With instances, without groups.
@@ -125,7 +125,7 @@ impl MaterialPlace {
     }
 }
 
-/// What a mesh file brings along.
+/// The content of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InspectedMesh {
     /// All triangles of the file's mesh.
@@ -145,7 +145,7 @@ pub struct Inspected {
     pub to_world: Option<Affine3A>,
     /// Of shapes.
     pub shape: Option<Shape>,
-    /// Once its mesh is loaded.
+    /// The mesh, once it is loaded.
     pub mesh: Option<InspectedMesh>,
     /// Of shapes that shine.
     pub area_light: Option<AreaLight>,
@@ -156,7 +156,7 @@ pub struct Inspected {
     /// Of cameras.
     pub film: Option<Film>,
     pub uses_material: Option<Entity>,
-    /// What differs among all that is selected, but for materials.
+    /// The differences among all selected things, without those of materials.
     pub mixed: Mixed,
     /// The material itself, or the shape's, and those nested in it.
     pub materials: Vec<InspectedMaterial>,
@@ -186,13 +186,13 @@ impl Inspected {
         Some(self.to_world? * Affine3A::from_translation(self.middle()))
     }
 
-    /// In its own space, see [`Shape::middle`].
+    /// The middle in the shape's own space, see [`Shape::middle`].
     pub fn middle(&self) -> Vec3 {
         self.shape.as_ref().map_or(Vec3::ZERO, Shape::middle)
     }
 }
 
-/// What was done, oldest first, and what can be done again, next first.
+/// The steps that were done, oldest first, and those that can be redone, next first.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct HistoryModel {
     /// Labels of the steps.
@@ -267,7 +267,7 @@ pub struct Notice {
     pub excerpt: Option<String>,
 }
 
-/// What the status line and the menus show.
+/// The data of the status line and the menus.
 #[derive(Clone, Debug, Default)]
 pub struct StatusModel {
     /// What the engine tells.

@@ -15,7 +15,7 @@ pub struct PanelTextures {
     pub balls: HashMap<Ball, egui::TextureId>,
 }
 
-/// What a rendered ball is made of.
+/// The thing that a rendered ball shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Ball {
     /// A material of the scene.

@@ -26,7 +26,7 @@ struct Made {
 #[derive(Resource, Default)]
 pub(crate) struct Thumbnails(HashMap<PathBuf, Made>);
 
-/// Makes what the inspected thing needs and is not there; what nobody shows any more is let go.
+/// Makes the thumbnails that the inspected thing needs, and drops those that are no longer shown.
 pub(crate) fn update_thumbnails(
     mut thumbnails: ResMut<Thumbnails>,
     mut model: ResMut<EditorModel>,

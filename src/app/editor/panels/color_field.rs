@@ -6,7 +6,7 @@ use bevy_egui::egui::{self, Ui};
 use super::fields::{self, Caption, NumberStyle, name_cell, number_cells, write_back};
 use crate::color::{Rgb, linear_from_srgb8, srgb_from_linear};
 
-/// How colours are shown: the same in all rows.
+/// The form in which colours are shown, the same in all rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Notation {
     /// Three linear numbers, as `rgb` in files.
@@ -72,7 +72,7 @@ fn channels(ui: &mut Ui, name: &str, color: &mut Rgb, width: f32) -> bool {
     write_back(changed, color, Rgb::from_array(values))
 }
 
-/// What is being typed is kept as it is until it is a colour, or is left.
+/// A text field with the colour. The typed text stays as it is until it is a colour, or the field loses the focus.
 fn hex_text(ui: &mut Ui, name: &str, color: &mut Rgb, width: f32) -> bool {
     let id = ui.make_persistent_id((name, "hex"));
     let shown = hex_of(*color);
@@ -98,7 +98,7 @@ fn hex_text(ui: &mut Ui, name: &str, color: &mut Rgb, width: f32) -> bool {
             data.remove::<String>(id);
         }
     });
-    // What says the same is not to cost the colour its finer digits.
+    // A text with the same meaning must not cost the colour its finer digits.
     let meant = typed.filter(|typed| hex_of(*typed) != shown);
     write_back(meant.is_some(), color, meant.unwrap_or(*color))
 }
@@ -134,7 +134,7 @@ fn notation_id() -> egui::Id {
     egui::Id::new("notation of colours")
 }
 
-/// What lies outside of [0, 1] is shown at its end.
+/// The hexadecimal form of a colour. Values outside of [0, 1] are shown as the nearest end.
 fn hex_of(color: Rgb) -> String {
     let [red, green, blue] = color
         .to_array()

@@ -27,7 +27,7 @@ pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Comma
     };
     fields::note(ui, "Snapshot", format!("{samples} samples"));
     let mut view = model.view;
-    // Where the border is does not matter to the choice.
+    // The place of the border does not matter to the choice.
     let wipe = match model.view {
         CompareView::Wipe(_) => model.view,
         _ => CompareView::Wipe(0.5),

@@ -2,7 +2,7 @@
 
 use bevy_egui::egui::{self, FontId, RichText, Ui};
 
-/// Lines of a file as they stand there; those that are too long can be scrolled.
+/// Shows lines of a file as they are; those that are too long can be scrolled.
 pub fn excerpt(ui: &mut Ui, lines: &str) {
     egui::ScrollArea::horizontal().show(ui, |ui| {
         let text = RichText::new(lines).font(FontId::monospace(11.0));

@@ -13,14 +13,14 @@ use crate::app::editor::words::parameter::Words;
 
 /// Width of the names' column in points.
 pub(crate) const NAME_WIDTH: f32 = 88.0;
-/// Of it for the word where the selected things differ.
+/// The width of the word that marks differences among the selected things.
 const MIXED_WIDTH: f32 = 32.0;
 /// The tag of a part of a panel that knows of differences.
 const MIXED: &str = "mixed";
 /// Width of a slider's number.
 const VALUE_WIDTH: f32 = 54.0;
 
-/// What a row is called, with what is told of it when the pointer rests there.
+/// The caption of a row, with the explanation that is shown when the pointer rests there.
 #[derive(Clone, Copy, Debug)]
 pub struct Caption<'a> {
     /// The name that the row shows and by which its control is found.
@@ -106,7 +106,7 @@ fn is_mixed(ui: &Ui, caption: Caption) -> bool {
     mixed.is_some_and(|mixed| mixed.has(caption.words.map_or(caption.text, |words| words.name)))
 }
 
-/// What is told of a parameter.
+/// Shows the explanation of a parameter.
 fn explain(ui: &mut Ui, words: &Words) {
     ui.set_max_width(280.0);
     ui.label(words.about);
@@ -276,7 +276,7 @@ pub fn vector<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Vec3
     write_back(changed, value, Vec3::from_array(copy))
 }
 
-/// How one of several numbers of a row is shown.
+/// The style of one of several numbers of a row.
 pub struct NumberStyle<'s> {
     /// Tells it from its neighbours in names.
     pub letter: &'s str,
@@ -312,7 +312,7 @@ pub(crate) fn number_cells<const N: usize>(
     styles: [NumberStyle; N],
     width: f32,
 ) -> bool {
-    // Beside each other they need little air.
+    // Fields next to each other need little space.
     ui.spacing_mut().item_spacing.x = 3.0;
     ui.spacing_mut().button_padding.x = 1.0;
     let width = ((width - 3.0 * (N - 1) as f32) / N as f32).max(24.0);

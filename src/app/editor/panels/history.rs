@@ -1,4 +1,4 @@
-//! The steps that were done, and those that were taken back; a click goes there.
+//! The panel of the steps that were done or undone; a click goes to a step.
 
 use bevy_egui::egui::{self, Button, RichText, Ui};
 
@@ -20,7 +20,7 @@ pub fn history(ui: &mut Ui, model: &HistoryModel, commands: &mut Vec<Command>) {
         let line = height + ui.spacing().item_spacing.y;
         area = area.vertical_scroll_offset((done as f32 * line - 0.5 * ui.available_height()).max(0.0));
     }
-    // Only the lines in sight are laid out: there may be a thousand.
+    // Only the visible lines are laid out: there may be a thousand.
     area.show_rows(ui, height, steps + 1, |ui, lines| {
         for step in lines {
             let label = match step.checked_sub(1) {

@@ -1,4 +1,4 @@
-//! Everything about the selected thing that can be edited.
+//! The panel with everything about the selected thing that can be edited.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::prelude::Entity;
@@ -12,7 +12,7 @@ use crate::app::editor::model::freedom::Freedom;
 use crate::app::editor::model::{Inspected, InspectedMesh, MaterialPlace, Model};
 use crate::scene::{EmitterKind, MeshFile, MeshFormat, Shape, ShapeKind};
 
-/// What the panel remembers between frames.
+/// The state that the panel keeps between frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InspectorState {
     angles: transform::ShownAngles,
@@ -169,7 +169,7 @@ fn up_axis(kind: &EmitterKind) -> Vec3 {
 fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bool {
     let mut changed = false;
     match &mut shape.kind {
-        // Its centre is its position.
+        // The centre of a sphere is its position.
         ShapeKind::Sphere { radius, .. } => {
             fields::note(ui, "Type", "sphere");
             let speed = 0.01 * radius.abs().max(1e-3);
@@ -223,7 +223,7 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bo
     fields::checkbox(ui, "Flip normals", &mut shape.flip_normals) || changed
 }
 
-/// What a shape looks like that has no material of the scene.
+/// The text for a shape that has no material of the scene.
 fn without_material(inspected: &Inspected) -> &'static str {
     match inspected.mesh {
         Some(mesh) if mesh.has_materials => "of the file",

@@ -8,7 +8,7 @@ use crate::app::editor::command::presets::Preset;
 use crate::app::editor::model::Model;
 use crate::app::editor::model::panel_textures::Ball;
 
-/// What the panel remembers between frames.
+/// The state that the panel keeps between frames.
 #[derive(Clone, Debug, Default)]
 pub struct LibraryState {
     filter: String,
@@ -86,7 +86,7 @@ fn cell(
     response.on_hover_text("Click: for what is selected. Drag: onto a shape in the picture.");
 }
 
-/// At most two lines.
+/// Shows a name in at most two lines.
 fn name(ui: &Ui, name: &str, place: Rect) {
     let mut job = egui::text::LayoutJob::simple(
         name.to_owned(),

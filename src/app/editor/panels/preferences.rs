@@ -1,4 +1,4 @@
-//! What the user can choose about the program itself.
+//! The preferences of the user for the program itself.
 
 use bevy_egui::egui::{self, DragValue, Grid, Slider, Ui};
 
@@ -8,7 +8,7 @@ use crate::app::editor::command::preferences::{
 };
 use crate::app::editor::command::shell::ShellCommand;
 
-/// `problem`: what is wrong with the file that they are kept in.
+/// Shows the preferences. `problem` is what is wrong with their file.
 pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, commands: &mut Vec<Command>) {
     let mut edited = shown.clone();
     Grid::new("preferences")
@@ -30,7 +30,7 @@ pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, comm
             let label = ui.label("Size of the panels");
             let percent = |scale: f64, _| format!("{:.0} %", 100.0 * scale);
             let parse = |text: &str| Some(text.trim_end_matches(['%', ' ']).parse::<f64>().ok()? / 100.0);
-            // What is scaled while it is dragged runs away from the pointer: it follows when let go of.
+            // A control that is scaled while it is dragged would move away from the pointer, so the scale follows when it is released.
             let mut scale = ui.data_mut(|data| *data.get_temp_mut_or(ui.id().with("scale"), shown.ui_scale));
             let slider = Slider::new(&mut scale, UI_SCALES)
                 .step_by(0.05)

@@ -1,4 +1,4 @@
-//! How much and how to render, and how the picture is shown.
+//! The panel of the render settings, and of how the picture is shown.
 
 use std::ops::RangeInclusive;
 

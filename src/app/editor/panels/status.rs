@@ -24,7 +24,7 @@ pub fn status_line(ui: &mut Ui, model: &StatusModel) {
         ui.add(bar)
             .on_hover_text("Samples of each pixel that are done, and that are wanted");
         for (part, hint) in parts(model) {
-            // What is said last matters least: that is left out where there is no room.
+            // The last entries matter least: they are left out if there is no room.
             let font = egui::TextStyle::Body.resolve(ui.style());
             let color = egui::Color32::PLACEHOLDER;
             let width = ui.painter().layout_no_wrap(part.clone(), font, color).size().x;

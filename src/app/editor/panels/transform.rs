@@ -6,7 +6,7 @@ use bevy_egui::egui::Ui;
 use super::fields;
 use crate::app::editor::model::freedom::Freedom;
 
-/// The angles last shown. A rotation has many sets of angles; keeping those that the user dragged keeps them from jumping.
+/// The angles that were last shown. A rotation has many sets of angles; those that the user dragged are kept so that they do not jump.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ShownAngles {
     rotation: Quat,
@@ -16,7 +16,7 @@ pub struct ShownAngles {
 const ORDER: EulerRot = EulerRot::ZYX;
 /// Two rotations closer than this are the same one, written by us.
 const SAME_ROTATION: f32 = 1e-5;
-/// How far a matrix may be off translation, rotation, scale and still count as made of them, relative to its size.
+/// The most that a matrix may differ from translation, rotation and scale and still count as made of them, relative to its size.
 const SHEAR_TOLERANCE: f32 = 1e-4;
 
 /// True if `to_world` was edited. `size` (world units) sets how fast a drag moves.
@@ -60,7 +60,7 @@ pub fn turn(ui: &mut Ui, to_world: &mut Affine3A, up: Vec3) -> bool {
     turned
 }
 
-/// What remains of the rotation when a turn about its own axis `up` is done first, and the degrees of that turn, -180 to 180.
+/// The rotation that remains when a turn about its own axis `up` is done first, and the degrees of that turn, -180 to 180.
 fn spin_about(rotation: Quat, up: Vec3) -> (Quat, f32) {
     let along = Vec3::new(rotation.x, rotation.y, rotation.z).dot(up);
     // Upside down the turn is no longer told from the rest: then there is none.

@@ -56,7 +56,7 @@ pub struct Comparison {
 pub struct Measured {
     /// The differences.
     pub figures: Figures,
-    /// Of the film; those of another picture say nothing about this one.
+    /// The job of the film; figures of another picture say nothing about this one.
     pub job: u64,
     /// Samples per pixel that it had.
     pub samples: u32,
@@ -90,7 +90,7 @@ impl<'a> PixelComparison<'a> {
         })
     }
 
-    /// What is seen there, column and row, of a picture that is `now` there.
+    /// The colour that is shown at a column and row where the picture has the colour `now`.
     pub fn pixel(&self, x: u32, y: u32, now: Rgb) -> Rgb {
         let place = y as usize * self.width as usize + x as usize;
         let then = self.kept.get(place).copied().unwrap_or_default();
@@ -112,7 +112,7 @@ impl<'a> PixelComparison<'a> {
     }
 }
 
-/// How far a picture is from a reference. All three components count alike.
+/// The differences between a picture and a reference. All three components count alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
     /// Mean luminance of the picture and of the reference.
@@ -172,10 +172,10 @@ mod tests {
         };
         assert_eq!(red(0.5), [1, 1, 0, 0, 1, 1, 0, 0]);
         assert_eq!((red(0.0), red(7.0)), (vec![0; 8], vec![1; 8]));
-        // At half the resolution.
+        // The picture has half the resolution.
         let coarse = PixelComparison::new(CompareView::Wipe(0.5), &snapshot, [2, 1]).expect("of one shape");
         assert_eq!(coarse.picture(&now[..2]), [Rgb::ONE, Rgb::ZERO]);
-        // Of another shape: nothing to compare.
+        // A snapshot of another shape cannot be compared.
         assert!(PixelComparison::new(CompareView::Wipe(1.0), &snapshot, [2, 4]).is_none());
         assert!(PixelComparison::new(CompareView::Off, &snapshot, [4, 2]).is_none());
     }

@@ -27,7 +27,7 @@ pub(crate) struct Denoised {
     job: u64,
 }
 
-/// At most one at work; its result is shown until the film is begun anew.
+/// The denoiser's work, at most one at a time; its result is shown until the film is begun anew.
 #[derive(Resource, Default)]
 pub(crate) struct Denoiser {
     work: Option<Work>,
@@ -108,7 +108,7 @@ impl Denoiser {
                 number,
                 job,
             });
-            // Nobody listens any more if the work was cancelled.
+            // The receiver is gone if the work was cancelled.
             let _ = sender.send(outcome);
             if let Some(wake) = wake_up.0 {
                 wake();
@@ -120,7 +120,7 @@ impl Denoiser {
         }
     }
 
-    /// Back to the picture as sampled.
+    /// Shows the picture as sampled again.
     pub fn clear(&mut self) {
         self.work = None;
         self.shown = None;
@@ -128,7 +128,7 @@ impl Denoiser {
     }
 }
 
-/// Takes a finished picture; drops what belongs to a film that is no more. A failure is returned as a message.
+/// Takes a finished picture; drops the result of a film that no longer exists. A failure is returned as a message.
 pub(crate) fn collect_denoised(
     mut denoiser: ResMut<Denoiser>,
     film: Res<RenderFilm>,

@@ -1,4 +1,4 @@
-//! How long the window's frames take.
+//! Measures how long the window's frames take.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -42,14 +42,14 @@ impl FrameTimes {
     }
 }
 
-/// What a frame took, in milliseconds.
+/// The durations of a frame, in milliseconds.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    /// From its beginning to that of the next one; None where the window rested between them.
+    /// The time from its beginning to that of the next one; None where the window rested in between.
     pub whole: Option<f32>,
     /// The window's own systems.
     pub own: f32,
-    /// At the same time as the next one's `own`, on a thread of its own.
+    /// The time of drawing on another thread, at the same time as the next frame's `own`.
     pub drawing: f32,
 }
 
@@ -63,7 +63,7 @@ impl FrameTimes {
     }
 }
 
-/// At the end of the frame's systems.
+/// Takes the time at the end of the frame's systems.
 pub(crate) fn time_systems(mut frames: ResMut<FrameTimes>) {
     frames.own = frames.last.map_or(0.0, |begun| 1e3 * begun.elapsed().as_secs_f32());
 }
@@ -86,7 +86,7 @@ pub(crate) fn time_drawing(app: &mut App) {
     }
 }
 
-/// Only frames count that followed each other as fast as they could.
+/// Takes the time of frames. Only those count that follow each other without a pause.
 pub(crate) fn time_frames(mut frames: ResMut<FrameTimes>, pacing: Res<Pacing>) {
     let now = Instant::now();
     let last = frames.last.replace(now).filter(|_| pacing.is_lively());

@@ -1,12 +1,12 @@
-//! What the false colours of the picture mean.
+//! The meaning of the false colours of the picture.
 
 use super::painter::Scales;
 use crate::app::editor::command::display::{DisplayMode, HOTTEST_NOISE, HOTTEST_STEPS};
 
-/// What the false colours of a mode mean.
+/// The meaning of a mode's false colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Legend {
-    /// Where the heat map is 0 and where it is 1.
+    /// The value where the heat map is 0, and below where it is 1.
     pub low: String,
     /// Where the heat map is 1.
     pub high: String,

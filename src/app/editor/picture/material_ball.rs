@@ -171,7 +171,7 @@ impl MaterialBall {
         Film::new(self.view.width, self.view.height)
     }
 
-    /// Adds so many samples of every pixel to those that are there; None if `cancel` was set meanwhile.
+    /// Adds samples to every pixel; None if `cancel` was set in the meantime.
     pub fn refine(&self, film: &mut Film, samples: u32, cancel: &AtomicBool) -> Option<()> {
         let done = film.sample_count();
         for tile in tiles(self.view.width, self.view.height) {
@@ -195,7 +195,7 @@ fn facing(place: Vec3, target: Vec3, half_size: Vec2) -> Affine3A {
     Affine3A::from_mat3_translation(turn, place) * Affine3A::from_scale(half_size.extend(1.0))
 }
 
-/// Of a picture of `edge` pixels squared: a little from above at the ball and the ground before it.
+/// The view for a picture of `edge` pixels squared: a little from above, at the ball and the ground before it.
 pub fn view(edge: u32) -> View {
     let (eye, target) = (Vec3::new(0.0, -6.4, 2.7), Vec3::new(0.0, 0.0, 0.96));
     let forward = (target - eye).normalize();

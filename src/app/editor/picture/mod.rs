@@ -1,4 +1,4 @@
-//! From the film to what is seen of it: false colours, the denoiser, outlines, boxes and paths, and the pace of the frames. May import
+//! Turns the film into what is shown of it: false colours, the denoiser, outlines, boxes and paths, and the pace of the frames. May import
 //! `session` and the modules below it.
 
 pub mod compare;

@@ -8,16 +8,16 @@ use bevy::prelude::*;
 use crate::app::editor::command::preferences::Preferences;
 use crate::engine::{RenderControl, RenderFilm, RenderState, RenderStatus};
 
-/// After so long without a change the picture stands still.
+/// The time without a change after which the picture counts as still.
 const STILL: Duration = Duration::from_millis(150);
-/// A sample of every pixel may take so long before the resolution is lowered, in seconds.
+/// The longest time for a sample of every pixel before the resolution is lowered, in seconds.
 const QUICK: f64 = 0.03;
 /// Rendering for a shorter time, in seconds, says little about its speed.
 const SHORTEST_RUN: f64 = 0.2;
 
 #[derive(Resource, Debug, Default)]
 pub struct Motion {
-    /// Whether anybody sees the picture; without a window nobody does.
+    /// Whether the picture is seen, which it is not without a window.
     is_followed: bool,
     /// A change was made in this frame.
     is_new: bool,
@@ -47,12 +47,12 @@ impl Motion {
         !self.moves && !self.sharpens
     }
 
-    /// Whoever wants the picture as it is to be does not wait for the hand to rest.
+    /// Ends the motion at once, for commands that need the picture at full resolution.
     pub fn stop(&mut self) {
         self.last_change = None;
     }
 
-    /// Whether less is to be rendered, `seconds`: what a sample of every pixel takes, None if nobody knows.
+    /// Whether less is to be rendered. `seconds` is the time for a sample of every pixel, None if it is not known.
     fn step(&mut self, now: Instant, seconds: Option<f64>) -> bool {
         let goes_on = self.last_change.is_some_and(|last| now.duration_since(last) < STILL);
         if std::mem::take(&mut self.is_new) {
@@ -65,7 +65,7 @@ impl Motion {
     }
 }
 
-/// Between what was changed and the engine.
+/// Follows the motion. It runs between the changes and the engine.
 pub fn follow_motion(
     mut motion: ResMut<Motion>,
     mut control: ResMut<RenderControl>,
@@ -84,7 +84,7 @@ pub fn follow_motion(
     if control.motion_scale != scale {
         control.motion_scale = scale;
     }
-    // While nothing is rendered nothing becomes sharper: then the picture is what it is.
+    // While nothing is rendered, waiting would not make the picture sharper.
     let is_busy = !control.paused && matches!(status.state, RenderState::Building | RenderState::Rendering);
     let is_there = !film.is_coarse && status.samples > 0;
     motion.sharpens = moves || (motion.sharpens && is_busy && !is_there);
@@ -107,7 +107,7 @@ mod tests {
         assert!(!at(0, true, 1.0), "a single change");
         assert!(!at(500, true, 1.0), "another one");
         assert!(at(516, true, 1.0), "a movement");
-        // What it costs now is of the lower resolution; that changes nothing before the end.
+        // The time is now that of the lower resolution; that changes nothing before the end.
         assert!(at(532, true, 0.001) && at(600, false, 0.001));
         assert!(!at(532 + 151, false, 0.001), "it rests");
         assert!(!at(700, true, 0.001) && !at(716, true, 0.001), "all is quick");

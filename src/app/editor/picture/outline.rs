@@ -1,4 +1,4 @@
-//! Which thing every pixel shows, and from it the outline of what is selected: exact at once, however noisy the picture still is.
+//! Finds the thing that every pixel shows, and from that the outline of the selection: it is exact at once, however noisy the picture still is.
 //!
 //! Outlines are rows of rectangles over the picture, not part of it: saved images do not have them.
 
@@ -14,7 +14,7 @@ use crate::engine::{PackedScene, RenderFilm};
 use crate::render::film::Film;
 use crate::render::tile::{Tile, tiles};
 
-/// How a thing stands out. Where two meet, the later one shows.
+/// The emphasis of a thing's outline. Where two meet, the later one is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     /// Not at all.
@@ -79,7 +79,7 @@ const NOTHING: u32 = u32::MAX;
 const MOST_RUNS: usize = 60_000;
 
 impl SeenInstances {
-    /// Looks at those of the film's tiles; true if something else is seen.
+    /// Reads these tiles of the film; true if something else is seen.
     pub fn update(&mut self, film: &Film, tiles: &[Tile]) -> bool {
         let mut changed = false;
         for tile in tiles {
@@ -122,7 +122,7 @@ impl SeenInstances {
         }
     }
 
-    /// Whatever shows in a rectangle of the picture, by its film coordinates, each thing once.
+    /// The instances that are visible in a rectangle of the picture, by its film coordinates, each once.
     pub(crate) fn instances_in(&self, min: Vec2, max: Vec2) -> HashSet<u32> {
         let size = Vec2::new(self.width as f32, self.height as f32);
         let (min, max) = ((min * size).max(Vec2::ZERO).floor(), (max * size).min(size).ceil());
@@ -136,8 +136,8 @@ impl SeenInstances {
         found
     }
 
-    /// Where neighbours belong to different things of `marks`, both pixels, so that an outline is two pixels wide. `mark_of_instance` is an
-    /// index into `marks`, of which the first stands for all that has no outline.
+    /// The pixels whose neighbours belong to other things of `marks`, on both sides, so that an outline is two pixels wide. `mark_of_instance` is
+    /// an index into `marks`, of which the first stands for all that has no outline.
     pub fn outline(&self, mark_of_instance: &[u32], marks: &[Level]) -> Vec<Run> {
         let width = self.width as usize;
         let mark = |instance: &u32| mark_of_instance.get(*instance as usize).copied().unwrap_or(0);
@@ -188,10 +188,10 @@ pub struct SelectionOutline {
     /// What each pixel shows.
     pub seen: SeenInstances,
     runs: Vec<Run>,
-    /// Of the scene that the film is of.
+    /// The entities of the scene that the film shows.
     entity_of_instance: Arc<[Entity]>,
     film_job: Option<u64>,
-    /// With the revision of the picture.
+    /// The selection, the hovered thing and the revision of the picture that it was made from.
     made_from: Option<(Selection, Option<Entity>, u64)>,
     /// The job whose pixels are all there.
     complete_job: Option<u64>,
@@ -263,7 +263,7 @@ impl SelectionOutline {
         entities.copied().filter(|entity| known.insert(*entity)).collect()
     }
 
-    /// To be painted over the picture.
+    /// The mesh that is painted over the picture.
     pub fn mesh(&self, picture: Rect) -> Mesh {
         let mut mesh = Mesh::default();
         let (width, height) = (self.seen.width.max(1) as f32, self.seen.height.max(1) as f32);
@@ -330,7 +330,7 @@ mod tests {
         let runs = seen().outline(&[2, 1], &levels);
         // The two of the active one, and two beside on either side and one above and below.
         assert_eq!(pixels(&runs, Level::Active), 8);
-        // Of the other's six the four that do not touch it, and eight around: it touches on its right.
+        // These are the four of the other's six pixels that do not touch it, and eight around: it touches on its right.
         assert_eq!(pixels(&runs, Level::Hovered), 4 + 8);
     }
 

@@ -12,7 +12,7 @@ use crate::app::editor::words::figures::counted;
 use crate::math::Aabb;
 use crate::render::camera::Camera;
 
-/// More would neither be legible nor drawn in time.
+/// The most boxes; more would neither be legible nor drawn in time.
 pub(crate) const MAX_BOXES: usize = 4000;
 
 /// The eight corners of a box in the world. Corner k has bit 0 of k for the upper x, bit 1 for y, bit 2 for z.
@@ -24,21 +24,21 @@ pub struct WorldBox {
     pub over_instances: bool,
 }
 
-/// What is to be drawn: at most [`MAX_BOXES`] boxes, and how many there would have been; with figures of the hierarchies.
+/// The boxes to be drawn, at most [`MAX_BOXES`], and how many there would have been; with figures of the hierarchies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoxList {
     /// Those that are drawn.
     pub boxes: Vec<WorldBox>,
     /// Boxes that the choice of depth holds.
     pub total: usize,
-    /// Of the total those that are leaves.
+    /// The number of leaves in the total.
     pub leaves: usize,
-    /// Of these leaves those of meshes, and the triangles in them.
+    /// The number of leaves of meshes, and below the triangles in them.
     mesh_leaves: usize,
     triangles: usize,
     /// See [`Tlas::expected_work`].
     pub expected_work: f64,
-    /// Of all hierarchies, each mesh's counted once.
+    /// The number of nodes of all hierarchies, each mesh's counted once.
     pub nodes: usize,
     /// Memory of all hierarchies.
     pub bytes: usize,
@@ -110,7 +110,7 @@ impl BoxList {
         self.bytes += stats.bytes;
     }
 
-    /// What there is to be known of the boxes that `overlay` shows, a few short lines.
+    /// A description of the boxes that `overlay` shows, in a few short lines.
     pub(crate) fn figures(&self, overlay: &BvhOverlay) -> String {
         let shown = match overlay.leaves_only {
             true => format!("to depth {}: {}", overlay.depth, counted(self.leaves as u64, "leaf")),
@@ -190,7 +190,7 @@ mod tests {
     use super::*;
     use crate::accel::{Instance, SplitMethod};
 
-    /// Of shapes that share no leaves.
+    /// A scene of shapes that share no leaves.
     fn scene() -> Tlas {
         let instances = (0..20)
             .filter_map(|i| {
@@ -238,7 +238,7 @@ mod tests {
                 leaves_only: false,
             },
         );
-        // The box around everything and those of the two places.
+        // They are the box around everything and those of the two places.
         assert_eq!((roots.total, roots.boxes.len()), (3, 3));
         let moved = roots.boxes[2].corners[0] - roots.boxes[1].corners[0];
         assert!(moved.abs_diff_eq(Vec3::X * 100.0, 1e-3), "{moved}");
@@ -266,7 +266,7 @@ mod tests {
         };
         assert_eq!(edges(&camera, &at(5.0)).len(), 12);
         assert_eq!(edges(&camera, &at(-5.0)).len(), 0);
-        // Around the camera: the four edges behind are gone.
+        // The box is around the camera, so that the four edges behind are left out.
         let around = edges(&camera, &at(0.5));
         assert_eq!(around.len(), 8);
         assert!(around.iter().flatten().all(|p| p.is_finite()));

@@ -1,4 +1,4 @@
-//! How often the window is drawn: often while the picture changes, hardly ever when nothing does. Input and results wake it at once.
+//! Decides how often the window is drawn: often while the picture changes, hardly ever when nothing does. Input and results wake it at once.
 //!
 //! A software driver draws with the very cores that trace rays. There the window is drawn less often while the picture only becomes less
 //! noisy, and after an edit not before there is something new to see.
@@ -19,23 +19,23 @@ use crate::engine::{RenderState, RenderStatus, WakeUp};
 const LIVELY: Duration = Duration::from_millis(16);
 const SPARING: Duration = Duration::from_millis(100);
 const IDLE: Duration = Duration::from_millis(500);
-/// How long after a command the window stays lively.
+/// The time after a command for which the window is drawn often.
 const AFTER_INPUT: Duration = Duration::from_millis(500);
-/// An edit's first pixels are waited for so long; then the panels are drawn without them.
+/// The longest wait for an edit's first pixels; then the panels are drawn without them.
 const LONGEST_HOLD: Duration = Duration::from_millis(120);
 
 #[derive(Resource, Default)]
 pub struct Pacing {
-    /// When the last command was applied.
+    /// The time at which the last command was applied.
     last_input: Option<Instant>,
-    /// When a command was applied whose picture has not begun to show.
+    /// The time at which a command was applied whose picture has not begun to show.
     waiting_since: Option<Instant>,
     /// The texture's revision that was drawn last.
     drawn: u64,
     /// Whether results wake the event loop at once. The threads that produce them share it.
     is_lively: Arc<AtomicBool>,
     draws_on_cpu: bool,
-    /// Nothing is drawn at all: see [`crate::app::editor::session::options::WindowOptions::undrawn`].
+    /// Whether nothing is drawn, see [`crate::app::editor::session::options::WindowOptions::undrawn`].
     undrawn: bool,
 }
 
@@ -52,12 +52,12 @@ impl Pacing {
         self.is_lively.load(Ordering::Relaxed)
     }
 
-    /// Nobody has done anything for a while.
+    /// Whether the user has done nothing for a while.
     pub fn rests(&self) -> bool {
         self.last_input.is_none_or(|at| at.elapsed() >= AFTER_INPUT)
     }
 
-    /// To be told when commands are applied; `restarts`: the picture is begun anew by them.
+    /// Notes that commands are applied. `restarts` says that they begin the picture anew.
     pub fn note_commands(&mut self, restarts: bool) {
         let now = Instant::now();
         self.last_input = Some(now);
@@ -115,7 +115,7 @@ pub fn pace(
     }
 }
 
-/// On a software driver: leaves the cores to the tracer until an edit has something to show.
+/// On a software driver, leaves the cores to the tracer until an edit has something to show.
 pub fn hold_back_frame(mut pacing: ResMut<Pacing>, picture: Res<Picture>, mut cameras: Query<&mut Camera>) {
     let is_new = picture.revision != pacing.drawn;
     if is_new {

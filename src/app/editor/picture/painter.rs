@@ -1,4 +1,4 @@
-//! From the film to the bytes on the screen, in every display mode. No rendering, no Bevy.
+//! Paints the film as bytes of the screen, in every display mode. It knows neither rendering nor Bevy.
 
 use super::compare::PixelComparison;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings, HOTTEST_NOISE, HOTTEST_STEPS, heat};
@@ -8,12 +8,12 @@ use crate::render::noise::DARK;
 use crate::render::tile::{PixelSum, Tile};
 use crate::render::tonemap::{Display, Encoder};
 
-/// What the colours depend on besides the film and the settings. When it changes, all pixels do.
+/// The data that colours depend on besides the film and the settings. When they change, all pixels do.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scales {
     /// Nearest and farthest depth of the picture.
     pub depth: [f32; 2],
-    /// Of any pixel.
+    /// The most samples of any pixel.
     pub most_samples: u32,
     /// Factors on the layers of the film; none is the picture as sampled.
     pub mix: Vec<Rgb>,
@@ -23,7 +23,7 @@ pub struct Scales {
 const STEADY: f32 = 0.05;
 
 impl Scales {
-    /// Of the film as it is. `mix`: as in [`Self::mix`]; `before`: what was shown last.
+    /// The scales of the film as it is. `mix` is as in [`Self::mix`], `before` are the scales that were shown last.
     pub fn of(film: &Film, mode: DisplayMode, mix: Vec<Rgb>, before: &Self) -> Self {
         match mode {
             DisplayMode::Depth => {
@@ -57,8 +57,8 @@ impl Scales {
     }
 }
 
-/// Of all depths but the least and greatest hundredth, for at the rims of things a pixel's mean is of no surface. A pixel in so many is
-/// asked.
+/// The range of all depths without the least and greatest hundredth: at the rims of things a pixel's mean is on no surface. Only some pixels are
+/// read.
 fn depth_range(film: &Film) -> [f32; 2] {
     const ASKED: usize = 20_000;
     let pixels = (0..film.height()).flat_map(|y| (0..film.width()).map(move |x| (x, y)));
@@ -82,7 +82,7 @@ pub struct Painter<'a> {
     plain: Encoder,
     /// Mean luminance of the picture, only where noise is shown.
     brightness: f32,
-    /// Of light.
+    /// The comparison of light.
     comparison: Option<PixelComparison<'a>>,
 }
 
@@ -113,7 +113,7 @@ impl<'a> Painter<'a> {
     /// are.
     pub fn paint(&self, tiles: &[Tile], rgba: &mut [u8]) {
         let width = self.film.width() as usize;
-        // Within a preview's block neighbours are equal: most of its pixels need no tone mapping.
+        // Neighbours within a preview's block are equal, so that most of its pixels need no tone mapping.
         let mut last = (Rgb::ZERO, self.tone.encode(Rgb::ZERO));
         for tile in tiles {
             for y in tile.y..tile.y + tile.height {
@@ -146,7 +146,7 @@ impl<'a> Painter<'a> {
         Some(last.1)
     }
 
-    /// Of what is no light.
+    /// The colour of a pixel in modes that show no light.
     fn encode(&self, x: u32, y: u32, pixel: &PixelSum) -> [u8; 3] {
         let first = || self.film.first_hit(x, y);
         let nothing = [0; 3];

@@ -20,7 +20,7 @@ use crate::scene::{Material, UsesMaterial};
 pub struct NamedPath {
     /// What the renderer recorded.
     pub path: RecordedPath,
-    /// Per vertex the shape's and its material's.
+    /// The names of the shape and of its material at each vertex.
     pub names: Vec<(String, String)>,
 }
 

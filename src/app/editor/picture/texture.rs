@@ -30,18 +30,18 @@ pub struct Picture {
     job: u64,
     /// Counts changes of pixels.
     pub revision: u64,
-    /// Where the film had something new in the last of them.
+    /// The tiles where the film had something new in the last update.
     pub changed: Vec<Tile>,
 }
 
-/// What the texture's pixels were made with.
+/// The settings that the texture's pixels were made with.
 #[derive(Clone, PartialEq)]
 struct Shown {
     display: DisplaySettings,
     denoised: Option<u64>,
     /// Factors on the layers of the film.
     mix: Vec<Rgb>,
-    /// With the number of the snapshot.
+    /// The comparison, with the number of the snapshot.
     comparison: Option<(CompareView, u64)>,
 }
 
@@ -51,7 +51,7 @@ impl Picture {
         (self.size != UVec2::ZERO).then_some((self.texture, self.size.to_array()))
     }
 
-    /// What the colours of the texture depend on.
+    /// The data that the colours of the texture depend on.
     pub fn scales(&self) -> &Scales {
         &self.scales
     }

@@ -1,5 +1,5 @@
-//! What was done to the scene, to be taken back and done again. An entry holds the components that an edit changed, before and after, and no
-//! others; the number of entries and their memory are bounded.
+//! The edits of the scene that can be undone and redone. An entry holds the components that an edit changed, before and after, and no others; the
+//! number of entries and their memory are bounded.
 //!
 //! Entities are not despawned while entries name them: without components they are out of the scene, and their ids stay valid.
 
@@ -53,7 +53,7 @@ impl SettingsState {
     }
 }
 
-/// From where the scene is looked at.
+/// The standpoint from which the scene is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Standpoint {
     camera: ActiveSensor,
@@ -78,14 +78,14 @@ struct Change {
 /// One step of the history.
 #[derive(Clone, Debug)]
 pub struct Entry {
-    /// In words, for the panel.
+    /// The label in the panel.
     pub label: String,
     changes: Vec<Change>,
     settings: [SettingsState; 2],
     selection: [Selection; 2],
-    /// Of those edits that change it.
+    /// The standpoint before and after edits that change it.
     standpoint: Option<[Standpoint; 2]>,
-    /// Of those edits that change it: baking writes it into the scene.
+    /// The light mix before and after edits that change it: baking writes it into the scene.
     mix: Option<[LightMix; 2]>,
     /// Steps of one interaction with equal keys are one entry.
     merge: Option<(u64, MergeKey)>,
@@ -94,7 +94,7 @@ pub struct Entry {
     bytes: usize,
 }
 
-/// What kind of edit it is and of which entities: two of a kind in one drag are one step.
+/// The kind of an edit and its entities: two of a kind in one drag are one step.
 pub type MergeKey = (&'static str, Vec<Entity>);
 
 /// The steps that can be undone and redone.
@@ -109,12 +109,12 @@ pub struct History {
     saved_is_lost: bool,
     /// The oldest entries are gone.
     has_forgotten: bool,
-    /// What entries named that are gone.
+    /// Entities that were named by entries that are gone.
     named_once: Vec<Entity>,
 }
 
 impl History {
-    /// As after opening a scene.
+    /// Clears the history, as after opening a scene.
     pub fn clear(&mut self) {
         let gone = self.done.drain(..).chain(self.undone.drain(..));
         self.named_once.extend(gone.flat_map(Entry::into_entities));
@@ -125,14 +125,14 @@ impl History {
         };
     }
 
-    /// What can be undone, oldest first, and what can be done again, next first.
+    /// The labels of the steps that can be undone, oldest first, and of those that can be redone, next first.
     pub(crate) fn labels(&self) -> (Vec<&str>, Vec<&str>) {
         let done = self.done.iter().map(|entry| entry.label.as_str());
         let undone = self.undone.iter().rev().map(|entry| entry.label.as_str());
         (done.collect(), undone.collect())
     }
 
-    /// How many steps lie behind and ahead.
+    /// The number of steps behind and ahead.
     pub fn len(&self) -> (usize, usize) {
         (self.done.len(), self.undone.len())
     }
@@ -167,7 +167,7 @@ impl History {
     pub fn note_saved(&mut self) {
         self.saved_at = self.position();
         self.saved_is_lost = false;
-        // What comes next is a step of its own: this one is in the file.
+        // The next edit is a step of its own, because this one is in the file.
         if let Some(entry) = self.done.last_mut() {
             entry.merge = None;
         }
@@ -292,7 +292,7 @@ pub struct Edit<'w> {
     /// What was not recorded must be read only.
     pub world: &'w mut World,
     before: Vec<(Entity, ObjectState)>,
-    /// Where each entity is in `before`.
+    /// The index of each entity in `before`.
     places: HashMap<Entity, usize>,
     settings: SettingsState,
     selection: Selection,

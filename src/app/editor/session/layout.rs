@@ -1,4 +1,4 @@
-//! Where the panels are docked. No painting: that is the window's.
+//! The arrangement of the docked panels. The window paints them.
 
 use bevy::prelude::Resource;
 use bevy_egui::egui::{Pos2, Rect, Vec2, vec2};
@@ -33,17 +33,17 @@ impl Default for Layout {
 }
 
 impl Layout {
-    /// As it was when the preferences were written.
+    /// The layout when the preferences were written.
     pub fn remembered(preferences: &Preferences) -> Self {
         Self::from_json(&preferences.layout).unwrap_or_default()
     }
 
-    /// To be called with the room for all panels, in points, before they are shown.
+    /// Fits the panels. To be called with the room for all panels, in points, before they are shown.
     pub fn fit(&mut self, room: Vec2) {
         self.1.fit(self.0.main_surface_mut(), room);
     }
 
-    /// As if it had been shown in so much room.
+    /// The layout as if it had been shown in this room.
     pub(super) fn shown_in(mut self, room: Vec2) -> Self {
         assume_shown(self.0.main_surface_mut(), room);
         self
@@ -54,7 +54,7 @@ impl Layout {
         self.0.find_tab(&panel).is_some()
     }
 
-    /// In front of its group; back in its usual place if it was closed.
+    /// Shows a panel in front of its group, or in its usual place if it was closed.
     pub fn show(&mut self, panel: Panel) {
         if !self.bring_to_front(panel) {
             let is_right = Panel::RIGHT.contains(&panel);
@@ -77,7 +77,7 @@ impl Layout {
         }
     }
 
-    /// In front of its group; false if it is closed.
+    /// Brings a panel to the front of its group; false if it is closed.
     pub(crate) fn bring_to_front(&mut self, panel: Panel) -> bool {
         let place = self.0.find_tab(&panel);
         place.is_some_and(|place| self.0.set_active_tab(place).is_ok())
@@ -90,7 +90,7 @@ impl Layout {
         }
     }
 
-    /// For the preferences: what is where and how large, without its place in points.
+    /// The layout for the preferences: where panels are and how large, without places in points.
     pub fn to_json(&self) -> serde_json::Value {
         let mut state = self.0.clone();
         for (_, node) in state.iter_all_nodes_mut() {

@@ -1,11 +1,11 @@
-//! What the caller of the window asks for beside a scene.
+//! The options of the window, beside a scene.
 
 use std::path::PathBuf;
 use std::time::Duration;
 
 use bevy::prelude::*;
 
-/// How to open the window, and what to do in it without a user.
+/// The options for opening the window, and for what is done in it without a user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowOptions {
     /// None opens an empty window.
@@ -22,7 +22,7 @@ pub struct WindowOptions {
     pub screenshot: Option<PathBuf>,
     /// Commands to do, one a line: see [`crate::app::editor::automation::script`].
     pub script: Option<PathBuf>,
-    /// For `screenshot` and `exit`.
+    /// The samples per pixel for `screenshot` and `exit`.
     pub after_spp: u32,
     /// Ends the program after the screenshot or the measurement, or else after `after_spp` samples.
     pub exit: bool,
@@ -30,9 +30,9 @@ pub struct WindowOptions {
     pub measure_latency: Option<u32>,
     /// Does random things and judges how the program bears them; the program ends with the outcome.
     pub monkey: Option<MonkeyOptions>,
-    /// Everything is done but the drawing of the window's pixels, as if the graphics driver took no time.
+    /// Whether the window's pixels are not drawn, as if the graphics driver took no time.
     pub undrawn: bool,
-    /// With `exit`: the program fails if it is not done after this time.
+    /// The time after which the program fails if `exit` has not come about.
     pub timeout: Duration,
 }
 
@@ -57,7 +57,7 @@ impl Default for WindowOptions {
 }
 
 impl WindowOptions {
-    /// Somebody sits before it.
+    /// Whether there is a user.
     pub(crate) fn is_attended(&self) -> bool {
         !self.exit && self.script.is_none() && self.measure_latency.is_none() && self.monkey.is_none()
     }
@@ -75,16 +75,16 @@ pub(crate) struct WantedCamera {
     pub is_required: bool,
 }
 
-/// How long the monkey plays.
+/// The length of a monkey's run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Length {
     /// At least this long.
     Time(Duration),
-    /// So many acts: such a run can be repeated exactly.
+    /// This number of acts: such a run can be repeated exactly.
     Steps(usize),
 }
 
-/// What is asked of the monkey.
+/// The options of the monkey.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonkeyOptions {
     /// When the run ends.

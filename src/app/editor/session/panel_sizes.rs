@@ -1,5 +1,5 @@
-//! How large the docked panels are: beside the viewport they keep their width (or height) in points when the window is resized, and the
-//! viewport takes the rest. Where they are is in `layout`.
+//! The sizes of the docked panels: beside the viewport they keep their width (or height) in points when the window is resized, and the viewport
+//! takes the rest. Where they are is in `layout`.
 
 use std::collections::HashMap;
 
@@ -8,7 +8,7 @@ use egui_dock::{Node, NodeIndex, Tree};
 
 use crate::app::editor::command::panel::Panel;
 
-/// Of what a split divides, the most that stays with the side that is not the viewport's when there is little room.
+/// The largest share of a split that the side without the viewport keeps when there is little room.
 const LARGEST_SHARE: f32 = 0.45;
 /// Rounding to pixels is no resizing.
 const TOLERANCE: f32 = 1.5;
@@ -18,7 +18,7 @@ const TOLERANCE: f32 = 1.5;
 pub struct WantedSizes(HashMap<NodeIndex, f32>);
 
 impl WantedSizes {
-    /// To be called with the room for all panels, in points, before they are shown.
+    /// Fits the sizes. To be called with the room for all panels, in points, before they are shown.
     pub fn fit(&mut self, tree: &mut Tree<Panel>, room: Vec2) {
         let Some(before) = size_of(tree, NodeIndex::root()) else {
             return;
@@ -29,7 +29,7 @@ impl WantedSizes {
         }
     }
 
-    /// What a side has that is not as large as it was made here was given to it by the user.
+    /// Notes sizes that are not those that were set here: the user has changed them.
     fn note(&mut self, tree: &Tree<Panel>) {
         let mut sizes = HashMap::new();
         for node in (0..tree.len()).map(NodeIndex) {
@@ -48,7 +48,7 @@ impl WantedSizes {
 struct Side {
     is_first: bool,
     size: f32,
-    /// Of both sides.
+    /// The size of both sides together.
     whole: f32,
 }
 
@@ -86,7 +86,7 @@ fn size_of(tree: &Tree<Panel>, node: NodeIndex) -> Option<Vec2> {
     (size.is_finite() && size.min_elem() >= 1.0).then_some(size)
 }
 
-/// Along x for a split into left and right, along y for one into top and bottom.
+/// The axis of a split: x for one into left and right, y for one into top and bottom.
 fn axis_of(tree: &Tree<Panel>, node: NodeIndex) -> usize {
     usize::from(matches!(tree[node], Node::Vertical(_)))
 }
@@ -112,7 +112,7 @@ fn resize(tree: &mut Tree<Panel>, node: NodeIndex, to: Vec2, wanted: &WantedSize
         (node.right(), 1.0 - share_before, 1.0 - split.fraction),
     ] {
         if let Some(mut size) = size_of(tree, side) {
-            // What lies between the two stays.
+            // The space between the two stays.
             size[axis] += is * to[axis] - was * before[axis];
             size[1 - axis] += to[1 - axis] - before[1 - axis];
             resize(tree, side, size.max(Vec2::splat(1.0)), wanted);
@@ -143,7 +143,7 @@ fn holds_viewport(tree: &Tree<Panel>, node: NodeIndex) -> bool {
     }
 }
 
-/// As if the tree had been shown in so much room.
+/// Notes the sizes as if the tree had been shown in this room.
 pub(crate) fn assume_shown(tree: &mut Tree<Panel>, room: Vec2) {
     assume(tree, NodeIndex::root(), room);
 }
@@ -155,7 +155,7 @@ mod tests {
     use super::super::layout::Layout;
     use super::*;
 
-    /// Of the outliner, the viewport and the inspector, in points.
+    /// The widths of the outliner, the viewport and the inspector, in points.
     fn widths(layout: &Layout, room: f32) -> [f32; 3] {
         let tree = layout.0.main_surface();
         let share = |node| match &tree[node] {

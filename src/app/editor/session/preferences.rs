@@ -1,4 +1,4 @@
-//! What is remembered between runs, in one JSON file of the platform's folder for settings. Nothing of a scene is in it.
+//! Stores the preferences between runs, in one JSON file of the platform's folder for settings. Nothing of a scene is in it.
 //!
 //! Fields of later versions are kept. A file that cannot be understood is set aside under another name, never overwritten.
 
@@ -15,19 +15,19 @@ use crate::files::{self, LARGEST_NOTE, write_atomically};
 use crate::scene::{SceneState, SceneStatus};
 
 const FILE: &str = "preferences.json";
-/// Instead of the platform's folder.
+/// The environment variable with a folder in place of the platform's.
 const FOLDER_VARIABLE: &str = "SUNROOM_CONFIG";
-/// Changes are written after so long at the latest.
+/// The longest time before changes are written.
 const PAUSE: Duration = Duration::from_secs(2);
 
 /// The file that the preferences are kept in.
 #[derive(Resource, Debug)]
 pub struct PreferencesFile {
-    /// None: nothing is remembered.
+    /// The path of the file. None: nothing is remembered.
     path: Option<PathBuf>,
     written: Preferences,
     looked_at: Instant,
-    /// What is wrong with it, in words.
+    /// A problem with the file, in words.
     pub problem: Option<String>,
 }
 
@@ -41,7 +41,7 @@ pub fn folder(attended: bool) -> Option<PathBuf> {
 }
 
 impl PreferencesFile {
-    /// What the file in this folder says; without one, the defaults.
+    /// Reads the file in this folder; without one, the preferences are the defaults.
     pub fn open(folder: Option<&Path>) -> (Self, Preferences) {
         let mut file = Self {
             path: folder.map(|folder| folder.join(FILE)),
@@ -106,7 +106,7 @@ impl PreferencesFile {
         if let Err(error) = outcome {
             self.problem = Some(format!("{}: {error}", path.display()));
         }
-        // What failed is not tried again before there is something else to write.
+        // After a failure nothing is written until there is another change.
         self.written = preferences;
     }
 }

@@ -22,7 +22,7 @@ const NOTE: &str = "about.json";
 const LOCK: &str = "lock";
 const FRAGMENT_AGE: Duration = Duration::from_secs(3600);
 
-/// A folder that nobody else offers or removes while this is there.
+/// A folder that no other window offers or removes while this value exists.
 #[derive(Debug)]
 struct Aside {
     folder: PathBuf,
@@ -33,7 +33,7 @@ struct Aside {
 /// What is written aside while a scene is edited, so that a crash loses little.
 #[derive(Resource, Default)]
 pub struct Recovery {
-    /// Of all scenes; None: nothing is written aside.
+    /// The folder of all scenes. None: nothing is written aside.
     folder: Option<PathBuf>,
     /// Tells this run of the program from all others.
     run: String,
@@ -43,7 +43,7 @@ pub struct Recovery {
     task: Option<Task<Result<(), String>>>,
     /// Folders that are of no use once the scene is saved.
     mine: Vec<Aside>,
-    /// What the user is asked about.
+    /// The edits that the user is asked about.
     pub offer: Option<Offer>,
     /// Being opened.
     returning: Option<(Offer, Aside)>,
@@ -68,7 +68,7 @@ impl Recovery {
     }
 
     fn forget(&mut self) {
-        // What is being written is to be removed as well, whether that goes well or not.
+        // The edits that are being written are removed as well, even if that fails.
         if let Some(task) = self.task.take() {
             let _ = block_on(task);
         }
@@ -78,7 +78,7 @@ impl Recovery {
         self.since = None;
     }
 
-    /// Where this scene is written aside; None if that is nowhere.
+    /// The folder to which edits of this scene are written aside; None if there is none.
     fn folder_of(&self, scene: Option<&Path>) -> Option<PathBuf> {
         let name = match scene {
             Some(scene) => format!("{:016x}-{}", hash(scene.as_os_str().as_encoded_bytes()), self.run),
@@ -89,7 +89,7 @@ impl Recovery {
 }
 
 impl Aside {
-    /// None: another run of the program has it.
+    /// Claims a folder. None: another run of the program has it.
     fn claim(folder: &Path) -> Option<Self> {
         // A folder that cannot be written to is complained of when it is written to.
         let _ = std::fs::create_dir_all(folder);
@@ -130,10 +130,10 @@ fn write_aside(folder: &Path, scene: &SceneDescription, path: Option<PathBuf>) -
     save_description(scene, &folder.join(SCENE)).map_err(|error| error.to_string())
 }
 
-/// Only a folder that is one of ours.
+/// Removes a folder, if it is one of this program's.
 fn remove(folder: &Path) {
     if folder.join(NOTE).is_file() {
-        // What cannot be removed is offered again, which does no harm.
+        // A folder that cannot be removed is offered again, which does no harm.
         let _ = std::fs::remove_dir_all(folder);
     }
 }
@@ -160,7 +160,7 @@ fn remove_fragments(all: &Path) {
         let age = made.ok().and_then(|time| time.elapsed().ok());
         let is_old = age.is_some_and(|age| age > FRAGMENT_AGE);
         if is_old && !folder.join(SCENE).exists() && !is_in_use(&folder) {
-            // What cannot be removed now is removed another time.
+            // A folder that cannot be removed now is removed another time.
             let _ = std::fs::remove_dir_all(folder);
         }
     }
@@ -172,14 +172,14 @@ fn left_over(all: &Path, scene: Option<&Path>, is_first: bool) -> Option<Offer> 
     own.or_else(|| find(all, |note| is_first && note.scene.is_none()))
 }
 
-/// Another window may be at work on it. Where files cannot be locked, none is.
+/// Whether another window may be using it. Where files cannot be locked, none is in use.
 fn is_in_use(folder: &Path) -> bool {
     let lock = files::open(&folder.join(LOCK), LARGEST_NOTE);
     lock.is_ok_and(|lock| matches!(lock.try_lock(), Err(TryLockError::WouldBlock)))
 }
 
-/// Notices new scenes, and those that cannot be read: what was left of them is offered, and what belonged to the scene before is of no use any
-/// more. To run after the history has begun anew.
+/// Notices new scenes, and those that cannot be read: their remaining edits are offered, and those of the scene before are removed. To run after
+/// the history has begun anew.
 pub fn follow_scene(
     mut recovery: ResMut<Recovery>,
     mut status: ResMut<SceneStatus>,
@@ -209,7 +209,7 @@ pub fn follow_scene(
                 let text = format!("{} could not be read; it is kept.", file.display());
                 toasts.add(Tone::Error, Topic::Other, text, None);
             }
-            // Of the open scene there is nothing left over.
+            // The open scene has no remaining edits.
             None if status.asked == status.path => {}
             None => recovery.offer = left_over(&all, status.asked.as_deref(), false),
         }
@@ -221,7 +221,7 @@ pub fn follow_scene(
     match recovery.returning.take() {
         Some((offer, aside)) => {
             file.leave();
-            // What others change there from now on must not be written over without a word.
+            // Changes by others from now on must not be overwritten without a question.
             if let Some(scene) = &offer.note.scene {
                 known.note_present(scene);
             }
@@ -274,7 +274,7 @@ pub(crate) fn plan_autosave(
     let since = *recovery.since.get_or_insert_with(Instant::now);
     let interval = Duration::from_secs(preferences.autosave_seconds.into());
     let is_over = !interval.is_zero() && since.elapsed() >= interval;
-    // Another scene may be about to take the place of this one, whose edits would be of no use then; but until it has, they are all there is.
+    // Another scene may be about to replace this one, whose edits will not be needed then; but until it has, they exist nowhere else.
     let is_staying = recovery.returning.is_none() && status.state != SceneState::Loading;
     recovery.is_due = breaks_off || is_over && is_staying;
 }
@@ -302,7 +302,7 @@ pub fn autosave(world: &mut World) {
     debug!("described the scene in {:.2} ms", 1e3 * started.elapsed().as_secs_f32());
 }
 
-/// After a good end nothing is left over. Otherwise the program waits for what is being written.
+/// After a good end nothing is kept. Otherwise the program waits for what is being written.
 pub(crate) fn clean_up(mut exits: MessageReader<AppExit>, mut recovery: ResMut<Recovery>) {
     let Some(exit) = exits.read().last() else {
         return;

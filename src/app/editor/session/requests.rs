@@ -1,4 +1,4 @@
-//! What is to be done next: commands of this frame, and what the window is asked to show.
+//! Requests for the next step: commands of this frame, and what the window is to show.
 
 use bevy::prelude::Resource;
 
@@ -7,20 +7,20 @@ use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::shell::Sheet;
 use crate::app::editor::command::{Command, FileDialogKind};
 
-/// What the user did this frame, in order; applied once per frame by `commands`.
+/// The commands of this frame, in order; `commands` applies them once per frame.
 #[derive(Resource, Default)]
 pub struct CommandQueue(pub Vec<Command>);
 
-/// What the window is asked to show or do.
+/// Requests to the window.
 #[derive(Resource, Default)]
 pub struct Requests {
     /// A file to ask for.
     pub dialog: Option<FileDialogKind>,
-    /// How to save a file that others changed.
+    /// The question how to save a file that others changed.
     pub save_question: Option<SaveQuestion>,
-    /// What lies over the window.
+    /// The sheet that covers the window.
     pub sheet: Option<Sheet>,
-    /// To be brought to the front of its group, unless it is closed.
+    /// A panel to bring to the front of its group, unless it is closed.
     pub wanted_panel: Option<Panel>,
     /// A text on its way to the system's clipboard.
     pub clipboard: Option<String>,

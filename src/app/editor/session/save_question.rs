@@ -1,4 +1,4 @@
-//! What the user is asked when a file was changed by others since it was read.
+//! The question to the user when a file was changed by others since it was read.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ pub struct SaveQuestion {
 }
 
 impl SaveQuestion {
-    /// `path`: where the scene was to be saved. None for errors that saving in another way would not mend.
+    /// The question about an error. `path` is where the scene was to be saved. None for errors that saving in another way would not solve.
     pub fn about(error: &SaveError, path: &Path) -> Option<Self> {
         let can_merge = match error {
             SaveError::Changed { edited_twice, .. } => edited_twice.is_some(),

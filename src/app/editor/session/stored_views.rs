@@ -22,22 +22,22 @@ struct SceneViews {
 }
 
 const FILE: &str = "views.json";
-/// Of the scenes that one has not been at for longest, nothing is remembered.
+/// The number of scenes whose views are remembered; those that were not open for longest are dropped.
 const MOST_SCENES: usize = 100;
 
 /// The file that they are kept in.
 #[derive(Resource, Debug, Default)]
 pub struct ViewsFile {
-    /// None: nothing is remembered.
+    /// The path of the file. None: nothing is remembered.
     path: Option<PathBuf>,
     /// The one that is open, as in the file; None while it has no name.
     scene: Option<PathBuf>,
-    /// Of that scene, as in the file.
+    /// The views of that scene, as in the file.
     written: StoredViews,
 }
 
 impl ViewsFile {
-    /// `folder`: that of the preferences.
+    /// The stored views. `folder` is that of the preferences.
     pub fn new(folder: Option<&Path>) -> Self {
         Self {
             path: folder.map(|folder| folder.join(FILE)),
@@ -80,7 +80,7 @@ fn canonical(path: &Path) -> PathBuf {
         .unwrap_or_else(|_| path.to_owned())
 }
 
-/// What can be understood; those that cannot be are gone with the next that is stored, and nothing but views is lost.
+/// Reads the entries that can be understood. The others are lost when the next view is stored, and they hold nothing but views.
 fn read(path: &Path) -> Vec<SceneViews> {
     let text = files::read_text(path, LARGEST_NOTE).unwrap_or_default();
     let all: Vec<serde_json::Value> = serde_json::from_str(&text).unwrap_or_default();
@@ -95,7 +95,7 @@ fn without_nonsense(mut of_scene: SceneViews) -> SceneViews {
     of_scene
 }
 
-/// Brings the views of a scene that has been opened, and keeps those that are stored.
+/// Reads the views of a scene that has been opened, and writes those that are stored.
 pub fn follow_views(
     mut file: ResMut<ViewsFile>,
     mut settings: ResMut<ViewSettings>,

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-/// The editor's steps in `PostUpdate`, around those of egui and the engine.
+/// The editor's sets of systems in `PostUpdate`, around those of egui and the engine.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum EditorSystems {
     /// World to model, before the panels are shown.

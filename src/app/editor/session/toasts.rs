@@ -9,13 +9,13 @@ use bevy::prelude::*;
 pub enum Tone {
     /// Something was done.
     Note,
-    /// Something that was asked for cannot be done, or is perhaps not meant.
+    /// Something that was asked for cannot be done, or may be unintended.
     Warning,
     /// Something is broken.
     Error,
 }
 
-/// What an error is about, so that it can go when that is mended.
+/// The topic of an error, by which it is removed when that is repaired.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Topic {
     /// The open file cannot be read as it is now.
@@ -124,7 +124,7 @@ impl Toasts {
         self.0.iter().map(|toast| toast.text.as_str())
     }
 
-    /// Without those whose time is over.
+    /// The messages without those whose time is over.
     pub fn current(&mut self) -> &[Toast] {
         self.0.retain(|toast| toast.left() != Some(Duration::ZERO));
         &self.0
@@ -137,12 +137,12 @@ impl Toasts {
 }
 
 impl Toast {
-    /// None for those that stay.
+    /// The time that is left; None for messages that stay.
     fn left(&self) -> Option<Duration> {
         (self.tone != Tone::Error).then(|| SHOWN.saturating_sub(self.since.elapsed()))
     }
 
-    /// In [0, 1].
+    /// The opacity, in [0, 1].
     pub(crate) fn opacity(&self) -> f32 {
         self.left()
             .map_or(1.0, |left| (left.as_secs_f32() / FADING.as_secs_f32()).min(1.0))

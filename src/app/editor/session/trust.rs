@@ -20,13 +20,13 @@ use crate::scene::{OpenScene, SceneAccess, SceneFile, SceneState, SceneStatus, T
 const FILE: &str = "trusted-folders.json";
 /// The folders that were allowed first are forgotten beyond this number.
 const MOST_FOLDERS: usize = 1000;
-/// So many files that have been read are named.
+/// The most files that are named in the message about what was read.
 const MOST_NAMED: usize = 3;
 
 /// The file of the folders, and what the user is to be asked about.
 #[derive(Resource, Debug, Default)]
 pub struct TrustedFolders {
-    /// None: nothing is remembered.
+    /// The path of the file. None: nothing is remembered.
     path: Option<PathBuf>,
     /// What the user is asked; None where nothing is open.
     pub question: Option<Question>,
@@ -34,12 +34,12 @@ pub struct TrustedFolders {
     pub opens: Option<PathBuf>,
     /// The refused files that the user has been asked about.
     asked: Vec<PathBuf>,
-    /// What the open scene may read since it was last read.
+    /// The folders that the open scene may read since it was last read.
     news: Vec<PathBuf>,
 }
 
 impl TrustedFolders {
-    /// What is to be said of the files that the open scene has read now because they were allowed; None without such.
+    /// The message about the files that the open scene has read now because they were allowed; None if there are none.
     pub(crate) fn take_news(&mut self) -> Option<String> {
         let mut names: Vec<String> = std::mem::take(&mut self.news)
             .iter()
@@ -56,7 +56,7 @@ impl TrustedFolders {
         })
     }
 
-    /// With what scenes may read at first: the remembered folders and the program's own. `folder` is that of the preferences.
+    /// Opens the file, with what scenes may read at first: the remembered folders and the program's own. `folder` is that of the preferences.
     pub fn open(folder: Option<&Path>) -> (Self, Trust) {
         let trusted = Self {
             path: folder.map(|folder| folder.join(FILE)),
@@ -157,7 +157,7 @@ pub fn allow(world: &mut World, question: &Question) {
     let status = world.resource::<SceneStatus>();
     let (own, loads) = (status.path.clone(), status.state == SceneState::Loading);
     let other = status.asked.clone().filter(|asked| Some(asked) != own.as_ref());
-    // That another scene could not be read has these files as its cause only if it names them.
+    // These files are the cause of another scene's failure only if it names them.
     let access = world.resource::<SceneAccess>();
     let names_them = |scene: &PathBuf| {
         let refused = access.of_scene(scene).refused();

@@ -1,4 +1,4 @@
-//! How the scene is looked at and worked on. None of it is part of the scene.
+//! The settings of the view and of the tools. None of them is part of the scene.
 
 use bevy::prelude::Resource;
 

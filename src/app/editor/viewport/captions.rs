@@ -1,11 +1,11 @@
-//! What the parts of a divided picture are.
+//! The captions of the parts of a divided picture.
 
 use crate::app::editor::command::compare_view::CompareView;
 
 /// Words, and the middle of the part of the picture's width that they are about.
 pub type Caption = (f32, &'static str);
 
-/// Of a comparison with a snapshot, which lies over the thirds of [`crate::engine::RenderControl::strategy_split`], or of those.
+/// The captions of a comparison with a snapshot, which covers the thirds of [`crate::engine::RenderControl::strategy_split`], or of those thirds.
 pub fn captions(split: bool, compared: CompareView) -> Vec<Caption> {
     match (compared, split) {
         (CompareView::Wipe(at), _) => vec![(0.5 * at, "snapshot"), (0.5 + 0.5 * at, "now")],

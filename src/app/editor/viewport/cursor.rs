@@ -3,21 +3,21 @@
 
 use bevy_egui::egui::{Pos2, Rect, Vec2};
 
-/// Of the picture's shorter side, how far from its middle the cursor may come.
+/// The farthest that the cursor may be from the picture's middle, as a share of its shorter side.
 const LEASH: f32 = 0.25;
-/// A cursor that is not there after so many frames cannot be moved.
+/// The number of frames after which a cursor that has not arrived counts as one that cannot be moved.
 const PATIENCE: u32 = 12;
 
 /// The cursor in the hand that turns the view. All places in points of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct TurningCursor {
-    /// Where it was when the turning began; None: it is free.
+    /// The place of the cursor when the turning began; None: it is free.
     pub(super) origin: Option<Pos2>,
-    /// Where it was seen last.
+    /// The place where it was seen last.
     last: Option<Pos2>,
-    /// Where it is to be put by the window, with the pixels of a point.
+    /// The place to which the window is to move it, with the pixels of a point.
     pub(super) put: Option<(Pos2, f32)>,
-    /// Where it was sent, until it is seen there.
+    /// The place to which it was moved, until it is seen there.
     sent: Option<Pos2>,
     /// Since then.
     frames: u32,
@@ -26,8 +26,8 @@ pub(crate) struct TurningCursor {
 }
 
 impl TurningCursor {
-    /// By how much the hand has moved in this frame. `before`: where the pointer was; `seen`: where it has been since, in order: that was the
-    /// hand, unless we have put it there. `device`: the mouse as the system tells it even of a pointer that does not move.
+    /// The movement of the hand in this frame. `before` is where the pointer was, `seen` where it has been since, in order: that was the hand,
+    /// unless the window has moved it there. `device` is the mouse as the system reports it even for a pointer that does not move.
     pub fn follow(&mut self, before: Pos2, seen: &[Pos2], device: Vec2, picture: Rect, pixels_per_point: f32) -> Vec2 {
         let mut last = self.last.unwrap_or(before);
         let mut by = Vec2::ZERO;
@@ -64,7 +64,7 @@ impl TurningCursor {
 
     /// The turning is over.
     pub fn let_go(&mut self, pixels_per_point: f32) {
-        // What the window has not done yet stays to be done.
+        // A move that the window has not made yet is kept.
         let put = self.origin.map(|origin| (origin, pixels_per_point)).or(self.put);
         *self = Self { put, ..Self::default() };
     }

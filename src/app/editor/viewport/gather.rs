@@ -1,4 +1,4 @@
-//! From the world to what the viewport shows of it.
+//! Gathers from the world what the viewport shows of it.
 
 use std::iter;
 use std::sync::Arc;
@@ -33,14 +33,14 @@ use crate::scene::{
     Sensor, Shape, ToWorld, world_bounds,
 };
 
-/// What is seen of the scene in the viewport, as of this frame. What takes long to find is kept from frame to frame.
+/// The view of the scene in the viewport, as of this frame. What takes long to find is kept from frame to frame.
 #[derive(Resource, Default)]
 pub(crate) struct ViewportScene {
     /// The picture and its size in pixels.
     pub picture: Option<(egui::TextureId, [u32; 2])>,
     /// Pixels of the picture at its full resolution.
     pub proportions: [u32; 2],
-    /// In place of the picture while there is none.
+    /// The text in place of the picture while there is none.
     pub placeholder: String,
     /// World from camera; None without a camera.
     pub pose: Option<Affine3A>,
@@ -49,7 +49,7 @@ pub(crate) struct ViewportScene {
     /// The selected things that can be moved, with their bounds.
     pub targets: Vec<Target>,
     pub icons: Vec<Icon>,
-    /// Of false colours, where there are any.
+    /// The legend of false colours, if there are any.
     pub legend: Option<Legend>,
     pub captions: Vec<Caption>,
     boxes: CollectedBoxes,
@@ -108,7 +108,7 @@ impl SelectionBounds {
     }
 }
 
-/// What of the world is seen in the viewport.
+/// The parts of the world that the viewport shows.
 #[derive(SystemParam)]
 pub struct Sources<'w, 's> {
     packed: Res<'w, PackedScene>,
@@ -156,14 +156,14 @@ impl Sources<'_, '_> {
                 entity,
                 to_world: to_world.0,
                 freedom,
-                // What is hidden is not in the picture.
+                // Hidden things are not in the picture.
                 bounds: bounds.or_else(|| world_bounds(shape?, &to_world.0, None)),
             })
         });
         targets.collect()
     }
 
-    /// Of the lights that have a place, and of the cameras but the one that is looked through.
+    /// The icons of the lights that have a place, and of the cameras except the one that is looked through.
     fn icons(&self) -> Vec<Icon> {
         let lights = self.emitters.iter().filter_map(|(entity, emitter, to_world)| {
             let kind = IconKind::of(emitter)?;
@@ -218,7 +218,7 @@ pub(crate) fn gather_viewport(
     let is_split = model.0.render.strategy_split && settings.display.mode.is_light();
     seen.captions = captions(is_split, compared);
     seen.picture = sources.picture.texture();
-    // Whatever resolution is rendered, the picture stays where it is.
+    // The picture stays where it is, whatever resolution is rendered.
     let film = sources.active.0.and_then(|sensor| sources.films.get(sensor).ok());
     let proportions = film.map(Film::window).map(|window| [window.width, window.height]);
     let of_picture = seen.picture.map(|(_, size)| size);

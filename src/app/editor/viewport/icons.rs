@@ -27,7 +27,7 @@ pub enum IconKind {
     Bulb,
     /// Shines along +z from everywhere.
     Sun,
-    /// Shines along +z, so many radians to every side.
+    /// A light that shines along +z, this many radians to every side.
     Cone(f32),
     /// Looks, or throws a picture, along +z.
     Frustum,
@@ -46,11 +46,11 @@ impl IconKind {
     }
 }
 
-/// In points: the disk of a bulb, the reach of the pointer, and the length of what points along +z.
+/// The radius of a bulb's disk in points; below the radius in which the pointer hits it, and the length of what points along +z.
 const RADIUS: f32 = 5.0;
 const REACH: f32 = 11.0;
 const LENGTH: f32 = 30.0;
-/// More would be a fog.
+/// The most icons; more would hide the picture.
 const MOST_ICONS: usize = 1000;
 const SHADOW: Color32 = Color32::from_black_alpha(120);
 
@@ -82,7 +82,7 @@ pub(crate) fn icon_at(screen: &Screen, icons: &[Icon], pointer: Pos2) -> Option<
         .map(|(_, entity)| entity)
 }
 
-/// Where it is seen; None outside the picture.
+/// The place where an icon is seen; None outside the picture.
 pub fn place(screen: &Screen, icon: &Icon) -> Option<Pos2> {
     screen
         .project(icon.pose.translation.into())

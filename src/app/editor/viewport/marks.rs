@@ -2,7 +2,7 @@
 
 use bevy_egui::egui::{self, Align2, Color32, FontId, Pos2, Rect, Stroke};
 
-/// Of texts over the picture: white ones are legible on it whatever is behind.
+/// The background of texts over the picture: white texts are legible on it whatever is behind.
 pub(crate) const BACKING: Color32 = Color32::from_black_alpha(228);
 
 /// White, with black around it: seen on any picture.

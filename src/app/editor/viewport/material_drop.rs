@@ -11,7 +11,7 @@ use crate::app::editor::command::dragged::{Dragged, DraggedPreset};
 use crate::app::editor::model::Outline;
 use crate::engine::PackedScene;
 
-/// What may be there to take a material.
+/// The data for dropping a material on the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Takers<'a> {
     /// Tells what is seen under the pointer.
@@ -28,7 +28,7 @@ impl Takers<'_> {
         matches!(things, [thing] if is_one(*thing))
     }
 
-    /// What letting go does at a place of the picture.
+    /// The hint about what a drop does at a place of the picture.
     fn hint(&self, at: Vec2) -> String {
         let Some(shape) = picking::pick(self.packed, at) else {
             return "Drop it on a shape".to_owned();
@@ -42,7 +42,7 @@ impl Takers<'_> {
     }
 }
 
-/// `picture`: the whole of it on the screen, of which `response` is.
+/// Accepts drops. `picture` is the whole picture on the screen, of which `response` is.
 pub fn drop_target(ui: &Ui, response: &Response, picture: Rect, takers: Takers, commands: &mut Vec<Command>) {
     let Some(pointer) = ui.ctx().pointer_interact_pos() else {
         return;
@@ -61,7 +61,7 @@ pub fn drop_target(ui: &Ui, response: &Response, picture: Rect, takers: Takers, 
             .rect_filled(place.expand(4.0), 3.0, Color32::from_black_alpha(190));
         ui.painter().galley(place.min, text, Color32::WHITE);
     }
-    // To ask for a payload of another type would take it away.
+    // Asking for a payload of another type would take it away.
     let is_preset = egui::DragAndDrop::has_payload_of_type::<DraggedPreset>(ui.ctx());
     if is_preset && let Some(dragged) = response.dnd_release_payload::<DraggedPreset>() {
         let preset = Box::new(dragged.0.clone());

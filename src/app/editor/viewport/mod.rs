@@ -38,7 +38,7 @@ use toolbar::toolbar;
 
 /// The id of the picture: whatever has the keyboard when no other widget wants it.
 pub const PICTURE: &str = "viewport picture";
-/// Above the foot of the picture, where the speed and the legend are; points.
+/// The height above the foot of the picture at which the speed and the legend are; points.
 const CAPTION_FOOT: f32 = -36.0;
 const REGION: Color32 = Color32::from_rgb(230, 70, 60);
 const SCENE_BOX: Color32 = Color32::from_rgba_premultiplied(60, 200, 90, 200);

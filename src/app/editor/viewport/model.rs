@@ -1,4 +1,4 @@
-//! What the viewport shows.
+//! The data that the viewport shows.
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::math::Affine3A;
@@ -18,14 +18,14 @@ use crate::app::editor::picture::paths::PathInspector;
 use crate::engine::PackedScene;
 use crate::render::camera::Camera;
 
-/// What the viewport shows.
+/// The data that the viewport shows.
 #[derive(Clone, Copy, Debug)]
 pub struct ViewportModel<'a> {
     /// The picture and its size in pixels.
     pub picture: Option<(egui::TextureId, [u32; 2])>,
     /// Pixels of the picture at its full resolution.
     pub proportions: [u32; 2],
-    /// In place of the picture while there is none.
+    /// The text in place of the picture while there is none.
     pub placeholder: &'a str,
     /// World from camera; None without a camera.
     pub pose: Option<Affine3A>,
@@ -41,13 +41,13 @@ pub struct ViewportModel<'a> {
     pub icons: &'a [Icon],
     /// What the handles act on.
     pub gizmo: GizmoModel<'a>,
-    /// Not to be selected.
+    /// The entities that cannot be selected.
     pub locked: &'a EntityHashSet,
-    /// What things are called.
+    /// The names of things.
     pub things: &'a Outline,
-    /// To ask what is where.
+    /// The packed scene, for picking.
     pub packed: &'a PackedScene,
-    /// Of false colours, where there are any.
+    /// The legend of false colours, if there are any.
     pub legend: Option<&'a Legend>,
     /// Texts at the edge of the picture.
     pub captions: &'a [Caption],
@@ -57,7 +57,7 @@ pub struct ViewportModel<'a> {
     pub navigation: Navigation,
     /// What keys refer to.
     pub keys: ActionContext<'a>,
-    /// By how much the mouse has been moved since the last frame, pixels; told even of a pointer that stands at an edge.
+    /// The movement of the mouse since the last frame, in pixels; it is known even of a pointer at an edge of the screen.
     pub mouse: egui::Vec2,
     /// The keys pressed since the last frame, in order.
     pub presses: &'a [Press],

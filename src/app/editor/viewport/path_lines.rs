@@ -16,7 +16,7 @@ const OTHER: Color32 = Color32::from_rgba_premultiplied(50, 80, 100, 110);
 const REACHED: Color32 = Color32::from_rgb(255, 220, 70);
 const BLOCKED: Color32 = Color32::from_rgb(230, 70, 60);
 
-/// `chosen`: which of the paths is drawn in full, the others faintly. `scene_size` in world units.
+/// Paints the paths. `chosen` is the one that is drawn in full, the others are faint. `scene_size` is in world units.
 pub fn paint(painter: &egui::Painter, screen: &Screen, paths: &[NamedPath], chosen: usize, scene_size: f32) {
     for (index, path) in paths.iter().enumerate() {
         if index != chosen {
@@ -57,7 +57,7 @@ pub fn paint(painter: &egui::Painter, screen: &Screen, paths: &[NamedPath], chos
     }
 }
 
-/// From vertex to vertex. The first one, from the camera, would be a point seen from there: it is left out.
+/// The segments from vertex to vertex. The first one, from the camera, would look like a point from there, and is left out.
 fn segments(path: &NamedPath, scene_size: f32) -> impl Iterator<Item = [Vec3; 2]> + '_ {
     let vertices = &path.path.vertices;
     let between = vertices

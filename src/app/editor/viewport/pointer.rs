@@ -26,7 +26,7 @@ pub struct PointerState {
     hold: Option<Hold>,
     /// Where the mouse is caught while the view turns.
     pub(crate) cursor: TurningCursor,
-    /// What is under the pointer.
+    /// The thing under the pointer.
     pub hovered: Option<Entity>,
 }
 
@@ -38,9 +38,9 @@ enum Hold {
     Box { from: Pos2 },
 }
 
-/// A point drag of the wheel counts as a notch after so many points.
+/// The points by which the wheel has to turn for one notch.
 const POINTS_PER_NOTCH: f32 = 50.0;
-/// How far ahead things are taken to be where nothing is seen, as a share of the scene.
+/// The distance at which things are taken to be where nothing is seen, as a share of the scene.
 const NOWHERE: f32 = 0.5;
 
 impl PointerState {
@@ -124,13 +124,13 @@ impl PointerState {
             .flatten();
         if hovered != self.hovered {
             self.hovered = hovered;
-            // Its outline is found before the next frame is shown.
+            // The outline is found before the next frame is shown.
             ui.ctx().request_repaint();
         }
         look
     }
 
-    /// Whatever is done with the mouse is over.
+    /// Ends whatever is done with the mouse.
     pub(crate) fn let_go(&mut self, ui: &Ui) {
         self.hold = None;
         self.cursor.let_go(ui.ctx().pixels_per_point());
@@ -265,7 +265,7 @@ fn inside(boxed: Rect, screen: &Screen, model: &ViewportModel) -> Vec<Entity> {
     found
 }
 
-/// Where the pointer has been since the last frame, in order.
+/// The places of the pointer since the last frame, in order.
 fn moves(input: &egui::InputState) -> Vec<Pos2> {
     let place = |event: &egui::Event| match event {
         egui::Event::PointerMoved(place) => Some(*place),

@@ -1,4 +1,4 @@
-//! What the viewport remembers between frames.
+//! The state that the viewport keeps between frames.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use bevy_egui::egui::Ui;
 use super::gizmo::interaction::GizmoState;
 use super::pointer::PointerState;
 
-/// What the viewport remembers between frames.
+/// The state that the viewport keeps between frames.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct ViewportState {
     /// Of the handles.
@@ -19,10 +19,10 @@ pub struct ViewportState {
     pub(super) speed: SpeedTag,
 }
 
-/// The speed is told of while it matters.
+/// The speed, which is shown for a while after a change.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct SpeedTag {
-    /// That of the last frame; None before the first.
+    /// The speed of the last frame; None before the first.
     known: Option<f32>,
     /// Seconds of egui's clock.
     until: f64,

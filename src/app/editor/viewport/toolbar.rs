@@ -75,7 +75,7 @@ pub(crate) fn toolbar(
     }
 }
 
-/// Of the theme, and nearly opaque: texts and buttons on it are legible over any picture.
+/// The background in the theme's colour. It is nearly opaque, so that texts and buttons on it are legible over any picture.
 fn backing(ui: &Ui) -> Color32 {
     ui.visuals().window_fill.gamma_multiply_u8(238)
 }

@@ -14,11 +14,11 @@ use crate::app::editor::words::files::{ENVIRONMENTS, SCENE_FILES, extension};
 #[derive(Resource, Default)]
 pub struct Dialogs {
     open: Option<(FileDialogKind, FileDialog)>,
-    /// Where a picture was last saved.
+    /// The folder in which a picture was last saved.
     image_folder: Option<PathBuf>,
-    /// Where a picture was last taken from.
+    /// The folder from which a picture was last taken.
     picture_folder: Option<PathBuf>,
-    /// Where something was last imported from.
+    /// The folder from which something was last imported.
     import_folder: Option<PathBuf>,
 }
 
@@ -81,7 +81,7 @@ impl Dialogs {
     }
 }
 
-/// What a finished dialog asks for; of a file that it is not for, a message.
+/// The command of a finished dialog; a message if the file is of another kind.
 fn picked(kind: FileDialogKind, path: PathBuf) -> Result<Command, String> {
     Ok(match kind {
         FileDialogKind::OpenScene => Command::OpenScene(path),
@@ -108,7 +108,7 @@ fn picked(kind: FileDialogKind, path: PathBuf) -> Result<Command, String> {
     })
 }
 
-/// Beside scenes.
+/// The extensions that can be imported, beside those of scenes.
 const IMPORTS: [&str; 5] = ["obj", "ply", "serialized", "hdr", "exr"];
 const PICTURES: [&str; 10] = ["png", "jpg", "jpeg", "exr", "hdr", "pfm", "bmp", "tga", "ppm", "pgm"];
 

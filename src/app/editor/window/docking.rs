@@ -15,7 +15,7 @@ use crate::app::editor::viewport::state::ViewportState;
 use crate::app::editor::viewport::viewport;
 use crate::document::Severity;
 
-/// What the panels show and say.
+/// The data that the panels show, and the commands that they give.
 pub struct Panels<'a> {
     model: &'a Model,
     viewport: &'a ViewportModel<'a>,
@@ -23,9 +23,9 @@ pub struct Panels<'a> {
     state: &'a mut ViewportState,
     widgets: &'a mut Widgets,
     commands: &'a mut Vec<Command>,
-    /// Those in front of their groups: only they have a button to close them.
+    /// The panels in front of their groups: only they have a button to close them.
     fronts: Vec<Panel>,
-    /// Of the title of the messages while there are errors.
+    /// The colour of the title of the messages while there are errors.
     error_color: Color32,
 }
 

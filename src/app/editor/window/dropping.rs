@@ -9,7 +9,7 @@ use bevy_egui::egui::{self, Align2, Color32, FontId, Rect};
 use crate::app::editor::command::Command;
 use crate::app::editor::words::files::SCENE_FILES;
 
-/// What hovers over the window, and what was let go of since the last frame.
+/// The files that hover over the window, and those that were dropped since the last frame.
 #[derive(Resource, Debug, Default)]
 pub struct DroppedFiles {
     pub hovering: usize,
@@ -43,7 +43,7 @@ impl DroppedFiles {
         }
         let first = files.iter().position(is_scene).map(|place| files.remove(place));
         match first {
-            // What is opened takes the place of everything: the rest would be lost in it.
+            // A scene replaces everything, so that the other files would be lost in it.
             Some(scene) => vec![Command::OpenScene(scene)],
             None => files.into_iter().map(Command::Import).collect(),
         }

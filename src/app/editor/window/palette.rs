@@ -9,7 +9,7 @@ use crate::app::editor::command::selection::Extend;
 use crate::app::editor::input::actions::{ACTIONS, Action, ActionContext, Group, Shortcut};
 use crate::app::editor::model::{Item, Model};
 
-/// What was typed, and which line is chosen.
+/// The query, and the chosen line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Palette {
     query: String,
@@ -36,7 +36,7 @@ impl Hit<'_> {
         }
     }
 
-    /// At the right, weakly: keys, or what it is.
+    /// The faint text at the right: keys, or the kind of hit.
     fn remark(&self) -> String {
         match self {
             Self::Action(action) => action.keys.first().map(Shortcut::text).unwrap_or_default(),
@@ -45,7 +45,7 @@ impl Hit<'_> {
         }
     }
 
-    /// None: there is nothing to do it to.
+    /// The command. None: there is nothing to apply it to.
     fn command(&self, context: &ActionContext) -> Option<Command> {
         match self {
             Self::Action(action) => (action.command)(context),
@@ -54,7 +54,7 @@ impl Hit<'_> {
         }
     }
 
-    /// How well it matches; None for what does not.
+    /// The quality of the match; None if it does not match.
     fn score(&self, query: &str) -> Option<i32> {
         match self {
             // Actions before files and things that are called the same.
@@ -70,7 +70,7 @@ impl Hit<'_> {
     }
 }
 
-/// Its label; in the menu that heads it, "Add" goes without saying.
+/// The label of an action; "Add" is left out in the menu with that title.
 fn title(action: &Action) -> String {
     match action.group {
         Group::Add => {
@@ -82,7 +82,7 @@ fn title(action: &Action) -> String {
     }
 }
 
-/// How well the words of a query match a text: each has to be in it, as a part or letter by letter. Greater is better.
+/// The quality of the match between the words of a query and a text: each has to be in it, as a part or letter by letter. Greater is better.
 pub(crate) fn score(query: &str, text: &str) -> Option<i32> {
     let text = text.to_lowercase();
     let mut total = -(text.chars().count().min(60) as i32) / 4;
@@ -106,7 +106,7 @@ fn score_word(word: &str, text: &str) -> Option<i32> {
     if best.is_some() {
         return best;
     }
-    // Letter by letter, those that begin a word first.
+    // The match is letter by letter, and letters that begin a word come first.
     let mut from = 0;
     let mut score = 0;
     for letter in word.chars() {
@@ -122,7 +122,7 @@ fn score_word(word: &str, text: &str) -> Option<i32> {
     Some(score)
 }
 
-/// What matches, best first; without a query everything that is in the menus.
+/// The hits, best first; without a query everything that is in the menus.
 pub fn hits<'a>(query: &str, model: &'a Model, recent: &'a [std::path::PathBuf]) -> Vec<Hit<'a>> {
     let actions = ACTIONS.iter().map(Hit::Action);
     if query.trim().is_empty() {

@@ -18,16 +18,16 @@ use crate::app::editor::picture::pacing::Pacing;
 use crate::engine::{PackedScene, WakeUp, pack_loose, yield_to_all, yield_to_window};
 use crate::render::tonemap::Display;
 
-/// How good a picture is to be.
+/// The quality of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Quality {
-    /// In pixels: sharp at twice the size it has in points.
+    /// The edge in pixels: sharp at twice the size that it has in points.
     edge: u32,
-    /// Of a pixel.
+    /// The samples of a pixel.
     samples: u32,
 }
 
-/// Of the inspected material, of those inside of it, of the library, and of those in the list.
+/// The quality for the inspected material, those inside it and those of the library; below for those in the list.
 const BEST: Quality = Quality {
     edge: 160,
     samples: 128,
@@ -40,7 +40,7 @@ const ROUGH: u32 = 4;
 /// Pictures that are kept of what is not in sight any more, some 100 kB each here and as much in the graphics driver.
 const MOST: usize = 128;
 
-/// What is rendered of a ball.
+/// The rendered picture of a ball.
 struct Picture {
     look: BallMaterial,
     texture: egui::TextureHandle,
@@ -51,7 +51,7 @@ struct Picture {
 struct Work {
     ball: Ball,
     look: BallMaterial,
-    /// That it will have in the end.
+    /// The quality that it will have in the end.
     quality: Quality,
     cancel: Arc<AtomicBool>,
     passes: Receiver<Pass>,
@@ -75,9 +75,9 @@ pub struct Previews {
     /// The looks of the library, in its order.
     presets: Vec<BallMaterial>,
     work: Option<Work>,
-    /// Its thread ended before its time: trying again would do no good.
+    /// The material whose thread ended too early: another attempt would fail as well.
     given_up: Option<BallMaterial>,
-    /// Every picture that is in sight is as good as it is to be.
+    /// Whether every visible picture has its final quality.
     are_done: bool,
 }
 
@@ -106,7 +106,7 @@ pub fn update_previews(
         if let Some(picture) = previews.pictures.get_mut(ball)
             && picture.look == *look
         {
-            // So that the next comparison is that of two pointers.
+            // The next comparison is then one of two pointers.
             picture.look = look.clone();
         }
     }
@@ -121,7 +121,7 @@ pub fn update_previews(
     Ok(())
 }
 
-/// A picture that somebody looks at.
+/// A picture that is visible.
 struct Wanted {
     ball: Ball,
     look: BallMaterial,
@@ -129,7 +129,7 @@ struct Wanted {
     is_inspected: bool,
 }
 
-/// What panels show, the most important first.
+/// The pictures that panels show, the most important first.
 fn wanted(model: &Model, widgets: &Widgets, packed: &PackedScene, presets: &[BallMaterial]) -> Vec<Wanted> {
     let inspected = model.inspected.iter().flat_map(|inspected| &inspected.materials);
     let inspected = inspected
@@ -172,7 +172,7 @@ impl Quality {
 }
 
 impl Previews {
-    /// Nothing is being rendered, and nothing waits to be.
+    /// Whether nothing is being rendered or waits to be.
     pub fn are_done(&self) -> bool {
         self.are_done
     }
@@ -212,7 +212,8 @@ impl Previews {
         pictures.map(|(&ball, picture)| (ball, picture.texture.id())).collect()
     }
 
-    /// Rough ones of all come before a fine one of any. While somebody is at work only what is inspected is rendered: the picture comes first.
+    /// The next picture to render. Rough ones of all come before a fine one of any. While the user works, only what is inspected is rendered: the
+    /// picture of the scene comes first.
     fn next<'w>(&self, wanted: &'w [Wanted], rests: bool) -> Option<(&'w Wanted, Quality)> {
         let rough = |wanted: &Wanted| Quality {
             samples: ROUGH,
@@ -277,7 +278,7 @@ fn start(ball: Ball, look: BallMaterial, quality: Quality, wake_up: WakeUp) -> O
     let (sender, passes) = unbounded();
     let (flag, shown) = (cancel.clone(), look.clone());
     let work = move || {
-        // Nobody waits long for a first picture.
+        // A first picture must appear soon, so that its thread yields only to the window.
         if quality.samples <= ROUGH {
             yield_to_window();
         } else {
@@ -303,7 +304,7 @@ fn start(ball: Ball, look: BallMaterial, quality: Quality, wake_up: WakeUp) -> O
     }
 }
 
-/// Twice as many samples in every pass as there are, until there are enough or nobody wants them any more.
+/// Renders in passes, each with as many samples as there are already, until there are enough or the picture is no longer needed.
 fn render(look: &BallMaterial, quality: Quality, cancel: &AtomicBool, passes: &Sender<Pass>, wake_up: &WakeUp) {
     let Quality { edge, samples } = quality;
     let Some(ball) = MaterialBall::new(look, edge) else {

@@ -62,7 +62,7 @@ fn name_of(note: &Note) -> String {
     }
 }
 
-/// What has become of the file since; `changed`: None if it is gone. Nothing if it is as it was.
+/// A sentence about changes of the file since then. `changed` is None if the file is gone. The sentence is empty if the file has not changed.
 fn about_file(changed: Option<u64>, written: u64, since: impl Fn(u64) -> String) -> Option<String> {
     match changed {
         None => Some("That file is not there any more; saving makes it anew.".to_owned()),

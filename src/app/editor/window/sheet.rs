@@ -1,4 +1,4 @@
-//! What lies over the window until it is closed: the palette, the overview of keys, the preferences.
+//! Shows the sheet that covers the window until it is closed: the palette, the overview of keys, the preferences.
 
 use bevy_egui::egui::{self, Id, Modal};
 
@@ -11,12 +11,12 @@ use crate::app::editor::input::actions::ActionContext;
 use crate::app::editor::model::Model;
 use crate::app::editor::panels::preferences::preferences;
 
-/// What the sheets tell beside the model.
+/// The data of the sheets beside the model.
 #[derive(Clone, Copy)]
 pub struct SheetModel<'a> {
     pub actions: ActionContext<'a>,
     pub preferences: &'a Preferences,
-    /// What is wrong with the file of the preferences.
+    /// A problem with the file of the preferences.
     pub problem: Option<&'a str>,
 }
 
@@ -29,7 +29,7 @@ pub fn show(
     commands: &mut Vec<Command>,
 ) {
     if *sheet != Some(Sheet::Palette) {
-        // Nothing is typed yet when it is opened.
+        // The palette opens without a query.
         *palette = Palette::default();
     }
     let Some(open) = *sheet else {

@@ -4,7 +4,7 @@ use bevy_egui::egui::{self, Id, Key, Modal, Modifiers, RichText, Ui};
 
 use crate::app::editor::input::actions::{ACTIONS, Action, Group, Shortcut};
 
-/// What is no action: held keys, and the mouse.
+/// Controls that are no actions: held keys, and the mouse.
 const CONTROLS: [(&str, &str); 19] = [
     ("W A S D", "Fly"),
     ("Q E", "Fly down and up"),
@@ -27,11 +27,11 @@ const CONTROLS: [(&str, &str); 19] = [
     ("Ctrl +, -, 0", "Size of the panels"),
 ];
 
-/// A column has room for so many lines.
+/// The number of lines in a column.
 const COLUMN: usize = 27;
 /// Four of them fit into a window of 1280 points.
 const COLUMN_WIDTH: f32 = 260.0;
-/// Of the letters, in points.
+/// The size of the letters, in points.
 const KEY_SIZE: f32 = 11.5;
 
 type Lines = Vec<(String, &'static str)>;
@@ -61,7 +61,7 @@ fn columns() -> Vec<Vec<(&'static str, Lines)>> {
     columns
 }
 
-/// Those of the numeric keypad only where there are no others.
+/// The keys of an action. Those of the numeric keypad are left out if there are others.
 fn keys(action: &Action) -> String {
     let all: Vec<String> = action.keys.iter().map(Shortcut::text).collect();
     let is_plain = |text: &&String| !text.contains("Numpad");

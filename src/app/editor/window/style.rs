@@ -35,7 +35,7 @@ pub fn set_styles(mut contexts: EguiContexts) -> Result {
     Ok(())
 }
 
-/// Between the preferences and egui, which has keys of its own for the scale.
+/// Keeps the scale of the preferences and that of egui, which has keys of its own for it, in step.
 #[derive(Default)]
 pub enum Scale {
     #[default]

@@ -12,7 +12,7 @@ const WIDTH: f32 = 380.0;
 /// Points that the gizmo's bar takes at the upper edge of the picture.
 const BELOW_BAR: f32 = 46.0;
 
-/// At the right of `place`, below the bar at its upper edge. Errors wait while a question is open: the answer may mend them.
+/// Shows the messages at the right of `place`, below the bar at its upper edge. Errors wait while a question is open: the answer may solve them.
 pub fn show(toasts: &mut Toasts, asks: bool, context: &egui::Context, place: Rect, commands: &mut Vec<Command>) {
     let current = toasts.current();
     if current.is_empty() {

@@ -8,7 +8,7 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::file_access::Question;
 use crate::app::editor::command::shell::ShellCommand;
 
-/// So many files, and so many folders, are listed; of the others only the number is said.
+/// The most files, and the most folders, that are listed; of the others only the number is told.
 const MOST_LISTED: usize = 6;
 
 /// Asks; `question` is None once it is answered.

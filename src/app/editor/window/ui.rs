@@ -37,7 +37,7 @@ use crate::app::editor::viewport::{PICTURE, viewport};
 use crate::engine::PackedScene;
 use crate::scene::{ActiveSensor, SceneStatus};
 
-/// What is seen of the scene.
+/// The visible parts of the scene.
 #[derive(bevy::ecs::system::SystemParam)]
 pub struct Scene<'w> {
     seen: Res<'w, ViewportScene>,
@@ -49,7 +49,7 @@ pub struct Scene<'w> {
     paths: Res<'w, PathInspector>,
 }
 
-/// What was said to the user and by the user.
+/// Messages to the user, and commands by the user.
 #[derive(bevy::ecs::system::SystemParam)]
 pub struct Said<'w> {
     queue: ResMut<'w, CommandQueue>,
@@ -57,7 +57,7 @@ pub struct Said<'w> {
     toasts: ResMut<'w, Toasts>,
 }
 
-/// What belongs to the window more than to the scene.
+/// The state that belongs to the window more than to the scene.
 #[derive(bevy::ecs::system::SystemParam)]
 pub struct Shell<'w, 's> {
     layout: ResMut<'w, Layout>,
@@ -260,7 +260,7 @@ fn count_interactions(
     let focused = context.memory(|memory| memory.focused());
     let is_typing = focused.is_some_and(|focused| focused != egui::Id::new(PICTURE));
     let key = !presses.is_empty() && !is_typing && !state.gizmo.is_dragging();
-    // What is pressed in the middle of a drag belongs to it.
+    // A button that is pressed in the middle of a drag belongs to it.
     let button = !state.gizmo.is_dragging() && context.input(|input| input.pointer.any_pressed());
     let pressed = key || button;
     if pressed || focused != *focus {

@@ -22,11 +22,11 @@ struct Waiting {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Step {
     Asking,
-    /// The scene is being saved; so many frames have passed since then without a dialog.
+    /// The scene is being saved. The number counts the frames since then without a dialog.
     Saving(u32),
 }
 
-/// What the question depends on.
+/// The state that the question depends on.
 #[derive(Clone, Copy, Debug)]
 pub struct UnsavedState<'a> {
     /// The scene's name.
@@ -37,7 +37,8 @@ pub struct UnsavedState<'a> {
     pub dialog_open: bool,
 }
 
-/// After so many frames the edits are still there: the save failed or was cancelled. A save takes one frame, and the panels know one later.
+/// The number of frames after which edits that are still there mean that the save failed or was cancelled. A save takes one frame, and the panels
+/// know one later.
 const FRAMES_UNTIL_SAVED: u32 = 3;
 
 impl UnsavedQuestion {

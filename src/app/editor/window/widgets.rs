@@ -1,4 +1,4 @@
-//! What the window's panels remember between frames.
+//! The state that the window's panels keep between frames.
 
 use bevy::prelude::Resource;
 use bevy_egui::egui::Rect;
@@ -15,7 +15,7 @@ pub(crate) struct Widgets {
     pub shelf: LibraryState,
     pub inspector: InspectorState,
     pub palette: Palette,
-    /// Where the picture's panel is, points.
+    /// The rectangle of the picture's panel, in points.
     pub viewport_place: Rect,
 }
 

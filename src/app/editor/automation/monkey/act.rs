@@ -1,4 +1,4 @@
-//! What the monkey can do.
+//! The acts of the monkey.
 
 use std::path::PathBuf;
 
@@ -7,14 +7,14 @@ use bevy::prelude::*;
 use super::folder::Writing;
 use crate::app::editor::command::Command;
 
-/// What is done in one frame.
+/// An act of one frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Act {
     /// Lines of a script.
     Say(Vec<String>),
     /// A command that scripts have no word for.
     Do(Command),
-    /// Another program changes a file.
+    /// Another program writes a file.
     Write {
         path: PathBuf,
         content: Vec<u8>,
@@ -27,11 +27,11 @@ pub enum Act {
     /// The window's content, as shares of its first width and height.
     Resize(Vec2),
     CloseSheet,
-    /// Nothing for so many frames.
+    /// Nothing happens for this many frames.
     Rest(usize),
 }
 
-/// What may happen to the scene's own file.
+/// A change of the scene's own file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OwnFile {
     /// It is not written, neither here nor elsewhere.

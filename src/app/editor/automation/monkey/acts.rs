@@ -1,4 +1,4 @@
-//! What the monkey does next: a random choice among what a user can do.
+//! Chooses the monkey's next acts at random among what a user can do.
 
 use bevy::prelude::*;
 
@@ -114,7 +114,7 @@ fn undo_or_redo(world: &World, random: &mut Random) -> Vec<Act> {
         _ => 1,
     };
     let (line, possible) = match (done, undone, kind % 2) {
-        // Now and then also where there is nothing.
+        // This also happens now and then when there is nothing to undo.
         (0, 0, _) => ("undo", 1),
         (0, ..) => ("redo", undone),
         (_, 0, _) | (.., 0) => ("undo", done),
@@ -224,7 +224,7 @@ fn selection(world: &mut World, random: &mut Random) -> Vec<Act> {
         1 => vec![Act::Say(vec![select, "copy".to_owned()])],
         2 => vec![Act::Say(vec![select, "nudge-left".to_owned()])],
         3 => vec![Act::Say(vec![select, "frame-selection".to_owned()])],
-        // What a click meets depends on how far the picture is: what follows must not depend on it.
+        // A click may hit something else while the picture is coarse, and what follows must not depend on it.
         4 => vec![Act::Say(vec![
             format!("pick {},{}", random.fraction(), random.fraction()),
             select,

@@ -13,7 +13,7 @@ pub const PART: &str = "<scene version='3.0.0'><bsdf type='plastic' id='part-pla
     <shape type='cube' id='part-cube'><ref id='part-plastic'/></shape>
     <emitter type='point' id='part-light'/></scene>";
 
-/// Above this number of things edits delete some: few enough to be quick, enough to have several of each kind.
+/// Above this number of things, edits delete some. It is small enough to be quick, and large enough for several of each kind.
 const MOST_THINGS: usize = 60;
 
 /// The sorted names of all things that pass the filter.

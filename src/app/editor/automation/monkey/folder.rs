@@ -21,7 +21,7 @@ pub struct SceneCopy {
     text: String,
 }
 
-/// How a program puts new content into a file.
+/// The way in which a program puts new content into a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Writing {
     /// The file is emptied and written.
@@ -96,18 +96,18 @@ impl Folder {
         (self.import(name), content)
     }
 
-    /// Where the picture of the window's viewport is saved.
+    /// The path at which the picture of the window's viewport is saved.
     pub fn image(&self, random: &mut Random) -> PathBuf {
         self.path()
             .join(["picture.png", "picture.exr", "picture.hdr"][random.below(3)])
     }
 
-    /// Where edited scenes are saved to be opened again.
+    /// The path at which edited scenes are saved to be opened again.
     pub fn saved(&self) -> PathBuf {
         self.path().join("saved.xml")
     }
 
-    /// Where the copy of a scene is to be written.
+    /// The path for the copy of a scene.
     pub fn place_for_copy(&self, number: usize) -> PathBuf {
         self.path().join(format!("scene-{number}.xml"))
     }

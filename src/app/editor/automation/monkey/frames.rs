@@ -9,9 +9,9 @@ use super::gauge::ThreadTimes;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Span {
     pub wall: Duration,
-    /// Without the time in which the thread was ready to run and other threads had the cores. Waiting for locks and disks counts.
+    /// The time without that in which the thread was ready to run and other threads had the cores. Waiting for locks and disks counts.
     pub own: Duration,
-    /// On a core.
+    /// The time on a core.
     pub computed: Duration,
 }
 
@@ -33,7 +33,7 @@ impl AddAssign for Span {
     }
 }
 
-/// At least zero.
+/// The difference, at least zero.
 impl Sub for Span {
     type Output = Self;
 
@@ -61,7 +61,7 @@ impl Stopwatch {
         }
     }
 
-    /// To be called on the thread that started it.
+    /// The time since the start. To be called on the thread that started it.
     pub fn elapsed(&self) -> Span {
         let wall = self.begun.elapsed();
         let now = ThreadTimes::read();

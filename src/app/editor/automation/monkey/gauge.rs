@@ -1,5 +1,5 @@
-//! What the process takes of the machine: memory, threads, open files, and how long a thread has waited for a core. Read from Linux's
-//! `/proc`; elsewhere nothing is known and nothing is judged.
+//! Measures what the process uses of the machine: memory, threads, open files, and how long a thread has waited for a core. It reads Linux's
+//! `/proc`; on other systems nothing is known, and nothing is judged.
 
 use std::time::Duration;
 
@@ -34,7 +34,7 @@ impl Gauge {
 /// Times of one thread since it began. Zero where the system does not say.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ThreadTimes {
-    /// On a core.
+    /// The time on a core.
     pub computed: Duration,
     /// Ready to run while other threads had the cores.
     pub waited: Duration,

@@ -31,7 +31,7 @@ const SHORT: std::ops::Range<usize> = 30..150;
 /// Acts of one round in [`LONG_EVERY`], in which the history is full and forgets.
 const LONG: std::ops::Range<usize> = 1500..2500;
 const LONG_EVERY: usize = 20;
-/// A run of some time has so many rounds also where frames are slow: memory is compared between their starts.
+/// The least number of rounds in a run of some time, even if frames are slow: memory is compared between their starts.
 const LEAST_ROUNDS: u32 = 12;
 /// Time between two marks of a run of this number of parts.
 const PARTS: u32 = 60;
@@ -188,7 +188,7 @@ impl Monkey {
         self.doing = "open".to_owned();
         self.record.rounds += 1;
         self.record.has_window = world.query::<&Window>().iter(world).next().is_some();
-        // As in an editor that has just been started.
+        // These are the settings of an editor that has just been started.
         let defaults = [
             Command::OpenScene(path),
             Command::SetPaused(false),
@@ -370,7 +370,7 @@ impl Monkey {
         let watch = Stopwatch::start();
         let outcome = commands::apply_now(world, command);
         self.editing += watch.elapsed();
-        // Nobody is there to choose a file.
+        // The dialog is closed, since there is no user to choose a file.
         world.resource_mut::<Requests>().dialog = None;
         outcome
     }

@@ -27,12 +27,12 @@ impl Random {
         (!list.is_empty()).then(|| &list[self.below(list.len())])
     }
 
-    /// From -10 to 10 in steps of 0.01.
+    /// A number from -10 to 10 in steps of 0.01.
     pub fn number(&mut self) -> f32 {
         self.below(2001) as f32 * 0.01 - 10.0
     }
 
-    /// From 0 to 1 in steps of 0.01.
+    /// A number from 0 to 1 in steps of 0.01.
     pub(crate) fn fraction(&mut self) -> f32 {
         self.below(101) as f32 * 0.01
     }

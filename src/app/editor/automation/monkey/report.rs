@@ -1,4 +1,4 @@
-//! What the monkey has measured, and whether that is good enough.
+//! The measurements of the monkey, and whether they are good enough.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
@@ -35,8 +35,8 @@ pub struct Frame {
     pub load: f32,
 }
 
-/// With more threads ready to run for each core than this a frame is judged by its time on a core: the threads that hold what the window waits for
-/// have to wait as well.
+/// The number of threads ready to run for each core above which a frame is judged by its time on a core: threads that hold what the window waits
+/// for have to wait as well then.
 const BUSY: f32 = 2.0;
 
 impl Frame {
@@ -49,7 +49,7 @@ impl Frame {
     }
 }
 
-/// Everything that is reported.
+/// All results that are reported.
 #[derive(Default)]
 pub(crate) struct Record {
     pub seed: u64,
@@ -72,7 +72,7 @@ pub(crate) struct Record {
     pub opened_again: usize,
     /// Times that an awaited change of a file was noticed.
     pub noticed: usize,
-    /// What went wrong, in words, by criterion.
+    /// The faults in words, by criterion.
     pub faults: Vec<(Criterion, String)>,
 }
 
@@ -85,10 +85,10 @@ pub(crate) enum Criterion {
     Run,
 }
 
-/// Above these the run has failed.
+/// The limits above which a run has failed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounds {
-    /// None: frames are not judged.
+    /// The longest frame. None: frames are not judged.
     pub longest_frame: Option<Duration>,
 }
 
@@ -96,8 +96,8 @@ pub(crate) struct Bounds {
 /// slow machine, caches that have a bound are still being filled: the pictures of 128 materials alone take some 25 MB.
 const MEMORY_SHARE: f64 = 0.05;
 const MEMORY_KB: u64 = 32 * 1024;
-/// Threads and files at the start of rounds may be so many more in the last quarter than ever in the first half. Pictures of materials are
-/// made on threads that come and go.
+/// The number of threads and files by which the start of a round in the last quarter may exceed the most of the first half. Pictures of materials
+/// are made on threads that come and go.
 const MORE_THREADS: u64 = 3;
 const MORE_FILES: u64 = 4;
 /// The frames that are listed.
@@ -105,11 +105,11 @@ const FRAMES_LISTED: usize = 8;
 /// Lines of the table of marks.
 const MARKS_LISTED: usize = 60;
 
-/// What came out of one criterion.
+/// The result of one criterion.
 pub struct Verdict {
     /// The criterion in words.
     pub what: &'static str,
-    /// None: it was not judged.
+    /// Whether it holds. None: it was not judged.
     pub holds: Option<bool>,
     /// The figures behind it.
     pub text: String,

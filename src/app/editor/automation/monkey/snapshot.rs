@@ -6,7 +6,7 @@ use crate::scene::description::{Identity, SceneDescription};
 use crate::scene::write::gather;
 use crate::scene::{DocumentOrder, Hidden, Locked};
 
-/// Everything that edits can change, without entities: two snapshots are equal if and only if the scenes are.
+/// The part of a scene that edits can change, without entities: two snapshots are equal if and only if the scenes are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     scene: SceneDescription,
@@ -71,7 +71,7 @@ impl Snapshot {
         format!("{:?} {inside:?}", material.material)
     }
 
-    /// How many things there are.
+    /// The number of things.
     pub fn things(&self) -> usize {
         self.marks.len()
     }
@@ -87,7 +87,7 @@ impl Snapshot {
         ]
     }
 
-    /// In words, the first difference of the [contents](Self::contents) to those of another.
+    /// The first difference of the [contents](Self::contents) to those of another, in words.
     pub(crate) fn difference_of_contents(&self, other: &Self) -> Option<String> {
         let (one, two) = (self.contents(), other.contents());
         let differs = one.iter().zip(&two).find(|(one, two)| one != two);
@@ -95,7 +95,7 @@ impl Snapshot {
         differs.or_else(|| (one.len() != two.len()).then(|| format!("{} things | {}", one.len(), two.len())))
     }
 
-    /// In words, the first difference to another; None if they are equal.
+    /// The first difference to another, in words; None if they are equal.
     pub fn difference(&self, other: &Self) -> Option<String> {
         fn first<T: PartialEq + std::fmt::Debug>(
             what: &str,

@@ -17,7 +17,7 @@ use super::report::{Bounds, Criterion, Mark, Record};
 use super::snapshot::Snapshot;
 use crate::app::editor::session::options::{Length, MonkeyOptions};
 
-/// What the next frame is for.
+/// The purpose of the next frame.
 pub(super) enum Phase {
     /// Copies the scene of this number.
     Copy(usize),
@@ -31,17 +31,17 @@ pub(super) enum Phase {
     Over,
 }
 
-/// What is waited for before the next step.
+/// The event that has to happen before the next step.
 pub(super) enum Waiting {
     Nothing,
     Frames(usize),
-    /// For a scene to be read after this many loads and failures.
+    /// A scene is read after this many loads and failures.
     Scene(u64, u64),
-    /// For the open scene's file to be read with this text.
+    /// The open scene's file is read with this text.
     Text(String),
 }
 
-/// What is waited for longer than this is a fault.
+/// The longest wait. A longer one is a fault.
 pub(super) const PATIENCE: Duration = Duration::from_secs(60);
 /// Scenes may be large.
 pub(super) const PATIENCE_FOR_SCENES: Duration = Duration::from_secs(600);
@@ -69,12 +69,12 @@ pub struct Monkey {
     pub(super) window_size: Option<Vec2>,
     /// Acts that are decided, one for each of the next frames.
     pub(super) coming: VecDeque<Act>,
-    /// What is being done, for the list of long frames.
+    /// The present activity, for the list of long frames.
     pub(super) doing: String,
     pub(super) begun: Instant,
     /// The monkey's own work in this frame, which is no part of the window's.
     pub(super) own_work: Span,
-    /// What the editor has taken of this frame for the monkey's commands.
+    /// The time that the editor has taken of this frame for the monkey's commands.
     pub(super) editing: Span,
     pub(super) frame: Stopwatch,
     pub(super) next_mark: Duration,
@@ -141,7 +141,7 @@ impl Monkey {
 
     pub(super) fn write_log(&mut self, line: &str) {
         if let Some(log) = &mut self.log {
-            // Without a log the run is as good.
+            // A missing log does not change the run.
             let _ = writeln!(log, "{line}");
         }
     }

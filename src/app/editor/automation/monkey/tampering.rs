@@ -1,4 +1,4 @@
-//! How another program changes the file of the open scene while it is edited: as a text editor does, with small changes and broken ones.
+//! Changes the file of the open scene while it is edited, as another program would: a text editor, with small changes and broken ones.
 
 use bevy::prelude::*;
 
@@ -35,7 +35,7 @@ pub fn acts(world: &World, random: &mut Random, own: OwnFile) -> Vec<Act> {
         (OwnFile::Untouched | OwnFile::Harmless, _) => vec![write(&with_other_ending(&text, random), true)],
         (OwnFile::Changes, 3) => vec![write(&with_or_without_ball(&text, random), true)],
         (OwnFile::Changes, _) => match with_other_number(&text, random) {
-            // Not every number is allowed everywhere: the file is mended in the end.
+            // Some numbers are not allowed in some places, so the file is repaired in the end.
             Some(changed) => vec![write(&changed, true), undo(), write(&text, true)],
             None => Vec::new(),
         },
@@ -53,7 +53,7 @@ fn cut(text: &str, random: &mut Random) -> String {
 
 const MARK: &str = "<!-- line ";
 
-/// Another comment after the scene, where no place of anything in the file changes.
+/// The text with another comment after the scene, which moves no place in the file.
 fn with_other_ending(text: &str, random: &mut Random) -> String {
     let kept = text.find(MARK).map_or(text, |place| &text[..place]);
     format!("{}\n{MARK}{} -->\n", kept.trim_end(), random.below(1000))

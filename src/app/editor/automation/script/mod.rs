@@ -36,7 +36,7 @@ const FRAMES_TO_BEGIN: u32 = 3;
 #[derive(Resource, Debug)]
 pub(crate) struct Script {
     path: PathBuf,
-    /// With their numbers from 1 on.
+    /// The lines with their numbers, from 1.
     lines: VecDeque<(usize, String)>,
     /// Frames since the last command.
     frames: u32,

@@ -1,4 +1,4 @@
-//! One line of a script as commands. Things are called by their names, parameters by those of the file.
+//! Parses one line of a script into commands. Things are called by their names, and parameters by those of the file.
 
 use std::path::PathBuf;
 
@@ -27,7 +27,7 @@ use crate::render::white_balance::WhiteBalance;
 use crate::scene::write::OnChange;
 use crate::scene::{AreaLight, DocumentOrder, Emitter, Film, Material, SceneId, Sensor, Shape, ToWorld, UsesMaterial};
 
-/// What a line asks for.
+/// The request of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
     /// A command for this frame.
@@ -38,16 +38,16 @@ pub enum Step {
     Screenshot(PathBuf),
 }
 
-/// What a line waits for.
+/// The event that a line waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wait {
-    /// The picture of the scene as it is has exactly so many samples per pixel, and gets no more; 0: everything is loaded.
+    /// The picture of the present scene has exactly this number of samples per pixel, and gets no more; 0: everything is loaded.
     Samples(u32),
     /// The picture has reached one of its own limits.
     Done,
 }
 
-/// What there is beside the actions; for messages and `docs/scripts.md`.
+/// The verbs beside the actions; for messages and `docs/scripts.md`.
 pub const VERBS: [(&str, &str); 40] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
@@ -230,7 +230,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             before: Some(named(world, other)?),
         },
         ("look", [from, at]) => {
-            // How much an orthographic camera sees stays.
+            // The extent that an orthographic camera sees stays the same.
             let extent = view_pose(world).map_or(Vec3::ONE, |pose| scale_of(&pose));
             Command::MoveView(looking(parse_vec3(from)?, parse_vec3(at)?)? * Affine3A::from_scale(extent))
         }

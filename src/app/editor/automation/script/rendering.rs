@@ -41,7 +41,7 @@ fn place(text: &str) -> Result<Vec2, ScriptError> {
     }
 }
 
-/// `gain`: strength, and colour where it is not white. Solo and mute stay.
+/// The mix with another gain of a light: strength, and colour if it is not white. Solo and mute stay.
 pub fn mix(mix: &LightMix, light: Entity, gain: &[&str]) -> Result<Command, ScriptError> {
     let (strength, color) = match gain {
         [strength] => (parse_float(strength)?, Rgb::ONE),

@@ -34,7 +34,7 @@ fn a_question_that_nobody_can_answer_is_an_error() {
     apply_now(&mut world, moved).expect("it can be moved");
     let theirs = text.replace("id='a'/>", "id='a'><float name='radius' value='2'/></shape>");
     std::fs::write(&path, &theirs).expect("a file");
-    // Another parameter of the same thing: both stay.
+    // Another parameter of the same thing was edited: both edits stay.
     apply_now(&mut world, Command::Save).expect("merged");
     let merged = read_text(&path, LARGEST_NOTE).expect("a file");
     assert!(merged.contains("radius") && merged.contains("translate"), "{merged}");

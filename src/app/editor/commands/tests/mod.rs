@@ -178,7 +178,7 @@ fn what_is_copied_can_be_pasted() {
     assert_ne!(copy, ball);
     assert_eq!(world.get::<Name>(copy).map(Name::as_str), Some("sphere-2"));
     assert_eq!(world.get::<Shape>(copy), world.get::<Shape>(ball));
-    // Its material is there already.
+    // Its material exists already.
     let uses = |world: &World, shape| world.get::<UsesMaterial>(shape).copied();
     assert!(uses(&world, copy).is_some() && uses(&world, copy) == uses(&world, ball));
     let materials = |world: &mut World| world.query::<&Material>().iter(world).count();
@@ -193,14 +193,14 @@ fn what_is_copied_can_be_pasted() {
     let other = world.resource::<Selection>().active().expect("the copy");
     assert_ne!(uses(&world, other), uses(&world, ball));
     assert_eq!(materials(&mut world), 2);
-    // By itself it is copied.
+    // A material by itself is copied.
     say(&mut world, Command::Select(vec![material], Extend::Replace));
     say(&mut world, Command::Copy);
     let text = world.resource_mut::<Requests>().clipboard.take().expect("a text");
     say(&mut world, Command::Paste(text));
     let copy = world.resource::<Selection>().active().expect("the copy");
     assert_eq!((copy != material, world.get::<Material>(copy)), (true, Some(&red)));
-    // Into another scene it comes along.
+    // The material comes along into another scene.
     let mut elsewhere = bare_world();
     say(&mut elsewhere, Command::Paste(shapes_text));
     assert_eq!(materials(&mut elsewhere), 1);
@@ -284,7 +284,7 @@ fn an_edit_of_one_is_made_to_all_that_is_selected() {
     say(&mut world, Command::OnSelection(Box::new(paint)));
     let is_red = materials.map(|material| world.get::<Material>(material) == Some(&red));
     assert_eq!(is_red, [true, true, false]);
-    // Of the place only what was changed; turns are about the own origin.
+    // Only the changed part of the place is taken; turns are about the own origin.
     let before = [balls[0], cube].map(|thing| world.get::<ToWorld>(thing).expect("a place").0);
     let mut pose = world.get::<ToWorld>(balls[1]).expect("a place").0;
     pose.translation.y += 5.0;

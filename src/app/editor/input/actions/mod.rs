@@ -1,5 +1,5 @@
-//! Everything that is done by one key, one menu entry or one word: the table that the keyboard, the menus, the palette, the overview of
-//! shortcuts and scripts share.
+//! The table of actions, each of which is one key, one menu entry or one word. The keyboard, the menus, the palette, the overview of shortcuts and
+//! scripts share it.
 
 mod table;
 
@@ -14,7 +14,7 @@ use crate::app::editor::command::selection::Selection;
 use crate::app::editor::command::tool::Tool;
 pub use table::ACTIONS;
 
-/// What actions toggle, step or are about.
+/// The state that actions toggle, step or refer to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActionContext<'a> {
     /// Modes and exposure are stepped from here.
@@ -33,7 +33,7 @@ pub struct ActionContext<'a> {
     pub tool: Tool,
     /// Whether the safe frame is shown.
     pub safe_frame: bool,
-    /// While flying, Control means slow and is no part of a shortcut.
+    /// Whether the user flies. Control means slow then, and is no part of a shortcut.
     pub flying: bool,
 }
 
@@ -55,15 +55,15 @@ pub struct Shortcut {
 /// What keys, menus, palette and scripts call by one name.
 #[derive(Clone, Copy)]
 pub struct Action {
-    /// In scripts and the palette.
+    /// The name in scripts and the palette.
     pub name: &'static str,
-    /// In menus and the palette.
+    /// The label in menus and the palette.
     pub label: &'static str,
     /// Its menu, and its heading in the overview.
     pub group: Group,
     /// Any of them will do; the first is shown.
     pub keys: &'static [Shortcut],
-    /// None: there is nothing to do it to.
+    /// The command. None: there is nothing to apply it to.
     pub command: fn(&ActionContext) -> Option<Command>,
 }
 
@@ -108,7 +108,7 @@ impl Shortcut {
 
     /// `Ctrl+Shift+Z`.
     pub fn text(&self) -> String {
-        // Nobody thinks of the question mark as a key with Shift.
+        // Users do not think of the question mark as a key with Shift.
         let shift = self.shift && self.key != Key::Questionmark;
         let modifiers = [(self.command, "Ctrl+"), (self.alt, "Alt+"), (shift, "Shift+")];
         let mut text: String = modifiers
@@ -139,7 +139,7 @@ impl ActionContext<'_> {
         })
     }
 
-    /// What a command leaves for the next one.
+    /// Updates the state after a command, for the next one.
     pub fn follow(&mut self, command: &Command) {
         match command {
             Command::SetDisplay(display) => self.display = *display,

@@ -1,5 +1,5 @@
-//! Which lines the list has, in order: headings, folders, things. A name like `table/leg` is a leg in the folder table; a material that is
-//! inside another one stands under it.
+//! The lines of the list, in order: headings, folders, things. A name like `table/leg` is a leg in the folder table; a material that is inside
+//! another one is listed under it.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -17,14 +17,14 @@ pub enum Line {
         name: &'static str,
         count: usize,
     },
-    /// With its whole path and what is in it.
+    /// A folder with its whole path and the number of things in it.
     Folder {
         path: String,
         depth: usize,
         members: Vec<Entity>,
     },
     Item {
-        /// Of [`Outline::groups`], and within it.
+        /// The index into [`Outline::groups`], and below that within the group.
         group: usize,
         index: usize,
         depth: usize,
@@ -33,7 +33,7 @@ pub enum Line {
     },
 }
 
-/// What is closed and what is open.
+/// The folders and things that are closed or open.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Folding {
     /// Headings and folders that are closed, as the names of their lines.
@@ -50,7 +50,7 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// Of what has `filter` in its name or kind; while something is looked for nothing is closed.
+    /// The lines of things with `filter` in their name or kind. While there is a filter, nothing is closed.
     pub fn of(&mut self, outline: &Arc<Outline>, filter: &str, folding: &Folding) -> Arc<Vec<Line>> {
         let is_known = self.made_of.as_ref().is_some_and(|(known, filtered, folded)| {
             Arc::ptr_eq(known, outline) && filtered == filter && folded == folding
@@ -102,11 +102,11 @@ fn lines(outline: &Outline, filter: &str, folding: &Folding) -> Vec<Line> {
     lines
 }
 
-/// Those inside no other of `found`, and who is inside of whom.
+/// The items inside no other of `found`, and for each the items inside it.
 fn nesting(items: &[Item], found: &[usize]) -> (Vec<usize>, HashMap<Entity, Vec<usize>>) {
     let places: HashMap<Entity, usize> = found.iter().map(|&index| (items[index].entity, index)).collect();
     let outer = |index: usize| places.get(&items[index].inside_of?).copied();
-    // What is inside of itself is inside of nobody.
+    // A material that contains itself counts as inside none.
     let is_deep = |index: usize| {
         let chain = std::iter::successors(outer(index), |&next| outer(next));
         chain.take(DEEPEST).count() == DEEPEST
@@ -126,7 +126,7 @@ struct Writer<'a> {
     group: usize,
     items: &'a [Item],
     inside: HashMap<Entity, Vec<usize>>,
-    /// None: everything is open.
+    /// The folding. None: everything is open.
     folding: Option<&'a Folding>,
     lines: &'a mut Vec<Line>,
 }
@@ -137,7 +137,7 @@ enum Entry<'a> {
 }
 
 impl<'a> Writer<'a> {
-    /// What lies in the folder of this path (empty: in none): its folders where their first member stands, and things.
+    /// Adds the lines of the folder with this path (empty: of no folder): its folders where their first member stands, and things.
     fn folder(&mut self, path: &str, depth: usize, indices: &[usize]) {
         let mut entries: Vec<Entry<'a>> = Vec::new();
         let mut known: HashMap<&str, usize> = HashMap::new();
@@ -281,7 +281,7 @@ mod tests {
         );
         folding.open.insert(outline.materials[0].entity);
         assert_eq!(text(&outline, "", &folding)[1..3], ["0 cloth", "1 weave"]);
-        // What is looked for is found wherever it is.
+        // A match is found wherever it is.
         assert_eq!(text(&outline, "weave", &Folding::default()), ["Materials 1", "0 weave"]);
     }
 

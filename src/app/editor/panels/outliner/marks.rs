@@ -7,7 +7,7 @@ use bevy_egui::egui::{self, Color32, Painter, Pos2, Rect, Response, Sense, Shape
 /// Width of each of the two buttons at the right, in points.
 pub const BUTTON: f32 = 18.0;
 
-/// Something to click that is on or off.
+/// A mark that can be clicked and is on or off.
 pub fn mark(ui: &mut Ui, help: &str, is_on: bool, paint: fn(&Painter, Rect, Stroke)) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(BUTTON, ui.spacing().interact_size.y), Sense::click());
     let color: Color32 = if is_on || response.hovered() {
@@ -105,7 +105,7 @@ pub fn kind(painter: &Painter, middle: Pos2, kind: &str, color: Color32) {
             loop_of(&[(-5.5, -3.0), (2.0, -3.0), (2.0, 3.0), (-5.5, 3.0)]);
             loop_of(&[(2.0, 0.0), (5.5, -3.0), (5.5, 3.0)]);
         }
-        // Whatever else is in the list shines.
+        // All other things in the list are lights.
         _ => {
             painter.circle_stroke(middle, 2.5, stroke);
             for ray in 0..8 {

@@ -43,7 +43,7 @@ pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands:
     if let Some(offset) = offset {
         area = area.vertical_scroll_offset(offset);
     }
-    // Only the lines in sight are laid out.
+    // Only the visible lines are laid out.
     area.show_rows(ui, height, lines.len(), |ui, range| {
         ui.spacing_mut().item_spacing.x = 2.0;
         for line in &lines[range] {
@@ -206,7 +206,7 @@ impl Folder<'_> {
     }
 }
 
-/// What is let go of over this; while it hovers, the place is marked.
+/// The thing that is dropped onto this; while it hovers, the place is marked.
 fn dropped(ui: &Ui, response: &Response) -> Option<Dragged> {
     if response.dnd_hover_payload::<Dragged>().is_some() {
         let stroke = ui.visuals().selection.stroke;

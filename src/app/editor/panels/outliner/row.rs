@@ -43,7 +43,7 @@ pub(super) fn left_aligned(
     let padding = 2.0 * ui.spacing().button_padding.x + 8.0;
     let right = right.filter(|right| measured(&text) + measured(right) + padding <= width);
     let label = text.text().to_owned();
-    // What has something at its right is pushed to the left.
+    // Something at the right moves the rest to the left.
     let right = right.unwrap_or_default();
     let button = egui::Button::selectable(selected, text)
         .right_text(right)
@@ -114,7 +114,7 @@ impl Row<'_> {
             .show(ui);
         if std::mem::take(&mut renaming.is_new) {
             output.response.request_focus();
-            // What is typed takes the old name's place.
+            // The typed text replaces the old name.
             let all = egui::text::CCursorRange::select_all(&output.galley);
             output.state.cursor.set_char_range(Some(all));
             output.state.store(ui.ctx(), output.response.id);

@@ -1,4 +1,4 @@
-//! What the list remembers between frames.
+//! The state that the list keeps between frames.
 
 use bevy::prelude::Entity;
 use bevy_egui::egui::Ui;
@@ -7,7 +7,7 @@ use super::lines::{Folding, Lines, leaf};
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::model::Item;
 
-/// What the panel remembers between frames.
+/// The state that the panel keeps between frames.
 #[derive(Clone, Debug, Default)]
 pub struct OutlinerState {
     /// Only things are listed whose names contain it.
@@ -15,7 +15,7 @@ pub struct OutlinerState {
     pub(super) folding: Folding,
     pub(super) lines: Lines,
     pub(super) renaming: Option<Renaming>,
-    /// Where a range of lines begins.
+    /// The line at which a range begins.
     pub(super) anchor: Option<Entity>,
     /// The active thing when the list was last shown: another one is scrolled to.
     pub(super) shown_active: Option<Entity>,
@@ -23,7 +23,7 @@ pub struct OutlinerState {
     pub materials_in_sight: Vec<Entity>,
 }
 
-/// How a click changes the selection.
+/// The way in which a click changes the selection.
 pub fn how(ui: &Ui) -> Extend {
     if ui.input(|input| input.modifiers.command) {
         Extend::Toggle

@@ -1,7 +1,7 @@
-//! What dragging a handle does: from where the pointer took hold and where it is now to how all selected objects stand. Arithmetic only.
+//! Computes how all selected objects stand after a drag: from where the pointer took hold of a handle and where it is now.
 //!
-//! The pointer's way along an axis, in a plane and around a ring is found where the window shows them, with the perspective undone. Near
-//! horizons and vanishing points, where a pixel would be a mile, it goes no further.
+//! The pointer's way along an axis, in a plane and around a ring is found where the window shows them, with the perspective undone. Near horizons
+//! and vanishing points, where a pixel would be a mile, it goes no further.
 
 use std::f32::consts::{PI, TAU};
 
@@ -16,12 +16,12 @@ use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::gizmo_settings::{GizmoSettings, Mode, Pivot};
 use crate::app::editor::model::freedom::Freedom;
 
-/// How far things have come since the drag began.
+/// The change of things since the drag began.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
     /// World units.
     Moved(Vec3),
-    /// Around a unit vector, by radians counter-clockwise as seen from its tip.
+    /// A turn around a unit vector, by radians counter-clockwise as seen from its tip.
     Turned { axis: Vec3, angle: f32 },
     /// Factors along the axes.
     Scaled(Vec3),
@@ -48,17 +48,16 @@ pub struct Drag {
     pub constraint: Constraint,
     pub typed: Typed,
     settings: GizmoSettings,
-    /// Where the pointer took hold.
+    /// The place where the pointer took hold.
     grabbed: Pos2,
-    /// Where it was seen last, and the angle up to there: a ring may be turned more than once.
+    /// The place where it was seen last, and below the angle up to there: a ring may be turned more than once.
     last: Pos2,
     angle: f32,
 }
 
 /// Axes and planes that are seen at a sine below this are too foreshortened to be dragged as they are seen.
 const EDGE_ON: f32 = 0.1;
-/// How near to the horizon of a plane, or to the vanishing point of an axis, the pointer is followed: there things are so many times
-/// farther away.
+/// The factor of distance up to which the pointer is followed towards the horizon of a plane, or the vanishing point of an axis.
 const FARTHEST: f32 = 10.0;
 /// Points on which an even scaling doubles.
 const POINTS_PER_DOUBLING: f32 = 100.0;
@@ -91,7 +90,7 @@ impl Drag {
         self.settings.mode
     }
 
-    /// Another constraint from here on, or with the same one again none.
+    /// Sets another constraint from here on. The same constraint again removes it.
     pub fn constrain(&mut self, constraint: Constraint) {
         self.constraint = if self.constraint == constraint {
             Constraint::Free
@@ -134,7 +133,7 @@ impl Drag {
             Mode::Rotate => {
                 let axis = self.turning_axis(screen);
                 let turned = wrapped(self.angle_at(screen, axis, pointer) - self.angle_at(screen, axis, self.last));
-                // From where the camera is, no angle is seen.
+                // If the camera is on the axis, no angle is seen.
                 self.angle += if turned.is_finite() { turned } else { 0.0 };
                 self.last = pointer;
                 Change::Turned {
@@ -210,13 +209,13 @@ impl Drag {
         }
     }
 
-    /// In the plane of the view through the origin.
+    /// The point of the pointer in the plane of the view through the origin.
     fn in_view(&self, screen: &Screen, pointer: Pos2) -> Vec3 {
         let depth = screen.depth(self.frame.origin);
         screen.unproject(pointer, depth) - screen.unproject(self.grabbed, depth)
     }
 
-    /// Where along the axis, from the origin, the point is that is seen beside the pointer.
+    /// The distance from the origin along the axis of the point that is seen beside the pointer.
     fn along(&self, screen: &Screen, axis: Vec3, pointer: Pos2) -> f32 {
         let origin = self.frame.origin;
         let depth = screen.depth(origin);
@@ -242,7 +241,7 @@ impl Drag {
         if screen.camera.is_orthographic() {
             return t;
         }
-        // Of s units along the axis the window shows t = s depth / (depth + s deepening).
+        // The window shows s units along the axis as t = s depth / (depth + s deepening).
         let horizon = 1.0 - t * deepening / depth;
         t / horizon.max(1.0 / FARTHEST)
     }
@@ -302,12 +301,12 @@ impl Drag {
         if start > 0.2 * handles::SIZE * point {
             now / start
         } else {
-            // Taken hold of near the middle, or behind it: there is nothing to be so many times as far as.
+            // The drag began near the middle, or behind it, so that there is no distance to compare with.
             ((now - start) / (point * POINTS_PER_DOUBLING)).exp2()
         }
     }
 
-    /// What has been done so far, for the user, with what Control would round it to.
+    /// The text about the change so far, with what Control would round it to.
     pub fn text(&self, change: Change, length_step: f32) -> String {
         const NAMES: [&str; 3] = ["X", "Y", "Z"];
         let axes = self.frame.axes;
@@ -340,7 +339,7 @@ impl Drag {
         format!("{}   {rule}", amount.trim_end())
     }
 
-    /// How all objects stand after the change; what a change makes of an object that is no transform leaves the object as it was.
+    /// The poses of all objects after the change. An object stays as it was if the change would not leave it a transform.
     pub fn apply(&self, change: Change) -> Vec<(Entity, Affine3A)> {
         let changed = |target: &Target| {
             let to_world = self.applied(target, change);
@@ -372,7 +371,7 @@ impl Drag {
                 }
             }
             Change::Scaled(factors) if has_place => {
-                // What is seen of the object goes away from the pivot along the frame's axes; the object itself grows along its own.
+                // The object moves away from the pivot along the frame's axes, and grows along its own.
                 let middle = if self.settings.pivot == Pivot::Each {
                     target.origin()
                 } else {

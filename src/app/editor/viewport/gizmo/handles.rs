@@ -15,13 +15,14 @@ pub const SIZE: f32 = 90.0;
 /// Radius of the rings around the axes, and of that around the view axis.
 pub(crate) const RING: f32 = 78.0;
 const VIEW_RING: f32 = 94.0;
-/// Where an axis begins, where the squares of the planes lie along their axes, half a width of what is in the middle and at the tips.
+/// The place where an axis begins; below where the squares of the planes lie along their axes, and half the widths of the parts in the middle and
+/// at the tips.
 const AXIS_START: f32 = 18.0;
 const SQUARE: [f32; 2] = [26.0, 44.0];
 /// Half the width of what is in the middle, in points.
 pub const MIDDLE: f32 = 9.0;
 pub(crate) const TIP: f32 = 6.0;
-/// How near to a line the pointer takes it.
+/// The distance up to which the pointer takes a line.
 const REACH: f32 = 7.0;
 /// Axes that look shorter than this share of their length, and squares that are seen at a sine below it, are left out.
 const SHORTEST: f32 = 0.12;
@@ -30,7 +31,7 @@ const RING_SEGMENTS: usize = 64;
 /// What a handle looks like, in points of the window.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Form {
-    /// From where it begins to the tip.
+    /// The line from where it begins to the tip.
     Line([Pos2; 2]),
     /// The corners in their order around it.
     Square([Pos2; 4]),
@@ -100,7 +101,7 @@ struct Layout<'a> {
 }
 
 impl Layout<'_> {
-    /// So many points along some axes.
+    /// The point that lies this many points away along some axes.
     fn at(&self, out: Vec3) -> Option<Pos2> {
         let [x, y, z] = self.frame.axes;
         let place = self.frame.origin + (x * out.x + y * out.y + z * out.z) * self.unit;

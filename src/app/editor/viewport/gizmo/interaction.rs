@@ -17,7 +17,7 @@ use crate::app::editor::command::gizmo_settings::{GizmoSettings, Mode};
 use crate::app::editor::input::press::Press;
 use crate::engine::PackedScene;
 
-/// What the gizmo acts on.
+/// The data that the gizmo acts on.
 #[derive(Clone, Copy, Debug)]
 pub struct GizmoModel<'a> {
     /// Mode, axes, pivot and steps.
@@ -37,7 +37,7 @@ pub struct GizmoModel<'a> {
 pub struct GizmoState {
     lit: Option<Constraint>,
     held: Option<Held>,
-    /// A drag has begun since somebody asked.
+    /// Whether a drag has begun since the last query.
     begun: bool,
     /// Keys of a frame that end what others of that frame have typed: the next frame's, when that is done.
     waiting: Vec<Press>,
@@ -50,7 +50,7 @@ struct Held {
     change: Option<Change>,
 }
 
-/// What holds a drag.
+/// The input that holds a drag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Hold {
     /// The mouse button.
@@ -61,7 +61,7 @@ enum Hold {
     Keys,
 }
 
-/// What the gizmo leaves to others.
+/// The input that the gizmo leaves to others.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rest {
     /// The mouse was not for the gizmo.
@@ -71,7 +71,7 @@ pub struct Rest {
 }
 
 impl GizmoState {
-    /// Something is being moved, or is about to be.
+    /// Whether something is being moved, or is about to be.
     pub(crate) fn is_dragging(&self) -> bool {
         self.held.is_some()
     }
@@ -233,7 +233,7 @@ impl GizmoState {
                 Constraint::Axis(axis)
             }),
             (key, _) if !is_shortcut && held.drag.typed.press(key) => {}
-            // While something follows the pointer, other keys wait; before that they are what they always are.
+            // While something follows the pointer, other keys wait; before that they act as usual.
             _ if held.by == Hold::Keys => {
                 self.held = None;
                 return self.take_key(press, Some(pointer), screen, model, commands);
@@ -253,7 +253,7 @@ impl GizmoState {
         }
     }
 
-    /// What is going on, in a line; None without a drag.
+    /// A line about the drag; None without one.
     pub fn note(&self, length_step: f32) -> Option<String> {
         let held = self.held.as_ref()?;
         if held.by == Hold::Keys && held.change.is_none() {
@@ -320,7 +320,7 @@ fn shown(screen: &Screen, model: &GizmoModel) -> Vec<Handle> {
     })
 }
 
-/// Where what has no place is turned: in the middle of the picture.
+/// The point about which something without a place is turned: in the middle of the picture.
 fn ahead(screen: &Screen, model: &GizmoModel) -> Vec3 {
     screen.unproject(screen.picture.center(), model.length_step.max(f32::MIN_POSITIVE) * 50.0)
 }

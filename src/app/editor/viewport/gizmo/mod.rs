@@ -46,12 +46,12 @@ impl Target {
     }
 }
 
-/// Where the gizmo stands.
+/// The pose of the gizmo.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// In the world.
     pub origin: Vec3,
-    /// Of unit length, at right angles.
+    /// The axes, of unit length and at right angles.
     pub axes: [Vec3; 3],
 }
 

@@ -1,4 +1,4 @@
-//! How the gizmo looks.
+//! Paints the gizmo.
 
 use bevy::math::Vec3;
 use bevy_egui::egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2};
@@ -20,7 +20,7 @@ const LIT: Color32 = Color32::from_rgb(255, 214, 64);
 /// Beneath every line, so that it is seen on any picture.
 const SHADOW: Color32 = Color32::from_black_alpha(110);
 const LINE: f32 = 2.5;
-/// Of the line that an axis is while something is dragged along it.
+/// The width of the line along the axis of a drag.
 const GUIDE: f32 = 1.0;
 
 /// The handles; `lit` is the one under the pointer.
@@ -64,7 +64,7 @@ pub fn paint(painter: &Painter, handles: &[Handle], mode: Mode, lit: Option<Cons
     }
 }
 
-/// What is drawn instead of the handles during a drag: the axes it is held to, and in a rotation the way from the middle to the pointer.
+/// Paints a drag instead of the handles: the axes of its constraint, and in a rotation the way from the middle to the pointer.
 pub(crate) fn paint_drag(
     painter: &Painter,
     drag: &Drag,

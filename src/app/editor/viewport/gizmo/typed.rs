@@ -6,7 +6,7 @@ use bevy_egui::egui::Key;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Typed(String);
 
-/// More is a cat on the keyboard.
+/// The longest number; more is a cat on the keyboard.
 const LONGEST: usize = 32;
 
 impl Typed {
