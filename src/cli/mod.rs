@@ -11,6 +11,7 @@ mod convert;
 #[cfg(feature = "window")]
 mod edit;
 mod ending;
+mod generate;
 mod monkey;
 mod outputs;
 mod parse;
@@ -50,6 +51,10 @@ enum Command {
     Convert(convert::ConvertArgs),
     /// Measure how fast this machine and this version are
     Bench(bench::BenchArgs),
+    /// Print the completions of a shell
+    Completions(generate::CompletionsArgs),
+    /// Write the manual pages
+    Man(generate::ManArgs),
 }
 
 /// Does what the arguments of the process ask for.
@@ -75,6 +80,8 @@ pub fn run() -> ExitCode {
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Bench(args)) => bench::run(args),
+        Some(Command::Completions(args)) => generate::completions(args),
+        Some(Command::Man(args)) => generate::man(args),
     }
 }
 

@@ -380,7 +380,10 @@ fn a_misspelt_command_gets_a_suggestion() {
         (&["rendr", "scene.xml"][..], more),
         (&["rendr", "scene.xml", "-o", "a.png"], more),
         (&["rendr"], more),
-        (&["frobnicate"], "the commands are edit, render, check, convert, bench"),
+        (
+            &["frobnicate"],
+            "the commands are edit, render, check, convert, bench, completions, man",
+        ),
     ] {
         let output = sunroom().args(arguments).output().expect("starts");
         assert_code(&output, 2);
@@ -804,20 +807,63 @@ fn options(text: &str) -> std::collections::BTreeSet<&str> {
         .collect()
 }
 
+/// What `--help` prints of a command.
+fn help(command: &str) -> String {
+    let output = sunroom().args(command.split_whitespace()).arg("--help").output();
+    let output = output.expect("the program starts");
+    assert_code(&output, 0);
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+const COMMANDS: [&str; 9] = [
+    "",
+    "edit",
+    "render",
+    "check",
+    "convert",
+    "bench",
+    "bench rays",
+    "completions",
+    "man",
+];
+
 #[test]
 fn the_page_about_the_command_line_has_the_options_of_the_program() {
     let page = include_str!("../../docs/command-line.md");
-    let mut help = String::new();
-    for command in ["", "edit", "render", "check", "convert", "bench", "bench rays"] {
-        let output = sunroom().args(command.split_whitespace()).arg("--help").output();
-        let output = output.expect("the program starts");
-        assert_code(&output, 0);
-        help += &String::from_utf8_lossy(&output.stdout);
-    }
+    let help = COMMANDS.map(help).concat();
     // That of cargo, which starts the program.
     let mut described = options(page);
     assert!(described.remove("--release"), "{described:?}");
     assert_eq!(described, options(&help));
+}
+
+#[test]
+fn completions_have_the_options_of_the_program() {
+    for shell in ["bash", "zsh", "fish"] {
+        let output = sunroom().args(["completions", shell]).output().expect("starts");
+        assert_code(&output, 0);
+        let script = String::from_utf8_lossy(&output.stdout).replace("-l ", "--");
+        for option in options(&COMMANDS.map(help).concat()) {
+            assert!(options(&script).contains(option), "{option} for {shell}");
+        }
+    }
+    let output = sunroom().args(["completions", "cmd"]).output().expect("starts");
+    assert_code(&output, 2);
+}
+
+#[test]
+fn every_command_has_a_manual_page_with_its_options() {
+    let shop = Workshop::new();
+    let output = sunroom().arg("man").arg(shop.path("man1")).output().expect("starts");
+    assert_code(&output, 0);
+    for command in COMMANDS {
+        let name = format!("man1/sunroom {command}").trim_end().replace(' ', "-") + ".1";
+        let page = std::fs::read_to_string(shop.path(&name)).expect("one page for each command");
+        let page = page.replace("\\-", "-");
+        assert_eq!(options(&page), options(&help(command)), "{name}");
+    }
+    let output = sunroom().arg("man").arg(shop.scene(SCENE)).output().expect("starts");
+    assert_code(&output, 1);
 }
 
 #[test]
