@@ -1,26 +1,31 @@
 //! Lights as the user knows them. Radiometric units; no photometry.
 
+use std::convert::identity;
 use std::path::PathBuf;
 
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use super::emitter_parameters::{EmitterVisitor, POSITIVE};
+use super::declare::{PluginInfo, declare_parameters, declare_plugins};
+use super::parameter_info::ParameterInfo;
+use super::parameters::{CUTOFF_ANGLE, Cone, FOV, FieldOfView, ParameterMut, ParameterRef};
 use super::sun_sky::SunSky;
 use super::{DocumentOrder, FovAxis, Parameter, SquarePath, Texture, ToWorld};
 use crate::color::Rgb;
 
-/// Makes a shape emit from its front, evenly in all directions.
-#[derive(Component, Reflect, Clone, Debug, PartialEq)]
-#[reflect(Component, PartialEq)]
-pub struct AreaLight {
-    /// W/(m^2 sr).
-    pub radiance: Parameter<Rgb>,
-    /// As that of [`Emitter`].
-    pub sampling_weight: f32,
+declare_parameters! {
+    /// Makes a shape emit from its front, evenly in all directions.
+    #[derive(Component, Reflect, Clone, Debug, PartialEq)]
+    #[reflect(Component, PartialEq)]
+    pub struct AreaLight {
+        /// W/(m^2 sr).
+        radiance: Parameter<Rgb> = Rgb::ONE.into() => TexturedEmission(RADIANCE),
+        /// As that of [`Emitter`].
+        sampling_weight: f32 = 1.0 => SamplingWeight(SAMPLING_WEIGHT),
+    }
 }
 
-/// A light that is no surface; where and whereto is [`ToWorld`]. [`Emitter::visit`] lists the parameters with their names.
+/// A light that is no surface; where and whereto is [`ToWorld`].
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, PartialEq)]
 #[require(ToWorld, DocumentOrder)]
@@ -31,67 +36,121 @@ pub struct Emitter {
     pub sampling_weight: f32,
 }
 
-/// The kinds of lights that are no surfaces.
-#[derive(Reflect, Clone, Debug, PartialEq)]
-pub enum EmitterKind {
-    /// Radiant intensity, W/sr.
-    Point {
-        /// Linear Rec. 709.
-        intensity: Rgb,
-    },
-    /// Irradiance on a surface that faces the light, W/m^2.
-    Directional {
-        /// Linear Rec. 709.
-        irradiance: Rgb,
-    },
-    /// The same radiance from every direction, W/(m^2 sr).
-    Constant {
-        /// Linear Rec. 709.
-        radiance: Rgb,
-    },
-    /// `envmap`: a picture of all directions, `scale` times its radiance.
-    Environment {
-        /// Absolute path.
-        picture: PathBuf,
-        /// Not negative.
-        scale: f32,
-        /// Whether directions that surfaces find by themselves are sampled less.
-        mis_compensation: bool,
-    },
-    /// Shines along +z.
-    Spot {
-        /// Along the axis, W/sr.
-        intensity: Rgb,
-        /// Angles from the axis in degrees: no light beyond the cutoff, all of it within the beam.
-        cutoff_angle: f32,
-        /// Half the angle of the full beam in degrees, at most `cutoff_angle`.
-        beam_width: f32,
-        /// Factor on the intensity, across the cone.
-        texture: Option<Texture>,
-    },
-    /// Throws a picture along +z, as a camera would see it.
-    Projector {
-        /// Pi times that on the plane z = 1.
-        irradiance: Parameter<Rgb>,
-        /// Factor on the irradiance, not negative.
-        scale: f32,
-        /// As those of a [`super::Sensor`] whose film is the picture.
-        fov: f32,
-        /// Along which side of the picture `fov` is measured.
-        fov_axis: FovAxis,
-    },
-    /// A clear sky with its sun.
-    SunSky(SunSky),
-}
+declare_plugins! {
+    /// The kinds of lights that are no surfaces.
+    #[derive(Reflect, Clone, Debug, PartialEq)]
+    pub enum EmitterKind {
+        /// Radiant intensity, W/sr.
+        [PluginInfo::new("point", "point")]
+        Point {
+            /// Linear Rec. 709.
+            intensity: Rgb = Rgb::ONE => Emission(INTENSITY),
+        },
 
-impl Default for AreaLight {
-    fn default() -> Self {
-        Self {
-            radiance: Rgb::ONE.into(),
-            sampling_weight: 1.0,
-        }
+        /// Irradiance on a surface that faces the light, W/m^2.
+        [PluginInfo::new("directional", "directional")]
+        Directional {
+            /// Linear Rec. 709.
+            irradiance: Rgb = Rgb::ONE => Emission(ParameterInfo::new(
+                "irradiance",
+                "Irradiance",
+                "Power that arrives per area on a surface that faces the light.",
+                "W/m², 0 or more",
+            )
+            .in_units(" W/m²")),
+        },
+
+        /// The same radiance from every direction, W/(m^2 sr).
+        [PluginInfo::new("constant", "constant")]
+        Constant {
+            /// Linear Rec. 709.
+            radiance: Rgb = Rgb::ONE => Emission(RADIANCE),
+        },
+
+        /// A picture of all directions, `scale` times its radiance.
+        [PluginInfo::new("envmap", "environment map")]
+        Environment {
+            /// Absolute path.
+            picture: PathBuf = PathBuf::new() => Picture(ParameterInfo::new(
+                "filename",
+                "Picture",
+                "A picture of all directions: width is the way around, height from straight up to straight down. HDR and EXR keep the sun's strength.",
+                "a file, found from the scene's folder",
+            )),
+            /// Not negative.
+            scale: f32 = 1.0 => Factor(ParameterInfo::factor(
+                "scale",
+                "Strength",
+                "Factor on the radiance of the picture.",
+            )),
+            /// Whether directions that surfaces find by themselves are sampled less.
+            mis_compensation: bool = true => Flag(ParameterInfo::switch(
+                "mis_compensation",
+                "Seek bright",
+                "Looks less for those directions of the picture that surfaces find by themselves: less noise, the same picture.",
+            )),
+        },
+
+        /// Shines along +z.
+        [PluginInfo::new("spot", "spot")]
+        Spot {
+            /// Along the axis, W/sr.
+            intensity: Rgb = Rgb::ONE => Emission(INTENSITY),
+            /// How wide it shines.
+            cone: Cone = Cone { cutoff_angle: 20.0, beam_width: 15.0 } => Cone(CUTOFF_ANGLE),
+            /// Factor on the intensity, across the cone.
+            texture: Option<Texture> = None => OptionalTexture(ParameterInfo::new(
+                "texture",
+                "Slide",
+                "A picture across the cone, as a slide in front of the lamp: factor on the intensity.",
+                "a texture, or none",
+            )),
+        },
+
+        /// Throws a picture along +z, as a camera would see it.
+        [PluginInfo::new("projector", "projector")]
+        Projector {
+            /// Pi times that on the plane z = 1.
+            irradiance: Parameter<Rgb> = Rgb::ONE.into() => TexturedEmission(ParameterInfo::new(
+                "irradiance",
+                "Picture",
+                "The picture that is thrown; its brightness times pi is the power per area at distance 1 in front of the light.",
+                "W/m², or a texture",
+            )
+            .in_units(" W/m²")),
+            /// Factor on the irradiance, not negative.
+            scale: f32 = 1.0 => Factor(ParameterInfo::factor("scale", "Strength", "Factor on the light.")),
+            /// As that of a sensor whose film is the picture.
+            field_of_view: FieldOfView = FieldOfView { fov: 45.0, axis: FovAxis::X } => FieldOfView(FOV),
+        },
+
+        /// A clear sky with its sun.
+        [PluginInfo::new("sunsky", "sun and sky")]
+        SunSky(sky: SunSky => identity),
     }
 }
+
+const RADIANCE: ParameterInfo = ParameterInfo::new(
+    "radiance",
+    "Radiance",
+    "How bright the surface looks, or what comes from each direction: power per area and solid angle.",
+    "W/m²sr, 0 or more",
+)
+.in_units(" W/m²sr");
+
+const INTENSITY: ParameterInfo = ParameterInfo::new(
+    "intensity",
+    "Intensity",
+    "Power per solid angle; of a spot along its axis. On a surface it falls with the square of the distance.",
+    "W/sr, 0 or more",
+)
+.in_units(" W/sr");
+
+const SAMPLING_WEIGHT: ParameterInfo = ParameterInfo::sampling_rate(
+    "sampling_weight",
+    "Sampled",
+    "How often the light is looked for, relative to the others; 0 leaves it to be met by chance.",
+);
 
 impl Default for Emitter {
     fn default() -> Self {
@@ -108,106 +167,38 @@ impl From<EmitterKind> for Emitter {
     }
 }
 
-impl AreaLight {
-    /// Shows `visitor` every parameter.
-    pub(crate) fn visit(&mut self, visitor: &mut impl EmitterVisitor) {
-        visitor.textured_emission("radiance", &mut self.radiance);
-        visitor.sampling_weight(&mut self.sampling_weight);
-    }
-}
-
 impl Emitter {
     /// The names of all plugins.
-    pub const PLUGINS: [&'static str; 7] = [
-        "point",
-        "directional",
-        "constant",
-        "envmap",
-        "spot",
-        "projector",
-        "sunsky",
-    ];
+    pub const PLUGINS: [&'static str; EmitterKind::DECLARED.len()] = EmitterKind::PLUGINS;
 
     /// The light that a plugin of this name is when its file gives no parameter; None if there is no such plugin.
     pub fn of_plugin(plugin: &str) -> Option<Self> {
-        let kind = match plugin {
-            "point" => EmitterKind::Point { intensity: Rgb::ONE },
-            "directional" => EmitterKind::Directional { irradiance: Rgb::ONE },
-            "constant" => EmitterKind::Constant { radiance: Rgb::ONE },
-            "envmap" => EmitterKind::Environment {
-                picture: PathBuf::new(),
-                scale: 1.0,
-                mis_compensation: true,
-            },
-            "spot" => EmitterKind::Spot {
-                intensity: Rgb::ONE,
-                cutoff_angle: 20.0,
-                beam_width: 15.0,
-                texture: None,
-            },
-            "projector" => EmitterKind::Projector {
-                irradiance: Rgb::ONE.into(),
-                scale: 1.0,
-                fov: 45.0,
-                fov_axis: FovAxis::X,
-            },
-            "sunsky" => EmitterKind::SunSky(SunSky::default()),
-            _ => return None,
-        };
-        Some(kind.into())
+        EmitterKind::of_plugin(plugin).map(Self::from)
+    }
+
+    /// What is declared of its plugin.
+    pub(crate) fn info(&self) -> &'static PluginInfo {
+        self.kind.info()
     }
 
     /// The plugin's name in the file.
     pub fn plugin(&self) -> &'static str {
-        match self.kind {
-            EmitterKind::Point { .. } => "point",
-            EmitterKind::Directional { .. } => "directional",
-            EmitterKind::Constant { .. } => "constant",
-            EmitterKind::Environment { .. } => "envmap",
-            EmitterKind::Spot { .. } => "spot",
-            EmitterKind::Projector { .. } => "projector",
-            EmitterKind::SunSky(_) => "sunsky",
-        }
+        self.kind.plugin()
     }
 
-    /// Shows `visitor` every parameter.
-    pub(crate) fn visit(&mut self, visitor: &mut impl EmitterVisitor) {
-        match &mut self.kind {
-            EmitterKind::Point { intensity } => visitor.emission("intensity", intensity),
-            EmitterKind::Directional { irradiance } => visitor.emission("irradiance", irradiance),
-            EmitterKind::Constant { radiance } => visitor.emission("radiance", radiance),
-            EmitterKind::Environment {
-                picture,
-                scale,
-                mis_compensation,
-            } => {
-                visitor.picture("filename", picture);
-                visitor.number("scale", scale, POSITIVE);
-                visitor.flag("mis_compensation", mis_compensation);
-            }
-            EmitterKind::Spot {
-                intensity,
-                cutoff_angle,
-                beam_width,
-                texture,
-            } => {
-                visitor.emission("intensity", intensity);
-                visitor.cone(cutoff_angle, beam_width);
-                visitor.optional_texture("texture", texture);
-            }
-            EmitterKind::Projector {
-                irradiance,
-                scale,
-                fov,
-                fov_axis,
-            } => {
-                visitor.textured_emission("irradiance", irradiance);
-                visitor.number("scale", scale, POSITIVE);
-                visitor.field_of_view(fov, fov_axis);
-            }
-            EmitterKind::SunSky(sky) => sky.visit(visitor),
-        }
-        visitor.sampling_weight(&mut self.sampling_weight);
+    /// Shows `meet` every parameter.
+    pub(crate) fn visit<'p>(&'p self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterRef<'p>)) {
+        self.kind.visit(meet);
+        meet(&SAMPLING_WEIGHT, ParameterRef::SamplingWeight(&self.sampling_weight));
+    }
+
+    /// Shows `meet` every parameter, to be changed.
+    pub(crate) fn visit_mut(&mut self, meet: &mut impl FnMut(&'static ParameterInfo, ParameterMut)) {
+        self.kind.visit_mut(meet);
+        meet(
+            &SAMPLING_WEIGHT,
+            ParameterMut::SamplingWeight(&mut self.sampling_weight),
+        );
     }
 
     /// Shows `meet` every picture it needs, by absolute path.

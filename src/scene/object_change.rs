@@ -106,7 +106,7 @@ impl Part {
             }),
             Self::Material(values) => sum(values, |material| {
                 let mut textures = 0;
-                material.clone().visit_textures(|_, _| textures += 1);
+                material.for_each_texture(&mut |_| textures += 1);
                 textures * TEXTURE
             }),
             Self::Emitter(_) | Self::AreaLight(_) => 2 * TEXTURE,

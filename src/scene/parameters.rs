@@ -1,46 +1,170 @@
-//! The kinds of parameters that materials have, and the visitor that meets them.
+//! The kinds of parameters that plugins have, and what values of those consist of.
 
 use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
 
-use super::texture::Parameter;
+use super::declare::declare_parameters;
+use super::parameter_info::ParameterInfo;
+use super::sensor::FovAxis;
+use super::texture::{Parameter, SquarePath, Texture};
 use crate::color::Rgb;
 
-/// Meets the parameters of a material in turn; names are those of the file. A parameter that a visitor leaves alone keeps its value,
-/// which in a fresh material is the format's default.
-pub trait ParameterVisitor {
-    /// A share of the light, 0 to 1.
-    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>);
-    /// A colour that is not a direction's: it is not negative, and has no upper bound.
-    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>);
-    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>);
-    /// A height in units of the scene: a texture, to which the format gives no name ([`HEIGHT`] in files that are written).
-    fn height(&mut self, value: &mut Parameter<f32>) {
-        self.float(HEIGHT, value, -f32::MAX..=f32::MAX);
-    }
+/// Declares the kinds of parameters: a reference to the value, to be read or to be changed.
+macro_rules! kinds {
+    ($($(#[$doc:meta])* $kind:ident($value:ty),)*) => {
+        /// The value of a parameter, to be read.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub(crate) enum ParameterRef<'p> {
+            $($(#[$doc])* $kind(&'p $value),)*
+        }
+
+        /// The value of a parameter, to be changed. What is left alone keeps its value, which in a fresh plugin is the format's default.
+        #[derive(Debug, PartialEq)]
+        pub(crate) enum ParameterMut<'p> {
+            $($(#[$doc])* $kind(&'p mut $value),)*
+        }
+    };
+}
+
+kinds! {
+    /// A share of the light by colour, 0 to 1.
+    Reflectance(Parameter<Rgb>),
+    /// A picture of normals, (normal + 1) / 2 in the shading frame.
+    Normals(Parameter<Rgb>),
+    Float(Parameter<f32>),
+    /// A height in units of the scene: a texture, to which the format gives no name.
+    Height(Parameter<f32>),
     /// A number that is the same everywhere.
-    fn number(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>);
-    fn flag(&mut self, name: &'static str, value: &mut bool);
+    Number(f32),
+    Flag(bool),
     /// A flag of ours, which no other program knows: off by default, and written only where it is on.
-    fn extension(&mut self, name: &'static str, value: &mut bool) {
-        self.flag(name, value);
-    }
-    fn ior(&mut self, name: &'static str, value: &mut Ior);
+    Extension(bool),
+    Ior(Ior),
     /// `material`, or `eta` and `k`.
-    fn conductor_ior(&mut self, value: &mut ConductorIor);
-    /// `distribution`
-    fn distribution(&mut self, value: &mut Distribution);
+    ConductorIor(ConductorIor),
+    Distribution(Distribution),
     /// `alpha`, or `alpha_u` and `alpha_v`.
-    fn roughness(&mut self, value: &mut Roughness);
+    Roughness(Roughness),
+    /// The same of a model that looks the same in all directions.
+    UniformRoughness(Roughness),
     /// `specular` or `eta`.
-    fn principled_index(&mut self, value: &mut PrincipledIndex);
+    PrincipledIndex(PrincipledIndex),
+    /// Light that is sent out, by colour: not negative, without upper bound.
+    Emission(Rgb),
+    TexturedEmission(Parameter<Rgb>),
+    /// A share of the light by colour, 0 to 1, the same everywhere.
+    UniformReflectance(Rgb),
+    /// A factor on light.
+    Factor(f32),
+    /// Degrees.
+    Angle(f32),
+    Integer(i32),
+    /// The absolute path of a picture's file.
+    Picture(PathBuf),
+    OptionalTexture(Option<Texture>),
+    /// `cutoff_angle` and `beam_width`.
+    Cone(Cone),
+    /// `fov` and `fov_axis`.
+    FieldOfView(FieldOfView),
+    /// `sun_direction`, or place and time.
+    SunPosition(SunPosition),
+    /// Written only where it is not 1.
+    SamplingWeight(f32),
+}
+
+impl ParameterMut<'_> {
+    /// Puts the picture at `path` at a place of the value if that has the name `parameter` in the file. Where there was no texture before, a
+    /// picture of anything but colours is looked at raw.
+    pub(crate) fn set_picture(self, info: &ParameterInfo, parameter: &str, place: SquarePath, path: &Path) {
+        let is = |info: &ParameterInfo| info.name == parameter;
+        match self {
+            Self::Reflectance(color) if is(info) => set_picture(color, place, path, false),
+            Self::Normals(normals) if is(info) => set_picture(normals, place, path, true),
+            Self::Float(number) | Self::Height(number) if is(info) => set_picture(number, place, path, true),
+            Self::ConductorIor(ConductorIor::Given { eta, .. }) if is(&ETA) => set_picture(eta, place, path, true),
+            Self::ConductorIor(ConductorIor::Given { k, .. }) if is(&K) => set_picture(k, place, path, true),
+            Self::Roughness(roughness) | Self::UniformRoughness(roughness) => match roughness {
+                Roughness::Isotropic(alpha) if is(&ALPHA) => set_picture(alpha, place, path, true),
+                Roughness::Anisotropic { u, .. } if is(&ALPHA_U) => set_picture(u, place, path, true),
+                Roughness::Anisotropic { v, .. } if is(&ALPHA_V) => set_picture(v, place, path, true),
+                _ => {}
+            },
+            _ => {}
+        }
+    }
+}
+
+fn set_picture<T>(value: &mut Parameter<T>, place: SquarePath, path: &Path, raw: bool) {
+    let was_plain = matches!(value, Parameter::Constant(_));
+    value.set_picture_at(place, path.to_owned());
+    if let Parameter::Texture(Texture::Bitmap(bitmap)) = value
+        && was_plain
+    {
+        bitmap.raw = raw;
+    }
 }
 
 /// The name of a bump map's texture where the file gives none.
-pub const HEIGHT: &str = "height";
-/// The texture of a normal map.
-pub const NORMALS: &str = "normalmap";
+pub(crate) const HEIGHT: &str = "height";
+
+pub(crate) const MATERIAL: ParameterInfo = ParameterInfo::new(
+    "material",
+    "Metal",
+    "A metal by its chemical name, with indices as they were measured; or eta and k as numbers.",
+    "a name of the list",
+);
+
+pub(crate) const ETA: ParameterInfo = ParameterInfo::new(
+    "eta",
+    "Eta",
+    "Real part of the metal's index of refraction, by colour.",
+    "0 to 100 per channel, or a texture",
+);
+
+pub(crate) const K: ParameterInfo = ParameterInfo::new(
+    "k",
+    "K",
+    "Extinction: imaginary part of the metal's index of refraction, by colour. It is what makes a metal opaque.",
+    "0 to 100 per channel, or a texture",
+);
+
+pub(crate) const ALPHA: ParameterInfo = ParameterInfo::new(
+    "alpha",
+    "Roughness",
+    "Spread of the slopes of tiny facets: the root of their mean square. Small is shiny.",
+    "0.0001 to 1 and beyond, or a texture; 0.001 to 0.01 polished, 0.1 to 0.3 satin, 0.5 matt",
+);
+
+pub(crate) const ALPHA_U: ParameterInfo = ParameterInfo::new(
+    "alpha_u",
+    "Roughness u",
+    "Spread of the facets' slopes along the first tangent, in which u grows: apart from the other it looks brushed.",
+    "0.0001 to 1 and beyond, or a texture",
+);
+
+pub(crate) const ALPHA_V: ParameterInfo = ParameterInfo::new(
+    "alpha_v",
+    "Roughness v",
+    "Spread of the facets' slopes along the second tangent, in which v grows.",
+    "0.0001 to 1 and beyond, or a texture",
+);
+
+pub(crate) const SPECULAR: ParameterInfo = ParameterInfo::new(
+    "specular",
+    "Specular",
+    "How strongly a surface that is no metal mirrors head on: the reflectance there over 0.08.",
+    "0 to 1; 0.5 is an index of refraction of 1.5",
+)
+.within(0.0..=1.0);
+
+pub(crate) const PRINCIPLED_ETA: ParameterInfo = ParameterInfo::new(
+    "eta",
+    "Index",
+    "Index of refraction inside over outside: how strongly the surface mirrors and, where it is glass, how far it bends light.",
+    "0.01 to 100; plastic and glass have 1.5, water 1.33",
+);
 
 /// Complex index of refraction of a conductor, per colour channel.
 #[derive(Reflect, Clone, Debug, PartialEq)]
@@ -64,8 +188,27 @@ pub enum Ior {
 /// The distribution of the normals of a rough surface's facets.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Distribution {
+    /// Gaussian slopes.
     Beckmann,
+    /// Slopes with longer tails (Walter et al. 2007).
     Ggx,
+}
+
+impl Distribution {
+    /// In the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Beckmann => "beckmann",
+            Self::Ggx => "ggx",
+        }
+    }
+
+    /// The distribution of this name; None if there is none.
+    pub fn of_name(name: &str) -> Option<Self> {
+        [Self::Beckmann, Self::Ggx]
+            .into_iter()
+            .find(|known| known.name() == name)
+    }
 }
 
 /// Width of the distribution of slopes (not its square root), above 0.
@@ -99,3 +242,112 @@ impl Default for PrincipledIndex {
         Self::Specular(0.5)
     }
 }
+
+/// Angles from an axis in degrees.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// No light beyond it.
+    pub cutoff_angle: f32,
+    /// All of the light within it.
+    pub beam_width: f32,
+}
+
+/// The angle across a picture.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+pub struct FieldOfView {
+    /// Degrees.
+    pub fov: f32,
+    /// What is measured.
+    pub axis: FovAxis,
+}
+
+/// Where the sun stands, or what that follows from.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+pub enum SunPosition {
+    /// Towards the sun, in the world; of any length.
+    Direction(Vec3),
+    /// In the light's own space x is south then and y west.
+    PlaceAndTime(PlaceAndTime),
+}
+
+declare_parameters! {
+    /// A place on earth and a moment at it: by default an afternoon in Tokyo, as the format has it.
+    #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+    pub struct PlaceAndTime {
+        /// Degrees, north positive.
+        latitude: f32 = 35.6894 => Angle(
+            ParameterInfo::degrees("latitude", "Latitude", "Of the place, north positive.", "degrees").within(-90.0..=90.0)
+        ),
+        /// Degrees, east positive.
+        longitude: f32 = 139.6917 => Angle(
+            ParameterInfo::degrees("longitude", "Longitude", "Of the place, east positive.", "degrees").within(-360.0..=360.0)
+        ),
+        /// Hours that local time is ahead of universal time.
+        timezone: f32 = 9.0 => Number(ParameterInfo::new(
+            "timezone",
+            "Time zone",
+            "How far local time is ahead of universal time.",
+            "hours, -24 to 24",
+        )
+        .within(-24.0..=24.0)
+        .in_units(" h")),
+        /// In the Gregorian calendar.
+        year: i32 = 2010 => Integer(
+            ParameterInfo::new("year", "Year", "Of the date.", "-4000 to 9999").within(-4000.0..=9999.0)
+        ),
+        /// From 1.
+        month: i32 = 7 => Integer(ParameterInfo::new("month", "Month", "Of the date.", "1 to 12").within(1.0..=12.0)),
+        /// From 1.
+        day: i32 = 10 => Integer(ParameterInfo::new("day", "Day", "Of the date.", "1 to 31").within(1.0..=31.0)),
+        /// Local time.
+        hour: f32 = 15.0 => Number(
+            ParameterInfo::new("hour", "Hour", "Local time.", "hours").within(TIME).in_units(" h")
+        ),
+        /// Added to the hour.
+        minute: f32 = 0.0 => Number(
+            ParameterInfo::new("minute", "Minute", "Local time.", "minutes").within(TIME).in_units(" min")
+        ),
+        /// Added to the minute.
+        second: f32 = 0.0 => Number(
+            ParameterInfo::new("second", "Second", "Local time.", "seconds").within(TIME).in_units(" s")
+        ),
+    }
+}
+
+/// Times may lie outside of the day; what is far from all reason is a slip.
+const TIME: RangeInclusive<f32> = -1e5..=1e5;
+
+pub(crate) const CUTOFF_ANGLE: ParameterInfo = ParameterInfo::degrees(
+    "cutoff_angle",
+    "Cutoff",
+    "Angle from the axis beyond which there is no light.",
+    "degrees, above 0 and up to 90",
+);
+
+pub(crate) const BEAM_WIDTH: ParameterInfo = ParameterInfo::degrees(
+    "beam_width",
+    "Beam",
+    "Angle from the axis within which the light has all of its strength; from there to the cutoff it fades.",
+    "degrees, 0 up to the cutoff",
+);
+
+pub(crate) const FOV: ParameterInfo = ParameterInfo::degrees(
+    "fov",
+    "Field of view",
+    "Angle across the picture.",
+    "degrees, above 0 and below 180",
+);
+
+pub(crate) const FOV_AXIS: ParameterInfo = ParameterInfo::new(
+    "fov_axis",
+    "Measured",
+    "Along which edge of the picture the field of view is measured.",
+    "horizontal, vertical, diagonal, smaller or larger edge",
+);
+
+pub(crate) const SUN_DIRECTION: ParameterInfo = ParameterInfo::new(
+    "sun_direction",
+    "Towards sun",
+    "Direction in which the sun stands, in the space of the light: z is up.",
+    "a vector of any length",
+);

@@ -77,7 +77,7 @@ pub(super) fn follow_pictures(
     }
     let mut wanted = BTreeSet::new();
     for material in &materials {
-        material.clone().visit_textures(|_, texture| {
+        material.for_each_texture(&mut |texture| {
             texture.for_each_bitmap(&mut |bitmap| {
                 wanted.insert(bitmap.path.clone());
             });

@@ -75,6 +75,17 @@ pub enum FovAxis {
 }
 
 impl FovAxis {
+    /// In the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::X => "x",
+            Self::Y => "y",
+            Self::Diagonal => "diagonal",
+            Self::Smaller => "smaller",
+            Self::Larger => "larger",
+        }
+    }
+
     /// The field of view along x in degrees, from one along this axis; `aspect` is width over height.
     pub fn horizontal(self, fov: f32, aspect: f32) -> f32 {
         let half = (0.5 * fov).to_radians().tan();

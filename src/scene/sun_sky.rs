@@ -2,53 +2,49 @@
 
 use bevy::prelude::*;
 
-use super::emitter_parameters::{EmitterVisitor, POSITIVE, PlaceAndTime, SunPosition};
+use super::declare::declare_parameters;
+use super::parameter_info::ParameterInfo;
+use super::parameters::{ParameterMut, ParameterRef, PlaceAndTime, SUN_DIRECTION, SunPosition};
 use crate::color::Rgb;
 
-/// `sunsky`: the sky of a clear day; +z is up.
-#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
-pub struct SunSky {
-    /// Haziness, 1 to 10.
-    pub turbidity: f32,
-    /// The albedo of the ground.
-    pub albedo: Rgb,
-    /// The direction to the sun, or a place and time that it follows from.
-    pub sun: SunPosition,
-    /// Factors on the radiance of each.
-    pub sun_scale: f32,
-    /// See `sun_scale`.
-    pub sky_scale: f32,
-    /// Angle in degrees under which the sun is seen; how much light it sends does not depend on it.
-    pub sun_aperture: f32,
-    /// Whether the sun is darker towards its rim.
-    pub complex_sun: bool,
-}
-
-impl Default for SunSky {
-    fn default() -> Self {
-        Self {
-            turbidity: 3.0,
-            albedo: Rgb::splat(0.3),
-            sun: SunPosition::PlaceAndTime(PlaceAndTime::default()),
-            sun_scale: 1.0,
-            sky_scale: 1.0,
-            sun_aperture: 0.5338,
-            complex_sun: false,
-        }
-    }
-}
-
-impl SunSky {
-    pub(super) fn visit(&mut self, visitor: &mut impl EmitterVisitor) {
-        visitor.number("turbidity", &mut self.turbidity, 1.0..=10.0);
-        visitor.uniform_reflectance("albedo", &mut self.albedo);
-        visitor.number("sun_scale", &mut self.sun_scale, POSITIVE);
-        visitor.number("sky_scale", &mut self.sky_scale, POSITIVE);
-        visitor.angle("sun_aperture", &mut self.sun_aperture, 0.01..=179.0);
-        visitor.flag("complex_sun", &mut self.complex_sun);
-        visitor.sun_position(&mut self.sun);
-        if let SunPosition::PlaceAndTime(at) = &mut self.sun {
-            at.visit(visitor);
-        }
+declare_parameters! {
+    /// `sunsky`: the sky of a clear day; +z is up.
+    #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+    pub struct SunSky {
+        /// Haziness, 1 to 10.
+        turbidity: f32 = 3.0 => Number(ParameterInfo::new(
+            "turbidity",
+            "Turbidity",
+            "Haze: how much light dust and vapour scatter, relative to clear air.",
+            "1 to 10; 2 is a clear day, 3 usual, 10 hazy",
+        )
+        .within(1.0..=10.0)),
+        /// The albedo of the ground.
+        albedo: Rgb = Rgb::splat(0.3) => UniformReflectance(ParameterInfo::new(
+            "albedo",
+            "Ground",
+            "Reflectance of the ground, which lights the sky from below.",
+            "0 to 1 per channel",
+        )),
+        /// Factors on the radiance of each.
+        sun_scale: f32 = 1.0 => Factor(ParameterInfo::factor("sun_scale", "Sun", "Factor on the light of the sun.")),
+        /// See `sun_scale`.
+        sky_scale: f32 = 1.0 => Factor(ParameterInfo::factor("sky_scale", "Sky", "Factor on the light of the sky.")),
+        /// Angle in degrees under which the sun is seen; how much light it sends does not depend on it.
+        sun_aperture: f32 = 0.5338 => Angle(ParameterInfo::degrees(
+            "sun_aperture",
+            "Sun size",
+            "Angle under which the sun is seen. A larger one has softer shadows and the same light.",
+            "degrees, 0.01 to 179; the true one is 0.5338",
+        )
+        .within(0.01..=179.0)),
+        /// Whether the sun is darker towards its rim.
+        complex_sun: bool = false => Flag(ParameterInfo::switch(
+            "complex_sun",
+            "Dark rim",
+            "Lets the sun be darker and redder towards its rim, as it is.",
+        )),
+        /// The direction to the sun, or a place and time that it follows from.
+        sun: SunPosition = SunPosition::PlaceAndTime(PlaceAndTime::default()) => SunPosition(SUN_DIRECTION),
     }
 }

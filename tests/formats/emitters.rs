@@ -59,14 +59,14 @@ fn defaults_are_those_of_the_format() {
     }
     let (spot, _) = only_emitter("<emitter type='spot'><float name='cutoff_angle' value='40'/></emitter>");
     assert!(
-        matches!(spot.kind, EmitterKind::Spot { beam_width: 30.0, .. }),
+        matches!(spot.kind, EmitterKind::Spot { cone, .. } if cone.beam_width == 30.0),
         "{spot:?}"
     );
     // A frame of 36 x 24 mm behind 50 mm.
     let (projector, _) = only_emitter("<emitter type='projector'/>");
     let diagonal = 2.0 * (0.5 * 36f32.hypot(24.0) / 50.0).atan().to_degrees();
     assert!(
-        matches!(projector.kind, EmitterKind::Projector { fov, fov_axis: FovAxis::Diagonal, .. } if (fov - diagonal).abs() < 1e-4),
+        matches!(projector.kind, EmitterKind::Projector { field_of_view: FieldOfView { fov, axis: FovAxis::Diagonal }, .. } if (fov - diagonal).abs() < 1e-4),
         "{projector:?}"
     );
 }
@@ -118,7 +118,7 @@ fn every_parameter_survives_being_saved() {
     let slide = Texture::Bitmap(Box::new(bitmap));
     let spot = &scene.emitters[1].emitter.kind;
     assert!(
-        matches!(spot, EmitterKind::Spot { texture: Some(texture), beam_width: 24.0, .. } if *texture == slide),
+        matches!(spot, EmitterKind::Spot { texture: Some(texture), cone, .. } if *texture == slide && cone.beam_width == 24.0),
         "{spot:?}"
     );
     assert_eq!(scene.emitters[0].emitter.sampling_weight, 0.25);
@@ -161,10 +161,10 @@ fn edited(body: &str, edit: impl Fn(&mut SceneDescription)) -> String {
 fn edits_write_what_they_need_and_no_more() {
     // Another cone keeps the beam it had by default.
     let text = edited("<emitter type='spot'/>", |scene| {
-        let EmitterKind::Spot { cutoff_angle, .. } = &mut scene.emitters[0].emitter.kind else {
+        let EmitterKind::Spot { cone, .. } = &mut scene.emitters[0].emitter.kind else {
             panic!("{:?}", scene.emitters)
         };
-        *cutoff_angle = 60.0;
+        cone.cutoff_angle = 60.0;
     });
     assert!(text.contains("beam_width") && !text.contains("intensity"), "{text}");
 

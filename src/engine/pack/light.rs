@@ -8,7 +8,7 @@ use super::view::rigid;
 use super::{BRIGHTEST, Checker};
 use crate::color::Rgb;
 use crate::light::{Atmosphere, LightSource, Projector, Spot, WeightedSource};
-use crate::scene::{self, Emitter, EmitterKind, FovAxis, SunPosition, SunSky};
+use crate::scene::{self, Emitter, EmitterKind, FieldOfView, FovAxis, SunPosition, SunSky};
 use crate::texture::Parameter;
 use crate::{light, texture};
 
@@ -94,11 +94,10 @@ pub(in crate::engine) fn pack_emitter(
         }
         EmitterKind::Spot {
             intensity,
-            cutoff_angle,
-            beam_width,
+            cone,
             texture,
         } => {
-            let cutoff = check.number("cutoff_angle", *cutoff_angle, 0.01, 180.0, 20.0);
+            let cutoff = check.number("cutoff_angle", cone.cutoff_angle, 0.01, 180.0, 20.0);
             let white = Parameter::Constant(Rgb::ONE);
             LightSource::Spot(Spot {
                 world_from_local: invertible(to_world, check)?,
@@ -106,7 +105,7 @@ pub(in crate::engine) fn pack_emitter(
                 cutoff_angle: cutoff.to_radians(),
                 // A cutoff that is moved below the beam takes it along.
                 beam_angle: check
-                    .number("beam_width", beam_width.min(cutoff), 0.0, cutoff, cutoff)
+                    .number("beam_width", cone.beam_width.min(cutoff), 0.0, cutoff, cutoff)
                     .to_radians(),
                 texture: texture
                     .as_ref()
@@ -116,13 +115,12 @@ pub(in crate::engine) fn pack_emitter(
         EmitterKind::Projector {
             irradiance,
             scale,
-            fov,
-            fov_axis,
+            field_of_view: FieldOfView { fov, axis },
         } => LightSource::Projector(Projector {
             world_from_local: invertible(to_world, check)?,
             irradiance: emission("irradiance", irradiance, context.textures, check),
             scale: check.number("scale", *scale, 0.0, BRIGHTEST, 1.0),
-            half_size: half_size(*fov, *fov_axis, context.textures.aspect(irradiance), check),
+            half_size: half_size(*fov, *axis, context.textures.aspect(irradiance), check),
         }),
         EmitterKind::SunSky(sky) => {
             let world_from_local = turning(to_world, check)?;

@@ -129,7 +129,7 @@ pub fn pack_loose(loose: &[(Material, Vec<usize>)]) -> (MaterialTable, TextureTa
 fn contains_itself(start: usize, sources: &[MaterialSource], places: &HashMap<Entity, usize>) -> bool {
     let nested = |place: usize| {
         let source = &sources[place];
-        let used = source.material.nested_count().end().min(&2).to_owned();
+        let used = source.material.info().nested.end().min(&2).to_owned();
         [source.first, source.second]
             .into_iter()
             .flatten()

@@ -9,7 +9,8 @@ use super::poses::{as_look_at, as_steps};
 use crate::color::Rgb;
 use crate::document::paths::file_name;
 use crate::document::{Category, Object, Property, Span, TransformOp, Value};
-use crate::scene::{Bitmap, FovAxis, Parameter, Texture, TextureFilter, TextureWrap};
+use crate::scene::texture_parameters::{COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TO_UV, WRAP_MODE};
+use crate::scene::{Bitmap, FileValue, Parameter, Texture, TextureFilter, TextureWrap};
 
 /// Writes every parameter it meets.
 pub struct IntoObject<'f> {
@@ -20,6 +21,21 @@ pub struct IntoObject<'f> {
 impl IntoObject<'_> {
     pub fn put(&mut self, name: &str, value: Value) {
         self.object.properties.push(property(name, value));
+    }
+
+    pub fn put_parameter(&mut self, name: &str, value: FileValue) {
+        match value {
+            FileValue::Color(color) => self.put_color(name, color),
+            FileValue::Float(number) => self.put_float(name, number),
+            FileValue::Texture(texture) => self.put_texture(name, texture),
+            FileValue::Number(number) => self.put(name, Value::Float(number)),
+            FileValue::Flag(flag) => self.put(name, Value::Boolean(flag)),
+            FileValue::Name(text) => self.put(name, Value::String(text.to_owned())),
+            FileValue::Rgb(color) => self.put(name, Value::Rgb(color)),
+            FileValue::Integer(number) => self.put(name, Value::Integer(number.into())),
+            FileValue::Path(path) => self.put(name, Value::String(file_name(path, self.folder))),
+            FileValue::Vector(vector) => self.put(name, Value::Vector(vector)),
+        }
     }
 
     pub fn put_color(&mut self, name: &str, color: &Parameter<Rgb>) {
@@ -45,13 +61,13 @@ impl IntoObject<'_> {
         match texture {
             Texture::Bitmap(bitmap) => inside.put_bitmap(bitmap),
             Texture::Checkerboard { color0, color1, to_uv } => {
-                inside.put_color("color0", color0);
-                inside.put_color("color1", color1);
+                inside.put_color(COLOR0.name, color0);
+                inside.put_color(COLOR1.name, color1);
                 inside.put_to_uv(to_uv);
             }
             Texture::MeshAttribute { name, scale } => {
-                inside.put("name", Value::String(name.clone()));
-                inside.put("scale", Value::Float(*scale));
+                inside.put(NAME.name, Value::String(name.clone()));
+                inside.put(SCALE.name, Value::Float(*scale));
             }
         }
         self.object.children.push(inside.object.into());
@@ -67,10 +83,10 @@ impl IntoObject<'_> {
             TextureWrap::Mirror => "mirror",
             TextureWrap::Clamp => "clamp",
         };
-        self.put("filename", Value::String(file_name(&bitmap.path, self.folder)));
-        self.put("filter_type", Value::String(filter.to_owned()));
-        self.put("wrap_mode", Value::String(wrap.to_owned()));
-        self.put("raw", Value::Boolean(bitmap.raw));
+        self.put(FILENAME.name, Value::String(file_name(&bitmap.path, self.folder)));
+        self.put(FILTER_TYPE.name, Value::String(filter.to_owned()));
+        self.put(WRAP_MODE.name, Value::String(wrap.to_owned()));
+        self.put(RAW.name, Value::Boolean(bitmap.raw));
         self.put_to_uv(&bitmap.to_uv);
     }
 
@@ -83,18 +99,8 @@ impl IntoObject<'_> {
                 Vec4::Z,
                 Vec4::new(offset.x, offset.y, 0.0, 1.0),
             );
-            self.put("to_uv", Value::Transform(vec![TransformOp::Matrix(matrix)]));
+            self.put(TO_UV.name, Value::Transform(vec![TransformOp::Matrix(matrix)]));
         }
-    }
-}
-
-pub fn fov_axis_name(axis: FovAxis) -> &'static str {
-    match axis {
-        FovAxis::X => "x",
-        FovAxis::Y => "y",
-        FovAxis::Diagonal => "diagonal",
-        FovAxis::Smaller => "smaller",
-        FovAxis::Larger => "larger",
     }
 }
 

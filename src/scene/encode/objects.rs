@@ -1,21 +1,18 @@
 //! Components as plugins of the file, every parameter spelled out. References to materials are not these functions' business.
 
-use std::ops::RangeInclusive;
 use std::path::Path;
 
 use bevy::math::Affine3A;
 
 use super::into_object::{
-    IntoObject, fov_axis_name, with, with_child, with_flag, with_float, with_integer, with_nonzero, with_string,
-    with_to_world, with_view,
+    IntoObject, with, with_child, with_flag, with_float, with_integer, with_nonzero, with_string, with_to_world,
+    with_view,
 };
 use super::lights::area_light;
-use crate::color::Rgb;
 use crate::document::paths::file_name;
 use crate::document::{Category, Object, Value};
 use crate::scene::{
-    AreaLight, ConductorIor, Distribution, Film, HEIGHT, IntegratorSettings, Ior, Lens, Material, MeshFormat,
-    Parameter, ParameterVisitor, PrincipledIndex, ReconstructionFilter, Roughness, Sensor, Shape, ShapeKind,
+    AreaLight, Film, IntegratorSettings, Lens, Material, MeshFormat, ReconstructionFilter, Sensor, Shape, ShapeKind,
 };
 
 /// `folder`: of the file that is written; names of pictures are relative to it.
@@ -24,86 +21,8 @@ pub fn material(material: &Material, folder: &Path) -> Object {
         object: Object::new(Category::Bsdf, material.plugin()),
         folder,
     };
-    material.clone().visit(&mut writer);
+    material.visit(&mut |info, value| value.in_file(info, &mut |info, value| writer.put_parameter(info.name, value)));
     writer.object
-}
-
-impl ParameterVisitor for IntoObject<'_> {
-    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        self.put_color(name, value);
-    }
-
-    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        self.put_color(name, value);
-    }
-
-    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, _range: RangeInclusive<f32>) {
-        self.put_float(name, value);
-    }
-
-    fn height(&mut self, value: &mut Parameter<f32>) {
-        // A number is no texture, and the format wants one.
-        if let Parameter::Texture(texture) = value {
-            self.put_texture(HEIGHT, texture);
-        }
-    }
-
-    fn number(&mut self, name: &'static str, value: &mut f32, _range: RangeInclusive<f32>) {
-        self.put(name, Value::Float(*value));
-    }
-
-    fn flag(&mut self, name: &'static str, value: &mut bool) {
-        self.put(name, Value::Boolean(*value));
-    }
-
-    fn extension(&mut self, name: &'static str, value: &mut bool) {
-        if *value {
-            self.flag(name, value);
-        }
-    }
-
-    fn ior(&mut self, name: &'static str, value: &mut Ior) {
-        let value = match value {
-            Ior::Named(name) => Value::String(name.clone()),
-            Ior::Number(number) => Value::Float(*number),
-        };
-        self.put(name, value);
-    }
-
-    fn conductor_ior(&mut self, value: &mut ConductorIor) {
-        match value {
-            ConductorIor::Named(name) => self.put("material", Value::String(name.clone())),
-            ConductorIor::Given { eta, k } => {
-                self.put_color("eta", eta);
-                self.put_color("k", k);
-            }
-        }
-    }
-
-    fn distribution(&mut self, value: &mut Distribution) {
-        let name = match value {
-            Distribution::Beckmann => "beckmann",
-            Distribution::Ggx => "ggx",
-        };
-        self.put("distribution", Value::String(name.to_owned()));
-    }
-
-    fn roughness(&mut self, value: &mut Roughness) {
-        match value {
-            Roughness::Isotropic(alpha) => self.put_float("alpha", alpha),
-            Roughness::Anisotropic { u, v } => {
-                self.put_float("alpha_u", u);
-                self.put_float("alpha_v", v);
-            }
-        }
-    }
-
-    fn principled_index(&mut self, value: &mut PrincipledIndex) {
-        match value {
-            PrincipledIndex::Specular(specular) => self.put("specular", Value::Float(*specular)),
-            PrincipledIndex::Eta(eta) => self.put("eta", Value::Float(*eta)),
-        }
-    }
 }
 
 /// `folder`: of the file that is written; the mesh's name is relative to it.
@@ -184,7 +103,7 @@ pub fn sensor(sensor: &Sensor, film: &Film, to_world: &Affine3A) -> Object {
 
 fn with_fov(object: Object, sensor: &Sensor) -> Object {
     let object = with_float(object, "fov", sensor.fov);
-    with_string(object, "fov_axis", fov_axis_name(sensor.fov_axis))
+    with_string(object, "fov_axis", sensor.fov_axis.name())
 }
 
 fn film_object(film: &Film) -> Object {

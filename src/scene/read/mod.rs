@@ -6,6 +6,7 @@
 
 mod bsdfs;
 mod emitters;
+mod from_file;
 mod groups;
 mod integrator;
 pub mod ior_names;

@@ -115,7 +115,7 @@ mod tests {
             let whole = objects::material(&material, folder);
             let short = defaults.left_out(whole.clone());
             left_out += whole.properties.len() - short.properties.len();
-            if *material.nested_count().start() == 0 {
+            if *material.info().nested.start() == 0 {
                 assert_eq!(reread(short).materials[0].material, material, "{plugin}");
             }
         }
@@ -137,18 +137,18 @@ mod tests {
             emitter
         };
         let spot = |kind: &mut EmitterKind| {
-            if let EmitterKind::Spot { cutoff_angle, .. } = kind {
-                *cutoff_angle = 40.0;
+            if let EmitterKind::Spot { cone, .. } = kind {
+                cone.cutoff_angle = 40.0;
             }
         };
         let narrow = |kind: &mut EmitterKind| {
-            if let EmitterKind::Projector { fov, fov_axis, .. } = kind {
-                (*fov, *fov_axis) = (30.0, FovAxis::Diagonal);
+            if let EmitterKind::Projector { field_of_view, .. } = kind {
+                (field_of_view.fov, field_of_view.axis) = (30.0, FovAxis::Diagonal);
             }
         };
         let turned = |kind: &mut EmitterKind| {
-            if let EmitterKind::Projector { fov_axis, .. } = kind {
-                *fov_axis = FovAxis::Y;
+            if let EmitterKind::Projector { field_of_view, .. } = kind {
+                field_of_view.axis = FovAxis::Y;
             }
         };
         for emitter in [

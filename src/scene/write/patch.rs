@@ -5,9 +5,10 @@ use smol_str::SmolStr;
 
 use super::steps;
 use crate::document::{Category, Child, Object, Property, Span, TransformOp, Value};
+use crate::scene::Authored;
 use crate::scene::emitter::frame_along;
 use crate::scene::encode::poses::as_steps;
-use crate::scene::{Authored, HEIGHT};
+use crate::scene::parameters::HEIGHT;
 
 /// Parameters that say the same thing in another way: writing the first takes the others away.
 const SUPERSEDES: [(&str, &[&str]); 8] = [

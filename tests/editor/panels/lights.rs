@@ -21,13 +21,8 @@ pub fn lamp(emitter: Emitter) -> Harness<'static, Shown<Model>> {
 #[test]
 fn a_narrower_cone_takes_its_beam_along() {
     let mut spot = Emitter::of_plugin("spot").unwrap();
-    if let EmitterKind::Spot {
-        cutoff_angle,
-        beam_width,
-        ..
-    } = &mut spot.kind
-    {
-        (*cutoff_angle, *beam_width) = (80.0, 75.0);
+    if let EmitterKind::Spot { cone, .. } = &mut spot.kind {
+        (cone.cutoff_angle, cone.beam_width) = (80.0, 75.0);
     }
     let mut harness = lamp(spot);
     slide(&mut harness, "Cutoff", 0.2);
@@ -35,7 +30,7 @@ fn a_narrower_cone_takes_its_beam_along() {
         panic!("no light was set")
     };
     assert!(
-        matches!(spot.kind, EmitterKind::Spot { cutoff_angle, beam_width, .. } if cutoff_angle < 75.0 && beam_width == cutoff_angle),
+        matches!(spot.kind, EmitterKind::Spot { cone, .. } if cone.cutoff_angle < 75.0 && cone.beam_width == cone.cutoff_angle),
         "{spot:?}"
     );
 }

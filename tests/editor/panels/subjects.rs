@@ -4,8 +4,9 @@ use bevy::math::{Affine2, Affine3A, Mat3A, Vec3};
 use sunroom::app::editor::model::{Inspected, InspectedMaterial, MaterialPlace};
 use sunroom::color::Rgb;
 use sunroom::scene::{
-    ConductorIor, Crop, Distribution, Emitter, EmitterKind, Film, FovAxis, Ior, Lens, Material, Parameter,
-    PlaceAndTime, ReconstructionFilter, Roughness, Sensor, Shape, ShapeKind, SquarePath, SunPosition, SunSky, Texture,
+    ConductorIor, Cone, Crop, Distribution, Emitter, EmitterKind, FieldOfView, Film, FovAxis, Ior, Lens, Material,
+    Parameter, PlaceAndTime, ReconstructionFilter, Roughness, Sensor, Shape, ShapeKind, SquarePath, SunPosition,
+    SunSky, Texture,
 };
 
 use super::{entity, light};
@@ -149,15 +150,19 @@ fn awkward_lights() -> Vec<Emitter> {
         },
         EmitterKind::Spot {
             intensity: Rgb::new(1e5 / 3.0, 0.0, 1e-9),
-            cutoff_angle: 179.0,
-            beam_width: 1e3 / 3.0,
+            cone: Cone {
+                cutoff_angle: 179.0,
+                beam_width: 1e3 / 3.0,
+            },
             texture: Some(slide.clone()),
         },
         EmitterKind::Projector {
             irradiance: Parameter::Texture(slide),
             scale: 1e-7,
-            fov: 179.99,
-            fov_axis: FovAxis::Larger,
+            field_of_view: FieldOfView {
+                fov: 179.99,
+                axis: FovAxis::Larger,
+            },
         },
         EmitterKind::SunSky(sky),
         EmitterKind::SunSky(SunSky {

@@ -1,52 +1,63 @@
 //! Materials and lights of another kind, which keep what both kinds have.
 
-use std::ops::RangeInclusive;
-use std::path::PathBuf;
-
-use crate::color::Rgb;
-use crate::scene::{
-    ConductorIor, Distribution, Emitter, EmitterVisitor, FovAxis, Ior, Material, Parameter, ParameterVisitor,
-    PrincipledIndex, Roughness, SunPosition, Texture,
-};
+use crate::scene::{Emitter, Material, Parameter, ParameterMut, ParameterRef};
 
 /// A material of another kind that keeps the parameters that the two have in common. Those of the same meaning count as the same, such as
 /// `reflectance`, `diffuse_reflectance` and `base_color`.
 pub(crate) fn turned_into(material: &Material, plugin: &str) -> Material {
     let mut turned = Material::of_plugin(plugin).unwrap_or_default();
-    let mut common = Common::default();
-    material.clone().visit(&mut common);
-    common.given = true;
-    turned.visit(&mut common);
+    turned.visit_mut(&mut |info, mut value| {
+        material.visit(&mut |own, given| {
+            if meaning(own.name) == meaning(info.name) {
+                take(&mut value, given);
+            }
+        });
+    });
     turned
 }
 
 /// A light of another kind with the same colour and strength, whatever the unit, and the other parameters that the two have in common.
 pub(crate) fn emitter_turned_into(emitter: &Emitter, plugin: &str) -> Emitter {
     let mut turned = Emitter::of_plugin(plugin).unwrap_or_default();
-    let mut common = Common::default();
-    emitter.clone().visit(&mut common);
-    common.given = true;
-    turned.visit(&mut common);
+    turned.visit_mut(&mut |info, mut value| {
+        emitter.visit(&mut |own, given| {
+            if meaning(own.name) == meaning(info.name) {
+                take(&mut value, given);
+            }
+        });
+    });
     turned
 }
 
-/// First collects the parameters of one plugin, then gives them to another.
-#[derive(Default)]
-struct Common {
-    given: bool,
-    colors: Vec<(&'static str, Parameter<Rgb>)>,
-    floats: Vec<(&'static str, Parameter<f32>)>,
-    numbers: Vec<(&'static str, f32)>,
-    integers: Vec<(&'static str, i32)>,
-    flags: Vec<(&'static str, bool)>,
-    iors: Vec<(&'static str, Ior)>,
-    pictures: Vec<((), PathBuf)>,
-    textures: Vec<((), Texture)>,
-    fields_of_view: Vec<((), (f32, FovAxis))>,
-    conductor: Vec<((), ConductorIor)>,
-    distribution: Vec<((), Distribution)>,
-    roughness: Vec<((), Roughness)>,
-    principled_index: Vec<((), PrincipledIndex)>,
+/// Copies the value if both are of the same kind.
+fn take(value: &mut ParameterMut, given: ParameterRef) {
+    use ParameterMut as Own;
+    use ParameterRef as Given;
+    match (value, given) {
+        (Own::Reflectance(own), Given::Reflectance(given)) | (Own::Normals(own), Given::Normals(given)) => {
+            own.clone_from(given);
+        }
+        (Own::Float(own), Given::Float(given)) | (Own::Height(own), Given::Height(given)) => own.clone_from(given),
+        (Own::Number(own), Given::Number(given))
+        | (Own::Factor(own), Given::Factor(given))
+        | (Own::SamplingWeight(own), Given::SamplingWeight(given)) => **own = *given,
+        (Own::Flag(own), Given::Flag(given)) | (Own::Extension(own), Given::Extension(given)) => **own = *given,
+        (Own::Ior(own), Given::Ior(given)) => own.clone_from(given),
+        (Own::ConductorIor(own), Given::ConductorIor(given)) => own.clone_from(given),
+        (Own::Distribution(own), Given::Distribution(given)) => **own = *given,
+        (
+            Own::Roughness(own) | Own::UniformRoughness(own),
+            Given::Roughness(given) | Given::UniformRoughness(given),
+        ) => own.clone_from(given),
+        (Own::PrincipledIndex(own), Given::PrincipledIndex(given)) => **own = *given,
+        (Own::Emission(own), Given::Emission(given) | Given::TexturedEmission(Parameter::Constant(given))) => {
+            **own = *given;
+        }
+        (Own::TexturedEmission(own), Given::Emission(given)) => **own = Parameter::Constant(*given),
+        (Own::TexturedEmission(own), Given::TexturedEmission(given)) => own.clone_from(given),
+        // Of these, no two plugins have the same.
+        _ => {}
+    }
 }
 
 /// One name for all that plugins call the colour of their matt part, and one for what they send out.
@@ -58,106 +69,11 @@ fn meaning(name: &'static str) -> &'static str {
     }
 }
 
-fn exchange<N: PartialEq, T: Clone>(given: bool, known: &mut Vec<(N, T)>, name: N, value: &mut T) {
-    if !given {
-        known.push((name, value.clone()));
-    } else if let Some((_, common)) = known.iter().find(|(known, _)| *known == name) {
-        *value = common.clone();
-    }
-}
-
-impl ParameterVisitor for Common {
-    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        exchange(self.given, &mut self.colors, meaning(name), value);
-    }
-
-    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        exchange(self.given, &mut self.colors, name, value);
-    }
-
-    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, _range: RangeInclusive<f32>) {
-        exchange(self.given, &mut self.floats, name, value);
-    }
-
-    fn number(&mut self, name: &'static str, value: &mut f32, _range: RangeInclusive<f32>) {
-        exchange(self.given, &mut self.numbers, name, value);
-    }
-
-    fn flag(&mut self, name: &'static str, value: &mut bool) {
-        exchange(self.given, &mut self.flags, name, value);
-    }
-
-    fn ior(&mut self, name: &'static str, value: &mut Ior) {
-        exchange(self.given, &mut self.iors, name, value);
-    }
-
-    fn conductor_ior(&mut self, value: &mut ConductorIor) {
-        exchange(self.given, &mut self.conductor, (), value);
-    }
-
-    fn distribution(&mut self, value: &mut Distribution) {
-        exchange(self.given, &mut self.distribution, (), value);
-    }
-
-    fn roughness(&mut self, value: &mut Roughness) {
-        exchange(self.given, &mut self.roughness, (), value);
-    }
-
-    fn principled_index(&mut self, value: &mut PrincipledIndex) {
-        exchange(self.given, &mut self.principled_index, (), value);
-    }
-}
-
-impl EmitterVisitor for Common {
-    fn emission(&mut self, name: &'static str, value: &mut Rgb) {
-        let mut emitted = Parameter::Constant(*value);
-        exchange(self.given, &mut self.colors, meaning(name), &mut emitted);
-        *value = emitted.constant().unwrap_or(*value);
-    }
-
-    fn textured_emission(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        exchange(self.given, &mut self.colors, meaning(name), value);
-    }
-
-    fn uniform_reflectance(&mut self, _name: &'static str, _value: &mut Rgb) {}
-
-    fn integer(&mut self, name: &'static str, value: &mut i32, _range: RangeInclusive<i32>) {
-        exchange(self.given, &mut self.integers, name, value);
-    }
-
-    fn angle(&mut self, name: &'static str, value: &mut f32, _range: RangeInclusive<f32>) {
-        exchange(self.given, &mut self.numbers, name, value);
-    }
-
-    fn picture(&mut self, _name: &'static str, value: &mut PathBuf) {
-        exchange(self.given, &mut self.pictures, (), value);
-    }
-
-    fn optional_texture(&mut self, _name: &'static str, value: &mut Option<Texture>) {
-        if let Some(texture) = value {
-            exchange(self.given, &mut self.textures, (), texture);
-        }
-    }
-
-    fn cone(&mut self, _cutoff_angle: &mut f32, _beam_width: &mut f32) {}
-
-    fn field_of_view(&mut self, fov: &mut f32, axis: &mut FovAxis) {
-        let mut both = (*fov, *axis);
-        exchange(self.given, &mut self.fields_of_view, (), &mut both);
-        (*fov, *axis) = both;
-    }
-
-    fn sun_position(&mut self, _value: &mut SunPosition) {}
-
-    fn sampling_weight(&mut self, value: &mut f32) {
-        exchange(self.given, &mut self.numbers, "sampling_weight", value);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::EmitterKind;
+    use crate::color::Rgb;
+    use crate::scene::{ConductorIor, EmitterKind};
 
     #[test]
     fn turning_keeps_what_is_common() {

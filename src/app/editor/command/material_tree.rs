@@ -2,7 +2,7 @@
 
 use bevy::prelude::{Entity, World};
 
-use crate::scene::{FirstNested, Material, SecondNested};
+use crate::scene::{FirstNested, Material, PluginInfo, SecondNested};
 
 /// A material and what is nested in it.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +38,9 @@ impl From<Material> for MaterialTree {
 }
 
 /// The plugins that go around a material.
-pub(crate) const WRAPPERS: [&str; 5] = ["twosided", "blendbsdf", "mask", "normalmap", "bumpmap"];
+pub(crate) fn wrappers() -> impl Iterator<Item = &'static PluginInfo> {
+    Material::DECLARED.iter().filter(|plugin| *plugin.nested.end() > 0)
+}
 
 impl MaterialTree {
     /// The material as it is, around the materials that are in it.
@@ -51,10 +53,10 @@ impl MaterialTree {
 
     /// This one in a new material of a plugin that takes others inside; a second one is new, too. Of any other plugin it stays as it is.
     pub fn wrapped(self, plugin: &str) -> Self {
-        let Some(wrapper) = Material::of_plugin(plugin).filter(|wrapper| *wrapper.nested_count().end() > 0) else {
+        let Some(wrapper) = Material::of_plugin(plugin).filter(|wrapper| *wrapper.info().nested.end() > 0) else {
             return self;
         };
-        let missing = wrapper.nested_count().start().saturating_sub(1);
+        let missing = wrapper.info().nested.start().saturating_sub(1);
         let mut inside = vec![Inside::from(self)];
         inside.extend((0..missing).map(|_| MaterialTree::from(Material::default()).into()));
         Self {
@@ -104,11 +106,11 @@ mod tests {
     #[test]
     fn wrappers_keep_what_is_inside() {
         let tree = MaterialTree::from(Material::of_plugin("plastic").expect("a plugin"));
-        for plugin in WRAPPERS {
+        for plugin in wrappers().map(|plugin| plugin.name) {
             let wrapped = tree.clone().wrapped(plugin);
             assert_eq!(wrapped.material.plugin(), plugin);
             assert_eq!(wrapped.inside[0], tree.clone().into());
-            assert!(wrapped.material.nested_count().contains(&wrapped.inside.len()));
+            assert!(wrapped.material.info().nested.contains(&wrapped.inside.len()));
         }
         assert_eq!(tree.clone().wrapped("diffuse"), tree);
         assert!(!can_wrap(

@@ -1,6 +1,6 @@
 //! Finds the differences among several selected things.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use bevy::math::{Affine3A, Vec3, Vec3A};
@@ -8,31 +8,21 @@ use bevy::reflect::{PartialReflect, ReflectRef};
 
 use super::Inspected;
 use super::mixed::{Mixed, key};
+use crate::scene::{AreaLight, Emitter, FileValue, Material, ParameterInfo, ParameterRef};
 
 /// Fields that rows, or files, call something else.
-const OTHER_NAMES: [(&str, &str); 22] = [
+const OTHER_NAMES: [(&str, &str); 11] = [
     ("kind", "type"),
     ("p0", "from"),
     ("p1", "to"),
     ("face_normals", "flat_shading"),
     ("path", "file"),
-    ("radiance", "colour"),
-    ("intensity", "colour"),
-    ("irradiance", "colour"),
-    ("picture", "filename"),
-    ("interior", "int_ior"),
-    ("exterior", "ext_ior"),
-    ("ior", "material"),
-    ("u", "alpha_u"),
-    ("v", "alpha_v"),
-    ("index", "specular"),
     ("aperture_radius", "aperture"),
     ("aperture_radius", "f-stop"),
     ("focus_distance", "focus_at"),
     ("blade_rotation", "turned_by"),
     ("sample_count", "samples"),
     ("stddev", "width_of_it"),
-    ("sun", "sun_direction"),
 ];
 
 /// Parts of fields that have rows of their own, and what those are called.
@@ -54,7 +44,7 @@ impl Inspected {
             let alike = others
                 .iter()
                 .filter_map(|other| other.materials.iter().find(|material| material.path == *path));
-            entry.mixed = Mixed::of_values(&entry.material, alike.map(|other| &other.material));
+            entry.mixed = Mixed::of_materials(&entry.material, alike.map(|other| &other.material));
         }
         self
     }
@@ -75,21 +65,79 @@ impl Mixed {
                 }
             }
             both("shape", &shown.shape, &other.shape, &mut found);
-            both("light", &shown.area_light, &other.area_light, &mut found);
-            both("type", &shown.emitter, &other.emitter, &mut found);
+            if let (Some(own), Some(its)) = (&shown.area_light, &other.area_light) {
+                Values::of_area_light(own).compare(&Values::of_area_light(its), &mut found);
+            }
+            if let (Some(own), Some(its)) = (&shown.emitter, &other.emitter) {
+                Values::of_emitter(own).compare(&Values::of_emitter(its), &mut found);
+            }
             both("camera", &shown.sensor, &other.sensor, &mut found);
             both("film", &shown.film, &other.film, &mut found);
         }
         Self(Arc::new(found))
     }
 
-    /// Finds what differs among values of one type; the panel shows the first of them.
-    pub(crate) fn of_values<'v, T: PartialReflect>(shown: &T, others: impl Iterator<Item = &'v T>) -> Self {
+    /// Finds what differs among materials; the panel shows the first of them.
+    pub(crate) fn of_materials<'m>(shown: &Material, others: impl Iterator<Item = &'m Material>) -> Self {
         let mut found = BTreeSet::new();
+        let own = Values::of_material(shown);
         for other in others {
-            differ("type", shown, other, &mut found);
+            own.compare(&Values::of_material(other), &mut found);
         }
         Self(Arc::new(found))
+    }
+}
+
+/// A plugin's parameters by name, as a file would have them.
+struct Values<'v> {
+    plugin: &'static str,
+    by_name: BTreeMap<&'static str, FileValue<'v>>,
+}
+
+impl<'v> Values<'v> {
+    fn new(plugin: &'static str) -> Self {
+        let by_name = BTreeMap::new();
+        Self { plugin, by_name }
+    }
+
+    fn of_material(material: &'v Material) -> Self {
+        let mut values = Self::new(material.plugin());
+        material.visit(&mut |info, value| values.add(info, value));
+        values
+    }
+
+    fn of_emitter(emitter: &'v Emitter) -> Self {
+        let mut values = Self::new(emitter.plugin());
+        emitter.visit(&mut |info, value| values.add(info, value));
+        values
+    }
+
+    fn of_area_light(light: &'v AreaLight) -> Self {
+        let mut values = Self::new("area");
+        light.visit(&mut |info, value| values.add(info, value));
+        values
+    }
+
+    fn add(&mut self, info: &'static ParameterInfo, value: ParameterRef<'v>) {
+        value.in_file(info, &mut |info, value| {
+            self.by_name.insert(info.name, value);
+        });
+    }
+
+    /// Adds what differs to `found`. Plugins of another kind are compared in what both have.
+    fn compare(&self, other: &Self, found: &mut BTreeSet<String>) {
+        let (own, its) = (&self.by_name, &other.by_name);
+        let is_same_plugin = self.plugin == other.plugin;
+        if !is_same_plugin {
+            found.insert("type".to_owned());
+        }
+        let names = own.keys().chain(its.keys());
+        let compared = names.filter(|name| is_same_plugin || own.contains_key(*name) && its.contains_key(*name));
+        found.extend(
+            compared
+                .filter(|name| own.get(*name) != its.get(*name))
+                .map(|name| key(name)),
+        );
     }
 }
 
@@ -186,7 +234,7 @@ mod tests {
     use super::super::{InspectedMaterial, MaterialPlace};
     use super::*;
     use crate::color::Rgb;
-    use crate::scene::{ConductorIor, Crop, Distribution, Film, Material, Roughness, Sensor, Shape, ShapeKind};
+    use crate::scene::{ConductorIor, Crop, Distribution, Film, Roughness, Sensor, Shape, ShapeKind};
 
     fn thing(radius: f32, place: Vec3) -> Inspected {
         let center = Vec3::ZERO;
@@ -333,12 +381,12 @@ mod tests {
             alpha: Roughness::Isotropic(alpha.into()),
             multiple_scattering: false,
         };
-        let mixed = Mixed::of_values(&metal(0.1), [metal(0.2)].iter());
+        let mixed = Mixed::of_materials(&metal(0.1), [metal(0.2)].iter());
         assert!(
             mixed.has("alpha") && !mixed.has("distribution") && !mixed.has("type"),
             "{mixed:?}"
         );
         let paint = Material::default();
-        assert!(Mixed::of_values(&metal(0.1), [paint].iter()).has("type"));
+        assert!(Mixed::of_materials(&metal(0.1), [paint].iter()).has("type"));
     }
 }

@@ -18,7 +18,6 @@ use crate::app::editor::picture::frame_times::FrameTimes;
 use crate::app::editor::session::history::History;
 use crate::app::editor::session::preferences::PreferencesFile;
 use crate::app::editor::words::files::{self, SCENE_FILES};
-use crate::app::editor::words::kinds;
 use crate::document::{Diagnostic, Diagnostics, Severity};
 use crate::engine::{LightGroup, RenderControl, RenderFilm, RenderStatus};
 use crate::scene::{
@@ -127,7 +126,7 @@ impl OutlineSources<'_, '_> {
             .chain(
                 self.emitters
                     .iter()
-                    .map(|(naming, emitter)| naming.item(kinds::emitter_kind(emitter))),
+                    .map(|(naming, emitter)| naming.item(emitter.info().label)),
             );
         Outline {
             lights: sorted(lights),
@@ -139,7 +138,7 @@ impl OutlineSources<'_, '_> {
             materials: sorted(
                 self.materials
                     .iter()
-                    .map(|(naming, material)| naming.item(kinds::material_kind(material))),
+                    .map(|(naming, material)| naming.item(material.info().label)),
             ),
             sensors: sorted(self.sensors.iter().map(|(naming, _)| naming.item("camera"))),
         }

@@ -6,7 +6,6 @@ use super::gather::{Naming, shape_kind};
 use super::mixed::Mixed;
 use super::{EditorModel, Inspected, InspectedMaterial, InspectedMesh, MaterialPlace};
 use crate::app::editor::command::selection::Selection;
-use crate::app::editor::words::kinds;
 use crate::scene::{
     AreaLight, Emitter, EmitterKind, Film, FirstNested, Material, MaterialUsers, MeshHandle, Placements, SecondNested,
     Sensor, Shape, ShapeKind, ToWorld, TriangleMesh, UsesMaterial,
@@ -78,7 +77,7 @@ fn inspect(
     }
     let kind = match (shape, emitter, sensor) {
         (Some(shape), ..) => shape_kind(shape),
-        (_, Some(emitter), _) => kinds::emitter_kind(emitter),
+        (_, Some(emitter), _) => emitter.info().label,
         (_, _, Some(_)) => "camera",
         _ => "material",
     };
@@ -135,7 +134,7 @@ fn collect_materials(
     let nested = [first.map(|first| first.0), second.map(|second| second.0)];
     found.push(InspectedMaterial {
         entity,
-        name: naming.name(kinds::material_kind(material)),
+        name: naming.name(material.info().label),
         material: material.clone(),
         place,
         path: path.clone(),

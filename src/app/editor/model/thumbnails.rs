@@ -91,9 +91,7 @@ fn pictures_of(model: &Model) -> Vec<PathBuf> {
 }
 
 fn material_pictures(material: &Material, found: &mut Vec<PathBuf>) {
-    material
-        .clone()
-        .visit_textures(|_, texture| texture_pictures(texture, found));
+    material.for_each_texture(&mut |texture| texture_pictures(texture, found));
 }
 
 fn texture_pictures(texture: &Texture, found: &mut Vec<PathBuf>) {

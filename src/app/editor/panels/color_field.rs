@@ -45,7 +45,8 @@ pub fn color<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Rgb) 
 pub fn emission<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, unit: &str, value: &mut Rgb) -> bool {
     let mut strength = value.max_element();
     let mut hue = if strength > 0.0 { *value / strength } else { Rgb::ONE };
-    let recolored = color(ui, "Colour", &mut hue);
+    let caption = caption.into();
+    let recolored = color(ui, caption.part("Colour"), &mut hue);
     let scaled = fields::strength(ui, caption, &mut strength, unit);
     write_back(recolored || scaled, value, hue * strength)
 }

@@ -9,7 +9,7 @@ use bevy::math::Vec3;
 use bevy_egui::egui::{self, Response, Ui};
 
 use crate::app::editor::model::mixed::Mixed;
-use crate::app::editor::words::parameter::Words;
+use crate::scene::ParameterInfo;
 
 /// Width of the names' column in points.
 pub(crate) const NAME_WIDTH: f32 = 88.0;
@@ -25,12 +25,18 @@ const VALUE_WIDTH: f32 = 54.0;
 pub struct Caption<'a> {
     /// The name that the row shows and by which its control is found.
     pub text: &'a str,
-    words: Option<&'static Words>,
+    /// What it is called where things are compared.
+    name: &'a str,
+    info: Option<&'static ParameterInfo>,
 }
 
 impl<'a> From<&'a str> for Caption<'a> {
     fn from(text: &'a str) -> Self {
-        Self { text, words: None }
+        Self {
+            text,
+            name: text,
+            info: None,
+        }
     }
 }
 
@@ -45,13 +51,23 @@ impl<'a> Caption<'a> {
     pub(crate) fn titled(self, text: &'a str) -> Self {
         Self { text, ..self }
     }
+
+    /// A row for a part of the value, which has no explanation of its own.
+    pub fn part(self, text: &'a str) -> Self {
+        Self {
+            text,
+            info: None,
+            ..self
+        }
+    }
 }
 
-impl From<&'static Words> for Caption<'_> {
-    fn from(words: &'static Words) -> Self {
+impl From<&'static ParameterInfo> for Caption<'_> {
+    fn from(info: &'static ParameterInfo) -> Self {
         Self {
-            text: words.label,
-            words: Some(words),
+            text: info.label,
+            name: info.name,
+            info: Some(info),
         }
     }
 }
@@ -88,9 +104,9 @@ pub(crate) fn name_cell<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>) -> Res
             label
         })
         .inner;
-    match caption.words {
+    match caption.info {
         None => label,
-        Some(words) => label.on_hover_ui(|ui| explain(ui, words)),
+        Some(info) => label.on_hover_ui(|ui| explain(ui, info)),
     }
 }
 
@@ -103,15 +119,15 @@ pub fn compared<R>(ui: &mut Ui, mixed: &Mixed, content: impl FnOnce(&mut Ui) -> 
 
 fn is_mixed(ui: &Ui, caption: Caption) -> bool {
     let mixed = ui.stack().iter().find_map(|ui| ui.tags().get_downcast::<Mixed>(MIXED));
-    mixed.is_some_and(|mixed| mixed.has(caption.words.map_or(caption.text, |words| words.name)))
+    mixed.is_some_and(|mixed| mixed.has(caption.name))
 }
 
 /// Shows the explanation of a parameter.
-fn explain(ui: &mut Ui, words: &Words) {
+fn explain(ui: &mut Ui, info: &ParameterInfo) {
     ui.set_max_width(280.0);
-    ui.label(words.about);
-    ui.weak(words.range);
-    ui.weak(format!("In the file: {}", words.name));
+    ui.label(info.about);
+    ui.weak(info.values);
+    ui.weak(format!("In the file: {}", info.name));
 }
 
 /// A text that cannot be edited.
@@ -389,6 +405,94 @@ pub(crate) fn write_back<T>(changed: bool, value: &mut T, copy: T) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::color::Rgb;
+    use crate::scene::texture_parameters::{COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TO_UV, WRAP_MODE};
+    use crate::scene::{
+        ConductorIor, Distribution, Emitter, EmitterKind, Material, ParameterRef, Principled, PrincipledIndex,
+        Roughness, SunPosition, SunSky,
+    };
+
+    /// What is declared of every parameter.
+    fn declared() -> Vec<&'static ParameterInfo> {
+        let mut materials: Vec<Material> = Material::PLUGINS.into_iter().filter_map(Material::of_plugin).collect();
+        materials.push(Material::RoughConductor {
+            distribution: Distribution::Ggx,
+            alpha: Roughness::Anisotropic {
+                u: 0.1.into(),
+                v: 0.2.into(),
+            },
+            ior: ConductorIor::Given {
+                eta: Rgb::ONE.into(),
+                k: Rgb::ONE.into(),
+            },
+            specular_reflectance: Rgb::ONE.into(),
+            multiple_scattering: true,
+        });
+        let by_index = Principled {
+            index: PrincipledIndex::Eta(1.5),
+            ..Principled::default()
+        };
+        materials.push(Material::Principled(by_index.into()));
+        let mut emitters: Vec<Emitter> = Emitter::PLUGINS.into_iter().filter_map(Emitter::of_plugin).collect();
+        let by_direction = SunSky {
+            sun: SunPosition::Direction(Vec3::X),
+            ..SunSky::default()
+        };
+        emitters.push(EmitterKind::SunSky(by_direction).into());
+        let mut found = vec![
+            &FILENAME,
+            &FILTER_TYPE,
+            &WRAP_MODE,
+            &RAW,
+            &TO_UV,
+            &COLOR0,
+            &COLOR1,
+            &NAME,
+            &SCALE,
+        ];
+        let mut parts = Vec::new();
+        let mut meet = |info: &'static ParameterInfo, value: ParameterRef| {
+            found.push(info);
+            value.in_file(info, &mut |info, _| parts.push(info));
+        };
+        materials.iter().for_each(|material| material.visit(&mut meet));
+        emitters.iter().for_each(|emitter| emitter.visit(&mut meet));
+        found.extend(parts);
+        found
+    }
+
+    #[test]
+    fn every_parameter_is_explained() {
+        let declared = declared();
+        let is_missing =
+            |info: &&&ParameterInfo| info.label.is_empty() || info.about.is_empty() || info.values.is_empty();
+        assert_eq!(declared.iter().find(is_missing), None);
+        // About as many as there are in the format, so that the collection cannot be empty.
+        assert!(declared.len() > 150, "{}", declared.len());
+    }
+
+    #[test]
+    fn labels_fit_their_column() {
+        let mut widths = Vec::new();
+        egui_kittest::Harness::new_ui(|ui| {
+            let font = egui::TextStyle::Body.resolve(ui.style());
+            let width = |text: &str| {
+                let layout = ui
+                    .painter()
+                    .layout_no_wrap(text.to_owned(), font.clone(), egui::Color32::WHITE);
+                layout.size().x
+            };
+            widths = declared()
+                .into_iter()
+                .map(|info| (info.label, width(info.label)))
+                .collect();
+        })
+        .run();
+        assert!(!widths.is_empty());
+        for (label, width) in widths {
+            assert!(width <= NAME_WIDTH, "{label}: {width}");
+        }
+    }
 
     #[test]
     fn numbers_stay_short() {

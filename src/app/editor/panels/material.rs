@@ -8,16 +8,16 @@ use bevy_egui::egui::Ui;
 use super::color_field;
 use super::fields::{self, Caption};
 use super::plain_value::PlainValue;
+use super::sensor::field_of_view;
 use super::texture_slot::Slot;
 use crate::app::editor::command::conversion::turned_into;
 use crate::app::editor::model::MaterialPlace;
 use crate::app::editor::model::panel_textures::PanelTextures;
-use crate::app::editor::words::kinds::{in_words, material_kind, plugin_name};
-use crate::app::editor::words::parameters as words;
 use crate::color::Rgb;
+use crate::scene::parameters::{ALPHA, ALPHA_U, ALPHA_V, ETA, K, PRINCIPLED_ETA, SPECULAR};
 use crate::scene::{
-    ConductorIor, Distribution, HEIGHT, Ior, Material, NORMALS, Parameter, ParameterVisitor, PrincipledIndex,
-    Roughness, SquarePath,
+    ConductorIor, Distribution, Ior, Material, Parameter, ParameterInfo, ParameterMut, PrincipledIndex, Roughness,
+    SquarePath,
 };
 use crate::shading::ior::{self, CONDUCTORS, DIELECTRICS};
 
@@ -43,28 +43,28 @@ pub struct Edit {
 
 /// `place`: what the material is within another.
 pub fn material(ui: &mut Ui, material: &mut Material, place: MaterialPlace, textures: &PanelTextures) -> Edit {
-    let plugin = material.plugin();
-    let mut wanted = plugin;
+    let info = material.info();
+    let mut wanted = info.name;
     // What has others inside keeps its kind here.
-    if *material.nested_count().end() > 0 {
-        fields::note(ui, "Type", material_kind(material));
+    if *info.nested.end() > 0 {
+        fields::note(ui, "Type", info.label);
     } else {
-        let plugins = Material::PLUGINS.iter().filter(|plugin| {
-            let is_offered = |other: Material| *other.nested_count().end() == 0 && place.takes(&other);
-            **plugin == material.plugin() || Material::of_plugin(plugin).is_some_and(is_offered)
+        let plugins = Material::DECLARED.iter().filter(|other| {
+            let is_taken = || Material::of_plugin(other.name).is_some_and(|other| place.takes(&other));
+            other.name == info.name || (*other.nested.end() == 0 && is_taken())
         });
-        let options: Vec<_> = plugins.map(|&plugin| (plugin, plugin_name(plugin))).collect();
+        let options: Vec<_> = plugins.map(|plugin| (plugin.name, plugin.label)).collect();
         fields::choice(ui, "Type", &mut wanted, &options);
     }
-    if wanted != plugin {
+    if wanted != info.name {
         *material = turned_into(material, wanted);
         return Edit {
             changed: true,
             wants_picture: None,
         };
     }
-    let mut rows = Rows::new(ui, plugin, textures);
-    material.visit(&mut rows);
+    let mut rows = Rows::new(ui, textures);
+    material.visit_mut(&mut |info, value| rows.parameter(info, value));
     rows.edit
 }
 
@@ -74,38 +74,89 @@ pub struct Rows<'u> {
     pub ui: &'u mut Ui,
     /// What the user did with the rows so far.
     pub edit: Edit,
-    plugin: &'static str,
-    textures: &'u PanelTextures,
+    /// The pictures that are shown in rows of textures.
+    pub textures: &'u PanelTextures,
 }
 
 impl<'u> Rows<'u> {
     /// Begins with the rows of a plugin.
-    pub fn new(ui: &'u mut Ui, plugin: &'static str, textures: &'u PanelTextures) -> Self {
+    pub fn new(ui: &'u mut Ui, textures: &'u PanelTextures) -> Self {
         Self {
             ui,
             edit: Edit::default(),
-            plugin,
             textures,
         }
     }
+}
 
-    /// What the parameter is called in the panel, with its explanation.
-    pub fn caption(&self, name: &'static str) -> Caption<'static> {
-        words::find(self.plugin, name).map_or(Caption::from(name), Caption::from)
+impl Rows<'_> {
+    pub(crate) fn parameter(&mut self, info: &'static ParameterInfo, value: ParameterMut) {
+        match value {
+            ParameterMut::Reflectance(value) => {
+                self.texturable(info, "colour", value, Rgb::splat(0.5), |ui, caption, color| {
+                    color_field::color(ui, caption, color)
+                });
+            }
+            ParameterMut::Normals(value) => {
+                let straight_up = Rgb::new(0.5, 0.5, 1.0);
+                self.texturable(info, "none", value, straight_up, |ui, caption, _| {
+                    note(ui, caption, "flat")
+                });
+            }
+            ParameterMut::Float(value) => self.float(info, value, info.range.clone()),
+            ParameterMut::Height(value) => {
+                self.texturable(info, "none", value, 0.0, |ui, caption, _| note(ui, caption, "flat"));
+            }
+            ParameterMut::Number(value) | ParameterMut::SamplingWeight(value) => {
+                self.edit.changed |= fields::quantity(self.ui, info, value, 0.01, info.range.clone(), info.unit);
+            }
+            ParameterMut::Flag(value) | ParameterMut::Extension(value) => {
+                self.edit.changed |= fields::checkbox(self.ui, info, value);
+            }
+            ParameterMut::Ior(value) => self.edit.changed |= dielectric_ior(self.ui, info.into(), value),
+            ParameterMut::ConductorIor(value) => self.conductor_ior(info, value),
+            ParameterMut::Distribution(value) => {
+                let options = [(Distribution::Beckmann, "Beckmann"), (Distribution::Ggx, "GGX")];
+                self.edit.changed |= fields::choice(self.ui, info, value, &options);
+            }
+            ParameterMut::Roughness(value) => self.roughness(value),
+            ParameterMut::UniformRoughness(value) => self.alphas(value),
+            ParameterMut::PrincipledIndex(value) => self.principled_index(value),
+            ParameterMut::Emission(value) => {
+                self.edit.changed |= color_field::emission(self.ui, info, info.unit, value);
+            }
+            ParameterMut::TexturedEmission(value) => self.textured_emission(info, value),
+            ParameterMut::UniformReflectance(value) => self.edit.changed |= color_field::color(self.ui, info, value),
+            ParameterMut::Factor(value) => self.edit.changed |= fields::strength(self.ui, info, value, info.unit),
+            ParameterMut::Angle(value) => {
+                self.edit.changed |= fields::quantity(self.ui, info, value, 0.1, info.range.clone(), info.unit);
+            }
+            ParameterMut::Integer(value) => {
+                let range = *info.range.start() as i32..=*info.range.end() as i32;
+                self.edit.changed |= fields::integer(self.ui, info, value, range);
+            }
+            ParameterMut::Picture(value) => self.picture(info, value),
+            ParameterMut::OptionalTexture(value) => self.optional_texture(info, value),
+            ParameterMut::Cone(value) => self.cone(value),
+            ParameterMut::FieldOfView(value) => {
+                self.edit.changed |= field_of_view(self.ui, &mut value.fov, &mut value.axis);
+            }
+            ParameterMut::SunPosition(value) => self.sun_position(info, value),
+        }
     }
 
     /// A parameter that may be a texture; `plain` is what its value is called where it is none, `otherwise` the value if the texture has
     /// none to give back.
-    pub(crate) fn slot<T: PlainValue>(
+    pub(crate) fn texturable<T: PlainValue>(
         &mut self,
-        name: &'static str,
+        info: &'static ParameterInfo,
         plain: &'static str,
         value: &mut Parameter<T>,
         otherwise: T,
         plain_rows: impl FnOnce(&mut Ui, Caption<'_>, &mut T) -> bool,
     ) {
         let slot = Slot {
-            caption: self.caption(name),
+            caption: info.into(),
             plain,
             textures: self.textures,
             place: SquarePath::WHOLE,
@@ -113,129 +164,59 @@ impl<'u> Rows<'u> {
         let edit = slot.show(self.ui, value, otherwise, plain_rows);
         self.edit.changed |= edit.changed;
         if let Some(place) = edit.wants_picture {
-            self.edit.wants_picture = Some((name, place));
+            self.edit.wants_picture = Some((info.name, place));
         }
     }
 
-    /// What stands behind the parameter's number.
-    pub fn unit(&self, name: &str) -> &'static str {
-        words::find(self.plugin, name).map_or("", |words| words.suffix)
-    }
-
-    /// The pictures that are shown in rows of textures.
-    pub fn textures(&self) -> &'u PanelTextures {
-        self.textures
-    }
-}
-
-impl ParameterVisitor for Rows<'_> {
-    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        if name == NORMALS {
-            // Straight up.
-            let flat = Rgb::new(0.5, 0.5, 1.0);
-            return self.slot(name, "none", value, flat, |ui, caption, _| note(ui, caption, "flat"));
-        }
-        self.slot(name, "colour", value, Rgb::splat(0.5), |ui, caption, color| {
-            color_field::color(ui, caption, color)
-        });
-    }
-
-    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        self.slot(name, "numbers", value, Rgb::ONE, |ui, caption, color| {
-            positive(ui, caption, color)
-        });
-    }
-
-    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>) {
-        self.slot(name, "number", value, 0.5, |ui, caption, number| {
+    fn float(&mut self, info: &'static ParameterInfo, value: &mut Parameter<f32>, range: RangeInclusive<f32>) {
+        self.texturable(info, "number", value, 0.5, |ui, caption, number| {
             fields::slider(ui, caption, number, range)
         });
     }
 
-    fn height(&mut self, value: &mut Parameter<f32>) {
-        self.slot(HEIGHT, "none", value, 0.0, |ui, caption, _| note(ui, caption, "flat"));
-    }
-
-    fn number(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>) {
-        let unit = self.unit(name);
-        if is_light_factor(self.plugin, name) {
-            self.edit.changed |= fields::strength(self.ui, self.caption(name), value, unit);
-            return;
-        }
-        self.edit.changed |= fields::quantity(self.ui, self.caption(name), value, 0.01, range, unit);
-    }
-
-    fn flag(&mut self, name: &'static str, value: &mut bool) {
-        self.edit.changed |= fields::checkbox(self.ui, self.caption(name), value);
-    }
-
-    fn ior(&mut self, name: &'static str, value: &mut Ior) {
-        self.edit.changed |= dielectric_ior(self.ui, self.caption(name), value);
-    }
-
-    fn conductor_ior(&mut self, value: &mut ConductorIor) {
-        let chosen = choose_conductor(self.ui, self.caption("material"), value);
-        self.edit.changed |= chosen;
+    fn conductor_ior(&mut self, info: &'static ParameterInfo, value: &mut ConductorIor) {
+        self.edit.changed |= choose_conductor(self.ui, info.into(), value);
         if let ConductorIor::Given { eta, k } = value {
-            self.color("eta", eta);
-            self.color("k", k);
+            for (info, value) in [(&ETA, eta), (&K, k)] {
+                self.texturable(info, "numbers", value, Rgb::ONE, positive);
+            }
         }
     }
 
-    fn distribution(&mut self, value: &mut Distribution) {
-        let options = [(Distribution::Beckmann, "Beckmann"), (Distribution::Ggx, "GGX")];
-        self.edit.changed |= fields::choice(self.ui, self.caption("distribution"), value, &options);
-    }
-
-    fn roughness(&mut self, value: &mut Roughness) {
+    fn alphas(&mut self, value: &mut Roughness) {
         // To zero it would be no rough surface.
         const RANGE: RangeInclusive<f32> = 0.001..=1.0;
         match value {
-            Roughness::Isotropic(alpha) => self.float("alpha", alpha, RANGE),
+            Roughness::Isotropic(alpha) => self.float(&ALPHA, alpha, RANGE),
             Roughness::Anisotropic { u, v } => {
-                self.float("alpha_u", u, RANGE);
-                self.float("alpha_v", v, RANGE);
+                self.float(&ALPHA_U, u, RANGE);
+                self.float(&ALPHA_V, v, RANGE);
             }
         }
-        // The format's `roughplastic` has one roughness for all directions.
-        if self.plugin != "roughplastic" {
-            let is_brushed = matches!(value, Roughness::Anisotropic { .. });
-            let mut brushed = is_brushed;
-            if fields::checkbox(self.ui, self.caption("alpha_u").titled("Brushed"), &mut brushed) {
-                *value = turned_roughness(value);
-                self.edit.changed = true;
-            }
+    }
+
+    fn roughness(&mut self, value: &mut Roughness) {
+        self.alphas(value);
+        let mut brushed = matches!(value, Roughness::Anisotropic { .. });
+        if fields::checkbox(self.ui, Caption::from(&ALPHA_U).titled("Brushed"), &mut brushed) {
+            *value = turned_roughness(value);
+            self.edit.changed = true;
         }
     }
 
     fn principled_index(&mut self, value: &mut PrincipledIndex) {
         let ways = [(false, "reflectance"), (true, "index of refraction")];
-        let by_index = matches!(value, PrincipledIndex::Eta(_));
-        let mut wanted = by_index;
-        if fields::choice(
-            self.ui,
-            self.caption("specular").titled("Mirrors by"),
-            &mut wanted,
-            &ways,
-        ) {
+        let mut by_index = matches!(value, PrincipledIndex::Eta(_));
+        let caption = Caption::from(&SPECULAR).titled("Mirrors by");
+        if fields::choice(self.ui, caption, &mut by_index, &ways) {
             *value = turned_index(*value);
             self.edit.changed = true;
         }
         self.edit.changed |= match value {
-            PrincipledIndex::Specular(specular) => {
-                fields::slider(self.ui, self.caption("specular"), specular, 0.0..=1.0)
-            }
-            PrincipledIndex::Eta(eta) => fields::slider(self.ui, self.caption("eta"), eta, 1.0..=3.0),
+            PrincipledIndex::Specular(specular) => fields::slider(self.ui, &SPECULAR, specular, SPECULAR.range.clone()),
+            PrincipledIndex::Eta(eta) => fields::slider(self.ui, &PRINCIPLED_ETA, eta, 1.0..=3.0),
         };
     }
-}
-
-/// What is turned up and down over decades.
-fn is_light_factor(plugin: &str, name: &str) -> bool {
-    matches!(
-        (plugin, name),
-        ("envmap" | "projector", "scale") | ("sunsky", "sun_scale" | "sky_scale")
-    )
 }
 
 /// One roughness as two, or the first of two as one.
@@ -277,7 +258,10 @@ fn choose_conductor(ui: &mut Ui, caption: Caption<'_>, ior: &mut ConductorIor) -
         ConductorIor::Given { .. } => GIVEN.to_owned(),
     };
     let mut options = vec![(GIVEN, "eta and k")];
-    options.extend(CONDUCTORS.iter().map(|(name, ..)| (*name, in_words(&METALS, name))));
+    options.extend(CONDUCTORS.iter().map(|&(name, ..)| {
+        let words = METALS.iter().find(|(known, _)| *known == name);
+        (name, words.map_or(name, |(_, words)| words))
+    }));
     if !options.iter().any(|(name, _)| *name == current) {
         options.push((&current, &current));
     }

@@ -4,10 +4,9 @@ use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
 
 use crate::app::editor::command::Command;
-use crate::app::editor::command::material_tree::{MaterialTree, WRAPPERS, can_wrap};
+use crate::app::editor::command::material_tree::{MaterialTree, can_wrap, wrappers};
 use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{InspectedMaterial, MaterialPlace, Model};
-use crate::app::editor::words::kinds::{material_kind, plugin_name};
 use crate::scene::Material;
 
 /// Edges of the ball in points: of the material itself, and of those inside it.
@@ -100,11 +99,11 @@ fn layers(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut 
     };
     let own = MaterialTree::of(&entry.material, &entry.inside);
     ui.menu_button("Put it into", |ui| {
-        for plugin in WRAPPERS {
-            let allowed = can_wrap(plugin, &entry.material);
-            let button = egui::Button::new(plugin_name(plugin));
+        for wrapper in wrappers() {
+            let allowed = can_wrap(wrapper.name, &entry.material);
+            let button = egui::Button::new(wrapper.label);
             if ui.add_enabled(allowed, button).clicked() {
-                become_tree(own.clone().wrapped(plugin));
+                become_tree(own.clone().wrapped(wrapper.name));
             }
         }
     });
@@ -114,7 +113,7 @@ fn layers(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut 
         .iter()
         .filter_map(|inner| all.clone().find(|known| known.entity == *inner))
         .collect();
-    let kind = material_kind(&entry.material);
+    let kind = entry.material.info().label;
     for inner in &inside {
         let text = match inside.len() {
             1 => format!("Take the {kind} off"),

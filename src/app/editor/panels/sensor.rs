@@ -2,8 +2,8 @@
 
 use bevy_egui::egui::{self, Ui};
 
-use super::fields::{self, Caption};
-use crate::app::editor::words::parameters as words;
+use super::fields;
+use crate::scene::parameters::{FOV, FOV_AXIS};
 use crate::scene::{Film, FovAxis, Lens, ReconstructionFilter, Sensor, aperture};
 
 /// Any larger and a single film would fill the memory of a small machine.
@@ -26,8 +26,7 @@ pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, aspect: f32, scene_size: f32) ->
 
 /// True if edited.
 pub(crate) fn field_of_view(ui: &mut Ui, fov: &mut f32, axis: &mut FovAxis) -> bool {
-    let caption = |name| words::find("projector", name).map_or(Caption::from(name), Caption::from);
-    let changed = fields::slider_with(ui, caption("fov"), fov, 1.0..=170.0, |slider| slider.suffix("°"));
+    let changed = fields::slider_with(ui, &FOV, fov, 1.0..=170.0, |slider| slider.suffix(FOV.unit));
     let axes = [
         (FovAxis::X, "horizontal"),
         (FovAxis::Y, "vertical"),
@@ -35,7 +34,7 @@ pub(crate) fn field_of_view(ui: &mut Ui, fov: &mut f32, axis: &mut FovAxis) -> b
         (FovAxis::Smaller, "smaller edge"),
         (FovAxis::Larger, "larger edge"),
     ];
-    fields::choice(ui, caption("fov_axis"), axis, &axes) || changed
+    fields::choice(ui, &FOV_AXIS, axis, &axes) || changed
 }
 
 fn lens(ui: &mut Ui, lens: &mut Lens, focal_length: f32, scene_size: f32) -> bool {

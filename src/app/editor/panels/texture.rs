@@ -6,6 +6,7 @@ use bevy_egui::egui::{self, Ui};
 use super::fields::{self, Caption, NumberStyle};
 use super::plain_value::PlainValue;
 use crate::color::Rgb;
+use crate::scene::texture_parameters::{FILTER_TYPE, NAME, RAW, TO_UV, WRAP_MODE};
 use crate::scene::{Bitmap, Parameter, Texture, TextureFilter, TextureWrap};
 
 /// What a parameter can be.
@@ -70,7 +71,7 @@ pub(crate) fn switch<T: PlainValue>(value: &mut Parameter<T>, kind: TextureKind,
 }
 
 /// True if edited.
-pub fn bitmap(ui: &mut Ui, bitmap: &mut Bitmap, caption: impl Fn(&'static str) -> Caption<'static>) -> bool {
+pub(crate) fn bitmap(ui: &mut Ui, bitmap: &mut Bitmap) -> bool {
     let filters = [
         (TextureFilter::Bilinear, "bilinear"),
         (TextureFilter::Nearest, "nearest pixel"),
@@ -80,14 +81,15 @@ pub fn bitmap(ui: &mut Ui, bitmap: &mut Bitmap, caption: impl Fn(&'static str) -
         (TextureWrap::Mirror, "mirror"),
         (TextureWrap::Clamp, "clamp"),
     ];
-    let mut changed = fields::choice(ui, caption("filter_type"), &mut bitmap.filter, &filters);
-    changed |= fields::choice(ui, caption("wrap_mode"), &mut bitmap.wrap, &wraps);
-    changed |= fields::checkbox(ui, caption("raw"), &mut bitmap.raw);
-    placing(ui, &mut bitmap.to_uv, caption("to_uv")) || changed
+    let mut changed = fields::choice(ui, &FILTER_TYPE, &mut bitmap.filter, &filters);
+    changed |= fields::choice(ui, &WRAP_MODE, &mut bitmap.wrap, &wraps);
+    changed |= fields::checkbox(ui, &RAW, &mut bitmap.raw);
+    placing(ui, &mut bitmap.to_uv) || changed
 }
 
 /// Scale, rotation and offset of uv; true if edited.
-pub(crate) fn placing(ui: &mut Ui, to_uv: &mut Affine2, caption: Caption<'static>) -> bool {
+pub(crate) fn placing(ui: &mut Ui, to_uv: &mut Affine2) -> bool {
+    let caption = Caption::from(&TO_UV);
     let (scale, angle, offset) = to_uv.to_scale_angle_translation();
     let made = Affine2::from_scale_angle_translation(scale, angle, offset);
     if !made.is_finite() || !made.abs_diff_eq(*to_uv, 1e-4 * to_uv.matrix2.x_axis.length().max(1.0)) {
@@ -118,9 +120,9 @@ pub(crate) fn placing(ui: &mut Ui, to_uv: &mut Affine2, caption: Caption<'static
 }
 
 /// The name of values of the mesh; true if edited.
-pub(crate) fn mesh_attribute(ui: &mut Ui, name: &mut String, caption: Caption<'static>) -> bool {
+pub(crate) fn mesh_attribute(ui: &mut Ui, name: &mut String) -> bool {
     let mut copy = name.clone();
-    let changed = fields::row(ui, caption, |ui| {
+    let changed = fields::row(ui, &NAME, |ui| {
         let width = ui.available_width() - 8.0;
         ui.add(egui::TextEdit::singleline(&mut copy).desired_width(width))
     })

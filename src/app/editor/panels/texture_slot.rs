@@ -10,8 +10,8 @@ use super::fields::{self, Caption, name_cell};
 use super::plain_value::PlainValue;
 use super::texture::{self, TextureKind};
 use crate::app::editor::model::panel_textures::PanelTextures;
-use crate::app::editor::words::parameters as words;
 use crate::color::Rgb;
+use crate::scene::texture_parameters::{COLOR0, COLOR1, SCALE};
 use crate::scene::{Parameter, SquarePath, Texture};
 
 /// What the user did with a slot.
@@ -142,20 +142,18 @@ impl Slot<'_> {
     }
 
     fn parameters(&self, ui: &mut Ui, texture: &mut Texture) -> SlotEdit {
-        let plugin = texture.plugin();
-        let caption = |name: &'static str| words::find(plugin, name).map_or(Caption::from(name), Caption::from);
         let mut edit = SlotEdit::default();
         match texture {
             Texture::Bitmap(bitmap) => {
                 if ui.button("Choose another picture\u{2026}").clicked() {
                     edit.wants_picture = Some(self.place);
                 }
-                edit.changed |= texture::bitmap(ui, bitmap, caption);
+                edit.changed |= texture::bitmap(ui, bitmap);
             }
             Texture::Checkerboard { color0, color1, to_uv } => {
-                for (square, name, color) in [(0, "color0", color0), (1, "color1", color1)] {
+                for (square, info, color) in [(0, &COLOR0, color0), (1, &COLOR1, color1)] {
                     let slot = Slot {
-                        caption: caption(name),
+                        caption: info.into(),
                         plain: "colour",
                         textures: self.textures,
                         place: self.place.within(square),
@@ -165,11 +163,11 @@ impl Slot<'_> {
                     });
                     edit.add(shown);
                 }
-                edit.changed |= texture::placing(ui, to_uv, caption("to_uv"));
+                edit.changed |= texture::placing(ui, to_uv);
             }
             Texture::MeshAttribute { name, scale } => {
-                edit.changed |= texture::mesh_attribute(ui, name, caption("name"));
-                edit.changed |= fields::number(ui, caption("scale"), scale, 0.01, f32::MIN..=f32::MAX);
+                edit.changed |= texture::mesh_attribute(ui, name);
+                edit.changed |= fields::number(ui, &SCALE, scale, 0.01, f32::MIN..=f32::MAX);
             }
         }
         edit

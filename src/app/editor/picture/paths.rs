@@ -7,7 +7,6 @@ use bevy::math::{UVec2, Vec2};
 use bevy::prelude::*;
 
 use crate::app::editor::command::inspected_paths::InspectedPaths;
-use crate::app::editor::words::kinds::material_kind;
 use crate::engine::PackedScene;
 use crate::render::inspect::{RecordedPath, record_paths};
 use crate::render::observer::PathVertex;
@@ -49,8 +48,8 @@ impl Names<'_, '_> {
         };
         let material = uses.and_then(|uses| self.materials.get(uses.0).ok());
         let material = material.map_or_else(String::new, |(name, material)| match name {
-            Some(name) if name.as_str() != material_kind(material) => format!("{name}, {}", material_kind(material)),
-            _ => material_kind(material).to_owned(),
+            Some(name) if name.as_str() != material.info().label => format!("{name}, {}", material.info().label),
+            _ => material.info().label.to_owned(),
         });
         (
             name.map_or_else(|| "shape".to_owned(), |name| name.to_string()),

@@ -39,7 +39,7 @@ impl IconKind {
         match &emitter.kind {
             EmitterKind::Point { .. } => Some(Self::Bulb),
             EmitterKind::Directional { .. } => Some(Self::Sun),
-            EmitterKind::Spot { cutoff_angle, .. } => Some(Self::Cone(cutoff_angle.to_radians())),
+            EmitterKind::Spot { cone, .. } => Some(Self::Cone(cone.cutoff_angle.to_radians())),
             EmitterKind::Projector { .. } => Some(Self::Frustum),
             EmitterKind::Constant { .. } | EmitterKind::Environment { .. } | EmitterKind::SunSky(_) => None,
         }

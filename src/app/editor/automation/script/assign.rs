@@ -1,16 +1,16 @@
 //! A parameter by its name in the file, set from a text.
 
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
 
 use bevy::math::Affine3A;
 
 use crate::color::Rgb;
 use crate::document::paths::settle;
 use crate::document::value::{ValueError, parse_boolean, parse_float, parse_integer, parse_rgb, parse_vec3};
+use crate::scene::parameters::{BEAM_WIDTH, CUTOFF_ANGLE};
 use crate::scene::{
-    AreaLight, ConductorIor, Distribution, Emitter, EmitterVisitor, Film, FovAxis, Ior, Lens, Material, Parameter,
-    ParameterVisitor, PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SunPosition, Texture,
+    AreaLight, ConductorIor, Cone, Distribution, Emitter, Film, Ior, Lens, Material, ParameterInfo, ParameterMut,
+    PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SunPosition, Texture,
 };
 
 /// Says why a parameter was not set.
@@ -37,17 +37,23 @@ struct Assign<'t> {
 
 /// Sets a parameter of a material by its name in the file from a text of the script.
 pub fn material(material: &mut Material, parameter: &str, text: &str) -> Result<(), AssignError> {
-    assign(parameter, text, |visitor| material.visit(visitor))
+    assign(parameter, text, |visitor| {
+        material.visit_mut(&mut |info, value| visitor.parameter(info, value))
+    })
 }
 
 /// Sets a parameter of what a shape emits, as [`material`] does.
 pub fn area_light(light: &mut AreaLight, parameter: &str, text: &str) -> Result<(), AssignError> {
-    assign(parameter, text, |visitor| light.visit(visitor))
+    assign(parameter, text, |visitor| {
+        light.visit_mut(&mut |info, value| visitor.parameter(info, value))
+    })
 }
 
 /// Sets a parameter of a light that is no surface, as [`material`] does.
 pub fn emitter(emitter: &mut Emitter, parameter: &str, text: &str) -> Result<(), AssignError> {
-    assign(parameter, text, |visitor| emitter.visit(visitor))
+    assign(parameter, text, |visitor| {
+        emitter.visit_mut(&mut |info, value| visitor.parameter(info, value))
+    })
 }
 
 /// Sets a parameter of a shape, as [`material`] does.
@@ -184,123 +190,85 @@ fn color(most: f32) -> impl Fn(&str) -> Result<Rgb, AssignError> {
     }
 }
 
-impl ParameterVisitor for Assign<'_> {
-    fn reflectance(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        self.value(name, value, |text| Ok(color(1.0)(text)?.into()));
-    }
-
-    fn color(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        self.value(name, value, |text| Ok(color(f32::MAX)(text)?.into()));
-    }
-
-    fn float(&mut self, name: &'static str, value: &mut Parameter<f32>, range: RangeInclusive<f32>) {
-        self.value(name, value, |text| Ok(within(parse_float(text)?, &range)?.into()));
-    }
-
-    fn number(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>) {
-        self.bounded(name, value, range);
-    }
-
-    fn flag(&mut self, name: &'static str, value: &mut bool) {
-        self.parsed(name, value, parse_boolean);
-    }
-
-    fn ior(&mut self, name: &'static str, value: &mut Ior) {
-        self.value(name, value, |text| match parse_float(text) {
-            Ok(index) => Ok(Ior::Number(within(index, &(0.1..=10.0))?)),
-            Err(_) => crate::shading::ior::dielectric_ior(text)
-                .map(|_| Ior::Named(text.to_owned()))
-                .ok_or_else(|| AssignError::Refused(format!("`{text}` is neither a number nor a known dielectric"))),
-        });
-    }
-
-    fn conductor_ior(&mut self, value: &mut ConductorIor) {
-        self.value("material", value, |text| {
-            let is_known = text == "none" || crate::shading::ior::CONDUCTORS.iter().any(|metal| metal.0 == text);
-            is_known
-                .then(|| ConductorIor::Named(text.to_owned()))
-                .ok_or_else(|| AssignError::Refused(format!("`{text}` is no known metal")))
-        });
-    }
-
-    fn distribution(&mut self, value: &mut Distribution) {
-        self.value("distribution", value, |text| match text {
-            "ggx" => Ok(Distribution::Ggx),
-            "beckmann" => Ok(Distribution::Beckmann),
-            other => Err(AssignError::Refused(format!(
-                "expected ggx or beckmann, found `{other}`"
-            ))),
-        });
-    }
-
-    fn roughness(&mut self, value: &mut Roughness) {
-        self.value("alpha", value, |text| {
-            Ok(Roughness::Isotropic(within(parse_float(text)?, &(1e-4..=1.0))?.into()))
-        });
-    }
-
-    fn principled_index(&mut self, value: &mut PrincipledIndex) {
-        self.value("specular", value, |text| {
-            Ok(PrincipledIndex::Specular(within(parse_float(text)?, &(0.0..=1.0))?))
-        });
+impl Assign<'_> {
+    fn parameter(&mut self, info: &'static ParameterInfo, value: ParameterMut) {
+        let name = info.name;
+        match value {
+            ParameterMut::Reflectance(value) | ParameterMut::Normals(value) => {
+                self.value(name, value, |text| Ok(color(1.0)(text)?.into()));
+            }
+            ParameterMut::Float(value) | ParameterMut::Height(value) => {
+                self.value(name, value, |text| Ok(within(parse_float(text)?, &info.range)?.into()));
+            }
+            ParameterMut::Number(value)
+            | ParameterMut::Factor(value)
+            | ParameterMut::Angle(value)
+            | ParameterMut::SamplingWeight(value) => self.bounded(name, value, info.range.clone()),
+            ParameterMut::Flag(value) | ParameterMut::Extension(value) => self.parsed(name, value, parse_boolean),
+            ParameterMut::Ior(value) => self.value(name, value, parse_ior),
+            ParameterMut::ConductorIor(value) => self.value(name, value, parse_conductor),
+            ParameterMut::Distribution(value) => self.value(name, value, |text| {
+                Distribution::of_name(text)
+                    .ok_or_else(|| AssignError::Refused(format!("expected ggx or beckmann, found `{text}`")))
+            }),
+            ParameterMut::Roughness(value) | ParameterMut::UniformRoughness(value) => {
+                self.value(name, value, |text| {
+                    Ok(Roughness::Isotropic(within(parse_float(text)?, &(1e-4..=1.0))?.into()))
+                });
+            }
+            ParameterMut::PrincipledIndex(value) => self.value(name, value, |text| {
+                Ok(PrincipledIndex::Specular(within(parse_float(text)?, &info.range)?))
+            }),
+            ParameterMut::Emission(value) => self.value(name, value, color(f32::MAX)),
+            ParameterMut::TexturedEmission(value) => {
+                self.value(name, value, |text| Ok(color(f32::MAX)(text)?.into()));
+            }
+            ParameterMut::UniformReflectance(value) => self.value(name, value, color(1.0)),
+            ParameterMut::Integer(value) => {
+                self.value(name, value, |text| parse_integer_within(text, &info.range));
+            }
+            ParameterMut::Picture(value) => self.value(name, value, |text| Ok(settle(text.as_ref()))),
+            ParameterMut::OptionalTexture(value) => self.value(name, value, |text| {
+                let before = None;
+                Ok(Some(Texture::of_picture(settle(text.as_ref()), before)))
+            }),
+            ParameterMut::Cone(Cone {
+                cutoff_angle,
+                beam_width,
+            }) => {
+                self.bounded(CUTOFF_ANGLE.name, cutoff_angle, 0.1..=90.0);
+                self.bounded(BEAM_WIDTH.name, beam_width, 0.0..=*cutoff_angle);
+            }
+            ParameterMut::FieldOfView(value) => self.bounded(name, &mut value.fov, 0.1..=179.0),
+            ParameterMut::SunPosition(value) => {
+                self.value(name, value, |text| Ok(SunPosition::Direction(parse_vec3(text)?)));
+                if let SunPosition::PlaceAndTime(at) = value {
+                    at.visit_mut(&mut |info, value| self.parameter(info, value));
+                }
+            }
+        }
     }
 }
 
-impl EmitterVisitor for Assign<'_> {
-    fn emission(&mut self, name: &'static str, value: &mut Rgb) {
-        self.value(name, value, color(f32::MAX));
-    }
+fn parse_integer_within(text: &str, range: &RangeInclusive<f32>) -> Result<i32, AssignError> {
+    let number = i32::try_from(parse_integer(text)?)
+        .ok()
+        .filter(|number| range.contains(&(*number as f32)));
+    number.ok_or_else(|| AssignError::Refused(format!("expected {} to {}, found {text}", range.start(), range.end())))
+}
 
-    fn textured_emission(&mut self, name: &'static str, value: &mut Parameter<Rgb>) {
-        ParameterVisitor::color(self, name, value);
+fn parse_ior(text: &str) -> Result<Ior, AssignError> {
+    match parse_float(text) {
+        Ok(index) => Ok(Ior::Number(within(index, &(0.1..=10.0))?)),
+        Err(_) => crate::shading::ior::dielectric_ior(text)
+            .map(|_| Ior::Named(text.to_owned()))
+            .ok_or_else(|| AssignError::Refused(format!("`{text}` is neither a number nor a known dielectric"))),
     }
+}
 
-    fn uniform_reflectance(&mut self, name: &'static str, value: &mut Rgb) {
-        self.value(name, value, color(1.0));
-    }
-
-    fn integer(&mut self, name: &'static str, value: &mut i32, range: RangeInclusive<i32>) {
-        self.value(name, value, |text| {
-            let number = i32::try_from(parse_integer(text)?)
-                .ok()
-                .filter(|number| range.contains(number));
-            number.ok_or_else(|| {
-                AssignError::Refused(format!("expected {} to {}, found {text}", range.start(), range.end()))
-            })
-        });
-    }
-
-    fn angle(&mut self, name: &'static str, value: &mut f32, range: RangeInclusive<f32>) {
-        self.bounded(name, value, range);
-    }
-
-    fn picture(&mut self, name: &'static str, value: &mut PathBuf) {
-        self.value(name, value, |text| Ok(settle(text.as_ref())));
-    }
-
-    fn optional_texture(&mut self, name: &'static str, value: &mut Option<Texture>) {
-        self.value(name, value, |text| {
-            let before = None;
-            Ok(Some(Texture::of_picture(settle(text.as_ref()), before)))
-        });
-    }
-
-    fn cone(&mut self, cutoff_angle: &mut f32, beam_width: &mut f32) {
-        self.bounded("cutoff_angle", cutoff_angle, 0.1..=90.0);
-        self.bounded("beam_width", beam_width, 0.0..=*cutoff_angle);
-    }
-
-    fn field_of_view(&mut self, fov: &mut f32, _axis: &mut FovAxis) {
-        self.bounded("fov", fov, 0.1..=179.0);
-    }
-
-    fn sun_position(&mut self, value: &mut SunPosition) {
-        self.value("sun_direction", value, |text| {
-            Ok(SunPosition::Direction(parse_vec3(text)?))
-        });
-    }
-
-    fn sampling_weight(&mut self, value: &mut f32) {
-        self.bounded("sampling_weight", value, 0.0..=f32::MAX);
-    }
+fn parse_conductor(text: &str) -> Result<ConductorIor, AssignError> {
+    let is_known = text == "none" || crate::shading::ior::CONDUCTORS.iter().any(|metal| metal.0 == text);
+    is_known
+        .then(|| ConductorIor::Named(text.to_owned()))
+        .ok_or_else(|| AssignError::Refused(format!("`{text}` is no known metal")))
 }

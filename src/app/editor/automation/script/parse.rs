@@ -181,7 +181,7 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
             let entity = material_of(world, thing).ok_or("it has no material")?;
             let material = Material::of_plugin(plugin);
             let material = material.ok_or_else(|| unknown("material", plugin, Material::PLUGINS))?;
-            if *material.nested_count().start() > 0 {
+            if *material.info().nested.start() > 0 {
                 return Err(format!("a {plugin} has others inside: paste it as XML").into());
             }
             let is_two_sided = world.get::<Material>(entity) == Some(&Material::TwoSided);

@@ -1,0 +1,104 @@
+//! What stands in a file for the value of a parameter.
+
+use std::path::Path;
+
+use glam::Vec3;
+
+use super::parameter_info::ParameterInfo;
+use super::parameters::{
+    ALPHA, ALPHA_U, ALPHA_V, BEAM_WIDTH, CUTOFF_ANGLE, ConductorIor, ETA, FOV, FOV_AXIS, Ior, K, PRINCIPLED_ETA,
+    ParameterRef, PrincipledIndex, Roughness, SPECULAR, SunPosition,
+};
+use super::texture::{Parameter, Texture};
+use crate::color::Rgb;
+
+/// A parameter as it stands in a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum FileValue<'p> {
+    Color(&'p Parameter<Rgb>),
+    Float(&'p Parameter<f32>),
+    Texture(&'p Texture),
+    Number(f32),
+    Flag(bool),
+    Name(&'p str),
+    Rgb(Rgb),
+    Integer(i32),
+    Path(&'p Path),
+    Vector(Vec3),
+}
+
+impl<'p> FileValue<'p> {
+    /// The texture, if it is one.
+    pub fn texture(self) -> Option<&'p Texture> {
+        match self {
+            Self::Color(Parameter::Texture(texture))
+            | Self::Float(Parameter::Texture(texture))
+            | Self::Texture(texture) => Some(texture),
+            _ => None,
+        }
+    }
+}
+
+impl<'p> ParameterRef<'p> {
+    /// Shows `meet` what stands in a file for the parameter: one value as a rule, two where the format has two names, or none.
+    pub(crate) fn in_file(
+        self,
+        info: &'static ParameterInfo,
+        meet: &mut impl FnMut(&'static ParameterInfo, FileValue<'p>),
+    ) {
+        match self {
+            Self::Reflectance(color) | Self::Normals(color) => meet(info, FileValue::Color(color)),
+            Self::Float(number) => meet(info, FileValue::Float(number)),
+            // A number is no texture, and the format wants one.
+            Self::Height(Parameter::Constant(_)) | Self::Extension(false) => {}
+            Self::Height(Parameter::Texture(texture)) => meet(info, FileValue::Texture(texture)),
+            Self::Number(number) => meet(info, FileValue::Number(*number)),
+            Self::Flag(flag) | Self::Extension(flag) => meet(info, FileValue::Flag(*flag)),
+            Self::Ior(Ior::Named(name)) | Self::ConductorIor(ConductorIor::Named(name)) => {
+                meet(info, FileValue::Name(name));
+            }
+            Self::Ior(Ior::Number(number)) => meet(info, FileValue::Number(*number)),
+            Self::ConductorIor(ConductorIor::Given { eta, k }) => {
+                meet(&ETA, FileValue::Color(eta));
+                meet(&K, FileValue::Color(k));
+            }
+            Self::Distribution(distribution) => meet(info, FileValue::Name(distribution.name())),
+            Self::Roughness(roughness) | Self::UniformRoughness(roughness) => match roughness {
+                Roughness::Isotropic(alpha) => meet(&ALPHA, FileValue::Float(alpha)),
+                Roughness::Anisotropic { u, v } => {
+                    meet(&ALPHA_U, FileValue::Float(u));
+                    meet(&ALPHA_V, FileValue::Float(v));
+                }
+            },
+            Self::PrincipledIndex(PrincipledIndex::Specular(specular)) => meet(&SPECULAR, FileValue::Number(*specular)),
+            Self::PrincipledIndex(PrincipledIndex::Eta(eta)) => meet(&PRINCIPLED_ETA, FileValue::Number(*eta)),
+            Self::Emission(color) | Self::UniformReflectance(color) => meet(info, FileValue::Rgb(*color)),
+            Self::TexturedEmission(color) => meet(info, FileValue::Color(color)),
+            Self::Factor(number) | Self::Angle(number) => meet(info, FileValue::Number(*number)),
+            Self::Integer(number) => meet(info, FileValue::Integer(*number)),
+            Self::Picture(path) => meet(info, FileValue::Path(path)),
+            Self::OptionalTexture(texture) => {
+                if let Some(texture) = texture {
+                    meet(info, FileValue::Texture(texture));
+                }
+            }
+            Self::Cone(cone) => {
+                meet(&CUTOFF_ANGLE, FileValue::Number(cone.cutoff_angle));
+                meet(&BEAM_WIDTH, FileValue::Number(cone.beam_width));
+            }
+            Self::FieldOfView(view) => {
+                meet(&FOV, FileValue::Number(view.fov));
+                meet(&FOV_AXIS, FileValue::Name(view.axis.name()));
+            }
+            Self::SunPosition(SunPosition::Direction(direction)) => meet(info, FileValue::Vector(*direction)),
+            Self::SunPosition(SunPosition::PlaceAndTime(at)) => {
+                at.visit(&mut |info, value| value.in_file(info, &mut *meet));
+            }
+            Self::SamplingWeight(weight) => {
+                if *weight != 1.0 {
+                    meet(info, FileValue::Number(*weight));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Materials as the user knows them: the bsdfs of the format with their own parameters, and who uses them.
+
+mod models;
+mod principled;
+
+use std::path::Path;
+
+use bevy::prelude::*;
+
+use super::texture::{SquarePath, Texture};
+
+pub use models::Material;
+pub use principled::{Principled, PrincipledThin};
+
+impl Material {
+    /// Whether it refracts: then it has two sides already.
+    pub fn refracts(&self) -> bool {
+        match self {
+            Self::Principled(principled) => principled.refracts(),
+            other => other.info().refracts,
+        }
+    }
+
+    /// Shows `meet` every texture among the parameters.
+    pub fn for_each_texture(&self, meet: &mut impl FnMut(&Texture)) {
+        self.visit(&mut |info, value| {
+            value.in_file(info, &mut |_, value| {
+                if let Some(texture) = value.texture() {
+                    meet(texture);
+                }
+            });
+        });
+    }
+
+    /// The picture at `path` at a place of the parameter of this name. Where there was no texture before, a picture of anything but colours
+    /// is looked at raw.
+    pub fn set_picture(&mut self, parameter: &str, place: SquarePath, path: &Path) {
+        self.visit_mut(&mut |info, value| value.set_picture(info, parameter, place, path));
+    }
+}
+
+/// A shape's material.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Component, PartialEq)]
+#[relationship(relationship_target = MaterialUsers)]
+pub struct UsesMaterial(pub Entity);
+
+/// The shapes that use a material.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
+#[relationship_target(relationship = UsesMaterial)]
+pub struct MaterialUsers(Vec<Entity>);
+
+/// The first material inside a material (the front of a two-sided one, say).
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Component, PartialEq)]
+#[relationship(relationship_target = FirstNestedIn)]
+pub struct FirstNested(pub Entity);
+
+/// The materials that have this one as their first.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
+#[relationship_target(relationship = FirstNested)]
+pub struct FirstNestedIn(Vec<Entity>);
+
+/// The second material inside a material (the back of a two-sided one, say).
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Component, PartialEq)]
+#[relationship(relationship_target = SecondNestedIn)]
+pub struct SecondNested(pub Entity);
+
+/// The materials that have this one as their second.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
+#[relationship_target(relationship = SecondNested)]
+pub struct SecondNestedIn(Vec<Entity>);

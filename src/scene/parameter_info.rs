@@ -1,0 +1,77 @@
+//! What is declared of a parameter besides its value: its name in files, and what is told of it.
+
+use std::ops::RangeInclusive;
+
+/// What is declared of a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ParameterInfo {
+    /// In the file.
+    pub name: &'static str,
+    /// In the panel: short enough for its column.
+    pub label: &'static str,
+    /// What it does.
+    pub about: &'static str,
+    /// What values it takes, with their unit, in words.
+    pub values: &'static str,
+    /// The bounds of a number. Those of a colour follow from its kind.
+    pub range: RangeInclusive<f32>,
+    /// Stands behind the number in the panel.
+    pub unit: &'static str,
+}
+
+impl ParameterInfo {
+    /// A parameter without bounds or unit.
+    pub const fn new(name: &'static str, label: &'static str, about: &'static str, values: &'static str) -> Self {
+        Self {
+            name,
+            label,
+            about,
+            values,
+            range: f32::MIN..=f32::MAX,
+            unit: "",
+        }
+    }
+
+    /// A share of the light by colour.
+    pub const fn reflectance(name: &'static str, label: &'static str, about: &'static str) -> Self {
+        Self::new(name, label, about, "0 to 1 per channel, or a texture")
+    }
+
+    /// A number from 0 to 1 that may be a texture.
+    pub const fn share(name: &'static str, label: &'static str, about: &'static str) -> Self {
+        Self::new(name, label, about, "0 to 1, or a texture").within(0.0..=1.0)
+    }
+
+    /// True or false.
+    pub const fn switch(name: &'static str, label: &'static str, about: &'static str) -> Self {
+        Self::new(name, label, about, "on or off")
+    }
+
+    /// How often something is sampled, relative to the usual.
+    pub const fn sampling_rate(name: &'static str, label: &'static str, about: &'static str) -> Self {
+        let values = "0 or more; 0 never, 1 as usual. The picture does not depend on it, only its noise";
+        Self::new(name, label, about, values).within(0.0..=f32::MAX)
+    }
+
+    /// An angle in degrees.
+    pub const fn degrees(name: &'static str, label: &'static str, about: &'static str, values: &'static str) -> Self {
+        Self::new(name, label, about, values).in_units("°")
+    }
+
+    /// A factor on light.
+    pub const fn factor(name: &'static str, label: &'static str, about: &'static str) -> Self {
+        Self::new(name, label, about, "0 or more; 1 leaves it as it is").within(0.0..=f32::MAX)
+    }
+
+    /// The same with these bounds.
+    pub const fn within(mut self, range: RangeInclusive<f32>) -> Self {
+        self.range = range;
+        self
+    }
+
+    /// The same with this unit.
+    pub const fn in_units(mut self, unit: &'static str) -> Self {
+        self.unit = unit;
+        self
+    }
+}
