@@ -61,7 +61,7 @@ impl Document {
         file_candidates(name, &folders, &self.search_folders)
     }
 
-    /// The first of [`Self::file_candidates`] where there is a file that the scene may read.
+    /// The first of the places in that order where there is a file that the scene may read.
     pub fn find_file(&self, name: &str, span: Span) -> Option<PathBuf> {
         self.access.find(&self.file_candidates(name, span)).cloned()
     }

@@ -96,7 +96,7 @@ pub fn parse_vec3_or_splat(text: &str) -> Result<Vec3, ValueError> {
 /// The most numbers that are read, one more than the longest value has, a matrix.
 const MOST_NUMBERS: usize = 17;
 
-/// Parses a list of numbers. Those after [`MOST_NUMBERS`] are ignored.
+/// Parses a list of numbers. Those after the seventeenth are ignored.
 pub fn parse_floats(text: &str) -> Result<ArrayVec<f32, MOST_NUMBERS>, ValueError> {
     fields(text).take(MOST_NUMBERS).map(parse_float).collect()
 }

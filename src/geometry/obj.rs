@@ -1,7 +1,7 @@
 //! Reads Wavefront OBJ meshes (Wavefront, "Advanced Visualizer" manual, appendix B1): the polygons, with their MTL materials.
 //!
 //! All objects and groups of a file become one mesh. Corners share a vertex where their indices of position, texture coordinate and
-//! normal agree; polygons are cut as in [`super::polygon`]. Smoothing groups, points, lines, curves and vertex colours are ignored.
+//! normal agree; polygons are cut as in `polygon.rs`. Smoothing groups, points, lines, curves and vertex colours are ignored.
 //!
 //! Normals follow Mitsuba 3.9.1: where the file has none, they are computed over all triangles that share a vertex, whatever `s` says, so
 //! a seam of the texture is a crease. Corners without a normal in a file that has some, and normals that are zero or not finite, get

@@ -2,7 +2,7 @@
 //!
 //! Of the vertices it takes `x y z`, `nx ny nz` and one pair of `u v`, `s t`, `texture_u texture_v`; of the faces the list `vertex_indices` (or
 //! `vertex_index`), polygons as fans around their first corner; `tristrips` as the Stanford archive has them, with -1 between strips.
-//! Colours and other values in groups become attributes of the mesh, see [`super::ply_attributes`]; everything else is skipped. Without normals in the file, smooth ones are computed over shared vertices, as Mitsuba does;
+//! Colours and other values in groups become attributes of the mesh, see `ply_attributes.rs`; everything else is skipped. Without normals in the file, smooth ones are computed over shared vertices, as Mitsuba does;
 //! single normals that are zero or not finite are replaced likewise. The texture coordinates stay as they are.
 //!
 //! Counts of the header are checked against the bytes really there before anything is allocated or looped over.

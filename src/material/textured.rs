@@ -35,6 +35,7 @@ pub enum TexturedBsdf {
     Dielectric {
         /// Index inside over that outside.
         eta: f32,
+        /// How the Fresnel reflectance is computed.
         model: DielectricModel,
         /// Multiplies what is reflected; 1 is physical.
         specular_reflectance: Parameter<Rgb>,
@@ -45,6 +46,7 @@ pub enum TexturedBsdf {
     RoughDielectric {
         /// The eta of [`RoughDielectric::eta`].
         eta: f32,
+        /// How the Fresnel reflectance is computed.
         model: DielectricModel,
         /// Distribution and roughness.
         facets: TexturedFacets,
@@ -57,6 +59,7 @@ pub enum TexturedBsdf {
     ThinDielectric {
         /// Index of the pane over that around it.
         eta: f32,
+        /// How the Fresnel reflectance is computed.
         model: DielectricModel,
         /// Multiplies what is reflected; 1 is physical.
         specular_reflectance: Parameter<Rgb>,
@@ -90,10 +93,13 @@ pub enum TexturedBsdf {
     Principled(TexturedPrincipled),
     /// As [`crate::shading::PrincipledThin`].
     PrincipledThin(TexturedPrincipledThin),
+    /// As [`crate::shading::Hair`].
     Hair {
+        /// Roughness and refractive index of the fibre, the same everywhere.
         fiber: Fiber,
         /// The absorption per radius of the fibre, times `scale`.
         sigma_a: Parameter<Rgb>,
+        /// A factor on the absorption, not negative.
         scale: f32,
     },
 }

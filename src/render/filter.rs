@@ -17,7 +17,10 @@ pub enum PixelFilter {
     /// The pixel's own square.
     Box,
     /// Falls linearly to zero at `radius` from the centre.
-    Tent { radius: f32 },
+    Tent {
+        /// In pixels, above 0.
+        radius: f32,
+    },
     /// Any other.
     Tabulated(Arc<FilterTable>),
 }
@@ -26,11 +29,22 @@ pub enum PixelFilter {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FilterKernel {
     /// exp(-x^2 / 2 stddev^2) less its value at four standard deviations, where it ends.
-    Gaussian { stddev: f32 },
+    Gaussian {
+        /// In pixels, above 0.
+        stddev: f32,
+    },
     /// Mitchell and Netravali, Reconstruction Filters in Computer Graphics (1988).
-    Cubic { b: f32, c: f32 },
+    Cubic {
+        /// How much the filter blurs.
+        b: f32,
+        /// How much it rings.
+        c: f32,
+    },
     /// A sinc, windowed by the middle lobe of one `lobes` times as wide.
-    Lanczos { lobes: u32 },
+    Lanczos {
+        /// Half the width of the filter in pixels, at least 1.
+        lobes: u32,
+    },
 }
 
 /// A place in the picture for a sample, and what the light found there counts.

@@ -33,6 +33,7 @@ pub struct RecordedPath {
 /// A place on the path's way and what was done there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecordedVertex {
+    /// Where the path was scattered.
     pub place: PathVertex,
     /// The surface's own light.
     pub met: Option<MetEmitter>,

@@ -28,6 +28,7 @@ impl PathObserver for () {}
 /// A vertex of the path, at which light is scattered. A place in a medium will be a variant of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PathVertex {
+    /// A place on a surface.
     Surface(SurfaceVertex),
 }
 
@@ -42,6 +43,7 @@ impl PathVertex {
 /// A surface that the path has come to, world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceVertex {
+    /// The point on the surface.
     pub position: Vec3,
     /// Unit shading normal.
     pub normal: Vec3,

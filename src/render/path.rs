@@ -1,5 +1,5 @@
 //! Unidirectional path tracing with next event estimation and multiple importance sampling (Kajiya 1986; Veach 1997, chapters 9
-//! and 10; PBR 4th ed., section 13.4): one path at a time. The same steps for sixteen paths are in [`super::lanes`].
+//! and 10; PBR 4th ed., section 13.4): one path at a time. The same steps for sixteen paths are in `lanes`.
 
 use std::ops::ControlFlow::{self, Break, Continue};
 

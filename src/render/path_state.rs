@@ -12,9 +12,11 @@ use crate::sampling::Sampler;
 /// The result of one camera ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathSample {
+    /// The radiance along the ray, linear Rec. 709.
     pub radiance: Rgb,
-    /// Features for the denoiser, taken at the first surface that is not perfectly specular: colour in [0, 1] and world normal.
+    /// The colour of the first surface that is not perfectly specular, in [0, 1]; a feature for the denoiser.
     pub albedo: Rgb,
+    /// The world normal of the same surface.
     pub normal: Vec3,
     /// Distance from the camera ray's origin to the first surface; 0 where there is none.
     pub depth: f32,

@@ -34,6 +34,7 @@ pub struct SurfaceSlot {
     pub material: MaterialId,
     /// The light that the slot shines as; None where it does not shine.
     pub light: Option<LightId>,
+    /// The media that light goes through on either side of the surface.
     pub media: MediumInterface,
 }
 

@@ -22,6 +22,7 @@ pub struct View {
     pub filter: PixelFilter,
     /// What the value of a pixel is.
     pub integrator: Integrator,
+    /// What the value of a pixel is.
     pub shown: Shown,
     /// The layers that the film keeps beside the picture; none by default.
     pub light_groups: LightGroups,
@@ -41,6 +42,7 @@ pub enum Integrator {
 /// The meaning of a picture: the result of the integrator, or how the renderer works.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shown {
+    /// The result of the integrator.
     #[default]
     Radiance,
     /// The radiance in three thirds, from left to right with [`Strategy::Bsdf`], [`Strategy::Light`] and [`Strategy::Mis`].

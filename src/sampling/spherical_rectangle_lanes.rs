@@ -60,6 +60,7 @@ fn length(a: Lanes, b: Lanes) -> Lanes {
 }
 
 impl RectangleLanes {
+    /// Takes the unit vectors along the edges and their lengths from `rectangle`.
     pub fn new(rectangle: &Rectangle) -> Self {
         let (corner, [x, y], [width, height]) = rectangle.parts();
         Self {

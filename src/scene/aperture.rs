@@ -22,7 +22,7 @@ pub(crate) fn f_number(radius: f32, focal_length: f32) -> f32 {
     focal_length / (2.0 * radius)
 }
 
-/// The inverse of [`f_number`].
+/// The radius of an aperture of this f-number, above 0, in the units of the focal length.
 pub fn aperture_radius(f_number: f32, focal_length: f32) -> f32 {
     focal_length / (2.0 * f_number)
 }

@@ -1,5 +1,5 @@
 //! The change of an entity by one edit: only the components that differ, before and after. This is what the history of the editor keeps, and most
-//! of its memory: a whole [`ObjectState`] is some kilobytes, one changed component mostly a hundred bytes.
+//! of its memory: a whole `ObjectState` is some kilobytes, one changed component mostly a hundred bytes.
 
 use bevy::prelude::*;
 

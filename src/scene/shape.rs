@@ -60,7 +60,7 @@ pub enum ShapeKind {
     },
     /// Triangles of a file.
     Mesh(MeshFile),
-    /// The shapes of the group that [`super::InstanceOf`] names.
+    /// The shapes of the group that `InstanceOf` names.
     Instance,
 }
 

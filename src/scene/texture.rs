@@ -11,7 +11,9 @@ use crate::color::Rgb;
 /// A parameter that is the same everywhere, or varies as a texture does.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 pub enum Parameter<T> {
+    /// The same value everywhere.
     Constant(T),
+    /// A value that varies over the surface.
     Texture(Texture),
 }
 
@@ -89,14 +91,18 @@ pub enum Texture {
     Bitmap(Box<Bitmap>),
     /// Squares of two colours, two by two per unit of uv.
     Checkerboard {
+        /// The colour at the origin of uv; for numbers that of the other squares.
         color0: Box<Parameter<Rgb>>,
+        /// The colour of the other squares.
         color1: Box<Parameter<Rgb>>,
+        /// Applied to uv before the look-up.
         to_uv: Box<Affine2>,
     },
     /// A value that the mesh itself has per vertex or face.
     MeshAttribute {
         /// `vertex_color`, `face_...`: what the mesh's loader calls it.
         name: String,
+        /// A factor on the value.
         scale: f32,
     },
 }
@@ -106,16 +112,22 @@ pub enum Texture {
 pub struct Bitmap {
     /// Absolute path.
     pub path: PathBuf,
+    /// How values between texel centres come about.
     pub filter: TextureFilter,
+    /// What lies outside of the unit square.
     pub wrap: TextureWrap,
     /// Numbers as they stand in the file, not decoded to linear.
     pub raw: bool,
+    /// Applied to uv before the look-up.
     pub to_uv: Affine2,
 }
 
+/// How values between texel centres come about.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TextureFilter {
+    /// The texel that the point lies in.
     Nearest,
+    /// A mean of the four texels around the point.
     #[default]
     Bilinear,
 }
@@ -123,9 +135,12 @@ pub enum TextureFilter {
 /// The continuation of a picture outside of the unit square.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TextureWrap {
+    /// The picture again.
     #[default]
     Repeat,
+    /// The picture again, every other time turned around.
     Mirror,
+    /// The texels of the edge.
     Clamp,
 }
 

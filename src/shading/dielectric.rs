@@ -13,6 +13,7 @@ use glam::Vec3;
 pub struct Dielectric {
     /// Refractive index inside over outside, above 0.
     pub eta: f32,
+    /// How the Fresnel reflectance is computed.
     pub model: DielectricModel,
     /// Multiplies reflected light; 1 is physical.
     pub specular_reflectance: Rgb,

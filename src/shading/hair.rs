@@ -51,6 +51,7 @@ pub struct Fiber {
 /// A fibre with its colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hair {
+    /// Roughness and refractive index, with what follows from them.
     pub fiber: Fiber,
     /// Absorption coefficient inside, per radius of the fibre, at least 0.
     pub sigma_a: Rgb,

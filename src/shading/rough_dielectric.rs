@@ -15,6 +15,7 @@ use glam::{Vec2, Vec3};
 pub struct RoughDielectric {
     /// Refractive index inside over outside, above 0; with 1 there is no surface, and no density: that is the smooth dielectric's.
     pub eta: f32,
+    /// How the Fresnel reflectance is computed.
     pub model: DielectricModel,
     /// Roughness of the interface.
     pub distribution: Microfacet,

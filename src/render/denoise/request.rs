@@ -10,7 +10,9 @@ use crate::color::Rgb;
 pub enum DenoiseQuality {
     /// For the picture in motion.
     Fast,
+    /// Between the speed of `Fast` and the quality of `High`.
     Balanced,
+    /// The best that the library has.
     #[default]
     High,
 }
@@ -18,7 +20,9 @@ pub enum DenoiseQuality {
 /// A noisy picture, row by row from the top left. All slices are `width * height` long.
 #[derive(Clone, Copy, Debug)]
 pub struct DenoiseInput<'a> {
+    /// Pixels in a row.
     pub width: u32,
+    /// Number of rows.
     pub height: u32,
     /// Linear radiance, before exposure and tone mapping. Broken numbers are replaced before the filter sees them.
     pub color: &'a [Rgb],
@@ -28,6 +32,7 @@ pub struct DenoiseInput<'a> {
     pub normal: Option<&'a [Vec3]>,
     /// Denoise `albedo` and `normal` on their own first. Better edges wherever they are noisy; up to three times the time.
     pub prefilter: bool,
+    /// Selects the filter of the library.
     pub quality: DenoiseQuality,
     /// The number of threads; `None` is one for each core.
     pub threads: Option<usize>,
@@ -60,6 +65,7 @@ impl DenoiseInput<'_> {
     }
 }
 
+/// Why there is no denoised picture.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum DenoiseError {

@@ -1,7 +1,7 @@
 //! The folder of files that glTF files were taken apart into. Everything in it can be made again, so that it may be removed at any time.
 //!
 //! A part lies in a folder named by the hash of its content, and is used again only if its content is the same. Links are never followed: a
-//! link in the place of a folder or a part is removed. The folder is kept below [`MOST_BYTES`]: parts that were not used for the longest time
+//! link in the place of a folder or a part is removed. The folder is kept below 4 GiB: parts that were not used for the longest time
 //! are removed first, but none that a running program has in use.
 
 use std::collections::HashSet;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::document::{self, SourceError};
 
+/// Why a scene is not saved. The file is as it was then.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum SaveError {

@@ -24,7 +24,7 @@ pub fn save(world: &mut World, path: &Path) -> Result<Option<String>, SaveError>
     save_with(world, path, OnChange::Refuse)
 }
 
-/// Saves the entities: see [`save_description`]. From then on they are the scene of that file. What others changed in the files of the scene since
+/// Saves the entities: see [`super::save_description`]. From then on they are the scene of that file. What others changed in the files of the scene since
 /// they were read is treated as `on_change` says. A sentence if the file cannot be opened again: nothing is lost, but something in it
 /// needs mending.
 pub fn save_with(world: &mut World, path: &Path, on_change: OnChange) -> Result<Option<String>, SaveError> {

@@ -112,6 +112,7 @@ fn round_number(x: f32) -> f32 {
 /// Everything that decides what a drag of the gizmo does.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GizmoSettings {
+    /// What a drag does.
     pub mode: Mode,
     /// Ignored by scaling, which is along the object's own axes.
     pub axes: Axes,

@@ -16,7 +16,7 @@ pub(crate) fn fly_direction(input: &InputState) -> Vec3 {
     Vec3::new(axis(Key::A, Key::D), axis(Key::E, Key::Q), axis(Key::W, Key::S))
 }
 
-/// The presses among a frame's events, in order, with the frame's modifiers: [`super::typing::order_keys`] gives no frame two states of them.
+/// The presses among a frame's events, in order, with the frame's modifiers: `typing::order_keys` gives no frame two states of them.
 pub fn presses<'a>(events: impl Iterator<Item = &'a KeyboardInput>, modifiers: Modifiers) -> Vec<Press> {
     let pressed = events.filter(|event| event.state.is_pressed() && !event.repeat);
     pressed.filter_map(|event| press(event, modifiers)).collect()

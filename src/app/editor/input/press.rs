@@ -7,6 +7,7 @@ use bevy_egui::egui::{Key, Modifiers};
 pub struct Press {
     /// As egui names it.
     pub key: Key,
+    /// Those that were held when the key went down.
     pub modifiers: Modifiers,
     /// A digit of the block at the keyboard's right.
     pub numpad: bool,

@@ -155,6 +155,7 @@ pub struct Inspected {
     pub sensor: Option<Sensor>,
     /// Of cameras.
     pub film: Option<Film>,
+    /// The material that a shape names; None where it names none.
     pub uses_material: Option<Entity>,
     /// The differences among all selected things, without those of materials.
     pub mixed: Mixed,

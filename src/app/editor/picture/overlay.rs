@@ -24,7 +24,7 @@ pub struct WorldBox {
     pub over_instances: bool,
 }
 
-/// The boxes to be drawn, at most [`MAX_BOXES`], and how many there would have been; with figures of the hierarchies.
+/// The boxes to be drawn, at most 4000, and how many there would have been; with figures of the hierarchies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoxList {
     /// Those that are drawn.

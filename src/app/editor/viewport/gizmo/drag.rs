@@ -21,8 +21,13 @@ use crate::app::editor::model::freedom::Freedom;
 pub enum Change {
     /// World units.
     Moved(Vec3),
-    /// A turn around a unit vector, by radians counter-clockwise as seen from its tip.
-    Turned { axis: Vec3, angle: f32 },
+    /// A turn around an axis.
+    Turned {
+        /// A unit vector.
+        axis: Vec3,
+        /// Radians, counter-clockwise as seen from the tip of the axis.
+        angle: f32,
+    },
     /// Factors along the axes.
     Scaled(Vec3),
 }
@@ -45,7 +50,9 @@ pub struct Drag {
     pub frame: Frame,
     /// What is moved, with the poses at the press.
     pub targets: Vec<Target>,
+    /// Along or about what.
     pub constraint: Constraint,
+    /// Numbers that were typed meanwhile; they count instead of the pointer.
     pub typed: Typed,
     settings: GizmoSettings,
     /// The place where the pointer took hold.

@@ -54,6 +54,7 @@ pub enum Form {
 /// A part of the gizmo that can be dragged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Handle {
+    /// What a drag of it is held to.
     pub constraint: Constraint,
     /// Where the pointer takes it.
     pub form: Form,
