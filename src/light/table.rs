@@ -167,6 +167,10 @@ impl LightTable {
 
     /// Chooses a light by `u_choice`, then a direction to it by `u`. None where the chosen light sends nothing to `reference`.
     pub fn sample(&self, reference: &LightReference, u_choice: f32, u: Vec2) -> Option<(LightId, LightSample)> {
+        debug_assert!(
+            reference.normal.is_none_or(|normal| normal.is_normalized()),
+            "{reference:?} has a normal that is not of unit length"
+        );
         let (chosen, pmf) = self.choice.sample(reference, || refined(u_choice, u))?;
         let (id, sample) = match chosen {
             Chosen::Part(part) => {
@@ -189,8 +193,12 @@ impl LightTable {
 
     /// Radiance that light `id` sends along the unit vector `wo` from a point of its surface.
     pub fn emitted(&self, id: LightId, hit: &SurfaceHit, wo: Vec3) -> Rgb {
-        self.finite(id)
-            .map_or(Rgb::ZERO, |finite| finite.light.emitted(hit, wo, &self.textures))
+        debug_assert!(wo.is_normalized(), "{wo} is not of unit length");
+        let radiance = self
+            .finite(id)
+            .map_or(Rgb::ZERO, |finite| finite.light.emitted(hit, wo, &self.textures));
+        debug_assert!(radiance.is_finite(), "{id:?} emits {radiance} along {wo} at {hit:?}");
+        radiance
     }
 
     /// The density with which [`Self::sample`] gives the direction from `reference` to this point of light `id`.
@@ -214,13 +222,21 @@ impl LightTable {
 
     /// Radiance of infinite light `id` arriving against the direction `wi`.
     pub fn radiance_from(&self, id: LightId, wi: Vec3) -> Rgb {
-        self.at_infinity(id).map_or(Rgb::ZERO, |(_, light)| light.radiance(wi))
+        debug_assert!(wi.is_normalized(), "{wi} is not of unit length");
+        let radiance = self.at_infinity(id).map_or(Rgb::ZERO, |(_, light)| light.radiance(wi));
+        debug_assert!(radiance.is_finite(), "{id:?} sends {radiance} from {wi}");
+        radiance
     }
 
     /// [`Self::radiance_from`] and the density with which [`Self::sample`] gives the direction `wi` to infinite light `id`.
     pub fn radiance_and_pdf_from(&self, id: LightId, reference: &LightReference, wi: Vec3) -> (Rgb, f32) {
         self.at_infinity(id).map_or((Rgb::ZERO, 0.0), |(index, light)| {
+            debug_assert!(wi.is_normalized(), "{wi} is not of unit length");
             let (radiance, pdf) = light.radiance_and_pdf(reference, wi);
+            debug_assert!(
+                radiance.is_finite() && pdf >= 0.0,
+                "{id:?} sends {radiance} from {wi} with density {pdf}"
+            );
             (radiance, self.choice.pmf(reference, Chosen::Infinite(index)) * pdf)
         })
     }

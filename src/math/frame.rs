@@ -20,6 +20,7 @@ pub struct Frame {
 impl Frame {
     /// A frame around the unit vector `n` (Duff et al., Building an Orthonormal Basis, Revisited, JCGT 2017).
     pub fn from_normal(n: Vec3) -> Self {
+        debug_assert!(n.is_normalized(), "the normal {n} is not of unit length");
         let (s, t) = n.any_orthonormal_pair();
         Self { s, t, n }
     }
@@ -27,6 +28,7 @@ impl Frame {
     /// A frame around the unit vector `n` with s as near to `tangent` (of any length) as it can be; [`Self::from_normal`] if that is zero
     /// or parallel to `n`.
     pub(crate) fn from_normal_and_tangent(n: Vec3, tangent: Vec3) -> Self {
+        debug_assert!(n.is_normalized(), "the normal {n} is not of unit length");
         if tangent == Vec3::ZERO {
             return Self::from_normal(n);
         }

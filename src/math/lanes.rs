@@ -35,12 +35,19 @@ pub(crate) struct FrameLanes {
     pub n: Vec3Lanes,
 }
 
+/// Holds the contract of masks: no bit is set beyond the lanes.
+#[inline(always)]
+fn check_mask(bits: u32) {
+    debug_assert!(bits >> LANES == 0, "the mask {bits:#x} has bits beyond {LANES} lanes");
+}
+
 /// The condition that holds in the lanes whose bit is set.
 #[inline(always)]
 pub(crate) fn lanes_of(bits: u32) -> Lanes {
     const BIT_OF_LANE: WordLanes = WordLanes::new([
         1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768,
     ]);
+    check_mask(bits);
     bytemuck::cast((WordLanes::splat(bits) & BIT_OF_LANE).simd_eq(BIT_OF_LANE))
 }
 
@@ -53,6 +60,7 @@ pub(crate) fn ones_in(bits: u32) -> WordLanes {
 /// The lanes whose bit is set, in order.
 #[inline(always)]
 pub(crate) fn each_lane(mut bits: u32) -> impl Iterator<Item = usize> {
+    check_mask(bits);
     std::iter::from_fn(move || {
         let lane = (bits != 0).then(|| bits.trailing_zeros() as usize % LANES);
         bits &= bits.wrapping_sub(1);

@@ -50,6 +50,7 @@ impl Ray {
 /// offset follows the error's extent along the normal and is rounded away from the surface (Pharr, Jakob, Humphreys, PBR 4th ed.,
 /// section 6.8.6), so that it scales with the scene instead of being a fixed epsilon.
 pub fn offset_origin(position: Vec3, error: f32, normal: Vec3, dir: Vec3) -> Vec3 {
+    debug_assert!(normal.is_normalized(), "the normal {normal} is not of unit length");
     let distance = error * (normal.x.abs() + normal.y.abs() + normal.z.abs());
     let side = if dir.dot(normal) < 0.0 { -1.0 } else { 1.0 };
     let moved = position + normal * (side * distance);

@@ -80,6 +80,7 @@ pub enum Bsdf {
     Plastic(Plastic),
     /// A diffuse base below a coat of microfacets.
     RoughPlastic(RoughPlastic),
+    /// A fibre that light passes through and is reflected inside of.
     Hair(Hair),
 }
 
@@ -102,6 +103,10 @@ pub struct BsdfSample {
 impl Bsdf {
     /// f |cos wi|, without delta lobes.
     pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Rgb {
+        debug_assert!(
+            wo.is_normalized() && wi.is_normalized(),
+            "{wo} or {wi} is not of unit length"
+        );
         match self {
             Self::Diffuse(diffuse) => diffuse.eval(wo, wi),
             Self::RoughConductor(rough) => rough.eval(wo, wi),
@@ -118,6 +123,10 @@ impl Bsdf {
 
     /// [`Self::eval`] and [`Self::pdf`], at the cost of one where they have much in common.
     pub fn eval_and_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
+        debug_assert!(
+            wo.is_normalized() && wi.is_normalized(),
+            "{wo} or {wi} is not of unit length"
+        );
         let (value, pdf) = match self {
             Self::Diffuse(diffuse) => (diffuse.eval(wo, wi), diffuse.pdf(wo, wi)),
             Self::RoughConductor(rough) => rough.eval_and_pdf(wo, wi),
@@ -134,6 +143,10 @@ impl Bsdf {
 
     /// Solid angle density with which [`Self::sample`] returns `wi`, without delta lobes.
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        debug_assert!(
+            wo.is_normalized() && wi.is_normalized(),
+            "{wo} or {wi} is not of unit length"
+        );
         match self {
             Self::Diffuse(diffuse) => diffuse.pdf(wo, wi),
             Self::RoughConductor(rough) => rough.pdf(wo, wi),
