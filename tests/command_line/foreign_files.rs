@@ -631,6 +631,31 @@ mod untrusted {
 
     #[cfg(unix)]
     #[test]
+    fn a_way_out_and_back_in_does_not_tell_whether_it_exists() {
+        let shop = shop();
+        std::fs::create_dir(shop.path("empty")).expect("a writable folder");
+        std::os::unix::fs::symlink(shop.path("scene"), shop.path("lnk")).expect("a link");
+        for (kind, file, content) in KINDS {
+            for (name, there) in [
+                (format!("../empty/../scene/{file}"), "empty"),
+                (format!("../lnk/{file}"), "lnk"),
+            ] {
+                // Writes the scene.
+                check(&shop, kind, content, &name, &["--untrusted"]);
+                let scene = match kind {
+                    "glTF buffer" => "scene/scene.gltf",
+                    _ => "scene/scene.xml",
+                };
+                let [with, without] = with_and_without(&shop, there, &["check", scene]);
+                assert_eq!(with, without, "{kind} {name}");
+                let said = with.1;
+                assert!(said.contains("outside the scene's folder"), "{kind} {name}: {said}");
+            }
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
     fn a_converted_scene_does_not_tell_whether_there_is_a_file() {
         let shop = shop();
         shop.write("assets/key.pfm", b"PF\n1 1\n-1\n\0\0\0\0\0\0\0\0\0\0\0\0");

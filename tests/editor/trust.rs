@@ -358,6 +358,25 @@ fn only_what_is_needed_is_allowed() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn what_a_link_outside_leads_to_can_be_allowed() {
+    let mut window = Window::new(&[
+        ("scene/a.xml", &mesh("../way/mesh.obj")),
+        ("elsewhere/deep/mesh.obj", MESH),
+    ]);
+    std::os::unix::fs::symlink("elsewhere/deep", window.path("way")).expect("a link");
+    window.open("scene/a.xml", false);
+    assert_eq!(window.question().folders, [window.path("elsewhere/deep")]);
+    window.allow();
+    window.until("the mesh", |world| {
+        let status = world.resource::<SceneStatus>();
+        status.revision == 2 && status.is_complete()
+    });
+    assert!(window.has_mesh());
+    assert_eq!(window.trusted().question, None);
+}
+
 #[test]
 fn what_was_allowed_and_read_is_said() {
     let mut window = Window::new(&[

@@ -149,7 +149,7 @@ pub(crate) fn ask_about_import(world: &mut World, import: &Path, files: Vec<Path
 /// Allows the folders from now on, remembers them, and reads the files, or imports again what names them. Edits of the open scene stay.
 pub fn allow(world: &mut World, question: &Question) {
     if let Some(path) = &question.import {
-        allow_folders(world, &question.folders);
+        allow_answered(world, question, path);
         let again = Command::Import(path.clone());
         world.resource_mut::<CommandQueue>().0.push(again);
         return;
@@ -164,7 +164,8 @@ pub fn allow(world: &mut World, question: &Question) {
         refused.iter().any(|file| question.files.contains(file))
     };
     let opens = other.clone().filter(names_them);
-    allow_folders(world, &question.folders);
+    let scene = opens.as_ref().or(own.as_ref()).cloned().unwrap_or_default();
+    allow_answered(world, question, &scene);
     let server = world.resource::<AssetServer>();
     for file in &question.files {
         server.reload(bevy::asset::AssetPath::from_path_buf(file.clone()));
@@ -186,6 +187,16 @@ pub fn allow(world: &mut World, question: &Question) {
             keeps_edits: true,
         });
     }
+}
+
+/// Allows what the answer of a question about this scene says. A link outside of all allowed folders is not followed to one of them, so the
+/// folder that it is named in is allowed as well.
+fn allow_answered(world: &mut World, question: &Question, scene: &Path) {
+    allow_folders(world, &question.folders);
+    let access = world.resource::<Trust>().access(scene);
+    let refused = question.files.iter().filter(|file| !access.covers(file));
+    let named: Vec<PathBuf> = refused.filter_map(|file| Some(file.parent()?.to_owned())).collect();
+    allow_folders(world, &named);
 }
 
 /// Lets scenes read a file that the user has chosen, with its neighbours if it may name some of them.
