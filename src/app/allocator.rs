@@ -41,7 +41,7 @@ mod tests {
     #[test]
     fn large_pieces_go_back_though_small_ones_lie_behind_them() {
         keep_memory_low();
-        // Freeing this one would raise the bound.
+        // Freeing this piece would raise the bound.
         drop(vec![1u8; 30 << 20]);
         let before = resident();
         let pairs: Vec<_> = (0..20).map(|_| (vec![1u8; 8 << 20], Box::new([1u8; 64]))).collect();

@@ -21,7 +21,7 @@ pub use crate::app::editor::session::options::WindowOptions;
 use crate::engine::{EnginePlugin, RenderControl};
 use crate::scene::{FileSourcePlugin, ScenePlugin, asset_plugin};
 
-/// Why the window is not opened.
+/// The reason why the window is not opened.
 #[derive(Debug, Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum WindowError {
@@ -107,8 +107,8 @@ fn log_layer() -> BoxedFmtLayer {
     Box::new(layer.log_internal_errors(false))
 }
 
-/// Drivers leave functions to be called when the process ends. One that is unloaded before, with the last of what it has made, would be
-/// called where nothing is any more: it stays.
+/// Keeps the graphics driver loaded until the process ends, because drivers leave functions to be called then. One that is unloaded before, with
+/// the last of what it has made, would be called where nothing is any more: it stays.
 fn keep_driver(adapter: Option<Res<RenderAdapter>>) {
     std::mem::forget(adapter.map(|adapter| adapter.clone()));
 }
@@ -122,7 +122,7 @@ fn has_display() -> bool {
         || is_set("WAYLAND_SOCKET")
 }
 
-/// Bevy panics, on threads of its own, when it finds no graphics driver or no display: says what that means and ends the program.
+/// Explains the panics of Bevy, on threads of its own, when it finds no graphics driver or no display, and ends the program.
 fn explain_startup_panics() {
     let default_hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {

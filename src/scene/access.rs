@@ -13,7 +13,7 @@ pub enum Trust {
     /// Scenes may read every file.
     #[default]
     Everything,
-    /// Files in the folder of the scene, and in these.
+    /// Scenes may read the files in their own folder and in these.
     Folders(Vec<PathBuf>),
 }
 
@@ -69,7 +69,7 @@ impl SceneAccess {
         self.write().asked = Some((path, access));
     }
 
-    /// The scene that was asked for is the open one now.
+    /// Makes the requested scene the open one.
     pub(crate) fn take_over(&self) {
         let mut all = self.write();
         if let Some((_, access)) = all.asked.take() {

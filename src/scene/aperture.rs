@@ -34,7 +34,7 @@ mod tests {
 
     #[test]
     fn a_lens_of_fifty_millimetres_is_one() {
-        // Known of 35 mm film: 50 mm see 46.79 degrees along the diagonal and 39.6 along the width of a 3:2 picture.
+        // The values of 35 mm film are known: 50 mm see 46.79 degrees along the diagonal and 39.6 along the width of a 3:2 picture.
         for (fov, fov_axis) in [(46.793, FovAxis::Diagonal), (39.598, FovAxis::X)] {
             let sensor = Sensor {
                 fov,

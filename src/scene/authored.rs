@@ -26,7 +26,7 @@ pub struct Source {
 /// A plugin with every parameter spelled out, stored as its difference from the plugin in the file.
 #[derive(Clone, Debug, PartialEq)]
 struct AsRead {
-    /// Bit `i` stands for the property `i` of the plugin in the file.
+    /// A bit set: bit `i` stands for the property `i` of the plugin in the file.
     shared: u64,
     /// The remaining parameters. None if there are none and the plugin is the same.
     rest: Option<Box<Object>>,
@@ -129,9 +129,9 @@ pub struct AuthoredScene {
     pub integrator: Option<(u32, Authored)>,
     /// The folders in which files are looked for besides the scene's folder (`<path>`), absolute.
     pub search_folders: Vec<PathBuf>,
-    /// Properties of the scene itself.
+    /// The properties of the scene itself.
     pub properties: Vec<Property>,
-    /// Plugins and references that were left out, with their places in the file.
+    /// The plugins and references that were left out, with their places in the file.
     pub rest: Vec<(u32, Child)>,
 }
 

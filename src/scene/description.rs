@@ -25,15 +25,15 @@ pub struct SceneDescription {
     pub path: PathBuf,
     /// The integrator in the file; `strategy` and `schlick` are not in files and have their defaults.
     pub integrator: IntegratorSettings,
-    /// Empty when the file has none.
+    /// The cameras; empty if the file has none.
     pub sensors: Vec<SensorDescription>,
-    /// All materials, nested ones too.
+    /// The materials, nested ones too.
     pub materials: Vec<MaterialDescription>,
     /// The `shapegroup`s that instances place.
     pub groups: Vec<GroupDescription>,
     /// The members of groups among them.
     pub shapes: Vec<ShapeDescription>,
-    /// Lights that are no surfaces.
+    /// The lights that are no surfaces.
     pub emitters: Vec<EmitterDescription>,
     /// The parts of the file that became none of these.
     pub remains: AuthoredScene,
@@ -101,37 +101,37 @@ pub struct Identity {
     pub id: Option<String>,
     /// The name that the editor shows: the id, or else the plugin.
     pub name: Cow<'static, str>,
-    /// Place in the file among all objects; ascending in every list of the description.
+    /// The place in the file among all objects; ascending in every list of the description.
     pub order: u32,
-    /// Where the object is declared; empty for what was made in the editor.
+    /// The place where the object is declared; empty for what was made in the editor.
     pub span: Span,
-    /// None for what was made in the editor.
+    /// The source in the file; None for what was made in the editor.
     pub authored: Option<Authored>,
 }
 
-/// A camera with what it records on.
+/// A camera with its film.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SensorDescription {
-    /// Place in the file and names.
+    /// The place in the file and the names.
     pub identity: Identity,
-    /// Lens and field of view.
+    /// The lens and field of view.
     pub sensor: Sensor,
-    /// Size, crop, filter and number of samples.
+    /// The size, crop, filter and number of samples.
     pub film: Film,
-    /// From camera space: +z forward, +x left, +y up.
+    /// The map from camera space: +z forward, +x left, +y up.
     pub to_world: Affine3A,
 }
 
 /// A bsdf.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialDescription {
-    /// Place in the file and names.
+    /// The place in the file and the names.
     pub identity: Identity,
     /// The model with its parameters; nested materials are named by `first` and `second`.
     pub material: Material,
     /// The nested materials, as indices into [`SceneDescription::materials`]. They form no circle.
     pub first: Option<usize>,
-    /// See `first`. Only materials of two others have it.
+    /// The second nested material. Only materials of two others have it.
     pub second: Option<usize>,
     /// Decides where the material is written when the scene is saved.
     pub declared_in: DeclarationPlace,
@@ -140,7 +140,7 @@ pub struct MaterialDescription {
 /// The place at which a material is declared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeclarationPlace {
-    /// In the scene itself, found by references.
+    /// It is in the scene itself, and found by references.
     TopLevel,
     /// It is inside the shape of this index.
     Shape(usize),
@@ -151,38 +151,38 @@ pub enum DeclarationPlace {
 /// A shape with everything that hangs on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShapeDescription {
-    /// Place in the file and names.
+    /// The place in the file and the names.
     pub identity: Identity,
-    /// What is placed.
+    /// The shape.
     pub shape: Shape,
-    /// From local space, invertible. It is the identity for members whose group is placed and not they.
+    /// The map from local space, invertible. It is the identity for members, since their group is placed.
     pub to_world: Affine3A,
     /// The material. None if the file names none: the mesh's own materials apply then, or else the default.
     pub material: Option<usize>,
-    /// None for a shape that does not shine.
+    /// The emission; None for a shape that does not shine.
     pub area_light: Option<AreaLight>,
     /// The group of a member, or below of an instance: indices into [`SceneDescription::groups`].
     pub member_of: Option<usize>,
-    /// See `member_of`.
+    /// The group of an instance.
     pub instance_of: Option<usize>,
     /// The places of the instances, if there are very many.
     pub placements: Option<Placements>,
 }
 
-/// Shapes that are seen only where instances are.
+/// A group of shapes that are visible only in its instances.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupDescription {
-    /// Place in the file and names.
+    /// The place in the file and the names.
     pub identity: Identity,
 }
 
 /// A light that is no surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmitterDescription {
-    /// Place in the file and names.
+    /// The place in the file and the names.
     pub identity: Identity,
-    /// Kind and strength.
+    /// The kind and strength.
     pub emitter: Emitter,
-    /// From the light's own space, in which it shines along +z or has +y or +z up.
+    /// The map from the light's own space, in which it shines along +z or has +y or +z up.
     pub to_world: Affine3A,
 }

@@ -59,7 +59,7 @@ pub(super) enum Thing {
 }
 
 impl Thing {
-    /// All things of a description.
+    /// The identities of all things of a description.
     pub(super) fn all(scene: &SceneDescription) -> impl Iterator<Item = Self> + use<> {
         let materials = (0..scene.materials.len()).map(Self::Material);
         let groups = (0..scene.groups.len()).map(Self::Group);

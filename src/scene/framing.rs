@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::{MeshHandle, SceneStatus, Sensor, Shape, ShapeKind, ToWorld, TriangleMesh};
 use crate::math::Aabb;
 
-/// Asks for this sensor to be placed so that it sees everything, once all meshes are there.
+/// Asks for this sensor to be placed so that it sees everything, once all meshes are loaded.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(crate) struct FrameWhenLoaded;
 
@@ -54,7 +54,7 @@ pub(super) fn frame_scene(
     let (center, extent, radius) = (bounds.center(), bounds.extent(), bounds.framed_radius());
     for (entity, mut sensor, mut to_world) in &mut waiting {
         let half = match bounds.radius() < radius {
-            // There is nothing to see; the camera stands where a larger thing would be seen.
+            // There is nothing to see, so the camera is placed where a larger thing would be visible.
             true => radius,
             false => (0.5 * extent.x.max(extent.y)).max(1e-3 * radius),
         };

@@ -1,4 +1,4 @@
-//! Shapes that stand in the scene many times: a group of them, and the places where it stands.
+//! Groups of shapes that are in the scene many times, and the places of their instances.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use glam::Affine3;
 
 use super::DocumentOrder;
 
-/// Shapes ([`MemberOf`]) that are not seen themselves, only where an instance of the group stands.
+/// A group of shapes ([`MemberOf`]) that are visible only in its instances.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 #[require(DocumentOrder)]
@@ -34,7 +34,7 @@ pub(crate) struct InstanceOf(pub Entity);
 #[relationship_target(relationship = InstanceOf)]
 pub(crate) struct Instances(Vec<Entity>);
 
-/// Very many instances as one, in place of `ToWorld`. They are saved with the text that they were read from, as long as the file has it.
+/// Very many instances as one, in place of `ToWorld`. They are saved with the text that they were read from, if the file still has it.
 #[derive(Component, Clone, Debug)]
 pub struct Placements {
     /// World from group; shared with the document.

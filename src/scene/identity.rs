@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use crate::math::is_invertible;
 
-/// Position in the scene file. Everything that becomes a table is ordered by it, never by how the ECS happens to store entities.
+/// The position in the scene file. Every table is ordered by it, never by how the ECS stores entities.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[reflect(Component, PartialEq)]
 pub struct DocumentOrder(pub u32);
@@ -28,7 +28,7 @@ impl ToWorld {
     }
 }
 
-/// Left out of the picture while one works on the rest. The file knows nothing of it: it is there again when the scene is opened.
+/// Hides an entity while the user works on others. The mark is not saved: the entity is visible when the scene is opened again.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 pub struct Hidden;

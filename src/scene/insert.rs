@@ -1,4 +1,4 @@
-//! Things that come into a scene that is there: what a description has, as if it had been made in the editor; and descriptions of a part.
+//! Adds the things of a description to the scene, as if they had been made in the editor; and makes descriptions of a part.
 
 use std::collections::{HashMap, HashSet};
 
@@ -16,7 +16,7 @@ use crate::document::Object;
 /// The entities that [`insert`] has made.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Inserted {
-    /// All of it.
+    /// All entities.
     pub all: Vec<Entity>,
     /// The entities that stand for themselves: shapes of the world, lights and cameras; materials, if there is nothing else.
     pub objects: Vec<Entity>,
@@ -28,7 +28,7 @@ pub(crate) fn next_order(world: &mut World) -> u32 {
     last.map_or(0, |last| last.saturating_add(1))
 }
 
-/// `wanted`, with a number where something is already called that.
+/// The name `wanted`, with a number if it is taken.
 pub(crate) fn free_name(taken: &HashSet<String>, wanted: &str) -> String {
     if !taken.contains(wanted) {
         return wanted.to_owned();
@@ -220,7 +220,7 @@ fn shared_materials(world: &mut World, scene: &SceneDescription) -> Vec<Option<E
     shared
 }
 
-/// Whether the material is equal to that of the entity, with all that is inside; `pairs`: what is which.
+/// Whether the material is equal to that of the entity, with all that is inside. `pairs` has the materials that are known to be equal.
 fn is_same(
     world: &World,
     scene: &SceneDescription,
@@ -244,8 +244,8 @@ fn is_same(
         })
 }
 
-/// These things with all that they refer to, and nothing else: of materials, groups and their members only what is needed. What the file said of
-/// them is left behind.
+/// The description of these things with all that they refer to, and nothing else: of materials, groups and their members only what is needed. What
+/// the file said of them is left out.
 pub(crate) fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescription {
     let (whole, entities) = describe_entities(world);
     let is_wanted = |entity: &Entity| wanted.contains(entity);
@@ -267,7 +267,7 @@ pub(crate) fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescri
             is_material_used[material] = true;
         }
     }
-    // Nested materials stand before those they are in, or behind: until nothing is added.
+    // Nested materials come before or after those they are in, so this repeats until nothing is added.
     loop {
         let before = is_material_used.clone();
         for (material, _) in whole.materials.iter().zip(&before).filter(|(_, used)| **used) {
@@ -314,7 +314,7 @@ pub(crate) fn describe_part(world: &mut World, wanted: &[Entity]) -> SceneDescri
             shape.material = shape.material.and_then(|index| material_at[index]);
             shape.member_of = shape.member_of.and_then(|index| group_at[index]);
             shape.instance_of = shape.instance_of.and_then(|index| group_at[index]);
-            // Written out, very many instances would be very many elements.
+            // Very many instances would become very many elements here.
             shape.placements = None;
             shape
         })

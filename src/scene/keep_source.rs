@@ -1,13 +1,13 @@
-//! Whether the text and the tree of a scene file are kept beside what they mean.
+//! The choice whether the text and the tree of a scene file are kept beside what they mean.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use bevy::prelude::*;
 
-/// Saving and reloading need what the file said of each thing. A program that only renders a scene does without it, and without most of the
-/// memory that a scene of many things takes; later changes of the file are then left alone. Shared with the loader, which runs on other
-/// threads.
+/// Whether the source is kept. Saving and reloading need what the file said of each thing. A program that only renders a scene does without it, and
+/// without most of the memory that a scene of many things takes; later changes of the file are then left alone. Shared with the loader, which runs
+/// on other threads.
 #[derive(Resource, Clone, Debug)]
 pub(crate) struct KeepSource(Arc<AtomicBool>);
 

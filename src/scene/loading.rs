@@ -1,4 +1,4 @@
-//! Scene files: asked for, read by the asset server, turned into entities.
+//! Loads scene files: the asset server reads them, and they are turned into entities.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -71,7 +71,7 @@ pub(super) fn open_scenes(
     });
 }
 
-/// Scene files that have been read, or could not be read, since the last look.
+/// The scene files that have been read, or could not be read, since the last look.
 #[derive(Default)]
 pub(super) struct Readings {
     arrived: HashSet<AssetId<SceneAsset>>,
@@ -129,8 +129,8 @@ pub(super) fn apply_scenes(
     }
 }
 
-/// Whether this was read of the scene's file before that was written here: it is read again then, for what was edited would seem to be taken
-/// back by the file.
+/// Whether this was read of the scene's file before that was written here. It is read again then, because otherwise the file would seem to revert
+/// the edits.
 fn is_outdated(world: &mut World, asset: &SceneAsset) -> bool {
     let file = world.resource::<SceneFile>();
     let is_outdated = file.was_written && !are_as_read(&asset.diagnostics.sources);
@@ -235,7 +235,7 @@ pub(super) fn follow_file(world: &mut World, path: &Path, diagnostics: Arc<Diagn
     }
 }
 
-/// An empty scene of no file, in place of what was there: a camera that looks at the origin, and a grey sky.
+/// Opens an empty scene of no file in place of the open one: a camera that looks at the origin, and a grey sky.
 pub(crate) fn new_scene(world: &mut World) {
     if let (Some(access), Some(trust)) = (world.get_resource::<SceneAccess>(), world.get_resource::<Trust>()) {
         access.set(trust.access(Path::new("")));

@@ -28,7 +28,7 @@ pub fn check_meshes(scene: &SceneDescription, access: &Access, diagnostics: &mut
             let loaded = load_mesh(&mesh.path, access).map_err(|error| error.to_string())?;
             Ok(loaded.shapes.into_iter().map(Findings::from).collect())
         });
-        // A shape with a material of its own does not look at those of its file.
+        // A shape with a material of its own does not use those of its file.
         if shape.material.is_none()
             && let Ok(shapes) = shapes
             && let Some(findings) = shapes.get(mesh.shape_index as usize)

@@ -1,4 +1,4 @@
-//! Mesh assets follow the shapes that name them, and their troubles reach the status.
+//! Loads the meshes that shapes name, and reports problems with them to the status.
 
 use std::collections::{HashMap, HashSet};
 

@@ -84,12 +84,12 @@ macro_rules! object_change {
 with_components!(object_change);
 
 impl Part {
-    /// Hiding and locking are of no file.
+    /// Whether it concerns the file, which hiding and locking do not.
     fn is_of_file(&self) -> bool {
         !matches!(self, Self::Hidden(_) | Self::Locked(_))
     }
 
-    /// An estimate of what the values have allocated. Placements count as if nothing else held them.
+    /// An estimate of the memory that the values have allocated. Placements count as if nothing else held them.
     fn heap_bytes(&self) -> usize {
         /// The size of a texture with its path.
         const TEXTURE: usize = 256;

@@ -1,4 +1,4 @@
-//! All that the scene says of one entity, as one value: what an edit remembers to be taken back, and what a reload compares.
+//! The state of one entity as one value: an edit keeps it for undo, and a reload compares it.
 //!
 //! Handles of meshes and pictures are not part of it (they follow the components that name files), nor is [`super::Authored`]: what the file
 //! says of an entity is no edit of it.
@@ -19,7 +19,7 @@ macro_rules! object_state {
         }
 
         impl ObjectState {
-            /// Empty for an entity that does not exist.
+            /// The state of an entity; empty if it does not exist.
             pub fn of(world: &World, entity: Entity) -> Self {
                 let Ok(entity) = world.get_entity(entity) else {
                     return Self::default();
@@ -34,8 +34,8 @@ macro_rules! object_state {
                 $(write_component(world, entity, &self.$field);)*
             }
 
-            /// Three states into one: what `theirs` changed since `base` is taken over, what they left alone stays as `ours` has it. Our side
-            /// began as `start`, which may be written otherwise than `base` and mean the same.
+            /// Merges three states: what `theirs` changed since `base` is taken, and the rest stays as in `ours`. Our side began as `start`, which
+            /// may be written otherwise than `base` and mean the same.
             pub fn merged(base: &Self, theirs: &Self, start: &Self, ours: &Self) -> Merged {
                 let mut merged = Merged {
                     state: ours.clone(),
@@ -125,7 +125,7 @@ impl ObjectState {
         })
     }
 
-    /// Whether there is a thing at all.
+    /// Whether the thing exists.
     pub fn is_there(&self) -> bool {
         self.shape.is_some()
             || self.material.is_some()

@@ -67,7 +67,7 @@ pub(super) fn follow_pictures(
     materials: Query<&Material>,
     lights: Query<&AreaLight>,
     emitters: Query<&Emitter>,
-    // Those with a material of their own do not look at the library of their file.
+    // Shapes with a material of their own do not use the library of their file.
     libraries: Query<&MeshHandle, Without<UsesMaterial>>,
     meshes: Res<Assets<TriangleMesh>>,
     mut news: PictureNews,
@@ -102,7 +102,7 @@ pub(super) fn follow_pictures(
     }
 }
 
-/// Brings what is said of pictures up to date.
+/// Updates the messages about pictures.
 pub(super) fn report_pictures(
     mut status: ResMut<SceneStatus>,
     pictures: Res<Pictures>,

@@ -21,7 +21,7 @@ use super::*;
 /// ```
 pub struct ScenePlugin;
 
-/// Bevy's asset plugin as scenes need it: files from anywhere on the disk, no `.meta` files beside them.
+/// Bevy's asset plugin as scenes need it: it reads files from anywhere on the disk, without `.meta` files beside them.
 pub fn asset_plugin() -> AssetPlugin {
     AssetPlugin {
         unapproved_path_mode: bevy::asset::UnapprovedPathMode::Allow,
@@ -34,11 +34,11 @@ pub fn asset_plugin() -> AssetPlugin {
 /// The systems in `PreUpdate`, in this order, after the asset server has stored what it read.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SceneSystems {
-    /// Files asked for or changed are handed to the asset server.
+    /// Requested and changed files are handed to the asset server.
     Request,
     /// The scene that was read becomes entities.
     Apply,
-    /// Handles of meshes and pictures follow who names them; the status is brought up to date.
+    /// Handles of meshes and pictures follow the components that name them; the status is updated.
     Follow,
 }
 

@@ -13,7 +13,7 @@ const GRACE: Duration = Duration::from_millis(500);
 #[derive(Debug, Default)]
 pub(super) struct Presence {
     there: HashSet<PathBuf>,
-    /// Since when they have not been there.
+    /// The times since which files have been away.
     away: BTreeMap<PathBuf, Instant>,
 }
 

@@ -11,7 +11,8 @@ use super::spawn::StandInSensor;
 use super::write::gather::Entities;
 use super::{Authored, ObjectState, Placements, SceneId};
 
-/// The file now says what `written` says, which was made of `scene`, of these entities: what was made in the editor belongs to it from now on.
+/// Updates the known file: it now says `written`, which was made of `scene`, of these entities. What was made in the editor belongs to it from now
+/// on.
 pub(super) fn rebase(world: &mut World, scene: &SceneDescription, entities: &Entities, written: Arc<SceneDescription>) {
     let mut paired = |known: &[Entity], pairs: Vec<Option<usize>>| {
         let pairs = pairs.into_iter().map(|index| index.map(|index| known[index]));
@@ -116,7 +117,7 @@ fn pairs<T>(
     written.iter().map(partner).collect()
 }
 
-/// Which of the known materials each written one is: by who uses it, outermost first, or else as [`pairs`] finds it.
+/// The known material that each written one is: it has the same users, outermost first, or else it is what [`pairs`] finds.
 fn material_pairs(
     scene: &SceneDescription,
     written: &SceneDescription,

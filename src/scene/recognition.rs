@@ -1,7 +1,7 @@
 //! Recognises things of a file that have no ids after the file has changed. A longest common subsequence pairs those that are equal, and what lies
 //! between is paired by its place, as in comparisons of texts (Hunt and McIlroy, "An Algorithm for Differential File Comparison", 1976).
 
-/// The comparisons that one list may take; beyond it only its ends are compared.
+/// The most comparisons for one list; beyond it only its ends are compared.
 const MOST_COMPARISONS: usize = 4_000_000;
 
 /// The place in `before` of each thing of `now`, ascending; None for those that are new.
@@ -34,7 +34,7 @@ pub(super) fn recognised<T: PartialEq>(before: &[T], now: &[T]) -> Vec<Option<us
     found
 }
 
-/// Ascending places of equal things, as many as there can be.
+/// The longest ascending pairs of places of equal things.
 fn common_subsequence<T: PartialEq>(a: &[T], b: &[T]) -> Vec<(usize, usize)> {
     if a.len().saturating_mul(b.len()) > MOST_COMPARISONS {
         return Vec::new();

@@ -10,14 +10,14 @@ use super::assets::SceneAsset;
 use super::description::PicturePlaces;
 use crate::document::Diagnostics;
 
-/// The file that the entities are from, and the one that was asked for since.
+/// The file that the entities are from, and the one that was requested since.
 #[derive(Resource, Debug, Default)]
 pub struct SceneFile {
-    /// Kept so that it stays loaded; None for a scene of no file.
+    /// The handle, which keeps the asset loaded; None for a scene of no file.
     pub(super) handle: Option<Handle<SceneAsset>>,
-    /// Empty for a scene of no file.
+    /// The path; empty for a scene of no file.
     pub(super) path: PathBuf,
-    /// None once it was read, or could not be.
+    /// The requested file; None once it was read, or could not be.
     pub(super) asked: Option<Asked>,
     /// The texts that the spans of the entities' sources point into.
     pub(super) good_diagnostics: Arc<Diagnostics>,
@@ -25,7 +25,7 @@ pub struct SceneFile {
     pub(super) picture_places: PicturePlaces,
     /// It was written here, and nothing has been read of it since: what arrives may have been read before.
     pub(super) was_written: bool,
-    /// See [`Self::hold`].
+    /// Whether changes are held back, see [`Self::hold`].
     pub(super) is_held: bool,
 }
 
@@ -44,7 +44,7 @@ impl SceneFile {
         self.handle.is_some()
     }
 
-    /// Whether what is read of this file stays aside for now: the user is being asked what is to become of its changes.
+    /// Sets whether changes of this file are held back: the user is being asked about them.
     pub fn hold(&mut self, held: bool) {
         self.is_held = held;
     }

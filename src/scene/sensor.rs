@@ -10,15 +10,15 @@ use super::{DocumentOrder, ToWorld};
 #[reflect(Component, PartialEq)]
 #[require(ToWorld, Film, DocumentOrder)]
 pub struct Sensor {
-    /// How rays leave the camera.
+    /// The lens, which decides how rays leave the camera.
     pub lens: Lens,
-    /// Field of view in degrees, 0 to 180 exclusive, along `fov_axis`.
+    /// The field of view in degrees, 0 to 180 exclusive, along `fov_axis`.
     pub fov: f32,
-    /// Along which side of the picture `fov` is measured.
+    /// The side of the picture along which `fov` is measured.
     pub fov_axis: FovAxis,
     /// Distances along the view axis between which things are seen.
     pub near_clip: f32,
-    /// See `near_clip`.
+    /// The far clip distance, see `near_clip`.
     pub far_clip: f32,
     /// The offset of the picture in the image plane, in parts of its width and height; right and down are positive.
     pub principal_point_offset: Vec2,
@@ -40,7 +40,7 @@ impl Default for Sensor {
 /// The kinds of cameras, by their plugins.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 pub enum Lens {
-    /// `perspective`
+    /// `perspective`: the picture is sharp everywhere.
     #[default]
     Pinhole,
     /// `thinlens`: the picture is sharp in the plane at `focus_distance` along the view axis.
@@ -49,7 +49,7 @@ pub enum Lens {
         aperture_radius: f32,
         /// World units.
         focus_distance: f32,
-        /// Edges of the aperture; below 3 it is round.
+        /// The number of edges of the aperture; below 3 it is round.
         blades: u32,
         /// Degrees, from +x to +y.
         blade_rotation: f32,
@@ -58,7 +58,7 @@ pub enum Lens {
     Orthographic,
 }
 
-/// Along which extent of the picture a field of view is measured.
+/// The extent of the picture along which a field of view is measured.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FovAxis {
     /// Its width.
@@ -66,7 +66,7 @@ pub enum FovAxis {
     X,
     /// Its height.
     Y,
-    /// From corner to corner.
+    /// It is measured from corner to corner.
     Diagonal,
     /// The smaller one of width and height.
     Smaller,
@@ -110,9 +110,9 @@ pub struct Film {
     pub height: u32,
     /// The part that is rendered; None for all of it.
     pub crop: Option<Crop>,
-    /// How samples near a pixel's border count for its neighbours.
+    /// The filter, by which samples near a pixel's border count for its neighbours.
     pub filter: ReconstructionFilter,
-    /// Samples per pixel to stop at.
+    /// The samples per pixel to stop at.
     pub sample_count: u32,
 }
 
@@ -130,7 +130,7 @@ pub struct Crop {
 }
 
 impl Film {
-    /// The picture in pixels of the film: the crop as far as it lies within, and at least a pixel where there is one.
+    /// The picture in pixels of the film: the crop within the film, and at least a pixel if there is one.
     pub fn window(&self) -> Crop {
         let Some(crop) = self.crop else {
             return Crop {
@@ -154,7 +154,7 @@ impl Film {
 
     /// Pixels along one side.
     pub(crate) const LARGEST_SIDE: u32 = 65_536;
-    /// Pixels in all: sums and finished pictures of that size take 5 GB.
+    /// The most pixels in all: sums and finished pictures of that size take 5 GB.
     pub const MOST_PIXELS: u64 = 1 << 26;
 
     /// Whether there can be a film of this size in pixels.
@@ -181,16 +181,16 @@ impl Default for Film {
 pub enum ReconstructionFilter {
     /// The same weight all over the pixel.
     Box,
-    /// `radius` in pixels.
+    /// A tent; `radius` is in pixels.
     Tent {
-        /// Above 0.
+        /// The radius, above 0.
         radius: f32,
     },
-    /// Mitchell and Netravali's parameters B and C.
+    /// Mitchell and Netravali's filter with parameters B and C.
     Mitchell {
-        /// Blurring; 1/3 by default.
+        /// The blurring; 1/3 by default.
         b: f32,
-        /// Ringing; 1/3 by default.
+        /// The ringing; 1/3 by default.
         c: f32,
     },
     /// Mitchell and Netravali's filter with B = 0 and C = 1/2, which interpolates.
@@ -200,9 +200,9 @@ pub enum ReconstructionFilter {
         /// Half the width of the window in pixels, at least 1.
         lobes: u32,
     },
-    /// Truncated at four standard deviations; `stddev` in pixels.
+    /// A Gaussian, truncated at four standard deviations; `stddev` is in pixels.
     Gaussian {
-        /// Above 0.
+        /// The standard deviation, above 0.
         stddev: f32,
     },
 }
@@ -239,11 +239,11 @@ pub fn find_camera(world: &mut World, wanted: &str) -> Result<Entity, NoSuchCame
     }
 }
 
-/// Why no camera was found; the message lists those that there are.
+/// The reason why no camera was found; the message lists the known ones.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("there is no camera `{wanted}`; {}", known(names))]
 pub struct NoSuchCamera {
-    /// The name or index that was asked for.
+    /// The requested name or index.
     pub wanted: String,
     /// The names of all cameras of the scene.
     pub names: Vec<String>,
@@ -264,7 +264,7 @@ mod tests {
 
     #[test]
     fn field_of_view_along_every_axis() {
-        // Half angles whose tangents are 1 along x on a 2:1 film: 1/2 along y, sqrt(5)/2 along the diagonal.
+        // The tangents of the half angles are 1 along x on a 2:1 film, 1/2 along y, and sqrt(5)/2 along the diagonal.
         let degrees = |half_tangent: f32| 2.0 * half_tangent.atan().to_degrees();
         let table = [
             (FovAxis::X, 2.0, degrees(1.0)),

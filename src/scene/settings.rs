@@ -6,15 +6,15 @@ use bevy::prelude::*;
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, PartialEq)]
 pub struct IntegratorSettings {
-    /// Longest path in segments: 1 shows emitters only, 2 adds direct light; None is unbounded.
+    /// The most segments of a path: 1 shows emitters only, 2 adds direct light; None is unbounded.
     pub max_depth: Option<u32>,
     /// The depth from which on paths may be ended by Russian roulette, see [`crate::render::view::PathSettings`].
     pub rr_depth: u32,
-    /// Emitters are not seen by the camera directly.
+    /// Whether emitters are invisible to the camera.
     pub hide_emitters: bool,
-    /// For comparisons; files do not say it.
+    /// The strategy, for comparisons; it is not in files.
     pub strategy: Strategy,
-    /// Schlick's approximation for dielectrics instead of the exact Fresnel equations.
+    /// Whether Schlick's approximation is used for dielectrics instead of the exact Fresnel equations.
     pub schlick: bool,
 }
 
@@ -30,8 +30,8 @@ impl Default for IntegratorSettings {
     }
 }
 
-/// How light is looked for at each bounce. All three converge to the same picture, save that light-only sampling cannot see an
-/// emitter through a mirror or glass other than by following the path there.
+/// The strategy for finding light at each bounce. All three converge to the same picture, save that light-only sampling cannot see an emitter
+/// through a mirror or glass other than by following the path there.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Strategy {
     /// Directions are drawn from the materials alone.
@@ -49,7 +49,7 @@ pub enum Strategy {
 pub struct SamplerSettings {
     /// The kind of random numbers.
     pub sequence: Sequence,
-    /// Another seed gives other noise.
+    /// The seed. Another seed gives other noise.
     pub seed: u32,
 }
 

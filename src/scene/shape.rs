@@ -30,11 +30,11 @@ impl Shape {
 /// The kinds of shapes, by their plugins.
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 pub enum ShapeKind {
-    /// `center` and `radius` in local space.
+    /// A sphere; `center` and `radius` are in local space.
     Sphere {
-        /// In local space, as the radius.
+        /// The centre in local space.
         center: Vec3,
-        /// Above 0.
+        /// The radius in local space, above 0.
         radius: f32,
     },
     /// The square [-1, 1]^2 in the local plane z = 0, its normal +z.
@@ -46,19 +46,19 @@ pub enum ShapeKind {
     Disk,
     /// One triangle, in local space; its front is where its corners run counter-clockwise.
     Triangle {
-        /// In local space.
+        /// The corners in local space.
         corners: [Vec3; 3],
     },
-    /// Open, without caps; the ends' centres in local space. The normals point outwards.
+    /// An open cylinder without caps, with the ends' centres in local space. The normals point outwards.
     Cylinder {
         /// The centre of the first end.
         p0: Vec3,
         /// The centre of the other end.
         p1: Vec3,
-        /// Above 0.
+        /// The radius, above 0.
         radius: f32,
     },
-    /// Triangles of a file.
+    /// The triangles of a file.
     Mesh(MeshFile),
     /// The shapes of the group that `InstanceOf` names.
     Instance,
@@ -83,13 +83,13 @@ impl ShapeKind {
 /// A mesh by its file.
 #[derive(Reflect, Clone, Debug, Default, PartialEq)]
 pub struct MeshFile {
-    /// Absolute path.
+    /// The absolute path.
     pub path: PathBuf,
-    /// By the plugin that names the file, not by its ending.
+    /// The format, by the plugin that names the file, not by its extension.
     pub format: MeshFormat,
     /// The index of the shape in a serialized file, from 0.
     pub shape_index: u32,
-    /// Shade with the triangles' own normals, not the vertices'.
+    /// Whether to shade with the triangles' own normals, not the vertices'.
     pub face_normals: bool,
     /// Turns the file's v upside down. Unless the scene says otherwise so for OBJ, where v counts from the bottom up.
     pub flip_tex_coords: bool,
@@ -98,12 +98,12 @@ pub struct MeshFile {
 /// The formats of mesh files.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MeshFormat {
-    /// Wavefront, with materials of MTL libraries.
+    /// Wavefront OBJ, with materials of MTL libraries.
     #[default]
     Obj,
-    /// Text, or binary of either byte order.
+    /// PLY, as text or binary of either byte order.
     Ply,
-    /// Mitsuba's own, several shapes to a file.
+    /// Mitsuba's own format, with several shapes to a file.
     Serialized,
 }
 

@@ -41,7 +41,7 @@ pub fn spawn_fresh(world: &mut World, scene: &Arc<SceneDescription>) {
     update(world, scene);
 }
 
-/// Makes the entities what the description says, but for what was edited since it was last read or written.
+/// Updates the entities to the description, without what was edited since it was last read or written.
 pub fn update(world: &mut World, scene: &Arc<SceneDescription>) -> ReloadSummary {
     let base = world.remove_resource::<FileBase>().unwrap_or_default();
     let mut summary = ReloadSummary::default();
@@ -141,7 +141,7 @@ pub fn edited_twice(world: &World, scene: &SceneDescription) -> usize {
     summary.replaced + usize::from(is_integrator_edited_twice(world, &scene.integrator))
 }
 
-/// Renames what was called here as something new of the file is; how many things that are.
+/// Renames things here whose ids something new of the file has; gives the number of those things.
 fn give_way(world: &mut World, new_ids: &HashMap<SceneId, Entity>) -> usize {
     if new_ids.is_empty() {
         return 0;
@@ -203,7 +203,7 @@ fn taken_over(
 ) -> ObjectState {
     let (before, new) = (known.state(&base.scene, &base.entities).unordered(), theirs.unordered());
     if !ours.is_there() {
-        // Deleted here: it comes back only if the file has something new to say of it.
+        // The thing was deleted here: it comes back only if the file has changed it.
         if before == new {
             return ours.clone();
         }
@@ -222,7 +222,7 @@ fn taken_over(
     merged.state
 }
 
-/// The camera in use and where it stands.
+/// The camera in use and its pose.
 fn looked_from(world: &World) -> Option<(Entity, ToWorld)> {
     let active = world.get_resource::<ActiveSensor>()?.0?;
     Some((active, *world.get::<ToWorld>(active)?))
@@ -282,8 +282,7 @@ fn is_integrator_edited_twice(world: &World, theirs: &IntegratorSettings) -> boo
     })
 }
 
-/// The command line and the panels may have changed the settings; only what the file changed is taken over. What is not the file's
-/// business is kept.
+/// The command line and the panels may have changed the settings, so only what the file changed is taken. Settings that are not in files are kept.
 fn update_integrator(world: &mut World, now: &IntegratorSettings) {
     let mut base = world.get_resource_or_init::<FileBase>();
     if base.integrator.replace(*now) == Some(*now) {

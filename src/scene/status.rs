@@ -9,22 +9,22 @@ use bevy::prelude::*;
 use super::Lens;
 use crate::document::{Diagnostics, Severity, Span};
 
-/// Asks for a scene file; what was open before is replaced once the new one is read.
+/// Asks for a scene file. The open scene is replaced once the new one is read.
 #[derive(Message, Clone, Debug, Default, PartialEq, Eq)]
 pub struct OpenScene {
     /// Relative paths are meant from the working directory.
     pub path: PathBuf,
-    /// Values for the file's `$name` parameters; they win over its `<default>`s.
+    /// The values for the file's `$name` parameters; they override its `<default>`s.
     pub defines: Vec<(String, String)>,
     /// Whether edits since the file was read are kept if it is the open file, as they are when it changes on disk. Otherwise they are lost.
     pub keeps_edits: bool,
 }
 
-/// A mesh or a picture of the scene has changed on disk, and what it holds now is in use.
+/// A mesh or a picture of the scene has changed on disk, and its new content is in use.
 #[derive(Message, Clone, Debug, PartialEq, Eq)]
 pub struct FileReadAgain(pub PathBuf);
 
-/// How far the scene that was asked for has come.
+/// The progress of the scene that was requested.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SceneState {
     /// Nothing has been opened.
@@ -32,7 +32,7 @@ pub enum SceneState {
     Empty,
     /// A scene is being read for the first time; entities may still be those of the one before.
     Loading,
-    /// The entities are those of the file. Meshes may still be on their way: [`SceneStatus::meshes_loading`].
+    /// The entities are those of the file. Meshes may still be loading: [`SceneStatus::meshes_loading`].
     Ready,
     /// The last attempt failed; the entities are those of the last good scene, if there was one.
     Failed,
@@ -66,35 +66,35 @@ impl FileProblem {
     }
 }
 
-/// The open scene and what there is to say about it.
+/// The state of the open scene.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct SceneStatus {
     /// The file that the entities are from, absolute; None for a scene of no file.
     pub path: Option<PathBuf>,
-    /// The file asked for last, absolute, while it is being read and after it could not be.
+    /// The file that was requested last, absolute, while it is being read and after it could not be.
     pub asked: Option<PathBuf>,
     /// Whether the file of `path` cannot be read as it is now, such as while it is being edited.
     pub file_is_broken: bool,
-    /// How far the scene that was asked for last has come.
+    /// The progress of the scene that was requested last.
     pub state: SceneState,
     /// The diagnostics of the last attempt, failed or not.
     pub diagnostics: Arc<Diagnostics>,
-    /// Mesh files that could not be read, each once. The shapes that name them are not in the picture, or are still what the last good file made
-    /// them.
+    /// The mesh files that could not be read, each once. The shapes that name them are not in the picture, or have the last mesh that could be
+    /// read.
     pub mesh_errors: Vec<FileProblem>,
     /// Warnings of the mesh readers about what they left out or mended.
     pub mesh_warnings: Vec<FileProblem>,
-    /// Meshes whose first load is not over.
+    /// The number of meshes whose first load is not over.
     pub meshes_loading: usize,
-    /// Pictures that are not there; a grey takes their place, or what the last good file held.
+    /// The pictures that do not exist. A grey replaces them, or the last content that could be read.
     pub picture_problems: Vec<FileProblem>,
-    /// Pictures that are there and cannot be read, likewise.
+    /// The pictures that exist and cannot be read, likewise.
     pub damaged_pictures: Vec<FileProblem>,
-    /// Pictures of lights that have negative pixels.
+    /// The pictures of lights that have negative pixels.
     pub picture_warnings: Vec<FileProblem>,
-    /// Pictures whose first load is not over.
+    /// The number of pictures whose first load is not over.
     pub pictures_loading: usize,
-    /// Files of the scene, itself among them, that were there and have gone from the disk; what was read of them stays.
+    /// The files of the scene, itself among them, that existed and are gone from the disk; their content stays.
     pub files_gone: Vec<PathBuf>,
     /// Counts successful loads and reloads.
     pub revision: u64,
@@ -112,7 +112,7 @@ impl SceneStatus {
         self.asked.as_deref().or(self.path.as_deref())
     }
 
-    /// Files that textures and shapes wait for.
+    /// The number of files that textures and shapes wait for.
     pub fn files_loading(&self) -> usize {
         self.meshes_loading + self.pictures_loading
     }
@@ -122,7 +122,7 @@ impl SceneStatus {
         self.state == SceneState::Ready && self.files_loading() == 0
     }
 
-    /// The diagnostics, and what is wrong with meshes and pictures, as messages of the same kind.
+    /// The diagnostics and the problems with meshes and pictures, as messages of the same kind.
     pub fn all_diagnostics(&self) -> Diagnostics {
         let mut all = Diagnostics::clone(&self.diagnostics);
         for (severity, problems) in [
@@ -171,17 +171,17 @@ impl FreeView {
 /// The numbers of things that a reload changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReloadSummary {
-    /// Are new in the file.
+    /// The number of things that are new in the file.
     pub added: usize,
-    /// Are otherwise in the file than before, and were not edited here.
+    /// The number of things that changed in the file and were not edited here.
     pub changed: usize,
-    /// Are in the file no more.
+    /// The number of things that are no longer in the file.
     pub removed: usize,
-    /// Are as they were edited here, though the file says otherwise.
+    /// The number of things that stay as they were edited here, unlike in the file.
     pub kept: usize,
-    /// Were edited here and in the file; the file's edit counts.
+    /// The number of things that were edited here and in the file; the file's edit counts.
     pub replaced: usize,
-    /// Have another name here, for the file has something new by theirs.
+    /// The number of things that were renamed here, because the file has something new with their name.
     pub renamed: usize,
 }
 
@@ -191,7 +191,7 @@ impl ReloadSummary {
         self.added + self.changed + self.removed + self.replaced + self.renamed == 0
     }
 
-    /// "2 things changed, 1 new, 3 edits kept"; empty if there is nothing to say.
+    /// The text, such as "2 things changed, 1 new, 3 edits kept"; empty if there is nothing to tell.
     pub fn text(&self) -> String {
         let parts = [
             (self.changed, "changed"),

@@ -27,7 +27,7 @@ impl<T> Parameter<T> {
         *self = Self::Texture(Texture::of_picture(path, before));
     }
 
-    /// The picture at `path` instead of what is at a place within; one that is not there changes nothing.
+    /// Sets the picture at `path` in place of the texture at a place within. A place that does not exist changes nothing.
     pub fn set_picture_at(&mut self, place: SquarePath, path: PathBuf) {
         let Some((square, rest)) = place.split() else {
             return self.set_picture(path);
@@ -89,7 +89,7 @@ impl From<f32> for Parameter<f32> {
 pub enum Texture {
     /// A picture over uv. What is large is boxed: every parameter of every material has room for a texture.
     Bitmap(Box<Bitmap>),
-    /// Squares of two colours, two by two per unit of uv.
+    /// A checkerboard of two colours, with two by two squares per unit of uv.
     Checkerboard {
         /// The colour at the origin of uv; for numbers that of the other squares.
         color0: Box<Parameter<Rgb>>,
@@ -100,7 +100,7 @@ pub enum Texture {
     },
     /// A value that the mesh itself has per vertex or face.
     MeshAttribute {
-        /// `vertex_color`, `face_...`: what the mesh's loader calls it.
+        /// The name that the mesh's reader gives it: `vertex_color`, `face_...`.
         name: String,
         /// A factor on the value.
         scale: f32,
@@ -110,7 +110,7 @@ pub enum Texture {
 /// A picture and how it is looked at.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bitmap {
-    /// Absolute path.
+    /// The absolute path.
     pub path: PathBuf,
     /// How values between texel centres come about.
     pub filter: TextureFilter,

@@ -1,4 +1,4 @@
-//! Files of the open scene that change on disk are read again: the scene with its includes, meshes, material libraries, pictures.
+//! Reads files of the open scene again when they change on disk: the scene with its includes, meshes, material libraries, pictures.
 //!
 //! Bevy watches only its own asset root, so this watch is ours; it only tells the asset server what to reload. Folders are watched, not
 //! files: editors replace files by renaming others over them. A file that is half written fails to load, which keeps the old content;
@@ -29,18 +29,18 @@ const DEBOUNCE: Duration = Duration::from_millis(100);
 /// A reload without any message for this time is thought to be lost.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// The watch, and what is watched for.
+/// The watch, and the files that are watched.
 #[derive(Resource, Default)]
 pub struct SceneWatch {
     watcher: Option<Watcher>,
-    /// Set when the system refuses to watch; hot reload is off then.
+    /// The error if the system refuses to watch; hot reload is off then.
     pub error: Option<String>,
     folders: HashSet<PathBuf>,
     /// The assets to reload when a file changes.
     reloads: HashMap<PathBuf, Vec<PathBuf>>,
-    /// Changed, but not yet handed over.
+    /// The files that changed and are not handed over yet.
     waiting: HashSet<PathBuf>,
-    /// Handed over, and when; nothing heard of it since.
+    /// The files that were handed over without any news since, with the time.
     on_their_way: HashMap<PathBuf, Instant>,
     presence: Presence,
 }
@@ -86,7 +86,7 @@ impl SceneWatch {
             .map(Path::to_owned)
             .collect();
         for folder in self.folders.difference(&wanted) {
-            // Fails for folders that are gone, which need no watch any more.
+            // This fails for folders that are gone, which need no watch any more.
             let _ = watcher.debouncer.unwatch(folder);
         }
         let mut watched: HashSet<PathBuf> = self.folders.intersection(&wanted).cloned().collect();
@@ -244,14 +244,14 @@ fn take_events(watch: &mut SceneWatch) {
         };
         for event in events {
             let is_change = match event.kind {
-                // Times and rights are no content; only systems that are polled tell of new content by its time.
+                // Times and rights are no content; only systems that are polled report new content by its time.
                 EventKind::Modify(ModifyKind::Metadata(kind)) => kind == MetadataKind::WriteTime,
                 EventKind::Create(_) | EventKind::Modify(_) => true,
                 EventKind::Access(kind) => kind == AccessKind::Close(AccessMode::Write),
-                // A file that is gone: its content stays until another takes its place. That it is gone is told by `Presence`.
+                // A file is gone: its content stays until another file replaces it. `Presence` reports that it is gone.
                 _ => false,
             };
-            // Events were lost: everything may have changed.
+            // Events were lost, so everything may have changed.
             if event.need_rescan() {
                 changed.extend(watch.reloads.keys().cloned());
             }

@@ -1,4 +1,4 @@
-//! glTF files opened as scenes: taken apart into files of the cache, and a document that names these.
+//! Opens glTF files as scenes: they are taken apart into files of the cache, and a document that names these.
 //!
 //! A part lies under the hash of its content. So the meshes and pictures that a change of the file leaves as they are keep their names,
 //! and are not loaded again.
@@ -16,7 +16,7 @@ use crate::gltf::{Gltf, GltfError};
 /// The most bytes of a glTF file, and of each file that it names: the length in the binary container has 32 bits.
 const MAX_GLTF_BYTES: u64 = 4 << 30;
 
-/// Whether a file is opened by [`import`]: its content or else its name says so.
+/// Whether a file is opened by [`import`], by its content or else by its name.
 pub(crate) fn is_gltf(bytes: &[u8], path: &Path) -> bool {
     Gltf::is_gltf(bytes) || is_called_gltf(path)
 }

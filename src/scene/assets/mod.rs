@@ -1,4 +1,4 @@
-//! Files that become data: meshes, pictures and scenes, each asset beside its loader.
+//! Assets read from files: meshes, pictures and scenes, each beside its loader.
 
 pub mod file_source;
 pub mod gltf_scene;

@@ -38,7 +38,7 @@ pub(crate) static CACHE: LazyLock<PartsCache> = LazyLock::new(|| {
 });
 
 pub(crate) struct PartsCache {
-    /// None where nothing can be written.
+    /// The folder; None if nothing can be written.
     folder: Option<PathBuf>,
     in_use: Mutex<InUse>,
 }
@@ -151,7 +151,7 @@ fn is_ours(_: &Metadata) -> bool {
     true
 }
 
-/// Makes the folder of a part, in the place of anything else that stands there.
+/// Makes the folder of a part. It replaces anything else of that name.
 fn make_folder(folder: &Path) -> io::Result<()> {
     match fs::symlink_metadata(folder) {
         Ok(about) if about.is_dir() => return Ok(()),
@@ -188,7 +188,7 @@ fn holds(path: &Path, bytes: &[u8]) -> io::Result<bool> {
     }
 }
 
-/// Notes that the part in a folder is used now.
+/// Notes that the part in a folder is in use now.
 fn mark(folder: &Path) -> io::Result<()> {
     let marker = folder.join(MARKER);
     if fs::symlink_metadata(&marker).is_ok_and(|about| !about.is_file()) {
@@ -205,7 +205,7 @@ fn parts(cache: &Path) -> Vec<Part> {
     folders.filter_map(|entry| part(entry.path()).ok().flatten()).collect()
 }
 
-/// None for an empty folder and for a link.
+/// The part in a folder; None for an empty folder and for a link.
 fn part(folder: PathBuf) -> io::Result<Option<Part>> {
     if !fs::symlink_metadata(&folder)?.is_dir() {
         return Ok(None);
@@ -444,7 +444,7 @@ mod tests {
                 .expect("is known"),
             before
         );
-        // Nor is a cache that is a link used at all.
+        // A cache that is a link is not used at all.
         let link = folder.path().join("link");
         symlink(outside.path(), &link).expect("can be linked");
         assert!(prepare(&link).is_err() && prepare(&link.join("gltf")).is_err());

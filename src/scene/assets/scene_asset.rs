@@ -1,4 +1,4 @@
-//! A scene file read to the end: its description and what there is to say about it.
+//! A scene file as an asset: its description and its diagnostics.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -19,18 +19,18 @@ use crate::scene::{KeepSource, SceneAccess, read};
 /// Loads also when the file is broken: the diagnostics say how, and nothing else should be believed then.
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct SceneAsset {
-    /// What the file describes, as far as it could be read.
+    /// The description of the file, as far as it could be read.
     pub description: Arc<SceneDescription>,
-    /// What is wrong with the file. Errors mean that the description must not be shown.
+    /// The problems with the file. If there are errors, the description must not be shown.
     pub diagnostics: Arc<Diagnostics>,
 }
 
-/// Values for the `$name`s of scene files, by path. Shared with the loader: reloads need them as well.
+/// The values for the `$name`s of scene files, by path. They are shared with the loader, because reloads need them as well.
 #[derive(Resource, Clone, Default)]
 pub struct SceneDefines(Arc<RwLock<HashMap<PathBuf, Vec<(String, String)>>>>);
 
 impl SceneDefines {
-    /// Replaces the values for the scene at `path`, which is as the loader is asked for it.
+    /// Replaces the values for the scene at `path`, the path as the loader gets it.
     pub fn set(&self, path: PathBuf, defines: Vec<(String, String)>) {
         self.0
             .write()
@@ -113,7 +113,7 @@ fn read_scene_within(
     }
 }
 
-/// A scene file of any kind. As for [`document::load`], what is wrong with its content is in the document's diagnostics.
+/// Loads a scene file of any kind. As for [`document::load`], problems with its content are in the document's diagnostics.
 pub fn load_document(path: &Path, defines: &[(String, String)], access: Access) -> Result<Document, SourceError> {
     let bytes = files::read(path, largest(path)).map_err(|source| unreadable(path, source))?;
     parse(bytes, path, defines, access)
@@ -137,7 +137,7 @@ fn failed(path: &Path, error: &SourceError) -> SceneAsset {
     }
 }
 
-/// Diagnostics for a file as a whole.
+/// The diagnostics of a file with a single error.
 pub(crate) fn one_error(message: String) -> Diagnostics {
     let mut diagnostics = Diagnostics::default();
     diagnostics.push(Severity::Error, None, message, None);

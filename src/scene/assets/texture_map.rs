@@ -12,7 +12,7 @@ use crate::memory;
 use crate::scene::SceneAccess;
 use crate::texture::{Image, ImageFileError, load_image};
 
-/// `image` is a new `Arc` after each reload.
+/// A picture as an asset. `image` is a new `Arc` after each reload.
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct TextureMap {
     /// The picture, with finite samples.
@@ -21,7 +21,7 @@ pub struct TextureMap {
     pub negative_pixels: usize,
 }
 
-/// Reads every kind of picture; which it is, the content says.
+/// Reads every kind of picture, which it recognises by the content.
 #[derive(Default, TypePath)]
 pub(crate) struct TextureMapLoader {
     pub access: SceneAccess,

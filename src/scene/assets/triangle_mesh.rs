@@ -36,13 +36,13 @@ pub struct MeshShape {
 }
 
 impl TriangleMesh {
-    /// The mesh of a shape that asks for this one of the file's.
+    /// The mesh of a shape with this index in the file.
     pub fn data(&self, shape_index: u32) -> Option<&Arc<MeshData>> {
         self.shapes.get(shape_index as usize).map(|shape| &shape.data)
     }
 }
 
-/// The loaded file of a shape whose kind is `Mesh`. Follows the shape's path: set when the path is, removed when the shape is no mesh.
+/// The loaded file of a shape whose kind is `Mesh`. It follows the shape's path: it is set when the path is, and removed when the shape is no mesh.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, PartialEq)]
 pub struct MeshHandle(pub Handle<TriangleMesh>);
@@ -53,7 +53,7 @@ pub(crate) struct MeshLoader {
     pub access: SceneAccess,
 }
 
-/// Why a mesh file gives no mesh.
+/// The reason why a mesh file gives no mesh.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum MeshLoadError {

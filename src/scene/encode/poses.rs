@@ -30,7 +30,7 @@ fn shortened(step: &TransformOp) -> TransformOp {
     }
 }
 
-/// Six digits.
+/// The numbers with six digits.
 pub fn short(numbers: Vec3) -> Vec3 {
     numbers.map(|number| {
         let number = f64::from(number);
@@ -91,7 +91,7 @@ pub(crate) fn as_look_at(map: &Affine3A) -> Option<TransformOp> {
     let rotation = Mat3::from(map.matrix3);
     let is_rigid = (rotation.transpose() * rotation).abs_diff_eq(Mat3::IDENTITY, 1e-4) && rotation.determinant() > 0.0;
     let origin = Vec3::from(map.translation);
-    // Far enough that the direction does not drown in the rounding of the place.
+    // The distance is large enough that the direction is not lost in the rounding of the place.
     let distance = (origin.as_dvec3().length() as f32).max(1.0);
     let target = origin + distance * rotation.z_axis;
     (is_rigid && target.is_finite()).then(|| {

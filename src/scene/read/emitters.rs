@@ -16,7 +16,7 @@ use crate::scene::{AreaLight, Emitter, EmitterKind};
 impl<'a> SceneReader<'a> {
     /// Whether the emitter became part of the description.
     pub(super) fn read_emitter(&mut self, object: &'a Object) -> bool {
-        // Read by the shapes that refer to it.
+        // Shapes that refer to it read it.
         if object.plugin == "area" {
             if object.id.is_none() {
                 let message = "an `area` emitter has no effect outside of a shape";
@@ -57,7 +57,7 @@ impl<'a> SceneReader<'a> {
     }
 }
 
-/// Emitters of Mitsuba, also of old versions, that this program does not have.
+/// The emitters of Mitsuba, also of old versions, that this program does not have.
 const FOREIGN_EMITTERS: [&str; 6] = [
     "directionalarea",
     "timed_sunsky",
@@ -88,7 +88,7 @@ fn read_parameters(mut reader: Reader, pictures: &mut PictureSearch) -> Option<(
     Some((emitter, to_world?))
 }
 
-/// `position` or `to_world`.
+/// The place, from `position` or `to_world`.
 fn place(reader: &mut Reader) -> Option<Affine3A> {
     let Some(position) = reader.point("position") else {
         return reader.to_world();
@@ -97,7 +97,7 @@ fn place(reader: &mut Reader) -> Option<Affine3A> {
     Some(Affine3A::from_translation(position))
 }
 
-/// `direction` or `to_world`; None (reported) for one without length.
+/// The direction, from `direction` or `to_world`; None (reported) for one without length.
 fn direction(reader: &mut Reader) -> Option<Affine3A> {
     let Some(direction) = reader.vector("direction") else {
         return reader.to_world();

@@ -1,4 +1,4 @@
-//! `shapegroup` and `instance`.
+//! Reads `shapegroup` and `instance`.
 
 use super::scene_reader::{SceneReader, address};
 use crate::document::{Category, Object};

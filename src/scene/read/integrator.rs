@@ -6,7 +6,7 @@ use crate::document::{Category, Object, Severity};
 use crate::scene::encode::objects;
 use crate::scene::{AuthoredScene, IntegratorSettings};
 
-/// Longer paths are as good as unbounded.
+/// The largest depth; longer paths are as good as unbounded.
 const LARGEST_DEPTH: i64 = 1 << 30;
 
 impl<'a> SceneReader<'a> {
@@ -34,7 +34,7 @@ impl<'a> SceneReader<'a> {
             let span = Some(object.span);
             reader.diagnostics().push(Severity::Warning, span, message, help);
         }
-        // Direct light is what a path of two segments carries.
+        // Direct light is that of paths of two segments.
         if plugin == "direct" {
             settings.max_depth = Some(2);
         }

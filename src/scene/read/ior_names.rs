@@ -38,7 +38,7 @@ pub(crate) const CONDUCTORS: [&str; 42] = [
     "Te-e", "ThF4", "TiC", "TiN", "TiO2", "TiO2-e", "V_palik", "VC", "VN", "W",
 ];
 
-/// Words for some of the conductors, with their names in files.
+/// The words for some of the conductors, with their names in files.
 const METALS: [(&str, &str); 8] = [
     ("aluminium", "Al"),
     ("aluminum", "Al"),
@@ -59,12 +59,12 @@ pub(crate) fn conductor_help(name: &str) -> String {
     }
 }
 
-/// Case does not matter.
+/// Whether this is the name of a dielectric, in any case.
 pub(crate) fn is_dielectric(name: &str) -> bool {
     DIELECTRICS.iter().any(|known| known.eq_ignore_ascii_case(name))
 }
 
-/// Case does not matter.
+/// Whether this is the name of a conductor, in any case.
 pub(crate) fn is_conductor(name: &str) -> bool {
     let known = |name: &str| CONDUCTORS.iter().any(|known| known.eq_ignore_ascii_case(name));
     known(name) || name.strip_suffix("_palik").is_some_and(known)

@@ -9,7 +9,7 @@ use std::path::{Component, Path, PathBuf};
 use crate::document::paths::settle_covered;
 use crate::files::Access;
 
-/// Several folders, separated as in `$PATH`.
+/// The environment variable with further folders, separated as in `$PATH`.
 pub(crate) const ASSETS_VARIABLE: &str = "SUNROOM_ASSETS";
 
 /// The folders of one scene.
@@ -47,7 +47,7 @@ impl MeshSearch {
         }
     }
 
-    /// Looks only at files that may be read.
+    /// The search among files that may be read.
     pub fn within(self, access: Access) -> Self {
         Self { access, ..self }
     }
@@ -106,7 +106,7 @@ impl MeshSearch {
     }
 }
 
-/// `../assets/models/a.ply` -> `models/a.ply`; names without such a beginning only lose their leading `..`.
+/// The path inside the assets: `../assets/models/a.ply` becomes `models/a.ply`; other names only lose their leading `..`.
 fn inside_assets(name: &Path) -> PathBuf {
     let mut parts = name
         .components()

@@ -108,7 +108,7 @@ impl SceneReader<'_> {
     }
 }
 
-/// Materials are found in the order they are referred to; the description has them in the order of the file.
+/// Sorts the materials, which are found in the order of references, into the order of the file.
 fn sort_materials(description: &mut SceneDescription) {
     let materials = std::mem::take(&mut description.materials);
     let mut by_order: Vec<usize> = (0..materials.len()).collect();

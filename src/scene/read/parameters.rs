@@ -9,7 +9,7 @@ use crate::color::Rgb;
 use crate::document::{Reader, Severity};
 use crate::scene::{Parameter, Texture};
 
-/// Reads one kind of parameter. None where the file does not give it or what it gives is unusable; the latter has been reported.
+/// Reads one kind of parameter. None if the file does not give it, or if its value is unusable, which has been reported.
 pub trait Parameters {
     /// A colour between 0 and 1; above is possible but odd, below is an error.
     fn reflectance(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>>;
@@ -27,7 +27,7 @@ pub trait Parameters {
     fn spectrum_or_texture(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>>;
     /// The texture given for a parameter.
     fn texture(&mut self, name: &str, pictures: &mut PictureSearch) -> Option<Texture>;
-    /// `to_world`; the identity if it is absent, None (with an error) if it cannot be undone.
+    /// The transform `to_world`; the identity if it is absent, None (with an error) if it is not invertible.
     fn to_world(&mut self) -> Option<Affine3A>;
 }
 

@@ -43,7 +43,7 @@ pub struct SceneReader<'a> {
     pub description: SceneDescription,
 }
 
-/// Objects are told apart by where they are; the document does not move while it is read.
+/// The address of an object, by which objects are told apart: the document does not move while it is read.
 pub fn address(object: &Object) -> usize {
     std::ptr::from_ref(object).addr()
 }

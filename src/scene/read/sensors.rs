@@ -11,7 +11,7 @@ use crate::scene::{Crop, Film, FovAxis, Lens, ReconstructionFilter, Sensor};
 
 const LARGEST_SAMPLE_COUNT: i64 = 1 << 30;
 
-/// Field of view along the diagonal, in degrees, of a lens of `millimetres` before 35 mm film (a frame of 36 x 24 mm).
+/// The field of view along the diagonal, in degrees, of a lens of `millimetres` before 35 mm film (a frame of 36 x 24 mm).
 pub fn fov_of_focal_length(millimetres: f32) -> f32 {
     2.0 * (0.5 * 36f32.hypot(24.0) / millimetres).atan().to_degrees()
 }
@@ -125,7 +125,7 @@ impl<'a> SceneReader<'a> {
     }
 }
 
-/// None without a crop, or if it does not lie within the film.
+/// The crop; None if there is none, or if it is not within the film.
 fn read_crop(reader: &mut Reader, width: u32, height: u32) -> Option<Crop> {
     const NAMES: [&str; 4] = ["crop_offset_x", "crop_offset_y", "crop_width", "crop_height"];
     let [x, y, crop_width, crop_height] = NAMES.map(|name| {
@@ -181,7 +181,7 @@ fn read_lens(reader: &mut Reader, far_clip: f32) -> Lens {
     }
 }
 
-/// `fov` and `fov_axis`, or `focal_length`.
+/// The field of view, from `fov` and `fov_axis` or from `focal_length`.
 pub(super) fn read_fov(reader: &mut Reader) -> (f32, FovAxis) {
     let axis = reader.string_or("fov_axis", "x");
     let focal_length = reader.string("focal_length");
@@ -260,7 +260,7 @@ fn read_filter(mut reader: Reader) -> ReconstructionFilter {
     filter
 }
 
-/// All samplers converge to the same picture, so that all are welcome; which sequence is used is not the file's business.
+/// The number of samples. All samplers converge to the same picture, so that all are accepted, and the user chooses the sequence.
 fn read_sample_count(mut reader: Reader) -> Option<u32> {
     let count = reader.integer_in("sample_count", 1..=LARGEST_SAMPLE_COUNT);
     reader.ignore(&["seed", "jitter"]);

@@ -13,7 +13,7 @@ use crate::scene::description::{DeclarationPlace, ShapeDescription};
 use crate::scene::encode::objects;
 use crate::scene::{MeshFile, MeshFormat, Shape, ShapeKind};
 
-/// Shapes of Mitsuba, also of old versions, that this program does not have.
+/// The shapes of Mitsuba, also of old versions, that this program does not have.
 const FOREIGN_SHAPES: [&str; 9] = [
     "bsplinecurve",
     "linearcurve",

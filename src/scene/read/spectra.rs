@@ -105,7 +105,8 @@ fn needed<'a, T>(
     read(reader)
 }
 
-/// White times `scale`, times a colour, or times a spectrum of wavelengths inside; any other texture inside is taken without `scale`, as in Mitsuba.
+/// Reads a `d65`: white times `scale`, times a colour, or times a spectrum of wavelengths inside; any other texture inside is taken without
+/// `scale`, as in Mitsuba.
 fn d65(reader: &mut Reader, role: Role, pictures: &mut PictureSearch) -> Option<Parameter<Rgb>> {
     let scale = reader.float("scale");
     let color = reader.rgb("color");

@@ -9,7 +9,7 @@ use crate::color::Rgb;
 use crate::document::{Reader, TransformOp};
 use crate::scene::{Bitmap, Texture, TextureFilter, TextureWrap};
 
-/// None for a texture that is not supported or makes no sense, which is reported.
+/// Reads a texture; None (reported) if it is not supported or makes no sense.
 pub fn read_texture(reader: &mut Reader, pictures: &mut PictureSearch) -> Option<Texture> {
     Some(match reader.object().plugin.as_str() {
         "bitmap" => Texture::Bitmap(Box::new(bitmap(reader, pictures)?)),

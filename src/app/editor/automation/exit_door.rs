@@ -1,4 +1,4 @@
-//! The window without a user: takes a picture of itself and ends, for tests and for people who want to see it.
+//! The window without a user: it takes a picture of itself and ends, for tests and for unattended use.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};

@@ -49,7 +49,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 const REST: Duration = Duration::from_millis(400);
 
 enum Act {
-    /// The command that does what is measured the given time; None where the scene has nothing to do it to.
+    /// The command that performs the measured act for the given time; None if the scene has nothing to apply it to.
     Command(fn(&mut World, usize) -> Option<Command>),
     /// Reads the file of the largest mesh again, as if it had changed: a new mesh and a new acceleration structure.
     ReadMesh,
@@ -183,12 +183,12 @@ pub fn watch_probe(
     probe.next_kind();
 }
 
-/// A closed pipe is no reason to fail.
+/// Prints a line. A closed pipe is no reason to fail.
 fn say(line: std::fmt::Arguments) {
     let _ = writeln!(std::io::stdout(), "{line}");
 }
 
-/// -1 and 1 in turn: the scene stays about what it was.
+/// The sign, -1 and 1 in turn, so that the scene stays about what it was.
 fn sign(time: usize) -> f32 {
     if time.is_multiple_of(2) { 1.0 } else { -1.0 }
 }

@@ -1,5 +1,5 @@
-//! Flying and looking around: how keys and drags move the camera. Pure arithmetic, so that it is the same at any frame rate. What moves
-//! it about things is in `orbit`.
+//! Flying and looking around: computes how keys and drags move the camera. Pure arithmetic, so that it is the same at any frame rate. What moves it
+//! about things is in `orbit`.
 //!
 //! The camera looks along +z of its own space with +x to its left and +y up. Scale in its pose stays: for an orthographic camera it is
 //! the extent of the picture.
@@ -40,7 +40,7 @@ pub(crate) struct FlyInput {
 /// The settings of flying beside the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Navigation {
-    /// Multiple of the speed that suits the scene.
+    /// The multiple of the speed that suits the scene.
     pub speed: f32,
     /// World units: the diagonal of the scene's bounds.
     pub scene_size: f32,
@@ -64,7 +64,7 @@ impl Navigation {
         self.speed * self.scene_size / SECONDS_ACROSS
     }
 
-    /// Kept within its range.
+    /// Sets the speed, limited to its range.
     pub(crate) fn set_speed(&mut self, speed: f32) {
         self.speed = speed.clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end());
     }
@@ -109,7 +109,7 @@ impl Navigation {
     pub(crate) fn looking(&self, world_from_camera: &Affine3A, look: Vec2) -> Mat3A {
         let forward = Vec3::from(world_from_camera.matrix3.z_axis).normalize_or(Vec3::Z);
         let angles = look * LOOK_RATE;
-        // Elevation and heading are changed apart, so that the horizon stays level.
+        // Elevation and heading are changed separately, so that the horizon stays level.
         let elevation = forward.dot(self.up).clamp(-1.0, 1.0).asin();
         let limit = std::f32::consts::FRAC_PI_2 - POLE_MARGIN;
         let elevation = (elevation - angles.y).clamp(-limit, limit);

@@ -1,5 +1,5 @@
-//! Moving the camera about things: around a point, along the picture, towards what is under the pointer, onto an axis. Arithmetic only;
-//! flying is in `navigation`.
+//! Moves the camera about things: around a point, along the picture, towards what is under the pointer, onto an axis. Arithmetic only; flying is in
+//! `navigation`.
 
 use bevy::math::{Affine3A, Mat3A, Vec2, Vec3, Vec3A};
 use bevy_egui::egui::Pos2;
@@ -9,9 +9,9 @@ use super::screen::Screen;
 use crate::app::editor::command::axis_view::AxisView;
 use crate::math::Ray;
 
-/// A notch of the wheel leaves this share of the way to what is under the pointer.
+/// The share of the way to what is under the pointer that remains after a notch of the wheel.
 const WAY_LEFT: f32 = 0.85;
-/// But goes at least this share of what a notch of flying does, so that one gets through walls.
+/// The least way of a notch, as a share of that of flying, so that the camera gets through walls.
 const LEAST: f32 = 0.1;
 /// An orthographic picture never becomes narrower than this share of the scene, or wider than its inverse.
 const NARROWEST: f32 = 1e-4;
@@ -57,7 +57,7 @@ impl Navigation {
         }
     }
 
-    /// The wheel over an orthographic picture: it shows less, and what is under the pointer stays there.
+    /// Zooms an orthographic picture by the wheel: it shows less, and what is under the pointer stays there.
     pub(crate) fn narrow(&self, world_from_camera: Affine3A, film: Vec2, screen: &Screen, notches: f32) -> Affine3A {
         let factor = WAY_LEFT.powf(notches);
         let width = world_from_camera.matrix3.x_axis.length() * factor;
@@ -217,7 +217,7 @@ mod tests {
                 assert!((pose.matrix3.determinant() - 1.0).abs() < 1e-5);
                 assert!((Vec3::from(pose.translation) + distance * forward(&pose)).abs_diff_eq(center, 1e-4));
             }
-            // North is at the top of the picture from above, and looking on from there the heading stays.
+            // North is at the top of the picture from above, and the heading stays when the view turns on from there.
             let top = look(AxisView::Top);
             assert!(Vec3::from(top.matrix3.y_axis).abs_diff_eq(front, 1e-5));
             let on = navigation.orbit(top, center, Vec2::new(0.0, -200.0));

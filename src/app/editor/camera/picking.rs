@@ -1,4 +1,4 @@
-//! Questions to the scene as it is being rendered: what is under the mouse, how large things are.
+//! Queries of the scene as it is being rendered: what is under the mouse, and how large things are.
 
 use std::collections::HashMap;
 
@@ -22,7 +22,7 @@ pub fn pick(packed: &PackedScene, film: Vec2) -> Option<Entity> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenSurface {
     pub position: Vec3,
-    /// Bound on how far `position` lies off the surface, per coordinate.
+    /// The bound on how far `position` is off the surface, per coordinate.
     error: f32,
     /// The geometric one on the side that was seen, unit length.
     pub normal: Vec3,
@@ -36,7 +36,7 @@ impl SeenSurface {
     }
 }
 
-/// Rays that go through what is passed over are begun anew behind it, at most so often.
+/// The most times that a ray is begun anew behind a surface that it passes.
 const MOST_PASSED: usize = 256;
 /// The distance behind a surface at which a ray goes on, as a share of the way so far and of the origin's coordinates: well above rounding, and
 /// well below what is visible.
@@ -88,7 +88,7 @@ pub fn distance_ahead(packed: &PackedScene) -> Option<f32> {
 pub fn view_height(packed: &PackedScene, pose: &Affine3A, at: Vec3) -> Option<f32> {
     let camera = &packed.view.as_ref()?.camera;
     let (place, depth) = camera.project(at);
-    // Short enough that its ends are seen alike.
+    // The segment is so short that both ends are seen alike.
     let step = 1e-2 * depth;
     let across = [pose.matrix3.x_axis, pose.matrix3.y_axis].map(|axis| {
         let (beside, _) = camera.project(at + Vec3::from(axis).normalize_or_zero() * step);

@@ -9,14 +9,14 @@ use crate::render::camera::Camera;
 /// A picture in the window and the camera that took it.
 #[derive(Clone, Copy, Debug)]
 pub struct Screen {
-    /// What the picture was rendered with.
+    /// The camera that the picture was rendered with.
     pub camera: Camera,
     /// The rectangle of the picture, in points.
     pub picture: Rect,
 }
 
 impl Screen {
-    /// Film coordinates, (0, 0) top left, (1, 1) bottom right; beyond that outside the picture.
+    /// The film coordinates of a point, (0, 0) top left, (1, 1) bottom right; beyond that outside the picture.
     pub fn film(&self, at: Pos2) -> Vec2 {
         let film = (at - self.picture.min) / self.picture.size();
         Vec2::new(film.x, film.y)
@@ -80,7 +80,7 @@ pub(crate) fn segment(camera: &Camera, a: Vec3, b: Vec3) -> Option<[Vec2; 2]> {
     match (depth_a > nearest, depth_b > nearest) {
         (true, true) => Some([film_a, film_b]),
         (false, false) => None,
-        // Depth is linear along the segment: move the hidden end to just before the camera.
+        // Depth is linear along the segment, so the hidden end is moved to just before the camera.
         (a_seen, _) => {
             let cut = a.lerp(b, (nearest - depth_a) / (depth_b - depth_a));
             let (film_cut, _) = camera.project(cut);
@@ -95,7 +95,7 @@ pub(crate) mod tests {
 
     use super::*;
 
-    /// 400 x 300 points from (50, 20) on, seen from z = -8 with 90 degrees across.
+    /// A screen of 400 x 300 points from (50, 20) on, seen from z = -8 with 90 degrees across.
     pub fn perspective() -> Screen {
         let pose = Affine3A::from_translation(Vec3::new(0.0, 0.0, -8.0));
         Screen {

@@ -3,16 +3,16 @@
 /// The side from which one looks along an axis of the world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisView {
-    /// From +z.
+    /// The view from +z.
     Front,
-    /// From -z.
+    /// The view from -z.
     Back,
-    /// From +x.
+    /// The view from +x.
     Right,
-    /// From -x.
+    /// The view from -x.
     Left,
-    /// From +y.
+    /// The view from +y.
     Top,
-    /// From -y.
+    /// The view from -y.
     Bottom,
 }

@@ -5,9 +5,9 @@
 pub struct BvhOverlay {
     /// Whether boxes are drawn at all.
     pub shown: bool,
-    /// Depth in each hierarchy: 0 is the box around everything in it.
+    /// The depth in each hierarchy: 0 is the box around everything in it.
     pub depth: u32,
-    /// Leaves of any depth up to `depth` instead of all boxes at it.
+    /// Whether leaves of any depth up to `depth` are drawn instead of all boxes at it.
     pub leaves_only: bool,
 }
 

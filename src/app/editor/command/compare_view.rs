@@ -1,6 +1,6 @@
 //! The ways of comparing the picture with a snapshot.
 
-/// How picture and snapshot share the viewport.
+/// The way in which picture and snapshot share the viewport.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum CompareView {
     /// The picture alone.

@@ -1,4 +1,4 @@
-//! Materials and lights of another kind, which keep what both kinds have.
+//! Turns materials and lights into other kinds, which keep what both kinds have.
 
 use crate::scene::{Emitter, Material, Parameter, ParameterMut, ParameterRef};
 
@@ -60,7 +60,7 @@ fn take(value: &mut ParameterMut, given: ParameterRef) {
     }
 }
 
-/// One name for all that plugins call the colour of their matt part, and one for what they send out.
+/// The meaning of a parameter: one name for all colours of matt parts, and one for all emitted quantities.
 fn meaning(name: &'static str) -> &'static str {
     match name {
         "diffuse_reflectance" | "base_color" => "reflectance",

@@ -11,7 +11,7 @@ pub struct DisplaySettings {
     pub mode: DisplayMode,
     /// Stops: the radiance is multiplied by two to this power.
     pub exposure: f32,
-    /// Of what shows light, as the tone map.
+    /// The white balance of modes that show light, as is the tone map.
     pub white_balance: WhiteBalance,
     /// The curve from linear colours to the display's.
     pub tone_map: ToneMap,
@@ -49,17 +49,17 @@ pub enum DisplayMode {
     Albedo,
     /// The world normal of the same surface.
     Normal,
-    /// Near is bright, over the range of the picture's depths.
+    /// The depth: near is bright, over the range of the picture's depths.
     Depth,
-    /// Texture coordinates: u in red, v in green, both modulo 1.
+    /// The texture coordinates: u in red, v in green, both modulo 1.
     Uv,
     /// Each material and each object has a colour of its own.
     Material,
-    /// Every object in a colour of its own.
+    /// Each object has a colour of its own.
     Object,
-    /// Samples per pixel, in false colour.
+    /// The samples per pixel, in false colour.
     Samples,
-    /// Standard error of the luminance relative to it, in false colour.
+    /// The standard error of the luminance relative to it, in false colour.
     Noise,
     /// The light of one group of lights alone, by its layer of the film. Not among [`Self::ALL`].
     LightGroup(u8),
@@ -109,7 +109,7 @@ pub(crate) const HOTTEST_STEPS: f32 = 128.0;
 /// The relative noise that is painted in the hottest colour.
 pub(crate) const HOTTEST_NOISE: f32 = 0.25;
 
-/// Black, blue, red, yellow, white for 0 to 1; sRGB-encoded.
+/// The heat map: black, blue, red, yellow, white for 0 to 1; sRGB-encoded.
 pub(crate) fn heat(x: f32) -> [f32; 3] {
     const STOPS: [[f32; 3]; 5] = [
         [0.0, 0.0, 0.05],

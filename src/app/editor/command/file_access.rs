@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::document::paths::settle;
 
-/// Files and folders outside a scene's folder that it names.
+/// The files and folders that a scene names outside its own folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Question {
     /// The paths as the scene gives them, made absolute.
@@ -20,7 +20,7 @@ pub struct Question {
 }
 
 impl Question {
-    /// None without files.
+    /// The request for these files; None if there are none.
     pub fn about(files: Vec<PathBuf>) -> Option<Self> {
         let mut folders: Vec<PathBuf> = files.iter().filter_map(|file| folder_of(file)).collect();
         folders.sort();
@@ -38,7 +38,7 @@ impl Question {
     }
 }
 
-/// The folder that has to be allowed for a file, which is where its links lead; for a folder that one itself. None for what is not there.
+/// The folder that has to be allowed for a file, which is where its links lead; for a folder it is the folder itself. None for what does not exist.
 fn folder_of(file: &Path) -> Option<PathBuf> {
     let target = file.canonicalize().ok()?;
     match target.is_dir() {

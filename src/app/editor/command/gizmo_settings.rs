@@ -4,15 +4,15 @@ use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 
-/// What a drag of the gizmo does.
+/// The effect of a drag of the gizmo.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
-    /// Along axes and in planes.
+    /// It moves along axes and in planes.
     #[default]
     Move,
-    /// About axes.
+    /// It turns about axes.
     Rotate,
-    /// Along axes, or evenly.
+    /// It scales along axes, or evenly.
     Scale,
 }
 
@@ -51,7 +51,7 @@ impl Pivot {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Steps {
-    /// World units; None for what suits the scene.
+    /// The step in world units; None for one that suits the scene.
     pub length: Option<f32>,
     /// The step of rotations.
     pub degrees: f32,
@@ -97,7 +97,7 @@ impl Steps {
     }
 }
 
-/// The largest of 1, 2 and 5 times a power of ten that is not above `x`; 1 for what is no positive number.
+/// The largest of 1, 2 and 5 times a power of ten that is not above `x`; 1 if `x` is not a positive number.
 fn round_number(x: f32) -> f32 {
     if !(x.is_finite() && x > f32::MIN_POSITIVE) {
         return 1.0;
@@ -109,16 +109,16 @@ fn round_number(x: f32) -> f32 {
     (digit.unwrap_or(1.0) * power) as f32
 }
 
-/// Everything that decides what a drag of the gizmo does.
+/// The settings that decide what a drag of the gizmo does.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GizmoSettings {
     /// What a drag does.
     pub mode: Mode,
-    /// Ignored by scaling, which is along the object's own axes.
+    /// The axes. Scaling ignores them, because it is along the object's own axes.
     pub axes: Axes,
     /// The fixed point of rotations and scalings.
     pub pivot: Pivot,
-    /// For drags with Control and for arrow keys.
+    /// The steps of drags with Control and of arrow keys.
     pub steps: Steps,
 }
 

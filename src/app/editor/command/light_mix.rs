@@ -36,7 +36,7 @@ pub(crate) fn note_film_lights(mut lights: ResMut<FilmLights>, film: Res<RenderF
 /// The mix of one light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Channel {
-    /// Factors on the light, together.
+    /// The brightness factor, beside that of the colour.
     pub strength: f32,
     /// Linear Rec. 709.
     pub color: Rgb,
@@ -62,7 +62,7 @@ impl Channel {
         self.strength * self.color
     }
 
-    /// Strength and colour are part of the light now; solo and mute stay.
+    /// The channel after baking: strength and colour are part of the light now; solo and mute stay.
     pub(crate) fn baked(self) -> Self {
         Self {
             solo: self.solo,
@@ -73,13 +73,13 @@ impl Channel {
 }
 
 impl LightMix {
-    /// What is done to a light; nothing unless it was set.
+    /// The channel of a light. It changes nothing unless it was set.
     pub fn channel(&self, light: Entity) -> Channel {
         let found = self.channels.iter().find(|(entity, _)| *entity == light);
         found.map_or_else(Channel::default, |(_, channel)| *channel)
     }
 
-    /// Replaces what is done to a light.
+    /// Replaces the channel of a light.
     pub fn set(&mut self, light: Entity, channel: Channel) {
         self.channels.retain(|(entity, _)| *entity != light);
         if channel != Channel::default() {
@@ -88,7 +88,7 @@ impl LightMix {
         }
     }
 
-    /// Other channels; what was baked stays so.
+    /// The mix with other channels; what was baked stays.
     pub(crate) fn with_channels(&self, of: Self) -> Self {
         Self {
             channels: of.channels,
@@ -153,7 +153,7 @@ impl LightMix {
     }
 }
 
-/// Why a light cannot be multiplied; a sentence's end.
+/// The reason why a light cannot be multiplied, as the end of a sentence.
 const FROM_PICTURE: &str = "takes its colour from a picture";
 const ONLY_GREY: &str = "can be made brighter or darker, but not of another colour";
 
@@ -257,7 +257,7 @@ mod tests {
         assert!(mix.is_neutral());
     }
 
-    /// Paused, or before the first tile: the film still has the lights as they were.
+    /// While rendering is paused, or before the first tile, the film still has the lights as they were.
     #[test]
     fn a_film_from_before_the_bake_is_shown_with_the_mix() {
         let lights = lights();
@@ -289,7 +289,7 @@ mod tests {
             baked: mix.baked.clone(),
         };
         assert_eq!(mix.factors(&groups, &film), []);
-        // Taken back: the light is brighter in the film than in the scene, and the mix makes up for it.
+        // The light is dark again after undo: it is brighter in the film than in the scene, and the mix makes up for it.
         assert_eq!(before.factors(&groups, &film)[0].x, 2.0 / 2.0);
         assert_eq!(
             before.with_channels(LightMix::default()).factors(&groups, &film)[0].x,

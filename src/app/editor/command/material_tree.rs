@@ -4,7 +4,7 @@ use bevy::prelude::{Entity, World};
 
 use crate::scene::{FirstNested, Material, PluginInfo, SecondNested};
 
-/// A material and what is nested in it.
+/// A material with those nested in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialTree {
     /// The outermost one.

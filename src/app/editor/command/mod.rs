@@ -45,7 +45,7 @@ use selection::Extend;
 use shell::ShellCommand;
 use tool::Tool;
 
-/// What a user can do, with all that it takes: applied to the same state, a command always does the same.
+/// A command of the user with all its data: applied to the same state, it always does the same.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     // The file.
@@ -67,7 +67,7 @@ pub enum Command {
     SaveImage(PathBuf),
     /// Adds what a file holds: a mesh, a scene, a glTF, or a picture as environment.
     Import(PathBuf),
-    /// Asks for a file.
+    /// Opens a dialog that asks for a file.
     ShowDialog(FileDialogKind),
     /// Closes the window; asks first if edits would be lost.
     Quit,
@@ -81,9 +81,9 @@ pub enum Command {
     GoTo(usize),
 
     // Commands that select.
-    /// Things of the scene, which need not be visible.
+    /// Selects things of the scene, which need not be visible.
     Select(Vec<Entity>, Extend),
-    /// Everything that the outliner shows.
+    /// Selects everything that the outliner shows.
     SelectAll,
     /// Selects what is seen at a place of the picture, (0, 0) top left, (1, 1) bottom right.
     Pick(Vec2, Extend),
@@ -95,7 +95,7 @@ pub enum Command {
     FrameAll,
     /// Flies there: world from camera.
     MoveView(Affine3A),
-    /// Renders from this sensor, from where it stands.
+    /// Renders from this sensor, at its place.
     LookThrough(Entity),
     /// Puts the sensor in use to where the view is.
     MoveCameraToView,
@@ -107,19 +107,19 @@ pub enum Command {
     StoreView(usize),
     /// Goes back to a view that was kept.
     RecallView(usize),
-    /// Flying speed as a multiple of the one that suits the scene's size.
+    /// Sets the flying speed as a multiple of the one that suits the scene's size.
     SetSpeed(f32),
 
     // The scene.
     /// Adds one thing, which becomes the selection.
     Add(Addition),
-    /// Removes what is selected.
+    /// Removes the selection.
     Delete,
-    /// Copies what is selected; the copies become the selection.
+    /// Copies the selection; the copies become the selection.
     Duplicate,
     /// Copies to the clipboard, as XML text.
     Copy,
-    /// As `Copy`, then `Delete`.
+    /// Does `Copy`, then `Delete`.
     Cut,
     /// Adds the plugins of an XML text.
     Paste(String),
@@ -127,18 +127,18 @@ pub enum Command {
     Rename(Entity, String),
     /// Puts things, in this order, before another of their kind, or last.
     Reorder {
-        /// Things of one kind.
+        /// The things, all of one kind.
         moved: Vec<Entity>,
-        /// None for the end of the list.
+        /// The thing before which they go; None for the end of the list.
         before: Option<Entity>,
     },
     /// Puts the selection into a folder of its own.
     Group,
     /// Puts things into the folder of this path, or out of all.
     PutInto {
-        /// What is put there.
+        /// The things that are put there.
         things: Vec<Entity>,
-        /// Names from the outermost folder on, with `/` between.
+        /// The names of folders, from the outermost on, with `/` between.
         folder: Option<String>,
     },
     /// Hides these, or shows them again.
@@ -151,13 +151,13 @@ pub enum Command {
     Lock(Vec<Entity>, bool),
     /// The selection by a step along an axis of the world, the one that looks most like this in the picture.
     Nudge(Direction),
-    /// Each selected thing down onto what is below it.
+    /// Drops each selected thing onto what is below it.
     Drop,
     /// World from local of several things at once.
     Transform(Vec<(Entity, Affine3A)>),
     /// The geometry of a shape.
     SetShape(Entity, Shape),
-    /// The parameters of a material; what is nested in it stays.
+    /// Sets the parameters of a material; the materials nested in it stay.
     SetMaterial(Entity, Box<Material>),
     /// Sets another picture for a texture of a material or a light, or a picture where there is none.
     SetPicture {
@@ -165,23 +165,23 @@ pub enum Command {
         owner: Entity,
         /// The name of the parameter in the file.
         parameter: &'static str,
-        /// Where the texture is within the parameter, if it is inside a checkerboard.
+        /// The place of the texture within the parameter, if it is inside a checkerboard.
         place: SquarePath,
-        /// Absolute.
+        /// The absolute path of the picture.
         path: PathBuf,
     },
     /// The shapes get this material, or none of their own.
     UseMaterial {
-        /// Those that get it.
+        /// The shapes that get it.
         shapes: Vec<Entity>,
-        /// None removes what the shapes name.
+        /// The material. None removes that of the shapes.
         material: Option<Entity>,
     },
     /// The shape that is seen at a place of the picture, as [`Command::Pick`] has it, gets the material.
     DropMaterial {
         /// A material of the scene.
         material: Entity,
-        /// (0, 0) top left, (1, 1) bottom right.
+        /// The place in the picture: (0, 0) top left, (1, 1) bottom right.
         at: Vec2,
     },
     /// A new grey material for this shape alone.
@@ -193,96 +193,96 @@ pub enum Command {
     BuildMaterial {
         /// Materials, or shapes whose materials are meant.
         targets: Vec<Entity>,
-        /// What each becomes.
+        /// The tree that each becomes.
         tree: Box<MaterialTree>,
     },
     /// The shapes get a material of the library: one like it that is called like it already, or a new one.
     UsePreset {
         /// The entry of the library.
         preset: Box<Preset>,
-        /// Those that get it.
+        /// The shapes that get it.
         shapes: Vec<Entity>,
     },
     /// Drops a preset onto the shape that is seen at a place of the picture, see [`Command::Pick`].
     DropPreset {
         /// The entry of the library.
         preset: Box<Preset>,
-        /// (0, 0) top left, (1, 1) bottom right.
+        /// The place in the picture: (0, 0) top left, (1, 1) bottom right.
         at: Vec2,
     },
-    /// What a shape emits; None for a shape that does not shine.
+    /// Sets the emission of a shape; None for a shape that does not shine.
     SetAreaLight(Entity, Option<AreaLight>),
-    /// Kind and parameters of a light that is no surface.
+    /// Sets kind and parameters of a light that is no surface.
     SetEmitter(Entity, Emitter),
-    /// Lens and field of view of a camera.
+    /// Sets the lens and field of view of a camera.
     SetSensor(Entity, Sensor),
-    /// The camera in use becomes sharp at what is seen there, (0, 0) top left, (1, 1) bottom right; a pinhole becomes a thin lens.
+    /// Focuses the camera in use on what is seen there, (0, 0) top left, (1, 1) bottom right; a pinhole becomes a thin lens.
     FocusAt(Vec2),
-    /// Size, crop, filter and samples of a camera.
+    /// Sets size, crop, filter and samples of a camera.
     SetFilm(Entity, Film),
     /// The edit, which names one thing, and the same change to everything selected that is of the same sort.
     OnSelection(Box<Command>),
-    /// Lengths of paths and strategy.
+    /// Sets the lengths of paths and the strategy.
     SetIntegrator(IntegratorSettings),
-    /// Kind and seed of random numbers.
+    /// Sets the kind and seed of random numbers.
     SetSampler(SamplerSettings),
-    /// How acceleration structures are built.
+    /// Sets how acceleration structures are built.
     SetAccel(AccelMethod),
     /// Multiplies the lights by their strengths and colours in the mix, which is neutral then.
     BakeLights,
 
     // Rendering and display.
-    /// Holds rendering, or goes on.
+    /// Pauses rendering, or continues it.
     SetPaused(bool),
     /// Drops the samples of the picture.
     Restart,
-    /// Samples per pixel to stop at, above 0.
+    /// Sets the samples per pixel to stop at, above 0.
     SetTargetSamples(u32),
-    /// Seconds of rendering; None is no limit.
+    /// Sets the seconds of rendering to stop at; None is no limit.
     SetTimeLimit(Option<f32>),
-    /// Noise of the picture relative to its brightness; None is no limit.
+    /// Sets the noise to stop at, relative to the picture's brightness; None is no limit.
     SetNoiseTarget(Option<f32>),
     /// The part of the picture that gets samples, (0, 0) top left, (1, 1) bottom right; None is all of it.
     SetRegion(Option<Rect>),
-    /// Rendered pixels per pixel of the film along each side, above 0.
+    /// Sets the rendered pixels per pixel of the film along each side, above 0.
     SetResolutionScale(f32),
-    /// Thirds of the picture by bsdf sampling, by light sampling, and by both.
+    /// Splits the picture into thirds by bsdf sampling, by light sampling, and by both.
     SetStrategySplit(bool),
-    /// How the film becomes a picture.
+    /// Sets how the film becomes a picture.
     SetDisplay(DisplaySettings),
     /// The exposure that brings the picture to middle grey.
     ExposeAutomatically,
     /// Keeps the light of every light by itself, for mixing.
     SetLightLayers(bool),
-    /// Strength, colour, solo and mute of each light.
+    /// Sets strength, colour, solo and mute of each light.
     SetLightMix(LightMix),
     /// Keeps the picture for comparison.
     TakeSnapshot,
-    /// How picture and snapshot share the viewport.
+    /// Sets how picture and snapshot share the viewport.
     SetCompareView(CompareView),
-    /// Figures of the picture against the snapshot.
+    /// Measures the picture against the snapshot.
     Measure,
-    /// Boxes of the acceleration structures over the picture.
+    /// Sets the boxes of the acceleration structures that are drawn over the picture.
     SetOverlay(BvhOverlay),
-    /// What the next click in the picture does.
+    /// Sets what the next click in the picture does.
     SetTool(Tool),
     /// Dims what lies outside of the film.
     ShowSafeFrame(bool),
     /// The paths of a pixel, or none.
     InspectPaths(Option<InspectedPaths>),
-    /// What a drag of the gizmo does.
+    /// Sets what a drag of the gizmo does.
     SetGizmo(GizmoSettings),
     /// Shows the picture without noise until its next change.
     Denoise,
     /// Shows the picture as sampled again.
     DropDenoised,
-    /// All panels, or the viewport alone.
+    /// Shows all panels, or the viewport alone.
     ShowPanels(bool),
-    /// To the window itself.
+    /// A command for the window itself.
     Shell(ShellCommand),
 }
 
-/// Ways to go on the ground, as the camera sees it, and up and down.
+/// The directions on the ground, as the camera sees it, and up and down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// To the left in the picture.
@@ -498,14 +498,14 @@ impl Command {
     }
 }
 
-/// What a file dialog asks for.
+/// The purpose of a file dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileDialogKind {
     /// A scene to open.
     OpenScene,
-    /// Where the scene is to be saved.
+    /// The file to save the scene to.
     SaveScene,
-    /// Where the picture is to be saved.
+    /// The file to save the picture to.
     SaveImage,
     /// A file whose content is added to the scene.
     Import,
@@ -517,7 +517,7 @@ pub enum FileDialogKind {
         owner: Entity,
         /// The name of the parameter in the file.
         parameter: &'static str,
-        /// Where the texture is within the parameter, if it is inside a checkerboard.
+        /// The place of the texture within the parameter, if it is inside a checkerboard.
         place: SquarePath,
     },
 }

@@ -8,17 +8,17 @@ use serde::{Deserialize, Serialize};
 pub enum Panel {
     /// The picture.
     Viewport,
-    /// All things of the scene in a list.
+    /// The list of all things of the scene.
     Outliner,
-    /// Materials to choose from.
+    /// The library of materials.
     Library,
-    /// The parameters of what is selected.
+    /// The parameters of the selection.
     Inspector,
     /// Samples, limits, integrator, light mixing and comparison.
     Render,
     /// The steps that can be undone and redone.
     History,
-    /// What is wrong with the scene and its files.
+    /// The problems with the scene and its files.
     Messages,
     /// The paths of an inspected pixel, vertex by vertex.
     Paths,
@@ -45,7 +45,7 @@ impl Panel {
     ];
     /// The panels at the left.
     pub(crate) const LEFT: [Self; 2] = [Self::Outliner, Self::Library];
-    /// Shown only when asked for.
+    /// The panels that are shown only on demand.
     pub(crate) const CLOSED: [Self; 1] = [Self::Paths];
 
     /// The word on the tab and in the menu.

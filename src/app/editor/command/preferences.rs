@@ -21,13 +21,13 @@ pub enum ThemeChoice {
     /// Light text on dark grey.
     #[default]
     Dark,
-    /// Dark text on light grey.
+    /// The theme has dark text on light grey.
     Light,
     /// Follows the theme of the system.
     System,
 }
 
-/// What a user has chosen for all scenes; a JSON file holds it.
+/// The choices of a user for all scenes; a JSON file holds them.
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {

@@ -15,7 +15,7 @@ pub struct Preset {
     pub group: String,
     /// The part of its id after the `/`.
     pub name: String,
-    /// What a material becomes that is made of it.
+    /// The tree of a material that is made from it.
     pub tree: MaterialTree,
 }
 
@@ -25,7 +25,7 @@ impl Preset {
         self.name.replace(", ", "-").replace(' ', "-")
     }
 
-    /// `Metal/gold`, as in the file.
+    /// The path, such as `Metal/gold`, as in the file.
     pub fn path(&self) -> String {
         format!("{}/{}", self.group, self.name)
     }
@@ -33,7 +33,7 @@ impl Preset {
 
 const BUILT_IN: &str = include_str!("../../../../assets/materials.xml");
 
-/// All of them, and what is wrong with the user's file.
+/// Loads all presets, and gives the problems with the user's file.
 pub fn load() -> (Vec<Preset>, Vec<String>) {
     let (mut presets, _) = of_text(BUILT_IN, Path::new("materials.xml"));
     let mut complaints = Vec::new();

@@ -1,4 +1,4 @@
-//! Edits that were written aside before a crash and can be had back.
+//! Edits that were written aside before a crash and can be recovered.
 
 use std::path::PathBuf;
 
@@ -16,7 +16,7 @@ pub struct Note {
     pub things: Option<usize>,
 }
 
-/// Edits that can be had back.
+/// The offer to recover edits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Offer {
     /// Holds the note and the scene that was written aside.

@@ -18,14 +18,14 @@ pub enum Extend {
     /// They become the selection.
     #[default]
     Replace,
-    /// They join what is selected.
+    /// They join the selection.
     Add,
     /// Selected things are deselected, and the others are selected.
     Toggle,
 }
 
 impl Selection {
-    /// The entities in this order; what is named twice counts once.
+    /// A selection of the entities in this order; one that is named twice counts once.
     pub fn of(entities: impl IntoIterator<Item = Entity>) -> Self {
         let mut selection = Self::default();
         selection.extend(entities, Extend::Add);
@@ -37,7 +37,7 @@ impl Selection {
         self.order.last().copied()
     }
 
-    /// All of them, the active one last.
+    /// The selected entities, the active one last.
     pub fn entities(&self) -> &[Entity] {
         &self.order
     }

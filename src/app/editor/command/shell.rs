@@ -7,24 +7,24 @@ use super::panel::Panel;
 use super::preferences::Preferences;
 use super::recovery_offer::Offer;
 
-/// What a user can do to the window itself; none of it touches the scene.
+/// A command for the window itself; none of them changes the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ShellCommand {
     /// Shows a panel in front of its group, also if it was closed.
     ShowPanel(Panel),
     /// Takes a panel out of the window.
     ClosePanel(Panel),
-    /// All panels as in a new window.
+    /// Arranges all panels as in a new window.
     ResetLayout,
-    /// To the whole screen and back.
+    /// Switches to the full screen and back.
     ToggleFullScreen,
-    /// Opens what lies over the window.
+    /// Opens a sheet that covers the window.
     ShowSheet(Sheet),
     /// Replaces all preferences; values out of range are clamped.
     SetPreferences(Box<Preferences>),
-    /// Opens what was written aside before a crash.
+    /// Opens the edits that were written aside before a crash.
     Recover(Offer),
-    /// Deletes what was written aside before a crash.
+    /// Deletes the edits that were written aside before a crash.
     DiscardRecovery(Offer),
     /// Lets scenes read the folders of these files.
     AllowFiles(Question),

@@ -19,7 +19,7 @@ pub type StoredViews = [Option<StoredView>; 9];
 /// The view as it is in the file.
 #[derive(Serialize, Deserialize)]
 struct Written {
-    /// Left, up and forward, and the place.
+    /// The axes to the left, up and forward, and the place.
     world_from_camera: [[f32; 3]; 4],
     #[serde(default)]
     orthographic: bool,

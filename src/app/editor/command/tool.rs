@@ -1,12 +1,12 @@
 //! A tool that replaces selection for one click or drag in the picture.
 
-/// Given up by Escape, and after it was used, but for the paths: one looks at many pixels.
+/// A tool. It ends with Escape and after its use, except for that of paths, which is used on many pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
     /// Selects, as without any tool.
     #[default]
     Select,
-    /// Focuses a thin lens on what is clicked.
+    /// Focuses a thin lens on the thing that is clicked.
     Focus,
     /// Draws the part of the picture that is rendered.
     Region,

@@ -1,4 +1,4 @@
-//! New things: made here, pasted, or from files.
+//! Adds new things: made here, pasted, or from files.
 
 use std::path::{Path, PathBuf};
 
@@ -25,7 +25,7 @@ use crate::scene::{
     SceneDescription, SceneId, Sensor, Shape, ShapeKind, SquarePath, ToWorld, Trust, read,
 };
 
-/// Height of a light above what it shines on, and of what is flat above what it lies on, in half sizes.
+/// The height of a light above what it shines on, and of a flat thing above what it lies on, in half sizes.
 const ABOVE: f32 = 4.0;
 const FLAT: f32 = 0.01;
 /// Radians; turns by it never come back to where one was.
@@ -139,7 +139,7 @@ pub fn add(edit: &mut Edit, addition: Addition) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// One that lights what is `distance` world units away about as much as a white sky would.
+/// A light that illuminates things at `distance` world units about as much as a white sky would.
 fn emitter(plugin: &'static str, distance: f32) -> Result<Emitter, CommandError> {
     let mut emitter = Emitter::of_plugin(plugin).ok_or_else(|| format!("There is no light called \"{plugin}\"."))?;
     match &mut emitter.kind {
@@ -184,13 +184,13 @@ fn sun_directions(world: &mut World) -> Vec<Vec3> {
         .collect()
 }
 
-/// Downwards and aslant, other than all of these.
+/// A direction that points down and aslant and differs from all of these.
 fn free_direction(known: &[Vec3], up: Vec3) -> Vec3 {
     let aslant = |turns: usize| {
         let turn = Quat::from_axis_angle(up, GOLDEN_ANGLE * turns as f32);
         (turn * (up.any_orthonormal_vector() * 0.5) - up).normalize_or(-up)
     };
-    // Well above rounding, well below what is seen.
+    // The tolerance is well above rounding, and well below what is visible.
     let is_free = |direction: &Vec3| !known.iter().any(|known| known.abs_diff_eq(*direction, 1e-3));
     (0..known.len())
         .map(aslant)

@@ -1,4 +1,4 @@
-//! A world in which commands can be applied though there is no window: for tests and fuzzing.
+//! A world in which commands can be applied without a window, for tests and fuzzing.
 
 use bevy::ecs::message::Messages;
 use bevy::prelude::World;

@@ -1,4 +1,4 @@
-//! Edits of the scene. Each goes through an [`Edit`], which remembers what was there.
+//! The edits of the scene. Each is made through an [`Edit`], which records the former state.
 
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -94,7 +94,7 @@ pub fn group(edit: &mut Edit) -> Result<(), CommandError> {
     put_into(edit, members, Some(&folder))
 }
 
-/// Folders are written as the part of names before the last `/`.
+/// Puts things into a folder. Folders are written as the part of names before the last `/`.
 pub fn put_into(edit: &mut Edit, things: Vec<Entity>, folder: Option<&str>) -> Result<(), CommandError> {
     if folder.is_some_and(|folder| folder.chars().any(is_no_name)) {
         return Err("The folder's name has a character that names cannot have.".into());
@@ -140,7 +140,7 @@ pub fn reorder(edit: &mut Edit, moved: &[Entity], before: Option<Entity>) {
     }
 }
 
-/// Shapes of the world and lights.
+/// The shapes of the world and the lights.
 pub fn visible_things(world: &mut World, mut wanted: impl FnMut(Entity) -> bool) -> Vec<Entity> {
     let mut things =
         world.query_filtered::<Entity, (Or<(With<Shape>, With<Emitter>)>, Without<Hidden>, Without<MemberOf>)>();
@@ -158,7 +158,8 @@ pub fn hide(edit: &mut Edit, entities: &[Entity], hidden: bool) {
     }
 }
 
-/// Looked at as the picture before it; other textures become a plain picture. Lights have one parameter that may be a picture.
+/// Sets a picture. It is read in the same way as the one before it; other textures become a plain picture. Lights have one parameter that may be a
+/// picture.
 pub fn set_picture(edit: &mut Edit, owner: Entity, parameter: &str, place: SquarePath, path: PathBuf) {
     if let Some(mut edited) = edit.world.get::<Material>(owner).cloned() {
         edited.set_picture(parameter, place, &path);

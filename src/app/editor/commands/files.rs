@@ -1,4 +1,4 @@
-//! Scenes and pictures to and from files, and the clipboard.
+//! Commands that read and write scenes and pictures, and the clipboard.
 
 use std::path::{Path, PathBuf};
 
@@ -103,7 +103,7 @@ pub fn save_scene(world: &mut World, path: &Path, on_change: OnChange) -> Result
     Ok(())
 }
 
-/// Says that something is saved, which mends earlier errors of saving.
+/// Tells that something is saved, which removes earlier errors of saving.
 fn say_saved(world: &mut World, message: String) {
     let mut toasts = world.resource_mut::<Toasts>();
     toasts.forget(Topic::Saving);
@@ -147,8 +147,8 @@ pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Keeps the picture in a temporary file, where its own place could not be written and the program is about to end. Says in words where it is;
-/// None if there is no picture.
+/// Keeps the picture in a temporary file, if it could not be written to its own place and the program is about to end. Returns a sentence about
+/// where it is; None if there is no picture.
 pub(crate) fn keep_image(world: &World) -> Option<String> {
     match write_to_temporary_folder(&finished::picture(world)) {
         Ok(place) => Some(format!("the picture is kept in {}", place.display())),

@@ -1,4 +1,4 @@
-//! Commands about the picture as it stands.
+//! The present picture, for commands that save or copy it.
 
 use bevy::prelude::*;
 
@@ -36,7 +36,7 @@ pub fn picture(world: &World) -> ImageRgb {
     }
 }
 
-/// The picture with the snapshot wiped over it, or their difference, if that is what is seen.
+/// The picture with the snapshot wiped over it, or their difference, if that is shown.
 pub fn compared(world: &World, picture: ImageRgb) -> ImageRgb {
     let comparison = world.resource::<Comparison>();
     let is_shaded = world.resource::<ViewSettings>().display.mode == DisplayMode::Shaded;
@@ -73,7 +73,7 @@ pub fn factors(world: &World) -> Vec<Rgb> {
 pub fn expose(world: &mut World) -> Result<(), CommandError> {
     let stops = auto_exposure(&picture(world).pixels).ok_or("The picture is black.")?;
     let display = world.resource::<ViewSettings>().display;
-    // Steps that are worth reading.
+    // The steps are coarse enough to read.
     let exposure = (10.0 * stops).round() / 10.0;
     view::set_display(world, DisplaySettings { exposure, ..display });
     Ok(())

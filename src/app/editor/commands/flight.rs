@@ -113,7 +113,7 @@ pub fn fly_on(world: &mut World) {
     world.resource_mut::<Pacing>().note_commands(true);
 }
 
-/// Begins and ends at rest.
+/// The eased share of the way: the flight begins and ends at rest.
 fn eased(share: f32) -> f32 {
     let share = share.clamp(0.0, 1.0);
     share * share * (3.0 - 2.0 * share)

@@ -1,4 +1,4 @@
-//! Materials made of others: what is inside comes and goes with them.
+//! Edits of materials that contain others, which come and go with them.
 
 use bevy::prelude::*;
 
@@ -183,7 +183,7 @@ fn write_tree(edit: &mut Edit, material: Entity, tree: &MaterialTree, moves: &mu
     }
 }
 
-/// Takes a material out of the scene that stands nowhere but inside of others, and is inside of none. What is in it goes the same way.
+/// Removes a material that is declared only inside of others and is now inside of none, with those inside it.
 fn remove_unused(edit: &mut Edit, material: Entity) {
     let is_own = edit.world.get::<DeclaredIn>(material).is_none();
     let has_users = edit

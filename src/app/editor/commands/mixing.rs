@@ -10,14 +10,14 @@ use crate::color::Rgb;
 use crate::engine::RenderFilm;
 use crate::scene::{AreaLight, Emitter};
 
-/// Lights that cannot be multiplied keep their place in the mix, and are named in a message.
+/// Bakes the mix into the lights. Those that cannot be multiplied stay in the mix, and are named in a message.
 pub fn bake(edit: &mut Edit) -> Result<(), CommandError> {
     let mix = edit.world.resource::<LightMix>().clone();
     let gains = mix.gains(&edit.world.resource::<RenderFilm>().light_groups);
     if gains.is_empty() {
         return Err("The mix is neutral.".into());
     }
-    // Solo and mute stay, and what is said of lights that are not in the picture.
+    // Solo and mute stay, and so do the channels of lights that are not in the picture.
     let mut left = mix.clone();
     let mut refusals = Vec::new();
     let all = gains.len();

@@ -76,7 +76,7 @@ pub(crate) fn apply_commands(world: &mut World) {
     }
 }
 
-/// Pictures are kept at the resolution that was asked for: until they have it, commands that want them wait. All others are done.
+/// Keeps commands that need the picture at full resolution until it has it. The others are applied.
 fn keep_for_later(world: &mut World, commands: Vec<Command>) -> Vec<Command> {
     let Some(mut motion) = world.get_resource_mut::<Motion>().filter(|motion| !motion.is_settled()) else {
         return commands;
@@ -97,7 +97,7 @@ pub(crate) fn apply_now(world: &mut World, command: Command) -> Result<(), Comma
 }
 
 fn note_input(world: &mut World, restarts: bool) {
-    // Input is taken in at the start of the frame.
+    // Input is read at the start of the frame.
     let arrived = world.resource::<FrameTimes>().frame_started();
     world.insert_resource(InputStamp(arrived));
     world.resource_mut::<Pacing>().note_commands(restarts);
@@ -134,7 +134,7 @@ fn edit(world: &mut World, command: Command, merges: bool) -> Result<(), Command
     }
 }
 
-/// [`Command::label`], but a change of pose says what it does to the first.
+/// The verb of a command: [`Command::label`], but for a change of pose it tells what happens to the first thing.
 fn verb(world: &World, command: &Command) -> &'static str {
     let change = match command {
         Command::Transform(poses) => poses.first().and_then(|(entity, after)| {
@@ -146,7 +146,7 @@ fn verb(world: &World, command: &Command) -> &'static str {
     let Some([before, after]) = change.filter(|[before, after]| before != after) else {
         return command.label();
     };
-    // Turning keeps the lengths of the axes.
+    // A rotation keeps the lengths of the axes.
     let lengths = |matrix: Mat3A| [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.length());
     let is_turn = lengths(before)
         .iter()
@@ -297,9 +297,9 @@ fn keep_what_is_there(world: &mut World) {
     }
 }
 
-/// Names and describes edits.
+/// The names and descriptions of edits.
 impl Edit<'_> {
-    /// "Move ball", "Move 3 things", "Delete".
+    /// The title of an edit, such as "Move ball", "Move 3 things", "Delete".
     fn titled(&self, label: &str, targets: &[Entity]) -> String {
         match targets {
             [] => label.to_owned(),

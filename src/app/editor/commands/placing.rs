@@ -1,4 +1,4 @@
-//! Moving the selection without the mouse: by steps, and down onto what is below.
+//! Moves the selection without the mouse: by steps, and down onto what is below.
 
 use bevy::math::{Affine3A, Vec3, Vec3A};
 use bevy::prelude::*;

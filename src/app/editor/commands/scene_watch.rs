@@ -30,7 +30,7 @@ pub(crate) fn hold_reloads(requests: Res<Requests>, mut file: ResMut<SceneFile>)
     }
 }
 
-/// Messages about loading; a freshly opened scene also decides what is up.
+/// Shows messages about loading. For a freshly opened scene it also decides which axis is up.
 pub fn follow_scene(
     status: Res<SceneStatus>,
     active: Res<ActiveSensor>,
@@ -72,7 +72,7 @@ pub fn follow_scene(
             *selection = Selection::default();
             *free_view = FreeView::default();
             history.clear();
-            // All of the scene before.
+            // All of these belong to the scene before.
             requests.save_question = None;
             settings.bookmarks = Default::default();
             (*mix, *film_lights) = Default::default();
@@ -171,7 +171,7 @@ pub(crate) fn camera_is_wanted(wanted: Res<WantedCamera>, status: Res<SceneStatu
     wanted.name.is_some() && status.revision > 0
 }
 
-/// Looks through the camera that was asked for.
+/// Looks through the requested camera.
 pub(crate) fn choose_camera(world: &mut World) {
     let mut wanted = world.resource_mut::<WantedCamera>();
     let (name, is_required) = (wanted.name.take(), wanted.is_required);

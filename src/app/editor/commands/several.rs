@@ -13,10 +13,10 @@ use crate::app::editor::session::history::Edit;
 use crate::scene::carry_over::{Vectors, carry_over};
 use crate::scene::{AreaLight, Emitter, Film, Locked, Material, Placements, Sensor, Shape, ToWorld, UsesMaterial};
 
-/// Materials within materials are followed so far.
+/// The depth to which materials within materials are followed.
 const DEEPEST: usize = 4;
 
-/// Does to all others that are selected the like of what the command is going to do to its thing.
+/// Applies to all other selected things what the command is going to do to its thing.
 pub fn carry_to_others(edit: &mut Edit, command: &Command) {
     let selected = edit.world.resource::<Selection>().entities().to_vec();
     let others = |but: Entity| selected.iter().copied().filter(move |entity| *entity != but);
@@ -103,7 +103,7 @@ fn carry<C: Component<Mutability = bevy::ecs::component::Mutable> + PartialRefle
     }
 }
 
-/// Coordinates that were changed are set to the same number, turns and scales are done to each about where it is.
+/// Applies a change of pose: coordinates that were changed are set to the same number, and each thing is turned and scaled about its own place.
 fn transform(edit: &mut Edit, entity: Entity, after: Affine3A, others: impl Iterator<Item = Entity>) {
     let Some(before) = edit.world.get::<ToWorld>(entity).map(|pose| pose.0) else {
         return;

@@ -12,7 +12,7 @@ use crate::scene::{AreaLight, Emitter, MemberOf, Shape, ToWorld};
 
 /// Half the size of the first thing of a scene, world units.
 const FIRST: f32 = 0.5;
-/// Half the size of others, of the height of what is seen where they go.
+/// Half the size of a new thing, as a share of the height of what is seen where it goes.
 const SIZE_IN_VIEW: f32 = 0.125;
 /// The distance from the middle of one new thing to that of the next, in half sizes.
 const APART: f32 = 2.5;
@@ -24,7 +24,7 @@ const MOST_TRIED: usize = 64;
 const FARTHEST: f32 = 3.0;
 /// The distance from a surface at which rays start, in half sizes.
 const OFF: f32 = 1e-3;
-/// Cosine of the angle to the upward direction: what is steeper is a wall, and not stood upon.
+/// The cosine of the steepest slope, to the upward direction. Steeper surfaces are walls, on which nothing is put.
 const STEEPEST: f32 = 0.1;
 
 /// The place of a new thing.
@@ -38,7 +38,7 @@ pub struct Spot {
     pub on: Option<SeenSurface>,
 }
 
-/// A foot, and what is there.
+/// A place: the foot, and the surface there.
 type Place = (Vec3, Option<SeenSurface>);
 
 /// Finds a place. `lift` is the distance from the foot to the position, in half sizes.
@@ -131,7 +131,7 @@ pub fn headroom(world: &World, spot: &Spot, wanted: f32) -> f32 {
     above.map_or(wanted, |above| wanted.min(0.9 * above.position.distance(spot.foot)))
 }
 
-/// Middles of the lights, or of the shapes, that there are already.
+/// The middles of the lights, or of the shapes, that exist already.
 struct Taken {
     places: Vec<(Entity, Vec3)>,
     has_shapes: bool,
@@ -146,7 +146,7 @@ impl Taken {
             Has<AreaLight>,
             Option<&'static Emitter>,
         );
-        // Members of groups are where the instances of those are.
+        // Members of groups are where the instances of the groups are.
         let mut things = world.query_filtered::<Parts, Without<MemberOf>>();
         let places = things
             .iter(world)
@@ -238,7 +238,7 @@ fn fall(packed: &PackedScene, from: Vec3, ground: &Ground) -> Place {
     (below.map_or(ground.under(from), |below| below.position), below)
 }
 
-/// Whether this is a thing among things, and not what they stand on.
+/// Whether these are the bounds of a similar thing, and not of what things stand on.
 fn is_like(bounds: &Aabb, size: f32, up: Vec3) -> bool {
     let across = bounds.extent() * (Vec3::ONE - up.abs());
     across.max_element() <= WIDEST_BESIDE * size
@@ -251,7 +251,7 @@ pub fn rounded(size: f32) -> f32 {
     (((size / digit).round() * digit) as f32).max(f32::MIN_POSITIVE)
 }
 
-/// Rounds to a hundredth of `size` or finer, so that the numbers are short in a file.
+/// Rounds a place to a hundredth of `size` or finer, so that the numbers are short in a file.
 pub fn rounded_place(place: Vec3, size: f32) -> Vec3 {
     let step = 0.01 * 10f64.powf(f64::from(size.max(f32::MIN_POSITIVE)).log10().floor());
     place.map(|number| ((f64::from(number) / step).round() * step) as f32)
@@ -393,7 +393,7 @@ mod tests {
 
     #[test]
     fn far_from_the_origin_things_stand_as_they_do_near_it() {
-        // Steps of floats are about a hundredth there.
+        // The steps of floats are about a hundredth there.
         let far = Vec3::new(-1.1e5, 1.3e5, 0.9e5);
         for angle in [0.0f32, 0.1, 0.2, 0.3] {
             let mut world = world_from(far + Vec3::new(0.0, 2.0, 6.0), far, 0.01);

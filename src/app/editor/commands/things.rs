@@ -79,7 +79,7 @@ pub(super) fn delete(edit: &mut Edit, entity: Entity) {
             .is_some_and(|users| !users.is_empty())
             || !outer_materials(edit.world, material).is_empty();
         if is_used {
-            // It stands for itself from now on.
+            // The material stands for itself from now on.
             edit.remove::<DeclaredIn>(material);
         } else {
             delete(edit, material);
@@ -111,7 +111,7 @@ pub(crate) fn check_name(name: &str) -> Result<(), CommandError> {
     }
 }
 
-/// Characters that ids cannot have.
+/// Whether ids cannot have this character.
 pub(crate) fn is_no_name(c: char) -> bool {
     c.is_control() || "$.\"<>&".contains(c)
 }
@@ -132,7 +132,7 @@ pub fn transform(edit: &mut Edit, poses: Vec<(Entity, Affine3A)>) -> Result<(), 
             return Err("That is locked.".into());
         }
         edit.set(entity, ToWorld(pose));
-        // The one who moves the camera wants to see from there.
+        // A user who moves the camera wants to see from there.
         if edit.world.resource::<ActiveSensor>().0 == Some(entity) && edit.world.get::<Sensor>(entity).is_some() {
             edit.world.insert_resource(FreeView::default());
         }

@@ -46,7 +46,7 @@ pub fn distance_looked(world: &World, pose: &Affine3A) -> f32 {
     distance.or_else(ahead).unwrap_or_else(nowhere)
 }
 
-/// Onto the selection, or what is ahead.
+/// Looks along an axis at the selection, or at what is ahead.
 pub fn look_along(world: &mut World, axis: AxisView) {
     let Some(pose) = view_pose(world) else { return };
     let selected = selected_bounds(world);

@@ -1,4 +1,4 @@
-//! Resources of the world that commands set.
+//! Sets resources of the world.
 
 use bevy::prelude::*;
 

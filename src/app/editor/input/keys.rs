@@ -22,7 +22,7 @@ pub fn presses<'a>(events: impl Iterator<Item = &'a KeyboardInput>, modifiers: M
     pressed.filter_map(|event| press(event, modifiers)).collect()
 }
 
-/// None for modifier keys and for keys that egui does not know.
+/// The press of a key. None for modifier keys and for keys that egui does not know.
 fn press(event: &KeyboardInput, modifiers: Modifiers) -> Option<Press> {
     if is_modifier(&event.logical_key) {
         return None;

@@ -1,4 +1,4 @@
-//! Tells egui when the pointer leaves the window, which `bevy_egui` does not: what is under the pointer would stay marked.
+//! Tells egui when the pointer leaves the window, which `bevy_egui` does not. Otherwise what was under the pointer would stay marked.
 
 use bevy::prelude::*;
 use bevy::window::{CursorLeft, PrimaryWindow};

@@ -1,4 +1,4 @@
-//! Keys and the actions they stand for, and repairs to the events that egui is given. May import `command`.
+//! Keys and their actions, and repairs to the events that egui gets. May import `command`.
 
 pub mod actions;
 pub mod keys;

@@ -5,7 +5,7 @@ use bevy_egui::egui::{Key, Modifiers};
 /// A key going down, with the modifiers held at that moment; never a repeat of a key held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Press {
-    /// As egui names it.
+    /// The key as egui names it.
     pub key: Key,
     /// Those that were held when the key went down.
     pub modifiers: Modifiers,

@@ -1,5 +1,5 @@
-//! Keys in the order in which they came. A frame knows one state of the modifier keys and one holder of the keyboard, but a slow one may
-//! have had a click into a number, Control and A, some digits and Enter. What comes after a change of either waits for the next frame.
+//! Hands on the keys in the order in which they came. A frame knows one state of the modifier keys and one holder of the keyboard, but a slow one
+//! may have had a click into a number, Control and A, some digits and Enter. What comes after a change of either waits for the next frame.
 
 use bevy::ecs::message::MessageCursor;
 use bevy::input::keyboard::{Key, KeyboardFocusLost, KeyboardInput};
@@ -39,7 +39,7 @@ pub fn order_keys(
     }
 }
 
-/// Keys that came before the first mouse button of the frame; None without one.
+/// The keys that came before the first mouse button of the frame; None if there was no button.
 fn before_button<'a>(events: impl Iterator<Item = &'a WindowEvent>) -> Option<usize> {
     let (mut keys, mut found) = (0, None);
     for event in events {
@@ -91,7 +91,7 @@ mod tests {
         frames_in(World::new(), came)
     }
 
-    /// Likewise, with the focus lost in the first frame.
+    /// The same if the focus is lost in the first frame.
     fn frames_without_focus(came: &[Option<((KeyCode, Key), ButtonState)>]) -> Vec<Vec<(KeyCode, ButtonState)>> {
         let mut world = World::new();
         world.init_resource::<Messages<KeyboardFocusLost>>();

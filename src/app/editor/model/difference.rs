@@ -10,7 +10,7 @@ use super::Inspected;
 use super::mixed::{Mixed, key};
 use crate::scene::{AreaLight, Emitter, FileValue, Material, ParameterInfo, ParameterRef};
 
-/// Fields that rows, or files, call something else.
+/// Fields for which rows, or files, have another name.
 const OTHER_NAMES: [(&str, &str); 11] = [
     ("kind", "type"),
     ("p0", "from"),
@@ -25,7 +25,7 @@ const OTHER_NAMES: [(&str, &str); 11] = [
     ("stddev", "width_of_it"),
 ];
 
-/// Parts of fields that have rows of their own, and what those are called.
+/// Parts of fields that have rows of their own, and the names of those.
 const PARTS: [(&str, &str, &str); 6] = [
     ("principal_point_offset", "x", "shift_right"),
     ("principal_point_offset", "y", "shift_down"),

@@ -3,10 +3,10 @@
 /// The parts of a transform that can be edited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Freedom {
-    /// Place, rotation and scale along any axes.
+    /// It can be moved, turned and scaled along any axes.
     Affine,
-    /// No scale, as of a camera.
+    /// It can be moved and turned, but not scaled, such as a camera.
     Rigid,
-    /// The rotation alone, as of what is infinitely far away.
+    /// It can only be turned, such as what is infinitely far away.
     Turning,
 }

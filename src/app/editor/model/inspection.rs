@@ -81,7 +81,7 @@ fn inspect(
         (_, _, Some(_)) => "camera",
         _ => "material",
     };
-    // A constant environment is everywhere, its transform means nothing; that of very many instances is not asked for.
+    // A constant environment is everywhere, so that its transform means nothing. That of very many instances is not shown.
     let has_place = !is_crowd && emitter.is_none_or(|emitter| !matches!(emitter.kind, EmitterKind::Constant { .. }));
     let mut inspected = Inspected {
         to_world: to_world.filter(|_| has_place).map(|to_world| to_world.0),

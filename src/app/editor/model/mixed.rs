@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Rows whose values differ, by [`key`] of their names.
+/// The rows whose values differ, by [`key`] of their names.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mixed(pub(super) Arc<BTreeSet<String>>);
 

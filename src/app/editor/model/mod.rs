@@ -33,9 +33,9 @@ use panel_textures::PanelTextures;
 /// One line of the outliner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Item {
-    /// What a click selects.
+    /// The entity that a click selects.
     pub entity: Entity,
-    /// What the row says.
+    /// The text of the row.
     pub name: String,
     /// The word for the kind of thing that it is.
     pub kind: &'static str,
@@ -52,13 +52,13 @@ pub struct Item {
 /// The things in the scene, by kind, in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outline {
-    /// With instances, without groups.
+    /// The shapes, with instances and without groups.
     pub shapes: Vec<Item>,
-    /// With nested ones.
+    /// The materials, with nested ones.
     pub materials: Vec<Item>,
-    /// Those that are no surfaces.
+    /// The lights that are no surfaces.
     pub lights: Vec<Item>,
-    /// All cameras.
+    /// The cameras.
     pub sensors: Vec<Item>,
 }
 
@@ -80,7 +80,7 @@ impl Outline {
 /// A material of the selection.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InspectedMaterial {
-    /// What commands name.
+    /// The entity of the material.
     pub entity: Entity,
     /// The heading.
     pub name: String,
@@ -92,7 +92,7 @@ pub struct InspectedMaterial {
     pub path: Vec<usize>,
     /// The parameters that differ from those of the materials at the same path in the other selected things.
     pub mixed: Mixed,
-    /// Shapes that use it.
+    /// The number of shapes that use it.
     pub users: usize,
     /// The materials that are nested in it.
     pub inside: Vec<Entity>,
@@ -128,7 +128,7 @@ impl MaterialPlace {
 /// The content of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InspectedMesh {
-    /// All triangles of the file's mesh.
+    /// The number of triangles of the file's mesh.
     pub triangles: usize,
     /// Whether the file names materials of its own.
     pub has_materials: bool,
@@ -137,23 +137,23 @@ pub struct InspectedMesh {
 /// The selected entity with everything that can be edited on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inspected {
-    /// What commands name.
+    /// The entity.
     pub entity: Entity,
     /// The heading.
     pub name: String,
-    /// None for what has no place, such as a material.
+    /// The pose; None for things without a place, such as a material.
     pub to_world: Option<Affine3A>,
-    /// Of shapes.
+    /// The shape, if it is one.
     pub shape: Option<Shape>,
     /// The mesh, once it is loaded.
     pub mesh: Option<InspectedMesh>,
-    /// Of shapes that shine.
+    /// The emission, if it is a shape that shines.
     pub area_light: Option<AreaLight>,
-    /// Of lights that are no surfaces.
+    /// The light, if it is one that is no surface.
     pub emitter: Option<Emitter>,
-    /// Of cameras.
+    /// The camera, if it is one.
     pub sensor: Option<Sensor>,
-    /// Of cameras.
+    /// The film, if it is a camera.
     pub film: Option<Film>,
     /// The material that a shape names; None where it names none.
     pub uses_material: Option<Entity>,
@@ -182,7 +182,7 @@ impl Inspected {
         }
     }
 
-    /// World from a space whose origin is where the thing is.
+    /// The pose: world from a space whose origin is where the thing is.
     pub fn pose(&self) -> Option<Affine3A> {
         Some(self.to_world? * Affine3A::from_translation(self.middle()))
     }
@@ -196,28 +196,28 @@ impl Inspected {
 /// The steps that were done, oldest first, and those that can be redone, next first.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct HistoryModel {
-    /// Labels of the steps.
+    /// The labels of the steps that were done.
     pub done: Vec<String>,
-    /// Labels of the steps.
+    /// The labels of the steps that were undone.
     pub undone: Vec<String>,
 }
 
 /// The render panel's content.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderModel {
-    /// Samples per pixel.
+    /// The samples per pixel to stop at.
     pub target_samples: u32,
     /// Rendered pixels per pixel of the film along each side.
     pub resolution_scale: f32,
-    /// Of the scene.
+    /// The integrator of the scene.
     pub integrator: IntegratorSettings,
-    /// Of the scene.
+    /// The sampler of the scene.
     pub sampler: SamplerSettings,
-    /// Of the scene.
+    /// The acceleration structure of the scene.
     pub accel: AccelMethod,
     /// The longest time to render for, in seconds.
     pub time_limit: Option<f32>,
-    /// Relative noise to stop at; None is no limit.
+    /// The relative noise to stop at; None is no limit.
     pub noise_target: Option<f32>,
     /// The last estimate of the noise.
     pub noise: Option<f32>,
@@ -236,7 +236,7 @@ pub struct RenderModel {
 pub struct MixingModel {
     /// Whether the film keeps the lights apart.
     pub is_on: bool,
-    /// What is done to each light.
+    /// The channel of each light.
     pub mix: LightMix,
     /// The lights that the film keeps apart, as the mix and the panel call them.
     pub lights: Vec<(Entity, String)>,
@@ -245,11 +245,11 @@ pub struct MixingModel {
 /// The snapshot, and how the picture is compared with it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ComparisonModel {
-    /// Samples per pixel of the snapshot; None without one.
+    /// The samples per pixel of the snapshot; None without one.
     pub snapshot: Option<u32>,
-    /// How both share the viewport.
+    /// The way in which both share the viewport.
     pub view: CompareView,
-    /// Measured last; None before.
+    /// The last measurement; None before the first.
     pub figures: Option<Measured>,
 }
 
@@ -258,11 +258,11 @@ pub struct ComparisonModel {
 pub struct Notice {
     /// Decides the colour and the word before the text.
     pub severity: Severity,
-    /// `file:line:column`, where it is about a place.
+    /// The place, as `file:line:column`, if the problem has one.
     pub place: Option<String>,
     /// The message.
     pub text: String,
-    /// What to do about it.
+    /// What the user can do about it.
     pub help: Option<String>,
     /// The line it is about, with marks under the place.
     pub excerpt: Option<String>,
@@ -271,13 +271,13 @@ pub struct Notice {
 /// The data of the status line and the menus.
 #[derive(Clone, Debug, Default)]
 pub struct StatusModel {
-    /// What the engine tells.
+    /// The state of the engine.
     pub status: RenderStatus,
     /// Whether the user has paused rendering.
     pub paused: bool,
     /// The open scene.
     pub scene: Option<PathBuf>,
-    /// There are edits that no file has.
+    /// Whether there are edits that no file has.
     pub unsaved: bool,
     /// The scene file could not be read; the last good one is shown.
     pub load_failed: bool,
@@ -287,18 +287,18 @@ pub struct StatusModel {
     pub frame_ms: Option<f32>,
 }
 
-/// All of it.
+/// The data of all panels.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     /// The rows of the outliner.
     pub outline: Arc<Outline>,
-    /// In the order of choosing.
+    /// The selection, in the order of choosing.
     pub selection: Selection,
     /// The active one of the selection.
     pub inspected: Option<Inspected>,
     /// The steps.
     pub history: Arc<HistoryModel>,
-    /// Pictures and rendered balls that are shown beside names.
+    /// The pictures and rendered balls that are shown beside names.
     pub textures: PanelTextures,
     /// The library of materials, the program's own before the user's.
     pub presets: Arc<Vec<Preset>>,
@@ -313,7 +313,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// The shapes among what is selected.
+    /// The selected shapes.
     pub(crate) fn selected_shapes(&self) -> Vec<Entity> {
         let shapes = &self.outline.shapes;
         let selected = shapes.iter().map(|item| item.entity);

@@ -1,4 +1,4 @@
-//! Small pictures of pictures, for panels: which are wanted, how they are made, and the textures they are shown with.
+//! Textures of panels: thumbnails of picture files, and rendered balls of materials.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -27,14 +27,14 @@ pub enum Ball {
 /// A small version of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thumbnail {
-    /// What egui paints.
+    /// The texture that egui paints.
     pub texture: egui::TextureId,
     /// Width and height of the picture itself, in pixels.
     pub size: [u32; 2],
 }
 
 impl PanelTextures {
-    /// Paints the rendered ball, or a plain disc as long as there is no picture.
+    /// Paints the rendered ball, or a plain disc while there is no picture.
     pub(crate) fn paint_ball(&self, ui: &egui::Ui, ball: Ball, rect: egui::Rect) {
         match self.balls.get(&ball) {
             Some(texture) => {

@@ -70,7 +70,7 @@ pub(crate) fn update_thumbnails(
     Ok(())
 }
 
-/// The pictures of what is inspected.
+/// The pictures of the inspected thing.
 fn pictures_of(model: &Model) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let Some(inspected) = &model.inspected else {
@@ -102,7 +102,7 @@ fn emitter_pictures(emitter: &Emitter, found: &mut Vec<PathBuf>) {
     emitter.for_each_picture(&mut |path| found.push(path.clone()));
 }
 
-/// The picture with its longer edge at most [`EDGE`] pixels, each the mean of a few of its own; what is brighter than white is white.
+/// The picture with its longer edge at most [`EDGE`] pixels, each the mean of a few of its own. Values brighter than white become white.
 fn shrunk(image: &Image) -> egui::ColorImage {
     /// Samples per pixel along each edge: enough that lines do not vanish, few enough for pictures of any size.
     const SAMPLES: u32 = 3;

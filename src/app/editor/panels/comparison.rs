@@ -9,7 +9,7 @@ use crate::app::editor::model::ComparisonModel;
 use crate::app::editor::picture::compare::Figures;
 use crate::app::editor::words::figures::counted;
 
-/// Buttons to take and show a snapshot, and the figures of the difference.
+/// Shows buttons to take and show a snapshot, and the figures of the difference.
 pub fn comparison(ui: &mut Ui, model: &ComparisonModel, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         if ui.button("Take snapshot").clicked() {

@@ -1,4 +1,4 @@
-//! Lines of a file, as messages show them.
+//! Shows the lines of a file that messages quote.
 
 use bevy_egui::egui::{self, FontId, RichText, Ui};
 

@@ -5,7 +5,7 @@ use bevy_egui::egui::{self, Button, RichText, Ui};
 use crate::app::editor::command::Command;
 use crate::app::editor::model::HistoryModel;
 
-/// The steps in a list; a click goes back or forward to where that one was the last.
+/// Shows the steps in a list; a click goes back or forward to where that step was the last.
 pub fn history(ui: &mut Ui, model: &HistoryModel, commands: &mut Vec<Command>) {
     let done = model.done.len();
     let steps = done + model.undone.len();

@@ -18,10 +18,11 @@ pub struct InspectorState {
     angles: transform::ShownAngles,
 }
 
-/// Points at the right that a bar lies over where there is more than fits.
+/// The points at the right that a scroll bar covers if not everything fits.
 const SCROLL_BAR: f32 = 8.0;
 
-/// `scene_size` in world units. What is edited is the active thing; where several are selected, all of the same sort get the same change.
+/// Shows the parameters of the active thing. If several things are selected, all of the same kind get the same change. `scene_size` is in world
+/// units.
 pub fn inspector(ui: &mut Ui, model: &Model, scene_size: f32, state: &mut InspectorState, commands: &mut Vec<Command>) {
     let Some(inspected) = &model.inspected else {
         ui.add_space(8.0);
@@ -138,7 +139,7 @@ fn pose(
     state: &mut InspectorState,
     commands: &mut Vec<Command>,
 ) {
-    // About where it is: a sphere's centre is in the scene, whatever its own space.
+    // The pose is about the thing's place: a sphere's centre is in the scene, whatever its own space.
     let middle = Affine3A::from_translation(inspected.shape.as_ref().map_or(Vec3::ZERO, Shape::middle));
     let mut edited = to_world * middle;
     let freedom = match (&inspected.shape, &inspected.emitter) {
@@ -157,7 +158,7 @@ fn pose(
     }
 }
 
-/// The axis of its own space in which it is up above, as the format has it.
+/// The axis of the light's own space that points up in the format.
 fn up_axis(kind: &EmitterKind) -> Vec3 {
     match kind {
         EmitterKind::SunSky(_) => Vec3::Z,
@@ -165,7 +166,7 @@ fn up_axis(kind: &EmitterKind) -> Vec3 {
     }
 }
 
-/// True if edited.
+/// Shows the rows of a shape; true if edited.
 fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bool {
     let mut changed = false;
     match &mut shape.kind {

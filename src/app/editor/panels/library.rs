@@ -1,4 +1,4 @@
-//! The library of materials as a wall of balls: a click gives one to what is selected, a drag to a shape in the picture.
+//! Shows the library of materials as a wall of balls: a click gives one to the selection, a drag to a shape in the picture.
 
 use bevy_egui::egui::{self, Rect, Sense, Ui, vec2};
 
@@ -12,11 +12,11 @@ use crate::app::editor::model::panel_textures::Ball;
 #[derive(Clone, Debug, Default)]
 pub struct LibraryState {
     filter: String,
-    /// Places in the library of those in sight, so that there can be pictures of them.
+    /// The indices in the library of the visible ones, so that they get pictures.
     pub in_sight: Vec<usize>,
 }
 
-/// Edge of a ball, and the height of the name below it, in points.
+/// The edge of a ball, and below the height of the name under it, in points.
 const BALL: f32 = 64.0;
 const NAME: f32 = 26.0;
 const GAP: f32 = 6.0;

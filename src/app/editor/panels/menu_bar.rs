@@ -17,13 +17,13 @@ use crate::app::editor::session::layout::Layout;
 /// The settings beside the model that menus show with a tick.
 #[derive(Clone, Copy)]
 pub struct MenuState<'a> {
-    /// What the actions of the menus refer to.
+    /// The context of the menus' actions.
     pub context: ActionContext<'a>,
     /// The camera in use.
     pub camera: Option<Entity>,
-    /// Which panels there are.
+    /// The layout, which knows the open panels.
     pub layout: &'a Layout,
-    /// Scenes that were opened lately, the newest first.
+    /// The scenes that were opened lately, the newest first.
     pub recent: &'a [PathBuf],
 }
 

@@ -14,7 +14,7 @@ use crate::render::inspect::RecordedVertex;
 use crate::render::observer::{MetEmitter, PathEnd};
 use crate::render::tonemap::Display;
 
-/// The paths of the inspected pixel: which one is told of, and each of its vertices.
+/// Shows the paths of the inspected pixel: the choice of one, and each of its vertices.
 pub fn paths(
     ui: &mut Ui,
     wanted: Option<InspectedPaths>,

@@ -1,4 +1,4 @@
-//! Values of parameters that are the same everywhere.
+//! The values of parameters that are the same everywhere.
 
 use crate::color::Rgb;
 

@@ -14,7 +14,7 @@ use crate::render::tonemap::ToneMap;
 use crate::render::white_balance::WhiteBalance;
 use crate::scene::{AccelMethod, Sequence, Strategy};
 
-/// Everything that decides how the scene is rendered and shown.
+/// Shows the settings of how the scene is rendered and shown.
 pub fn render(
     ui: &mut Ui,
     model: &RenderModel,

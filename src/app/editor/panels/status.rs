@@ -7,7 +7,7 @@ use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::app::editor::words::figures::counted;
 use crate::engine::{RenderState, RenderStatus};
 
-/// Room for the separator before a part.
+/// The room for the separator before a part.
 const MARGIN: f32 = 22.0;
 
 /// One line: what the renderer is at, samples, time, speed and noise.
@@ -37,7 +37,7 @@ pub fn status_line(ui: &mut Ui, model: &StatusModel) {
     });
 }
 
-/// Texts with what they mean, the most important first.
+/// The texts with what they mean, the most important first.
 fn parts(model: &StatusModel) -> Vec<(String, &'static str)> {
     let status = &model.status;
     let mut parts = vec![
@@ -83,7 +83,7 @@ fn parts(model: &StatusModel) -> Vec<(String, &'static str)> {
             "Between two pictures of the window, median",
         ));
     }
-    // Even a hierarchy of nothing has a root.
+    // Even an empty hierarchy has a root.
     if status.bvh.leaves > 0 {
         parts.push((
             format!("{}, {:.1} ms", counted(status.bvh.nodes, "node"), status.bvh.build_ms),
@@ -93,7 +93,7 @@ fn parts(model: &StatusModel) -> Vec<(String, &'static str)> {
     parts
 }
 
-/// `0:12, 0:48 left`.
+/// The time, such as `0:12, 0:48 left`.
 fn time(status: &RenderStatus) -> String {
     let spent = clock(status.seconds);
     if status.state != RenderState::Rendering || status.samples == 0 || status.samples >= status.target {
@@ -115,7 +115,7 @@ pub(crate) fn state_name(status: &RenderStatus) -> &'static str {
     }
 }
 
-/// `1:02` or `1:01:02`.
+/// The time as `1:02` or `1:01:02`.
 fn clock(seconds: f64) -> String {
     let whole = seconds.max(0.0) as u64;
     let (hours, minutes, rest) = (whole / 3600, whole / 60 % 60, whole % 60);

@@ -1,4 +1,4 @@
-//! Translation, rotation and scale of an entity.
+//! Shows the translation, rotation and scale of an entity.
 
 use bevy::math::{Affine3A, EulerRot, Mat3A, Quat, Vec3};
 use bevy_egui::egui::Ui;
@@ -19,7 +19,7 @@ const SAME_ROTATION: f32 = 1e-5;
 /// The most that a matrix may differ from translation, rotation and scale and still count as made of them, relative to its size.
 const SHEAR_TOLERANCE: f32 = 1e-4;
 
-/// True if `to_world` was edited. `size` (world units) sets how fast a drag moves.
+/// Shows the rows of a pose; true if `to_world` was edited. `size` (world units) sets how fast a drag moves.
 pub fn transform(ui: &mut Ui, to_world: &mut Affine3A, freedom: Freedom, size: f32, shown: &mut ShownAngles) -> bool {
     let mut translation = Vec3::from(to_world.translation);
     let moved = freedom != Freedom::Turning && fields::vector(ui, "Position", &mut translation, 0.002 * size, "");
@@ -63,7 +63,7 @@ pub fn turn(ui: &mut Ui, to_world: &mut Affine3A, up: Vec3) -> bool {
 /// The rotation that remains when a turn about its own axis `up` is done first, and the degrees of that turn, -180 to 180.
 fn spin_about(rotation: Quat, up: Vec3) -> (Quat, f32) {
     let along = Vec3::new(rotation.x, rotation.y, rotation.z).dot(up);
-    // Upside down the turn is no longer told from the rest: then there is none.
+    // Upside down the turn cannot be told from the rest: then it is zero.
     let angle = if along == 0.0 && rotation.w == 0.0 {
         0.0
     } else {
@@ -74,7 +74,7 @@ fn spin_about(rotation: Quat, up: Vec3) -> (Quat, f32) {
     (swing, degrees)
 }
 
-/// Scale and rotation, or None for a sheared matrix.
+/// The scale and rotation, or None for a sheared matrix.
 fn decompose(matrix: &Mat3A) -> Option<(Vec3, Quat)> {
     let (scale, rotation, _) = Affine3A {
         matrix3: *matrix,
@@ -87,7 +87,7 @@ fn decompose(matrix: &Mat3A) -> Option<(Vec3, Quat)> {
     fits.then_some((scale, rotation))
 }
 
-/// About x, then y, then z.
+/// The angles about x, then y, then z.
 fn degrees(rotation: Quat, shown: &ShownAngles) -> Vec3 {
     if rotation.dot(shown.rotation).abs() > 1.0 - SAME_ROTATION * SAME_ROTATION {
         return shown.degrees;

@@ -14,7 +14,7 @@ pub struct Snapshot {
     pub size: [u32; 2],
     /// Linear colours, row by row.
     pub radiance: Vec<Rgb>,
-    /// Samples per pixel it was made of.
+    /// The samples per pixel that it was made of.
     pub samples: u32,
 }
 
@@ -25,7 +25,7 @@ impl Snapshot {
             return Some(Cow::Borrowed(&self.radiance));
         }
         let [own, other] = [self.size, size].map(|[x, y]| [u64::from(x), u64::from(y)]);
-        // Equal but for the rounding of a side by half a pixel.
+        // The sides are equal but for rounding by half a pixel.
         let is_alike = own[0] * other[1] <= own[1] * other[0] + own[0] + own[1]
             && own[1] * other[0] <= own[0] * other[1] + own[0] + own[1];
         if !is_alike || other.contains(&0) {
@@ -41,9 +41,9 @@ impl Snapshot {
 /// The snapshot and how it is shown.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Comparison {
-    /// None until one is taken.
+    /// The snapshot; None until one is taken.
     pub snapshot: Option<Snapshot>,
-    /// How picture and snapshot share the viewport.
+    /// The way in which picture and snapshot share the viewport.
     pub view: CompareView,
     /// The differences as they were measured last.
     pub figures: Option<Measured>,
@@ -51,14 +51,14 @@ pub struct Comparison {
     pub revision: u64,
 }
 
-/// Figures and what they are of.
+/// The figures of a comparison, with the job that they belong to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
     /// The differences.
     pub figures: Figures,
     /// The job of the film; figures of another picture say nothing about this one.
     pub job: u64,
-    /// Samples per pixel that it had.
+    /// The samples per pixel that it had.
     pub samples: u32,
 }
 
@@ -74,8 +74,8 @@ pub(crate) struct PixelComparison<'a> {
 }
 
 impl<'a> PixelComparison<'a> {
-    /// None where nothing is compared, as pictures of different shapes. Of a picture of lower resolution each pixel is compared with the one of
-    /// the snapshot that is nearest.
+    /// A comparison; None if nothing is compared, such as pictures of different shapes. Each pixel of a picture of lower resolution is compared
+    /// with the nearest one of the snapshot.
     pub fn new(view: CompareView, snapshot: &'a Snapshot, size: [u32; 2]) -> Option<Self> {
         let border = match view {
             CompareView::Off => return None,
@@ -122,11 +122,11 @@ pub struct Figures {
     /// The same, each error relative to the reference (Rousselle, Knaus and Zwicker, "Adaptive Sampling and Reconstruction using Greedy
     /// Error Minimization", 2011): (a - b)^2 / (b^2 + 0.01).
     pub relative_mse: f32,
-    /// Peak signal-to-noise ratio in decibels of what a display shows, sRGB-encoded and cut off at 1; infinite for equal pictures.
+    /// The peak signal-to-noise ratio in decibels of what a display shows, sRGB-encoded and cut off at 1; infinite for equal pictures.
     pub psnr: f32,
 }
 
-/// None for pictures of different sizes, empty ones, and ones with values that are not finite.
+/// The figures; None for pictures of different sizes, empty ones, and ones with values that are not finite.
 pub fn figures(picture: &[Rgb], reference: &[Rgb]) -> Option<Figures> {
     if picture.len() != reference.len() || picture.is_empty() {
         return None;
@@ -188,7 +188,7 @@ mod tests {
         assert_eq!(seen, [Rgb::new(0.75, 0.0, 2.0); 8]);
     }
 
-    /// Worked by hand: errors 0.5 in one component of one of two pixels.
+    /// The numbers are worked out by hand: errors of 0.5 in one component of one of two pixels.
     #[test]
     fn figures_are_what_they_say() {
         let reference = [Rgb::splat(0.5), Rgb::ONE];
@@ -197,7 +197,7 @@ mod tests {
         let near = |a: f32, b: f32| (a - b).abs() < 1e-5 * b;
         assert!(near(found.mse, 0.25 / 6.0), "{found:?}");
         assert!(near(found.relative_mse, 0.25 / 0.26 / 6.0), "{found:?}");
-        // sRGB of one half is 0.735357.
+        // The sRGB value of one half is 0.735357.
         assert!(
             near(found.psnr, -10.0 * ((1.0f32 - 0.735_357).powi(2) / 6.0).log10()),
             "{found:?}"

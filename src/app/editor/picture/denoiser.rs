@@ -1,4 +1,4 @@
-//! Denoising the picture on a thread of its own, from a copy of the film, so that neither rendering nor the panels wait.
+//! Denoises the picture on a thread of its own, from a copy of the film, so that neither rendering nor the panels wait.
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ pub(crate) struct Denoised {
     /// The factors on the layers of the film that it was made with.
     pub mix: Vec<Rgb>,
     pub seconds: f32,
-    /// Samples per pixel it was made from.
+    /// The samples per pixel that it was made from.
     pub samples: u32,
     /// Tells denoised pictures apart.
     pub number: u64,
@@ -33,7 +33,7 @@ pub(crate) struct Denoiser {
     work: Option<Work>,
     shown: Option<Denoised>,
     started: u64,
-    /// Asked for before there was a sample of every pixel.
+    /// Whether it was asked for before there was a sample of every pixel.
     is_wanted: bool,
     unavailable: bool,
 }
@@ -75,8 +75,8 @@ impl Denoiser {
         }
     }
 
-    /// Starts with the film as it is now, or once it has a sample of every pixel of its region; what was at work before is cancelled.
-    /// `mix`: the factors on the layers of the film. `threads` is how many it may use.
+    /// Starts with the film as it is now, or once it has a sample of every pixel of its region, and cancels work that is under way. `mix` has the
+    /// factors on the layers of the film, `threads` is the number that it may use.
     pub fn start(&mut self, film: &RenderFilm, mix: Vec<Rgb>, threads: NonZeroUsize, wake_up: WakeUp) {
         let samples = film.samples;
         self.is_wanted = samples == 0 && !self.unavailable;
@@ -160,7 +160,7 @@ pub(crate) fn collect_denoised(
     }
 }
 
-/// What the menu and the status line say of the denoiser.
+/// The state of the denoiser that the menu and the status line show.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum DenoiserState {
     /// The picture is shown as sampled.
@@ -170,11 +170,11 @@ pub enum DenoiserState {
     Running,
     /// The denoised picture is shown.
     Shown {
-        /// How long the filter took.
+        /// The time that the filter took.
         seconds: f32,
-        /// Samples per pixel that it had.
+        /// The samples per pixel that it had.
         samples: u32,
     },
-    /// Built without, or failed.
+    /// The program was built without it, or it failed.
     Unavailable,
 }

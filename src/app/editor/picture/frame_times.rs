@@ -10,28 +10,28 @@ use bevy::render::{Render, RenderApp, RenderSystems};
 
 use super::pacing::Pacing;
 
-/// Times between the last frames.
+/// The times of the last frames.
 #[derive(Resource, Default)]
 pub(crate) struct FrameTimes {
     recent: VecDeque<f32>,
     /// The last frame's whole time, see [`Frame`].
     whole: Option<f32>,
     last: Option<Instant>,
-    /// Milliseconds that the systems of the last frame took, ours and egui's, until the window was left to the thread that draws it.
+    /// The milliseconds that the systems of the last frame took, the editor's and egui's, until the window was handed to the thread that draws it.
     own: f32,
-    /// Microseconds that drawing the last frame took, the driver's time with it.
+    /// The microseconds that drawing the last frame took, with the driver's time.
     drawn: Arc<AtomicU64>,
 }
 
 const FRAMES_KEPT: usize = 240;
 
 impl FrameTimes {
-    /// None before the first frame.
+    /// The start of the present frame; None before the first.
     pub fn frame_started(&self) -> Option<Instant> {
         self.last
     }
 
-    /// Milliseconds that the systems of the last frame took, ours and egui's, without the drawing of the window.
+    /// The milliseconds that the systems of the last frame took, the editor's and egui's, without the drawing of the window.
     pub fn own_ms(&self) -> f32 {
         self.own
     }

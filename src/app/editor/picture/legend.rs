@@ -6,13 +6,13 @@ use crate::app::editor::command::display::{DisplayMode, HOTTEST_NOISE, HOTTEST_S
 /// The meaning of a mode's false colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Legend {
-    /// The value where the heat map is 0, and below where it is 1.
+    /// The value where the heat map is 0.
     pub low: String,
-    /// Where the heat map is 1.
+    /// The value where the heat map is 1.
     pub high: String,
 }
 
-/// None for modes without false colours.
+/// The legend; None for modes without false colours.
 pub fn legend(mode: DisplayMode, scales: &Scales) -> Option<Legend> {
     let (low, high) = match mode {
         DisplayMode::BvhSteps => ("0".to_owned(), format!("{HOTTEST_STEPS:.0}+")),

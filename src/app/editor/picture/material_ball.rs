@@ -38,7 +38,7 @@ impl PartialEq for BallMaterial {
         if same_tables && self.material == other.material {
             return true;
         }
-        // Numbers of textures mean nothing beyond their table.
+        // The numbers of textures mean nothing outside of their table.
         let same_textures = Arc::ptr_eq(&self.textures, &other.textures) || self.textures == other.textures;
         same_textures && self.looks_like(self.material, other, other.material)
     }
@@ -146,7 +146,7 @@ impl MaterialBall {
             slot: 0,
             radiance: Parameter::Constant(Rgb::splat(radiance)),
         };
-        // White paint that faces the key light comes out a little below white.
+        // The light makes white paint that faces the key light a little darker than white.
         let dim = LightSource::Constant {
             radiance: Rgb::splat(0.22),
         };
@@ -256,10 +256,11 @@ mod tests {
         let black = middle(&look(vec![paint(Rgb::ZERO)], 0), 16);
         assert_eq!(black, Rgb::ZERO);
         let red = middle(&look(vec![paint(Rgb::ZERO), paint(Rgb::new(0.8, 0.1, 0.1))], 1), 64);
-        // Direct light alone makes the channels differ by the factor 8; what comes back from the grey room differs by less than the square.
+        // Direct light alone makes the channels differ by the factor 8; the light back from the grey room makes them differ by less than the
+        // square.
         assert!(red.x > 6.0 * red.y && red.y > 0.0, "{red}");
         let white = middle(&look(vec![paint(Rgb::ONE)], 0), 64);
-        // Exposed so that nothing white burns out, and none is dark.
+        // The exposure burns out nothing white, and leaves nothing dark.
         assert!(white.x > 0.5 && white.x < 1.1, "{white}");
     }
 

@@ -1,5 +1,5 @@
-//! Whether the picture moves, by flying or a drag: then less than its full resolution is rendered, where all of it would take too long
-//! to follow. A single change is no movement.
+//! Notices whether the picture moves, by flying or a drag. It is then rendered at less than its full resolution, if that would take too long. A
+//! single change is no movement.
 
 use std::time::{Duration, Instant};
 
@@ -12,7 +12,7 @@ use crate::engine::{RenderControl, RenderFilm, RenderState, RenderStatus};
 const STILL: Duration = Duration::from_millis(150);
 /// The longest time for a sample of every pixel before the resolution is lowered, in seconds.
 const QUICK: f64 = 0.03;
-/// Rendering for a shorter time, in seconds, says little about its speed.
+/// The time of rendering, in seconds, that it takes to know its speed.
 const SHORTEST_RUN: f64 = 0.2;
 
 #[derive(Resource, Debug, Default)]
@@ -23,9 +23,9 @@ pub struct Motion {
     is_new: bool,
     last_change: Option<Instant>,
     moves: bool,
-    /// The full resolution has been asked for and is not there yet.
+    /// Whether the full resolution has been asked for and is not there yet.
     sharpens: bool,
-    /// Camera samples per second, as last seen.
+    /// The camera samples per second that were seen last.
     speed: Option<f64>,
 }
 
@@ -42,7 +42,7 @@ impl Motion {
         self.is_new = self.is_followed;
     }
 
-    /// The picture is of the resolution that was asked for, and has a sample of every pixel.
+    /// Whether the picture has the resolution that was asked for, and a sample of every pixel.
     pub fn is_settled(&self) -> bool {
         !self.moves && !self.sharpens
     }

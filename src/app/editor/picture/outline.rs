@@ -17,12 +17,12 @@ use crate::render::tile::{Tile, tiles};
 /// The emphasis of a thing's outline. Where two meet, the later one is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// Not at all.
+    /// It has no outline.
     #[default]
     None,
-    /// Under the pointer.
+    /// It is under the pointer.
     Hovered,
-    /// Selected, but not the active one.
+    /// It is selected, but not the active one.
     Selected,
     /// The one that was selected last.
     Active,
@@ -109,7 +109,7 @@ impl SeenInstances {
         differs
     }
 
-    /// Seen at another resolution.
+    /// The same at another resolution.
     fn resized(&self, width: u32, height: u32) -> Self {
         let nearest = |place: u32, to: u32, from: u32| (u64::from(place) * u64::from(from) / u64::from(to)) as usize;
         let row = |y: u32| nearest(y, height, self.height) * self.width as usize;
@@ -185,7 +185,7 @@ impl SeenInstances {
 /// The outline as it was last found.
 #[derive(Debug, Default)]
 pub struct SelectionOutline {
-    /// What each pixel shows.
+    /// The instance that each pixel shows.
     pub seen: SeenInstances,
     runs: Vec<Run>,
     /// The entities of the scene that the film shows.
@@ -193,12 +193,12 @@ pub struct SelectionOutline {
     film_job: Option<u64>,
     /// The selection, the hovered thing and the revision of the picture that it was made from.
     made_from: Option<(Selection, Option<Entity>, u64)>,
-    /// The job whose pixels are all there.
+    /// The job of which all pixels are there.
     complete_job: Option<u64>,
 }
 
 impl SelectionOutline {
-    /// `revision` counts the changes of the picture; `changed`: where the film had something new in the last of them.
+    /// Updates the outline. `revision` counts the changes of the picture, `changed` says where the film had something new in the last of them.
     pub fn update(
         &mut self,
         film: &RenderFilm,
@@ -286,7 +286,8 @@ mod tests {
     use crate::render::scene::FirstHit;
     use crate::render::tile::{PixelSum, TileSamples};
 
-    /// Eight by six pixels: instance 1 is a block of three by two from (2, 2), instance 0 touches it on the right, the rest shows nothing.
+    /// A picture of eight by six pixels: instance 1 is a block of three by two from (2, 2), instance 0 touches it on the right, and the rest shows
+    /// nothing.
     fn seen() -> SeenInstances {
         let mut instances = vec![NOTHING; 48];
         for (x, y, instance) in [
@@ -318,7 +319,7 @@ mod tests {
     #[test]
     fn an_outline_goes_around_both_ways() {
         let runs = seen().outline(&[0, 1], &[Level::None, Level::Selected]);
-        // All six pixels of the block, and ten around it.
+        // The outline is all six pixels of the block, and ten around it.
         assert_eq!(pixels(&runs, Level::Selected), 16);
         assert!(runs.iter().all(|run| (1..=4).contains(&run.y)));
         assert!(seen().outline(&[0, 0], &[Level::None]).is_empty());

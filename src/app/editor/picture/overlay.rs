@@ -18,7 +18,7 @@ pub(crate) const MAX_BOXES: usize = 4000;
 /// The eight corners of a box in the world. Corner k has bit 0 of k for the upper x, bit 1 for y, bit 2 for z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldBox {
-    /// In world space.
+    /// The corners in world space.
     pub corners: [Vec3; 8],
     /// True for a box of the hierarchy over the instances, false for one of a mesh.
     pub over_instances: bool,
@@ -27,16 +27,16 @@ pub struct WorldBox {
 /// The boxes to be drawn, at most 4000, and how many there would have been; with figures of the hierarchies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoxList {
-    /// Those that are drawn.
+    /// The boxes that are drawn.
     pub boxes: Vec<WorldBox>,
-    /// Boxes that the choice of depth holds.
+    /// The number of boxes at the chosen depth.
     pub total: usize,
     /// The number of leaves in the total.
     pub leaves: usize,
     /// The number of leaves of meshes, and below the triangles in them.
     mesh_leaves: usize,
     triangles: usize,
-    /// See [`Tlas::expected_work`].
+    /// The expected work, see [`Tlas::expected_work`].
     pub expected_work: f64,
     /// The number of nodes of all hierarchies, each mesh's counted once.
     pub nodes: usize,
@@ -88,7 +88,7 @@ impl BoxList {
         }
     }
 
-    /// The boxes of a group once more, where it stands.
+    /// Adds the boxes of a group once more, at a placement.
     fn place(&mut self, group: &Self, placement: &Placement) {
         self.total += group.total;
         self.leaves += group.leaves;

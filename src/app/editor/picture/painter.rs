@@ -11,11 +11,11 @@ use crate::render::tonemap::{Display, Encoder};
 /// The data that colours depend on besides the film and the settings. When they change, all pixels do.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scales {
-    /// Nearest and farthest depth of the picture.
+    /// The nearest and farthest depth of the picture.
     pub depth: [f32; 2],
     /// The most samples of any pixel.
     pub most_samples: u32,
-    /// Factors on the layers of the film; none is the picture as sampled.
+    /// The factors on the layers of the film; an empty list is the picture as sampled.
     pub mix: Vec<Rgb>,
 }
 
@@ -132,7 +132,7 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// None where the film has nothing yet; `last`: the light that was encoded before, and its colour.
+    /// The colour of a pixel; None where the film has nothing yet. `last` is the light that was encoded before, and its colour.
     fn color(&self, x: u32, y: u32, last: &mut (Rgb, [u8; 3])) -> Option<[u8; 3]> {
         if !self.mode.is_light() {
             return Some(self.encode(x, y, &self.film.pixel(x, y)?));
@@ -192,7 +192,7 @@ fn nearness(depth: f32, [near, far]: [f32; 2]) -> f32 {
     1.0 - (1.0 - DARKEST) * share.clamp(0.0, 1.0)
 }
 
-/// Neighbours in number are far apart in hue (by the golden section), and differ in brightness; sRGB.
+/// The colour of an id. Neighbours in number are far apart in hue (by the golden section), and differ in brightness; sRGB.
 pub(crate) fn color_of_id(id: u32) -> [u8; 3] {
     const GOLDEN: f64 = 0.618_033_988_749_895;
     let hue = (f64::from(id) * GOLDEN).fract() as f32;
@@ -205,7 +205,7 @@ pub(crate) fn color_of_id(id: u32) -> [u8; 3] {
     [channel(0.0), channel(2.0 / 3.0), channel(1.0 / 3.0)]
 }
 
-/// [0, 1] to a byte; NaN becomes 0.
+/// Turns [0, 1] into a byte; NaN becomes 0.
 fn quantized(encoded: f32) -> u8 {
     (encoded * 255.0 + 0.5) as u8
 }
@@ -316,7 +316,7 @@ mod tests {
             assert_eq!((grey[0], grey[5]), (255, 0), "{grey:?}");
             assert!((10..40).contains(&grey[15]) && grey[7] > grey[8], "{grey:?}");
         }
-        // A little farther is no other range.
+        // A slightly greater distance does not change the range.
         let film = |far: f32| {
             preview(move |block| {
                 let depth = if block == 0 { 1.0 } else { far };

@@ -17,18 +17,18 @@ use crate::scene::{Material, UsesMaterial};
 /// A path and the names of its vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedPath {
-    /// What the renderer recorded.
+    /// The path that the renderer recorded.
     pub path: RecordedPath,
     /// The names of the shape and of its material at each vertex.
     pub names: Vec<(String, String)>,
 }
 
-/// The paths that are drawn and told of.
+/// The inspected paths, which are drawn and described.
 #[derive(Resource, Debug, Default)]
 pub struct PathInspector {
-    /// What the user has asked for; None for nothing.
+    /// The paths that the user has asked for, if any.
     pub wanted: Option<InspectedPaths>,
-    /// Recorded from the picture's scene; empty while that is being packed.
+    /// The paths, recorded from the picture's scene; empty while that is being packed.
     pub paths: Arc<Vec<NamedPath>>,
     /// The pixel they are of.
     pub pixel: UVec2,

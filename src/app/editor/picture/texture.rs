@@ -1,4 +1,4 @@
-//! The texture the picture is shown with: one for ever, resized in place, written only where tiles arrived or when it is to be shown
+//! The texture that shows the picture. There is only one, which is resized in place, and written only where tiles arrived or when it is to be shown
 //! differently.
 
 use bevy::asset::RenderAssetUsages;
@@ -39,7 +39,7 @@ pub struct Picture {
 struct Shown {
     display: DisplaySettings,
     denoised: Option<u64>,
-    /// Factors on the layers of the film.
+    /// The factors on the layers of the film.
     mix: Vec<Rgb>,
     /// The comparison, with the number of the snapshot.
     comparison: Option<(CompareView, u64)>,
@@ -126,7 +126,7 @@ pub fn update_picture(
         return;
     }
     let old_size = picture.size;
-    // Bevy has told of this frame's changes already; ours is told by hand so that the screen does not see it a frame late.
+    // Bevy has collected this frame's changes already. The texture's is sent by hand, so that the screen does not show it a frame late.
     let Some(image) = images.get_mut_untracked(&picture.handle) else {
         return;
     };

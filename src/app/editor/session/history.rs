@@ -39,7 +39,7 @@ impl SettingsState {
         }
     }
 
-    /// Writes what differs from `from`: what others changed meanwhile stays.
+    /// Writes the components that differ from `from`; what others changed in the meantime stays.
     fn write(self, world: &mut World, from: Self) {
         if from.integrator != self.integrator {
             world.insert_resource(self.integrator);
@@ -87,7 +87,7 @@ pub struct Entry {
     standpoint: Option<[Standpoint; 2]>,
     /// The light mix before and after edits that change it: baking writes it into the scene.
     mix: Option<[LightMix; 2]>,
-    /// Steps of one interaction with equal keys are one entry.
+    /// The key for merging: steps of one interaction with equal keys are one entry.
     merge: Option<(u64, MergeKey)>,
     number: u64,
     /// An estimate of its memory.
@@ -222,10 +222,10 @@ impl History {
     }
 }
 
-/// Entities that no entry names any more are despawned this many at a time: to find them takes a look at all entries.
+/// The number of entities that no entry names any more from which on they are despawned: finding them takes a pass over all entries.
 const GONE_AT_ONCE: usize = 512;
 
-/// Despawns what was deleted, cannot come back by undo or redo, and is not deleted from the file as well: a reload must know the latter.
+/// Despawns entities that were deleted, cannot come back by undo or redo, and are not deleted from the file as well: a reload must know the latter.
 pub(crate) fn despawn_forgotten(world: &mut World) {
     let mut history = world.resource_mut::<History>();
     if history.named_once.len() < GONE_AT_ONCE {
@@ -256,7 +256,7 @@ impl Entry {
         self.changes.is_empty() && self.settings[0] == self.settings[1]
     }
 
-    /// Hiding and locking is no file's matter.
+    /// Whether the change concerns the file, which hiding and locking do not.
     fn is_of_file(&self) -> bool {
         self.settings[0] != self.settings[1] || self.changes.iter().any(|change| change.change.is_of_file())
     }
@@ -289,7 +289,7 @@ impl Entry {
 
 /// An edit under way: remembers what each entity was before it was first touched.
 pub struct Edit<'w> {
-    /// What was not recorded must be read only.
+    /// The world. What is not recorded must only be read.
     pub world: &'w mut World,
     before: Vec<(Entity, ObjectState)>,
     /// The index of each entity in `before`.
@@ -326,7 +326,7 @@ impl<'w> Edit<'w> {
         self.before.push((entity, before));
     }
 
-    /// An error if something stands so that no file could say it.
+    /// Checks poses. An error if one of them could not be written to a file.
     pub(crate) fn check_poses(&self) -> Result<(), CommandError> {
         let mut poses = self
             .before
@@ -338,7 +338,7 @@ impl<'w> Edit<'w> {
         }
     }
 
-    /// Writes a component if it differs; what is not in the scene stays out of it.
+    /// Writes a component if it differs; an entity that is not in the scene stays out of it.
     pub fn set<C: Component + PartialEq>(&mut self, entity: Entity, value: C) {
         if ObjectState::is_in_scene(self.world, entity) && self.world.get::<C>(entity) != Some(&value) {
             self.touch(entity);
@@ -421,8 +421,8 @@ fn stand(world: &mut World, at: Standpoint) {
     world.insert_resource(at.free);
 }
 
-/// Saving and reloading give ids that the history does not know of: what comes back with the id of another thing gets a free one, for no file may
-/// give an id twice.
+/// Gives ids anew after undo and redo. Saving and reloading give ids that the history does not know of: a thing that comes back with the id of
+/// another one gets a free one, since no file may have an id twice.
 fn separate_ids(world: &mut World, changes: &[Change]) {
     let restored = changes.iter().filter(|change| change.change.is_about_id());
     for entity in restored.map(|change| change.entity) {

@@ -11,7 +11,7 @@ use crate::app::editor::command::preferences::Preferences;
 
 /// Points; the shares are of this.
 const USUAL_ROOM: Vec2 = vec2(1280.0, 674.0);
-/// Share of the window's width, and of what that leaves.
+/// The share of the window's width, and below that of what is left of it.
 const LEFT_SHARE: f32 = 0.17;
 const RIGHT_SHARE: f32 = 0.32;
 
@@ -63,7 +63,7 @@ impl Layout {
             match group.and_then(|place| self.0.leaf_mut(place.node_path()).ok()) {
                 Some(leaf) => leaf.tabs.push(panel),
                 None => {
-                    // The share of what is left of the split.
+                    // The share is that of what is left of the split.
                     let (side, share) = match is_right {
                         true => (Split::Right, 1.0 - RIGHT_SHARE),
                         false => (Split::Left, LEFT_SHARE),
@@ -102,7 +102,7 @@ impl Layout {
                 leaf.scroll = 0.0;
             }
         }
-        // Plain data always is JSON; nothing is remembered if not.
+        // Plain data always is JSON. Otherwise nothing is remembered.
         serde_json::to_value(&state).unwrap_or_default()
     }
 
@@ -115,7 +115,7 @@ impl Layout {
         (layout.is_sound() && can_be_kept()).then_some(layout)
     }
 
-    /// The focus may be on what is not there. That of the window as a whole is of no use in another run.
+    /// Removes a focus on what does not exist, and that of the window as a whole, which is of no use in another run.
     fn drop_unsound_focus(&mut self) {
         const NOWHERE: NodeIndex = NodeIndex(usize::MAX);
         for tree in self.0.iter_surfaces_mut().filter_map(Surface::node_tree_mut) {

@@ -8,19 +8,19 @@ use bevy::prelude::*;
 /// The options for opening the window, and for what is done in it without a user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowOptions {
-    /// None opens an empty window.
+    /// The scene; None opens an empty window.
     pub scene: Option<PathBuf>,
-    /// Values for the scene file's `$name` parameters.
+    /// The values for the scene file's `$name` parameters.
     pub defines: Vec<(String, String)>,
-    /// Name or index of the camera the first scene is seen with; None is its first.
+    /// The name or index of the camera the first scene is seen with; None is its first.
     pub camera: Option<String>,
-    /// Size of the window's content in points.
+    /// The size of the window's content in points.
     pub size: UVec2,
-    /// Worker threads; see [`crate::app::threads::worker_count`].
+    /// The number of worker threads; see [`crate::app::threads::worker_count`].
     pub threads: Option<i32>,
     /// Saves the whole window as PNG once the picture has `after_spp` samples.
     pub screenshot: Option<PathBuf>,
-    /// Commands to do, one a line: see [`crate::app::editor::automation::script`].
+    /// The script of commands, one a line: see [`crate::app::editor::automation::script`].
     pub script: Option<PathBuf>,
     /// The samples per pixel for `screenshot` and `exit`.
     pub after_spp: u32,
@@ -63,11 +63,11 @@ impl WindowOptions {
     }
 }
 
-/// Kept for reloads.
+/// The values of the file's parameters, kept for reloads.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct SceneDefines(pub Vec<(String, String)>);
 
-/// A camera that is asked for, until a scene is there.
+/// The camera that is to be looked through, until there is a scene.
 #[derive(Resource, Clone, Debug, Default)]
 pub(crate) struct WantedCamera {
     pub name: Option<String>,
@@ -78,7 +78,7 @@ pub(crate) struct WantedCamera {
 /// The length of a monkey's run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Length {
-    /// At least this long.
+    /// It takes at least this time.
     Time(Duration),
     /// This number of acts: such a run can be repeated exactly.
     Steps(usize),
@@ -87,14 +87,14 @@ pub enum Length {
 /// The options of the monkey.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonkeyOptions {
-    /// When the run ends.
+    /// The condition under which the run ends.
     pub length: Length,
-    /// Of everything random.
+    /// The seed of everything random.
     pub seed: u64,
-    /// Copies of them are edited; at least one. Others than these are never touched.
+    /// The scenes, at least one. Copies of them are edited, and other files are never touched.
     pub scenes: Vec<PathBuf>,
-    /// Gets every act, one a line. What is no comment is a line of a script.
+    /// The file that gets every act, one a line. Lines without a comment sign are lines of a script.
     pub log: Option<PathBuf>,
-    /// Longer frames of the window's own systems are faults; None: frames are not judged.
+    /// The longest frame of the window's own systems; longer ones are faults. None: frames are not judged.
     pub longest_frame: Option<Duration>,
 }

@@ -10,7 +10,7 @@ use crate::app::editor::command::panel::Panel;
 
 /// The largest share of a split that the side without the viewport keeps when there is little room.
 const LARGEST_SHARE: f32 = 0.45;
-/// Rounding to pixels is no resizing.
+/// The change in points that is rounding to pixels, and no resizing.
 const TOLERANCE: f32 = 1.5;
 
 /// The sizes that panels beside the viewport would have if there were room, in points, by the split that divides them from it.
@@ -53,7 +53,7 @@ struct Side {
 }
 
 impl Side {
-    /// None where there is no such split, or the viewport is in neither side.
+    /// The sides of a split; None if there is no such split, or the viewport is in neither side.
     fn of(tree: &Tree<Panel>, node: NodeIndex) -> Option<Self> {
         let whole = size_of(tree, node)?[axis_of(tree, node)];
         let (Node::Horizontal(split) | Node::Vertical(split)) = &tree[node] else {
@@ -77,7 +77,7 @@ impl Side {
     }
 }
 
-/// None for a leaf, and before it has been shown.
+/// The size of a node; None for a leaf, and before it has been shown.
 fn size_of(tree: &Tree<Panel>, node: NodeIndex) -> Option<Vec2> {
     let size = match &tree[node] {
         Node::Horizontal(split) | Node::Vertical(split) => split.rect.size(),

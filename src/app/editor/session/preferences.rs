@@ -92,7 +92,7 @@ impl PreferencesFile {
         });
     }
 
-    /// Writes them if they are others than those in the file.
+    /// Writes the preferences if they differ from those in the file.
     pub fn store(&mut self, preferences: Preferences) {
         let Some(path) = self.path.as_ref().filter(|_| preferences != self.written) else {
             return;
@@ -123,7 +123,7 @@ pub(crate) fn note_scene(status: Res<SceneStatus>, mut preferences: ResMut<Prefe
     }
 }
 
-/// Writes what has changed, now and then and at the end.
+/// Writes changed preferences, from time to time and at the end.
 pub(crate) fn remember(
     mut file: ResMut<PreferencesFile>,
     preferences: Res<Preferences>,

@@ -1,5 +1,7 @@
-//! Edits that no file has are written aside now and then, and offered again after a crash. Each scene has a folder of its own for that, and
-//! each run of the program: the scene as it was then, a note of which file it is, and a file that is locked while the program runs.
+//! Writes edits that no file has aside from time to time, and offers them again after a crash.
+//!
+//! Each scene and each run of the program has a folder of its own for that. It holds the scene as it was then, a note of which file it is, and a
+//! file that is locked while the program runs.
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -26,33 +28,33 @@ const FRAGMENT_AGE: Duration = Duration::from_secs(3600);
 #[derive(Debug)]
 struct Aside {
     folder: PathBuf,
-    /// None where files cannot be locked.
+    /// The lock; None where files cannot be locked.
     lock: Option<File>,
 }
 
-/// What is written aside while a scene is edited, so that a crash loses little.
+/// The state of writing edits aside, so that a crash loses little.
 #[derive(Resource, Default)]
 pub struct Recovery {
     /// The folder of all scenes. None: nothing is written aside.
     folder: Option<PathBuf>,
     /// Tells this run of the program from all others.
     run: String,
-    /// Since when there have been edits that are not written aside.
+    /// The time since which there have been edits that are not written aside.
     since: Option<Instant>,
     is_due: bool,
     task: Option<Task<Result<(), String>>>,
-    /// Folders that are of no use once the scene is saved.
+    /// The folders that are no longer needed once the scene is saved.
     mine: Vec<Aside>,
     /// The edits that the user is asked about.
     pub offer: Option<Offer>,
-    /// Being opened.
+    /// The edits that are being opened.
     returning: Option<(Offer, Aside)>,
     /// The last load of the scene that was looked at, and the last failure.
     seen: (u64, u64),
 }
 
 impl Recovery {
-    /// Writes into a folder below `folder`; nothing is written without one.
+    /// Writes into a folder below `folder`; without one nothing is written.
     pub fn new(folder: Option<&Path>) -> Self {
         let begun = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         Self {
@@ -108,7 +110,7 @@ impl Aside {
     }
 }
 
-/// FNV-1a: the same in every version of the program.
+/// The FNV-1a hash: it is the same in every version of the program.
 fn hash(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
@@ -138,7 +140,7 @@ fn remove(folder: &Path) {
     }
 }
 
-/// The newest of what programs that run no more have left in `all` and that is meant.
+/// The newest folder that ended programs have left in `all` and whose note fits.
 fn find(all: &Path, is_meant: impl Fn(&Note) -> bool) -> Option<Offer> {
     let folders = std::fs::read_dir(all).ok()?;
     let offers = folders.filter_map(|entry| {
@@ -234,8 +236,7 @@ pub fn follow_scene(
     }
 }
 
-/// Decides when to write, and removes what is of no use any more. A run that ends without the user having been asked, such as by a signal,
-/// writes at once.
+/// Decides when to write, and removes what is no longer needed. A run that ends without asking the user, such as by a signal, writes at once.
 pub(crate) fn plan_autosave(
     mut recovery: ResMut<Recovery>,
     mut toasts: ResMut<Toasts>,
@@ -317,7 +318,7 @@ pub(crate) fn clean_up(mut exits: MessageReader<AppExit>, mut recovery: ResMut<R
     }
 }
 
-/// Opens what was written aside.
+/// Opens the edits that were written aside.
 pub fn recover(world: &mut World, offer: Offer) -> Result<(), CommandError> {
     let path = offer.folder.join(SCENE);
     let aside = Aside::claim(&offer.folder).ok_or(IN_USE)?;
@@ -413,7 +414,7 @@ mod tests {
         assert_eq!([plan(), plan()], [false, true]);
     }
 
-    /// Numbers of processes come again.
+    /// Numbers of processes are used again.
     #[test]
     fn runs_do_not_share_folders() {
         let folders: Vec<_> = (0..2)
@@ -436,7 +437,7 @@ mod tests {
         // The scene was saved long after.
         std::fs::write(&path, "<scene/>").expect("a temporary folder");
         assert_eq!(folder(left_over(all.path(), Some(&path), true)), Some(newest));
-        // The program opens some scene even if none is asked for.
+        // The program opens some scene even if none is named.
         let other = Some(Path::new("/other.xml"));
         assert_eq!(folder(left_over(all.path(), other, true)), Some(lost));
         assert_eq!(left_over(all.path(), other, false), None);
@@ -460,7 +461,7 @@ mod tests {
         // It crashes.
         drop(running);
         assert_eq!(find(all.path(), |_| true), Some(offer));
-        // Folders without a note are none of ours.
+        // Folders without a note do not belong to this program.
         let other = all.path().join("other");
         std::fs::create_dir(&other).expect("a temporary folder");
         remove(&other);

@@ -24,7 +24,7 @@ pub struct Requests {
     pub wanted_panel: Option<Panel>,
     /// A text on its way to the system's clipboard.
     pub clipboard: Option<String>,
-    /// The user wants to close the window.
+    /// Whether the user wants to close the window.
     pub closes: bool,
     /// Counts drags, typings and clicks: edits of one kind within one of them are one step of the history.
     pub interaction: u64,

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use crate::scene::write::SaveError;
 
-/// Shown until it is answered; while it is there, what is read of the file anew stays aside.
+/// The question. It is shown until it is answered; meanwhile changes of the file are not read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SaveQuestion {
-    /// Where the scene was to be saved.
+    /// The path to which the scene was to be saved.
     pub path: PathBuf,
     /// What has happened to the file, without a full stop.
     pub reason: String,
@@ -33,7 +33,7 @@ impl SaveQuestion {
         })
     }
 
-    /// The same for those who cannot be asked.
+    /// The same as an error, where the user cannot be asked.
     pub(crate) fn refusal(&self) -> String {
         let merge = match self.can_merge {
             true => "`save-to FILE merge` takes in what the file changed, ",

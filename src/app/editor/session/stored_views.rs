@@ -1,6 +1,6 @@
-//! Views stored under the numbers 1 to 9, of each scene its own, in one file beside the preferences.
+//! Stores views under the numbers 1 to 9 for each scene, in one file beside the preferences.
 //!
-//! They are no part of the scene's file: who looks at a scene does not edit it.
+//! They are not part of the scene's file, because looking at a scene is no edit.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ use crate::scene::{SceneState, SceneStatus};
 /// The views of one scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct SceneViews {
-    /// Absolute, without links.
+    /// The absolute path of the scene, without links.
     scene: PathBuf,
     views: StoredViews,
 }
@@ -55,7 +55,7 @@ impl ViewsFile {
         self.written
     }
 
-    /// Keeps them for the scene that is open. Others may have written to the file meanwhile.
+    /// Stores the views of the open scene. Other windows may have written to the file in the meantime.
     fn store(&mut self, views: StoredViews) -> std::io::Result<()> {
         self.written = views;
         let (Some(path), Some(scene)) = (&self.path, &self.scene) else {
@@ -110,7 +110,7 @@ pub fn follow_views(
     match path {
         Some(path) if is_opened => settings.bookmarks = file.open(path),
         None if is_opened => (file.scene, file.written) = (None, StoredViews::default()),
-        // Saved under this name.
+        // The scene was saved under this name.
         Some(path) if status.is_changed() => {
             let scene = Some(canonical(path));
             if file.scene != scene {

@@ -7,8 +7,8 @@ use bevy::prelude::*;
 pub(crate) enum EditorSystems {
     /// World to model, before the panels are shown.
     Gather,
-    /// Commands to world, before the engine looks for changes.
+    /// Commands are applied to the world, before the engine looks for changes.
     Apply,
-    /// Film to texture, after the engine has collected results and put its workers to new work.
+    /// The film is copied to the texture, after the engine has collected results and given its workers new work.
     Show,
 }

@@ -1,10 +1,10 @@
-//! Messages to the user: those that go by themselves, and errors that stay until they are dismissed or mended.
+//! Messages to the user: notes that disappear by themselves, and errors that stay until they are dismissed or solved.
 
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 
-/// How grave a message is, and with it its colour and how long it stays.
+/// The severity of a message, which decides its colour and how long it stays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
     /// Something was done.
@@ -22,7 +22,7 @@ pub enum Topic {
     SceneFile,
     /// The scene could not be saved.
     Saving,
-    /// Nothing that is ever mended by itself.
+    /// Errors that are never repaired by themselves.
     Other,
 }
 
@@ -31,13 +31,13 @@ pub enum Topic {
 pub struct Toast {
     /// Errors stay, all others go.
     pub tone: Tone,
-    /// What an error is about.
+    /// The topic of the error.
     pub topic: Topic,
     /// One or two sentences.
     pub text: String,
     /// Lines of a file, with marks under them.
     pub excerpt: Option<String>,
-    /// When it came up.
+    /// The time at which it came up.
     pub since: Instant,
 }
 
@@ -69,7 +69,7 @@ impl Toasts {
         self.add(Tone::Warning, Topic::Other, message, None);
     }
 
-    /// Tells of something that the user may not have wanted.
+    /// Tells of something that may be unintended.
     pub(crate) fn warn(&mut self, message: impl Into<String>) {
         let message = message.into();
         warn!("{message}");
@@ -168,7 +168,7 @@ mod tests {
         assert!(toasts.wait().is_some_and(|wait| wait <= SHOWN - FADING));
         toasts.forget(Topic::SceneFile);
         assert_eq!(toasts.texts().collect::<Vec<_>>(), ["done"]);
-        // Long over, but not taken away yet.
+        // The message is long over, but not removed yet.
         if let Some(long_ago) = Instant::now().checked_sub(2 * SHOWN) {
             toasts.0[0].since = long_ago;
             assert_eq!(toasts.wait(), Some(FADE_STEP));

@@ -1,5 +1,5 @@
-//! Scenes that name files outside their folder. Such files are read only from folders that the user has allowed; these are remembered in a
-//! file beside the preferences. A scene that needs others is shown without them, and the user is asked.
+//! Asks about files outside the scene's folder that a scene names. They are read only from folders that the user has allowed, which are remembered
+//! in a file beside the preferences. A scene that needs others is shown without them, and the user is asked.
 
 use std::path::{Path, PathBuf};
 
@@ -23,12 +23,12 @@ const MOST_FOLDERS: usize = 1000;
 /// The most files that are named in the message about what was read.
 const MOST_NAMED: usize = 3;
 
-/// The file of the folders, and what the user is to be asked about.
+/// The file of the folders, and the question to the user.
 #[derive(Resource, Debug, Default)]
 pub struct TrustedFolders {
     /// The path of the file. None: nothing is remembered.
     path: Option<PathBuf>,
-    /// What the user is asked; None where nothing is open.
+    /// The question; None if nothing is to be asked.
     pub question: Option<Question>,
     /// A scene that could not be read before its files were allowed. To be opened, unless that would lose edits.
     pub opens: Option<PathBuf>,
@@ -67,7 +67,7 @@ impl TrustedFolders {
         (trusted, Trust::Folders(remembered.into_iter().chain(own).collect()))
     }
 
-    /// Others may have written to the file meanwhile.
+    /// Other windows may have written to the file in the meantime.
     fn remember(&self, folders: &[PathBuf]) -> std::io::Result<()> {
         let Some(path) = self.path.as_ref().filter(|_| !folders.is_empty()) else {
             return Ok(());
@@ -106,7 +106,7 @@ fn own_assets(home: &Path) -> Option<PathBuf> {
     (home.join("scenes/cornell-box.xml").is_file() && !assets.is_symlink()).then_some(assets)
 }
 
-/// Asks when a scene was refused files that the user has not been asked about.
+/// Asks the user after a scene was refused files that the user has not been asked about.
 pub fn follow_access(access: Res<SceneAccess>, status: Res<SceneStatus>, mut trusted: ResMut<TrustedFolders>) {
     let outside = FileError::Outside.to_string();
     let mut faults = status.diagnostics.list.iter();
@@ -174,8 +174,8 @@ pub fn allow(world: &mut World, question: &Question) {
         world.resource_mut::<TrustedFolders>().opens = opens;
         return;
     }
-    // Includes and search folders count when the scene itself is read; so does the place where a file was found. A scene that was recovered is in
-    // no file: reading the one that it was in would lose it.
+    // Includes and search folders count when the scene itself is read, and so does the place where a file was found. A recovered scene is in no
+    // file: reading its former file would lose it.
     let is_followed = world.resource::<SceneFile>().is_followed();
     let is_awaited = loads && other.is_some();
     if let Some(path) = own.filter(|_| is_followed && !is_awaited) {

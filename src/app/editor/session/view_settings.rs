@@ -12,21 +12,21 @@ use crate::app::editor::command::tool::Tool;
 /// The settings that commands change and that the viewport, the menus and scripts read.
 #[derive(Resource)]
 pub struct ViewSettings {
-    /// How the film becomes a picture.
+    /// The settings of how the film becomes a picture.
     pub display: DisplaySettings,
-    /// Boxes of the acceleration structures over the picture.
+    /// The boxes of the acceleration structures over the picture.
     pub overlay: BvhOverlay,
-    /// Speed and centre of the view's movements.
+    /// The speed and centre of the view's movements.
     pub navigation: Navigation,
-    /// What a drag of the gizmo does.
+    /// The settings of what a drag of the gizmo does.
     pub gizmo: GizmoSettings,
-    /// Views to come back to.
+    /// The stored views.
     pub bookmarks: StoredViews,
-    /// What the next click in the picture does.
+    /// The tool, which decides what the next click in the picture does.
     pub tool: Tool,
-    /// Frames within the picture that titles and actions should keep to.
+    /// Whether frames show where titles and actions should be.
     pub safe_frame: bool,
-    /// False where the viewport fills the window.
+    /// Whether the panels are shown; otherwise the viewport fills the window.
     pub panels_shown: bool,
 }
 

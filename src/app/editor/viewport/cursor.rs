@@ -19,7 +19,7 @@ pub(crate) struct TurningCursor {
     pub(super) put: Option<(Pos2, f32)>,
     /// The place to which it was moved, until it is seen there.
     sent: Option<Pos2>,
-    /// Since then.
+    /// The frames since then.
     frames: u32,
     /// It does not go where it is sent.
     is_stuck: bool,

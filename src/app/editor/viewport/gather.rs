@@ -38,7 +38,7 @@ use crate::scene::{
 pub(crate) struct ViewportScene {
     /// The picture and its size in pixels.
     pub picture: Option<(egui::TextureId, [u32; 2])>,
-    /// Pixels of the picture at its full resolution.
+    /// The pixels of the picture at its full resolution.
     pub proportions: [u32; 2],
     /// The text in place of the picture while there is none.
     pub placeholder: String,

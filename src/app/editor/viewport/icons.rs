@@ -1,4 +1,4 @@
-//! Lights and cameras have no surface: small drawings at their places make them seen, and give the mouse something to take.
+//! Icons for lights and cameras, which have no surface: they are drawn at their places, and the mouse can pick them.
 
 use std::f32::consts::TAU;
 
@@ -12,9 +12,9 @@ use crate::scene::{Emitter, EmitterKind};
 /// The mark of a light or a camera, which no ray hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Icon {
-    /// What a click selects.
+    /// The entity that a click selects.
     pub entity: Entity,
-    /// What is drawn.
+    /// The kind of drawing.
     pub kind: IconKind,
     /// World from local.
     pub pose: Affine3A,
@@ -23,7 +23,7 @@ pub struct Icon {
 /// The drawings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum IconKind {
-    /// Shines in all directions.
+    /// A light that shines in all directions.
     Bulb,
     /// Shines along +z from everywhere.
     Sun,
@@ -34,7 +34,7 @@ pub enum IconKind {
 }
 
 impl IconKind {
-    /// None for lights that have no place.
+    /// The icon; None for lights that have no place.
     pub fn of(emitter: &Emitter) -> Option<Self> {
         match &emitter.kind {
             EmitterKind::Point { .. } => Some(Self::Bulb),

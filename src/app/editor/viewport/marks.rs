@@ -1,11 +1,11 @@
-//! Texts and frames that can be seen on any picture.
+//! Texts and frames that are visible on any picture.
 
 use bevy_egui::egui::{self, Align2, Color32, FontId, Pos2, Rect, Stroke};
 
 /// The background of texts over the picture: white texts are legible on it whatever is behind.
 pub(crate) const BACKING: Color32 = Color32::from_black_alpha(228);
 
-/// White, with black around it: seen on any picture.
+/// A white frame with black around it, which is visible on any picture.
 pub(crate) fn thin_frame(painter: &egui::Painter, rect: Rect, alpha: u8) {
     for (width, color) in [
         (3.0, Color32::from_black_alpha(alpha)),

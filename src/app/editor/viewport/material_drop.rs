@@ -1,4 +1,4 @@
-//! Materials that are dragged from the list or the library onto an object in the picture.
+//! Drops of materials from the list or the library onto an object in the picture.
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::math::Vec2;
@@ -14,9 +14,9 @@ use crate::engine::PackedScene;
 /// The data for dropping a material on the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Takers<'a> {
-    /// Tells what is seen under the pointer.
+    /// The packed scene, to find what is under the pointer.
     pub packed: &'a PackedScene,
-    /// Tells what is a material.
+    /// The outline, which knows the materials.
     pub things: &'a Outline,
     /// Takes no material.
     pub locked: &'a EntityHashSet,

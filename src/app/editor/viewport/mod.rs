@@ -1,5 +1,5 @@
-//! The panel with the picture: what is drawn over it, and what the mouse does there. May import `model`, `input` and the modules below
-//! them.
+//! The panel with the picture, with everything that is drawn over it and that the mouse does there. May import `model`, `input` and the modules
+//! below them.
 
 pub(crate) mod captions;
 pub mod cursor;
@@ -36,7 +36,7 @@ use model::ViewportModel;
 use state::ViewportState;
 use toolbar::toolbar;
 
-/// The id of the picture: whatever has the keyboard when no other widget wants it.
+/// The id of the picture, which has the keyboard when no other widget wants it.
 pub const PICTURE: &str = "viewport picture";
 /// The height above the foot of the picture at which the speed and the legend are; points.
 const CAPTION_FOOT: f32 = -36.0;
@@ -89,7 +89,7 @@ fn fitted(panel: Rect, [width, height]: [u32; 2]) -> Rect {
     Rect::from_min_size((panel.center() - 0.5 * fitted).floor(), fitted)
 }
 
-/// Keys and mouse go to the gizmo first, what it leaves turns and moves the view, and what is left of the keys are shortcuts.
+/// Handles keys and mouse: they go to the gizmo first, the rest of the mouse turns and moves the view, and the rest of the keys are shortcuts.
 fn act(
     ui: &Ui,
     response: &Response,
@@ -155,8 +155,8 @@ fn act(
     commands.extend(keys::shortcuts(&rest.presses, &context));
 }
 
-/// The picture has the keyboard whenever no other widget wants it, and then it keeps Tab, arrows and Escape to itself. Without `enabled`
-/// it lets go of it.
+/// Gives the keyboard to the picture whenever no other widget wants it. It then keeps Tab, arrows and Escape to itself. Without `enabled` it gives
+/// the keyboard back.
 fn takes_keyboard(ui: &Ui, response: &Response, enabled: bool) -> bool {
     if !enabled || ui.ctx().any_popup_open() {
         response.surrender_focus();
@@ -279,7 +279,8 @@ fn paint_over(
     }
 }
 
-/// Nine tenths of the picture for what happens, eight for titles, as television has it (SMPTE ST 2046-1 has 93 and 90 per cent since).
+/// Shows frames of nine tenths of the picture for actions and eight for titles, as television has it (SMPTE ST 2046-1 has 93 and 90 per cent
+/// since).
 fn safe_frame(painter: &egui::Painter, picture: Rect) {
     for share in [0.9, 0.8] {
         let frame = Rect::from_center_size(picture.center(), share * picture.size());
@@ -287,7 +288,7 @@ fn safe_frame(painter: &egui::Painter, picture: Rect) {
     }
 }
 
-/// The heat map's colours with what they mean.
+/// Shows the heat map's colours with their meaning.
 fn legend(painter: &egui::Painter, picture: Rect, legend: &Legend) {
     let bar = Rect::from_min_size(
         picture.right_bottom() - egui::vec2(228.0, 26.0),

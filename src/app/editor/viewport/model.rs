@@ -23,7 +23,7 @@ use crate::render::camera::Camera;
 pub struct ViewportModel<'a> {
     /// The picture and its size in pixels.
     pub picture: Option<(egui::TextureId, [u32; 2])>,
-    /// Pixels of the picture at its full resolution.
+    /// The pixels of the picture at its full resolution.
     pub proportions: [u32; 2],
     /// The text in place of the picture while there is none.
     pub placeholder: &'a str,
@@ -31,15 +31,15 @@ pub struct ViewportModel<'a> {
     pub pose: Option<Affine3A>,
     /// The camera of the picture, to draw over it.
     pub camera: Option<Camera>,
-    /// Boxes of the acceleration structures to draw.
+    /// The boxes of the acceleration structures to draw.
     pub boxes: &'a BoxList,
-    /// Inspected paths to draw.
+    /// The inspected paths to draw.
     pub paths: &'a PathInspector,
-    /// Outlines of what is selected or under the pointer.
+    /// The outlines of what is selected or under the pointer.
     pub outline: &'a SelectionOutline,
-    /// Lights and cameras.
+    /// The icons of lights and cameras.
     pub icons: &'a [Icon],
-    /// What the handles act on.
+    /// The data that the handles act on.
     pub gizmo: GizmoModel<'a>,
     /// The entities that cannot be selected.
     pub locked: &'a EntityHashSet,
@@ -49,18 +49,18 @@ pub struct ViewportModel<'a> {
     pub packed: &'a PackedScene,
     /// The legend of false colours, if there are any.
     pub legend: Option<&'a Legend>,
-    /// Texts at the edge of the picture.
+    /// The texts at the edge of the picture.
     pub captions: &'a [Caption],
     /// The part of the picture that is rendered, if it is not all of it; (0, 0) top left, (1, 1) bottom right.
     pub region: Option<bevy::math::Rect>,
-    /// Speed and centre of the view's movements.
+    /// The speed and centre of the view's movements.
     pub navigation: Navigation,
-    /// What keys refer to.
+    /// The context of keys.
     pub keys: ActionContext<'a>,
     /// The movement of the mouse since the last frame, in pixels; it is known even of a pointer at an edge of the screen.
     pub mouse: egui::Vec2,
     /// The keys pressed since the last frame, in order.
     pub presses: &'a [Press],
-    /// False while a dialog is open: then neither keys nor mouse act on the picture.
+    /// Whether keys and mouse act on the picture, which they do not while a dialog is open.
     pub enabled: bool,
 }

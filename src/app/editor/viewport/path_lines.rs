@@ -9,7 +9,7 @@ use crate::app::editor::picture::paths::NamedPath;
 use crate::light::Target;
 use crate::math::Ray;
 
-/// Rays into the void are drawn this long, as a share of the scene's size.
+/// The length of rays that hit nothing, as a share of the scene's size.
 const VOID: f32 = 0.5;
 const CHOSEN: Color32 = Color32::from_rgb(90, 190, 255);
 const OTHER: Color32 = Color32::from_rgba_premultiplied(50, 80, 100, 110);

@@ -1,4 +1,4 @@
-//! The mouse over the picture, where the gizmo does not want it: looking, orbiting, panning, the wheel, picking and the selection box.
+//! Handles the mouse over the picture where the gizmo does not use it: looking, orbiting, panning, the wheel, picking and the selection box.
 //!
 //! What a drag does is decided by its press: the right button and the left one look around, Alt and the left orbit, Shift and the left draw
 //! a box, the middle one pans.
@@ -20,11 +20,11 @@ use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::shell::ShellCommand;
 use crate::app::editor::command::tool::Tool;
 
-/// What the mouse is at, from press to release.
+/// The use of the mouse, from press to release.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointerState {
     hold: Option<Hold>,
-    /// Where the mouse is caught while the view turns.
+    /// The cursor, which is held in place while the view turns.
     pub(crate) cursor: TurningCursor,
     /// The thing under the pointer.
     pub hovered: Option<Entity>,
@@ -49,7 +49,7 @@ impl PointerState {
         matches!(self.hold, Some(Hold::Look | Hold::Orbit { .. }))
     }
 
-    /// Follows the mouse for a frame. `is_free`: the gizmo has no use for it. Returns by how many points the view is to be turned, and
+    /// Follows the mouse for a frame. `is_free` says that the gizmo does not use it. Returns the points by which the view is to be turned, and
     /// moves `pose`.
     pub fn follow(
         &mut self,
@@ -235,7 +235,7 @@ fn pressed_button(ui: &Ui) -> Option<PointerButton> {
     ui.input(|input| buttons.into_iter().find(|button| input.pointer.button_pressed(*button)))
 }
 
-/// The middle of the selection; without one what is straight ahead.
+/// The middle of the selection; without one the point straight ahead.
 fn center(screen: &Screen, model: &ViewportModel, pose: Affine3A) -> Vec3 {
     let selected = gizmo::bounds(model.gizmo.targets);
     if !selected.is_empty() {
@@ -254,7 +254,7 @@ fn under(pointer: Pos2, screen: &Screen, model: &ViewportModel) -> Option<Entity
     entity.filter(|entity| !model.locked.contains(entity))
 }
 
-/// The things whose surfaces show in a box of the window, and the lights and cameras whose places lie in it.
+/// The things whose surfaces are visible in a box of the window, and the lights and cameras whose places are in it.
 fn inside(boxed: Rect, screen: &Screen, model: &ViewportModel) -> Vec<Entity> {
     let mut found = model
         .outline
@@ -274,7 +274,7 @@ fn moves(input: &egui::InputState) -> Vec<Pos2> {
     input.events.iter().filter_map(place).collect()
 }
 
-/// Notches of the wheel this frame, positive away from the user.
+/// The notches of the wheel in this frame, positive away from the user.
 fn notches(input: &egui::InputState) -> f32 {
     let notches = |event: &egui::Event| match event {
         egui::Event::MouseWheel { unit, delta, .. } => match unit {

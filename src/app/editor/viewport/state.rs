@@ -11,9 +11,9 @@ use super::pointer::PointerState;
 /// The state that the viewport keeps between frames.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct ViewportState {
-    /// Of the handles.
+    /// The state of the handles.
     pub gizmo: GizmoState,
-    /// Of the mouse.
+    /// The state of the mouse.
     pub pointer: PointerState,
     pub(super) flying: bool,
     pub(super) speed: SpeedTag,

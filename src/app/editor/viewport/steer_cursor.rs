@@ -1,11 +1,11 @@
-//! Does with the window's cursor what the turning view asks for.
+//! Moves and hides the window's cursor as the turning view requests.
 
 use bevy::prelude::*;
 use bevy::window::{CursorGrabMode, CursorOptions, PrimaryWindow};
 
 use super::state::ViewportState;
 
-/// Does with the window's cursor what the turning view asks for.
+/// Moves and hides the window's cursor as the turning view requests.
 pub(crate) fn steer_cursor(
     mut state: ResMut<ViewportState>,
     mut windows: Query<(&mut Window, &mut CursorOptions), With<PrimaryWindow>>,

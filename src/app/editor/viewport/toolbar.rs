@@ -10,7 +10,7 @@ use crate::app::editor::command::gizmo_settings::{Axes, DEGREES, FACTORS, GizmoS
 const HEIGHT: f32 = 30.0;
 const WIDTH: f32 = 470.0;
 
-/// `length_step` is the step of lengths in use, in world units.
+/// Shows the toolbar. `length_step` is the step of lengths in use, in world units.
 pub(crate) fn toolbar(
     ui: &mut Ui,
     panel: Rect,

@@ -23,7 +23,7 @@ pub struct Dialogs {
 }
 
 impl Dialogs {
-    /// Opens what the request asks for, shows it, and turns a picked file into a command. `scene` is the file of the open scene.
+    /// Opens the requested dialog, shows it, and turns a picked file into a command. `scene` is the file of the open scene.
     pub fn show(
         &mut self,
         context: &egui::Context,

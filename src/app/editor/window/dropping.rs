@@ -30,8 +30,8 @@ pub fn take_dropped_files(mut events: MessageReader<FileDragAndDrop>, mut files:
 }
 
 impl DroppedFiles {
-    /// A first scene opens where there is none yet; everything else joins what is there. `untouched`: no file is open and nothing was
-    /// done.
+    /// The commands of a drop. A first scene is opened if none is open; everything else is added to the scene. `untouched` says that no file is
+    /// open and nothing was done.
     pub fn commands(&mut self, untouched: bool) -> Vec<Command> {
         let is_scene = |path: &PathBuf| {
             let extension = path.extension().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! The window as a whole: menus, docked panels, dialogs, questions, and what lies over them. May import everything but `automation`.
+//! The window as a whole: menus, docked panels, dialogs, questions, and sheets over them. May import everything but `automation`.
 
 pub(crate) mod dialogs;
 pub(crate) mod docking;

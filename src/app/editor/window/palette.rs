@@ -143,7 +143,7 @@ const WIDTH: f32 = 520.0;
 const LINES: usize = 12;
 
 impl Palette {
-    /// False when it is to be closed.
+    /// Shows the palette; false when it is to be closed.
     pub fn show(
         &mut self,
         context: &egui::Context,

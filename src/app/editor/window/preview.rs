@@ -1,5 +1,5 @@
-//! Pictures of materials, of the scene and of the library: rendered one after the other on a thread of the lowest priority, shown as they become
-//! better, and begun anew when what they show changes.
+//! Renders pictures of materials, of the scene and of the library. They are rendered one after the other on a thread of the lowest priority, shown
+//! as they improve, and begun anew when their material changes.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -35,9 +35,9 @@ const BEST: Quality = Quality {
 const INSIDE: Quality = Quality { edge: 96, samples: 64 };
 const LIBRARY: Quality = Quality { edge: 112, samples: 32 };
 const LISTED: Quality = Quality { edge: 40, samples: 32 };
-/// Samples of all of them, before any gets more.
+/// The samples that all pictures get before any gets more.
 const ROUGH: u32 = 4;
-/// Pictures that are kept of what is not in sight any more, some 100 kB each here and as much in the graphics driver.
+/// The number of pictures that are kept although they are no longer visible, some 100 kB each here and as much in the graphics driver.
 const MOST: usize = 128;
 
 /// The rendered picture of a ball.
@@ -81,7 +81,7 @@ pub struct Previews {
     are_done: bool,
 }
 
-/// Takes what has been rendered, and sees to it that the next picture that is wanted is.
+/// Takes the rendered passes, and starts the next picture.
 pub fn update_previews(
     mut previews: ResMut<Previews>,
     mut model: ResMut<EditorModel>,
@@ -206,7 +206,7 @@ impl Previews {
         }
     }
 
-    /// All there are: what a panel shows that comes to the front is there in its first frame.
+    /// All pictures, so that a panel that comes to the front has them in its first frame.
     fn shown(&self) -> HashMap<Ball, egui::TextureId> {
         let pictures = self.pictures.iter();
         pictures.map(|(&ball, picture)| (ball, picture.texture.id())).collect()
@@ -229,7 +229,7 @@ impl Previews {
         })
     }
 
-    /// True if there is nothing more to come.
+    /// Takes finished passes; true if no more will come.
     fn take_passes(&mut self, context: &egui::Context) -> bool {
         let Some(work) = &self.work else {
             return false;

@@ -1,4 +1,4 @@
-//! The question what is to become of edits that were written aside.
+//! The question what to do with edits that were written aside.
 
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -9,7 +9,7 @@ use crate::app::editor::command::Command;
 use crate::app::editor::command::recovery_offer::{Note, Offer};
 use crate::app::editor::command::shell::ShellCommand;
 
-/// Asks what is to become of the edits; `offer` is None once that is answered.
+/// Asks what to do with the edits; `offer` is None once that is answered.
 pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &mut Vec<Command>) {
     let Some(asked) = offer else {
         return;

@@ -1,4 +1,4 @@
-//! The question how to save a scene whose file others changed since it was read, where saving would lose what was edited there or here.
+//! The question how to save a scene whose file was changed by others since it was read, if saving would lose edits of either side.
 
 use bevy_egui::egui::{self, Id, Modal};
 

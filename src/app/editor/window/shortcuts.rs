@@ -1,4 +1,4 @@
-//! The overview of keys and of what the mouse does.
+//! Shows the overview of keys and of the mouse.
 
 use bevy_egui::egui::{self, Id, Key, Modal, Modifiers, RichText, Ui};
 
@@ -29,14 +29,14 @@ const CONTROLS: [(&str, &str); 19] = [
 
 /// The number of lines in a column.
 const COLUMN: usize = 27;
-/// Four of them fit into a window of 1280 points.
+/// The width of a column. Four of them fit into a window of 1280 points.
 const COLUMN_WIDTH: f32 = 260.0;
 /// The size of the letters, in points.
 const KEY_SIZE: f32 = 11.5;
 
 type Lines = Vec<(String, &'static str)>;
 
-/// Headings with their lines, a list per column.
+/// The headings with their lines, a list for each column.
 fn columns() -> Vec<Vec<(&'static str, Lines)>> {
     let controls = CONTROLS.iter().map(|(keys, what)| ((*keys).to_owned(), *what));
     let mut groups: Vec<(&str, Lines)> = vec![("Mouse and flying", controls.collect())];
@@ -73,7 +73,7 @@ fn keys(action: &Action) -> String {
     }
 }
 
-/// The nine stored views are told of together.
+/// Whether the action is one of the nine stored views, which are listed together.
 fn is_of_a_series(action: &Action) -> bool {
     action.name.ends_with(|c: char| c.is_ascii_digit())
 }
@@ -84,7 +84,7 @@ fn clipboard() -> Lines {
         .into()
 }
 
-/// False when it is to be closed.
+/// Shows the overview; false when it is to be closed.
 pub fn shortcuts(context: &egui::Context) -> bool {
     let closing = [
         (Modifiers::NONE, Key::F1),

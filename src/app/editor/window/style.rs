@@ -40,7 +40,7 @@ pub fn set_styles(mut contexts: EguiContexts) -> Result {
 pub enum Scale {
     #[default]
     Unknown,
-    /// Told to egui, which takes it in at the beginning of the next frame.
+    /// The scale was given to egui, which applies it at the beginning of the next frame.
     Told(f32),
     Taken(f32),
 }

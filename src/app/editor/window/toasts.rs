@@ -41,7 +41,7 @@ pub fn show(toasts: &mut Toasts, asks: bool, context: &egui::Context, place: Rec
     }
 }
 
-/// True when dismissed.
+/// Shows a message; true if it is dismissed.
 fn toast_frame(ui: &mut Ui, toast: &Toast, commands: &mut Vec<Command>) -> bool {
     ui.set_opacity(toast.opacity());
     let visuals = ui.visuals();

@@ -99,7 +99,7 @@ pub fn show_window(
     let mut ui = egui::Ui::new(context.clone(), "window".into(), builder);
     let (state, widgets, commands, model) = (&mut *state, &mut *widgets, &mut Vec::new(), &model.0);
     let (requests, settings, seen) = (&mut *said.requests, &*scene.settings, &*scene.seen);
-    // Panels that are shown say it anew.
+    // The panels that are shown list theirs again.
     widgets.outliner.materials_in_sight.clear();
     widgets.shelf.in_sight.clear();
     let layout = &mut *shell.layout;

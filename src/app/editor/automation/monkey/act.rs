@@ -36,8 +36,8 @@ pub enum Act {
 pub enum OwnFile {
     /// It is not written, neither here nor elsewhere.
     Untouched,
-    /// Other programs change nothing of the scene in it.
+    /// The change leaves the scene in the file as it is.
     Harmless,
-    /// Other programs change the scene.
+    /// The change is one of the scene.
     Changes,
 }

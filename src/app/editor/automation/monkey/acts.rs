@@ -107,7 +107,7 @@ fn edit(world: &mut World, random: &mut Random, folder: &Folder) -> Vec<Act> {
 fn undo_or_redo(world: &World, random: &mut Random) -> Vec<Act> {
     let (done, undone) = world.resource::<History>().len();
     let kind = random.below(12);
-    // Several in a row, as with a key that is held.
+    // Several follow each other, as with a key that is held.
     let rows = match kind {
         0 => return say(format!("go-to {}", random.below(done + undone + 1))),
         1 | 2 => 1 + random.below(30),

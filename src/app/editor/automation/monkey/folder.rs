@@ -112,7 +112,7 @@ impl Folder {
         self.path().join(format!("scene-{number}.xml"))
     }
 
-    /// Takes a copy in as it stands in its file.
+    /// Takes a copy in, with the scene that is in its file.
     pub fn add_copy(&mut self, path: PathBuf) -> std::io::Result<()> {
         let text = read_text(&path, LARGEST_NOTE)?;
         self.copies.push(SceneCopy { path, text });

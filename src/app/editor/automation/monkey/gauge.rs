@@ -14,7 +14,7 @@ pub(crate) struct Gauge {
 }
 
 impl Gauge {
-    /// None where the system does not say.
+    /// Reads the present values. None where the system does not say.
     pub fn read() -> Option<Self> {
         let status = std::fs::read_to_string("/proc/self/status").ok()?;
         let of = |name: &str| {
@@ -36,14 +36,15 @@ impl Gauge {
 pub(crate) struct ThreadTimes {
     /// The time on a core.
     pub computed: Duration,
-    /// Ready to run while other threads had the cores.
+    /// The time in which it was ready to run while other threads had the cores.
     pub waited: Duration,
 }
 
 impl ThreadTimes {
     /// Reads the figures of the calling thread.
     pub fn read() -> Self {
-        // Nanoseconds on a core, nanoseconds waiting for one, number of turns (Linux, Documentation/scheduler/sched-stats.rst).
+        // The file has the nanoseconds on a core, those of waiting for one, and the number of turns (Linux,
+        // Documentation/scheduler/sched-stats.rst).
         let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
         let mut times = text.split_whitespace().map(|time| time.parse().unwrap_or(0));
         let mut next = || Duration::from_nanos(times.next().unwrap_or(0));

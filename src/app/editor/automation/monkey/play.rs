@@ -1,4 +1,4 @@
-//! The monkey's frame: waits for what it has to wait for, does one act, and goes from round to round.
+//! Plays a frame of the monkey: waits for pending events, does one act, and goes from round to round.
 
 use std::time::{Duration, Instant};
 
@@ -26,9 +26,9 @@ use crate::app::editor::session::toasts::Toasts;
 use crate::document::Severity;
 use crate::scene::{SceneState, SceneStatus};
 
-/// Acts of most rounds: so few that the history has room for all of them.
+/// The number of acts of most rounds. It is so small that the history has room for all of them.
 const SHORT: std::ops::Range<usize> = 30..150;
-/// Acts of one round in [`LONG_EVERY`], in which the history is full and forgets.
+/// The number of acts of one round in [`LONG_EVERY`]. The history gets full then and forgets entries.
 const LONG: std::ops::Range<usize> = 1500..2500;
 const LONG_EVERY: usize = 20;
 /// The least number of rounds in a run of some time, even if frames are slow: memory is compared between their starts.
@@ -46,7 +46,7 @@ pub fn play(world: &mut World) {
         monkey.editing = Span::default();
         monkey.step(world);
         monkey.own_work += whole.elapsed() - monkey.editing;
-        // The window goes on drawing as it does while it is used.
+        // The window continues to draw as it does while it is used.
         world.resource_mut::<Pacing>().note_commands(false);
     }
     world.insert_resource(monkey);
@@ -255,7 +255,7 @@ impl Monkey {
         self.phase = Phase::Compare(counts);
     }
 
-    /// All the way back, and forth again.
+    /// Undoes everything, and redoes it.
     fn undo_and_redo(&mut self, world: &mut World) {
         let end = Snapshot::of(world);
         let (done, undone) = world.resource::<History>().len();
@@ -276,7 +276,8 @@ impl Monkey {
         }
     }
 
-    /// Saving gives ids to things and reading the file again renews their order: neither is taken back.
+    /// Compares without what saving and reading renew: saving gives ids to things and reading the file again renews their order, and undo reverts
+    /// neither.
     fn difference(&self, one: &Snapshot, other: &Snapshot) -> Option<String> {
         match self.round.own_file {
             OwnFile::Untouched => one.difference(other),
@@ -353,7 +354,7 @@ impl Monkey {
             Act::CloseSheet => world.resource_mut::<Requests>().sheet = None,
             Act::Rest(frames) => self.wait(Waiting::Frames(frames)),
         }
-        // Reading the scene again is awaited: names depend on it.
+        // Reading the scene again is awaited, because names depend on it.
         if world.resource::<SceneStatus>().state == SceneState::Loading && matches!(self.waiting, Waiting::Nothing) {
             self.wait_for_scene(world);
         }
@@ -376,7 +377,7 @@ impl Monkey {
     }
 }
 
-/// Why the scene that was asked for is not there, in words.
+/// The reason why the requested scene is not open, in words.
 fn trouble(world: &World) -> Option<String> {
     let status = world.resource::<SceneStatus>();
     if status.state == SceneState::Ready {

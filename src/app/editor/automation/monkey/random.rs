@@ -5,9 +5,9 @@
 pub struct Random(u64);
 
 impl Random {
-    /// Any seed is allowed; zero, which the generator could not leave, becomes another number.
+    /// A generator with any seed. Zero, which the generator could not leave, becomes another number.
     pub fn new(seed: u64) -> Self {
-        // Neighbouring seeds begin far from each other (the finaliser of SplitMix64, Steele et al. 2014).
+        // Neighbouring seeds start far from each other (the finaliser of SplitMix64, Steele et al. 2014).
         let mut state = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
         state = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         state = (state ^ (state >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -22,7 +22,7 @@ impl Random {
         ((self.0 >> 16) % bound as u64) as usize
     }
 
-    /// None where the list is empty.
+    /// A random element; None if the list is empty.
     pub fn one_of<'a, T>(&mut self, list: &'a [T]) -> Option<&'a T> {
         (!list.is_empty()).then(|| &list[self.below(list.len())])
     }

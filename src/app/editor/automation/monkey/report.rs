@@ -25,13 +25,13 @@ pub(crate) struct Mark {
 /// A frame of the window's own systems, without the monkey's own work.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
-    /// How long it took.
+    /// The duration of the frame.
     pub time: Span,
-    /// Since the run began.
+    /// The time since the run began.
     pub at: Duration,
     /// The command that was applied in it.
     pub doing: String,
-    /// Threads of the machine that were ready to run, for each core.
+    /// The number of threads of the machine that were ready to run, for each core.
     pub load: f32,
 }
 
@@ -59,18 +59,18 @@ pub(crate) struct Record {
     pub frames: u64,
     pub rounds: usize,
     pub done: BTreeMap<&'static str, usize>,
-    /// Commands that the editor refused with a sentence, which is right: much of what the monkey says makes no sense.
+    /// The number of commands that the editor refused with a sentence. That is no fault: many random commands make no sense.
     pub refused: usize,
     pub marks: Vec<Mark>,
     /// The longest frames, the longest first.
     pub longest: Vec<Frame>,
     /// Frames above the limit.
     pub frames_too_long: u64,
-    /// Times that the scene was undone to its start and compared.
+    /// The number of times that the scene was undone to its start and compared.
     pub undone_to_start: usize,
-    /// Times that the scene was saved and opened again.
+    /// The number of times that the scene was saved and opened again.
     pub opened_again: usize,
-    /// Times that an awaited change of a file was noticed.
+    /// The number of times that an awaited change of a file was noticed.
     pub noticed: usize,
     /// The faults in words, by criterion.
     pub faults: Vec<(Criterion, String)>,
@@ -81,7 +81,7 @@ pub(crate) enum Criterion {
     Undo,
     Saving,
     Files,
-    /// The monkey itself could not go on.
+    /// The monkey itself could not continue.
     Run,
 }
 
@@ -177,7 +177,7 @@ impl Record {
         ]
     }
 
-    /// Marks at the start of rounds within a part of the run.
+    /// The marks at the start of rounds within a part of the run.
     fn starts(&self, from: f32, to: f32) -> impl Iterator<Item = &Gauge> {
         let marks = self.marks.iter().filter(|mark| mark.at_start_of_round);
         let within = marks.filter(move |mark| (from..=to).contains(&mark.progress));

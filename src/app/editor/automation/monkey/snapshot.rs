@@ -10,7 +10,7 @@ use crate::scene::{DocumentOrder, Hidden, Locked};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     scene: SceneDescription,
-    /// Name, hidden, locked.
+    /// The name, and whether the thing is hidden and locked.
     marks: Vec<(String, bool, bool)>,
 }
 
@@ -29,8 +29,8 @@ impl Snapshot {
         }
     }
 
-    /// Shapes with their materials, lights, sensors and all other materials, each as a text, sorted. What saving and reloading renew is not
-    /// compared: names and ids that files give to things, the numbers of their order, and the text that the file has for each.
+    /// The shapes with their materials, the lights, sensors and all other materials, each as a text, sorted. It leaves out what saving and
+    /// reloading renew: names and ids that files give to things, the numbers of their order, and the text that the file has for each.
     pub(crate) fn contents(&self) -> Vec<String> {
         let scene = &self.scene;
         let material = |index: &Option<usize>| index.map(|index| self.material(index));
@@ -76,7 +76,7 @@ impl Snapshot {
         self.marks.len()
     }
 
-    /// Numbers of shapes, emitters, sensors and groups. Materials that nothing uses are not saved.
+    /// The numbers of shapes, emitters, sensors and groups. Materials that nothing uses are not saved.
     pub fn counts(&self) -> [usize; 4] {
         let scene = &self.scene;
         [

@@ -1,4 +1,4 @@
-//! The monkey itself: what it was asked for, what it waits for, and what it has seen.
+//! The state of the monkey: its options, what it waits for, and what it has seen.
 
 use std::collections::VecDeque;
 use std::fs::File;
@@ -21,7 +21,7 @@ use crate::app::editor::session::options::{Length, MonkeyOptions};
 pub(super) enum Phase {
     /// Copies the scene of this number.
     Copy(usize),
-    /// Writes that copy once its scene is open.
+    /// A copy is written once its scene is open.
     Copying(usize),
     Begin,
     Play,
@@ -67,12 +67,12 @@ pub struct Monkey {
     pub(super) round: Round,
     /// Points, before the monkey has changed it.
     pub(super) window_size: Option<Vec2>,
-    /// Acts that are decided, one for each of the next frames.
+    /// The acts that are planned, one for each of the next frames.
     pub(super) coming: VecDeque<Act>,
     /// The present activity, for the list of long frames.
     pub(super) doing: String,
     pub(super) begun: Instant,
-    /// The monkey's own work in this frame, which is no part of the window's.
+    /// The time of the monkey's own work in this frame, which does not count as the window's.
     pub(super) own_work: Span,
     /// The time that the editor has taken of this frame for the monkey's commands.
     pub(super) editing: Span,
@@ -88,7 +88,7 @@ pub(crate) fn settings_folder(monkey: &Monkey) -> PathBuf {
 }
 
 impl Monkey {
-    /// An error: there is no place for its files.
+    /// Prepares a run. An error if there is no place for its files.
     pub fn new(options: MonkeyOptions) -> std::io::Result<Self> {
         let mut random = Random::new(options.seed);
         let folder = Folder::new(&mut random)?;

@@ -8,7 +8,7 @@ use super::random::Random;
 use crate::files::{LARGEST_NOTE, read_text};
 use crate::scene::SceneStatus;
 
-/// Acts that leave the file readable in the end. Empty where the scene has no file.
+/// Acts that leave the file readable in the end. The list is empty if the scene has no file.
 pub fn acts(world: &World, random: &mut Random, own: OwnFile) -> Vec<Act> {
     let Some(path) = world.resource::<SceneStatus>().path.clone() else {
         return Vec::new();

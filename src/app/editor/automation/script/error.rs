@@ -10,7 +10,7 @@ use crate::document::value::ValueError;
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum ScriptError {
-    /// A word of the line names nothing, or stands in the wrong place.
+    /// A word of the line names nothing, or is in the wrong place.
     #[error("{0}")]
     Words(Cow<'static, str>),
     #[error(transparent)]

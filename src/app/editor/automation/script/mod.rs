@@ -1,4 +1,4 @@
-//! The replay door: a file of named commands, one a line, done one after the other as a user would.
+//! Replays a script: a file of named commands, one a line, which are applied one after the other as a user would.
 //!
 //! A line begins when everything that the one before asked for is loaded and in the picture. The first that fails ends the run. After
 //! `wait N` the picture has exactly N samples per pixel and keeps that number until the next `wait`; lines that save or measure it wait for that
@@ -67,7 +67,7 @@ impl Script {
         })
     }
 
-    /// All lines are done, and their pictures saved; what the last one has led to may still be on its way.
+    /// Whether all lines are done and their pictures saved. The effects of the last line may still be pending.
     pub fn is_done(&self) -> bool {
         self.lines.is_empty()
             && self.step.is_none()

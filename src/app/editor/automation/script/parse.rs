@@ -100,7 +100,7 @@ pub fn line(world: &mut World, text: &str) -> Result<Option<Step>, ScriptError> 
     if text.is_empty() || text.starts_with('#') {
         return Ok(None);
     }
-    // XML is not taken apart.
+    // XML is not split into words.
     if let Some(xml) = text.strip_prefix("paste ") {
         return Ok(Some(Step::Do(Command::Paste(xml.to_owned()))));
     }
@@ -414,13 +414,13 @@ fn material_of(world: &World, entity: Entity) -> Option<Entity> {
     }
 }
 
-/// Makes the command that sets a parameter of any component of the thing. The error for an unknown parameter names those that there are.
+/// Makes the command that sets a parameter of any component of the thing. The error for an unknown parameter names the known ones.
 fn set(world: &mut World, entity: Entity, parameter: &str, value: &str) -> Result<Command, ScriptError> {
     let mut known = Vec::new();
     if let Some(pose) = world.get::<ToWorld>(entity) {
         known = vec!["position", "rotation", "scale"];
         if world.get::<Emitter>(entity).is_some() {
-            // Some have a factor of this name.
+            // Some components have a factor of this name.
             known.pop();
         }
         if known.contains(&parameter) {

@@ -18,7 +18,7 @@ pub fn switch(text: &str) -> Result<bool, ScriptError> {
     }
 }
 
-/// None is no limit.
+/// Parses a limit; None is no limit.
 pub fn limit(text: &str) -> Result<Option<f32>, ScriptError> {
     match text {
         "none" => Ok(None),

@@ -78,7 +78,7 @@ fn a_fault_of_a_file_stays_until_it_is_mended() {
     assert_eq!(tones_after(vec![import()]), [Tone::Warning]);
 }
 
-/// A scene that cannot be imported without files outside its folder is asked about, as when it is opened.
+/// The user is asked about a scene that cannot be imported without files outside its folder, as when it is opened.
 #[test]
 fn an_import_of_files_outside_the_scenes_folder_is_asked_about() {
     let folder = tempfile::tempdir().expect("a folder");

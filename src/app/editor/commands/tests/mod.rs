@@ -1,4 +1,4 @@
-//! Commands on a world without a window.
+//! Tests of commands on a world without a window.
 
 mod files;
 mod materials;
@@ -183,7 +183,7 @@ fn what_is_copied_can_be_pasted() {
     assert!(uses(&world, copy).is_some() && uses(&world, copy) == uses(&world, ball));
     let materials = |world: &mut World| world.query::<&Material>().iter(world).count();
     assert_eq!(materials(&mut world), 1);
-    // One that was changed meanwhile is another.
+    // A material that was changed in the meantime is another one.
     let material = uses(&world, ball).map(|uses| uses.0).expect("a material");
     let red = Material::Diffuse {
         reflectance: Rgb::X.into(),
@@ -313,7 +313,7 @@ fn what_can_never_come_back_is_despawned() {
     let before = spawned(&world);
     for _ in 0..2000 {
         add(&mut world, AdditionKind::Sphere);
-        // Undone, and then lost by the next edit.
+        // The edit is undone, and then lost by the next edit.
         say(&mut world, Command::Undo);
         history::despawn_forgotten(&mut world);
     }
@@ -358,7 +358,7 @@ fn what_comes_back_does_not_share_an_id() {
         say(&mut world, Command::GiveMaterial { shape });
         world.get::<UsesMaterial>(shape).expect("a material").0
     });
-    // Saving gives ids to materials that several shapes have, and takes the first that no thing of the scene has.
+    // Saving gives ids to materials that several shapes have, and takes the first id that no thing of the scene has.
     let id = || SceneId("material-1".to_owned());
     world.entity_mut(one).insert(id());
     say(&mut world, Command::Select(vec![one], Extend::Replace));

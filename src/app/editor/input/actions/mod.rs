@@ -17,17 +17,17 @@ pub use table::ACTIONS;
 /// The state that actions toggle, step or refer to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActionContext<'a> {
-    /// Modes and exposure are stepped from here.
+    /// The display settings, from which modes and exposure are stepped.
     pub display: DisplaySettings,
-    /// Depth is stepped from here.
+    /// The overlay, from which the depth is stepped.
     pub overlay: BvhOverlay,
-    /// Modes and axes are switched from here.
+    /// The gizmo's settings, from which modes and axes are switched.
     pub gizmo: GizmoSettings,
     /// Whether rendering is held.
     pub paused: bool,
     /// Whether there are panels beside the viewport.
     pub panels_shown: bool,
-    /// Many actions need one.
+    /// The selection, which many actions need.
     pub selection: &'a Selection,
     /// A tool that is in use is given up by its own key.
     pub tool: Tool,
@@ -42,7 +42,7 @@ pub struct ActionContext<'a> {
 pub struct Shortcut {
     /// The key that goes down last.
     pub key: Key,
-    /// Control, or the command key of a Mac.
+    /// Whether Control, or the command key of a Mac, is held.
     pub command: bool,
     /// Whether Shift is held.
     pub shift: bool,
@@ -52,7 +52,7 @@ pub struct Shortcut {
     pub numpad: bool,
 }
 
-/// What keys, menus, palette and scripts call by one name.
+/// An action, which keys, menus, palette and scripts call by one name.
 #[derive(Clone, Copy)]
 pub struct Action {
     /// The name in scripts and the palette.
@@ -61,22 +61,22 @@ pub struct Action {
     pub label: &'static str,
     /// Its menu, and its heading in the overview.
     pub group: Group,
-    /// Any of them will do; the first is shown.
+    /// The keys, any of which will do; the first is shown.
     pub keys: &'static [Shortcut],
     /// The command. None: there is nothing to apply it to.
     pub command: fn(&ActionContext) -> Option<Command>,
 }
 
-/// Headings of the overview, and menus.
+/// The headings of the overview, and the menus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {
-    /// Opening, saving, importing.
+    /// The menu of opening, saving and importing.
     File,
-    /// History, selection, clipboard.
+    /// The menu of history, selection and clipboard.
     Edit,
-    /// New things.
+    /// The menu of new things.
     Add,
-    /// Camera and display.
+    /// The menu of camera and display.
     View,
     /// Samples, denoiser, comparison.
     Render,
@@ -106,7 +106,7 @@ impl Shortcut {
             && modifiers.alt == self.alt
     }
 
-    /// `Ctrl+Shift+Z`.
+    /// The text of a shortcut, such as `Ctrl+Shift+Z`.
     pub fn text(&self) -> String {
         // Users do not think of the question mark as a key with Shift.
         let shift = self.shift && self.key != Key::Questionmark;

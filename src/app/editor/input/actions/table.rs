@@ -72,7 +72,7 @@ const fn command_shift(key: Key) -> Shortcut {
     }
 }
 
-/// Stops per press of a bracket key.
+/// The stops of a press of a bracket key.
 const EXPOSURE_STEP: f32 = 0.25;
 
 const fn action(
@@ -116,7 +116,7 @@ macro_rules! view {
     };
 }
 
-/// All of them, in the order of the menus.
+/// All actions, in the order of the menus.
 pub const ACTIONS: &[Action] = &[
     action(Group::File, "new", "New scene", &[command(Key::N)], |_| {
         Some(Command::NewScene)

@@ -8,7 +8,7 @@ use bevy::prelude::Entity;
 
 use crate::app::editor::model::{Item, Outline};
 
-/// Materials within materials, and folders within folders, deeper than this are not told apart.
+/// The depth below which materials within materials, and folders within folders, are shown at one level.
 pub const DEEPEST: usize = 16;
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,9 +36,9 @@ pub enum Line {
 /// The folders and things that are closed or open.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Folding {
-    /// Headings and folders that are closed, as the names of their lines.
+    /// The headings and folders that are closed, as the names of their lines.
     pub closed: HashSet<String>,
-    /// Materials that show those inside of them.
+    /// The materials that show those inside them.
     pub open: HashSet<Entity>,
 }
 
@@ -68,7 +68,7 @@ pub fn leaf(name: &str) -> &str {
     name.rsplit('/').next().unwrap_or(name)
 }
 
-/// All folders that a name lies in, outermost first.
+/// The folders that a name is in, outermost first.
 pub fn folders_of(name: &str) -> impl Iterator<Item = &str> {
     name.match_indices('/').map(|(end, _)| &name[..end])
 }

@@ -1,4 +1,4 @@
-//! Small drawings in the lines of the list: what kind of thing it is, and the eye and the padlock to click.
+//! Paints small marks in the lines of the list: the kind of thing, and the eye and the padlock to click.
 
 use std::f32::consts::TAU;
 

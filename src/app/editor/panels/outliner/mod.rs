@@ -17,7 +17,7 @@ use lines::{Folding, Line, folders_of, leaf};
 use row::Row;
 use state::{OutlinerState, Renaming, how};
 
-/// All things of the scene as a tree, with a filter; what is done to them is added to `commands`.
+/// Shows all things of the scene as a tree, with a filter, and adds what the user does to `commands`.
 pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands: &mut Vec<Command>) {
     let (outline, selection) = (&model.outline, &model.selection);
     ui.add(
@@ -78,7 +78,7 @@ pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands:
     });
 }
 
-/// The lines, and how far they are scrolled if something else became active that is out of sight; what is closed around it is opened.
+/// The lines, and the scroll position if something else became active that is out of sight; what is closed around it is opened.
 fn follow_selection(
     outline: &Arc<Outline>,
     active: Option<Entity>,
@@ -127,7 +127,7 @@ fn item_of(outline: &Outline, entity: Entity) -> Option<&Item> {
         .find(|item| item.entity == entity)
 }
 
-/// Turns what is open and what is closed about; true if clicked.
+/// Shows a triangle that opens and closes; true if clicked.
 fn triangle(ui: &mut Ui, is_open: bool) -> bool {
     let size = egui::vec2(14.0, ui.spacing().interact_size.y);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
@@ -172,7 +172,7 @@ fn heading(
         ui.strong(name);
         ui.weak(count.to_string());
     });
-    // Out of every folder.
+    // A drop on the heading takes things out of every folder.
     let target = ui.interact(row.response.rect, ui.id().with(("heading", name)), Sense::hover());
     if let Some(Dragged(things)) = dropped(ui, &target) {
         commands.push(Command::PutInto { things, folder: None });

@@ -16,12 +16,12 @@ use crate::app::editor::model::{Item, Model};
 const KIND: f32 = 18.0;
 const BALL: f32 = 16.0;
 
-/// Points before a line that is so deep.
+/// The indentation in points of a line at a depth.
 pub(super) fn indent(depth: usize) -> f32 {
     8.0 + 12.0 * depth as f32
 }
 
-/// A button whose text begins at its left, with another text at its right where there is room for both.
+/// A button whose text begins at its left, with another text at its right if there is room for both.
 pub(super) fn left_aligned(
     ui: &mut Ui,
     text: RichText,
@@ -60,7 +60,7 @@ pub(super) struct Row<'a> {
     pub depth: usize,
     pub has_inside: bool,
     pub is_material: bool,
-    /// All that are shown, for ranges.
+    /// All visible lines, for ranges.
     pub lines: &'a [Line],
     pub model: &'a Model,
     pub height: f32,
@@ -171,7 +171,7 @@ impl Row<'_> {
         response.context_menu(|ui| self.menu(ui, state, commands));
     }
 
-    /// Lines between the anchor and this one, with Shift.
+    /// The range of lines between the anchor and this one, with Shift.
     fn range(&self, ui: &Ui, state: &OutlinerState) -> Option<Vec<Entity>> {
         let anchor = state.anchor.filter(|_| ui.input(|input| input.modifiers.shift))?;
         let groups = self.model.outline.groups();

@@ -10,7 +10,7 @@ use crate::app::editor::model::Item;
 /// The state that the panel keeps between frames.
 #[derive(Clone, Debug, Default)]
 pub struct OutlinerState {
-    /// Only things are listed whose names contain it.
+    /// The filter: only things whose names contain it are listed.
     pub filter: String,
     pub(super) folding: Folding,
     pub(super) lines: Lines,
@@ -19,7 +19,7 @@ pub struct OutlinerState {
     pub(super) anchor: Option<Entity>,
     /// The active thing when the list was last shown: another one is scrolled to.
     pub(super) shown_active: Option<Entity>,
-    /// Materials whose lines were in sight, so that there can be pictures of them.
+    /// The materials whose lines were visible, so that they get pictures.
     pub materials_in_sight: Vec<Entity>,
 }
 

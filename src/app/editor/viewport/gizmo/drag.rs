@@ -46,9 +46,9 @@ impl Change {
 /// A drag, from the press on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drag {
-    /// Where the gizmo stood at the press; it stays there until the drag is over.
+    /// The frame of the gizmo at the press; it stays there until the drag is over.
     pub frame: Frame,
-    /// What is moved, with the poses at the press.
+    /// The targets, with their poses at the press.
     pub targets: Vec<Target>,
     /// Along or about what.
     pub constraint: Constraint,
@@ -62,13 +62,13 @@ pub struct Drag {
     angle: f32,
 }
 
-/// Axes and planes that are seen at a sine below this are too foreshortened to be dragged as they are seen.
+/// The sine of the angle of view below which axes and planes are too foreshortened to be dragged as they are seen.
 const EDGE_ON: f32 = 0.1;
 /// The factor of distance up to which the pointer is followed towards the horizon of a plane, or the vanishing point of an axis.
 const FARTHEST: f32 = 10.0;
 /// Points on which an even scaling doubles.
 const POINTS_PER_DOUBLING: f32 = 100.0;
-/// Dragging makes nothing smaller than this, so that it can be made larger again.
+/// The smallest factor of a drag, so that things can be enlarged again.
 const SMALLEST_FACTOR: f32 = 0.01;
 
 impl Drag {
@@ -92,7 +92,7 @@ impl Drag {
         }
     }
 
-    /// What the drag does.
+    /// The mode of the drag.
     pub fn mode(&self) -> Mode {
         self.settings.mode
     }
@@ -108,7 +108,7 @@ impl Drag {
         self.angle = 0.0;
     }
 
-    /// Begins to follow a pointer that is here.
+    /// Begins to follow a pointer at this place.
     pub(crate) fn take_hold(&mut self, pointer: Pos2) {
         self.grabbed = pointer;
         self.last = pointer;
@@ -232,7 +232,7 @@ impl Drag {
         };
         let from_origin = to_vec2(pointer - at_origin);
         let deepening = screen.forward().dot(axis);
-        // Points per world unit at the origin: the axis without its part towards the viewer, who is seen at the origin.
+        // The points per world unit at the origin: the axis without its part towards the viewer, seen at the origin.
         let across =
             axis - screen.direction_to(origin) * (deepening / screen.forward().dot(screen.direction_to(origin)));
         let step = handles::SIZE * unit;

@@ -10,43 +10,43 @@ use super::constraint::Constraint;
 use crate::app::editor::camera::screen::Screen;
 use crate::app::editor::command::gizmo_settings::Mode;
 
-/// Length of an axis.
+/// The length of an axis.
 pub const SIZE: f32 = 90.0;
-/// Radius of the rings around the axes, and of that around the view axis.
+/// The radius of the rings around the axes, and of that around the view axis.
 pub(crate) const RING: f32 = 78.0;
 const VIEW_RING: f32 = 94.0;
 /// The place where an axis begins; below where the squares of the planes lie along their axes, and half the widths of the parts in the middle and
 /// at the tips.
 const AXIS_START: f32 = 18.0;
 const SQUARE: [f32; 2] = [26.0, 44.0];
-/// Half the width of what is in the middle, in points.
+/// Half the width of the handle in the middle, in points.
 pub const MIDDLE: f32 = 9.0;
 pub(crate) const TIP: f32 = 6.0;
 /// The distance up to which the pointer takes a line.
 const REACH: f32 = 7.0;
-/// Axes that look shorter than this share of their length, and squares that are seen at a sine below it, are left out.
+/// The share of their length below which axes are too short to be shown, and the sine below which squares are too foreshortened.
 const SHORTEST: f32 = 0.12;
 const RING_SEGMENTS: usize = 64;
 
-/// What a handle looks like, in points of the window.
+/// The form of a handle, in points of the window.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Form {
     /// The line from where it begins to the tip.
     Line([Pos2; 2]),
     /// The corners in their order around it.
     Square([Pos2; 4]),
-    /// Segments of the part that is in front, then of the part behind the middle.
+    /// A ring of two parts.
     Ring {
-        /// In front of the middle.
+        /// The segments in front of the middle.
         front: Vec<[Pos2; 2]>,
-        /// Behind the middle.
+        /// The segments behind the middle.
         back: Vec<[Pos2; 2]>,
     },
     /// A ring around the view axis.
     Circle {
         /// The origin of the gizmo.
         middle: Pos2,
-        /// In points.
+        /// The radius in points.
         radius: f32,
     },
 }
@@ -56,7 +56,7 @@ pub enum Form {
 pub struct Handle {
     /// What a drag of it is held to.
     pub constraint: Constraint,
-    /// Where the pointer takes it.
+    /// The form where the pointer takes it.
     pub form: Form,
 }
 
@@ -150,7 +150,7 @@ impl Layout<'_> {
     }
 }
 
-/// The handle that a press here takes: what is in the middle before lines, lines before squares.
+/// The handle that a press here takes: the middle comes before lines, and lines come before squares.
 pub(crate) fn handle_at(handles: &[Handle], pointer: Pos2) -> Option<Constraint> {
     let distance = |handle: &Handle| match &handle.form {
         Form::Circle { middle, radius } if *radius <= MIDDLE => {

@@ -20,7 +20,7 @@ use crate::engine::PackedScene;
 /// The data that the gizmo acts on.
 #[derive(Clone, Copy, Debug)]
 pub struct GizmoModel<'a> {
-    /// Mode, axes, pivot and steps.
+    /// The mode, axes, pivot and steps.
     pub settings: GizmoSettings,
     /// The selected objects that can be moved, the active one last.
     pub targets: &'a [Target],
@@ -28,18 +28,18 @@ pub struct GizmoModel<'a> {
     pub length_step: f32,
     /// The world's upward direction, an axis.
     pub up: Vec3,
-    /// What the picture is of, to drop things onto.
+    /// The packed scene, to drop things onto.
     pub packed: &'a PackedScene,
 }
 
-/// What the gizmo remembers between frames.
+/// The state that the gizmo keeps between frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GizmoState {
     lit: Option<Constraint>,
     held: Option<Held>,
     /// Whether a drag has begun since the last query.
     begun: bool,
-    /// Keys of a frame that end what others of that frame have typed: the next frame's, when that is done.
+    /// The keys of a frame that end what others of that frame have typed. They are for the next frame.
     waiting: Vec<Press>,
 }
 
@@ -57,7 +57,7 @@ enum Hold {
     Button,
     /// The pointer without a button, until a click.
     Pointer,
-    /// Nothing: numbers are waited for.
+    /// No mouse button: the keyboard holds it, and numbers are awaited.
     Keys,
 }
 
@@ -66,7 +66,7 @@ enum Hold {
 pub struct Rest {
     /// The mouse was not for the gizmo.
     pub pointer: bool,
-    /// Keys that were not for the gizmo, in order.
+    /// The keys that were not for the gizmo, in order.
     pub presses: Vec<Press>,
 }
 
@@ -76,7 +76,7 @@ impl GizmoState {
         self.held.is_some()
     }
 
-    /// Whether a drag has begun since the last call: what it does is a step of its own.
+    /// Whether a drag has begun since the last call. Its effect is a step of its own.
     pub fn take_begun(&mut self) -> bool {
         std::mem::take(&mut self.begun)
     }
@@ -199,7 +199,7 @@ impl GizmoState {
         }
     }
 
-    /// True if the key was for a drag.
+    /// Handles a key; true if it was for a drag.
     fn take_key(
         &mut self,
         press: &Press,

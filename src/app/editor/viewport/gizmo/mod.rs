@@ -1,5 +1,5 @@
-//! The gizmo: handles over the picture by which the selected objects are moved, turned and scaled. What it is and where it stands; how
-//! it looks is in `handles` and `paint`, what dragging does in `drag`.
+//! The gizmo: handles over the picture by which the selected objects are moved, turned and scaled. What it is and where it stands; how it looks is
+//! in `handles` and `paint`, what dragging does in `drag`.
 //!
 //! Scaling is always along an object's own axes: along others it would shear what is turned.
 
@@ -20,13 +20,13 @@ use crate::math::Aabb;
 /// An object to be moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
-    /// What commands name.
+    /// The entity.
     pub entity: Entity,
     /// World from local.
     pub to_world: Affine3A,
-    /// Which parts of the pose can be edited.
+    /// The freedom of the pose.
     pub freedom: Freedom,
-    /// World bounds; None for what has no surface.
+    /// The bounds in the world; None for things without a surface.
     pub bounds: Option<Aabb>,
 }
 
@@ -36,7 +36,7 @@ impl Target {
         self.to_world.translation.into()
     }
 
-    /// The middle of what is seen of it.
+    /// The middle of its visible part.
     pub fn middle(&self) -> Vec3 {
         self.bounds.map_or(self.origin(), |bounds| bounds.center())
     }
@@ -49,7 +49,7 @@ impl Target {
 /// The pose of the gizmo.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// In the world.
+    /// The origin in the world.
     pub origin: Vec3,
     /// The axes, of unit length and at right angles.
     pub axes: [Vec3; 3],
@@ -64,8 +64,8 @@ pub fn bounds(targets: &[Target]) -> Aabb {
     })
 }
 
-/// None when there is nothing that this mode could change. The active object is the last one. What is infinitely far away is turned at
-/// `ahead`, a place that is seen.
+/// The frame; None if this mode could change nothing. The active object is the last one. Things that are infinitely far away are turned at `ahead`,
+/// a visible place.
 pub fn frame(targets: &[Target], settings: &GizmoSettings, ahead: Vec3) -> Option<Frame> {
     let active = targets.last()?;
     let all = bounds(targets);

@@ -17,7 +17,7 @@ const AXIS_COLORS: [Color32; 3] = [
 ];
 const NEUTRAL: Color32 = Color32::from_gray(225);
 const LIT: Color32 = Color32::from_rgb(255, 214, 64);
-/// Beneath every line, so that it is seen on any picture.
+/// The shadow of every line, so that it is visible on any picture.
 const SHADOW: Color32 = Color32::from_black_alpha(110);
 const LINE: f32 = 2.5;
 /// The width of the line along the axis of a drag.

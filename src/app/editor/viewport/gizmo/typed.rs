@@ -15,7 +15,7 @@ impl Typed {
         self.0.is_empty()
     }
 
-    /// As it is shown beside the pointer.
+    /// The text that is shown beside the pointer.
     pub fn text(&self) -> &str {
         &self.0
     }
