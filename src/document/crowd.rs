@@ -14,10 +14,10 @@ use super::{Category, Child, SourceId, TransformOp, Value};
 /// The least number of instances of one group in a row that are packed.
 pub(super) const FEWEST: usize = 1024;
 
-/// Instances of one group that follow each other in the scene, of which the file says nothing but their places.
+/// Instances of one group that follow each other in the scene, of which the file gives only the places.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crowd {
-    /// The crowd stands before this child of the scene, or after the last one.
+    /// The index of the child of the scene before which the crowd stands.
     pub position: usize,
     /// The id of the group.
     pub group: SmolStr,

@@ -8,9 +8,9 @@ use std::collections::{BTreeSet, HashMap};
 
 use super::suggest::did_you_mean;
 
-/// A replaced value is no longer than this.
+/// The longest value after replacement.
 const LONGEST_VALUE: usize = 1 << 16;
-/// All replaced values of a document together: defaults made of defaults grow exponentially.
+/// The most bytes of all replaced values of a document together: defaults made of defaults grow exponentially.
 const LONGEST_TOTAL: usize = 1 << 26;
 const LONGEST_NAME: usize = 256;
 
@@ -18,7 +18,7 @@ const LONGEST_NAME: usize = 256;
 struct Define {
     value: String,
     from_command_line: bool,
-    /// There is a `<default>` for it.
+    /// Whether there is a `<default>` for it.
     declared: bool,
     used: bool,
 }
@@ -30,7 +30,7 @@ pub struct Defines {
     written: usize,
 }
 
-/// Why an attribute value could not be made; with help where there is some.
+/// The reason why an attribute value could not be made, with help where there is some.
 #[derive(Debug, PartialEq)]
 pub struct DefineError {
     pub message: String,

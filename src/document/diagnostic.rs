@@ -16,7 +16,7 @@ pub struct SourceId(pub u32);
 /// A byte range of one source file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Span {
-    /// The file that the range lies in.
+    /// The file of the range.
     pub source: SourceId,
     /// The first byte, counted from 0 after a byte order mark.
     pub start: u32,
@@ -35,7 +35,7 @@ pub struct SourceFile {
     pub byte_order_mark: bool,
 }
 
-/// How grave a message is. Levels are ordered by their declaration, the mildest first.
+/// The severity of a message. Levels are ordered by their declaration, the mildest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
     /// A choice that the reader made, and that the user may want to know.
@@ -138,13 +138,13 @@ impl Diagnostics {
         self.error_count() > 0
     }
 
-    /// Counts all errors, those that found no place in the list included.
+    /// Counts all errors, also those beyond the end of the list.
     pub fn error_count(&self) -> usize {
         let listed = self.list.iter().filter(|d| d.severity == Severity::Error).count();
         listed + self.dropped_errors
     }
 
-    /// Counts all warnings, those that found no place in the list included.
+    /// Counts all warnings, also those beyond the end of the list.
     pub fn warning_count(&self) -> usize {
         let listed = self.list.iter().filter(|d| d.severity == Severity::Warning).count();
         listed + self.dropped_warnings
@@ -155,7 +155,7 @@ impl Diagnostics {
         self.sources.get(id.0 as usize)
     }
 
-    /// Shortens the texts to what the messages show and what it takes to locate `places`: the lines up to the last of these.
+    /// Shortens the texts to what the messages show and what locating `places` takes: the lines up to the last of these.
     pub fn shorten_texts(&mut self, places: impl Iterator<Item = Span>) {
         let mut needed = vec![None; self.sources.len()];
         let of_messages = self.list.iter().filter_map(|message| message.span);
@@ -175,7 +175,7 @@ impl Diagnostics {
         }
     }
 
-    /// File, line and column of a span's start; both count from 1, columns in characters.
+    /// The file, line and column of a span's start; both count from 1, columns in characters.
     pub fn locate(&self, span: Span) -> Option<(&Path, usize, usize)> {
         let source = self.source(span.source)?;
         let (line, column) = source.line_column(span.start as usize);
@@ -184,7 +184,7 @@ impl Diagnostics {
 }
 
 impl SourceFile {
-    /// Line and column of a byte offset, from 1, columns in characters. Offsets past the end mean the end.
+    /// The line and column of a byte offset, from 1, columns in characters. Offsets past the end mean the end.
     pub(crate) fn line_column(&self, offset: usize) -> (usize, usize) {
         let before = &self.text[..self.text.floor_char_boundary(offset)];
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);

@@ -1,4 +1,4 @@
-//! Finding the objects of a document by their ids.
+//! Finds the objects of a document by their ids.
 
 use std::collections::HashMap;
 

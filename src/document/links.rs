@@ -1,4 +1,4 @@
-//! References between objects: that they lead somewhere, and never in a circle.
+//! Checks references between objects: they lead somewhere, and never in a circle.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -70,7 +70,7 @@ pub fn link(
 struct Known<'i> {
     ids: &'i HashMap<SmolStr, Span>,
     not_read: Option<Span>,
-    /// References to nothing that were not reported.
+    /// The number of references to nothing that were not reported.
     missed: usize,
 }
 
@@ -149,7 +149,8 @@ struct Walk<'a, 'd> {
 }
 
 impl<'a> Walk<'a, '_> {
-    /// Recursion is bounded: references are followed to a `depth` of [`MAX_DEPTH`], and tags in tags add at most as much again.
+    /// Measures what is below an object. Recursion is bounded: references are followed to a `depth` of [`MAX_DEPTH`], and tags in tags add at most
+    /// as much again.
     fn measure(&mut self, object: &'a Object, depth: usize) -> Extent {
         if let Some(id) = &object.id {
             self.open.insert(id);
@@ -198,7 +199,7 @@ impl<'a> Walk<'a, '_> {
         Some(measured)
     }
 
-    /// `span` is the reference that closes the circle; the others of the circle are named in the help.
+    /// Reports a circle. `span` is the reference that closes it; the others of the circle are named in the help.
     fn report_circle(&mut self, id: &'a str, span: Span) {
         // The object is open since the reference that led to it, or since it was met where it is declared.
         let first = self.followed.iter().position(|&(followed, _)| followed == id);

@@ -5,7 +5,7 @@ use smol_str::SmolStr;
 
 use super::{Category, Diagnostics, Object, Property, TransformOp, Value};
 
-/// `toWorld` -> `to_world`, `intIOR` -> `int_ior`; names in snake_case stay.
+/// The name in snake_case: `toWorld` becomes `to_world`, `intIOR` becomes `int_ior`; names in snake_case stay.
 pub fn snake_case(name: &str) -> SmolStr {
     if name.len() == 1 || !name.bytes().any(|byte| byte.is_ascii_uppercase()) {
         return name.into();
@@ -41,7 +41,7 @@ fn is_diffuse(object: &Object) -> bool {
     object.category == Category::Bsdf && object.plugin == "diffuse"
 }
 
-/// Brings a finished object of version 0.x, whose properties have today's names, to today's form.
+/// Modernises a finished object of version 0.x, whose properties have today's names.
 pub fn modernize(object: &mut Object, diagnostics: &mut Diagnostics) {
     if is_diffuse(object) {
         for child in &mut object.children {
@@ -55,7 +55,7 @@ pub fn modernize(object: &mut Object, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// `uoffset`, `voffset`, `uscale`, `vscale` as the transform `to_uv`, which must not be given besides.
+/// Turns `uoffset`, `voffset`, `uscale`, `vscale` into the transform `to_uv`, which must not be given besides.
 fn texture_offset_and_scale(object: &mut Object, diagnostics: &mut Diagnostics) {
     let mut offset = Vec3::ZERO;
     let mut scale = Vec3::ONE;

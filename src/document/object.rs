@@ -15,7 +15,7 @@ pub const MAX_DEPTH: usize = 256;
 pub enum Category {
     /// The root of a file, `<scene>`.
     Scene,
-    /// What decides how light is computed, `<integrator>`.
+    /// The method by which light is computed, `<integrator>`.
     Integrator,
     /// A camera, `<sensor>`.
     Sensor,
@@ -23,7 +23,7 @@ pub enum Category {
     Film,
     /// The pixel filter of a film, `<rfilter>`.
     ReconstructionFilter,
-    /// Number, kind and seed of a sensor's samples, `<sampler>`.
+    /// The number, kind and seed of a sensor's samples, `<sampler>`.
     Sampler,
     /// A geometric object, a group of them or an instance of a group, `<shape>`.
     Shape,
@@ -137,7 +137,7 @@ pub struct Property {
 /// A plugin inside a plugin, in place or by reference.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Child {
-    /// Shared: what is read from a document keeps its objects without a copy.
+    /// An object inside. It is shared, so that what is read from a document keeps it without a copy.
     Object(Arc<Object>),
     /// `<ref>` to an object that is declared elsewhere in the scene.
     Reference {

@@ -21,19 +21,19 @@ pub struct Include {
 pub struct Document {
     /// The path of the main file, as it was opened or as it will be written.
     pub path: PathBuf,
-    /// The `<scene>` without its crowds; shared, because saving wants what was read, which may be very large.
+    /// The `<scene>` without its crowds. It is shared, because saving needs what was read, which may be very large.
     pub root: Arc<Object>,
     /// The crowds in the order of their positions among the children of the root. An imported document has none.
     pub crowds: Vec<Crowd>,
     /// The folders in which files are looked for besides the folders of the scene's own files: the `<path>`s, absolute, in file order.
     pub search_folders: Vec<PathBuf>,
-    /// All files that were read because of an `<include>`, in the order of reading.
+    /// The files that were read because of an `<include>`, in the order of reading.
     pub includes: Vec<Include>,
-    /// Made from a file of another format: spans tell where things come from, but there is no such text.
+    /// Whether it was made from a file of another format: spans tell where things come from, but there is no such text.
     pub imported: bool,
     /// Permits the files that the scene may read.
     pub access: Access,
-    /// What is wrong with the file, and the texts that messages and revisions point into.
+    /// The problems with the file, and the texts that messages and revisions point into.
     pub diagnostics: Diagnostics,
 }
 

@@ -1,10 +1,10 @@
-//! File names as they stand in scene files.
+//! Handles file names as they are in scene files.
 
 use std::path::{Component, Path, PathBuf};
 
 use crate::files::Access;
 
-/// `path` as seen from `folder`, with `/` between folders. Both are absolute. The result is absolute only for another drive, and for a
+/// The path `path` relative to `folder`, with `/` between folders. Both are absolute. The result is absolute only for another drive, and for a
 /// folder that is a root, as that of the clipboard. A `..` of `path`, as below a folder that does not exist, stays.
 pub fn file_name(path: &Path, folder: &Path) -> String {
     let root = |path: &Path| {
@@ -34,8 +34,8 @@ pub fn file_name(path: &Path, folder: &Path) -> String {
     if name.is_empty() { ".".to_owned() } else { name }
 }
 
-/// Absolute, with the folder's links and `..` resolved but not the file's own link: editors replace files, not folders. Below a folder that does
-/// not exist the path stays as it is.
+/// The absolute path, with the folder's links and `..` resolved but not the file's own link: editors replace files, not folders. Below a folder
+/// that does not exist the path stays as it is.
 pub fn settle(path: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let mut folders = absolute.ancestors().skip(1);

@@ -1,4 +1,4 @@
-//! Value tags: `<float name= value=>` to `<rgb>`, and the steps of a `<transform>`.
+//! Parses value tags: `<float name= value=>` to `<rgb>`, and the steps of a `<transform>`.
 
 use std::borrow::Cow;
 use std::fmt::Display;
@@ -104,7 +104,7 @@ pub fn read_transform_op(tag: &mut Tag, diagnostics: &mut Diagnostics) -> Option
     }
 }
 
-/// `value="x, y, z"`, `value="all"`, or any of `x`, `y`, `z`.
+/// Parses `value="x, y, z"`, `value="all"`, or any of `x`, `y`, `z`.
 fn xyz(tag: &mut Tag, absent: f32, diagnostics: &mut Diagnostics) -> Option<Vec3> {
     if tag.has("value") {
         if ["x", "y", "z"].iter().any(|axis| tag.has(axis)) {

@@ -78,7 +78,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         self.object.properties.iter().any(|property| property.name == name)
     }
 
-    /// An error at a property: `message` says what is wrong with it.
+    /// Reports an error at a property: `message` says what is wrong with it.
     pub fn error_at(&mut self, name: &str, message: impl Into<String>) {
         let span = self.span_of(name);
         self.diagnostics.error(span, message);
@@ -182,7 +182,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         })
     }
 
-    /// A colour whose components all lie in `range`.
+    /// A colour whose components are all in `range`.
     pub fn rgb_in(&mut self, name: &str, range: impl RangeBounds<f32>) -> Option<Rgb> {
         let colour = self.rgb(name)?;
         for component in colour.to_array() {
@@ -208,7 +208,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         })
     }
 
-    /// Parameters that exist but have no effect here: no warning about them, whether property or child.
+    /// Notes parameters that exist but have no effect here, so that there is no warning about them, whether property or child.
     pub fn ignore(&mut self, names: &[&str]) {
         for name in names {
             self.value(name);
@@ -239,7 +239,7 @@ impl<'a, 'd> Reader<'a, 'd> {
         read
     }
 
-    /// All plugins of a kind, in file order, with the names they carry; references are resolved.
+    /// The plugins of a kind, in file order, with the names they carry; references are resolved.
     pub fn children(&mut self, category: Category) -> Vec<(Option<&'a str>, &'a Object)> {
         let mut found = Vec::new();
         let children: &'a [Child] = &self.object.children;

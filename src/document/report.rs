@@ -50,7 +50,7 @@ impl Display for Diagnostics {
 }
 
 impl Diagnostics {
-    /// `file:line:column: warning: message (help)`.
+    /// The message in one line: `file:line:column: warning: message (help)`.
     pub fn line(&self, diagnostic: &Diagnostic) -> String {
         let mut line = match diagnostic.span.and_then(|span| self.locate(span)) {
             Some((path, line, column)) => format!("{}:{line}:{column}: ", path.display()),
@@ -63,7 +63,7 @@ impl Diagnostics {
         line
     }
 
-    /// All messages with the lines they speak of, for people; ends with a count if there is more. Messages are not wrapped, so that names of
+    /// The messages with the lines that they are about, for people; a count follows if there are more. Messages are not wrapped, so that names of
     /// files stay whole.
     pub fn render(&self, color: bool) -> String {
         let theme = GraphicalTheme {
@@ -113,7 +113,7 @@ impl Diagnostics {
         ))
     }
 
-    /// "2 errors, 1 warning"; empty when there is nothing.
+    /// The summary, such as "2 errors, 1 warning"; empty if there are no messages.
     pub fn summary(&self) -> String {
         let count = |number: usize, what: &str| match number {
             0 => None,
@@ -137,7 +137,7 @@ impl Diagnostics {
         source.is_some_and(|source| self.is_outside(&source.path))
     }
 
-    /// Whether a file lies outside the folder of the main file. A scene may name any file, so no text of such a file is shown.
+    /// Whether a file is outside the folder of the main file. A scene may name any file, so no text of such a file is shown.
     pub(in crate::document) fn is_outside(&self, path: &Path) -> bool {
         let folder = self.sources.first().and_then(|main| main.path.parent());
         !Access::within(folder.map(Path::to_owned)).covers(path)

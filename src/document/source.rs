@@ -1,13 +1,13 @@
-//! Scene files from disk: bounded in size, and text.
+//! Reads scene files from disk: bounded in size, and text.
 
 use std::path::{Path, PathBuf};
 
 use crate::files::{Access, FileError};
 
-/// Larger files are no scene descriptions; spans are 32 bits wide.
+/// The most bytes of a file. Larger files are no scene descriptions, and spans have 32 bits.
 pub const MAX_FILE_BYTES: u64 = 256 << 20;
 
-/// Why a file gives no text at all.
+/// The reason why a file gives no text at all.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum SourceError {

@@ -1,4 +1,4 @@
-//! Spectra given as wavelengths and values, or as the temperature of a black body: their linear Rec. 709 colour.
+//! Turns spectra, given as wavelengths and values or as the temperature of a black body, into linear Rec. 709 colours.
 //!
 //! A renderer of three colours has to integrate a spectrum when it reads it. As in Mitsuba's RGB mode a reflectance is seen under D65
 //! (so that white stays 1, 1, 1), and a light's spectrum is taken as it is (so that equal energy is slightly purple).
@@ -26,7 +26,7 @@ pub enum Role {
     Daylight,
     /// Reflectance, transmittance: between 0 and 1.
     Reflectance,
-    /// Indices of refraction, extinction: seen under D65, no upper bound.
+    /// Indices of refraction and extinction: they are seen under D65, and have no upper bound.
     Unbounded,
 }
 
@@ -76,7 +76,7 @@ pub(crate) fn equal_energy_white() -> Vec3 {
 }
 
 impl SampledSpectrum {
-    /// "400:0.1, 500:0.2, 700:0.9".
+    /// Parses a list such as "400:0.1, 500:0.2, 700:0.9".
     pub fn parse_list(text: &str) -> Result<Self, SpectrumError> {
         let pairs = fields(text).map(|pair| {
             let (wavelength, value) = pair
@@ -105,7 +105,7 @@ impl SampledSpectrum {
         Self::new(pairs)
     }
 
-    /// Values at equal distances, the first at `first_nm` and the last at `last_nm`; `values` is a list of numbers.
+    /// Parses values at equal distances, the first at `first_nm` and the last at `last_nm`; `values` is a list of numbers.
     pub fn parse_regular(first_nm: f32, last_nm: f32, values: &str) -> Result<Self, SpectrumError> {
         let values = parse_numbers(values)?;
         let step = (last_nm - first_nm) / values.len().saturating_sub(1).max(1) as f32;
@@ -182,7 +182,7 @@ impl BlackBody {
     }
 }
 
-/// The colour of a spectrum that is asked for wavelengths (nm) in increasing order, and whether it was clamped.
+/// The colour of a spectrum whose `value` is called with wavelengths (nm) in increasing order, and whether it was clamped.
 fn integrate(role: Role, mut value: impl FnMut(f64) -> f64) -> (Vec3, bool) {
     let range = STEP_NM * (SAMPLES - 1) as f64;
     let mut xyz = DVec3::ZERO;

@@ -10,10 +10,10 @@ use super::define::{DefineError, Defines};
 use super::suggest::did_you_mean;
 use super::{Diagnostics, Severity, Span};
 
-/// No tag of the format has more than six.
+/// The most attributes of a tag. No tag of the format has more than six.
 const MAX_ATTRIBUTES: usize = 64;
 
-/// No tag is asked for more different attributes.
+/// The most different attributes that a tag is asked for.
 const MAX_ASKED: usize = 8;
 
 #[derive(Debug)]
@@ -30,12 +30,12 @@ pub struct Tag<'t> {
     pub name: &'t str,
     pub span: Span,
     attributes: Vec<Attribute<'t>>,
-    /// The names asked for, for suggestions.
+    /// The names that were asked for, for suggestions.
     asked: ArrayVec<&'static str, MAX_ASKED>,
 }
 
 impl<'t> Tag<'t> {
-    /// `text` is the whole source, `span` the tag's place in it.
+    /// Begins to read a tag. `text` is the whole source, `span` the tag's place in it.
     pub fn new(
         start: &'t BytesStart,
         text: &str,
@@ -101,7 +101,7 @@ impl<'t> Tag<'t> {
         attribute.value.map(|value| (value, attribute.span))
     }
 
-    /// An attribute that has to be there and not be empty; what is wrong is reported.
+    /// An attribute that has to exist and not be empty; problems are reported.
     pub fn need(&mut self, name: &'static str, diagnostics: &mut Diagnostics) -> Option<(Cow<'t, str>, Span)> {
         let present = self.has(name);
         let taken = self.take(name);

@@ -7,7 +7,7 @@ use glam::{Affine3A, DMat3, DVec3, Mat3, Mat4, Quat, Vec3};
 pub enum TransformOp {
     /// A shift by this vector.
     Translate(Vec3),
-    /// Rotation by `degrees`, counter-clockwise seen against `axis`. The axis may have any length but zero. If that is not 1, the step also
+    /// A rotation by `degrees`, counter-clockwise seen against `axis`. The axis may have any length but zero. If that is not 1, the step also
     /// scales and shears, as in Mitsuba 3.
     Rotate {
         /// The direction of the axis through the origin.
@@ -47,7 +47,7 @@ impl TransformOp {
         }
     }
 
-    /// All numbers of the step.
+    /// The numbers of the step.
     pub fn numbers(&self) -> Vec<f32> {
         match *self {
             Self::Translate(by) | Self::Scale(by) => by.to_array().to_vec(),
@@ -57,7 +57,7 @@ impl TransformOp {
         }
     }
 
-    /// All steps of a transform as one map.
+    /// The map of all steps together.
     pub fn compose(ops: &[Self]) -> Affine3A {
         ops.iter().fold(Affine3A::IDENTITY, |so_far, op| op.affine() * so_far)
     }
@@ -74,7 +74,7 @@ pub(crate) fn left_of(forward: DVec3, up: Vec3) -> Option<DVec3> {
     up.as_dvec3().try_normalize()?.cross(forward).try_normalize()
 }
 
-/// Squared lengths of an axis that differ from 1 by less than this are rounding of single precision, or of six digits.
+/// The difference from 1 below which the squared length of an axis is taken for rounding of single precision, or of six digits.
 const UNIT: f32 = 1e-6;
 
 /// Rodrigues' formula, cos I + (1 - cos) a a^T + sin [a]x, with the axis as it is. Mitsuba 3 does not normalise the axis either (found by
@@ -95,8 +95,8 @@ fn rotation(axis: Vec3, angle: f32) -> Affine3A {
 mod tests {
     use super::*;
 
-    /// Matrices of a shape's `to_world` in Mitsuba 3.9.1, row by row. A rotation acts through its matrix alone: the
-    /// matrix places a shape, and its inverse turns the normals, whatever steps it is made of.
+    /// The matrices of a shape's `to_world` in Mitsuba 3.9.1, row by row. A rotation acts through its matrix alone: the matrix places a shape, and
+    /// its inverse turns the normals, whatever steps it is made of.
     #[test]
     fn axes_of_any_length_give_the_matrices_of_mitsuba() {
         let cases = [

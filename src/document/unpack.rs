@@ -1,4 +1,4 @@
-//! Crowds and the children of a scene: which instances stay packed, and the tree that a crowd stands for.
+//! Decides which instances of a scene stay packed in crowds, and makes the tree that a crowd stands for.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -35,7 +35,7 @@ impl Document {
     }
 }
 
-/// Takes crowds apart whose group is not one at the top level of the scene: something is wrong with them, and others say what.
+/// Unpacks crowds whose group is not one at the top level of the scene. They have errors, which others report.
 pub(super) fn keep_known(root: &mut Object, crowds: Vec<Crowd>, diagnostics: &Diagnostics) -> Vec<Crowd> {
     let groups = groups(root);
     let (mut known, mut unknown) = (Vec::new(), Vec::new());

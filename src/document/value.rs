@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use crate::color::linear_from_srgb;
 
-/// Quotes at most so much of a text in a message.
+/// The most characters of a text that a message quotes.
 const LONGEST_QUOTE: usize = 40;
 
 /// Returns the text in backticks, shortened to 40 characters, for messages.
@@ -64,7 +64,7 @@ pub fn parse_integer(text: &str) -> Result<i64, ValueError> {
     })
 }
 
-/// "true" or "false"; old files also write "True".
+/// Parses "true" or "false"; old files also write "True".
 pub fn parse_boolean(text: &str) -> Result<bool, ValueError> {
     let text = text.trim();
     if text.eq_ignore_ascii_case("true") {
@@ -76,7 +76,7 @@ pub fn parse_boolean(text: &str) -> Result<bool, ValueError> {
     }
 }
 
-/// `x, y, z`.
+/// Parses `x, y, z`.
 pub fn parse_vec3(text: &str) -> Result<Vec3, ValueError> {
     match parse_floats(text)?[..] {
         [x, y, z] => Ok(Vec3::new(x, y, z)),
@@ -84,7 +84,7 @@ pub fn parse_vec3(text: &str) -> Result<Vec3, ValueError> {
     }
 }
 
-/// `x, y, z`, or one number for all three.
+/// Parses `x, y, z`, or one number for all three.
 pub fn parse_vec3_or_splat(text: &str) -> Result<Vec3, ValueError> {
     match parse_floats(text)?[..] {
         [all] => Ok(Vec3::splat(all)),

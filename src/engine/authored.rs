@@ -92,7 +92,7 @@ pub(super) struct Authored<'w, 's> {
 }
 
 impl Authored<'_, '_> {
-    /// Packs all materials in the order of the file. What cannot be packed is told in `errors`, and a stand-in takes its place.
+    /// Packs all materials in the order of the file. Problems are added to `errors`, and a stand-in replaces a material that cannot be packed.
     pub fn pack_materials(
         &self,
         model: DielectricModel,

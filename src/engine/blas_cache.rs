@@ -17,7 +17,7 @@ use crate::geometry::primitives::{unit_cube, unit_triangle};
 use crate::memory::Shortage;
 use crate::scene::TriangleMesh;
 
-/// Meshes up to this size are built where they are asked for: that takes about a millisecond, less than a frame.
+/// The size up to which meshes are built at once when they are asked for: that takes about a millisecond, less than a frame.
 const SMALL: usize = 4096;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -80,7 +80,7 @@ pub(super) struct BlasCache {
     next_ticket: u64,
     sender: Sender<Finished>,
     finished: Receiver<Finished>,
-    /// Apart from the render threads, which are busy until their picture is done. None until it is needed.
+    /// A pool apart from the render threads, which are busy until their picture is done. None until it is needed.
     pool: Option<ThreadPool>,
 }
 
@@ -150,19 +150,19 @@ impl BlasCache {
         self.entries.values_mut().for_each(|entry| entry.used = false);
     }
 
-    /// Forgets what was not asked for.
+    /// Drops what was not asked for.
     pub fn end_use(&mut self) {
         self.entries.retain(|_, entry| entry.used);
     }
 
-    /// Keeps what is there for a mesh whose data is not available just now.
+    /// Keeps the hierarchy of a mesh whose data is not available just now.
     pub fn keep(&mut self, key: MeshKey) -> Option<&BuiltMesh> {
         let entry = self.entries.get_mut(&key)?;
         entry.used = true;
         entry.built.as_ref()
     }
 
-    /// The mesh ready for rays; what was there before while it is being built, None if there was nothing.
+    /// The mesh prepared for rays. While it is being built, the result is the former one, or None if there is none.
     pub fn get(&mut self, key: MeshKey, data: &Arc<MeshData>, policy: &BuildPolicy) -> Option<&BuiltMesh> {
         let current = self
             .entries

@@ -1,4 +1,4 @@
-//! Driving an app from outside until something is done: loading, or a picture. For programs without a window.
+//! Drives an app from outside until something is done: loading, or a picture. This is for programs without a window.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,13 +15,13 @@ use crate::scene::{SceneState, SceneStatus};
 /// The limits of loading and rendering.
 #[derive(Clone, Debug)]
 pub struct Limits {
-    /// Samples per pixel; None is what [`RenderControl`] or the scene says.
+    /// The samples per pixel; None takes those of [`RenderControl`] or the scene.
     pub samples: Option<u32>,
-    /// Rendering time (loading and building do not count). The pass that is under way is finished unless that takes long.
+    /// The rendering time, without loading and building. The pass that is under way is finished unless that takes long.
     pub time: Option<Duration>,
     /// The time limit for loading the scene and its meshes.
     pub loading: Duration,
-    /// Set from outside (Ctrl-C) to stop as soon as possible.
+    /// A flag that is set from outside (Ctrl-C) to stop as soon as possible.
     pub cancel: Arc<AtomicBool>,
 }
 
@@ -36,10 +36,10 @@ impl Default for Limits {
     }
 }
 
-/// Why rendering ended; the film is usable in each case.
+/// The reason why rendering ended; the film is usable in each case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// All samples are there.
+    /// The film has all samples.
     Complete,
     /// Time was up; pixels may differ in their number of samples if the last pass took too long to finish.
     TimeUp,
@@ -47,7 +47,7 @@ pub enum Outcome {
     Cancelled,
 }
 
-/// Why there is no picture, or not all of it.
+/// The reason why there is no picture, or not all of it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum RenderError {

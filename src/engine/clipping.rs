@@ -3,7 +3,7 @@
 use crate::accel::Tlas;
 use crate::render::camera::Camera;
 
-/// Scenes with more items than this are taken as seen: a warning is not worth the time that the search takes.
+/// The most items of a scene that is checked: for larger ones the search takes too long for a warning.
 const MOST_ITEMS: u32 = 10_000;
 
 /// The warning if everything in front of the camera lies beyond the far clip plane, or before the near one.
@@ -45,7 +45,7 @@ mod tests {
     use super::*;
     use crate::accel::{Instance, Primitive, SplitMethod};
 
-    /// Spheres of radius 1 at these depths before a camera in the origin.
+    /// The warning for spheres of radius 1 at these depths before a camera in the origin.
     fn warning(depths: &[f32], near: f32, far: f32) -> Option<String> {
         let sphere = |&depth: &f32| {
             let place = Affine3A::from_translation(Vec3::Z * depth);

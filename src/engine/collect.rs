@@ -10,7 +10,7 @@ use super::film::RenderFilm;
 use super::renderer::Renderer;
 use super::status::RenderStatus;
 
-/// Time per frame for adding tiles to the film; what is left waits for the next frame.
+/// The time in each frame for adding tiles to the film; the rest waits for the next frame.
 const BUDGET: Duration = Duration::from_millis(8);
 /// The same where no frame is waited for.
 const BUDGET_WITHOUT_WINDOW: Duration = Duration::from_millis(50);
@@ -33,7 +33,7 @@ pub(super) fn collect_results(
     };
     // This is read before collecting, which may end the run.
     let first_result = job.first_result();
-    // Through change detection only if there is something, for the display looks at that.
+    // Change detection is triggered only if there is something new, because the display relies on it.
     let collected = job.collect(film.bypass_change_detection(), Instant::now() + budget, &deferred);
     if collected == 0 {
         return;

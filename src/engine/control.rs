@@ -7,44 +7,43 @@ use std::time::Instant;
 
 use bevy::prelude::*;
 
-/// How, how much and how fast to render. Write a field only when its value differs: a change is looked at once per frame.
+/// The settings of how, how much and how fast to render. Write a field only when its value differs, because every change is handled once per frame.
 #[derive(Resource, Clone, Debug, PartialEq)]
 pub struct RenderControl {
     /// Whether no new samples are made. Those that exist stay.
     pub paused: bool,
-    /// Samples per pixel to stop at; None is the sensor film's own `sample_count`. Raising it continues the picture, lowering it keeps
-    /// what is there.
+    /// The samples per pixel to stop at; None is the sensor film's own `sample_count`. Raising it continues the picture, lowering it keeps the
+    /// samples.
     pub target_samples: Option<u32>,
     /// The exact number of samples per pixel of the picture; None is no such demand. It takes the place of `target_samples`, and the limits of time
     /// and noise do not count. A picture that has more samples, or that was not divided into the passes of an uninterrupted render of so many
     /// samples, is begun anew: equal scenes give equal bits, whatever was rendered before and however fast.
     pub exact_samples: Option<u32>,
-    /// Seconds of rendering to stop at, pauses not counted; None is no limit. Like the samples it can be raised and lowered.
+    /// The seconds of rendering to stop at, without pauses; None is no limit. Like the samples it can be raised and lowered.
     pub time_limit: Option<f32>,
-    /// [`RenderStatus::noise`](super::RenderStatus::noise) to stop at; None is no limit.
+    /// The [`RenderStatus::noise`](super::RenderStatus::noise) to stop at; None is no limit.
     pub noise_target: Option<f32>,
     /// The part of the picture that gets samples, (0, 0) top left, (1, 1) bottom right, widened to whole tiles; None is all of it, as
     /// is a part outside of the picture. The rest keeps what it has.
     pub region: Option<Rect>,
-    /// Fraction of the film's size that is rendered, in (0, 1].
+    /// The fraction of the film's size that is rendered, in (0, 1].
     pub resolution_scale: f32,
     /// The fraction of that resolution that is rendered for now, in (0, 1], while the picture has to keep up with frequent changes.
     pub motion_scale: f32,
-    /// Size in pixels that replaces the film's (before `resolution_scale`), as given on the command line.
+    /// The size in pixels that replaces the film's (before `resolution_scale`), as given on the command line.
     pub film_size_override: Option<UVec2>,
-    /// What the value of a pixel is.
+    /// The meaning of a pixel's value.
     pub view_mode: ViewMode,
-    /// Show what each way of finding light does: the left third of the picture by bsdf sampling alone, the middle by light sampling
-    /// alone, the right by both.
+    /// Whether the picture compares ways of finding light: the left third has bsdf sampling alone, the middle light sampling alone, the right both.
     pub strategy_split: bool,
-    /// Keep the light of each group of lights in a layer of the film, for mixing.
+    /// Whether the film keeps the light of each group of lights in a layer, for mixing.
     pub light_layers: bool,
-    /// Worker threads that trace rays; decided by `app::threads`.
+    /// The number of worker threads that trace rays; `app::threads` decides it.
     pub threads: NonZeroUsize,
     /// True with a window: every job begins with a coarse preview, acceleration structures are built in the background while the last
     /// picture stays, and meshes appear as they are loaded. False: rendering starts when everything is loaded and built.
     pub interactive: bool,
-    /// Throw the samples away and begin anew; the engine takes it back.
+    /// Whether to discard the samples and begin anew; the engine resets it.
     pub restart_requested: bool,
 }
 
@@ -85,7 +84,7 @@ pub enum ViewMode {
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct InputStamp(pub Option<Instant>);
 
-/// Called by worker threads when there is something to collect, so that an event loop that sleeps can run a frame: at the end of a
-/// preview and of a job at once, in between rate limited.
+/// A function that worker threads call when there is something to collect, so that an event loop that sleeps can run a frame: at once at the end of
+/// a preview and of a job, and rate limited in between.
 #[derive(Resource, Clone, Default)]
 pub struct WakeUp(pub Option<Arc<dyn Fn() + Send + Sync>>);

@@ -17,7 +17,7 @@ use crate::scene::{
 /// The tables to be packed again. Flags stay until that is done.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub(super) struct Dirty {
-    /// Meshes, instances and the hierarchy over them; all others but the view follow.
+    /// The meshes, the instances and the hierarchy over them; all others but the view follow.
     pub instances: bool,
     pub surfaces: bool,
     pub materials: bool,
@@ -28,7 +28,7 @@ pub(super) struct Dirty {
 }
 
 impl Default for Dirty {
-    /// Everything: nothing has been packed yet.
+    /// Everything has changed, because nothing has been packed yet.
     fn default() -> Self {
         Self {
             instances: true,
@@ -140,7 +140,7 @@ pub(super) struct ViewChanges<'w, 's> {
     control: Res<'w, RenderControl>,
 }
 
-/// Reads every reader to its end, for what is left would count again in the next frame.
+/// Detects changes. Every reader is read to its end, because the rest would count again in the next frame.
 pub(super) fn detect_changes(
     mut dirty: ResMut<Dirty>,
     mut stamp: ResMut<InputStamp>,

@@ -45,11 +45,11 @@ const PREVIEW_PATIENCE: Duration = Duration::from_millis(100);
 #[derive(Resource)]
 pub(super) struct Extracted {
     pub scene: RenderScene,
-    /// None until there has been a camera.
+    /// The view; None until there has been a camera.
     pub view: Option<View>,
     /// The lights of each group of the view.
     pub light_groups: Arc<[LightGroup]>,
-    /// Samples that the sensor's film asks for.
+    /// The samples that the sensor's film asks for.
     pub sample_count: u32,
     /// The time of what changed the scene or the view; the next job takes it.
     pub since: Option<std::time::Instant>,
@@ -379,7 +379,7 @@ impl Extracted {
             _ => false,
         });
         if has_moved || (is_textured && repainted) || self.light_sources != sources {
-            // Lights that need no textures do not keep old ones alive.
+            // Lights without textures do not keep old ones alive.
             let textures = if is_textured {
                 self.scene.textures.clone()
             } else {

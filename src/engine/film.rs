@@ -21,7 +21,7 @@ pub struct RenderFilm {
     /// Counts the pictures that were begun; with a new number all that was shown is old, though worth showing until tiles arrive. A
     /// picture is begun here when its first tile arrives, until then the last one stays.
     pub job: u64,
-    /// Samples that every pixel of the region has that is rendered; those outside of it may have less.
+    /// The samples that every pixel of the rendered region has; those outside of it may have fewer.
     pub samples: u32,
     /// The lights of each layer of the film.
     pub light_groups: Arc<[LightGroup]>,
@@ -44,7 +44,7 @@ impl RenderFilm {
         !self.dirty.is_empty()
     }
 
-    /// Reserves what the film of this view needs, in place of what it needed before.
+    /// Reserves the memory for the film of this view, in place of the former reservation.
     pub(super) fn reserve(&mut self, view: &View) -> Result<(), String> {
         let bytes = Film::memory_bytes(view.width, view.height, view.light_groups.count());
         let result = match &mut self.memory {

@@ -30,9 +30,9 @@ pub(super) enum Beginning {
     Preview(u32),
 }
 
-/// Edge of a preview's blocks in pixels of the full resolution.
+/// The edge of a preview's blocks in pixels of the full resolution.
 const PREVIEW_STEP: f32 = 4.0;
-/// The same of what lies around a region, in a picture that begins without a preview.
+/// The edge of blocks around a region, in a picture that begins without a preview.
 const STEP_AROUND_REGION: u32 = 2;
 
 impl Beginning {
@@ -63,7 +63,7 @@ pub(super) struct Job {
     /// The time of the change that led to this job; taken when its first tile is there.
     pub since: Option<Instant>,
     pub rays: u64,
-    /// Camera samples collected, over all pixels.
+    /// The number of camera samples collected, over all pixels.
     pub samples: u64,
     pub invalid: u64,
     pub failure: Option<String>,
@@ -72,18 +72,18 @@ pub(super) struct Job {
     noise_of_tiles: PictureNoise,
     tiles: Arc<[Tile]>,
     region: Option<Rect>,
-    /// Places in `tiles` of those in the region.
+    /// The indices in `tiles` of those in the region.
     active: Vec<usize>,
-    /// Samples in the film per tile.
+    /// The number of samples in the film for each tile.
     done: Vec<u32>,
-    /// Samples at which a pass ended before its time, because they were the target then.
+    /// The numbers of samples at which a pass ended early, because they were the target then.
     cuts: BTreeSet<u32>,
-    /// Exact numbers of samples that were asked for and reached.
+    /// The exact numbers of samples that were requested and reached.
     stops: BTreeSet<u32>,
     /// Results that arrived before those of earlier samples of the same tile, by tile and first sample.
     early: BTreeMap<(usize, u32), TileSamples>,
     beginning: Beginning,
-    /// Tiles whose preview has not been collected.
+    /// The number of tiles whose preview has not been collected.
     preview_left: usize,
     run: Option<Run>,
     running_since: Option<Instant>,
@@ -142,7 +142,7 @@ impl Job {
             && Arc::ptr_eq(&self.scene.lights, &scene.lights)
     }
 
-    /// Whether it makes the same picture, but for the number of its pixels.
+    /// Whether it makes the same picture with another number of pixels.
     pub fn is_of_other_size(&self, scene: &RenderScene, view: &View) -> bool {
         let resized = View {
             width: view.width,
@@ -160,7 +160,7 @@ impl Job {
         self.preview_left > 0
     }
 
-    /// Samples that every pixel of the region has.
+    /// The number of samples that every pixel of the region has.
     pub fn least_samples(&self) -> u32 {
         self.active.iter().map(|&index| self.done[index]).min().unwrap_or(0)
     }
@@ -182,7 +182,7 @@ impl Job {
         self.done.iter().zip(is_active).all(is_as_asked) && self.cuts.range(..samples).next().is_none()
     }
 
-    /// Renders only there from now on; the samples of other tiles stay.
+    /// Renders only in the region from now on; the samples of other tiles stay.
     fn set_region(&mut self, region: Option<Rect>) {
         if self.region != region {
             self.pause();
@@ -258,7 +258,7 @@ impl Job {
         })
     }
 
-    /// Stops the workers; what they have not delivered is lost and will be made again.
+    /// Stops the workers; results that they have not delivered are lost and will be made again.
     pub fn pause(&mut self) {
         self.run = None;
         self.early.clear();
@@ -294,8 +294,8 @@ impl Job {
         film.begin(self.begun, &self.view, &self.light_groups, self.is_coarse)
     }
 
-    /// Puts what has arrived into the film, until `deadline`. Returns how many tiles that were.
-    /// What is needed no more is handed to `deferred`.
+    /// Adds the results that have arrived to the film, until `deadline`. Returns the number of tiles. What is no longer needed is handed to
+    /// `deferred`.
     pub fn collect(&mut self, film: &mut RenderFilm, deadline: Instant, deferred: &DeferredDrop) -> usize {
         let mut collected = 0;
         let mut spent = Spent::default();

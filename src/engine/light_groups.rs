@@ -10,7 +10,7 @@ use crate::render::light_layers::LightGroups;
 /// The lights that share a layer.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LightGroup {
-    /// One, but for the last of very many.
+    /// The entities: one, except for the last group if there are very many lights.
     pub entities: Vec<Entity>,
 }
 

@@ -18,6 +18,6 @@ pub struct PackedScene {
     pub entity_of_instance: Arc<[Entity]>,
     /// The index in `scene.materials` of each material.
     pub material_of_entity: Arc<HashMap<Entity, MaterialId>>,
-    /// None until there has been a camera.
+    /// The view; None until there has been a camera.
     pub view: Option<View>,
 }

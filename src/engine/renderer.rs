@@ -6,14 +6,14 @@ use rayon::ThreadPool;
 use super::job::Job;
 use super::priority;
 
-/// The worker threads and what they work on.
+/// The worker threads and their job.
 #[derive(Resource, Default)]
 pub(super) struct Renderer {
     pub pool: Option<ThreadPool>,
     pub job: Option<Job>,
-    /// Why there are no threads.
+    /// The reason why there are no threads.
     pub failure: Option<String>,
-    /// Waiting for meshes or their acceleration structures before rendering may begin.
+    /// Whether rendering waits for meshes or their acceleration structures.
     pub waiting: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Worker threads at work on one queue, until it is empty or they are told to stop. Knows nothing of scenes or of what the work is.
+//! Worker threads that work on one queue, until it is empty or they are stopped. Knows nothing of scenes or of what the work is.
 //!
 //! Every run has a channel and a flag of its own: dropping the [`Run`] sets the flag and closes the channel, so that its workers stop
 //! soon, none of them hangs at a full channel, and no result of theirs can arrive any more.
@@ -16,8 +16,8 @@ use super::event_loop_waker::EventLoopWaker;
 use super::schedule::{WorkItem, WorkQueue};
 use crate::render::tile::{TilePreview, TileSamples};
 
-/// Results that may wait to be collected, some 50 kB each. A preview is a fraction of that and has room as a whole, so that workers do
-/// not wait for the next frame in the middle of it.
+/// The results that may wait to be collected, some 50 kB each. A preview is a fraction of that and fits as a whole, so that workers do not wait for
+/// the next frame in the middle of it.
 const CAPACITY: usize = 256;
 /// The results that one of many workers makes in a frame.
 const ROOM_PER_WORKER: usize = 16;
@@ -37,7 +37,7 @@ pub(super) enum TileResult {
     Failed(String),
 }
 
-/// Renders one item; None if the flag was set meanwhile.
+/// Renders one item; None if the flag was set in the meantime.
 pub(super) type Work = dyn Fn(&WorkItem, &AtomicBool) -> Option<TileResult> + Send + Sync;
 
 pub(super) struct Run {
@@ -54,9 +54,9 @@ struct Shared {
     first_result: Arc<OnceLock<Instant>>,
     work: Box<Work>,
     waker: EventLoopWaker,
-    /// Results that should not wait any longer.
+    /// The number of results from which on they should be collected soon.
     many: usize,
-    /// Items of the preview that are still to come.
+    /// The number of items of the preview that are not delivered yet.
     preview_left: AtomicUsize,
     workers_left: AtomicUsize,
 }
@@ -109,8 +109,8 @@ impl Drop for Run {
 }
 
 impl Shared {
-    /// A panic anywhere in the work, or in what is called when results are there, ends the run with a message: beyond this function it would
-    /// end the program.
+    /// Works until the queue is empty. A panic in the work, or in the hook, ends the run with a message: beyond this function it would end the
+    /// program.
     fn work_until_done(&self, results: Sender<TileResult>) {
         if let Err(payload) = catch_unwind(AssertUnwindSafe(|| self.work_on_queue(&results))) {
             self.cancel.store(true, Ordering::Relaxed);
@@ -307,7 +307,7 @@ mod tests {
             std::thread::yield_now();
         }
         drop(run);
-        // All three threads must be free for this to come to an end.
+        // This comes to an end only if all three threads are free.
         assert_eq!(pool.broadcast(|_| 1).iter().sum::<i32>(), 3);
     }
 }

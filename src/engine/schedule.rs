@@ -57,19 +57,19 @@ pub(super) enum WorkItem {
     Samples { index: usize, samples: Range<u32> },
 }
 
-/// Deals out a job's work, pass after pass. A worker asks for its next item, so that none waits while there is something to do.
+/// Deals out a job's work, pass after pass. Each worker claims its next item, so that none waits while there is work.
 pub(super) struct WorkQueue {
     state: Mutex<QueueState>,
 }
 
 struct QueueState {
-    /// The most samples that a tile has or has been dealt out.
+    /// The greatest number of samples that a tile has or is being given.
     begun: u32,
-    /// Tiles of the preview that are yet to come, the next one last.
+    /// The tiles of the preview that are not claimed yet, the next one last.
     previews: Vec<usize>,
-    /// Edge of its blocks in pixels.
+    /// The edge of its blocks in pixels.
     step: u32,
-    /// Tiles whose turn in this pass is yet to come, by least samples first, then by their order.
+    /// The tiles that are not claimed in this pass yet, by least samples first, then by their order.
     waiting: BinaryHeap<Reverse<(u32, usize)>>,
     target: u32,
 }
@@ -89,7 +89,7 @@ impl WorkQueue {
         }
     }
 
-    /// The next piece of work; None when everything up to the target has been dealt out.
+    /// The next piece of work; None when everything up to the target has been claimed.
     pub fn claim(&self) -> Option<WorkItem> {
         let mut state = self.state();
         if let Some(index) = state.previews.pop() {
@@ -112,7 +112,7 @@ impl WorkQueue {
         })
     }
 
-    /// Takes effect for what is dealt out from now on.
+    /// Sets the target of what is claimed from now on.
     pub fn set_target(&self, target: u32) {
         self.state().target = target;
     }

@@ -10,43 +10,43 @@ use super::stop_condition::StopReason;
 /// The state of rendering, brought up to date once per frame.
 #[derive(Resource, Clone, Debug)]
 pub struct RenderStatus {
-    /// What the engine is at.
+    /// The state of the engine.
     pub state: RenderState,
     /// Whether everything that the scene names is loaded, built and packed, so that the picture shows the scene as it is.
     pub is_up_to_date: bool,
-    /// Samples per pixel that the whole picture, or the region that is rendered, has.
+    /// The samples per pixel that the whole picture, or the rendered region, has.
     pub samples: u32,
-    /// Samples per pixel asked for.
+    /// The samples per pixel to reach.
     pub target: u32,
     /// The limit that is reached.
     pub stopped_by: Option<StopReason>,
     /// The estimate of the picture's [relative noise](crate::render::noise::PictureNoise::relative); None while there is none.
     pub noise: Option<f32>,
-    /// Size of the picture in pixels.
+    /// The size of the picture in pixels.
     pub size: UVec2,
     /// Time spent on the samples of this picture; pauses do not count.
     pub seconds: f64,
     /// Rays traced for this picture, camera and shadow rays included.
     pub rays: u64,
-    /// Rays per second, in millions.
+    /// The rays per second, in millions.
     pub mrays_per_s: f64,
-    /// Camera samples per second, in millions.
+    /// The camera samples per second, in millions.
     pub msamples_per_s: f64,
-    /// Samples that were not finite and therefore dropped.
+    /// The number of samples that were not finite and therefore dropped.
     pub invalid_samples: u64,
-    /// Triangles of all instances.
+    /// The number of triangles of all instances.
     pub triangles: u64,
-    /// Figures of the hierarchies in use.
+    /// The figures of the hierarchies in use.
     pub bvh: BvhStatus,
-    /// Meshes that are named by shapes and not there yet.
+    /// The number of meshes that shapes name and that are not loaded yet.
     pub meshes_loading: u32,
-    /// Acceleration structures that are being built.
+    /// The number of acceleration structures that are being built.
     pub builds_running: u32,
     /// Errors of the scene or the render, in words; the picture is made without the things named here.
     pub errors: Vec<String>,
     /// The part of `errors` about things that do not fit into the memory budget: the scene is good, but the picture is not the one asked for.
     pub shortages: Vec<String>,
-    /// When the picture was begun anew.
+    /// The time at which the picture was begun anew.
     pub last_restart: Instant,
     /// The time from a change to the first tile of the new picture in the film.
     pub latency: LatencyStats,
@@ -82,21 +82,21 @@ impl Default for RenderStatus {
     }
 }
 
-/// What the engine is at.
+/// The state of the engine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RenderState {
     /// There is no camera to render from.
     #[default]
     Idle,
-    /// Waiting for meshes.
+    /// The engine waits for meshes.
     Loading,
-    /// Waiting for acceleration structures.
+    /// The engine waits for acceleration structures.
     Building,
-    /// Samples are added.
+    /// The engine adds samples.
     Rendering,
     /// The user has paused; samples stay.
     Paused,
-    /// The picture has the samples asked for, or has reached another limit.
+    /// The picture has the requested samples, or has reached another limit.
     Done,
     /// The last job broke off; `errors` says why. The next change tries again.
     Failed,
@@ -105,11 +105,11 @@ pub enum RenderState {
 /// The acceleration structures of the scene together (each mesh counted once).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BvhStatus {
-    /// Inner nodes.
+    /// The number of inner nodes.
     pub nodes: u64,
-    /// Leaves with primitives.
+    /// The number of leaves with primitives.
     pub leaves: u64,
-    /// Depth of the deepest mesh hierarchy below the deepest path of the scene's.
+    /// The depth of the deepest mesh hierarchy below the deepest path of the scene's.
     pub max_depth: u32,
     /// Surface area heuristic cost of the largest hierarchy.
     pub sah_cost: f64,

@@ -36,7 +36,7 @@ impl Component {
         }
     }
 
-    /// `bytes` holds one number. Whole numbers that are `normalized` stand for [0, 1] or [-1, 1].
+    /// Reads one number from `bytes`. Whole numbers that are `normalized` stand for [0, 1] or [-1, 1].
     fn float(self, bytes: &[u8], normalized: bool) -> f32 {
         let share = |number: f32, largest: f32| {
             if normalized {
@@ -56,7 +56,7 @@ impl Component {
         }
     }
 
-    /// None for types that are no indices.
+    /// Reads one index; None for types that are no indices.
     fn index(self, bytes: &[u8]) -> Option<u32> {
         match (self, bytes) {
             (Self::U8, &[a, ..]) => Some(a.into()),
@@ -67,7 +67,7 @@ impl Component {
     }
 }
 
-/// Elements of `size` bytes, `stride` bytes apart.
+/// Elements of `size` bytes that are `stride` bytes apart.
 #[derive(Clone, Copy)]
 struct Strided<'a> {
     bytes: &'a [u8],
@@ -208,7 +208,7 @@ impl Gltf {
     ) -> Result<Strided<'_>, GltfError> {
         let given = self.get("buffer view", &self.root.buffer_views, view)?.byte_stride;
         let stride = given.filter(|_| may_stride).unwrap_or(size);
-        // Elements that overlap would make a large mesh of a small file.
+        // Overlapping elements would make a large mesh from a small file.
         if stride < size && count > 1 {
             return Err(bad(
                 accessor,

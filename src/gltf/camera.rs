@@ -9,7 +9,7 @@ use super::scene::{Builder, object, with, with_child, with_float, with_world};
 use super::schema::Camera;
 use crate::document::{Category, Object, TransformOp, Value};
 
-/// Rows of a picture whose camera says nothing of pixels, and its shape if it says nothing of that.
+/// The rows of a picture whose camera gives no pixels, and below its aspect if the camera does not give that.
 const ROWS: f32 = 720.0;
 const ASPECT: f32 = 16.0 / 9.0;
 /// The far plane of a camera that sees to infinity, in multiples of the distance of its near plane.
@@ -18,7 +18,7 @@ const SAMPLES: i64 = 64;
 /// The direction from the middle of the scene to the camera, if the file has no camera.
 const VIEWPOINT: Vec3 = Vec3::new(0.5, 0.4, 1.0);
 const VIEW_DEGREES: f32 = 40.0;
-/// A camera is placed for scenes whose coordinates are at most this large. Products of three lengths still fit into single precision.
+/// The largest coordinates of a scene for which a camera is placed. Products of three lengths still fit into single precision.
 const FARTHEST_REACH: f32 = 1e12;
 
 impl Builder<'_> {

@@ -13,7 +13,7 @@ use crate::geometry::mesh::MeshData;
 /// Keeps a part under a plain name such as `mesh-0.ply`, which is given once; the name by which the scene finds it.
 pub type KeepFile<'a> = dyn FnMut(&str, &[u8]) -> std::io::Result<String> + 'a;
 
-/// The scene, whose meshes and pictures went to `keep`. `read` as for [`Gltf::open`].
+/// Makes the scene, whose meshes and pictures are given to `keep`. `read` is as for [`Gltf::open`].
 pub fn take_apart(gltf: &Gltf, keep: &mut KeepFile, read: &mut ReadFile) -> Result<Imported, GltfError> {
     gltf.scene(&mut Parts { gltf, keep, read })
 }

@@ -1,4 +1,4 @@
-//! Materials of the file as bsdfs and area emitters of the scene format (glTF 2.0, section 3.9 and appendix B).
+//! Turns materials of the file into bsdfs and area emitters of the scene format (glTF 2.0, section 3.9 and appendix B).
 //!
 //! Metallic-roughness is `principled`, which means the same by both numbers. Both sides are shown: a path tracer has no use for
 //! culling. Thin transmission (without a volume) is `principledthin`.
@@ -325,7 +325,7 @@ fn named(texture: Object, name: &str) -> Object {
 /// The index of refraction with the reflectance at normal incidence that the specular factor leaves.
 fn index_of_refraction(material: &Material) -> f32 {
     let given = material.extensions.ior.as_ref().map_or(DEFAULT_IOR, |given| given.ior);
-    // `principled` has no surface that does not refract at all.
+    // `principled` needs a surface that refracts at least a little.
     const POSSIBLE: std::ops::RangeInclusive<f32> = 1.0001..=100.0;
     let clamped = |eta: f32| eta.clamp(*POSSIBLE.start(), *POSSIBLE.end());
     let Some(specular) = &material.extensions.specular else {

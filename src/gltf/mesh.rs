@@ -160,7 +160,7 @@ fn into_vectors<const N: usize, V: From<[f32; N]>>(numbers: Vec<[f32; N]>) -> Ve
     numbers.into_iter().map(V::from).collect()
 }
 
-/// Zeros for texture coordinates and colours that are not finite, as in meshes of all other formats.
+/// Replaces texture coordinates and colours that are not finite by zeros, as in meshes of all other formats.
 fn finite<const N: usize>(numbers: [f32; N]) -> [f32; N] {
     match numbers.iter().all(|number| number.is_finite()) {
         true => numbers,
@@ -179,7 +179,7 @@ fn used_vertices(triangles: &[[u32; 3]]) -> Vec<u32> {
 
 /// The triangles with the places of their vertices in `used`, which has them all.
 fn renumbered(mut triangles: Vec<[u32; 3]>, used: &[u32]) -> Vec<[u32; 3]> {
-    // Mostly the vertices are those from zero on, and have their numbers already.
+    // Usually the vertices are those from zero on, and have their numbers already.
     if used.last().is_some_and(|&last| last as usize + 1 != used.len()) {
         for vertex in triangles.as_flattened_mut() {
             *vertex = used.partition_point(|other| other < vertex) as u32;
@@ -188,7 +188,7 @@ fn renumbered(mut triangles: Vec<[u32; 3]>, used: &[u32]) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// Three vertices each; None for points, lines and what is unknown.
+/// The triangles by their vertices; None for points, lines and unknown modes.
 fn triangles(mode: u32, indices: &[u32]) -> Option<Vec<[u32; 3]>> {
     Some(match mode {
         TRIANGLES => indices

@@ -1,4 +1,4 @@
-//! glTF 2.0 files (`.gltf` and `.glb`) as meshes, pictures, and a scene of the format everything else reads.
+//! Reads glTF 2.0 files (`.gltf` and `.glb`) as meshes, pictures, and a scene of the format everything else reads.
 //!
 //! [`Gltf::open`] reads the container and the JSON; [`Gltf::mesh`] and [`Gltf::picture`] unpack one thing each, and [`scene`] says in the scene
 //! format how they belong together. Nothing here draws or knows entities. Animations, skins and morph targets are not read: things have
@@ -23,7 +23,7 @@ pub use self::error::{GltfError, ReadFile};
 use self::schema::Root;
 use crate::memory::{self, Held};
 
-/// Extensions that a file may require.
+/// The extensions that a file may require.
 const SUPPORTED: [&str; 11] = [
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
@@ -70,7 +70,7 @@ impl Gltf {
         bytes.starts_with(b"glTF")
     }
 
-    /// `read` brings the files that it names; pictures are left for later.
+    /// Opens a file. `read` reads the files that it names; pictures are left for later.
     pub fn open(bytes: &[u8], read: &mut ReadFile) -> Result<Self, GltfError> {
         let (json, binary) = match Self::is_binary(bytes) {
             true => chunks(bytes)?,

@@ -10,7 +10,7 @@ use super::{Gltf, GltfError};
 /// The nodes of the scene.
 #[derive(Default)]
 pub(super) struct PlacedNodes {
-    /// Indices with world transforms, which are finite; parents first.
+    /// The indices with world transforms, which are finite; parents come first.
     pub nodes: Vec<(usize, Mat4)>,
     /// One sentence for each node without a pose.
     pub warnings: Vec<String>,

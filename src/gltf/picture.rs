@@ -10,7 +10,7 @@ use crate::texture::decode_picture;
 /// A picture that materials of the file use. Two that are equal are one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Among the images of the file.
+    /// The index among the images of the file.
     pub image: usize,
     pub made: Made,
 }
@@ -38,12 +38,12 @@ impl Made {
 /// A picture in a file of its own.
 pub struct PictureFile {
     pub bytes: Vec<u8>,
-    /// `png`, `jpg` or `exr`.
+    /// The extension: `png`, `jpg` or `exr`.
     pub extension: &'static str,
 }
 
 impl Gltf {
-    /// A picture as a file: that of the glTF file where nothing is to be done to it.
+    /// Makes the file of a picture: that of the glTF file if nothing has to be done to it.
     pub fn picture(&self, picture: &Picture, read: &mut ReadFile) -> Result<PictureFile, GltfError> {
         let index = picture.image;
         let bad = |what: String| GltfError::Image { index, what };

@@ -45,9 +45,9 @@ pub(super) struct Builder<'a> {
     meshes: BTreeMap<u32, Option<KnownMesh>>,
     /// The pictures with the names of their files; None for those that cannot be read.
     pictures: Vec<(Picture, Option<String>)>,
-    /// Why the first picture could not be kept.
+    /// The reason why the first picture could not be kept.
     failure: Option<GltfError>,
-    /// Why the first primitive that was left out could not be read.
+    /// The reason why the first primitive that was left out could not be read.
     unreadable: Option<GltfError>,
     ids: HashSet<String>,
     /// The number that the next thing of a name may get.
@@ -237,7 +237,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// None (reported, with the name) for a primitive that cannot be read.
+    /// The mesh of a primitive; None (reported, with the name) if it cannot be read.
     fn known_mesh(&mut self, number: u32, primitive: &Primitive, name: &str) -> Result<Option<KnownMesh>, GltfError> {
         if let Some(known) = self.meshes.get(&number) {
             return Ok(known.clone());

@@ -327,7 +327,7 @@ pub struct Perspective {
     pub zfar: Option<f32>,
 }
 
-/// `xmag` and `ymag` are half the extent of the picture.
+/// An orthographic camera; `xmag` and `ymag` are half the extent of the picture.
 #[derive(Debug, Deserialize)]
 pub struct Orthographic {
     pub xmag: f32,

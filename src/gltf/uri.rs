@@ -24,7 +24,7 @@ fn bad(uri: &str, what: &'static str) -> GltfError {
     GltfError::Uri { uri: short, what }
 }
 
-/// `%20` and the like as bytes; an escape that is none stays as it is.
+/// Resolves `%20` and the like to bytes; an invalid escape stays as it is.
 fn unescaped(text: &str) -> Vec<u8> {
     let mut rest = text.as_bytes();
     let mut result = Vec::with_capacity(rest.len());
@@ -44,7 +44,7 @@ fn unescaped(text: &str) -> Vec<u8> {
     result
 }
 
-/// RFC 4648, with or without padding; None for any other character.
+/// Decodes RFC 4648, with or without padding; None for any other character.
 fn base64(text: &str) -> Option<Vec<u8>> {
     let text = text.trim_end_matches('=').as_bytes();
     let mut result = Vec::with_capacity(text.len() / 4 * 3 + 2);

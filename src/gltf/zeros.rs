@@ -19,7 +19,7 @@ pub fn count_zeros(root: &Root) -> usize {
     zeros.fold(0, |sum, accessor| sum.saturating_add(accessor.count))
 }
 
-/// Bytes of memory for so many zeros. It is zero if they are too many, because no mesh is made of them then.
+/// The bytes of memory for this number of zeros. The result is zero if there are too many, because no mesh is made of them then.
 pub fn zero_bytes(zeros: usize) -> u64 {
     match zeros <= MOST_ZEROS {
         true => ZERO_BYTES * zeros as u64,

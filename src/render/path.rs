@@ -88,7 +88,7 @@ impl PathState {
         hit
     }
 
-    /// Takes the path to `hit`, the nearest of its ray, and turns it to where it goes on. False if it ends.
+    /// Takes the path to `hit`, the nearest of its ray, and on to its next ray. False if it ends.
     #[inline(always)]
     pub fn advance(
         &mut self,
@@ -174,7 +174,7 @@ impl PathState {
         self.record.escape(self.radiance);
     }
 
-    /// Comes to the surface at `hit` and sees what it emits.
+    /// Arrives at the surface at `hit` and adds its emission.
     #[inline(always)]
     fn arrive(
         &mut self,
@@ -255,7 +255,7 @@ impl PathState {
         }
     }
 
-    /// Looks for a light from the vertex and adds what of it is scattered along the path (next event estimation).
+    /// Samples a light from the vertex and adds the light that is scattered along the path (next event estimation).
     #[inline(always)]
     fn sample_light(
         &mut self,

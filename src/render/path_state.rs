@@ -20,7 +20,7 @@ pub struct PathSample {
     pub normal: Vec3,
     /// Distance from the camera ray's origin to the first surface; 0 where there is none.
     pub depth: f32,
-    /// None where the camera ray meets nothing.
+    /// The first hit; None if the camera ray hits nothing.
     pub first_hit: Option<Hit>,
     /// Rays traced, shadow rays included.
     pub rays: u32,
@@ -32,7 +32,7 @@ per_lane! {
         /// The ray to the next vertex.
         pub ray: Ray,
         pub throughput: Rgb,
-        /// Squared relative index of refraction so far: radiance is scaled by it inside glass, and roulette must not see that.
+        /// The squared relative index of refraction so far: radiance is scaled by it inside glass, and roulette must not see that.
         pub eta_squared: f32,
         /// The radiance that the path has found so far.
         pub radiance: Rgb,
@@ -64,17 +64,17 @@ per_lane! {
 /// Notes along a path that are not part of the picture. Nothing in it changes where the path goes or what it brings.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PathRecord {
-    /// Features for the denoiser: colour in [0, 1] and world normal.
+    /// The albedo for the denoiser in [0, 1], and below the normal in the world.
     pub albedo: Rgb,
     pub normal: Vec3,
     pub has_features: bool,
-    /// None as long as the camera ray has met nothing. Its `t` is counted from where the camera ray first began.
+    /// The first hit; None while the camera ray has hit nothing. Its `t` counts from the first origin of the camera ray.
     pub first_hit: Option<Hit>,
     /// Distance from the camera to the origin of its ray, which hidden emitters have moved.
     pub passed: f32,
 }
 
-/// Records are rarely read or written: they are stored as an array of structs, one per lane, and not as vectors.
+/// Records are rarely read or written, so they are stored as an array of structs, one per lane, and not as vectors.
 impl PerLane for PathRecord {
     type Lanes = [PathRecord; LANES];
 

@@ -4,29 +4,29 @@
 use super::view::PathSettings;
 use crate::math::Real;
 
-/// A path goes on with this probability at most, so that bright enclosures end too.
+/// The highest probability that a path continues, so that bright enclosures end too.
 const HIGHEST_SURVIVAL: f32 = 0.95;
 
 /// The number of further vertices that roulette waits where surfaces leave no choice of direction. Light that has passed through glass is strong
 /// and rare, and roulette was played for it where it was last scattered.
 const SPECULAR_GRACE: u32 = 16;
 
-/// Whether roulette is played at the surface that is number `depth` of the path; `is_scattered` if the path goes on in a direction
-/// that was sampled by a density.
+/// Whether roulette is played at the surface number `depth` of the path. `is_scattered` says that the path continues in a direction that was
+/// sampled by a density.
 #[inline(always)]
 pub(super) fn is_played<R: Real>(settings: &PathSettings, depth: R::Word, is_scattered: R::Mask) -> R::Mask {
     let late = settings.rr_depth.saturating_add(SPECULAR_GRACE);
     (is_scattered & R::is_at_least(depth, settings.rr_depth)) | R::is_at_least(depth, late)
 }
 
-/// The probability with which a path goes on whose throughput has `brightest` as its largest part.
+/// The probability that a path continues whose throughput has `brightest` as its largest component.
 #[inline(always)]
 pub(super) fn survival<R: Real>(brightest: R, eta_squared: R) -> R {
     (brightest * eta_squared).min(R::splat(HIGHEST_SURVIVAL))
 }
 
-/// The squared relative index of refraction of a path that had `so_far` and is refracted with the relative index `eta`. Radiance is less
-/// by this factor where light has left glass and more within (PBR 4th ed., section 9.5.2), which says nothing of what a path will bring.
+/// The squared relative index of refraction of a path that had `so_far` and is refracted with the relative index `eta`. Radiance is less by this
+/// factor where light has left glass and more within (PBR 4th ed., section 9.5.2), which says nothing of what a path will bring.
 #[inline(always)]
 pub(super) fn eta_squared<R: Real>(so_far: R, eta: R) -> R {
     so_far * eta * eta

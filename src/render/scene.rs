@@ -17,13 +17,13 @@ use crate::texture::{MeshPoint, TexturePoint, TextureTable};
 pub struct RenderScene {
     /// The hierarchy over all shapes.
     pub geometry: Arc<Tlas>,
-    /// Which material and which light each piece of a shape has.
+    /// The material and the light of each piece of a shape.
     pub surfaces: Arc<SurfaceTable>,
-    /// What [`SurfaceSlot::material`] refers to.
+    /// The materials that [`SurfaceSlot::material`] refers to.
     pub materials: Arc<MaterialTable>,
-    /// What the parameters of materials and lights refer to.
+    /// The textures that parameters of materials and lights refer to.
     pub textures: Arc<TextureTable>,
-    /// What [`SurfaceSlot::light`] refers to, with the tree that chooses among all lights.
+    /// The lights that [`SurfaceSlot::light`] refers to, with the tree that chooses among all of them.
     pub lights: Arc<LightTable>,
 }
 

@@ -14,7 +14,7 @@ use super::view::{Integrator, PathSettings, Shown, View};
 use crate::accel::TraversalStats;
 use crate::color::{Rgb, luminance};
 
-/// Edge length of a tile in pixels.
+/// The edge length of a tile in pixels.
 pub const TILE: u32 = 32;
 
 /// A rectangle of pixels, (x, y) its top left.
@@ -24,9 +24,9 @@ pub struct Tile {
     pub x: u32,
     /// The first row, in pixels from the upper edge.
     pub y: u32,
-    /// In pixels, from 1 to [`TILE`].
+    /// The width in pixels, from 1 to [`TILE`].
     pub width: u32,
-    /// In pixels, from 1 to [`TILE`].
+    /// The height in pixels, from 1 to [`TILE`].
     pub height: u32,
 }
 
@@ -50,13 +50,13 @@ pub fn tiles(width: u32, height: u32) -> Vec<Tile> {
 pub struct PixelSum {
     /// Linear Rec. 709.
     pub radiance: Rgb,
-    /// Colours at the first surfaces that are not perfectly specular.
+    /// The sum of the albedos of the first surfaces that are not perfectly specular.
     pub albedo: Rgb,
     /// World normals of the same surfaces; the length tells how far they agree.
     pub normal: Vec3,
-    /// Distances from the origin of the camera ray to the first surface, 0 for samples that meet none.
+    /// The sum of the distances from the origin of the camera ray to the first surface, 0 for samples that hit nothing.
     pub depth: f32,
-    /// Sum of squared luminances, for the noise estimate.
+    /// The sum of squared luminances, for the noise estimate.
     pub luminance_squared: f32,
 }
 
@@ -90,15 +90,15 @@ pub struct TileSamples {
     pub tile: Tile,
     /// The indices of the samples that the sums are over.
     pub samples: Range<u32>,
-    /// Row by row.
+    /// The pixels row by row.
     pub pixels: Vec<PixelSum>,
-    /// Sums per pixel and light group of the view, the groups of a pixel side by side.
+    /// The sums by pixel and light group of the view, with the groups of a pixel side by side.
     pub layers: Vec<Rgb>,
     /// The first hit of sample 0 of every pixel; empty if that is not among the samples.
     pub first_hits: Vec<Option<FirstHit>>,
     /// Rays traced, shadow rays included.
     pub rays: u64,
-    /// Samples that were not finite; they count as black.
+    /// The number of samples that were not finite; they count as black.
     pub invalid: u32,
 }
 
@@ -107,9 +107,9 @@ pub struct TileSamples {
 pub struct TilePreview {
     /// The pixels that the blocks cover.
     pub tile: Tile,
-    /// Edge length of a block in pixels.
+    /// The edge length of a block in pixels.
     pub step: u32,
-    /// Row by row, ceil(width / step) x ceil(height / step).
+    /// The blocks row by row, ceil(width / step) x ceil(height / step).
     pub blocks: Vec<PixelSum>,
     /// The layers as in [`TileSamples`].
     pub layers: Vec<Rgb>,
@@ -119,7 +119,7 @@ pub struct TilePreview {
     pub rays: u64,
 }
 
-/// Renders samples `samples` of every pixel of `tile`; None if `cancel` was set meanwhile (it is read now and then).
+/// Renders samples `samples` of every pixel of `tile`; None if `cancel` was set in the meantime (it is checked from time to time).
 pub fn render_tile(
     scene: &RenderScene,
     view: &View,
@@ -127,7 +127,7 @@ pub fn render_tile(
     samples: Range<u32>,
     cancel: &AtomicBool,
 ) -> Option<TileSamples> {
-    // All memory at once: a vector that grows has other threads wait for the allocator.
+    // All memory is allocated at once: a vector that grows makes other threads wait for the allocator.
     let pixels = (tile.width * tile.height) as usize;
     let mut result = TileSamples {
         tile,
@@ -162,7 +162,7 @@ pub fn render_tile(
                     result.first_hits.push(first_hit(scene, view, pixel, &sample));
                 }
                 if is_finite(&sample) {
-                    // The guides are not weighted: they are to be free of noise and within their range before they are sharp.
+                    // Albedo and normal are not weighted: freedom from noise and the right range matter more for them than sharpness.
                     sample.radiance *= weight;
                     sum.add(&sample.into());
                     layers.add_sample(weight);
@@ -177,7 +177,7 @@ pub fn render_tile(
     Some(result)
 }
 
-/// About as many samples are traced before they are summed up: enough for all lanes to be busy, few enough for the cache.
+/// The approximate number of samples that are traced before they are summed up: enough to keep all lanes busy, and few enough for the cache.
 const SAMPLES_AT_ONCE: u32 = 4096;
 
 /// Renders one sample in the middle of each block of `step` x `step` pixels; None if cancelled.
@@ -227,7 +227,7 @@ pub fn render_preview(
 
 /// The way to trace the samples of a tile, chosen once for all of them.
 enum Tracer {
-    /// Side by side, all paths with the same settings.
+    /// Lanes side by side, if all paths have the same settings.
     Lanes(PathSettings),
     /// One path at a time, where paths differ or are observed.
     OneByOne,
@@ -265,7 +265,7 @@ impl Tracer {
     }
 }
 
-/// Samples one after another: from lanes, else traced when they are asked for.
+/// Samples one after another: from lanes, or traced when they are needed.
 struct Traced<'a> {
     scene: &'a RenderScene,
     view: &'a View,

@@ -19,18 +19,18 @@ pub enum ToneMap {
     /// Each component is cut off at 1: exact below, and what other renderers write by default.
     #[default]
     Clip,
-    /// L / (1 + L) on luminance: keeps hue, never reaches white.
+    /// Reinhard's L / (1 + L) on luminance: it keeps the hue and never reaches white.
     Reinhard,
     /// The film look of ACES: contrast, and bright colours that bleach towards white.
     Aces,
     /// The film curve of Uncharted 2: a soft foot and a long shoulder, white at four stops above middle grey and more.
     Filmic,
-    /// Low contrast, 16.5 stops, bright colours bleach without shifting their hue.
+    /// AgX: it has low contrast over 16.5 stops, and bright colours bleach without a shift of hue.
     AgX,
 }
 
 impl ToneMap {
-    /// All curves in the order in which they are offered.
+    /// The curves in the order in which they are offered.
     pub const ALL: [Self; 5] = [Self::Clip, Self::Reinhard, Self::Aces, Self::Filmic, Self::AgX];
 
     /// The name in panels and on the command line.
@@ -50,7 +50,7 @@ impl ToneMap {
 pub struct Display {
     /// The exposure in stops: the radiance is first multiplied by two to this power.
     pub exposure_ev: f32,
-    /// Applied to linear colours before the tone map.
+    /// The white balance, applied to linear colours before the tone map.
     pub white_balance: WhiteBalance,
     /// The curve from linear colours to what a display can show.
     pub tone_map: ToneMap,
@@ -98,7 +98,7 @@ const MOST_STOPS: f32 = 100.0;
 /// A [`Display`] made ready.
 pub struct Encoder {
     scale: f32,
-    /// White balance and scale together; None where the scale is all.
+    /// The white balance with the scale; None if there is only the scale.
     balance: Option<Mat3>,
     tone_map: ToneMap,
     srgb: &'static SrgbTable,
@@ -150,7 +150,7 @@ fn aces(linear: Vec3) -> Vec3 {
 
 /// Linear in, linear out, from 0 to a little above 1.
 fn filmic(linear: Vec3) -> Vec3 {
-    /// Exposed twice as bright, this is white.
+    /// The linear white: exposed twice as bright, it becomes white.
     const WHITE: f32 = 11.2;
     let curve = |x: Vec3| {
         let (shoulder, slope, angle, toe, rise, run) = (0.15, 0.5, 0.1, 0.2, 0.02, 0.3);
@@ -281,9 +281,9 @@ mod tests {
         }
     }
 
-    /// Worked by hand from the formulas. Middle grey, 0.18: clip 0.18 -> sRGB 117.65; Reinhard 0.18 / 1.18 = 0.152_54
-    /// -> 108.87; filmic 0.093_06 / 0.725_13 = 0.128_34 -> 100.34; ACES (0.18 * 0.204_579 - 0.000_091) / (0.18 * 0.610_022 + 0.238_081) = 0.105_59 -> 91.4. AgX's
-    /// curve pivots at middle grey, which it takes to one half of the display's range, 127.5.
+    /// The values are worked by hand from the formulas. Middle grey, 0.18: clip 0.18 -> sRGB 117.65; Reinhard 0.18 / 1.18 = 0.152_54 -> 108.87;
+    /// filmic 0.093_06 / 0.725_13 = 0.128_34 -> 100.34; ACES (0.18 * 0.204_579 - 0.000_091) / (0.18 * 0.610_022 + 0.238_081) = 0.105_59 -> 91.4.
+    /// AgX's curve pivots at middle grey, which it takes to one half of the display's range, 127.5.
     #[test]
     fn middle_grey() {
         let byte = |tone_map| {

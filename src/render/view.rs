@@ -20,15 +20,15 @@ pub struct View {
     pub height: u32,
     /// The reconstruction filter around the centre of each pixel.
     pub filter: PixelFilter,
-    /// What the value of a pixel is.
+    /// The method by which light is found.
     pub integrator: Integrator,
-    /// What the value of a pixel is.
+    /// The meaning of a pixel's value.
     pub shown: Shown,
     /// The layers that the film keeps beside the picture; none by default.
     pub light_groups: LightGroups,
     /// The kind of random numbers.
     pub sequence: SequenceKind,
-    /// Another seed gives other noise.
+    /// The seed. Another seed gives other noise.
     pub seed: u32,
 }
 
@@ -47,11 +47,11 @@ pub enum Shown {
     Radiance,
     /// The radiance in three thirds, from left to right with [`Strategy::Bsdf`], [`Strategy::Light`] and [`Strategy::Mis`].
     StrategyThirds,
-    /// Work of the camera ray in the acceleration structure: boxes and primitives tested, as a grey value.
+    /// The work of the camera ray in the acceleration structure: boxes and primitives tested, as a grey value.
     BvhSteps,
 }
 
-/// Bound on the segments of a path, and with it on the surfaces that a shadow ray passes, where the scene sets none.
+/// The most segments of a path, and with it the most surfaces that a shadow ray passes, where the scene sets no limit.
 ///
 /// It keeps a fault of the geometry from holding a thread for ever. Pictures do not depend on it: Russian roulette with its default depth
 /// lets a path of this length go on with a probability below 0.95^65000, and rays through dense foliage pass some hundreds of
@@ -61,18 +61,19 @@ pub const LONGEST_PATH: u32 = 1 << 16;
 /// The parameters of the path tracer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathSettings {
-    /// Longest path in segments; 0 leaves the picture black. Values above [`LONGEST_PATH`], such as `u32::MAX` for an unbounded path, mean that bound.
+    /// The longest path in segments; 0 leaves the picture black. Values above [`LONGEST_PATH`], such as `u32::MAX` for an unbounded path, mean that
+    /// bound.
     pub max_depth: u32,
     /// The depth from which on Russian roulette may end a path; it waits sixteen more where surfaces leave no choice of direction.
     pub rr_depth: u32,
     /// The camera does not see emitters: its rays pass shapes that emit, and find nothing at infinity.
     pub hide_emitters: bool,
-    /// How direct light is found at each vertex.
+    /// The strategy for direct light at each vertex.
     pub strategy: Strategy,
 }
 
 impl PathSettings {
-    /// Longest path in segments, never above [`LONGEST_PATH`].
+    /// The longest path in segments, never above [`LONGEST_PATH`].
     #[inline(always)]
     pub fn longest_path(&self) -> u32 {
         self.max_depth.min(LONGEST_PATH)
@@ -84,7 +85,7 @@ impl PathSettings {
         depth >= self.longest_path()
     }
 
-    /// Surfaces that a shadow ray may pass that leaves the surface number `depth` of a path, which is not the last one.
+    /// The most surfaces that a shadow ray may pass that leaves the surface number `depth` of a path, which is not the last one.
     #[inline(always)]
     pub(super) fn crossings(&self, depth: u32) -> u32 {
         self.longest_path() - depth - 1
@@ -94,9 +95,9 @@ impl PathSettings {
 /// The strategy for finding light at a bounce.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Strategy {
-    /// Follow the bsdf and hope to meet an emitter (lights that cannot be met are still sampled).
+    /// The path follows the bsdf to find emitters (lights that cannot be hit are still sampled).
     Bsdf,
-    /// Sample the lights; met emitters count only where lights cannot be sampled, after a specular bounce.
+    /// The lights are sampled; emitters that are hit count only where lights cannot be sampled, after a specular bounce.
     Light,
     /// Both, weighted by the power heuristic.
     Mis,
@@ -105,7 +106,7 @@ pub enum Strategy {
 /// The start of one sample of a pixel.
 #[derive(Clone, Debug)]
 pub struct CameraSample {
-    /// In world space.
+    /// The ray in world space.
     pub ray: Ray,
     /// The weight of the light along the ray, by the filter; 1 on average.
     pub weight: f32,

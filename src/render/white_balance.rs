@@ -1,4 +1,4 @@
-//! White balance: the picture as an eye sees it that has got used to light of another white than the display's.
+//! White balance shows the picture as an eye sees it that is adapted to light of another white than the display's.
 //!
 //! The white is that of a black body (M. Krystek, "An algorithm to calculate correlated colour temperature", Color Research &
 //! Application 10, 1985), moved by the small step that takes the one of 6504 K to the display's white, D65. The eye gets used to it by
@@ -9,7 +9,7 @@ use glam::{Mat3, Vec2, Vec3};
 /// The light that shall look white.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WhiteBalance {
-    /// Kelvin, in [`Self::TEMPERATURES`]. Light of a lower one is redder, so that the picture gets bluer.
+    /// The temperature in kelvin, in [`Self::TEMPERATURES`]. Light of a lower one is redder, so that the picture gets bluer.
     pub temperature: f32,
     /// The excess of green of the light over a black body's, in [-150, 150]; 3000 is a distance of 1 in the CIE 1960 diagram, as in photo programs.
     /// Greater values make the picture more magenta.
@@ -27,7 +27,7 @@ impl Default for WhiteBalance {
 }
 
 const D65_TEMPERATURE: f32 = 6504.0;
-/// Chromaticity x, y.
+/// The chromaticity x, y of D65.
 const D65: Vec2 = Vec2::new(0.3127, 0.3290);
 
 impl WhiteBalance {
@@ -56,20 +56,20 @@ impl WhiteBalance {
         Some(cones_from_rgb.inverse() * Mat3::from_diagonal(gains) * cones_from_rgb)
     }
 
-    /// Chromaticity x, y.
+    /// The chromaticity x, y of the white.
     fn white(&self) -> Vec2 {
         let (low, high) = (*Self::TEMPERATURES.start(), *Self::TEMPERATURES.end());
         let kelvin = self.temperature.max(low).min(high);
         let tint = self.tint.max(*Self::TINTS.start()).min(*Self::TINTS.end());
         let along = (black_body(kelvin + 1.0) - black_body(kelvin - 1.0)).normalize();
-        // Hotter is to the left in the diagram: green is to the right of the way there.
+        // Higher temperatures are to the left in the diagram: green is to the right of the way there.
         let green = Vec2::new(along.y, -along.x);
         let uv = black_body(kelvin) + tint / 3000.0 * green + (uv(D65) - black_body(D65_TEMPERATURE));
         Vec2::new(3.0 * uv.x, 2.0 * uv.y) / (2.0 * uv.x - 8.0 * uv.y + 4.0)
     }
 }
 
-/// CIE 1960 u, v of a black body.
+/// The CIE 1960 u, v of a black body.
 fn black_body(kelvin: f32) -> Vec2 {
     let t = f64::from(kelvin);
     let u = (0.860_117_757 + 1.541_182_54e-4 * t + 1.286_412_12e-7 * t * t)
@@ -79,7 +79,7 @@ fn black_body(kelvin: f32) -> Vec2 {
     Vec2::new(u as f32, v as f32)
 }
 
-/// CIE 1960 u, v of a chromaticity x, y.
+/// The CIE 1960 u, v of a chromaticity x, y.
 fn uv(xy: Vec2) -> Vec2 {
     Vec2::new(4.0 * xy.x, 6.0 * xy.y) / (-2.0 * xy.x + 12.0 * xy.y + 3.0)
 }
@@ -93,7 +93,7 @@ fn xyz(xy: Vec2) -> Vec3 {
 mod tests {
     use super::*;
 
-    /// Published chromaticities of black bodies: CIE standard illuminant A is one of 2856 K; 4000 K by integrating Planck's law.
+    /// These are published chromaticities of black bodies: CIE standard illuminant A is one of 2856 K; 4000 K follows from Planck's law.
     #[test]
     fn black_bodies_have_their_colours() {
         for (kelvin, x, y) in [(2855.5, 0.447_57, 0.407_45), (4000.0, 0.380_45, 0.376_75)] {

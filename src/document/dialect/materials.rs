@@ -1,4 +1,4 @@
-//! `<Materials>`, and the ones that objects may name without them.
+//! Reads `<Materials>`, and provides the materials that objects may name without them.
 
 use std::collections::HashMap;
 
@@ -162,7 +162,7 @@ impl Import<'_> {
         object.with("specular_transmittance", Value::Rgb(GLASS_TINT))
     }
 
-    /// `Color` of what cannot reflect more than it gets.
+    /// Reads the `Color` of a material that cannot reflect more than it gets.
     fn albedo(&mut self, node: Node) -> Vec3 {
         let color = self.color(node, &["Color"]).unwrap_or(COLOR);
         if color.max_element() > 1.0 {

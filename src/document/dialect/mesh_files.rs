@@ -21,8 +21,8 @@ impl Import<'_> {
     }
 }
 
-/// Beside the scene, in the `assets` folders above it and above where the program was started, then anywhere below these by its file name
-/// alone: an absolute name is often one of its author's machine.
+/// Finds a file beside the scene, in the `assets` folders above it and above where the program was started, then anywhere below these by its file
+/// name alone: an absolute name is often one of its author's machine.
 pub fn find_file(name: &str, folder: &Path, access: &Access) -> Option<PathBuf> {
     let name = Path::new(name.trim());
     if name.as_os_str().is_empty() {
@@ -68,7 +68,7 @@ fn search(name: &Path, folders: &[PathBuf], access: &Access) -> Option<PathBuf> 
                 if seen > MOST_FILES {
                     return None;
                 }
-                // Links to folders may go round.
+                // Links to folders may form a circle.
                 if path.is_symlink() && path.is_dir() {
                     continue;
                 }

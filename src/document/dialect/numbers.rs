@@ -1,4 +1,4 @@
-//! Numbers as C's `atof` reads them: what is no number is 0, what follows a number is passed over. Both are said.
+//! Reads numbers as C's `atof` does: text that is no number is 0, and what follows a number is ignored. Both are reported.
 
 use glam::Vec3;
 
@@ -23,19 +23,19 @@ impl Import<'_> {
         Some(bounded)
     }
 
-    /// `value` of the first element inside with one of these names.
+    /// The `value` of the first element inside with one of these names.
     pub fn value(&mut self, node: Node, names: &[&str]) -> Option<f32> {
         self.number(node.child(names)?, "value")
     }
 
-    /// `x`, `y` and `z` of such an element; what is not given is 0.
+    /// The `x`, `y` and `z` of such an element; those that are missing are 0.
     pub fn triple(&mut self, node: Node, names: &[&str]) -> Option<Vec3> {
         let node = node.child(names)?;
         let mut axis = |name| self.number(node, name).unwrap_or(0.0);
         Some(Vec3::new(axis("x"), axis("y"), axis("z")))
     }
 
-    /// `r`, `g` and `b` of such an element, not negative.
+    /// The `r`, `g` and `b` of such an element, not negative.
     pub fn color(&mut self, node: Node, names: &[&str]) -> Option<Vec3> {
         let node = node.child(names)?;
         let mut part = |name| self.number(node, name).unwrap_or(0.0);
@@ -47,7 +47,7 @@ impl Import<'_> {
     }
 }
 
-/// Products of three such numbers are finite.
+/// The largest number: products of three such numbers are finite.
 const LARGEST_NUMBER: f32 = 1e12;
 
 /// A longer text is looked at only so far, in bytes: the effort grows with the square of the length.
@@ -80,7 +80,7 @@ mod tests {
             ("", (0.0, false)),
             ("red", (0.0, false)),
             ("nan", (0.0, false)),
-            // C would say infinity.
+            // C would give infinity.
             ("1e99", (1e9, false)),
         ] {
             assert_eq!(atof(text), expected, "{text:?}");

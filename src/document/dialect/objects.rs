@@ -1,4 +1,4 @@
-//! `<Objects>`: spheres, triangles, quads and meshes.
+//! Reads `<Objects>`: spheres, triangles, quads and meshes.
 
 use std::path::Path;
 
@@ -97,7 +97,7 @@ impl Import<'_> {
         shape.plugin == "obj" && name.is_some_and(|name| has_own_materials(&self.folder().join(name), self.access))
     }
 
-    /// Round and upright, whatever its `Scale` and `Rotation`.
+    /// Reads a sphere, which stays round and upright whatever its `Scale` and `Rotation`.
     fn sphere(&mut self, node: Node) -> Option<Object> {
         self.check_children(node, &["Radius", "Position", "Center", "Scale", "Rotation", "Material"]);
         let radius = self.value(node, &["Radius"]).unwrap_or(0.5).abs();
@@ -206,7 +206,8 @@ impl Import<'_> {
         }
     }
 
-    /// Translation x rotation about x, y, z x scale: the scale comes first, then z. None (said) if nothing is left of the object.
+    /// The transform: translation x rotation about x, y, z x scale, so that the scale comes first, then z. None (reported) if nothing is left of
+    /// the object.
     fn steps(&mut self, node: Node, rotated: &mut Option<Span>) -> Option<Vec<TransformOp>> {
         let position = self.triple(node, &["Position"]).unwrap_or(Vec3::ZERO);
         let scale = self.triple(node, &["Scale"]).unwrap_or(Vec3::ONE);

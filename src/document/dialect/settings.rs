@@ -1,4 +1,4 @@
-//! `<Config>` and `<Camera>`: the film, the number of samples, the depth, and where one looks from.
+//! Reads `<Config>` and `<Camera>`: the film, the number of samples, the depth, and the view.
 
 use glam::{DVec3, Vec3};
 

@@ -1,4 +1,4 @@
-//! The elements of a file of this dialect with their attributes; meaning is the other modules' business.
+//! The elements of a file of this dialect with their attributes; other modules know their meaning.
 
 use quick_xml::escape::unescape;
 

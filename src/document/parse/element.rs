@@ -78,7 +78,7 @@ impl Parser {
         Some(snake_case(&name)).filter(|name| !name.is_empty())
     }
 
-    /// None if the id is no good.
+    /// Registers an id; None if it is not valid.
     fn register_id(&mut self, id: SmolStr, span: Span) -> Option<SmolStr> {
         if id.is_empty() {
             self.diagnostics.warn(span, "an empty id is ignored");

@@ -1,4 +1,4 @@
-//! Other files a scene names: includes, search folders, and where a file is looked for.
+//! Handles the other files that a scene names: includes, search folders, and the places where a file is looked for.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use crate::document::value::quote;
 use crate::document::{Category, Include, Object, Property, Severity, SourceId, Span};
 use crate::files::FileError;
 
-/// Why a file is not included.
+/// The reason why a file is not included.
 enum NotIncluded {
     /// It is being read already.
     Circle,
@@ -44,7 +44,7 @@ impl Parser {
             self.diagnostics
                 .push(Severity::Warning, Some(span), message, Some(help));
         }
-        // Absolute, so that it means the same wherever the document is written to.
+        // The path is absolute, so that it means the same wherever the document is written to.
         let folder = std::path::absolute(&joined).unwrap_or(joined);
         if !self.search_folders.contains(&folder) {
             self.search_folders.push(folder);

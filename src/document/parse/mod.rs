@@ -1,4 +1,4 @@
-//! XML text to [`Document`]: files, includes, defaults, and the nesting of tags.
+//! Parses XML text into a [`Document`]: files, includes, defaults, and the nesting of tags.
 //!
 //! After a bad value the parser goes on, so that one run tells of all of them; after broken XML the rest of that file is not looked at.
 //! Whatever was understood by then is in the document, next to the errors.
@@ -23,8 +23,8 @@ use super::unpack::{keep_known, pack_rest};
 use super::{Category, Document, Object, Severity};
 use crate::files::Access;
 
-/// Reads a scene file; `defines` are the command line's `name=value` pairs. An error only if there is no text to be had: what is wrong
-/// with the text is in the document's diagnostics.
+/// Reads a scene file; `defines` are the command line's `name=value` pairs. It is an error only if there is no text: problems with the text are in
+/// the document's diagnostics.
 pub fn load(path: &Path, defines: &[(String, String)]) -> Result<Document, SourceError> {
     let text = read_text(path)?;
     Ok(parse_str(text, path, defines))

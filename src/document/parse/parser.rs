@@ -25,15 +25,15 @@ use crate::files::Access;
 
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// Includes inside includes.
+/// The most levels of includes inside includes.
 pub(super) const MAX_INCLUDE_DEPTH: usize = 15;
-/// Search folders of a document: each file that is named is looked for in all of them.
+/// The most search folders of a document: each file that is named is looked for in all of them.
 pub(super) const MAX_SEARCH_FOLDERS: usize = 100;
-/// Includes of a document, each counted as often as it is read.
+/// The most includes of a document, each counted as often as it is read.
 pub(super) const MAX_INCLUDES: usize = 10_000;
-/// All tags of a document, each include counted each time: a million instances with a few steps each, and then some.
+/// The most tags of a document, each include counted each time: they suffice for a million instances with a few steps each.
 const MAX_ELEMENTS: usize = 10_000_000;
-/// All text of a document, likewise.
+/// The most bytes of text of a document, likewise.
 const MAX_TOTAL_BYTES: u64 = 4 * MAX_FILE_BYTES;
 
 /// The children of a scene that stand in a part of a source text, which was read without errors before and has no `$names`.

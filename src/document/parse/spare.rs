@@ -1,11 +1,11 @@
-//! Vectors to collect in, used again and again.
+//! Vectors for collecting elements, which are used again and again.
 //!
 //! A vector that grows and is then made to fit leaves a hole behind it in memory. With a million small ones the holes take as much as the
 //! vectors do. Elements are therefore collected in a spare vector and moved into one of the right size.
 
 use crate::document::{Child, Property, TransformOp};
 
-/// Longer vectors are made to fit where they are.
+/// The length above which a vector is made to fit where it is.
 const LONGEST: usize = 64;
 
 /// Empty vectors that have room.

@@ -1,4 +1,4 @@
-//! Changes to a text, made all at once: replaced ranges, and lines that come and go with what stands on them.
+//! Changes to a text that are made all at once: replaced ranges, and lines that are added or removed.
 
 use std::ops::Range;
 
@@ -25,7 +25,7 @@ impl Edit {
         Self::replace(at..at, text)
     }
 
-    /// Takes an element away, with its lines if nothing else stands on them.
+    /// Removes an element, with its lines if nothing else is on them.
     pub fn delete(text: &str, element: Range<usize>) -> Self {
         let line = line_start(text, element.start);
         let rest = &text[element.end..];
@@ -45,7 +45,7 @@ pub fn apply(text: &str, within: Range<usize>, mut edits: Vec<Edit>) -> String {
     let mut result = String::with_capacity(within.len() + 256);
     let mut at = within.start;
     for edit in edits {
-        // Deleting two neighbours may reach for the same line end.
+        // The deletions of two neighbours may extend to the same line end.
         let start = edit.range.start.max(at);
         result += &text[at..start];
         result += &edit.text;
@@ -62,9 +62,7 @@ fn line_start(text: &str, at: usize) -> usize {
 /// The layout of a text, so that additions look like the rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
-    /// What ends a line: `
-    /// ` or `\r
-    /// `.
+    /// The end of a line: `\n` or `\r\n`.
     pub newline: &'static str,
     /// One step of indentation.
     pub unit: String,

@@ -12,9 +12,9 @@ pub struct Element {
     pub tag: Range<usize>,
     /// The place after the end tag.
     pub end: usize,
-    /// Indices into [`Elements`], in the order of the text.
+    /// The indices into [`Elements`], in the order of the text.
     pub children: Vec<usize>,
-    /// `<a/>`
+    /// Whether it is written as `<a/>`.
     pub closes_itself: bool,
 }
 
@@ -25,11 +25,11 @@ pub struct Attribute {
     pub name: Range<usize>,
     /// The place of the value without the quotes.
     pub value: Range<usize>,
-    /// `"` or `'`.
+    /// The quotation mark, `"` or `'`.
     pub quote: char,
 }
 
-/// All elements of one text, in the order of their start tags.
+/// The elements of one text, in the order of their start tags.
 #[derive(Debug, Default)]
 pub struct Elements(Vec<Element>);
 
@@ -88,7 +88,7 @@ impl Elements {
         &self.0[index]
     }
 
-    /// The one whose start tag begins there.
+    /// The element whose start tag begins there.
     pub(crate) fn starting_at(&self, start: usize) -> Option<usize> {
         self.0.binary_search_by_key(&start, |element| element.tag.start).ok()
     }

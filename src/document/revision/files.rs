@@ -1,4 +1,4 @@
-//! Names of files in a text that goes to another folder: changed only where they would lead elsewhere.
+//! Changes names of files in a text that is written to another folder, but only where they would mean another file.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -95,7 +95,7 @@ impl<'d> FileNames<'d> {
         (!stays).then(|| file_name(&path, to))
     }
 
-    /// `filename` of an `<include>`, or of a `<spectrum>` whose values come from a file. `known`: the file, where that is known.
+    /// Revises the `filename` of an `<include>`, or of a `<spectrum>` whose values come from a file. `known` is the file, if it is known.
     pub fn revise_name(
         &self,
         source: &Source,
@@ -130,7 +130,7 @@ impl<'d> FileNames<'d> {
         }
     }
 
-    /// A `<path>`, which is relative to the file it stands in.
+    /// Revises a `<path>`, which is relative to the file that it is in.
     pub fn revise_folder(&self, source: &Source, element: &Element, place: Place) -> Result<Option<Edit>, WriteError> {
         let from = self.folder(place.source);
         let Some(attribute) = element.attribute(source.text(), "value") else {

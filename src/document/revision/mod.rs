@@ -1,5 +1,5 @@
-//! A changed document written over the text that it was read from: comments, layout, `<default>`s and `<include>`s stay, and so does
-//! everything that was not understood; only the elements of what changed are touched.
+//! Writes a changed document over the text that it was read from: comments, layout, `<default>`s and `<include>`s stay, and so does everything that
+//! was not understood; only the elements of what changed are touched.
 //!
 //! Two trees are walked side by side, the one that was read and the one to be written, and the text's elements with them. What stands
 //! for the same thing has the same [`Span`] in both; what was made since has none.
@@ -27,8 +27,8 @@ use super::paths::settle;
 use super::write::{WriteError, check_finite, property_to_block};
 use super::{Child, Document, Object, Property, SourceId, Span, Value};
 
-/// The files to write, the main one last. `origin` is what was read; the spans of `now` point into it, and names of files without a span
-/// are relative to its folder.
+/// The files to write, the main one last. `origin` is what was read; the spans of `now` point into it, and names of files without a span are
+/// relative to its folder.
 ///
 /// What changed in an included file is written there if the document stays where it was and the file is included once; otherwise its text
 /// takes the place of the `<include>`. So does the text of a file that others changed since, where the document goes elsewhere.
@@ -73,12 +73,12 @@ pub fn revise(
     Ok(files)
 }
 
-/// An object as it was and as it is to be.
+/// An object before and after the change.
 struct Pair<'a> {
     old: &'a Object,
     now: &'a Object,
     old_children: HashMap<Span, &'a Child>,
-    /// Indices of the children of `now` from files; more than one where a file is included twice.
+    /// The indices of the children of `now` from files; more than one if a file is included twice.
     now_children: HashMap<Span, Vec<usize>>,
     /// The element of each child of `now` in the text that is edited.
     elements: Vec<Option<usize>>,
@@ -123,7 +123,7 @@ struct Reviser<'r> {
     times_read: HashMap<SourceId, usize>,
     /// The objects that were read, by place.
     objects: HashMap<Span, &'r Object>,
-    /// New texts of included files.
+    /// The new texts of included files.
     revised: BTreeMap<usize, String>,
 }
 
@@ -310,7 +310,7 @@ impl<'r> Reviser<'r> {
     }
 }
 
-/// Old names whose values became parts of `to_uv`: when that is written anew they are in its way.
+/// Whether the property has an old name whose value became a part of `to_uv`: it must go when that is written.
 fn is_superseded(source: &Source, element: &Element, pair: &Pair) -> bool {
     let value = |object: &Object| -> Option<Value> {
         let property = object.properties.iter().find(|property| property.name == "to_uv");

@@ -6,19 +6,19 @@ use super::edits::{Edit, Layout, apply};
 use super::elements::{Element, Elements};
 use crate::document::{Document, SourceFile, SourceId, Span};
 
-/// Finds the file that a name stands for in a file of this folder.
+/// Finds the file that a name means in a file of this folder.
 pub type FindFile<'f> = &'f dyn Fn(&str, &Path) -> Option<PathBuf>;
 
 /// The path of the main file, and the files that names mean.
 #[derive(Clone, Copy)]
 pub struct Destination<'d> {
-    /// Absolute. Where the document came from, the files it includes are written too.
+    /// The absolute path. In the folder that the document came from, included files are written as well.
     pub path: &'d Path,
-    /// Finds the file that a name means now, and below that it means once the main file is at `path`.
+    /// Finds the file that a name means now.
     pub find_before: FindFile<'d>,
-    /// Where the same name leads once the main file is at `path`.
+    /// The same once the main file is at `path`.
     pub find_after: FindFile<'d>,
-    /// Whether an included file (absolute) holds something else now than what was read: it cannot stand for that in a main file elsewhere.
+    /// Whether an included file (absolute) has other content now than when it was read: a main file elsewhere cannot include it then.
     pub has_changed: &'d dyn Fn(&Path) -> bool,
 }
 
@@ -68,7 +68,7 @@ impl<'a> Source<'a> {
 #[derive(Clone, Copy)]
 pub struct Place<'p> {
     pub source: SourceId,
-    /// Names of files are relative to it.
+    /// The folder to which names of files are relative.
     pub folder: &'p Path,
 }
 

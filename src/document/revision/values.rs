@@ -50,7 +50,7 @@ pub fn revise_attribute(
     Tag { text, element }.value(value, name)
 }
 
-/// Steps that stay of their kind change where they stand, further ones follow; None if the transform has to be written anew.
+/// Revises steps: those that stay of their kind change in place, and further ones follow. None if the transform has to be written anew.
 fn revise_steps(
     source: &Source,
     index: usize,

@@ -52,7 +52,7 @@ impl Device {
             return Err(DenoiseError::NoDevice(message));
         }
         let device = Self(handle);
-        // 0 is the library's word for all.
+        // 0 means all cores to the library.
         let threads = threads.map_or(0, |count| i32::try_from(count.max(1)).unwrap_or(i32::MAX));
         // SAFETY: the handle is alive until `device` is dropped; the names end in a zero byte.
         unsafe {
@@ -112,7 +112,7 @@ impl Drop for Device {
     }
 }
 
-/// Fetches and clears; the null device knows why no device could be made.
+/// Fetches and clears the error. The null device has the error of a device that could not be made.
 fn last_error(device: sys::OIDNDevice) -> (sys::OIDNError, String) {
     let mut message = ptr::null();
     // SAFETY: `device` is null, which is allowed here, or alive; `message` is written before it is read.
@@ -163,7 +163,7 @@ impl<'a> Filter<'a> {
     /// `pixels` points to `len` pixels that live until the filter is dropped or the slot is set anew; for the slot
     /// `output` they may be written, and nobody else uses them while the filter runs.
     unsafe fn set_image(&self, job: &Job, slot: &CStr, pixels: *mut Vec3, len: usize) -> Result<(), DenoiseError> {
-        // The library believes the size that it is told.
+        // The library trusts the given size.
         if Some(len) != job.width.checked_mul(job.height) {
             return Err(DenoiseError::Failed(format!(
                 "{slot:?} does not have the size of the picture"
@@ -219,7 +219,7 @@ impl Drop for Filter<'_> {
     }
 }
 
-/// Asked by the library now and then while a filter runs.
+/// A callback that the library calls from time to time while a filter runs.
 ///
 /// # Safety
 /// `flag` points to an `AtomicBool` that is alive.

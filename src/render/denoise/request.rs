@@ -20,17 +20,17 @@ pub enum DenoiseQuality {
 /// A noisy picture, row by row from the top left. All slices are `width * height` long.
 #[derive(Clone, Copy, Debug)]
 pub struct DenoiseInput<'a> {
-    /// Pixels in a row.
+    /// The number of pixels in a row.
     pub width: u32,
-    /// Number of rows.
+    /// The number of rows.
     pub height: u32,
     /// Linear radiance, before exposure and tone mapping. Broken numbers are replaced before the filter sees them.
     pub color: &'a [Rgb],
-    /// Colour of the first surface that is not a mirror, in [0, 1] per component; 1 for mirrors that are not followed.
+    /// The colour of the first surface that is not a mirror, in [0, 1] per component; 1 for mirrors that are not followed.
     pub albedo: Option<&'a [Rgb]>,
-    /// Normal of the same surface in world space, any length up to 1. Only together with `albedo`.
+    /// The normal of the same surface in world space, of any length up to 1. It needs `albedo`.
     pub normal: Option<&'a [Vec3]>,
-    /// Denoise `albedo` and `normal` on their own first. Better edges wherever they are noisy; up to three times the time.
+    /// Whether to denoise `albedo` and `normal` on their own first. Edges are better wherever they are noisy, at up to three times the time.
     pub prefilter: bool,
     /// Selects the filter of the library.
     pub quality: DenoiseQuality,
@@ -65,7 +65,7 @@ impl DenoiseInput<'_> {
     }
 }
 
-/// Why there is no denoised picture.
+/// The reason why there is no denoised picture.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum DenoiseError {

@@ -1,4 +1,4 @@
-//! Sixteen paths at their next rays: from vertex to vertex.
+//! Sixteen paths at their next rays: steps them from vertex to vertex.
 
 use glam::{UVec2, Vec3};
 
@@ -18,7 +18,7 @@ use crate::sampling::Sampler;
 pub(super) struct PathBatch<'a> {
     /// The lanes that have a path, a bit per lane.
     pub active: u32,
-    /// The paths; their rays are endless but for those from the camera.
+    /// The paths; their rays are endless except for those from the camera.
     pub(super) paths: PathLanes,
     outputs: [Output; LANES],
     /// The hits of the rays, in the lanes of `traced`.
@@ -54,8 +54,8 @@ impl<'a> PathBatch<'a> {
         }
     }
 
-    /// New paths from the camera, in as many lanes as there are jobs for: the first of `jobs`, which are numbered from `number` on. Returns how
-    /// many these are.
+    /// Begins new paths from the camera, in as many lanes as there are jobs for: the first of `jobs`, which are numbered from `number` on. Returns
+    /// their number.
     pub fn begin(&mut self, view: &View, jobs: &[Job], number: usize) -> usize {
         let count = jobs.len().min(LANES);
         let camera = CameraRays::new(view, &jobs[..count]);
@@ -162,7 +162,7 @@ impl<'a> PathBatch<'a> {
         }
     }
 
-    /// Takes the path of a lane to its hit. What light does there is done in lanes, or else the path goes on to its next ray by itself.
+    /// Takes the path of a lane to its hit. Light is then handled in lanes, or else the path goes on to its next ray by itself.
     fn arrive(&mut self, lane: usize, hit: Hit, context: &Context<'a>, samples: &mut Samples) {
         let slot = context.scene.slot(&hit);
         let ray = self.paths.ray.get(lane);

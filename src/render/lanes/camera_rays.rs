@@ -10,7 +10,7 @@ use crate::render::filter::PixelFilter;
 use crate::render::view::View;
 use crate::sampling::lanes::SamplerLanes;
 
-/// [`View::camera_sample`] in lanes.
+/// The camera rays of [`View::camera_sample`] in lanes.
 pub(super) struct CameraRays {
     pub rays: RayLanes,
     pub weights: [f32; LANES],

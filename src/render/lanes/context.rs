@@ -16,7 +16,7 @@ pub(in crate::render) struct Job {
     pub index: u32,
 }
 
-/// Samples and their weights, by job.
+/// The samples and their weights, by job.
 pub(super) type Samples = Vec<(PathSample, f32)>;
 
 pub(super) struct Context<'a> {
@@ -34,7 +34,7 @@ pub(super) enum Coherence {
 }
 
 impl Context<'_> {
-    /// Whether lights are sampled at all. Of other than sole lights some may be found by sampling alone, whatever the strategy.
+    /// Whether lights are sampled at all. Some lights that are not sole can be found only by sampling, whatever the strategy.
     pub fn samples_lights(&self) -> bool {
         self.settings.strategy.samples_lights() || self.sole_light.is_none()
     }

@@ -1,4 +1,4 @@
-//! Directions from vertices to lights.
+//! Samples directions from vertices to lights.
 
 use glam::Vec2;
 
@@ -10,12 +10,12 @@ use crate::math::lanes::{Lanes, Vec3Lanes, WordLanes, each_lane, lanes_of};
 use crate::render::dimensions::BounceDraw;
 use crate::sampling::lanes::SamplerLanes;
 
-/// Directions to a light, with what arrives from there unless something is in between.
+/// Directions to a light, with the light that arrives from there unless something is in between.
 #[derive(Clone, Copy)]
 pub(super) struct LightLanes {
     pub wi: Vec3Lanes,
     pub target: Vec3Lanes,
-    /// Bits of lanes whose light is at infinity, in the direction `wi`.
+    /// The lanes whose light is at infinity, in the direction `wi`, a bit each.
     pub infinite: u32,
     pub radiance: Vec3Lanes,
     pub pdf: Lanes,
@@ -88,7 +88,7 @@ impl LightLanes {
         light.with_others(context, alone, seen_from, [u_choice, u[0], u[1]])
     }
 
-    /// These with lights for the lanes `asked`, one by one. Not in line, for what is set lane by lane lies in memory.
+    /// Replaces the samples of the lanes `asked`, one by one. It is not inlined, because what is set lane by lane is in memory.
     #[inline(never)]
     fn with_others(mut self, context: &Context, asked: u32, seen_from: ReferenceLanes, u: [Lanes; 3]) -> Self {
         self.infinite &= !asked;

@@ -26,10 +26,10 @@ use super::scene::RenderScene;
 use super::view::{PathSettings, View};
 use crate::math::lanes::{LANES, each_lane};
 
-/// Steps between two looks at whether to stop.
+/// The number of steps between two checks whether to stop.
 const STEPS_TO_CANCEL: usize = 64;
 
-/// Traces all `jobs`, whose samples and their weights are in the same order. None if `cancel` was set meanwhile.
+/// Traces all `jobs`, whose samples and their weights are in the same order. None if `cancel` was set in the meantime.
 pub(super) fn trace(
     scene: &RenderScene,
     view: &View,
@@ -64,7 +64,7 @@ pub(super) fn trace(
 /// their rays are alike. Then they go where there is a free lane, since some end sooner than others.
 struct Paths<'a> {
     jobs: &'a [Job],
-    /// Jobs that have been begun.
+    /// The number of jobs that have been begun.
     begun: usize,
     /// The paths that have left their first vertex, until there is a lane for them.
     first: PathBatch<'a>,

@@ -84,7 +84,7 @@ impl PathBatch<'_> {
         }
     }
 
-    /// Looks for lights from the vertices and adds what of them is scattered along the paths (next event estimation).
+    /// Samples lights from the vertices and adds the light that is scattered along the paths (next event estimation).
     #[inline(always)]
     fn sample_lights(&mut self, surfaces: &Surfaces, coherence: Coherence, context: &Context) {
         let Surfaces { smooth, frame, wo, .. } = *surfaces;
@@ -157,7 +157,7 @@ impl PathBatch<'_> {
         reflected
     }
 
-    /// Directions for the paths to go on, in world space, and the lanes where they are of a density and not the only ones of a lobe.
+    /// Samples directions for the paths, in world space, and the lanes where they are of a density and not the only ones of a lobe.
     #[inline(always)]
     fn sample_bsdfs(&self, surfaces: &Surfaces) -> (BsdfSampleLanes, u32) {
         let Surfaces { lanes, other, .. } = *surfaces;
@@ -179,7 +179,7 @@ impl PathBatch<'_> {
         (sample, surfaces.smooth & (!other | smooth))
     }
 
-    /// Turns the paths to where the surfaces have sent them on. True in the lanes whose light is not absorbed.
+    /// Sets the next rays of the paths. True in the lanes whose light is not absorbed.
     #[inline(always)]
     fn bounce(&mut self, surfaces: &Surfaces, sample: &BsdfSampleLanes, scattered: u32) -> Lanes {
         let Surfaces { lanes, here, .. } = *surfaces;
@@ -202,7 +202,7 @@ impl PathBatch<'_> {
         here & sample.returned & path.throughput.is_not_zero()
     }
 
-    /// Ends paths at random. True in the lanes that go on.
+    /// Ends paths at random. True in the lanes that continue.
     #[inline(always)]
     fn play_roulette(&mut self, surfaces: &Surfaces, settings: &PathSettings, is_scattered: Lanes) -> Lanes {
         let path = &mut self.paths;

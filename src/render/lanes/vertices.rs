@@ -11,7 +11,7 @@ use crate::render::scene::{RenderScene, SurfaceSlot};
 use crate::shading::TransportMode;
 use crate::shading::lanes::{BsdfLanes, BsdfSampleLanes};
 
-/// Surfaces and their models; only the lanes of `lanes` mean something.
+/// The surfaces and their models; only the lanes of `lanes` have a meaning.
 pub(super) struct Vertices<'a> {
     /// A bit per lane.
     pub lanes: u32,
@@ -118,8 +118,8 @@ impl<'a> Vertices<'a> {
         (sample, smooth)
     }
 
-    /// Gives `lane` the surface that `ray` has met at `hit`. None, and nothing done, if it is of another than the commonest models, or its
-    /// light wants to know more.
+    /// Sets the surface that `ray` has met at `hit` in `lane`. None, and nothing is done, if it is not of the commonest models, or if its light
+    /// needs to know more.
     #[inline(always)]
     pub fn set_plain(
         &mut self,
