@@ -64,6 +64,7 @@ macro_rules! declare_plugins {
         $(($inside:ident: $Inside:ty => $as_mut:path))?
     ),* $(,)? }) => {
         $(#[$meta])*
+        #[allow(missing_docs, reason = "the declaration says what each plugin and parameter is")]
         pub enum $Family {
             $($(#[$doc])* $Variant $({ $($(#[$field_doc])* $field: $type),* })? $(($Inside))?,)*
         }
@@ -129,6 +130,7 @@ macro_rules! declare_parameters {
         $($(#[$doc:meta])* $field:ident: $type:ty = $default:expr => $kind:ident($info:expr)),* $(,)?
     }) => {
         $(#[$meta])*
+        #[allow(missing_docs, reason = "the declaration says what each plugin and parameter is")]
         pub struct $Plugin {
             $($(#[$doc])* pub $field: $type,)*
         }

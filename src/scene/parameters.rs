@@ -171,8 +171,11 @@ pub(crate) const PRINCIPLED_ETA: ParameterInfo = ParameterInfo::new(
 pub enum ConductorIor {
     /// `Au`, `Cu`, ...; `none` is a perfect mirror.
     Named(String),
+    /// Optical constants as numbers or textures.
     Given {
+        /// Real part of the refractive index relative to the outside, not negative.
         eta: Parameter<Rgb>,
+        /// Imaginary part of it (extinction), not negative.
         k: Parameter<Rgb>,
     },
 }
@@ -182,6 +185,7 @@ pub enum ConductorIor {
 pub enum Ior {
     /// `water`, `bk7`, ...
     Named(String),
+    /// Above 0; 1 is that of vacuum.
     Number(f32),
 }
 
@@ -214,10 +218,13 @@ impl Distribution {
 /// Width of the distribution of slopes (not its square root), above 0.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 pub enum Roughness {
+    /// The same in all directions of the surface.
     Isotropic(Parameter<f32>),
     /// The roughness along each of the two tangents.
     Anisotropic {
+        /// Along the direction in which u grows.
         u: Parameter<f32>,
+        /// Along the direction in which v grows.
         v: Parameter<f32>,
     },
 }

@@ -45,7 +45,7 @@ use crate::files::{self, Access, LARGEST_DATA, write_atomically};
 /// Materials inside materials; deeper ones are written at the top level instead. More than reading allows.
 const DEEPEST: usize = 40;
 
-/// Writes a scene over the text that it was read from: see [`files`]. Each file is replaced in one step.
+/// Writes a scene over the text that it was read from: see [`files()`]. Each file is replaced in one step.
 pub fn save_description(scene: &SceneDescription, path: &Path) -> Result<(), SaveError> {
     let (files, moves) = plan(scene, path)?;
     copy_parts(&moves)?;
