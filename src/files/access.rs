@@ -8,16 +8,16 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::reading::{self, FileError};
 
-/// Refused files are remembered up to this number; a scene can name any number of them.
+/// The most refused files that are remembered; a scene can name any number of them.
 const MOST_REFUSED: usize = 1000;
 
 /// The most links in a row that are followed, as in the kernel of Linux.
 const MOST_LINKS: usize = 40;
 
-/// Names a folder that may be read, or a file that stands for itself.
+/// A folder that may be read, or a file that stands for itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Folder {
-    /// Absolute, as it was named: its own links are the user's, and are followed.
+    /// The absolute path as it was named: its own links are the user's, and are followed.
     named: PathBuf,
     canonical: PathBuf,
 }
@@ -80,7 +80,7 @@ impl Access {
         resolved(path, |_| true).is_some_and(|path| path.starts_with(own))
     }
 
-    /// Permits this folder as well; what was refused in it counts as refused no more. A file in place of a folder stands for itself.
+    /// Permits this folder as well; files in it no longer count as refused. A file in place of a folder stands for itself.
     pub fn allow(&mut self, folder: &Path) {
         if let Some(folders) = &mut self.folders {
             let folder = Folder::new(folder);

@@ -1,4 +1,4 @@
-//! Locks of folders, by which programs that work on the same files take turns.
+//! Locks folders, so that programs that work on the same files take turns.
 
 use std::fs::{File, TryLockError};
 use std::path::Path;
@@ -14,8 +14,8 @@ pub struct FolderLock {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FolderBusy;
 
-/// Waits for the lock of a folder, at most for `longest`. Where folders cannot be locked nothing is, which is no error: locks are a service
-/// to other programs that ask for them, too.
+/// Waits for the lock of a folder, at most for `longest`. Where folders cannot be locked, no lock is taken, and that is no error: locks only help
+/// other programs that take them, too.
 pub fn lock_folder(folder: &Path, longest: Duration) -> Result<FolderLock, FolderBusy> {
     // Only a folder is opened, which neither blocks nor has effects.
     let opened = folder.is_dir().then(|| File::open(folder).ok());

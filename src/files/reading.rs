@@ -11,7 +11,7 @@ pub const LARGEST_DATA: u64 = 64 << 30;
 /// The longest script, preferences file or other small text in bytes.
 pub const LARGEST_NOTE: u64 = 64 << 20;
 
-/// Why a file is not read. The messages do not name the file; the caller adds its name.
+/// The reason why a file is not read. The messages do not name the file; the caller adds its name.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum FileError {
@@ -30,7 +30,7 @@ pub enum FileError {
     OverBudget(String),
     #[error("is not UTF-8 text")]
     NotUtf8,
-    /// Refused by an [`Access`](super::Access).
+    /// An [`Access`](super::Access) refused the file.
     #[error("lies outside the scene's folder, and the scene is not allowed to read it, whether it exists or not")]
     Outside,
 }

@@ -7,29 +7,29 @@ use crate::color::linear_from_srgb8;
 /// A named array of values. Its name begins with `vertex_` or `face_`, as in Mitsuba, whatever it belongs to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshAttribute {
-    /// By which textures refer to it, prefix included.
+    /// The name by which textures refer to it, with its prefix.
     pub name: String,
-    /// What there is one value for.
+    /// The elements that have a value each.
     pub domain: AttributeDomain,
     /// The number of channels of an element: 1, or 3 for a colour.
     pub channels: usize,
-    /// `channels` for each vertex or triangle, element by element.
+    /// The values, `channels` for each vertex or triangle, element by element.
     pub values: AttributeValues,
 }
 
 /// The elements of a mesh that have a value each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AttributeDomain {
-    /// Values are interpolated over each triangle.
+    /// The vertices. Values are interpolated over each triangle.
     Vertex,
     /// A polygon's value is repeated for each of its triangles.
     Triangle,
 }
 
-/// Kept as compact as in the file.
+/// The values, as compact as in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AttributeValues {
-    /// 0 to 255 stand for [0, 1], encoded as sRGB: so Mitsuba reads whole numbers.
+    /// Bytes that stand for [0, 1], encoded as sRGB, which is how Mitsuba reads whole numbers.
     Srgb8(Vec<u8>),
     /// Linear numbers, taken as they are.
     F32(Vec<f32>),

@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 use super::local::{LocalHit, LocalSurface, Parametrisation};
 use crate::math::{Ray, gamma};
 
-/// The nearer of the two crossings that has t_min < t < t_max and lies between the ends. Both sides are met.
+/// The nearer of the two crossings that has t_min < t < t_max and is between the ends. Both sides are hit.
 pub fn intersect(ray: &Ray) -> Option<LocalHit> {
     let (origin, dir) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
     let (o, d) = (origin.truncate(), dir.truncate());

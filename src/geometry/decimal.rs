@@ -4,14 +4,14 @@
 //! "How to read floating point numbers accurately", 1990). Rounding that once more to `f32` goes wrong only where the `f64` lies half-way
 //! between two `f32`.
 
-/// Exact in `f64`.
+/// Powers of ten that are exact in `f64`.
 const POWERS_OF_TEN: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
     1e21, 1e22,
 ];
 
-/// The number at the beginning of `text` and its length, as `str::parse` gives it. `None` where it is no number, or one that takes more care than
-/// is taken here.
+/// Reads the number at the beginning of `text`, and gives its length, as `str::parse` does. `None` if it is no number, or one that takes more care
+/// than is taken here.
 #[inline]
 pub(super) fn leading_f32(text: &[u8]) -> Option<(f32, usize)> {
     let sign = usize::from(text.first() == Some(&b'-'));
@@ -91,7 +91,7 @@ pub(super) fn leading_u32(text: &[u8]) -> Option<(u32, usize)> {
     (1..10).contains(&end).then_some((number as u32, end))
 }
 
-/// `number` with the digits from `begin` on behind its own, and where they end. Wraps around after many.
+/// Reads digits from `begin` on behind those of `number`, and gives the place where they end. Wraps around after many.
 #[inline(always)]
 fn digits(text: &[u8], begin: usize, mut number: u64) -> (u64, usize) {
     let mut end = begin;
@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use crate::sampling::hash::pcg4d;
 
-    /// Whether it is read at all; then it is read rightly.
+    /// Whether the text is read at all; then the result must be right.
     fn is_read(text: &str) -> bool {
         for following in ["", " ", "/", "x"] {
             let Some((value, length)) = leading_f32(format!("{text}{following}").as_bytes()) else {
@@ -146,7 +146,7 @@ mod tests {
         let mut read = 0;
         for i in 0..200_000 {
             let [bits, digits, exponent, style] = pcg4d([i, 1, 2, 3]);
-            // All sizes of f32 in few and in many digits, what is written most, and decimals of all kinds.
+            // These are all sizes of f32 in few and in many digits, the most common texts, and decimals of all kinds.
             let text = match style % 4 {
                 0 => format!("{:.*}", digits as usize % 9, f32::from_bits(bits % 0x4b00_0000)),
                 1 => format!("{:e}", f32::from_bits(bits)),
@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn ties_are_left_to_the_standard_library() {
-        // 2^24 + 1 lies half-way between two f32; the others round to an f64 that does.
+        // 2^24 + 1 is half-way between two f32; the others round to an f64 that is.
         for text in [
             "16777217",
             "16777217.0000000",

@@ -7,11 +7,11 @@ use glam::{Vec2, Vec3};
 /// `u`, `v` mean: triangle: barycentric weights of its corners 1 and 2; rectangle and disk: local x and y; others: unused, zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalHit {
-    /// Within the bounds of the ray.
+    /// The parameter of the ray, within its bounds.
     pub t: f32,
-    /// See the type.
+    /// The first coordinate of the hit, see the type.
     pub u: f32,
-    /// See the type.
+    /// The second coordinate of the hit, see the type.
     pub v: f32,
 }
 
@@ -20,10 +20,10 @@ pub struct LocalHit {
 pub struct LocalSurface {
     /// The point on the surface within rounding. It is never computed as origin + t dir.
     pub position: Vec3,
-    /// Bound, per coordinate, on how far `position` may lie off the surface as the intersection test sees it. Displacement within the
-    /// surface is not counted: it cannot make a ray that leaves meet the surface again.
+    /// The bound, per coordinate, on how far `position` is off the surface as the intersection test sees it. Displacement within the surface is not
+    /// counted: it cannot make a ray that leaves meet the surface again.
     pub error: Vec3,
-    /// Geometric normal, not of unit length.
+    /// The geometric normal, not of unit length.
     pub normal: Vec3,
 }
 

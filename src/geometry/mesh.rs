@@ -27,7 +27,7 @@ pub struct MeshData {
     /// The texture coordinates as they are in the file. Mitsuba's `obj` shape flips v (`flip_tex_coords` is true there by default, false for
     /// `ply`): see [`MeshData::flip_tex_coords`].
     pub uvs: Vec<Vec2>,
-    /// Vertex indices of the corners, counter-clockwise as seen from the front.
+    /// The vertex indices of the corners, counter-clockwise as seen from the front.
     pub triangles: Vec<[u32; 3]>,
     /// Further values of vertices or faces in the file, each name once.
     pub attributes: Vec<MeshAttribute>,
@@ -46,32 +46,32 @@ pub(super) const HIERARCHY_BYTES: u64 = 100;
 /// A material of an MTL library, as numbers. The scene decides what they mean as a BSDF.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MtlMaterial {
-    /// As the library writes it after `newmtl`.
+    /// The name that the library gives after `newmtl`.
     pub name: String,
-    /// Diffuse and specular colour, linear.
+    /// The diffuse colour, linear.
     pub kd: Vec3,
-    /// Specular colour, linear.
+    /// The specular colour, linear.
     pub ks: Vec3,
-    /// Emitted radiance.
+    /// The emitted radiance.
     pub ke: Vec3,
-    /// Phong exponent.
+    /// The Phong exponent.
     pub ns: f32,
     /// Index of refraction.
     pub ni: f32,
-    /// Opacity in [0, 1].
+    /// The opacity in [0, 1].
     pub d: f32,
-    /// Illumination model of the MTL specification, 0 to 10.
+    /// The illumination model of the MTL specification, 0 to 10.
     pub illum: Option<u8>,
-    /// PBR extension: roughness and metallic in [0, 1], where given.
+    /// The roughness of the PBR extension, in [0, 1], where given.
     pub pr: Option<f32>,
-    /// Metallic of the PBR extension, in [0, 1], where given.
+    /// The metallic of the PBR extension, in [0, 1], where given.
     pub pm: Option<f32>,
-    /// Pictures in place of numbers.
+    /// The pictures in place of numbers.
     pub maps: MtlMaps,
 }
 
 impl MeshData {
-    /// The box around all vertices, those of no triangle included.
+    /// The box around all vertices, also those of no triangle.
     pub fn bounds(&self) -> Aabb {
         Aabb::from_points(self.positions.iter().copied())
     }
@@ -134,7 +134,7 @@ impl MeshData {
         self
     }
 
-    /// A copy whose texture coordinates are upside down, with memory of its own for itself and its acceleration structure.
+    /// A copy whose texture coordinates are flipped vertically, with memory of its own for itself and its acceleration structure.
     pub fn with_flipped_tex_coords(&self) -> Result<Self, Shortage> {
         let memory = memory::reserve(self.memory_bytes())?.into();
         let mut copy = Self { memory, ..self.clone() };

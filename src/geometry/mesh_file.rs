@@ -12,9 +12,9 @@ use crate::memory::{self, Reservation, Shortage};
 /// A mesh that was read, and what of the file was left out or mended on the way, one sentence each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadedMesh {
-    /// Complete, with normals.
+    /// The complete mesh, with normals.
     pub mesh: MeshData,
-    /// Bounded in number whatever the file holds; equal remarks are counted, not repeated.
+    /// The warnings, bounded in number whatever the file holds; equal ones are counted, not repeated.
     pub warnings: Vec<String>,
 }
 
@@ -22,7 +22,7 @@ impl LoadedMesh {
     /// The same with warnings that show no text of the file.
     pub fn without_quotes(mut self) -> Self {
         for warning in &mut self.warnings {
-            // Quoted text may hold the quotation mark itself.
+            // Quoted text may contain the quotation mark itself.
             if let (Some(start), Some(end)) = (warning.find('`'), warning.rfind('`')) {
                 warning.replace_range(start..=end, "…");
             }
@@ -34,11 +34,11 @@ impl LoadedMesh {
 /// A place in a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// 1-based line of a text file, or of a binary file's text header.
+    /// The 1-based line of a text file, or of a binary file's text header.
     Line(u64),
-    /// 0-based offset into a binary file.
+    /// The 0-based offset into a binary file.
     Byte(u64),
-    /// 0-based offset into the unpacked content of a compressed one.
+    /// The 0-based offset into the unpacked content of a compressed file.
     Unpacked(u64),
 }
 
@@ -52,7 +52,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why a mesh file could not be read.
+/// The reason why a mesh file could not be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum MeshError {
@@ -80,7 +80,7 @@ pub enum MeshError {
     NoTriangles,
     #[error("{what} is beyond what this program reads ({limit})")]
     TooLarge { what: &'static str, limit: u64 },
-    /// `what` is a plural noun with its number.
+    /// The memory budget has no room. `what` is a plural noun with its number.
     #[error("{what} need {shortage}")]
     Memory { what: String, shortage: Shortage },
 }
@@ -91,7 +91,7 @@ pub(super) struct MeshMemory {
 }
 
 impl MeshMemory {
-    /// `what` asks for the bytes: a plural noun with its number.
+    /// Reserves bytes. `what` is what they are for: a plural noun with its number.
     pub fn reserve(bytes: u64, what: impl FnOnce() -> String) -> Result<Self, MeshError> {
         match memory::reserve(bytes) {
             Ok(reservation) => Ok(Self { reservation }),
@@ -106,7 +106,7 @@ impl MeshMemory {
         resized.map_err(|shortage| MeshError::Memory { what: what(), shortage })
     }
 
-    /// The mesh, which holds from now on what it and its acceleration structure need.
+    /// The mesh, which from now on holds the memory that it and its acceleration structure need.
     pub fn hold(mut self, mut mesh: MeshData) -> Result<MeshData, MeshError> {
         let resized = self.reservation.resize(mesh.memory_bytes());
         resized.map_err(|shortage| MeshError::Memory {
@@ -136,7 +136,7 @@ impl MeshError {
     }
 }
 
-/// `bytes` as a quoted excerpt for a message: one line, at most 40 characters.
+/// An excerpt of `bytes` in quotes for a message: one line, at most 40 characters.
 pub(super) fn excerpt(bytes: &[u8]) -> String {
     const LONGEST: usize = 40;
     let text = decode(&bytes[..bytes.len().min(4 * LONGEST)]);
@@ -156,7 +156,7 @@ pub(super) fn excerpt(bytes: &[u8]) -> String {
     }
 }
 
-/// Text of unknown encoding: UTF-8 when it is that, otherwise Latin-1, which every byte string is.
+/// Decodes text of unknown encoding: UTF-8 if it is valid, otherwise Latin-1, which every byte string is.
 pub(super) fn decode(bytes: &[u8]) -> std::borrow::Cow<'_, str> {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.into(),

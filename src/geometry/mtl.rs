@@ -101,7 +101,7 @@ fn sound_statements(text: &str, library: &str, warnings: &mut Warnings) -> State
             }
             "d" | "Tr" | "Pr" | "Pm" => number_in(&values, 0.0, 1.0).map(|value| writeln!(sound, "{keyword} {value}")),
             "illum" => number_in(&values, 0.0, 10.0).map(|model| writeln!(sound, "illum {}", model as u8)),
-            // Ambient light, transmission filters and the like have no place in a path tracer's materials.
+            // Ambient light, transmission filters and the like have no meaning for a path tracer.
             _ => continue,
         };
         if written.is_none() {
@@ -119,7 +119,7 @@ fn is_texture(keyword: &str) -> bool {
     keyword.starts_with("map_") || matches!(keyword.as_str(), "bump" | "norm" | "disp" | "decal" | "refl")
 }
 
-/// One number stands for three equal ones; values are not negative. Spectral files and XYZ are not understood.
+/// Reads a colour. One number stands for three equal ones; values are not negative. Spectral files and XYZ are not read.
 fn color(values: &[&str]) -> Option<[f32; 3]> {
     let number = |text: &&str| number_in(&[*text], 0.0, f32::MAX);
     match values {
@@ -153,7 +153,7 @@ fn convert(material: &tobj::Material, maps: MtlMaps) -> MtlMaterial {
         ke: material.emissive.map_or(absent.ke, Vec3::from),
         ns: material.shininess.unwrap_or(absent.ns),
         ni: material.optical_density.unwrap_or(absent.ni),
-        // `Tr` is the complement, and older; `d` wins where both are given.
+        // `Tr` is the complement, and older; `d` counts if both are given.
         d: material
             .dissolve
             .or(extension("Tr").map(|tr| 1.0 - tr))

@@ -1,4 +1,4 @@
-//! Texture statements of MTL: `map_Kd -s 2 2 2 -o 0.5 0 -clamp on wood floor.png`.
+//! Parses texture statements of MTL: `map_Kd -s 2 2 2 -o 0.5 0 -clamp on wood floor.png`.
 
 use std::path::PathBuf;
 
@@ -9,9 +9,9 @@ use glam::Vec2;
 pub struct MtlMap {
     /// The path relative to the folder of the mesh; it begins with the path to the library's folder.
     pub file: PathBuf,
-    /// uv times `scale` plus `offset` is where the picture is looked up; v counts from the bottom up, as OBJ has it.
+    /// The scale: the picture is looked up at uv times `scale` plus `offset`; v counts from the bottom up, as in OBJ.
     pub scale: Vec2,
-    /// See `scale`.
+    /// The offset, see `scale`.
     pub offset: Vec2,
     /// Whether the picture's edge continues outside of the unit square, instead of a repetition.
     pub clamp: bool,
@@ -20,16 +20,16 @@ pub struct MtlMap {
 /// The pictures of a material; each takes the place of the number of the same name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MtlMaps {
-    /// Diffuse colour.
+    /// The map of the diffuse colour.
     pub kd: Option<MtlMap>,
-    /// Opacity.
+    /// The map of the opacity.
     pub d: Option<MtlMap>,
-    /// Normals in the tangent frame, as colours.
+    /// The map of normals in the tangent frame, as colours.
     pub norm: Option<MtlMap>,
 }
 
 impl MtlMaps {
-    /// The place of what `keyword` names, whatever its case; None if no such picture is kept.
+    /// The field that `keyword` means, in any case; None if no such picture is kept.
     pub(super) fn slot(&mut self, keyword: &str) -> Option<&mut Option<MtlMap>> {
         Some(match &*keyword.to_ascii_lowercase() {
             "map_kd" => &mut self.kd,
@@ -95,7 +95,7 @@ pub(super) fn parse_map(text: &str) -> Option<MtlMap> {
             _ => {}
         }
     }
-    // Libraries that were made on Windows.
+    // This is for libraries that were made on Windows.
     map.file = rest.trim_matches('"').replace('\\', "/").into();
     (!map.file.as_os_str().is_empty()).then_some(map)
 }

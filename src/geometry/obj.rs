@@ -128,8 +128,8 @@ impl Statements {
         }
     }
 
-    /// Indices may point forward, so they are checked when all is read. Texture coordinates and normals of a file that defines none at
-    /// all are forgiven: [`Self::build`] leaves them out.
+    /// Checks indices. They may point forward, so that is done at the end. Texture coordinates and normals of a file that defines none at all are
+    /// no error: [`Self::build`] leaves them out.
     fn check_indices(&self) -> Result<(), MeshError> {
         let forgiving = |count: usize| if count == 0 { usize::MAX } else { count };
         let pools = [
@@ -289,7 +289,7 @@ fn joined<T>(parts: &mut [Part], array: impl Fn(&mut Part) -> &mut Vec<T>) -> Ve
     all
 }
 
-/// The materials of the library or libraries: `names` is one file name, spaces and all; or, if there is no such file, several.
+/// Reads the materials of the library or libraries: `names` is one file name, spaces and all, or if there is no such file, several.
 fn read_libraries(
     names: &str,
     place: Place,

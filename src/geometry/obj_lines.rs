@@ -119,8 +119,8 @@ impl<'a> Words<'a> {
         Self { rest: line }
     }
 
-    /// The next word as `read` reads it; `read` gives what it read and how many bytes that took. If it did not read the whole word,
-    /// `None`, and the word stays.
+    /// The next word as `read` reads it, which gives the value and the number of bytes that it took. If it did not take the whole word, the result
+    /// is `None`, and the word stays.
     #[inline]
     pub fn next_if<T>(&mut self, read: impl Fn(&[u8]) -> Option<(T, usize)>) -> Option<T> {
         self.skip_blanks();

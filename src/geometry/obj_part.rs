@@ -11,10 +11,10 @@ use super::decimal::{leading_f32, leading_u32, longest_number};
 use super::mesh_file::{MeshError, Place, Warnings, decode, excerpt};
 use super::obj_lines::{Lines, Words};
 
-/// Stands for an index that a corner does not give, and for "no material yet".
+/// The mark of an index that a corner does not give, and of "no material yet".
 pub const NONE: u32 = u32::MAX;
 
-/// Indices from 0 into the file's positions, uvs and normals.
+/// The indices from 0 into the file's positions, uvs and normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Corner {
     pub position: u32,
@@ -68,12 +68,12 @@ pub struct Part {
     pub used_names: Vec<String>,
     /// The name that was used last as an index, or [`NONE`].
     pub material: u32,
-    /// Lines and arguments of `mtllib`, from the first line of the file on.
+    /// The lines and arguments of `mtllib`, from the first line of the file on.
     pub libraries: Vec<(u32, String)>,
     pub warnings: Warnings,
     /// The first one; nothing is read after it.
     pub error: Option<MeshError>,
-    /// Some indices are not known yet.
+    /// Whether some indices are not known yet.
     counts_backwards: bool,
 }
 
@@ -107,7 +107,7 @@ impl Part {
         }
     }
 
-    /// Makes this what it is after a text of `before`, given the text it was read from.
+    /// Completes the part, once it is known that a text of `before` precedes it; `text` is what it was read from.
     pub fn follow(&mut self, before: Counts, text: &[u8]) {
         let matters =
             self.counts_backwards || self.error.is_some() || !self.warnings.is_empty() || !self.libraries.is_empty();

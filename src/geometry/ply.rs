@@ -86,7 +86,7 @@ fn bytes_per_element(name: &str) -> u64 {
     }
 }
 
-/// Sees to it that the elements that matter are there once and hold what is needed; the number of vertices.
+/// Checks that the elements that matter exist once and have the needed properties; gives the number of vertices.
 fn check_elements(header: &Header) -> Result<u64, MeshError> {
     let find = |name: &str| {
         let mut named = header.elements.iter().filter(|element| element.name == name);
@@ -379,7 +379,7 @@ fn add_fan(source: &impl Source, item: Scalar, corners: u64, vertex_count: u64, 
         largest = largest.max(next);
         last = next;
     }
-    // Negative indices are large here, so that there must not be as many vertices.
+    // Negative indices are large here, so that the number of vertices must be below them.
     let is_good = u64::from(largest) < vertex_count.min(1 << 31);
     if !is_good {
         triangles.truncate(before);

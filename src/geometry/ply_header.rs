@@ -145,7 +145,7 @@ pub struct Header {
     pub elements: Vec<Element>,
     /// Lines the header takes.
     pub lines: u64,
-    /// Offset of the body.
+    /// The offset of the body.
     pub length: usize,
 }
 
@@ -274,7 +274,7 @@ struct HeaderLines<'a> {
 }
 
 impl<'a> HeaderLines<'a> {
-    /// No sane header is longer.
+    /// The longest header; no sane one is longer.
     const LONGEST: usize = 1 << 20;
 
     fn next(&mut self) -> Result<&'a [u8], MeshError> {

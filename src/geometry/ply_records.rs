@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::ply_header::{Element, Kind, Scalar};
 use super::ply_source::BinaryNumbers;
 
-/// Records that one thread reads in one go: far more work than it is to ask for it.
+/// The records that one thread reads at once: their work is much more than the cost of claiming them.
 const STRETCH: usize = 1 << 12;
 
 /// An element's records one after the other.
@@ -76,7 +76,7 @@ impl<'a> Records<'a> {
 
     /// The lists of property `list`, if all have three items that are indices below `vertex_count`.
     pub fn triangles(&self, list: usize, count: Scalar, item: Scalar, vertex_count: u64) -> Option<Vec<[u32; 3]>> {
-        // Negative ones are then too large.
+        // Negative indices are too large then.
         let count_of_indices = u32::try_from(vertex_count).ok().filter(|&count| count <= 1 << 31)?;
         if !matches!(item, Scalar::I32 | Scalar::U32) {
             return None;
@@ -114,7 +114,7 @@ impl<'a> Records<'a> {
         all
     }
 
-    /// Numbers of four bytes at the beginning of `bytes`; 0 beyond their end.
+    /// The numbers of four bytes at the beginning of `bytes`; 0 beyond their end.
     #[inline(always)]
     fn words<const N: usize>(&self, bytes: &[u8]) -> [u32; N] {
         let mut words = [0; N];

@@ -6,7 +6,7 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
-/// Ear clipping looks at every pair of corners, and more in bad cases; beyond this many it is not tried.
+/// The most corners of a polygon for ear clipping, which looks at every pair of corners, and more in bad cases.
 const MOST_CORNERS_TO_CLIP: usize = 512;
 
 /// Calls `emit` with each triangle of a polygon, as indices into `corners`; always `corners.len() - 2` of them, in the polygon's winding.
@@ -25,7 +25,7 @@ pub fn triangulate(corners: &[Vec3], mut emit: impl FnMut([usize; 3])) {
     }
 }
 
-/// The polygon in the plane it mostly lies in, counter-clockwise; `None` without area.
+/// The polygon in the plane that it is closest to, counter-clockwise; `None` without area.
 fn flattened(corners: &[Vec3]) -> Option<Vec<DVec2>> {
     let origin = corners[0].as_dvec3();
     let local: Vec<DVec3> = corners.iter().map(|corner| corner.as_dvec3() - origin).collect();
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn a_comb_keeps_its_area() {
-        // Ten teeth of 1 x 3 with gaps of 1 between them, on a back of height 1.
+        // The comb has ten teeth of 1 x 3 with gaps of 1 between them, on a back of height 1.
         let mut comb = vec![Vec3::ZERO, Vec3::new(19.0, 0.0, 0.0)];
         for tooth in (0..10).rev() {
             let x = 2.0 * tooth as f32;

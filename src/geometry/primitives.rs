@@ -1,4 +1,4 @@
-//! Shapes that are meshes from the start.
+//! Makes shapes that are meshes from the start.
 
 use glam::{Vec2, Vec3};
 

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use super::local::{LocalHit, LocalSurface, Parametrisation};
 use crate::math::Ray;
 
-/// Plane test, then the bounds. The hit's u, v are the local x, y.
+/// Tests the plane, then the bounds. The hit's u, v are the local x, y.
 pub fn intersect(ray: &Ray) -> Option<LocalHit> {
     let t = -ray.origin.z / ray.dir.z;
     let (u, v) = (ray.origin.x + t * ray.dir.x, ray.origin.y + t * ray.dir.y);

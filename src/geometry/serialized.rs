@@ -59,7 +59,7 @@ impl<'a> SerializedFile<'a> {
         }
     }
 
-    /// Number of shapes.
+    /// The number of shapes.
     pub fn count(&self) -> u32 {
         self.offsets.len() as u32
     }
@@ -115,11 +115,11 @@ fn offsets(bytes: &[u8], version: u16) -> Result<Vec<u64>, MeshError> {
     Ok(offsets)
 }
 
-/// The content of one shape, unpacked as it is asked for.
+/// The content of one shape, unpacked as it is read.
 struct Unpacked<'a> {
     decoder: ZlibDecoder<&'a [u8]>,
     read: u64,
-    /// No more bytes than these can be there.
+    /// The most bytes that can be left.
     most: u64,
 }
 
@@ -132,7 +132,7 @@ impl<'a> Unpacked<'a> {
         }
     }
 
-    /// Memory grows only with what is really there.
+    /// Reads bytes. Memory grows only with what is really there.
     fn bytes(&mut self, count: u64) -> Result<Vec<u8>, MeshError> {
         let mut bytes = Vec::new();
         let result = self.decoder.by_ref().take(count).read_to_end(&mut bytes);
@@ -160,7 +160,7 @@ impl<'a> Unpacked<'a> {
         Place::Unpacked(self.read)
     }
 
-    /// `count` points of `N` numbers each.
+    /// Reads `count` points of `N` numbers each.
     fn points<const N: usize>(&mut self, count: u64, is_double: bool) -> Result<Vec<[f32; N]>, MeshError> {
         let width = if is_double { 8 } else { 4 };
         let bytes = self.bytes(count.saturating_mul((N * width) as u64))?;

@@ -17,7 +17,7 @@ use crate::math::{Ray, gamma};
 pub enum Faces {
     /// Rays hit front and back.
     Both,
-    /// Rays that come from behind pass.
+    /// Only the front. Rays from behind pass.
     FrontOnly,
 }
 
@@ -26,7 +26,7 @@ pub(crate) trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Ou
 
 impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T {}
 
-/// A ray as the test wants it. Axes are turned so that the third one is that of the largest component of the direction.
+/// A ray prepared for the test. Axes are permuted so that the third one is that of the largest component of the direction.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TriangleRay {
     /// The axis of the scene that each of the permuted axes is.
@@ -149,8 +149,8 @@ pub fn surface(corners: [Vec3; 3], u: f32, v: f32) -> LocalSurface {
     let (edge_b, edge_c) = (b - a, c - a);
     let normal = edge_b.cross(edge_c);
 
-    // Rounding of the interpolation, and of the distance to the plane as the ray test evaluates it: (a - origin) . normal, where each
-    // component of the normal is a difference of products (large for slivers).
+    // The rounding of the interpolation, and of the distance to the plane as the ray test evaluates it: (a - origin) . normal, where each component
+    // of the normal is a difference of products (large for slivers).
     let interpolation = gamma(7) * (w.abs() * a.abs() + u.abs() * b.abs() + v.abs() * c.abs());
     let (p, q) = (edge_b.abs(), edge_c.abs());
     let products = Vec3::new(p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x);
@@ -213,7 +213,7 @@ mod tests {
     fn grazing_rays_hit_within_the_triangle() {
         for exponent in 1..12 {
             let slope = 10f32.powi(-exponent);
-            // Aimed at (1/4, 1/4, 0) from far along x.
+            // The ray is aimed at (1/4, 1/4, 0) from far along x.
             let ray = Ray::new(Vec3::new(0.25 - 8.0, 0.25, 8.0 * slope), Vec3::new(1.0, 0.0, -slope));
             let hit = intersect(&ray, CORNERS, Faces::Both).unwrap();
             let position = surface(CORNERS, hit.u, hit.v).position;

@@ -11,13 +11,13 @@ use wide::{f32x4, u32x4};
 /// The normal of a vertex that no triangle with an area touches; never seen by a ray, but unit length all the same.
 pub(crate) const NORMAL_OF_LONE_VERTEX: Vec3 = Vec3::X;
 
-/// Triangles that are looked at abreast.
+/// The number of triangles that are computed side by side.
 const LANES: usize = 4;
 
-/// Smaller meshes are done before other threads have woken up.
+/// The least number of triangles that is shared among threads: smaller meshes are done before other threads have woken up.
 const FEWEST_TO_SHARE: usize = 1 << 13;
 
-/// One unit normal per position. Every index must be below `positions.len()`.
+/// One unit normal for each position. Every index must be below `positions.len()`.
 ///
 /// Triangles without area count for nothing; a vertex whose triangles cancel out, or that has none, gets [`NORMAL_OF_LONE_VERTEX`].
 /// Threads share out the vertices, and each takes their triangles in order: the sums do not depend on how many there are.
@@ -55,7 +55,7 @@ fn add_normals(positions: &[Vec3], triangles: &[[u32; 3]], first: usize, sums: &
         let angles = [angles[0].to_array(), angles[1].to_array(), angles[2].to_array()];
         for (lane, triangle) in block.iter().enumerate() {
             let normal = Vec3::new(x[lane], y[lane], z[lane]);
-            // No number where there is no area.
+            // The normal is no number if there is no area.
             if !normal.is_finite() {
                 continue;
             }
@@ -147,7 +147,7 @@ fn largest(v: [f32x4; 3]) -> f32x4 {
     v[0].abs().fast_max(v[1].abs()).fast_max(v[2].abs())
 }
 
-/// The direction of `vector`, whatever its length, even where the square of that is beyond an `f32`; `None` for zero and what is not finite.
+/// The direction of `vector`, whatever its length, even if its square is beyond an `f32`; `None` for zero and vectors that are not finite.
 pub fn unit(vector: Vec3) -> Option<Vec3> {
     let square = vector.length_squared();
     if (1e-30..1e30).contains(&square) {
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn the_angle_counts_not_the_number_of_triangles() {
-        // A cube corner whose top face is cut in two: by angle both halves weigh together as much as one side does.
+        // It is a cube corner whose top face is cut in two: by angle both halves weigh together as much as one side does.
         let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::new(1.0, 1.0, 0.0)];
         let triangles = [[0, 1, 4], [0, 4, 2], [0, 2, 3], [0, 3, 1]];
         let normal = angle_weighted_normals(&positions, &triangles)[0];

@@ -8,17 +8,17 @@ use glam::Vec3;
 
 use crate::math::Aabb;
 
-/// Added to the angle of merged cones (radians), so that rounding leaves no emitter outside: that of `acos` near its ends.
+/// The angle that is added to merged cones (radians), so that rounding leaves no emitter outside: that of `acos` near its ends.
 const ANGLE_ROUNDING: f32 = 1e-3;
 
-/// Bounds of one emitter or of a set of them.
+/// The bounds of one emitter or of a set of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LightBounds {
     pub bounds: Aabb,
     pub cone: NormalCone,
     /// Cosine, in [0, 1], of the angle to its normal up to which an emitter shines; 0 for the hemisphere of a surface.
     pub cos_emission: f32,
-    /// Radiant intensity (luminance, W/sr) in the direction of most of it, about.
+    /// The approximate radiant intensity (luminance, W/sr) in the direction in which it is greatest.
     pub intensity: f32,
 }
 

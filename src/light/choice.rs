@@ -24,7 +24,7 @@ pub(super) struct LightChoice {
     infinite_share: f32,
 }
 
-/// Share of the samples that go to lights at infinity where there are others: which kind matters differs from place to place.
+/// The share of the samples that go to lights at infinity if there are others: the kind that matters differs from place to place.
 const INFINITE_SHARE: f32 = 0.5;
 
 impl LightChoice {
@@ -58,8 +58,7 @@ impl LightChoice {
         }
     }
 
-    /// The choice that `u` in [0, 1) stands for, with its probability; None if nothing shines on `reference`. Where there is only one
-    /// `u` is not asked for.
+    /// The choice for `u` in [0, 1), with its probability; None if nothing shines on `reference`. If there is only one light, `u` is not used.
     pub fn sample(&self, reference: &LightReference, u: impl FnOnce() -> f64) -> Option<(Chosen, f32)> {
         if let Some(only) = self.certain() {
             return Some((only, 1.0));

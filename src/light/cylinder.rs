@@ -1,4 +1,4 @@
-//! Open cylinders that emit, circular or not: sampled uniformly in angle and height, which for circular ones is uniform in area.
+//! Open cylinders that emit, circular or not. They are sampled uniformly in angle and height, which is uniform in area for circular ones.
 
 use std::f32::consts::TAU;
 
@@ -10,7 +10,7 @@ use super::hit::{SurfaceHit, SurfaceSample, solid_angle_pdf};
 pub(super) struct CylinderLight {
     world_from_local: Affine3A,
     local_from_world: Affine3A,
-    /// 1 to shine outwards, -1 inwards.
+    /// The side that shines: 1 outwards, -1 inwards.
     side: f32,
 }
 
@@ -23,7 +23,8 @@ impl CylinderLight {
         }
     }
 
-    /// Exact for circular ones; else with Ramanujan's circumference of an ellipse, and only the choice between lights depends on it.
+    /// The area. It is exact for circular cylinders, and by Ramanujan's circumference of an ellipse for others; only the choice between lights
+    /// depends on it.
     pub fn area(&self) -> f32 {
         let axis = self.world_from_local.matrix3.z_axis;
         let length = axis.length();

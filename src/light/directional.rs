@@ -9,7 +9,7 @@ use crate::color::Rgb;
 pub(super) struct DirectionalLight {
     /// Unit vector, where the light goes.
     pub direction: Vec3,
-    /// W/m^2 on a surface that faces it.
+    /// The irradiance in W/m^2 on a surface that faces it.
     pub irradiance: Rgb,
 }
 

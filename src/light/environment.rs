@@ -25,7 +25,7 @@ pub struct EnvironmentMap {
     mean: f32,
 }
 
-/// Fewer rows are made this many by repeating the last one, as Mitsuba 3 does.
+/// The least number of rows. A picture with fewer gets more by repeating the last one, as in Mitsuba 3.
 const LEAST_ROWS: u32 = 3;
 
 /// The share of the density that remains where compensation would leave nothing. It keeps the sampling sound where no other technique helps.
@@ -35,8 +35,8 @@ const COMPENSATION_FLOOR: f32 = 0.05;
 const LEAST_SINE: f32 = 1e-7;
 
 impl EnvironmentMap {
-    /// Pixels that are negative or no number count as black. `compensated` sharpens the density by taking the mean away from it, for
-    /// what surfaces sample by themselves need not be sampled twice (Karlik et al., MIS Compensation, SIGGRAPH Asia 2019).
+    /// Prepares an environment. Pixels that are negative or no number count as black. `compensated` sharpens the density by subtracting the mean:
+    /// directions that surfaces sample by themselves need not be sampled twice (Karlik et al., MIS Compensation, SIGGRAPH Asia 2019).
     pub fn new(image: Arc<Image>, compensated: bool) -> Self {
         let (width, height) = (image.width(), image.height());
         let rows = height.max(LEAST_ROWS);
@@ -107,7 +107,7 @@ impl PartialEq for EnvironmentMap {
 #[derive(Clone, Debug)]
 pub(super) struct EnvironmentLight {
     pub map: Arc<EnvironmentMap>,
-    /// Orthonormal; may mirror.
+    /// The orthonormal map from local space; it may mirror.
     pub world_from_local: Mat3,
     pub scale: f32,
 }
@@ -134,7 +134,7 @@ impl EnvironmentLight {
         self.scale * self.map.radiance(uv(self.world_from_local.transpose() * wi))
     }
 
-    /// [`Self::radiance`], and the density per solid angle of [`Self::sample`].
+    /// The radiance as [`Self::radiance`], and the density per solid angle of [`Self::sample`].
     pub fn radiance_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
         let local = self.world_from_local.transpose() * wi;
         let uv = uv(local);
@@ -147,13 +147,13 @@ impl EnvironmentLight {
         (self.scale * self.map.radiance(uv), pdf)
     }
 
-    /// Luminance on average over all directions.
+    /// The average luminance over all directions.
     pub fn mean_luminance(&self) -> f32 {
         self.scale * self.map.mean
     }
 }
 
-/// Longitude and latitude of a unit vector as fractions of the picture.
+/// The longitude and latitude of a unit vector as fractions of the picture.
 fn uv(local: Vec3) -> Vec2 {
     let turn = local.x.atan2(-local.z) / TAU;
     // The arc cosine has no digits left near the poles.
@@ -161,7 +161,7 @@ fn uv(local: Vec3) -> Vec2 {
     Vec2::new(turn - turn.floor(), (theta * FRAC_1_PI).min(1.0))
 }
 
-/// Density per solid angle of what is uniform over the picture.
+/// The density per solid angle of a density that is uniform over the picture.
 fn uv_density(sin_theta: f32) -> f32 {
     1.0 / (TAU * PI * sin_theta.abs().max(LEAST_SINE))
 }

@@ -31,7 +31,7 @@ impl FiniteLight {
         }
     }
 
-    /// The part that `hit` lies on; None for emitters that cannot be hit.
+    /// The part that `hit` is on; None for emitters that cannot be hit.
     pub fn part_of(&self, hit: &SurfaceHit) -> Option<u32> {
         match self {
             Self::Surface(light) => light.part_of(hit),

@@ -13,7 +13,7 @@ pub struct SurfaceHit {
     pub shading_normal: Vec3,
     /// The mesh's triangle; zero for other shapes.
     pub primitive: u32,
-    /// Weights of the triangle's corners 1 and 2; zero for other shapes.
+    /// The weights of the triangle's corners 1 and 2; zero for other shapes.
     pub barycentric: Vec2,
     /// The surface coordinates, for textured light.
     pub uv: Vec2,

@@ -19,11 +19,11 @@ pub struct Atmosphere {
     pub albedo: Rgb,
     /// Unit vector to the sun, in the local frame.
     pub sun_direction: Vec3,
-    /// Factors on the radiance of each.
+    /// The factor on the radiance of the sky, not negative.
     pub sky_scale: f32,
-    /// Factor on the radiance of the sun, not negative.
+    /// The factor on the radiance of the sun, not negative.
     pub sun_scale: f32,
-    /// Angle under which the sun is seen, radians, in (0, pi); its irradiance does not depend on it.
+    /// The angle under which the sun is seen, in radians, in (0, pi); its irradiance does not depend on it.
     pub sun_aperture: f32,
     /// Whether the sun is darker towards its rim.
     pub limb_darkening: bool,
@@ -32,7 +32,7 @@ pub struct Atmosphere {
 const TURBIDITIES: usize = 10;
 const CONTROL_POINTS: usize = 6;
 const COEFFICIENTS: usize = 9;
-/// Elevations at which the irradiance of the sun is tabulated, degrees.
+/// The elevations at which the irradiance of the sun is tabulated, in degrees.
 const ELEVATIONS: usize = 30;
 const FIRST_ELEVATION: f32 = 2.0;
 const ELEVATION_STEP: f32 = 3.0;
@@ -46,11 +46,11 @@ const LIMB_DARKENING: [[f32; 6]; 3] = [
 ];
 
 struct Tables {
-    /// [channel][albedo][turbidity][control point][coefficient]
+    /// The coefficients by [channel][albedo][turbidity][control point][coefficient].
     shape: Vec<f32>,
-    /// [channel][albedo][turbidity][control point], W/(m^2 sr)
+    /// The radiance by [channel][albedo][turbidity][control point], in W/(m^2 sr).
     radiance: Vec<f32>,
-    /// [turbidity][elevation][channel], W/m^2
+    /// The sun's irradiance by [turbidity][elevation][channel], in W/m^2.
     sun: Vec<f32>,
 }
 
@@ -107,7 +107,7 @@ impl SkyModel {
         one_minus_cos(0.5 * self.atmosphere.sun_aperture)
     }
 
-    /// Irradiance on a surface that faces the sun, W/m^2.
+    /// The irradiance on a surface that faces the sun, in W/m^2.
     pub fn sun_irradiance(&self) -> Rgb {
         self.sun_radiance * TAU * self.sun_one_minus_cos()
     }
@@ -151,7 +151,7 @@ impl SkyModel {
         self.sun_radiance * Rgb::from(darkening)
     }
 
-    /// Exact for small angles, unlike the dot product.
+    /// 1 - cos of the angle to the sun. It is exact for small angles, unlike the dot product.
     fn one_minus_cos_to_sun(&self, direction: Vec3) -> f32 {
         0.5 * direction.distance_squared(self.atmosphere.sun_direction)
     }
@@ -172,7 +172,8 @@ fn neighbours(position: f32, count: usize) -> (usize, usize, f32) {
     (first, first + 1, position - first as f32)
 }
 
-/// Entry `index` of `length` per control point: linear in turbidity and albedo, a quintic Bezier curve in the cube root of the elevation.
+/// Interpolates the entry `index` of `length` per control point: linear in turbidity and albedo, a quintic Bezier curve in the cube root of the
+/// elevation.
 fn interpolate(table: &[f32], length: usize, index: usize, atmosphere: &Atmosphere, elevation: f32) -> Rgb {
     let (low, high, hazier) = neighbours(atmosphere.turbidity - 1.0, TURBIDITIES);
     let t = (elevation / FRAC_PI_2).clamp(0.0, 1.0).cbrt();

@@ -1,4 +1,4 @@
-//! Emitters at infinity: dispatch over their kinds.
+//! Emitters at infinity: dispatches over their kinds.
 //!
 //! Densities are given the light; the probability of the light is the table's.
 
@@ -22,7 +22,7 @@ pub(super) enum InfiniteLight {
 }
 
 impl InfiniteLight {
-    /// Irradiance (luminance, W/m^2) on a surface that faces the light, about: its weight among the lights at infinity.
+    /// The approximate irradiance (luminance, W/m^2) on a surface that faces the light: its weight among the lights at infinity.
     pub fn irradiance(&self) -> f32 {
         match self {
             Self::Directional(light) => luminance(light.irradiance),
@@ -40,7 +40,7 @@ impl InfiniteLight {
         }
     }
 
-    /// None where it is black, or on the horizon of the reference.
+    /// Samples the light; None where it is black, or on the horizon of the reference.
     pub fn sample(&self, reference: &LightReference, u: Vec2) -> Option<LightSample> {
         match self {
             Self::Directional(light) => Some(light.sample()),
@@ -50,7 +50,7 @@ impl InfiniteLight {
         }
     }
 
-    /// [`Self::radiance`], and the density per solid angle of [`Self::sample`].
+    /// The radiance as [`Self::radiance`], and the density per solid angle of [`Self::sample`].
     pub fn radiance_and_pdf(&self, reference: &LightReference, wi: Vec3) -> (Rgb, f32) {
         match self {
             Self::Directional(_) => (Rgb::ZERO, 0.0),

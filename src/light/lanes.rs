@@ -14,23 +14,23 @@ use crate::sampling::lanes::{RectangleLanes, cosine_hemisphere};
 /// A rectangle that is the only light.
 #[derive(Clone, Copy, Debug)]
 pub struct SoleRectangle {
-    /// W/(m^2 sr), from the front.
+    /// The radiance in W/(m^2 sr), from the front.
     pub radiance: Rgb,
     pub(super) rectangle: RectangleLanes,
     pub(super) corner: Vec3,
     pub(super) edges: [Vec3; 2],
     pub(super) normal: Vec3,
     pub(super) pdf_area: f32,
-    /// Bound on the rounding error of its points.
+    /// The bound on the rounding error of its points.
     pub(super) error: f32,
 }
 
 /// The points from which light is sought in each lane, as [`LightReference`].
 #[derive(Clone, Copy, Debug)]
 pub struct ReferenceLanes {
-    /// As [`LightReference::position`].
+    /// The positions as [`LightReference::position`].
     pub position: Vec3Lanes,
-    /// As [`LightReference::normal`].
+    /// The normals as [`LightReference::normal`].
     pub normal: Vec3Lanes,
     /// The lanes that see the half space around their normal only, a bit per lane; the others have no normal.
     pub halved: u32,
@@ -74,7 +74,7 @@ pub struct RectangleLightSampleLanes {
     pub wi: Vec3Lanes,
     /// The ends of the shadow rays.
     pub target: Vec3Lanes,
-    /// Densities per solid angle.
+    /// The densities per solid angle.
     pub pdf: Lanes,
     /// The lanes that it shines on.
     pub is_valid: Lanes,
@@ -89,8 +89,8 @@ pub enum SoleLight {
     Constant(Rgb),
 }
 
-/// Directions to a constant light by their cosine with the unit vectors `normal`, as [`super::LightTable::sample`] gives them, and their
-/// densities; zero where there is none.
+/// Samples directions to a constant light by their cosine with the unit vectors `normal`, as [`super::LightTable::sample`] does, with their
+/// densities, which are zero where there is none.
 #[inline(always)]
 pub fn sample_constant(normal: Vec3Lanes, u: [Lanes; 2]) -> (Vec3Lanes, Lanes) {
     let local = cosine_hemisphere(u);

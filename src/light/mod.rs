@@ -59,21 +59,21 @@ pub enum LightSource {
     Surface {
         /// Index into [`crate::accel::Tlas::instances`].
         instance: u32,
-        /// Number of the slot among those of the instance.
+        /// The number of the slot among those of the instance.
         slot: u32,
-        /// Negative values of a texture count as no light.
+        /// The radiance. Negative values of a texture count as no light.
         radiance: Parameter<Rgb>,
     },
-    /// Radiant intensity in W/sr.
+    /// A point light of radiant intensity in W/sr.
     Point {
-        /// In world space.
+        /// The position in world space.
         position: Vec3,
         /// The same in all directions.
         intensity: Rgb,
     },
-    /// `direction` is a unit vector, where the light goes; `irradiance` (W/m^2) on a surface that faces it.
+    /// Parallel light. `direction` is the unit vector in which the light goes; `irradiance` (W/m^2) is that on a surface that faces it.
     Directional {
-        /// In world space.
+        /// The direction in world space.
         direction: Vec3,
         /// The same everywhere.
         irradiance: Rgb,
@@ -84,23 +84,23 @@ pub enum LightSource {
     Projector(Projector),
     /// The same radiance from all directions.
     Constant {
-        /// W/(m^2 sr).
+        /// The radiance in W/(m^2 sr).
         radiance: Rgb,
     },
-    /// `scale` times the picture; `world_from_local` is orthonormal.
+    /// A picture of all directions, times `scale`; `world_from_local` is orthonormal.
     Environment {
         /// The picture with the table that it is sampled by.
         map: Arc<EnvironmentMap>,
-        /// From the frame of the picture.
+        /// The map from the frame of the picture.
         world_from_local: Mat3,
-        /// Not negative.
+        /// The factor on the picture, not negative.
         scale: f32,
     },
-    /// `world_from_local` is orthonormal.
+    /// Sun and sky; `world_from_local` is orthonormal.
     SunSky {
-        /// What sky and sun look like.
+        /// The look of sky and sun.
         atmosphere: Atmosphere,
-        /// From the frame in which z points up.
+        /// The map from the frame in which z points up.
         world_from_local: Mat3,
     },
 }
@@ -123,7 +123,7 @@ impl LightSource {
 pub struct WeightedSource {
     /// The light itself.
     pub source: LightSource,
-    /// Factor on the probability of being chosen, not negative. A source of weight 0 is only ever found by other means.
+    /// The factor on the probability of being chosen, not negative. A source of weight 0 is only found by other means.
     pub sampling_weight: f32,
 }
 
@@ -161,7 +161,7 @@ pub struct LightSample {
     pub is_delta: bool,
 }
 
-/// Where a shadow ray ends.
+/// The end of a shadow ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
     /// A point just in front of the emitting surface.

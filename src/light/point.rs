@@ -10,7 +10,7 @@ use crate::math::Aabb;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PointLight {
     pub position: Vec3,
-    /// Radiant intensity, W/sr.
+    /// The radiant intensity, in W/sr.
     pub intensity: Rgb,
 }
 

@@ -17,11 +17,11 @@ use crate::texture::{Parameter, TexturePoint, TextureTable};
 /// A projector as a scene describes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projector {
-    /// Invertible; the light sits at the origin of its space, +x is the left of the picture and +y its top.
+    /// The map to local space, invertible. The light is at the origin of its space, +x is the left of the picture and +y its top.
     pub world_from_local: Affine3A,
-    /// Across the picture, whose uv go from its top left to its bottom right.
+    /// The irradiance across the picture, whose uv go from its top left to its bottom right.
     pub irradiance: Parameter<Rgb>,
-    /// Factor on the irradiance, not negative.
+    /// The factor on the irradiance, not negative.
     pub scale: f32,
     /// Half the picture's size on the plane z = 1: tangents of half the fields of view.
     pub half_size: Vec2,
@@ -50,7 +50,7 @@ impl ProjectorLight {
         self.projector.world_from_local.translation.into()
     }
 
-    /// None outside of the picture's frustum.
+    /// Samples the light; None outside of the picture's frustum.
     pub fn sample(&self, reference: Vec3, textures: &TextureTable) -> Option<LightSample> {
         let local = self.local_from_world.transform_point3(reference);
         if local.z <= 0.0 {

@@ -9,7 +9,7 @@ use crate::math::Aabb;
 use crate::sampling::lanes::RectangleLanes;
 use crate::sampling::{PiecewiseBilinear2d, Rectangle, SphericalRectangle};
 
-/// `corner + a edge_u + b edge_v`, a and b in [0, 1].
+/// A parallelogram `corner + a edge_u + b edge_v`, a and b in [0, 1].
 #[derive(Clone, Debug)]
 pub(super) struct RectangleLight {
     corner: Vec3,
@@ -17,9 +17,9 @@ pub(super) struct RectangleLight {
     edge_v: Vec3,
     normal: Vec3,
     pdf_area: f32,
-    /// None of a parallelogram that is none: it is sampled by area.
+    /// The rectangle; None if it is another parallelogram, which is sampled by area.
     rectangle: Option<Rectangle>,
-    /// Over a and b, if it is not equally bright all over.
+    /// The density over a and b, if it is not equally bright all over.
     density: Option<Box<PiecewiseBilinear2d>>,
 }
 
@@ -36,7 +36,7 @@ impl RectangleLight {
         }
     }
 
-    /// Sampled by a density over its parameters, which are the surface's uv.
+    /// The light, sampled by a density over its parameters, which are the surface's uv.
     pub fn with_density(self, density: Option<PiecewiseBilinear2d>) -> Self {
         Self {
             density: density.map(Box::new),
@@ -44,7 +44,7 @@ impl RectangleLight {
         }
     }
 
-    /// Whether it is no other parallelogram.
+    /// Whether it is a rectangle, and no other parallelogram.
     pub fn is_rectangle(&self) -> bool {
         self.rectangle.is_some()
     }

@@ -1,4 +1,4 @@
-//! Spheres that emit, sampled by the cone they fill; and their affine images, sampled by area.
+//! Spheres that emit, sampled by the cone that they fill; and their affine images, sampled by area.
 
 use std::f32::consts::PI;
 
@@ -36,7 +36,7 @@ impl SphereLight {
         4.0 * PI * self.radius * self.radius
     }
 
-    /// 1 - cos of the half angle of the cone around the sphere; None when `reference` is not outside.
+    /// 1 - cos of the half angle of the cone around the sphere; None if `reference` is not outside.
     fn cone(&self, reference: Vec3) -> Option<f32> {
         let distance_squared = reference.distance_squared(self.center);
         let radius_squared = self.radius * self.radius;
@@ -97,7 +97,7 @@ impl EllipsoidLight {
         }
     }
 
-    /// Knud Thomsen's approximation, within about one percent; only the choice between lights depends on it.
+    /// The area by Knud Thomsen's approximation, within about one percent; only the choice between lights depends on it.
     pub fn area(&self) -> f32 {
         const P: f32 = 1.6075;
         let m = self.world_from_local.matrix3;

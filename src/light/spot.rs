@@ -14,15 +14,15 @@ use crate::texture::{Parameter, TexturePoint, TextureTable};
 /// A spot light as a scene describes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
-    /// Invertible; the light sits at the origin of its space.
+    /// The map to local space, invertible; the light is at the origin of its space.
     pub world_from_local: Affine3A,
-    /// Radiant intensity along the axis, W/sr.
+    /// The radiant intensity along the axis, in W/sr.
     pub intensity: Rgb,
     /// Half angles, radians: no light beyond the cutoff, all of it within the beam. 0 <= beam <= cutoff <= pi.
     pub cutoff_angle: f32,
-    /// See `cutoff_angle`.
+    /// The angle up to which the intensity is full, see `cutoff_angle`.
     pub beam_angle: f32,
-    /// Factor on the intensity, spanning the square around the cone's cross section.
+    /// The factor on the intensity, over the square around the cone's cross section.
     pub texture: Parameter<Rgb>,
 }
 
@@ -53,7 +53,7 @@ impl SpotLight {
         self.spot.world_from_local.translation.into()
     }
 
-    /// None outside of the cone.
+    /// Samples the light; None outside of the cone.
     pub fn sample(&self, reference: Vec3, textures: &TextureTable) -> Option<LightSample> {
         let to_light = self.position() - reference;
         let local = self.local_from_world.transform_vector3(-to_light).try_normalize()?;
@@ -71,7 +71,7 @@ impl SpotLight {
         })
     }
 
-    /// Share of the intensity at an angle from the axis.
+    /// The share of the intensity at an angle from the axis.
     fn falloff(&self, cos_theta: f32) -> f32 {
         if cos_theta <= self.cos_cutoff {
             0.0

@@ -14,19 +14,19 @@ pub struct PlaceAndTime {
     pub latitude: f64,
     /// Degrees, east positive.
     pub longitude: f64,
-    /// Hours that local time is ahead of universal time.
+    /// The hours that local time is ahead of universal time.
     pub timezone: f64,
     /// The year of the Gregorian calendar; months and days count from 1.
     pub year: i32,
-    /// From 1 to 12.
+    /// The month, from 1 to 12.
     pub month: i32,
-    /// From 1 to 31.
+    /// The day, from 1 to 31.
     pub day: i32,
-    /// Local time; may lie outside of the day.
+    /// The hour of local time; it may be outside of the day.
     pub hour: f64,
-    /// Added to the hour; may lie outside of [0, 60).
+    /// The minutes, which are added to the hour; they may be outside of [0, 60).
     pub minute: f64,
-    /// Added to the minute; may lie outside of [0, 60).
+    /// The seconds, which are added to the minute; they may be outside of [0, 60).
     pub second: f64,
 }
 
@@ -37,7 +37,7 @@ const EPOCH: i64 = 2_451_545;
 const PARALLAX: f64 = 6371.01 / 149_597_890.0;
 
 impl PlaceAndTime {
-    /// Unit vector to the sun, z up. Seen from above x points south and y west, as in Mitsuba 3 (whose manual says otherwise).
+    /// The unit vector to the sun, z up. Seen from above x points south and y west, as in Mitsuba 3 (whose manual says otherwise).
     pub fn sun_direction(&self) -> Vec3 {
         let hours = self.hour - self.timezone + (self.minute + self.second / 60.0) / 60.0;
         let days = (self.julian_day() - EPOCH) as f64 - 0.5 + hours / 24.0;
@@ -94,10 +94,10 @@ mod tests {
         .sun_direction()
     }
 
-    /// Culmination at Greenwich, 2010: the equation of time gives the moment, declination and latitude the height.
+    /// Checks the culmination at Greenwich, 2010: the equation of time gives the moment, declination and latitude the height.
     #[test]
     fn the_sun_culminates_in_the_south() {
-        // Month, day, declination in degrees, minutes after 12:00 (Astronomical Almanac, rounded).
+        // The columns are month, day, declination in degrees, and minutes after 12:00 (Astronomical Almanac, rounded).
         for (month, day, declination, minutes) in [(3, 20, -0.09, 7.5), (6, 21, 23.44, 1.8), (11, 3, -15.1, -16.4)] {
             let sun = at(51.48, month, day, 12.0 + minutes / 60.0);
             let height = f64::from(sun.z).asin().to_degrees();

@@ -15,17 +15,17 @@ use crate::sampling::{ONE_MINUS_EPSILON, PiecewiseBilinear2d, warp};
 #[derive(Clone, Debug)]
 pub(super) struct SunSkyLight {
     model: SkyModel,
-    /// Orthonormal; may mirror.
+    /// The orthonormal map from local space; it may mirror.
     world_from_local: Mat3,
     sun: Frame,
-    /// Over azimuth (once around) and the cosine from the zenith, 0 at the horizon.
+    /// The density over azimuth (once around) and the cosine from the zenith, 0 at the horizon.
     density: Option<PiecewiseBilinear2d>,
     /// Probability of sampling the sky.
     sky_share: f32,
     irradiance: f32,
 }
 
-/// Nodes of the table: azimuths and heights.
+/// The nodes of the table along azimuth, and below along height.
 const COLUMNS: usize = 129;
 const ROWS: usize = 97;
 
@@ -65,7 +65,7 @@ impl SunSkyLight {
         }
     }
 
-    /// None below the horizon and when it is night.
+    /// Samples the light; None below the horizon and at night.
     pub fn sample(&self, u: Vec2) -> Option<LightSample> {
         let local = if u.x < self.sky_share {
             let u = Vec2::new((u.x / self.sky_share).min(ONE_MINUS_EPSILON), u.y);
@@ -95,7 +95,7 @@ impl SunSkyLight {
         self.model.sky(local) + self.model.sun(local)
     }
 
-    /// Irradiance (luminance) on a surface that faces sun and sky, about.
+    /// The approximate irradiance (luminance) on a surface that faces sun and sky.
     pub fn irradiance(&self) -> f32 {
         self.irradiance
     }

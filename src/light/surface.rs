@@ -34,7 +34,7 @@ pub(super) struct SurfaceLight {
     /// The shape in its place, if it is a mesh of which some triangles emit by their shading normals.
     smooth: Option<Box<Instance>>,
     local_from_world: Affine3A,
-    /// Bound on the rounding error of its points.
+    /// The bound on the rounding error of its points.
     error: f32,
 }
 
@@ -63,7 +63,7 @@ const POSITION_ROUNDING: f32 = 16.0 * f32::EPSILON;
 const LEAST_BRIGHTNESS: f32 = 0.1;
 
 impl SurfaceLight {
-    /// None if there is no such instance.
+    /// The light of an instance; None if there is no such instance.
     pub fn new(
         geometry: &Tlas,
         instance: u32,
@@ -147,7 +147,7 @@ impl SurfaceLight {
         }
     }
 
-    /// The part that `hit`, a point of this surface, lies on.
+    /// The part that `hit`, a point of this surface, is on.
     pub fn part_of(&self, hit: &SurfaceHit) -> Option<u32> {
         match &self.shape {
             EmitterShape::Mesh(triangles) => {
@@ -234,7 +234,7 @@ impl SurfaceLight {
         Some(brightness)
     }
 
-    /// A point of the surface with what textures want to know, if there are any.
+    /// A point of the surface with the data that textures need, if there are any.
     fn hit(&self, part: u32, point: &SurfaceSample) -> SurfaceHit {
         let mut hit = SurfaceHit {
             position: point.position,

@@ -1,4 +1,4 @@
-//! All lights of a scene.
+//! The table of all lights of a scene.
 
 use std::sync::Arc;
 
@@ -52,14 +52,14 @@ pub struct LightTable {
     light_of_part: Vec<u32>,
     choice: LightChoice,
     textures: Arc<TextureTable>,
-    /// Lights that are seen where a ray meets nothing.
+    /// The lights that are seen where a ray hits nothing.
     seen_at_infinity: Vec<LightId>,
     /// Whether lights are textured, by [`LightId`]; see [`Self::is_textured`].
     textured: Vec<bool>,
 }
 
 impl LightTable {
-    /// Has to be built anew when the geometry of emitting surfaces changes, and for sources that are textured when the textures do.
+    /// Builds the table. It has to be built anew when the geometry of emitting surfaces changes, and for textured sources when the textures do.
     pub fn build(sources: &[WeightedSource], geometry: &Tlas, textures: &Arc<TextureTable>) -> Self {
         let mut table = Self {
             textures: textures.clone(),
@@ -95,7 +95,7 @@ impl LightTable {
         table
     }
 
-    /// None for a surface without area.
+    /// Prepares a light; None for a surface without area.
     fn light(source: &LightSource, geometry: &Tlas, textures: &TextureTable) -> Option<Light> {
         Some(match *source {
             LightSource::Surface {
@@ -150,7 +150,7 @@ impl LightTable {
         }
     }
 
-    /// Number of lights; ids lie below it.
+    /// The number of lights; ids are below it.
     pub fn len(&self) -> usize {
         self.places.len()
     }
@@ -160,7 +160,7 @@ impl LightTable {
         self.places.is_empty()
     }
 
-    /// Whether what it sends is a texture's; a surface's light is then asked for with texture coordinates.
+    /// Whether the light has a texture; that of a surface is then looked up by texture coordinates.
     pub fn is_textured(&self, id: LightId) -> bool {
         self.textured[id.0 as usize]
     }
@@ -228,7 +228,7 @@ impl LightTable {
         radiance
     }
 
-    /// [`Self::radiance_from`] and the density with which [`Self::sample`] gives the direction `wi` to infinite light `id`.
+    /// The radiance as [`Self::radiance_from`], and the density with which [`Self::sample`] gives the direction `wi` to infinite light `id`.
     pub fn radiance_and_pdf_from(&self, id: LightId, reference: &LightReference, wi: Vec3) -> (Rgb, f32) {
         self.at_infinity(id).map_or((Rgb::ZERO, 0.0), |(index, light)| {
             debug_assert!(wi.is_normalized(), "{wi} is not of unit length");
@@ -263,7 +263,7 @@ enum Light {
     Infinite(InfiniteLight),
 }
 
-/// `u_choice`, which has 24 bits, with 29 more below them that are a hash of all three numbers: enough to tell millions of lights apart.
+/// The number `u_choice`, which has 24 bits, with 29 more below them that are a hash of all three numbers: enough to tell millions of lights apart.
 fn refined(u_choice: f32, u: Vec2) -> f64 {
     let [bits, ..] = pcg3d([u_choice, u.x, u.y].map(f32::to_bits));
     f64::from(u_choice) + f64::from(bits >> 3) * (1.0 / (1u64 << 53) as f64)

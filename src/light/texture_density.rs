@@ -6,11 +6,11 @@ use crate::color::{Rgb, luminance};
 use crate::sampling::PiecewiseBilinear2d;
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
-/// Cells of the density along each axis, and lookups along each axis of a cell.
+/// The cells of the density along each axis; below the lookups along each axis of a cell.
 const CELLS: usize = 128;
 const LOOKUPS: usize = 4;
 
-/// The density is nowhere less than this times the average: lookups may miss what is finer than they are.
+/// The least density, as a multiple of the average: lookups may miss details that are finer than they are.
 const FLOOR: f32 = 0.1;
 
 /// Average luminance, about.

@@ -23,7 +23,7 @@ pub(super) struct TriangleLight {
 enum Emission {
     /// The same side all over: 1 where the corners are seen counter-clockwise from, else -1.
     OneSide(f32),
-    /// Vertex normals stand at an angle to the triangle. Seen from near its plane, either side can shine.
+    /// The shading normal decides, because vertex normals are at an angle to the triangle. Seen from near its plane, either side can shine.
     ByShadingNormal,
 }
 
@@ -49,7 +49,7 @@ impl TriangleLight {
             .collect()
     }
 
-    /// Perpendicular to the triangle, on the emitting side if there is but one, as long as twice its area.
+    /// The normal on the emitting side, if there is only one. Its length is twice the area.
     fn scaled_normal(&self) -> Vec3 {
         match self.emission {
             Emission::OneSide(side) => side * counter_clockwise_normal(self.corners),
@@ -65,7 +65,7 @@ impl TriangleLight {
         }
     }
 
-    /// Whether a direction to the triangle finds light only where the shading normal says so.
+    /// Whether directions to the triangle find light only where the shading normal says so.
     pub fn emits_by_shading_normal(&self) -> bool {
         self.emission == Emission::ByShadingNormal
     }
@@ -127,7 +127,7 @@ impl TriangleLight {
         (reference - position).dot(normal) > 0.0
     }
 
-    /// Weights of the corners 1 and 2 at a point of the triangle.
+    /// The weights of the corners 1 and 2 at a point of the triangle.
     pub fn barycentric(&self, position: Vec3) -> Vec2 {
         let [p0, p1, p2] = self.corners;
         let normal = counter_clockwise_normal(self.corners);
@@ -161,7 +161,7 @@ impl Emission {
     }
 }
 
-/// -1 where the geometric normal is flipped, else 1.
+/// The sign of the geometric normal: -1 where it is flipped, else 1.
 fn flip(instance: &Instance) -> f32 {
     if instance.flip_normals { -1.0 } else { 1.0 }
 }

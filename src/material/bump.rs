@@ -8,9 +8,9 @@ use crate::math::Frame;
 /// The treatment of shading normals that are not the surface's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BumpOptions {
-    /// Turn normals that face away from the viewer about the surface's own.
+    /// Whether normals that face away from the viewer are turned about the surface's own.
     pub flip_invalid_normals: bool,
-    /// Soften the border of light and shadow: Estevez, Lecocq and Stein, A Microfacet-Based Shadowing Function to Solve the Bump
+    /// Whether the border of light and shadow is softened: Estevez, Lecocq and Stein, A Microfacet-Based Shadowing Function to Solve the Bump
     /// Terminator Problem, Ray Tracing Gems 2019.
     pub use_shadowing_function: bool,
 }
@@ -19,7 +19,7 @@ pub struct BumpOptions {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Orientation {
     pub frame: Frame,
-    /// 1, or -1 behind.
+    /// The side: 1, or -1 behind.
     pub side: f32,
 }
 
@@ -34,8 +34,8 @@ impl Orientation {
     }
 }
 
-/// The normal, in `frame`, of the surface at `point` once it is moved along `frame.n` by a height whose derivatives by u and v are
-/// `gradient`. On the side of the geometric normal, not of unit length.
+/// The normal, in `frame`, of the surface at `point` once it is moved along `frame.n` by a height whose derivatives by u and v are `gradient`. On
+/// the side of the geometric normal, not of unit length.
 pub(super) fn displaced_normal(point: &SurfacePoint, frame: Frame, gradient: Vec2) -> Vec3 {
     let tilted = |derivative: Vec3, slope: f32| derivative + (slope - frame.n.dot(derivative)) * frame.n;
     let normal = tilted(point.dp_du, gradient.x).cross(tilted(point.dp_dv, gradient.y));
@@ -52,12 +52,12 @@ pub(super) fn displaced_normal(point: &SurfacePoint, frame: Frame, gradient: Vec
 pub(super) struct Bump {
     surface: Vec3,
     bumped: Vec3,
-    /// Squared roughness of the shadowing function; 0 without it.
+    /// The squared roughness of the shadowing function; 0 without it.
     alpha_squared: f32,
 }
 
 impl Bump {
-    /// The frame about `normal` (in `below`, not of unit length) and what has to be minded in it. None if the normal is no direction.
+    /// The frame about `normal` (in `below`, not of unit length), with what has to be corrected in it. None if the normal is no direction.
     pub fn new(mut normal: Vec3, below: Orientation, wo: Vec3, options: BumpOptions) -> Option<(Orientation, Self)> {
         let wo = below.to_local(wo);
         if options.flip_invalid_normals && wo.z * wo.dot(normal) <= 0.0 {

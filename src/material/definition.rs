@@ -19,46 +19,46 @@ pub enum Material {
     Textured(TexturedBsdf),
     /// One material seen from the normal's side and another (or the same, mirrored) from behind.
     TwoSided {
-        /// Seen from the side that the shading normal points to.
+        /// The material on the side that the shading normal points to.
         front: MaterialId,
-        /// Seen from the other side.
+        /// The material on the other side.
         back: MaterialId,
     },
-    /// `second` with the share `weight`, `first` with the rest.
+    /// A mixture of `second` with the share `weight`, and `first` with the rest.
     Blend {
-        /// What there is where the weight is 0.
+        /// The material where the weight is 0.
         first: MaterialId,
-        /// What there is where the weight is 1.
+        /// The material where the weight is 1.
         second: MaterialId,
-        /// Clamped to [0, 1].
+        /// The weight, clamped to [0, 1].
         weight: Parameter<f32>,
     },
-    /// `nested` with the share `opacity`; the rest of the light passes through.
+    /// A mask: `nested` with the share `opacity`; the rest of the light passes through.
     Mask {
-        /// What there is where the opacity is 1.
+        /// The material where the opacity is 1.
         nested: MaterialId,
-        /// Clamped to [0, 1].
+        /// The opacity, clamped to [0, 1].
         opacity: Parameter<f32>,
     },
-    /// `nested` about the normals of a texture: n = 2 colour - 1 in the shading frame.
+    /// A material about the normals of a texture: n = 2 colour - 1 in the shading frame.
     NormalMap {
-        /// What is seen about the new normals.
+        /// The material about the new normals.
         nested: MaterialId,
-        /// The colour (1, 1, 2) / 2 stands for the normal of the surface itself.
+        /// The normals as colours: (1, 1, 2) / 2 is the normal of the surface itself.
         normals: Parameter<Rgb>,
-        /// How normals that face away and shadow borders are treated.
+        /// The treatment of normals that face away and of shadow borders.
         options: BumpOptions,
     },
-    /// `nested` about the normals that the surface has once it is moved by `scale` times a texture along its own (Blinn, Simulation of
-    /// Wrinkled Surfaces, 1978).
+    /// A material about the normals that the surface has once it is moved by `scale` times a texture along its own (Blinn, Simulation of Wrinkled
+    /// Surfaces, 1978).
     BumpMap {
-        /// What is seen about the new normals.
+        /// The material about the new normals.
         nested: MaterialId,
         /// Only bilinear bitmaps have an effect.
         height: Parameter<f32>,
         /// World units per unit of the texture.
         scale: f32,
-        /// How normals that face away and shadow borders are treated.
+        /// The treatment of normals that face away and of shadow borders.
         options: BumpOptions,
     },
     /// Light passes as if nothing were there.

@@ -18,7 +18,7 @@ pub struct TexturedFacets {
 /// The layer below a coat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TexturedBase {
-    /// Of the base, in [0, 1].
+    /// The reflectance of the base, in [0, 1].
     pub diffuse_reflectance: Parameter<Rgb>,
     /// Multiplies what the coat reflects; 1 is physical.
     pub specular_reflectance: Parameter<Rgb>,
@@ -29,9 +29,9 @@ pub struct TexturedBase {
 /// A conductor's reflection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TexturedSpecular {
-    /// Real part of the refractive index relative to the outside.
+    /// The real part of the refractive index relative to the outside.
     pub eta: Parameter<Rgb>,
-    /// Imaginary part of it (extinction), positive.
+    /// The imaginary part of it (extinction), positive.
     pub k: Parameter<Rgb>,
     /// Multiplies the reflection; 1 is physical.
     pub specular_reflectance: Parameter<Rgb>,
@@ -88,7 +88,7 @@ impl Lookup for At<'_> {
     }
 }
 
-/// Finds out whether there is a texture at all.
+/// A lookup that finds out whether there is a texture at all.
 #[derive(Default)]
 pub(super) struct Constants {
     pub met_texture: bool,

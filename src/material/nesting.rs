@@ -1,4 +1,4 @@
-//! Materials inside materials: which are allowed, and what they amount to at a place.
+//! Resolves materials inside materials: which are allowed, and what they are at a place.
 
 use std::borrow::Cow;
 
@@ -12,20 +12,20 @@ use crate::shading::lanes::BsdfLanes;
 use crate::shading::{Bsdf, TransportMode};
 use crate::texture::{Parameter, TexturePoint, TextureTable};
 
-/// Materials inside each other; the stack is finite.
+/// The greatest depth of materials inside each other; the stack is finite.
 const DEEPEST: usize = 64;
 
-/// Why a list of materials is no table.
+/// The reason why a list of materials is no table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("material {place} {problem}")]
 pub struct MaterialTableError {
     /// The index in the list.
     pub place: usize,
-    /// What is wrong there.
+    /// The problem there.
     pub problem: NestingProblem,
 }
 
-/// What is wrong with the materials that a material refers to.
+/// The problem with the materials that a material refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum NestingProblem {

@@ -5,7 +5,7 @@ use crate::color::Rgb;
 use crate::shading::{Principled, PrincipledThin, SamplingRates, ThinSamplingRates};
 use crate::texture::Parameter;
 
-/// [`Principled`], textured.
+/// [`Principled`] with textured parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TexturedPrincipled {
     /// As [`Principled::base_color`].
@@ -56,7 +56,7 @@ impl TexturedPrincipled {
     }
 }
 
-/// [`PrincipledThin`], textured.
+/// [`PrincipledThin`] with textured parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TexturedPrincipledThin {
     /// As [`PrincipledThin::base_color`].

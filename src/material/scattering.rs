@@ -11,14 +11,14 @@ use super::bump::{Bump, Orientation};
 use crate::color::Rgb;
 use crate::shading::{Bsdf, BsdfSample, TransportMode};
 
-/// Models that a material may mix at one place.
+/// The most models that a material may mix at one place.
 pub const LARGEST_MIX: usize = 8;
 
-/// A model, its share, and how it lies in the world.
+/// A model, its share, and its orientation in the world.
 #[derive(Clone, Debug)]
 pub(super) struct Part<'a> {
     pub weight: f32,
-    /// The scattering's `wo` as it lies in the orientation.
+    /// The scattering's `wo` in the orientation.
     pub wo: Vec3,
     pub orientation: Orientation,
     pub bump: Option<Bump>,
@@ -32,11 +32,11 @@ pub struct Scattering<'a> {
     wo: Vec3,
     mode: TransportMode,
     parts: ArrayVec<Part<'a>, LARGEST_MIX>,
-    /// Share of the light that goes on as if nothing were there.
+    /// The share of the light that passes straight through.
     null_share: f32,
 }
 
-/// A delta lobe whose cosine with `wo` is below this goes straight on; reflection does only at grazing angles that no path has.
+/// The greatest cosine with `wo` of a delta lobe that goes straight on. Reflection is below it only at grazing angles that no path has.
 const STRAIGHT: f32 = -1.0 + 1e-6;
 
 /// The kind of continuation that a sample is.
@@ -46,7 +46,7 @@ pub enum Lobe {
     Smooth,
     /// The only direction of its lobe.
     Delta,
-    /// Straight on: the path has not noticed the surface.
+    /// Straight through, as if there were no surface.
     Null,
 }
 
@@ -55,11 +55,11 @@ pub enum Lobe {
 pub struct ScatterSample {
     /// Unit vector to the light.
     pub wi: Vec3,
-    /// f |cos wi| / pdf.
+    /// The weight f |cos wi| / pdf.
     pub weight: Rgb,
     /// Solid angle density of `wi`; for delta and null lobes the probability of choosing them.
     pub pdf: f32,
-    /// Says how `pdf` is to be read, and whether sampling lights could have found the direction.
+    /// The lobe, which tells the meaning of `pdf`, and whether sampling lights could have found the direction.
     pub lobe: Lobe,
     /// The eta of [`BsdfSample::eta`].
     pub eta: f32,
@@ -106,7 +106,7 @@ impl Part<'_> {
         self.bump.map_or(1.0, |bump| bump.factor(wi))
     }
 
-    /// f |cos wi| and its density, both times the weight.
+    /// The value f |cos wi| and its density, both times the weight.
     fn eval_and_pdf(&self, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
         let factor = self.factor(wi);
         if factor == 0.0 {
@@ -148,7 +148,7 @@ impl<'a> Scattering<'a> {
         self.null_share += share;
     }
 
-    /// f |cos wi| and the solid angle density with which [`Self::sample`] returns `wi`, both without delta and null lobes.
+    /// The value f |cos wi| and the solid angle density with which [`Self::sample`] returns `wi`, both without delta and null lobes.
     pub fn eval_and_pdf(&self, wi: Vec3) -> (Rgb, f32) {
         self.parts.iter().fold((Rgb::ZERO, 0.0), |(value, pdf), part| {
             let (part_value, part_pdf) = part.eval_and_pdf(wi, self.mode);
@@ -156,7 +156,7 @@ impl<'a> Scattering<'a> {
         })
     }
 
-    /// A direction for the path to go on, from independent uniform numbers. None if the light is absorbed.
+    /// Samples a direction for the path, from independent uniform numbers. None if the light is absorbed.
     pub fn sample(&self, u_lobe: f32, u: Vec2) -> Option<ScatterSample> {
         if let ([part], 0.0) = (&self.parts[..], self.null_share) {
             return Some(only(self.wo, part, part.sample(u_lobe, u, self.mode)?, 1.0));
@@ -186,7 +186,7 @@ impl<'a> Scattering<'a> {
         if sample.is_delta {
             return Some(only(self.wo, part, sample, part.weight));
         }
-        // Other parts could have found the direction as well.
+        // Other parts could have sampled the direction as well.
         let pdf = part.weight * sample.pdf;
         let start = (pdf * sample.weight, pdf);
         let others = self.parts.iter().enumerate().filter(|&(index, _)| index != chosen);
@@ -203,7 +203,7 @@ impl<'a> Scattering<'a> {
         })
     }
 
-    /// Takes out the one model that this is; None if it is no single one, or lets light pass straight through.
+    /// Takes out the only model; None if there are several, or if light passes straight through.
     pub fn take_single(&mut self) -> Option<Single<'a>> {
         let is_single = self.null_share == 0.0 && matches!(&self.parts[..], [part] if !part.bsdf.has_null_lobe());
         let part = if is_single { self.parts.pop() } else { None };
@@ -234,7 +234,7 @@ impl<'a> Scattering<'a> {
         }
     }
 
-    /// A colour that stands for the surface where a denoiser or a debug view wants one. In [0, 1] for physical parameters.
+    /// The colour of the surface for denoisers and debug views. It is in [0, 1] for physical parameters.
     pub fn albedo(&self) -> Rgb {
         let of_parts = self.parts.iter().map(|part| part.weight * part.bsdf.albedo());
         Rgb::splat(self.null_share) + of_parts.sum::<Rgb>()

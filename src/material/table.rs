@@ -10,7 +10,7 @@ use crate::color::Rgb;
 use crate::shading::{Bsdf, TransportMode};
 use crate::texture::{TexturePoint, TextureTable};
 
-/// All materials of a scene.
+/// The table of all materials of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MaterialTable {
     materials: Vec<Material>,
@@ -29,7 +29,7 @@ pub struct MaterialTable {
 pub struct PlainSide<'a> {
     /// The model, whose frame has its z along the shading normal.
     pub bsdf: &'a Bsdf,
-    /// [`Bsdf::albedo`].
+    /// The colour for denoisers, see [`Bsdf::albedo`].
     pub albedo: Rgb,
     /// The side it is seen from: 1, or -1 from behind.
     pub side: f32,
@@ -76,17 +76,17 @@ impl MaterialTable {
         }
     }
 
-    /// The same table with more materials, whose ids go on from [`Self::len`].
+    /// The same table with more materials, whose ids continue from [`Self::len`].
     pub fn with(&self, more: impl IntoIterator<Item = Material>) -> Result<Self, MaterialTableError> {
         Self::new(self.materials.iter().cloned().chain(more).collect())
     }
 
-    /// Number of materials, nested ones included.
+    /// The number of materials, with nested ones.
     pub fn len(&self) -> usize {
         self.materials.len()
     }
 
-    /// Whether there is no material at all.
+    /// Whether there is no material.
     pub fn is_empty(&self) -> bool {
         self.materials.is_empty()
     }
@@ -96,7 +96,7 @@ impl MaterialTable {
         self.materials.get(id.0 as usize)
     }
 
-    /// Whether any surface may let light pass straight through, so that shadow rays have to look at what they meet.
+    /// Whether any surface may let light pass straight through, so that shadow rays have to look up what they hit.
     pub fn has_null_lobe(&self) -> bool {
         self.has_null_lobe
     }
@@ -109,7 +109,7 @@ impl MaterialTable {
         }
     }
 
-    /// Whether it is made of models that [`crate::shading::lanes`] knows and depends on nothing but the side it is seen from.
+    /// Whether it is made of models that [`crate::shading::lanes`] knows, and depends only on the side it is seen from.
     pub fn is_for_lanes(&self, id: MaterialId) -> bool {
         self.for_lanes[id.0 as usize]
     }

@@ -1,4 +1,4 @@
-//! Scattering models with textured parameters, and their numbers at a place.
+//! Scattering models with textured parameters, and how they resolve to numbers at a place.
 
 use super::lookup::{At, Constants, Lookup, TexturedBase, TexturedFacets, TexturedSpecular};
 use super::principled::{TexturedPrincipled, TexturedPrincipledThin};
@@ -12,88 +12,88 @@ use crate::texture::{Parameter, TexturePoint, TextureTable};
 /// A model of [`crate::shading`] whose parameters vary over the surface.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TexturedBsdf {
-    /// As [`Diffuse`].
+    /// A textured [`Diffuse`].
     Diffuse {
-        /// Reflected fraction of the power, [0, 1].
+        /// The reflected fraction of the power, [0, 1].
         reflectance: Parameter<Rgb>,
     },
-    /// As [`Conductor`].
+    /// A textured [`Conductor`].
     Conductor {
         /// The optical constants.
         specular: TexturedSpecular,
     },
-    /// As [`RoughConductor`].
+    /// A textured [`RoughConductor`].
     RoughConductor {
         /// The optical constants.
         specular: TexturedSpecular,
-        /// Distribution and roughness.
+        /// The distribution and roughness.
         facets: TexturedFacets,
-        /// As [`RoughConductor::multiple_scattering`].
+        /// The table of [`RoughConductor::multiple_scattering`].
         multiple_scattering: Option<&'static Microalbedo>,
     },
-    /// As [`Dielectric`].
+    /// A textured [`Dielectric`].
     Dielectric {
         /// Index inside over that outside.
         eta: f32,
-        /// How the Fresnel reflectance is computed.
+        /// The law of the Fresnel reflectance.
         model: DielectricModel,
-        /// Multiplies what is reflected; 1 is physical.
+        /// The factor on reflected light; 1 is physical.
         specular_reflectance: Parameter<Rgb>,
         /// Multiplies what passes; 1 is physical.
         specular_transmittance: Parameter<Rgb>,
     },
-    /// As [`RoughDielectric`].
+    /// A textured [`RoughDielectric`].
     RoughDielectric {
         /// The eta of [`RoughDielectric::eta`].
         eta: f32,
-        /// How the Fresnel reflectance is computed.
+        /// The law of the Fresnel reflectance.
         model: DielectricModel,
-        /// Distribution and roughness.
+        /// The distribution and roughness.
         facets: TexturedFacets,
-        /// Multiplies what is reflected; 1 is physical.
+        /// The factor on reflected light; 1 is physical.
         specular_reflectance: Parameter<Rgb>,
         /// Multiplies what passes; 1 is physical.
         specular_transmittance: Parameter<Rgb>,
     },
-    /// As [`ThinDielectric`].
+    /// A textured [`ThinDielectric`].
     ThinDielectric {
         /// Index of the pane over that around it.
         eta: f32,
-        /// How the Fresnel reflectance is computed.
+        /// The law of the Fresnel reflectance.
         model: DielectricModel,
-        /// Multiplies what is reflected; 1 is physical.
+        /// The factor on reflected light; 1 is physical.
         specular_reflectance: Parameter<Rgb>,
         /// Multiplies what passes; 1 is physical.
         specular_transmittance: Parameter<Rgb>,
     },
-    /// As [`Plastic`].
+    /// A textured [`Plastic`].
     Plastic {
         /// The same everywhere.
         coat: SmoothCoat,
-        /// What lies below the coat.
+        /// The base below the coat.
         base: TexturedBase,
     },
-    /// As [`RoughPlastic`].
+    /// A textured [`RoughPlastic`].
     RoughPlastic {
         /// The coat of the constant roughness, or one for any.
         coat: &'static RoughCoat,
         /// Roughness, above 0.
         alpha: Parameter<f32>,
-        /// What lies below the coat.
+        /// The base below the coat.
         base: TexturedBase,
     },
-    /// As [`Metal`].
+    /// A textured [`Metal`].
     Metal {
-        /// Reflected fraction of the power, [0, 1].
+        /// The reflected fraction of the power, [0, 1].
         reflectance: Parameter<Rgb>,
-        /// As [`Metal::fuzz`].
+        /// The fuzz, see [`Metal::fuzz`].
         fuzz: Parameter<f32>,
     },
-    /// As [`crate::shading::Principled`].
+    /// A textured [`crate::shading::Principled`].
     Principled(TexturedPrincipled),
-    /// As [`crate::shading::PrincipledThin`].
+    /// A textured [`crate::shading::PrincipledThin`].
     PrincipledThin(TexturedPrincipledThin),
-    /// As [`crate::shading::Hair`].
+    /// A textured [`crate::shading::Hair`].
     Hair {
         /// Roughness and refractive index of the fibre, the same everywhere.
         fiber: Fiber,

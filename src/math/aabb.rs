@@ -2,9 +2,9 @@
 
 use glam::{Affine3A, Vec3};
 
-/// A radius that a camera frames is at least this share of the largest coordinate, 80 times the rounding of single precision,
+/// The least radius that a camera frames, as a share of the largest coordinate, 80 times the rounding of single precision.
 const SMALLEST_SHARE: f32 = 1e-5;
-/// and at least this long, so that its cube is far above the smallest positive number.
+/// The smallest radius, so that its cube is far above the smallest positive number.
 const SMALLEST_RADIUS: f32 = 1e-9;
 
 /// An axis-aligned box; [`Aabb::EMPTY`] (min > max) holds nothing and is the identity of union.
@@ -57,7 +57,7 @@ impl Aabb {
         }
     }
 
-    /// Edge lengths; zero for the empty box.
+    /// The edge lengths; zero for the empty box.
     pub fn extent(&self) -> Vec3 {
         (self.max - self.min).max(Vec3::ZERO)
     }
@@ -119,7 +119,7 @@ impl Aabb {
         self.min.cmple(point).all() && point.cmple(self.max).all()
     }
 
-    /// Whether `other` lies inside, faces included; the empty box lies in every one.
+    /// Whether `other` is inside, also on the faces; the empty box is inside every one.
     pub fn contains(&self, other: &Self) -> bool {
         other.is_empty() || (self.min.cmple(other.min).all() && self.max.cmpge(other.max).all())
     }

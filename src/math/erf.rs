@@ -1,6 +1,6 @@
 //! The error function and its inverse, in single precision.
 
-/// erf(x), within 3e-7 (Abramowitz and Stegun, Handbook of Mathematical Functions, 7.1.26).
+/// The error function erf(x), within 3e-7 (Abramowitz and Stegun, Handbook of Mathematical Functions, 7.1.26).
 pub(crate) fn erf(x: f32) -> f32 {
     let t = (1.0 + 0.327_591_1 * x.abs()).recip();
     let series = ((((1.061_405_4 * t - 1.453_152) * t + 1.421_413_7) * t - 0.284_496_74) * t + 0.254_829_6) * t;

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-/// Squared sine of the angle to the normal below which a tangent has no direction of its own: its part across the normal would be mere
-/// rounding (a relative 1e-7) to more than 1e-4.
+/// The squared sine of the angle to the normal below which a tangent has no direction of its own: its part across the normal would be mere rounding
+/// (a relative 1e-7) to more than 1e-4.
 const PARALLEL: f32 = 1e-6;
 
 /// A right-handed orthonormal frame whose z axis is `n`.
@@ -44,7 +44,7 @@ impl Frame {
         Vec3::new(v.dot(self.s), v.dot(self.t), v.dot(self.n))
     }
 
-    /// Local to world.
+    /// Transforms a vector from local to world space.
     pub fn to_world(&self, v: Vec3) -> Vec3 {
         self.s * v.x + self.t * v.y + self.n * v.z
     }

@@ -19,11 +19,11 @@ pub type WordLanes = u32x16;
 /// A vector per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Vec3Lanes {
-    /// First components.
+    /// The first components.
     pub x: Lanes,
-    /// Second components.
+    /// The second components.
     pub y: Lanes,
-    /// Third components.
+    /// The third components.
     pub z: Lanes,
 }
 
@@ -68,7 +68,7 @@ pub(crate) fn each_lane(mut bits: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// `magnitude` with the sign of `sign`.
+/// The number `magnitude` with the sign of `sign`.
 #[inline(always)]
 pub(crate) fn copy_sign(magnitude: Lanes, sign: Lanes) -> Lanes {
     let sign_bit = Lanes::splat(-0.0);
@@ -156,7 +156,7 @@ impl Vec3Lanes {
         self.x.simd_ne(zero) | self.y.simd_ne(zero) | self.z.simd_ne(zero)
     }
 
-    /// `self + scale v`.
+    /// The sum `self + scale v`.
     #[inline(always)]
     pub(crate) fn plus_scaled(self, scale: Lanes, v: Self) -> Self {
         Self::of(
@@ -176,7 +176,7 @@ impl Vec3Lanes {
         )
     }
 
-    /// Zero where `condition` does not hold.
+    /// The vectors where `condition` holds, else zero.
     #[inline(always)]
     pub(crate) fn only(self, condition: Lanes) -> Self {
         Self::of(self.x & condition, self.y & condition, self.z & condition)
@@ -220,7 +220,7 @@ impl Neg for Vec3Lanes {
     }
 }
 
-/// Component by component.
+/// Multiplies component by component.
 impl Mul for Vec3Lanes {
     type Output = Self;
     #[inline(always)]
@@ -272,7 +272,7 @@ impl FrameLanes {
     }
 }
 
-/// [`crate::math::offset_origin`] in every lane.
+/// The same as [`crate::math::offset_origin`] in every lane.
 #[inline(always)]
 pub(crate) fn offset_origins(position: Vec3Lanes, error: Lanes, normal: Vec3Lanes, dir: Vec3Lanes) -> Vec3Lanes {
     let size = normal.abs();

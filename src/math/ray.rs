@@ -7,13 +7,13 @@ use glam::Vec3;
 /// `dir` need not be of unit length: a ray taken into an instance's local space keeps its `t`, so that hits compare across instances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where `t` is 0.
+    /// The point where `t` is 0.
     pub origin: Vec3,
-    /// Of any length but zero.
+    /// The direction, of any length but zero.
     pub dir: Vec3,
     /// The least t of a hit, at least 0.
     pub t_min: f32,
-    /// May be infinite.
+    /// The greatest t of a hit; it may be infinite.
     pub t_max: f32,
 }
 

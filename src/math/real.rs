@@ -7,7 +7,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
 use super::lanes::{Lanes, WordLanes};
 
-/// `f32` or [`Lanes`].
+/// A number of either form: `f32` or [`Lanes`].
 pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
     /// A condition: `bool`, or one per lane as comparisons of [`Lanes`] give it.
     type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask> + Not<Output = Self::Mask>;
@@ -17,13 +17,13 @@ pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
     /// The same value in every lane.
     fn splat(value: f32) -> Self;
 
-    /// `self a + b`.
+    /// The fused `self a + b`.
     fn mul_add(self, a: Self, b: Self) -> Self;
 
     /// The smaller one; `other` where `self` is no number.
     fn min(self, other: Self) -> Self;
 
-    /// Where both are equal; nowhere for what is no number.
+    /// A mask of where both are equal, which no number that is NaN is.
     fn equals(self, other: Self) -> Self::Mask;
 
     /// Selects `yes` where `condition` holds, else `no`.
@@ -33,7 +33,7 @@ pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
     fn is_at_least(word: Self::Word, least: u32) -> Self::Mask;
 }
 
-/// `u32` or [`WordLanes`].
+/// A word of either form: `u32` or [`WordLanes`].
 pub trait Word: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
     /// The same value in every lane.
     fn splat(value: u32) -> Self;

@@ -60,7 +60,7 @@ fn group_files(groups: &str) -> Vec<PathBuf> {
     files
 }
 
-/// None where there is no limit: version 2 says `max`, version 1 a number that no machine has.
+/// Reads a limit. None if there is no limit: version 2 says `max`, version 1 a number that no machine has.
 #[cfg(target_os = "linux")]
 fn limit(text: &str) -> Option<u64> {
     text.trim().parse().ok().filter(|&bytes| bytes > 0)

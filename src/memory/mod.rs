@@ -54,12 +54,13 @@ pub fn budget_of_variable() -> Option<Result<u64, NoSize>> {
     Some(parse_size(&text.to_string_lossy()))
 }
 
-/// Reads a mesh or picture file. It is at most as long as the budget: its content lies in memory before the size of what it holds is known.
+/// Reads a mesh or picture file. It may be at most as long as the budget, because its content is in memory before the size of what it holds is
+/// known.
 pub fn read_data(path: &Path, access: &Access) -> Result<Vec<u8>, FileError> {
     data_result(budget().limit(), |limit| access.read(path, limit))
 }
 
-/// Tells by the metadata alone whether [`read_data`] can read a file, if it may be read.
+/// Checks by the metadata alone whether [`read_data`] can read a file, if it may be read.
 pub fn check_data(path: &Path) -> Result<(), FileError> {
     data_result(budget().limit(), |limit| files::check(path, limit))
 }
@@ -81,7 +82,7 @@ pub fn reserve(bytes: u64) -> Result<Reservation, Shortage> {
 }
 
 impl Budget {
-    /// `limit` is in bytes.
+    /// A budget; `limit` is in bytes.
     pub const fn new(limit: u64) -> Self {
         Self {
             limit: AtomicU64::new(limit),
@@ -130,7 +131,7 @@ pub struct Reservation {
 }
 
 impl Reservation {
-    /// How many bytes of the budget it holds.
+    /// The number of bytes of the budget that it holds.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
@@ -188,12 +189,12 @@ impl PartialEq for Held {
     }
 }
 
-/// Why bytes cannot be reserved. The message begins with the size, for a sentence such as "the picture needs ...".
+/// The reason why bytes cannot be reserved. The message begins with the size, for a sentence such as "the picture needs ...".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct Shortage {
     /// The bytes that were asked for. The other numbers are bytes as well.
     pub asked: u64,
-    /// Reserved for other data.
+    /// The bytes that are reserved for other data.
     pub others: u64,
     /// The whole budget.
     pub limit: u64,

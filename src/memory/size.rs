@@ -1,4 +1,4 @@
-//! Sizes of memory as people write them.
+//! Parses sizes of memory as people write them.
 
 use std::fmt;
 
@@ -23,7 +23,7 @@ impl fmt::Display for Bytes {
     }
 }
 
-/// Says that a text is no size.
+/// The error of a text that is no size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("expected a size with its unit, such as 8GB or 512MB")]
 pub struct NoSize;

@@ -37,7 +37,7 @@ pub struct PiecewiseBilinear2d {
     shares: usize,
 }
 
-/// Columns per share. Of most shares they lie in one piece of the cache.
+/// The number of columns in a share. Those of most shares are in one line of the cache.
 const COLUMNS_PER_SHARE: usize = 2;
 
 impl PiecewiseBilinear2d {
@@ -107,7 +107,7 @@ impl PiecewiseBilinear2d {
         })
     }
 
-    /// Columns between which that share `u` of both rows lies, but for rounding.
+    /// The columns between which the share `u` of both rows is, within rounding.
     fn guided(&self, row: usize, u: f64) -> (usize, usize) {
         let share = ((u * self.shares as f64) as usize).min(self.shares - 1);
         let of_row = |row: usize| {
@@ -134,7 +134,7 @@ impl PiecewiseBilinear2d {
         lerp32(lower, upper, t)
     }
 
-    /// The point that `u` in [0, 1)^2 stands for.
+    /// The point for `u` in [0, 1)^2.
     pub fn sample(&self, u: Vec2) -> SquareSample {
         let u = u.as_dvec2() + HALF_STEP;
         let row_total = |row: usize| f64::from(self.along_row[row * self.columns + self.columns - 1]);
@@ -152,7 +152,7 @@ impl PiecewiseBilinear2d {
         let blend = |table: &[f32], column| lerp(f64::from(table[lower + column]), f64::from(table[upper + column]), t);
         let sum_at = |column| blend(&self.along_row, column);
         let target = u.x * sum_at(self.columns - 1);
-        // The last column whose sum is not above the target: in [0, columns - 2].
+        // The last column whose sum is not above the target is in [0, columns - 2].
         let (mut column, mut beyond) = self.guided(row, u.x);
         if sum_at(column) > target {
             column = 0;

@@ -87,7 +87,7 @@ impl DiscreteDistribution {
         self.boundaries.len() - 1
     }
 
-    /// Never: there is always something to choose.
+    /// Always false: there is something to choose.
     pub fn is_empty(&self) -> bool {
         false
     }
@@ -101,7 +101,7 @@ impl DiscreteDistribution {
         }
     }
 
-    /// The choice that `u` in [0, 1) stands for, increasing with `u`.
+    /// The choice for `u` in [0, 1), increasing with `u`.
     pub fn sample(&self, u: f32) -> DiscreteSample {
         let position = u.clamp(0.0, ONE_MINUS_EPSILON) * CELLS as f32;
         let cell = position as u32;
@@ -136,7 +136,7 @@ pub struct ContinuousSample {
 /// A density on [0, 1) that is constant on each of n equal steps.
 #[derive(Clone, Debug)]
 pub struct PiecewiseConstant1d {
-    /// Cumulative probability at the start of each step, and 1 at the end.
+    /// The cumulative probability at the start of each step, and 1 at the end.
     cumulative: Vec<f32>,
     integral: f32,
 }

@@ -11,7 +11,7 @@ fn congruential(word: u32) -> u32 {
     word.wrapping_mul(MULTIPLIER).wrapping_add(INCREMENT)
 }
 
-/// Three words to three well mixed words.
+/// Mixes three words into three.
 pub fn pcg3d(words: [u32; 3]) -> [u32; 3] {
     let mut v = words.map(congruential);
     cross_multiply3(&mut v);
@@ -20,7 +20,7 @@ pub fn pcg3d(words: [u32; 3]) -> [u32; 3] {
     v
 }
 
-/// Four words to four well mixed words.
+/// Mixes four words into four.
 pub fn pcg4d(words: [u32; 4]) -> [u32; 4] {
     let mut v = words.map(congruential);
     cross_multiply4(&mut v);

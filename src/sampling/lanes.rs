@@ -86,7 +86,7 @@ impl SamplerLanes {
         let [shuffle_seed, seed_x, seed_y] = pcg3d([pixel & !is_spread, block, dimension]);
         let mut index = reverse_bits(scramble_reversed(index, shuffle_seed));
         let seeds = [seed_x, seed_y];
-        // Beyond the first surface no path asks for it.
+        // Beyond the first surface no path needs it.
         if is_spread.any() {
             let place = shuffle_quads(scramble_reversed(place, shuffle_seed), seeds) & is_spread;
             for (bit, &column) in OF_PLACE.iter().enumerate() {
@@ -153,7 +153,7 @@ impl PerLane for Sampler {
 
 #[inline(always)]
 fn reverse_bits(words: WordLanes) -> WordLanes {
-    // Written as a loop, which compilers know an instruction for.
+    // It is written as a loop, for which compilers know an instruction.
     let mut words = words.to_array();
     for word in &mut words {
         *word = word.reverse_bits();
@@ -176,7 +176,7 @@ fn congruential(words: WordLanes) -> WordLanes {
     words * word(super::hash::MULTIPLIER) + word(super::hash::INCREMENT)
 }
 
-/// [`super::hash::pcg3d`].
+/// The hash [`super::hash::pcg3d`] in lanes.
 #[inline(always)]
 fn pcg3d(words: [WordLanes; 3]) -> [WordLanes; 3] {
     let multiply = |v: &mut [WordLanes; 3]| {
@@ -191,7 +191,7 @@ fn pcg3d(words: [WordLanes; 3]) -> [WordLanes; 3] {
     v
 }
 
-/// [`super::hash::pcg4d`].
+/// The hash [`super::hash::pcg4d`] in lanes.
 #[inline(always)]
 fn pcg4d(words: [WordLanes; 4]) -> [WordLanes; 4] {
     let multiply = |v: &mut [WordLanes; 4]| {
@@ -216,7 +216,7 @@ fn scramble_reversed(mut x: WordLanes, seed: WordLanes) -> WordLanes {
     x ^ (x * word(0x53a2_2864))
 }
 
-/// [`super::sampler`]'s.
+/// The same as in [`super::sampler`], in lanes.
 #[inline(always)]
 fn shuffle_quads(place: WordLanes, seeds: [WordLanes; 2]) -> WordLanes {
     let (high, low) = (place & word(QUADS), (place >> 1) & word(QUADS));
@@ -239,7 +239,7 @@ fn sobol_second_reversed(index: WordLanes) -> WordLanes {
     x ^ ((x & word(0xaaaa_aaaa)) >> 1)
 }
 
-/// [`super::warp::concentric_disk`].
+/// The map [`super::warp::concentric_disk`] in lanes.
 #[inline(always)]
 pub fn concentric_disk([u, v]: [Lanes; 2]) -> [Lanes; 2] {
     let (x, y) = (u + u - Lanes::ONE, v + v - Lanes::ONE);
@@ -254,7 +254,7 @@ pub fn concentric_disk([u, v]: [Lanes; 2]) -> [Lanes; 2] {
     [(radius * cos) & is_off_centre, (radius * sin) & is_off_centre]
 }
 
-/// [`super::warp::cosine_hemisphere`].
+/// The map [`super::warp::cosine_hemisphere`] in lanes.
 #[inline(always)]
 pub fn cosine_hemisphere(u: [Lanes; 2]) -> Vec3Lanes {
     let [x, y] = concentric_disk(u);

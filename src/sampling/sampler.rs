@@ -25,10 +25,10 @@ pub enum SequenceKind {
     Sobol,
 }
 
-/// Draws of dimensions below this are spread over neighbouring pixels as well.
+/// The dimensions below which draws are spread over neighbouring pixels as well.
 pub(crate) const SPREAD_DIMENSIONS: u32 = 7;
 
-/// Blocks of pixels that share a sequence there have an edge of 2^`BLOCK_BITS`.
+/// The logarithm of the edge of a block of pixels that share a sequence for these draws.
 pub(super) const BLOCK_BITS: u32 = 4;
 
 /// A mask of the higher bits of the place in a quad of pixels, and of the quad in a larger one; the lower bits are next to them.
@@ -56,7 +56,7 @@ pub(super) struct Counter<Word> {
     /// A hash of the pixel and the seed, and one of the pixel's block and the seed.
     pub pixel: Word,
     pub block: Word,
-    /// See [`place_in_block`].
+    /// The place of the pixel, see [`place_in_block`].
     pub place: Word,
     /// The sample index; with its bits reversed for `Sobol`, as the shuffle needs it.
     pub index: Word,

@@ -37,7 +37,7 @@ pub struct SphericalRectangle {
     y0: f64,
     y1: f64,
     z0: f64,
-    /// z components of the unit normals of the planes through the origin and the edges y = y0 and y = y1; 1 - b0^2.
+    /// The z components of the unit normals of the planes through the origin and the edges y = y0 and y = y1; 1 - b0^2.
     b0: f64,
     b1: f64,
     a0: f64,
@@ -69,7 +69,7 @@ impl Turn {
 }
 
 impl Rectangle {
-    /// `corner + a edge_u + b edge_v`, a and b in [0, 1]. `None` if the edges are not perpendicular, or one has no length.
+    /// The rectangle `corner + a edge_u + b edge_v`, a and b in [0, 1]. `None` if the edges are not perpendicular, or one has no length.
     pub fn new(corner: Vec3, edge_u: Vec3, edge_v: Vec3) -> Option<Self> {
         let (edge_u, edge_v) = (edge_u.as_dvec3(), edge_v.as_dvec3());
         let (width, height) = (edge_u.length(), edge_v.length());
@@ -86,7 +86,7 @@ impl Rectangle {
         })
     }
 
-    /// Corner, unit vectors along the edges, lengths of the edges.
+    /// The corner, the unit vectors along the edges, and the lengths of the edges.
     pub(super) fn parts(&self) -> (Vec3, [Vec3; 2], [f32; 2]) {
         let axes = [self.x, self.y].map(|axis| axis.as_vec3());
         (self.corner, axes, [self.width as f32, self.height as f32])
@@ -141,7 +141,7 @@ impl Rectangle {
             b0: n0,
             b1: n2,
             a0: z0 * z0 / (y0 * y0 + z0 * z0),
-            // pi less the last two.
+            // This is pi less the last two.
             start: Turn {
                 cos: -last.cos,
                 sin: last.sin,
@@ -162,7 +162,7 @@ impl SphericalRectangle {
         (1.0 / self.solid_angle) as f32
     }
 
-    /// A point on the rectangle, whose direction from the origin is uniform in solid angle.
+    /// Samples a point on the rectangle whose direction from the origin is uniform in solid angle.
     pub fn sample(&self, u: Vec2) -> Vec3 {
         let (u, v) = (f64::from(u.x), f64::from(u.y));
         // The x at which the part of the rectangle on its left covers the fraction u of the solid angle: with the paper's f = m / sin and
@@ -186,7 +186,7 @@ impl SphericalRectangle {
     }
 }
 
-/// Length of (a, b). Coordinates that were `f32` cannot overflow here, which is all that `hypot` would look after, at ten times the cost.
+/// The length of (a, b). Coordinates that were `f32` cannot overflow here, which is all that `hypot` would prevent, at ten times the cost.
 fn length(a: f64, b: f64) -> f64 {
     (a * a + b * b).sqrt()
 }

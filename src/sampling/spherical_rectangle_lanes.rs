@@ -25,7 +25,7 @@ pub struct RectangleLanes {
 #[derive(Clone, Copy, Debug)]
 pub struct RectangleSampleLanes {
     pub position: Vec3Lanes,
-    /// Steradian; the density of the direction is its reciprocal.
+    /// The solid angle in steradians; the density of the direction is its reciprocal.
     pub solid_angle: Lanes,
     /// A mask of the lanes whose solid angle is not too small. The other fields count only there.
     pub is_valid: Lanes,
@@ -72,7 +72,7 @@ impl RectangleLanes {
         }
     }
 
-    /// Points whose directions from `origin` are uniform in solid angle, by `u` and `v` in [0, 1).
+    /// Samples points whose directions from `origin` are uniform in solid angle, by `u` and `v` in [0, 1).
     #[inline(always)]
     pub fn sample(&self, origin: Vec3Lanes, [u, v]: [Lanes; 2]) -> RectangleSampleLanes {
         let (zero, one) = (Lanes::ZERO, Lanes::ONE);
@@ -136,7 +136,7 @@ impl RectangleLanes {
             product(x1, y0, x1, y1),
         );
         let (ad, dc) = (product(x0, y0, x0, y1), product(x0, y1, x1, y1));
-        // tan of half the solid angle of either triangle is volume / sum.
+        // The tangent of half the solid angle of either triangle is volume / sum.
         let volume = z * (x1 - x0) * (y1 - y0);
         let first = (a * b).mul_add(c, ab.mul_add(c, ac.mul_add(b, bc * a)));
         let second = (a * c).mul_add(d, ac.mul_add(d, ad.mul_add(c, dc * a)));
@@ -193,7 +193,7 @@ mod tests {
                         continue;
                     };
                     let found = sample.solid_angle.as_array()[lane];
-                    // Seen edge-on it is as uncertain as the height over its plane is, of coordinates in single precision.
+                    // Seen edge-on it is as uncertain as the height over its plane, by the rounding of coordinates.
                     let offset = origins.get(lane) - middle;
                     let height = offset.dot(edges[0].cross(edges[1]).normalize()).abs();
                     let allowed = 4e-6 + 8e-7 * (offset.length() + corner.length()) / height;

@@ -29,7 +29,7 @@ pub(crate) struct SphericalTriangle {
 }
 
 impl SphericalTriangle {
-    /// `corners` and `origin` in one space, either side visible.
+    /// The triangle with `corners` as seen from `origin`, both in one space, with either side visible.
     ///
     /// `None` if the origin lies in the triangle's plane, or if the triangle looks small or as thin as a line: sample by area then.
     pub fn new(corners: [Vec3; 3], origin: Vec3) -> Option<Self> {
@@ -37,7 +37,7 @@ impl SphericalTriangle {
         let [p0, p1, p2] = corners.map(Vec3::as_dvec3);
         let [to_a, to_b, to_c] = [p0 - origin, p1 - origin, p2 - origin];
         let normal = (p1 - p0).cross(p2 - p0);
-        // Six times the tetrahedron's volume; small against the lengths where there is little to see.
+        // It is six times the tetrahedron's volume, and small against the lengths where there is little to see.
         let volume = to_a.dot(normal).abs();
         let (a_length, b_length, c_length) = (to_a.length(), to_b.length(), to_c.length());
         let product = a_length * b_length * c_length;
@@ -69,7 +69,7 @@ impl SphericalTriangle {
         (1.0 / self.solid_angle) as f32
     }
 
-    /// A point on the triangle, whose direction from the origin is uniform in solid angle.
+    /// Samples a point on the triangle whose direction from the origin is uniform in solid angle.
     pub fn sample(&self, u: Vec2) -> Vec3 {
         let (u, v) = (f64::from(u.x), f64::from(u.y));
         // The point c' of the edge from `a` to `c` that cuts off the fraction u of the solid angle beside the edge from `a` to `b`: by
@@ -154,7 +154,7 @@ mod tests {
             const DRAWS: u32 = 40_000;
             let sum: DVec3 = (0..DRAWS).map(|i| seen.sample(random(i)).as_dvec3().normalize()).sum();
             let mean = sum / f64::from(DRAWS);
-            // Five standard errors of coordinates that vary by less than one.
+            // The tolerance is five standard errors of coordinates that vary by less than one.
             let tolerance = 5.0 / f64::from(DRAWS).sqrt();
             assert!(
                 mean.distance(expected) < tolerance,
@@ -172,7 +172,7 @@ mod tests {
             };
             let corners = [corner(1), corner(2), corner(3)];
             let origin = if index % 4 == 0 {
-                // All but touching.
+                // The origin almost touches the triangle.
                 (corners[0] + corners[1] + corners[2]) / 3.0 + 1e-4 * corner(4)
             } else {
                 corner(4)

@@ -18,7 +18,7 @@ struct Item {
     emitter: u32,
 }
 
-/// Planes are looked for between this many slices of the box of centroids.
+/// The number of slices of the box of centroids between which planes are tried.
 const BINS: usize = 16;
 
 /// Below this depth sets are halved by number, so that no tree is deeper than this plus the logarithm of what is left.
@@ -150,7 +150,7 @@ impl Plane {
 struct Bin {
     bounds: Aabb,
     intensity: f32,
-    /// Sum of mean normals times intensities.
+    /// The sum of mean normals times intensities.
     normals: Vec3,
 }
 
@@ -169,7 +169,7 @@ impl Bin {
         }
     }
 
-    /// Intensity times the measures of the normals and of the room; zero if empty.
+    /// The cost: intensity times the measures of the normals and of the volume; zero if empty.
     fn cost(&self) -> f32 {
         if self.intensity <= 0.0 {
             return 0.0;
@@ -192,7 +192,7 @@ fn shone_upon(cos: f32) -> f32 {
     }
 }
 
-/// None where no plane has emitters on both sides.
+/// The best plane; None if no plane has emitters on both sides.
 fn best_plane(items: &[Item], centroids: &Aabb) -> Option<Plane> {
     let bins = items.len().min(BINS);
     let extent = centroids.extent();

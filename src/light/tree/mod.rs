@@ -46,8 +46,7 @@ impl LightTree {
         self.only
     }
 
-    /// The emitter that `u` in [0, 1) stands for, with its probability. None where the bounds turn out to hold nothing that sends light
-    /// to `reference`.
+    /// The emitter for `u` in [0, 1), with its probability. None if the bounds turn out to hold nothing that sends light to `reference`.
     pub fn sample(&self, reference: &LightReference, u: f64) -> Option<(u32, f32)> {
         if let Some(only) = self.only {
             return Some((only, 1.0));
@@ -93,7 +92,7 @@ impl LightTree {
 /// The largest `f64` below one.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// Least probability of a node that sends light at all: estimates know nothing of what stands between.
+/// The least probability of a node that sends light at all: estimates do not know of occluders.
 const LEAST_SHARE: f64 = 1e-3;
 
 /// Probability of going to the first of two; None if neither sends light to `reference`.

@@ -1,4 +1,4 @@
-//! A node of the light tree in 32 bytes, and the estimate of what it sends to a point.
+//! A node of the light tree in 32 bytes, and the estimate of the light that it sends to a point.
 
 use glam::{I16Vec2, U16Vec2, Vec2, Vec3};
 
@@ -16,14 +16,14 @@ pub(super) enum Content {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     center: Vec3,
-    /// Radius of the ball, squared.
+    /// The squared radius of the ball.
     radius_squared: f32,
     intensity: f32,
-    /// Pair or emitter, which of the two in the highest bit.
+    /// The index of a pair or an emitter; the highest bit tells which.
     link: u32,
-    /// Axis of the cone of normals, as a point of the octahedron.
+    /// The axis of the cone of normals, as a point of the octahedron.
     axis: I16Vec2,
-    /// Cosines of that cone's angle, from -1 to 1, and of the angle of emission, from 0 to 1, both rounded down.
+    /// The cosines of that cone's angle, from -1 to 1, and of the angle of emission, from 0 to 1, both rounded down.
     cosines: U16Vec2,
 }
 
@@ -33,7 +33,7 @@ const EMITTER: u32 = 1 << 31;
 /// of a radian, where an axis loses a tenth of that on the octahedron and a narrow cone a quarter in the cosine of its angle.
 const SINE_SQUARED_ROUNDING: f32 = 1e-6;
 
-/// Least distance to a ball's centre that counts, squared, in squared radii: within, emitters are around and not there.
+/// The least squared distance to a ball's centre that counts, in squared radii: within it, emitters are all around.
 const NEAREST_SQUARED: f32 = 0.25;
 
 impl Node {

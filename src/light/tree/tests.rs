@@ -1,4 +1,4 @@
-//! Probabilities of the tree, on sets of emitters both ordinary and awkward.
+//! Tests the probabilities of the tree, on ordinary and on awkward sets of emitters.
 
 use glam::{Vec2, Vec3};
 
@@ -88,7 +88,7 @@ fn cases() -> Vec<(&'static str, Vec<LightBounds>)> {
     ]
 }
 
-/// Inside, outside, far away, and at emitters; each with and without a normal.
+/// References inside, outside, far away, and at emitters; each with and without a normal.
 fn references(lights: &[LightBounds]) -> Vec<LightReference> {
     let at_light = |index: usize| lights[index % lights.len()].bounds.center();
     let mut positions: Vec<Vec3> = (100..110).map(scattered).collect();
