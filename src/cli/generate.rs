@@ -4,9 +4,9 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 
-use super::{Cli, report};
+use super::report;
 
 #[derive(Args)]
 pub struct CompletionsArgs {
@@ -20,18 +20,17 @@ pub struct ManArgs {
     folder: PathBuf,
 }
 
-pub fn completions(args: CompletionsArgs) -> ExitCode {
+pub fn completions(mut program: Command, args: CompletionsArgs) -> ExitCode {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "sunroom", &mut script);
+    clap_complete::generate(args.shell, &mut program, "sunroom", &mut script);
     match std::io::stdout().write_all(&script) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => report::error(format_args!("standard output: {error}")),
     }
 }
 
-pub fn man(args: ManArgs) -> ExitCode {
-    let written =
-        std::fs::create_dir_all(&args.folder).and_then(|()| clap_mangen::generate_to(Cli::command(), &args.folder));
+pub fn man(program: Command, args: ManArgs) -> ExitCode {
+    let written = std::fs::create_dir_all(&args.folder).and_then(|()| clap_mangen::generate_to(program, &args.folder));
     match written {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => report::error(format_args!("{}: {error}", args.folder.display())),

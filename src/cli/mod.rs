@@ -80,8 +80,8 @@ pub fn run() -> ExitCode {
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Bench(args)) => bench::run(args),
-        Some(Command::Completions(args)) => generate::completions(args),
-        Some(Command::Man(args)) => generate::man(args),
+        Some(Command::Completions(args)) => generate::completions(Cli::command(), args),
+        Some(Command::Man(args)) => generate::man(Cli::command(), args),
     }
 }
 
