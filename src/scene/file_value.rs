@@ -6,8 +6,9 @@ use glam::Vec3;
 
 use super::parameter_info::ParameterInfo;
 use super::parameters::{
-    ALPHA, ALPHA_U, ALPHA_V, BEAM_WIDTH, CUTOFF_ANGLE, ConductorIor, ETA, FOV, FOV_AXIS, Ior, K, PRINCIPLED_ETA,
-    ParameterRef, PrincipledIndex, Roughness, SPECULAR, SunPosition,
+    ABSORPTION_SCALE, ALPHA, ALPHA_U, ALPHA_V, Absorption, BEAM_WIDTH, CUTOFF_ANGLE, ConductorIor, ETA, EUMELANIN, FOV,
+    FOV_AXIS, Ior, K, PHEOMELANIN, PRINCIPLED_ETA, ParameterRef, PrincipledIndex, Roughness, SIGMA_A, SPECULAR,
+    SunPosition,
 };
 use super::texture::{Parameter, Texture};
 use crate::color::Rgb;
@@ -72,6 +73,14 @@ impl<'p> ParameterRef<'p> {
             },
             Self::PrincipledIndex(PrincipledIndex::Specular(specular)) => meet(&SPECULAR, FileValue::Number(*specular)),
             Self::PrincipledIndex(PrincipledIndex::Eta(eta)) => meet(&PRINCIPLED_ETA, FileValue::Number(*eta)),
+            Self::Absorption(Absorption::Melanin { eumelanin, pheomelanin }) => {
+                meet(&EUMELANIN, FileValue::Number(*eumelanin));
+                meet(&PHEOMELANIN, FileValue::Number(*pheomelanin));
+            }
+            Self::Absorption(Absorption::Given { sigma_a, scale }) => {
+                meet(&SIGMA_A, FileValue::Color(sigma_a));
+                meet(&ABSORPTION_SCALE, FileValue::Number(*scale));
+            }
             Self::Emission(color) | Self::UniformReflectance(color) => meet(info, FileValue::Rgb(*color)),
             Self::TexturedEmission(color) => meet(info, FileValue::Color(color)),
             Self::Factor(number) | Self::Angle(number) => meet(info, FileValue::Number(*number)),

@@ -68,7 +68,8 @@ pub(crate) use object_change::{ObjectChange, Side};
 pub(crate) use object_state::ObjectState;
 pub(crate) use parameter_info::ParameterInfo;
 pub use parameters::{
-    ConductorIor, Cone, Distribution, FieldOfView, Ior, PlaceAndTime, PrincipledIndex, Roughness, SunPosition,
+    Absorption, ConductorIor, Cone, Distribution, FieldOfView, Ior, PlaceAndTime, PrincipledIndex, Roughness,
+    SunPosition,
 };
 pub(crate) use parameters::{ParameterMut, ParameterRef};
 pub use pictures::Pictures;

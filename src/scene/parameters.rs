@@ -51,6 +51,8 @@ kinds! {
     UniformRoughness(Roughness),
     /// `specular` or `eta`.
     PrincipledIndex(PrincipledIndex),
+    /// `eumelanin` and `pheomelanin`, or `sigma_a` and `scale`.
+    Absorption(Absorption),
     /// Light that is sent out, by colour: not negative, without upper bound.
     Emission(Rgb),
     TexturedEmission(Parameter<Rgb>),
@@ -85,6 +87,9 @@ impl ParameterMut<'_> {
             Self::Float(number) | Self::Height(number) if is(info) => set_picture(number, place, path, true),
             Self::ConductorIor(ConductorIor::Given { eta, .. }) if is(&ETA) => set_picture(eta, place, path, true),
             Self::ConductorIor(ConductorIor::Given { k, .. }) if is(&K) => set_picture(k, place, path, true),
+            Self::Absorption(Absorption::Given { sigma_a, .. }) if is(&SIGMA_A) => {
+                set_picture(sigma_a, place, path, true)
+            }
             Self::Roughness(roughness) | Self::UniformRoughness(roughness) => match roughness {
                 Roughness::Isotropic(alpha) if is(&ALPHA) => set_picture(alpha, place, path, true),
                 Roughness::Anisotropic { u, .. } if is(&ALPHA_U) => set_picture(u, place, path, true),
@@ -165,6 +170,32 @@ pub(crate) const PRINCIPLED_ETA: ParameterInfo = ParameterInfo::new(
     "Index of refraction inside over outside: how strongly the surface mirrors and, where it is glass, how far it bends light.",
     "0.01 to 100; plastic and glass have 1.5, water 1.33",
 );
+
+pub const EUMELANIN: ParameterInfo = ParameterInfo::new(
+    "eumelanin",
+    "Eumelanin",
+    "How much there is of the pigment that makes hair brown and black.",
+    "0 or more; 0.3 blond, 1.3 brown, 8 black",
+)
+.within(0.0..=1e6);
+
+pub const PHEOMELANIN: ParameterInfo = ParameterInfo::new(
+    "pheomelanin",
+    "Pheomelanin",
+    "How much there is of the pigment that makes hair red.",
+    "0 or more; 0.2 is common, 1 is red",
+)
+.within(0.0..=1e6);
+
+pub const SIGMA_A: ParameterInfo = ParameterInfo::new(
+    "sigma_a",
+    "Absorption",
+    "How much light a fibre absorbs, by colour: the share exp(-1) is left after a way of its radius through an absorption of 1.",
+    "0 or more per channel, or a texture",
+);
+
+pub const ABSORPTION_SCALE: ParameterInfo =
+    ParameterInfo::new("scale", "Scale", "Factor on the absorption.", "0 or more").within(0.0..=1e6);
 
 /// Complex index of refraction of a conductor, per colour channel.
 #[derive(Reflect, Clone, Debug, PartialEq)]
@@ -247,6 +278,35 @@ pub enum PrincipledIndex {
 impl Default for PrincipledIndex {
     fn default() -> Self {
         Self::Specular(0.5)
+    }
+}
+
+/// How much light a hair absorbs inside.
+#[derive(Reflect, Clone, Debug, PartialEq)]
+pub enum Absorption {
+    /// By its pigments.
+    Melanin {
+        /// The concentration of what makes hair brown and black, at least 0.
+        eumelanin: f32,
+        /// The concentration of what makes hair red, at least 0.
+        pheomelanin: f32,
+    },
+    /// By the coefficient itself.
+    Given {
+        /// The coefficient per radius, at least 0.
+        sigma_a: Parameter<Rgb>,
+        /// A factor on it, at least 0.
+        scale: f32,
+    },
+}
+
+impl Default for Absorption {
+    /// The format's brown.
+    fn default() -> Self {
+        Self::Melanin {
+            eumelanin: 1.3,
+            pheomelanin: 0.2,
+        }
     }
 }
 

@@ -95,6 +95,10 @@ fn defaults_are_those_of_the_format() {
             multiple_scattering: false,
         }
     );
+    assert_eq!(
+        material("<bsdf type='hair'/>"),
+        Material::of_plugin("hair").expect("a plugin")
+    );
     let scene = clean("<shape type='sphere'/><emitter type='point'/>");
     assert_eq!(
         scene.shapes[0].shape.kind,
@@ -185,6 +189,41 @@ fn parameters_are_read() {
     assert_eq!(inside.declared_in, DeclarationPlace::Shape(0));
     let sun = &scene.emitters[0];
     assert!(sun.to_world.transform_vector3(Vec3::Z).abs_diff_eq(Vec3::NEG_Y, 1e-6));
+}
+
+#[test]
+fn hair_is_read_by_its_pigments_or_its_absorption() {
+    let hair = |absorption| Material::Hair {
+        absorption,
+        longitudinal_roughness: 0.1,
+        azimuthal_roughness: 0.3,
+        scale_tilt: -3.0,
+        interior: Ior::Named("amber".into()),
+        exterior: Ior::Named("air".into()),
+    };
+    for (given, absorption) in [
+        (
+            "<float name='pheomelanin' value='0.5'/>",
+            Absorption::Melanin {
+                eumelanin: 1.3,
+                pheomelanin: 0.5,
+            },
+        ),
+        (
+            "<rgb name='sigma_a' value='0.2, 0.3, 4'/><float name='scale' value='2'/>",
+            Absorption::Given {
+                sigma_a: Vec3::new(0.2, 0.3, 4.0).into(),
+                scale: 2.0,
+            },
+        ),
+    ] {
+        let body = format!(
+            "<bsdf type='hair'>{given}<float name='longitudinal_roughness' value='0.1'/>
+             <float name='scale_tilt' value='-3'/></bsdf>"
+        );
+        assert_eq!(material(&body), hair(absorption));
+        round_trip(&clean(&body), &std::env::temp_dir().join("hair.xml"));
+    }
 }
 
 #[test]
@@ -493,6 +532,18 @@ fn what_cannot_be_is_an_error_with_its_line() {
         (
             "<bsdf type='conductor'><string name='material' value='Xx'/></bsdf>",
             "2: error: `Xx` is not a known metal",
+        ),
+        (
+            "<bsdf type='hair'><float name='eumelanin' value='1'/>\n<rgb name='sigma_a' value='1'/></bsdf>",
+            "3: error: `sigma_a` and pigments exclude each other",
+        ),
+        (
+            "<bsdf type='hair'><float name='azimuthal_roughness' value='1.5'/></bsdf>",
+            "2: error: `azimuthal_roughness` is 1.5",
+        ),
+        (
+            "<bsdf type='twosided'><bsdf type='hair'/></bsdf>",
+            "2: error: `hair` has two sides already",
         ),
         (
             "<bsdf type='dielectric'><string name='int_ior' value='watr'/></bsdf>",

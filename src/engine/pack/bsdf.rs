@@ -4,13 +4,18 @@ use super::texture::TexturePacker;
 use super::{Checker, STAND_IN_ID};
 use crate::color::Rgb;
 use crate::material::{self, BumpOptions, MaterialId, TexturedBase, TexturedBsdf, TexturedFacets, TexturedSpecular};
-use crate::scene::{ConductorIor, Distribution, Ior, Material, Parameter, Roughness};
-use crate::shading::{DielectricModel, Microalbedo, MicrofacetKind, RoughCoat, SmoothCoat, ior};
+use crate::scene::{Absorption, ConductorIor, Distribution, Ior, Material, Parameter, Roughness};
+use crate::shading::{
+    DielectricModel, Fiber, Microalbedo, MicrofacetKind, RoughCoat, SmoothCoat, ior, melanin_absorption,
+};
 use crate::texture;
 
 /// Largest refractive index or extinction; the highest measured ones in the visible range are below 10.
 pub(super) const HIGHEST_IOR: f32 = 100.0;
 pub(super) const LOWEST_IOR: f32 = 0.01;
+
+/// Largest absorption coefficient of a hair, factor on it, and concentration of a pigment: blacker than any.
+const MOST_ABSORPTION: f32 = 1e6;
 
 /// Packs one material.
 pub(super) struct MaterialPacker<'a, 'e, 't> {
@@ -141,6 +146,29 @@ impl MaterialPacker<'_, '_, '_> {
             },
             Material::Principled(principled) => TexturedBsdf::Principled(self.principled(principled)),
             Material::PrincipledThin(thin) => TexturedBsdf::PrincipledThin(self.principled_thin(thin)),
+            Material::Hair {
+                absorption,
+                longitudinal_roughness,
+                azimuthal_roughness,
+                scale_tilt,
+                interior,
+                exterior,
+            } => {
+                let along = self
+                    .check
+                    .number("longitudinal_roughness", *longitudinal_roughness, 0.0, 1.0, 0.3);
+                let around = self
+                    .check
+                    .number("azimuthal_roughness", *azimuthal_roughness, 0.0, 1.0, 0.3);
+                let tilt = self.check.number("scale_tilt", *scale_tilt, -90.0, 90.0, 2.0);
+                let eta = self.eta(interior, "amber", exterior);
+                let (sigma_a, scale) = self.absorption(absorption);
+                TexturedBsdf::Hair {
+                    fiber: Fiber::new(eta, along, around, tilt.to_radians()),
+                    sigma_a,
+                    scale,
+                }
+            }
             Material::TwoSided => {
                 let front = first(self);
                 let back = nested[1].unwrap_or(front);
@@ -246,6 +274,24 @@ impl MaterialPacker<'_, '_, '_> {
     /// The index inside, or else that of `otherwise`, over that outside, or else that of air.
     fn eta(&mut self, interior: &Ior, otherwise: &str, exterior: &Ior) -> f32 {
         index("int_ior", interior, otherwise, &mut self.check) / index("ext_ior", exterior, "air", &mut self.check)
+    }
+
+    /// The coefficient, and a factor on it.
+    fn absorption(&mut self, absorption: &Absorption) -> (texture::Parameter<Rgb>, f32) {
+        match absorption {
+            Absorption::Melanin { eumelanin, pheomelanin } => {
+                let eumelanin = self.check.number("eumelanin", *eumelanin, 0.0, MOST_ABSORPTION, 1.3);
+                let pheomelanin = self
+                    .check
+                    .number("pheomelanin", *pheomelanin, 0.0, MOST_ABSORPTION, 0.2);
+                let sigma_a = melanin_absorption(eumelanin, pheomelanin);
+                (texture::Parameter::Constant(sigma_a), 1.0)
+            }
+            Absorption::Given { sigma_a, scale } => {
+                let scale = self.check.number("scale", *scale, 0.0, MOST_ABSORPTION, 1.0);
+                (self.color("sigma_a", sigma_a, MOST_ABSORPTION), scale)
+            }
+        }
     }
 
     fn conductor(&mut self, ior: &ConductorIor, specular_reflectance: &Parameter<Rgb>) -> TexturedSpecular {

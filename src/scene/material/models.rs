@@ -10,7 +10,8 @@ use crate::scene::declare::{PluginInfo, declare_plugins};
 use crate::scene::identity::DocumentOrder;
 use crate::scene::parameter_info::ParameterInfo;
 use crate::scene::parameters::{
-    ALPHA, ConductorIor, Distribution, HEIGHT, Ior, MATERIAL, ParameterMut, ParameterRef, Roughness,
+    ALPHA, Absorption, ConductorIor, Distribution, EUMELANIN, HEIGHT, Ior, MATERIAL, ParameterMut, ParameterRef,
+    Roughness,
 };
 use crate::scene::texture::Parameter;
 
@@ -99,6 +100,36 @@ declare_plugins! {
 
         [PluginInfo::new("principledthin", "principledthin").refracting()]
         PrincipledThin(shared: Arc<PrincipledThin> => Arc::make_mut),
+
+        /// A fibre, on a shape that is round across it, such as a cylinder.
+        [PluginInfo::new("hair", "hair").refracting()]
+        Hair {
+            absorption: Absorption = Absorption::default() => Absorption(EUMELANIN),
+            longitudinal_roughness: f32 = 0.3 => Number(ParameterInfo::new(
+                "longitudinal_roughness",
+                "Rough along",
+                "How far light is spread along the fibre: the length of highlights.",
+                "0 to 1",
+            )
+            .within(0.0..=1.0)),
+            azimuthal_roughness: f32 = 0.3 => Number(ParameterInfo::new(
+                "azimuthal_roughness",
+                "Rough around",
+                "How far light is spread around the fibre: how soft and translucent many of them look together.",
+                "0 to 1",
+            )
+            .within(0.0..=1.0)),
+            /// Degrees.
+            scale_tilt: f32 = 2.0 => Angle(ParameterInfo::degrees(
+                "scale_tilt",
+                "Scale tilt",
+                "Angle of the scales on the fibre, which moves highlights along it.",
+                "degrees, -90 to 90; 2 to 4 on human hair",
+            )
+            .within(-90.0..=90.0)),
+            interior: Ior = medium("amber") => Ior(INT_IOR),
+            exterior: Ior = medium("air") => Ior(EXT_IOR),
+        },
 
         /// Shows the first material inside to the front and the second, or else the same, to the back.
         [PluginInfo::new("twosided", "two-sided").nesting(1..=2)]

@@ -9,9 +9,10 @@ use super::sensors::read_fov;
 use super::textures::read_texture;
 use crate::color::Rgb;
 use crate::document::{Category, Reader, Severity, Value};
+use crate::scene::parameters::{ABSORPTION_SCALE, EUMELANIN, PHEOMELANIN, SIGMA_A};
 use crate::scene::{
-    ConductorIor, Cone, Distribution, Ior, Parameter, ParameterInfo, ParameterMut, PlaceAndTime, PrincipledIndex,
-    Roughness, SunPosition,
+    Absorption, ConductorIor, Cone, Distribution, Ior, Parameter, ParameterInfo, ParameterMut, PlaceAndTime,
+    PrincipledIndex, Roughness, SunPosition,
 };
 
 /// Takes what the file gives.
@@ -55,6 +56,7 @@ impl FromFile<'_, '_, '_> {
             ParameterMut::Distribution(value) => self.distribution(name, value),
             ParameterMut::Roughness(value) | ParameterMut::UniformRoughness(value) => self.roughness(value),
             ParameterMut::PrincipledIndex(value) => self.principled_index(value),
+            ParameterMut::Absorption(value) => self.absorption(value),
             ParameterMut::Emission(value) => self.emission(name, value),
             ParameterMut::TexturedEmission(value) => {
                 if let Some(given) = self.reader.radiometric(name, self.pictures) {
@@ -192,6 +194,25 @@ impl FromFile<'_, '_, '_> {
                 "eta",
                 "`specular` and `eta` exclude each other: both say how strongly the surface reflects",
             ),
+        }
+    }
+
+    fn absorption(&mut self, value: &mut Absorption) {
+        let mut number = |info: &ParameterInfo| self.reader.float_in(info.name, info.range.clone());
+        let pigments = [&EUMELANIN, &PHEOMELANIN].map(&mut number);
+        if let Some(sigma_a) = self.reader.unbounded_color(SIGMA_A.name, self.pictures) {
+            if pigments != [None; 2] {
+                let message = "`sigma_a` and pigments exclude each other: both say how much light is absorbed";
+                self.reader.error_at(SIGMA_A.name, message);
+            }
+            let scale = self
+                .reader
+                .float_in(ABSORPTION_SCALE.name, ABSORPTION_SCALE.range.clone());
+            let scale = scale.unwrap_or(1.0);
+            *value = Absorption::Given { sigma_a, scale };
+        } else if let Absorption::Melanin { eumelanin, pheomelanin } = value {
+            *eumelanin = pigments[0].unwrap_or(*eumelanin);
+            *pheomelanin = pigments[1].unwrap_or(*pheomelanin);
         }
     }
 

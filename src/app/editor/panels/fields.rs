@@ -408,8 +408,8 @@ mod tests {
     use crate::color::Rgb;
     use crate::scene::texture_parameters::{COLOR0, COLOR1, FILENAME, FILTER_TYPE, NAME, RAW, SCALE, TO_UV, WRAP_MODE};
     use crate::scene::{
-        ConductorIor, Distribution, Emitter, EmitterKind, Material, ParameterRef, Principled, PrincipledIndex,
-        Roughness, SunPosition, SunSky,
+        Absorption, ConductorIor, Distribution, Emitter, EmitterKind, Material, ParameterRef, Principled,
+        PrincipledIndex, Roughness, SunPosition, SunSky,
     };
 
     /// What is declared of every parameter.
@@ -433,6 +433,14 @@ mod tests {
             ..Principled::default()
         };
         materials.push(Material::Principled(by_index.into()));
+        let mut hair = Material::of_plugin("hair").expect("a plugin");
+        if let Material::Hair { absorption, .. } = &mut hair {
+            *absorption = Absorption::Given {
+                sigma_a: Rgb::ONE.into(),
+                scale: 1.0,
+            };
+        }
+        materials.push(hair);
         let mut emitters: Vec<Emitter> = Emitter::PLUGINS.into_iter().filter_map(Emitter::of_plugin).collect();
         let by_direction = SunSky {
             sun: SunPosition::Direction(Vec3::X),

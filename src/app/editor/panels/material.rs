@@ -14,12 +14,15 @@ use crate::app::editor::command::conversion::turned_into;
 use crate::app::editor::model::MaterialPlace;
 use crate::app::editor::model::panel_textures::PanelTextures;
 use crate::color::Rgb;
-use crate::scene::parameters::{ALPHA, ALPHA_U, ALPHA_V, ETA, K, PRINCIPLED_ETA, SPECULAR};
+use crate::scene::parameters::{
+    ABSORPTION_SCALE, ALPHA, ALPHA_U, ALPHA_V, ETA, EUMELANIN, K, PHEOMELANIN, PRINCIPLED_ETA, SIGMA_A, SPECULAR,
+};
 use crate::scene::{
-    ConductorIor, Distribution, Ior, Material, Parameter, ParameterInfo, ParameterMut, PrincipledIndex, Roughness,
-    SquarePath,
+    Absorption, ConductorIor, Distribution, Ior, Material, Parameter, ParameterInfo, ParameterMut, PrincipledIndex,
+    Roughness, SquarePath,
 };
 use crate::shading::ior::{self, CONDUCTORS, DIELECTRICS};
+use crate::shading::melanin_absorption;
 
 /// What some of the format's conductors are called in words.
 const METALS: [(&str, &str); 7] = [
@@ -122,6 +125,7 @@ impl Rows<'_> {
             ParameterMut::Roughness(value) => self.roughness(value),
             ParameterMut::UniformRoughness(value) => self.alphas(value),
             ParameterMut::PrincipledIndex(value) => self.principled_index(value),
+            ParameterMut::Absorption(value) => self.absorption(info, value),
             ParameterMut::Emission(value) => {
                 self.edit.changed |= color_field::emission(self.ui, info, info.unit, value);
             }
@@ -216,6 +220,41 @@ impl Rows<'_> {
             PrincipledIndex::Specular(specular) => fields::slider(self.ui, &SPECULAR, specular, SPECULAR.range.clone()),
             PrincipledIndex::Eta(eta) => fields::slider(self.ui, &PRINCIPLED_ETA, eta, 1.0..=3.0),
         };
+    }
+}
+
+impl Rows<'_> {
+    fn absorption(&mut self, info: &'static ParameterInfo, value: &mut Absorption) {
+        let mut is_given = matches!(value, Absorption::Given { .. });
+        let ways = [(false, "pigments"), (true, "absorption")];
+        if fields::choice(self.ui, Caption::from(info).titled("Colour by"), &mut is_given, &ways) {
+            *value = turned_absorption(value);
+            self.edit.changed = true;
+        }
+        let mut quantity = |ui: &mut Ui, info: &'static ParameterInfo, value: &mut f32| {
+            self.edit.changed |= fields::quantity(ui, info, value, 0.01, info.range.clone(), info.unit);
+        };
+        match value {
+            Absorption::Melanin { eumelanin, pheomelanin } => {
+                quantity(self.ui, &EUMELANIN, eumelanin);
+                quantity(self.ui, &PHEOMELANIN, pheomelanin);
+            }
+            Absorption::Given { sigma_a, scale } => {
+                quantity(self.ui, &ABSORPTION_SCALE, scale);
+                self.texturable(&SIGMA_A, "numbers", sigma_a, Rgb::ONE, positive);
+            }
+        }
+    }
+}
+
+/// The absorption that pigments have, or else the pigments of a new hair: few colours are those of any.
+fn turned_absorption(absorption: &Absorption) -> Absorption {
+    match absorption {
+        Absorption::Melanin { eumelanin, pheomelanin } => Absorption::Given {
+            sigma_a: melanin_absorption(*eumelanin, *pheomelanin).into(),
+            scale: 1.0,
+        },
+        Absorption::Given { .. } => Absorption::default(),
     }
 }
 

@@ -7,10 +7,10 @@ use bevy::math::Affine3A;
 use crate::color::Rgb;
 use crate::document::paths::settle;
 use crate::document::value::{ValueError, parse_boolean, parse_float, parse_integer, parse_rgb, parse_vec3};
-use crate::scene::parameters::{BEAM_WIDTH, CUTOFF_ANGLE};
+use crate::scene::parameters::{ABSORPTION_SCALE, BEAM_WIDTH, CUTOFF_ANGLE, EUMELANIN, PHEOMELANIN, SIGMA_A};
 use crate::scene::{
-    AreaLight, ConductorIor, Cone, Distribution, Emitter, Film, Ior, Lens, Material, ParameterInfo, ParameterMut,
-    PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SunPosition, Texture,
+    Absorption, AreaLight, ConductorIor, Cone, Distribution, Emitter, Film, Ior, Lens, Material, ParameterInfo,
+    ParameterMut, PrincipledIndex, Roughness, Sensor, Shape, ShapeKind, SunPosition, Texture,
 };
 
 /// Says why a parameter was not set.
@@ -219,6 +219,7 @@ impl Assign<'_> {
             ParameterMut::PrincipledIndex(value) => self.value(name, value, |text| {
                 Ok(PrincipledIndex::Specular(within(parse_float(text)?, &info.range)?))
             }),
+            ParameterMut::Absorption(value) => self.absorption(value),
             ParameterMut::Emission(value) => self.value(name, value, color(f32::MAX)),
             ParameterMut::TexturedEmission(value) => {
                 self.value(name, value, |text| Ok(color(f32::MAX)(text)?.into()));
@@ -247,6 +248,26 @@ impl Assign<'_> {
                 }
             }
         }
+    }
+}
+
+impl Assign<'_> {
+    fn absorption(&mut self, value: &mut Absorption) {
+        match value {
+            Absorption::Melanin { eumelanin, pheomelanin } => {
+                self.bounded(EUMELANIN.name, eumelanin, EUMELANIN.range.clone());
+                self.bounded(PHEOMELANIN.name, pheomelanin, PHEOMELANIN.range.clone());
+            }
+            Absorption::Given { scale, .. } => {
+                self.bounded(ABSORPTION_SCALE.name, scale, ABSORPTION_SCALE.range.clone())
+            }
+        }
+        self.value(SIGMA_A.name, value, |text| {
+            Ok(Absorption::Given {
+                sigma_a: color(f32::MAX)(text)?.into(),
+                scale: 1.0,
+            })
+        });
     }
 }
 
