@@ -36,15 +36,15 @@ const PARTS: [(&str, &str, &str); 6] = [
 ];
 
 impl Inspected {
-    /// Marks what differs in the other selected things.
-    pub(crate) fn compared(mut self, others: &[Self]) -> Self {
+    /// Marks what differs in the other selected things. `materials`: those of each of the others, by their paths.
+    pub(crate) fn compared(mut self, others: &[Self], materials: &[Vec<(Vec<usize>, &Material)>]) -> Self {
         self.mixed = Mixed::of(&self, others);
         for entry in &mut self.materials {
             let path = &entry.path;
-            let alike = others
+            let alike = materials
                 .iter()
-                .filter_map(|other| other.materials.iter().find(|material| material.path == *path));
-            entry.mixed = Mixed::of_materials(&entry.material, alike.map(|other| &other.material));
+                .filter_map(|other| other.iter().find(|(its, _)| its == path));
+            entry.mixed = Mixed::of_materials(&entry.material, alike.map(|(_, material)| *material));
         }
         self
     }
@@ -316,14 +316,15 @@ mod tests {
             entry(&[1], plugin("plastic")),
         ]);
         // The front of the other has one more material inside.
-        let other = made_of(vec![
-            entry(&[], Material::TwoSided),
-            entry(&[0], plugin("bumpmap")),
-            entry(&[0, 0], plugin("diffuse")),
-            entry(&[1], plugin("plastic")),
-        ]);
+        let [bumps, paint, plastic] = ["bumpmap", "diffuse", "plastic"].map(plugin);
+        let other = vec![
+            (vec![], &Material::TwoSided),
+            (vec![0], &bumps),
+            (vec![0, 0], &paint),
+            (vec![1], &plastic),
+        ];
         let differ = shown
-            .compared(&[other])
+            .compared(&[], &[other])
             .materials
             .into_iter()
             .map(|entry| entry.mixed.has("type"));

@@ -28,7 +28,7 @@ use crate::scene::{
 /// The components that name a thing.
 #[derive(QueryData)]
 pub struct Naming {
-    entity: Entity,
+    pub entity: Entity,
     order: Option<&'static DocumentOrder>,
     name: Option<&'static Name>,
     id: Option<&'static SceneId>,

@@ -1,5 +1,6 @@
 //! Fills the inspector's part of the panels' model from the selection.
 
+use bevy::ecs::query::ROQueryItem;
 use bevy::prelude::*;
 
 use super::gather::{Naming, shape_kind};
@@ -35,6 +36,8 @@ type MaterialParts = (
     Option<&'static SecondNested>,
 );
 
+type MaterialItem<'w, 's> = ROQueryItem<'w, 's, MaterialParts>;
+
 /// The depth to which two-sided materials are followed; the format needs one.
 const DEEPEST_NESTING: usize = 4;
 
@@ -50,13 +53,15 @@ pub fn gather_selection(
         selection.retain(|entity| parts.contains(*entity));
     }
     let inspected = |entity: Entity| inspect(entity, &parts, &materials, &meshes);
-    model.0.inspected = selection.active().and_then(inspected).map(|shown| {
+    model.0.inspected = selection.active().and_then(inspected).map(|mut shown| {
+        shown.materials = inspected_materials(&shown, &materials);
         let others = selection.entities().iter().filter(|other| **other != shown.entity);
         let others: Vec<Inspected> = others
             .take(MOST_COMPARED)
             .filter_map(|other| inspected(*other))
             .collect();
-        shown.compared(&others)
+        let materials: Vec<_> = others.iter().map(|other| placed_materials(other, &materials)).collect();
+        shown.compared(&others, &materials)
     });
     model.0.selection = selection.clone();
 }
@@ -83,7 +88,7 @@ fn inspect(
     };
     // A constant environment is everywhere, so that its transform means nothing. That of very many instances is not shown.
     let has_place = !is_crowd && emitter.is_none_or(|emitter| !matches!(emitter.kind, EmitterKind::Constant { .. }));
-    let mut inspected = Inspected {
+    Some(Inspected {
         to_world: to_world.filter(|_| has_place).map(|to_world| to_world.0),
         shape: shape.cloned(),
         mesh: shape.and_then(|shape| inspect_mesh(shape, meshes.get(&mesh?.0)?)),
@@ -93,22 +98,7 @@ fn inspect(
         film: film.copied(),
         uses_material: uses.map(|uses| uses.0),
         ..Inspected::new(entity, naming.name(kind))
-    };
-    let first = if is_material {
-        Some(entity)
-    } else {
-        inspected.uses_material
-    };
-    if let Some(first) = first {
-        collect_materials(
-            first,
-            MaterialPlace::Whole,
-            Vec::new(),
-            materials,
-            &mut inspected.materials,
-        );
-    }
-    Some(inspected)
+    })
 }
 
 fn inspect_mesh(shape: &Shape, mesh: &TriangleMesh) -> Option<InspectedMesh> {
@@ -121,41 +111,84 @@ fn inspect_mesh(shape: &Shape, mesh: &TriangleMesh) -> Option<InspectedMesh> {
     })
 }
 
-fn collect_materials(
-    entity: Entity,
+/// What the panel shows of the materials of a thing: of itself, if it is one, or else of the one it uses, and those nested in it.
+fn inspected_materials(thing: &Inspected, materials: &Query<MaterialParts>) -> Vec<InspectedMaterial> {
+    let mut found = Vec::new();
+    let mut meet = |path, place, (naming, material, users, first, second): MaterialItem| {
+        found.push(InspectedMaterial {
+            entity: naming.entity,
+            name: naming.name(material.info().label),
+            material: material.clone(),
+            place,
+            path,
+            mixed: Mixed::default(),
+            users: users.map_or(0, |users| users.iter().count()),
+            inside: nested(first, second).into_iter().flatten().collect(),
+        });
+    };
+    for_each_material(
+        outermost(thing, materials),
+        MaterialPlace::Whole,
+        Vec::new(),
+        materials,
+        &mut meet,
+    );
+    found
+}
+
+/// The same materials by their paths, to be compared.
+fn placed_materials<'q>(thing: &Inspected, materials: &'q Query<MaterialParts>) -> Vec<(Vec<usize>, &'q Material)> {
+    let mut found = Vec::new();
+    let mut meet = |path, _, (_, material, ..): MaterialItem<'q, '_>| found.push((path, material));
+    for_each_material(
+        outermost(thing, materials),
+        MaterialPlace::Whole,
+        Vec::new(),
+        materials,
+        &mut meet,
+    );
+    found
+}
+
+fn outermost(thing: &Inspected, materials: &Query<MaterialParts>) -> Option<Entity> {
+    let is_material = materials.contains(thing.entity);
+    if is_material {
+        Some(thing.entity)
+    } else {
+        thing.uses_material
+    }
+}
+
+fn nested(first: Option<&FirstNested>, second: Option<&SecondNested>) -> [Option<Entity>; 2] {
+    [first.map(|first| first.0), second.map(|second| second.0)]
+}
+
+fn for_each_material<'q, 's>(
+    entity: Option<Entity>,
     place: MaterialPlace,
     path: Vec<usize>,
-    materials: &Query<MaterialParts>,
-    found: &mut Vec<InspectedMaterial>,
+    materials: &'q Query<'_, 's, MaterialParts>,
+    meet: &mut impl FnMut(Vec<usize>, MaterialPlace, MaterialItem<'q, 's>),
 ) {
-    let Ok((naming, material, users, first, second)) = materials.get(entity) else {
+    let Some(parts) = entity.and_then(|entity| materials.get(entity).ok()) else {
         return;
     };
-    let nested = [first.map(|first| first.0), second.map(|second| second.0)];
-    found.push(InspectedMaterial {
-        entity,
-        name: naming.name(material.info().label),
-        material: material.clone(),
-        place,
-        path: path.clone(),
-        mixed: Mixed::default(),
-        users: users.map_or(0, |users| users.iter().count()),
-        inside: nested.into_iter().flatten().collect(),
-    });
-    if path.len() == DEEPEST_NESTING {
-        return;
-    }
+    let (_, material, _, first, second) = &parts;
     let places = match material {
         Material::TwoSided => [MaterialPlace::Front, MaterialPlace::Back],
         Material::Blend { .. } => [MaterialPlace::First, MaterialPlace::Second],
         _ => [MaterialPlace::Inside; 2],
     };
-    let inside = nested
+    let inside = nested(*first, *second)
         .into_iter()
         .zip(places)
-        .filter_map(|(inner, place)| Some((inner?, place)));
+        .filter(|(inner, _)| inner.is_some());
+    meet(path.clone(), place, parts);
+    if path.len() == DEEPEST_NESTING {
+        return;
+    }
     for (step, (inner, place)) in inside.enumerate() {
         let path = path.iter().copied().chain([step]).collect();
-        collect_materials(inner, place, path, materials, found);
+        for_each_material(inner, place, path, materials, meet);
     }
 }
