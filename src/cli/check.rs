@@ -125,7 +125,7 @@ fn list_cameras(world: &mut World) {
     }
 }
 
-/// Prints all messages about a loaded scene; false if it is not good enough to go on.
+/// Prints all messages about a loaded scene; false if it has too many problems to continue.
 pub fn report_scene(status: &SceneStatus, strict: bool) -> bool {
     let all = status.all_diagnostics();
     report::diagnostics(&all);
@@ -137,7 +137,7 @@ pub fn has_only_warnings(status: &SceneStatus) -> bool {
     !status.has_errors() && report::acceptable(&status.all_diagnostics(), false)
 }
 
-/// Prints what can be read and yet not be shown; false if that is not good enough to go on.
+/// Prints what was read but cannot be shown; false if that is too much to continue.
 pub fn report_left_out(status: &RenderStatus, scene: &Path, strict: bool) -> bool {
     let shown = scene.display();
     for message in &status.errors {

@@ -10,7 +10,7 @@ use sunroom::render::film::Film;
 use super::outputs::is_stdout;
 use super::report;
 
-/// Interrupted by the user; shells use 128 + SIGINT.
+/// The exit code after an interrupt by the user; shells use 128 + SIGINT.
 pub const INTERRUPTED: u8 = 130;
 
 /// The end of a render whose film has at least some samples.
@@ -57,7 +57,7 @@ impl Ending {
         self.pixels > 0 && self.pixels_without_samples == 0
     }
 
-    /// Says where the picture is, and why the render was broken off, if it was. `samples`: of every pixel; `denoise`: the user asked for a picture
+    /// Tells where the picture is, and why the render was broken off, if it was. `samples`: of every pixel; `denoise`: the user asked for a picture
     /// without noise; `written`: the outputs that have the picture.
     pub fn report(&self, samples: u32, quiet: bool, denoise: bool, written: &[&Path]) {
         let files = written.iter().filter(|path| !is_stdout(path));

@@ -16,7 +16,7 @@ pub fn quote(text: &str) -> String {
     }
 }
 
-/// Says what was expected and quotes what was found.
+/// The error of a value: what was expected, and a quotation of what was found.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum ValueError {
@@ -101,7 +101,7 @@ pub fn parse_floats(text: &str) -> Result<ArrayVec<f32, MOST_NUMBERS>, ValueErro
     fields(text).take(MOST_NUMBERS).map(parse_float).collect()
 }
 
-/// `r, g, b` or one number, linear; or `#rrggbb`, `#rgb`, which are sRGB.
+/// Parses `r, g, b` or one number, linear; or `#rrggbb`, `#rgb`, which are sRGB.
 pub fn parse_rgb(text: &str) -> Result<Vec3, ValueError> {
     let text = text.trim();
     if let Some(digits) = text.strip_prefix('#') {

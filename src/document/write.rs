@@ -1,4 +1,4 @@
-//! [`Document`] to XML text that reads back to the same tree.
+//! Writes a [`Document`] as XML text that reads back to the same tree.
 //!
 //! Includes and defaults are gone by then: one file is written, with every value spelled out. File names are written as they are; one
 //! that was relative to an include or to another folder has to be made so by the caller before.
@@ -15,7 +15,7 @@ use super::{Category, Child, Document, Object, Property, TransformOp, Value};
 
 const VERSION: &str = "3.0.0";
 
-/// Why a document cannot be written as XML.
+/// The reason why a document cannot be written as XML.
 #[derive(Debug, thiserror::Error, PartialEq)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum WriteError {
@@ -82,7 +82,7 @@ struct Writer<'l> {
     depth: usize,
     margin: &'l str,
     layout: &'l Layout,
-    /// Tags around what is written.
+    /// The number of tags around what is written.
     inside: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Which properties of a PLY element are attributes of the mesh, under the names Mitsuba gives them:
+//! Finds the properties of a PLY element that are attributes of the mesh, under the names that Mitsuba gives them:
 //!
 //! - `r g b` or `red green blue` are `vertex_color` (`face_color` of faces);
 //! - neighbours that share a prefix and end in `_x _y _z`, `_r _g _b`, `_0 _1 _2` or `_1 _2 _3` are `vertex_PREFIX`, with `_color` behind it for
@@ -23,7 +23,7 @@ pub(super) struct Attributes {
 }
 
 impl Attributes {
-    /// `is_taken` says which properties are something else already. `expected` records will follow, more or less.
+    /// Prepares for an element. `is_taken` tells which properties are something else already. About `expected` records will follow.
     pub fn new(element: &Element, domain: AttributeDomain, is_taken: impl Fn(&str) -> bool, expected: usize) -> Self {
         let mut result = Self {
             attributes: Vec::new(),
@@ -120,7 +120,7 @@ fn linear_number(number: f64, scalar: Scalar) -> f32 {
     }
 }
 
-/// Name of an attribute and its properties in order, with their types.
+/// The name of an attribute and its properties in order, with their types.
 type Group = (String, Vec<(usize, Scalar)>);
 
 fn groups(properties: &[Property], is_taken: impl Fn(&str) -> bool) -> Vec<Group> {

@@ -11,14 +11,14 @@ use crate::math::lanes::{Lanes, Vec3Lanes};
 use crate::math::{Aabb, Ray};
 use crate::sampling::warp;
 
-/// A thin lens with a circular or polygonal aperture: what is off the focus plane is blurred.
+/// A thin lens with a circular or polygonal aperture: things off the focus plane are blurred.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinLens {
     /// World units; of the circle around the blades' corners, if there are blades.
     pub aperture_radius: f32,
     /// Distance of the sharp plane along the view axis.
     pub focus_distance: f32,
-    /// Edges of the aperture; below 3 it is round.
+    /// The number of edges of the aperture; below 3 it is round.
     pub blades: u32,
     /// The rotation of the blades in radians, from the camera's +x towards +y. Without any the first corner lies at +x.
     pub blade_rotation: f32,
@@ -59,8 +59,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// `world_from_camera` is rigid; `fov_x` in degrees, in (0, 180); `aspect` is width over height; `near` and `far` are distances
-    /// along the view axis.
+    /// A perspective camera. `world_from_camera` is rigid; `fov_x` is in degrees, in (0, 180); `aspect` is width over height; `near` and `far` are
+    /// distances along the view axis.
     pub fn new(
         world_from_camera: Affine3A,
         fov_x: f32,
@@ -80,7 +80,7 @@ impl Camera {
         )
     }
 
-    /// Parallel rays; `half_extent` of the picture in world units, the rest as for [`Self::new`].
+    /// A camera of parallel rays; `half_extent` is that of the picture in world units, the rest as for [`Self::new`].
     pub fn orthographic(world_from_camera: Affine3A, half_extent: Vec2, near: f32, far: f32) -> Self {
         Self::with_plane(world_from_camera, Projection::Orthographic, half_extent, near, far)
     }
@@ -96,7 +96,7 @@ impl Camera {
         }
     }
 
-    /// The camera whose picture is the part of this one's from `min` to `max`, in film coordinates of this one; they may lie outside.
+    /// The camera whose picture is the part of this one's from `min` to `max`, in film coordinates of this one; they may be outside.
     pub fn cropped(self, min: Vec2, max: Vec2) -> Self {
         Self {
             corner: self.corner + min * self.diagonal,
@@ -116,7 +116,7 @@ impl Camera {
             Projection::Orthographic => (on_plane.extend(0.0), Vec3::Z),
             Projection::Perspective { lens: None } => (Vec3::ZERO, on_plane.extend(1.0)),
             Projection::Perspective { lens: Some(lens) } => {
-                // Aimed from where it will begin, all that passes the lens meets in the plane of focus.
+                // The ray is aimed from where it will begin, so that all rays through the lens meet in the plane of focus.
                 let origin = self.rounded(lens.sample(u_lens));
                 (origin, lens.focus_distance * on_plane.extend(1.0) - origin)
             }
@@ -139,7 +139,7 @@ impl Camera {
         (self.world_from_camera.matrix3.transpose() * rounded).into()
     }
 
-    /// [`Self::ray`] of sixteen points of the film, (x, y) of each. None unless all rays go through one point.
+    /// [`Self::ray`] for sixteen points of the film, (x, y) of each. None unless all rays go through one point.
     pub fn pinhole_rays(&self, film: [Lanes; 2]) -> Option<RayLanes> {
         if self.projection != (Projection::Perspective { lens: None }) {
             return None;
@@ -187,7 +187,7 @@ impl Camera {
         self.world_from_camera.transform_point3(p)
     }
 
-    /// Distances of the near and the far clip plane along the view axis.
+    /// The distances of the near and the far clip plane along the view axis.
     pub fn clip_distances(&self) -> (f32, f32) {
         (self.near, self.far)
     }

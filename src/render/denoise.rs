@@ -1,4 +1,4 @@
-//! Removing the noise of a picture with Intel Open Image Denoise (OIDN), on the CPU.
+//! Removes the noise of a picture with Intel Open Image Denoise (OIDN), on the CPU.
 //!
 //! This is the whole of what the program sees of it; the foreign calls are in `denoise/ffi.rs`. Without the cargo feature
 //! `denoise` everything here is still there, and [`denoise`] answers [`DenoiseError::NotBuilt`].

@@ -1,4 +1,4 @@
-//! The random dimensions of a path: which of a sample's numbers decides what.
+//! The random dimensions of a path: they tell which of a sample's numbers decides what.
 //!
 //! The first ones are the camera's. After them every bounce has as many as [`BounceDraw`] has names, whether it needs them or not, so that
 //! what one bounce does changes no number of another. A draw is one number or a pair, see [`crate::sampling::Sampler`].

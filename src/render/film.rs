@@ -11,11 +11,12 @@ use crate::color::{Rgb, luminance};
 /// A film of a size this many times smaller than memory was taken for gives that back.
 const TOO_MUCH: usize = 16;
 
-/// Pictures of the film's size that are in memory at once while it is denoised and saved: the colour before and after, albedo and normals.
+/// The number of pictures of the film's size that are in memory at once while it is denoised and saved: the colour before and after, albedo and
+/// normals.
 const COPIES: usize = 4;
 
-/// The pixels of a tile lie together, row by row in rows of [`TILE`], for samples come tile by tile; at the right and lower edge some are
-/// no pixels of the picture.
+/// The film. The pixels of a tile are together, row by row in rows of [`TILE`], because samples come tile by tile; at the right and lower edge some
+/// are no pixels of the picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Film {
     width: u32,
@@ -76,12 +77,12 @@ impl Film {
         rounded(width) * rounded(height) * pixel as u64
     }
 
-    /// Pixels in a row.
+    /// The number of pixels in a row.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Number of rows.
+    /// The number of rows.
     pub fn height(&self) -> u32 {
         self.height
     }
@@ -155,18 +156,18 @@ impl Film {
         self.tile_index(x, y) * (TILE * TILE) as usize + (y % TILE * TILE + x % TILE) as usize
     }
 
-    /// Samples of one pixel.
+    /// The number of samples of one pixel.
     pub fn samples(&self, x: u32, y: u32) -> u32 {
         self.counts[self.index(x, y)]
     }
 
-    /// Samples of the pixel that has most.
+    /// The number of samples of the pixel that has most.
     pub fn most_samples(&self) -> u32 {
         // There are no samples outside of the picture.
         self.counts.iter().copied().max().unwrap_or(0)
     }
 
-    /// Samples that every pixel has.
+    /// The number of samples that every pixel has.
     pub fn sample_count(&self) -> u32 {
         let rows = tiles(self.width, self.height).into_iter();
         let least = |tile| self.rows(tile).flat_map(|(_, counts)| counts).copied().min();
@@ -200,7 +201,7 @@ impl Film {
         }
     }
 
-    /// How many light groups have a layer of their own; 0 where only the whole is kept.
+    /// The number of light groups that have a layer of their own; 0 if only the whole is kept.
     pub fn layer_count(&self) -> usize {
         self.layer_count
     }
@@ -233,7 +234,7 @@ impl Film {
         Some(sum / count as f32)
     }
 
-    /// [`Self::mixed_pixel`] of the whole picture; black where there is none yet.
+    /// The radiance of [`Self::mixed_pixel`] for the whole picture; black where there is none yet.
     pub fn mixed(&self, factors: &[Rgb]) -> Vec<Rgb> {
         (0..self.height)
             .flat_map(|y| (0..self.width).map(move |x| (x, y)))
@@ -261,7 +262,7 @@ impl Film {
         self.means(|mean| mean.depth)
     }
 
-    /// Estimated standard error of a pixel's luminance; None below two samples.
+    /// The estimated standard error of a pixel's luminance; None below two samples.
     pub fn standard_error(&self, x: u32, y: u32) -> Option<f32> {
         let index = self.index(x, y);
         let (_, squared_error) = mean_and_squared_error(&self.sums[index], self.counts[index])?;

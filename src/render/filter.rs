@@ -1,5 +1,5 @@
-//! Reconstruction filters by importance sampling: a sample's place in the pixel follows the filter's magnitude, so that all samples weigh
-//! the same but for the sign, and no sample belongs to two pixels (Ernst, Stamminger, Greiner, Filter Importance Sampling, 2006).
+//! Reconstruction filters by importance sampling: a sample's place in the pixel follows the filter's magnitude, so that all samples have the same
+//! weight up to the sign, and no sample belongs to two pixels (Ernst, Stamminger, and Greiner, Filter Importance Sampling, 2006).
 //!
 //! A filter with negative lobes has samples of negative weight. All weights have the magnitude (integral of |f|) / (integral of f), so that
 //! the plain mean over the samples is the filtered picture: sums stay sums, and their spread is the true noise of the mean.
@@ -18,26 +18,26 @@ pub enum PixelFilter {
     Box,
     /// Falls linearly to zero at `radius` from the centre.
     Tent {
-        /// In pixels, above 0.
+        /// The radius in pixels, above 0.
         radius: f32,
     },
-    /// Any other.
+    /// Any other filter.
     Tabulated(Arc<FilterTable>),
 }
 
 /// The filters whose integral has no simple inverse, along one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FilterKernel {
-    /// exp(-x^2 / 2 stddev^2) less its value at four standard deviations, where it ends.
+    /// The Gaussian exp(-x^2 / 2 stddev^2) less its value at four standard deviations, where it ends.
     Gaussian {
-        /// In pixels, above 0.
+        /// The standard deviation in pixels, above 0.
         stddev: f32,
     },
-    /// Mitchell and Netravali, Reconstruction Filters in Computer Graphics (1988).
+    /// The filter of Mitchell and Netravali, Reconstruction Filters in Computer Graphics (1988).
     Cubic {
-        /// How much the filter blurs.
+        /// The blurring.
         b: f32,
-        /// How much it rings.
+        /// The ringing.
         c: f32,
     },
     /// A sinc, windowed by the middle lobe of one `lobes` times as wide.
@@ -58,11 +58,11 @@ pub struct FilterSample {
 
 /// The distance at which the Gaussian ends, in standard deviations.
 const GAUSSIAN_REACH: f32 = 4.0;
-/// Steps of a table, over the whole width of the filter.
+/// The number of steps of a table, over the whole width of the filter.
 const STEPS: usize = 1024;
 
 impl FilterKernel {
-    /// Catmull and Rom's, which interpolates.
+    /// Catmull and Rom's filter, which interpolates.
     pub const CATMULL_ROM: Self = Self::Cubic { b: 0.0, c: 0.5 };
 
     /// The filter at `x` pixels from the centre, of any scale.
@@ -108,7 +108,7 @@ pub struct FilterTable {
     kernel: FilterKernel,
     magnitude: PiecewiseConstant1d,
     negative: Vec<bool>,
-    /// (integral of |f|) / (integral of f).
+    /// The ratio (integral of |f|) / (integral of f).
     excess: f32,
 }
 
@@ -135,7 +135,7 @@ impl FilterTable {
         })
     }
 
-    /// Offset and weight along one axis.
+    /// The offset and the weight along one axis.
     fn sample(&self, u: f32) -> (f32, f32) {
         let sample = self.magnitude.sample(u);
         let negative = self.negative[sample.cell as usize];

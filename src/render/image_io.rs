@@ -1,4 +1,4 @@
-//! Pictures to files: EXR (linear float32, lossless), Radiance HDR (linear, shared exponent), PNG (sRGB, 8 bits).
+//! Writes pictures to files: EXR (linear float32, lossless), Radiance HDR (linear, shared exponent), PNG (sRGB, 8 bits).
 //!
 //! A file is complete or not there: it is written beside its place under another name and then renamed. What a picture
 //! looks like on a display is decided in [`super::tonemap`]; standard output is the caller's business, see [`encode`]. What reads pictures is [`crate::texture::load_image`].
@@ -19,11 +19,11 @@ use crate::files::write_atomically;
 /// A picture of linear Rec. 709 radiance, row by row from the top left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageRgb {
-    /// Pixels in a row, above zero.
+    /// The number of pixels in a row, above zero.
     pub width: u32,
-    /// Number of rows, above zero.
+    /// The number of rows, above zero.
     pub height: u32,
-    /// `width * height` of them.
+    /// The pixels, `width * height` of them.
     pub pixels: Vec<Rgb>,
 }
 
@@ -61,7 +61,7 @@ impl FileFormat {
     }
 }
 
-/// Why a picture is not written.
+/// The reason why a picture is not written.
 #[derive(Debug, Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum ImageIoError {
@@ -75,7 +75,7 @@ pub enum ImageIoError {
     WrongSize { width: u32, height: u32, pixels: usize },
 }
 
-/// Writes in the format that the extension names. `display` matters to PNG only: the others hold the radiance itself.
+/// Writes in the format that the extension names. `display` is used for PNG only: the others hold the radiance itself.
 pub fn write_image(path: &Path, image: &ImageRgb, display: &Display) -> Result<(), ImageIoError> {
     let bytes = encode(image, FileFormat::from_path(path)?, display)?;
     write(path, &bytes)

@@ -22,7 +22,7 @@ pub struct RecordedPath {
     pub vertices: Vec<RecordedVertex>,
     /// Emitters met at infinity, in the direction of the last bounce or of the camera ray.
     pub escaped_to: Vec<MetEmitter>,
-    /// What ended the path after its last vertex.
+    /// The reason why the path ended after its last vertex.
     pub end: PathEnd,
     /// The sum of all contributions.
     pub radiance: Rgb,
@@ -33,13 +33,13 @@ pub struct RecordedPath {
 /// A place on the path's way and what was done there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecordedVertex {
-    /// Where the path was scattered.
+    /// The place where the path was scattered.
     pub place: PathVertex,
     /// The surface's own light.
     pub met: Option<MetEmitter>,
     /// The light that was sampled from here; None where none was looked for.
     pub sampled: Option<SampledLight>,
-    /// None where the path ended.
+    /// The continuation; None if the path ended.
     pub bounce: Option<Bounce>,
 }
 

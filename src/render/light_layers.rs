@@ -30,7 +30,7 @@ impl LightGroups {
         }
     }
 
-    /// Layers that the film has for them.
+    /// The number of layers of the film.
     pub fn count(&self) -> usize {
         self.count
     }

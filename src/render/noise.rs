@@ -6,7 +6,7 @@ use super::tile::Tile;
 /// Pixels darker than this share of the picture's mean are judged as if they had that much, because noise is invisible in what is almost black.
 pub const DARK: f32 = 0.1;
 
-/// The noise of a picture, kept tile by tile as samples arrive, for to look at all pixels again takes longer than a frame may.
+/// The noise of a picture, kept tile by tile as samples arrive, since reading all pixels again takes longer than a frame may.
 #[derive(Clone, Debug, Default)]
 pub struct PictureNoise {
     tiles: Vec<TileNoise>,
@@ -32,8 +32,8 @@ impl PictureNoise {
         }
     }
 
-    /// Looks at what the film now has of a tile, the one at `index` among the picture's. What counts as dark is judged by what the
-    /// picture was so far.
+    /// Updates the noise from what the film now has of a tile, the one at `index` among the picture's. The picture so far decides what counts as
+    /// dark.
     pub fn update(&mut self, index: usize, film: &Film, tile: Tile) {
         let pixels = || {
             let rows = film.rows(tile).flat_map(|(sums, counts)| sums.iter().zip(counts));
@@ -162,7 +162,7 @@ mod tests {
         });
         noise.update(0, &film, all[0]);
         assert!(noise.relative(0..all.len()).expect("samples") > quiet + 0.1);
-        // The tile that got something else is not asked for.
+        // The tile that got something else is not read.
         assert_eq!(noise.relative(1..all.len()), Some(quiet));
     }
 

@@ -7,8 +7,8 @@ use crate::color::Rgb;
 use crate::light::{LightId, LightSample};
 use crate::material::{Lobe, MaterialId};
 
-/// Is told what happens along a path, in this order: at each vertex, an emitter met there, a light sampled from there, and the bounce
-/// to the next; emitters at infinity after the last; then how it ended.
+/// Receives the events along a path in this order: at each vertex, an emitter met there, a light sampled from there, and the bounce to the next;
+/// emitters at infinity after the last; then how it ended.
 pub trait PathObserver {
     /// A ray of the path has met a surface.
     fn vertex(&mut self, _vertex: &PathVertex) {}
@@ -56,7 +56,7 @@ pub struct SurfaceVertex {
 /// An emitter that the path came upon by itself: at its last vertex, or at infinity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetEmitter {
-    /// Which light it is.
+    /// The light.
     pub light: LightId,
     /// The radiance as emitted to the vertex before.
     pub radiance: Rgb,
@@ -102,7 +102,7 @@ pub struct Bounce {
     pub throughput: Rgb,
 }
 
-/// Why a path has no further vertex.
+/// The reason why a path has no further vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PathEnd {
     /// The ray met nothing.

@@ -145,7 +145,7 @@ pub enum TextureWrap {
 }
 
 impl Texture {
-    /// A picture, looked at as the one before it if there was one.
+    /// A picture, which is read in the same way as the one before it if there was one.
     pub fn of_picture(path: PathBuf, before: Option<&Self>) -> Self {
         let mut bitmap = match before {
             Some(Self::Bitmap(bitmap)) => bitmap.clone(),

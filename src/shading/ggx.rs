@@ -17,7 +17,7 @@ pub struct Ggx {
 }
 
 impl Ggx {
-    /// Root mean square slope scales, above 0; raised to 1e-4 where smaller.
+    /// Builds the distribution from root mean square slope scales, above 0; they are raised to 1e-4 if smaller.
     pub fn new(alpha_x: f32, alpha_y: f32) -> Self {
         Self {
             alpha_x: alpha_x.max(SMOOTHEST_ALPHA),
@@ -36,19 +36,18 @@ impl Ggx {
         FRAC_1_PI / (self.alpha_x * self.alpha_y * stretched * stretched)
     }
 
-    /// |cos| of `v` plus the length of `v` in the configuration of unit roughness: what masking divides by.
-    ///
-    /// Smith's G1 = 2 / (1 + sqrt(1 + alpha^2 tan^2)) is 2 |cos| / reach, without a division by a grazing cosine.
+    /// The divisor of masking: |cos| of `v` plus the length of `v` in the configuration of unit roughness. Smith's G1 = 2 / (1 + sqrt(1 + alpha^2
+    /// tan^2)) is 2 |cos| / reach, without a division by a grazing cosine.
     fn reach(&self, v: Vec3) -> f32 {
         v.z.abs() + Vec3::new(self.alpha_x * v.x, self.alpha_y * v.y, v.z).length()
     }
 
-    /// Smith masking of `v`: the visible fraction of the microfacets that face it, in [0, 1].
+    /// The Smith masking of `v`: the visible fraction of the microfacets that face it, in [0, 1].
     pub fn g1(&self, v: Vec3) -> f32 {
         2.0 * v.z.abs() / self.reach(v)
     }
 
-    /// G1(v) / (4 |cos v|), finite at grazing angles: the geometry factor of reflection.
+    /// The factor G1(v) / (4 |cos v|) of reflection, finite at grazing angles.
     pub fn g1_over_four_cos(&self, v: Vec3) -> f32 {
         0.5 / self.reach(v)
     }

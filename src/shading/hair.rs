@@ -53,7 +53,7 @@ pub struct Fiber {
 pub struct Hair {
     /// Roughness and refractive index, with what follows from them.
     pub fiber: Fiber,
-    /// Absorption coefficient inside, per radius of the fibre, at least 0.
+    /// The absorption coefficient inside, per radius of the fibre, at least 0.
     pub sigma_a: Rgb,
 }
 
@@ -69,7 +69,7 @@ impl Fiber {
     pub fn new(eta: f32, longitudinal_roughness: f32, azimuthal_roughness: f32, scale_tilt: f32) -> Self {
         let [along, around] =
             [longitudinal_roughness, azimuthal_roughness].map(|beta| beta.clamp(LEAST_ROUGHNESS, 1.0));
-        // Fits of the paper.
+        // These are the fits of the paper.
         let width = 0.726 * along + 0.812 * along.powi(2) + 3.7 * along.powi(20);
         let spread = 0.265 * around + 1.194 * around.powi(2) + 5.372 * around.powi(22);
         let darkening = [0.245, 5.574, -10.73, 2.532, -0.215, 5.969];
@@ -85,7 +85,7 @@ impl Fiber {
 
 /// One lobe as a viewer sees it.
 struct Lobe {
-    /// A_p: the share of the light that leaves this way.
+    /// The attenuation A_p: the share of the light that leaves this way.
     attenuation: Rgb,
     /// Sine and cosine of the viewer's inclination, turned by the scales.
     inclination: Vec2,
@@ -105,17 +105,17 @@ fn inclination(v: Vec3) -> Vec2 {
 }
 
 impl Lobe {
-    /// M_p: the density of inclinations, per unit of their sine.
+    /// The longitudinal function M_p: the density of inclinations, per unit of their sine.
     fn longitudinal(&self, wi: Vec3) -> f32 {
         let v = self.variance;
         let (o, i) = (self.inclination, inclination(wi));
-        // d'Eon's csch(1 / v) / (2 v) exp(-sin sin / v) I0(cos cos / v), with what is large in one factor taken out of the others.
+        // This is d'Eon's csch(1 / v) / (2 v) exp(-sin sin / v) I0(cos cos / v), in which large factors cancel.
         let distance_squared = (o.x + i.x).powi(2) + (o.y - i.y).powi(2);
         let peak = scaled_bessel_i0(o.y * i.y / v) / (-v * (-2.0 / v).exp_m1());
         peak * (-0.5 * distance_squared / v).exp()
     }
 
-    /// N_p: the density of azimuths, per radian.
+    /// The azimuthal function N_p: the density of azimuths, per radian.
     fn azimuthal(&self, wi: Vec3) -> f32 {
         let Some((middle, scale)) = self.azimuth else {
             return TAU.recip();
@@ -146,7 +146,7 @@ impl Lobe {
     }
 }
 
-/// The share of the logistic distribution that lies in [-pi, pi].
+/// The share of the logistic distribution in [-pi, pi].
 fn inside(scale: f32) -> f32 {
     (0.5 * PI / scale).tanh()
 }
@@ -179,7 +179,7 @@ impl Hair {
         })
     }
 
-    /// A_p: what is reflected and absorbed on the way.
+    /// The attenuations A_p, by reflection and absorption on the way.
     fn attenuations(&self, wo: Vec3) -> [Rgb; LOBES] {
         let eta_squared = self.fiber.eta.powi(2);
         let reflected = fresnel::dielectric(wo.z, self.fiber.eta, DielectricModel::Exact).reflectance;
@@ -255,7 +255,7 @@ fn value_and_density(lobes: &[Lobe; LOBES], wi: Vec3) -> (Rgb, f32) {
         .iter()
         .map(|lobe| lobe.attenuation * (lobe.longitudinal(wi) * lobe.azimuthal(wi)))
         .sum();
-    // Lobes are chosen by their luminance, so the density goes with that of the value.
+    // Lobes are chosen by their luminance, so the density is proportional to that of the value.
     let total = total(lobes);
     (value, if total > 0.0 { luminance(value) / total } else { 0.0 })
 }

@@ -15,7 +15,7 @@ pub fn dielectric_ior(name: &str) -> Option<f32> {
         .map(|&(_, ior)| ior)
 }
 
-/// Complex index (eta, k) of a metal or semiconductor, by name; case does not matter. `none` is a perfect mirror.
+/// The complex index (eta, k) of a metal or semiconductor, by name, in any case. `none` is a perfect mirror.
 ///
 /// A `_palik` at the end asks for Palik's measurement, which most entries are anyway.
 pub fn conductor_ior(name: &str) -> Option<(Rgb, Rgb)> {
@@ -55,7 +55,7 @@ pub const DIELECTRICS: [(&str, f32); 23] = [
     ("diamond", 2.419),
 ];
 
-/// Complex indices (eta, k) by name, linear Rec. 709.
+/// The complex indices (eta, k) by name, linear Rec. 709.
 pub const CONDUCTORS: [(&str, Rgb, Rgb); 42] = [
     ("none", Vec3::ZERO, Vec3::ONE),
     (

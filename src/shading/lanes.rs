@@ -19,9 +19,9 @@ pub struct BsdfLanes {
     dielectric: u32,
     /// Reflectance of a diffuse surface; eta of a metal; specular reflectance of glass.
     reflectance_or_eta: Vec3Lanes,
-    /// k of a metal; specular transmittance of glass.
+    /// The k of a metal; the specular transmittance of glass.
     transmittance_or_k: Vec3Lanes,
-    /// Specular reflectance of a metal.
+    /// The specular reflectance of a metal.
     metal_reflectance: Vec3Lanes,
     /// Roughness of a rough metal; index of glass.
     alpha_or_index: Lanes,
@@ -30,20 +30,20 @@ pub struct BsdfLanes {
 /// A continuation per lane, as [`super::BsdfSample`].
 #[derive(Clone, Copy, Debug)]
 pub struct BsdfSampleLanes {
-    /// As [`super::BsdfSample::wi`].
+    /// The directions as [`super::BsdfSample::wi`].
     pub wi: Vec3Lanes,
-    /// As [`super::BsdfSample::weight`].
+    /// The weights as [`super::BsdfSample::weight`].
     pub weight: Vec3Lanes,
-    /// As [`super::BsdfSample::pdf`].
+    /// The densities as [`super::BsdfSample::pdf`].
     pub pdf: Lanes,
-    /// As [`super::BsdfSample::eta`].
+    /// The relative indices as [`super::BsdfSample::eta`].
     pub eta: Lanes,
     /// The lanes whose light is not absorbed.
     pub returned: Lanes,
 }
 
 impl BsdfLanes {
-    /// No model in any lane.
+    /// Lanes without a model.
     pub fn new() -> Self {
         Self {
             diffuse: 0,
@@ -57,7 +57,7 @@ impl BsdfLanes {
         }
     }
 
-    /// No lane has a model any more.
+    /// Removes the models of all lanes.
     pub fn clear(&mut self) {
         (self.diffuse, self.conductor, self.rough, self.dielectric) = (0, 0, 0, 0);
     }

@@ -21,9 +21,9 @@ const LEAST_FUZZ: f32 = 1e-4;
 /// A coloured mirror with a blur.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metal {
-    /// Reflected fraction of the power where nothing is absorbed, [0, 1].
+    /// The reflected fraction of the power where nothing is absorbed, [0, 1].
     pub color: Rgb,
-    /// Radius of the ball, [0, 1]; 0 is a mirror. Values outside are clamped.
+    /// The radius of the ball, [0, 1]; 0 is a mirror. Values outside are clamped.
     pub fuzz: f32,
 }
 
@@ -70,7 +70,7 @@ impl Metal {
             });
         }
         let wi = (center + self.radius() * warp::unit_ball(u, u_radius)).try_normalize()?;
-        // Zero below the surface (absorbed), and where rounding has put the direction on the rim of the lobe.
+        // The density is zero below the surface (absorbed), and where rounding has put the direction on the rim of the lobe.
         let pdf = self.pdf(wo, wi);
         (pdf > 0.0).then_some(BsdfSample {
             wi,

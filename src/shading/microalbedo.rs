@@ -22,7 +22,7 @@ pub struct Microalbedo {
 }
 
 impl Microalbedo {
-    /// The table of one distribution, computed when first asked for (a tenth of a second).
+    /// The table of one distribution, computed at the first call (a tenth of a second).
     pub fn of(kind: MicrofacetKind) -> &'static Self {
         static BECKMANN: LazyLock<Microalbedo> = LazyLock::new(|| Microalbedo::new(MicrofacetKind::Beckmann));
         static GGX: LazyLock<Microalbedo> = LazyLock::new(|| Microalbedo::new(MicrofacetKind::Ggx));

@@ -1,4 +1,4 @@
-//! Rough surfaces as statistics of their normals: the distributions under one roof.
+//! The distributions of the normals of rough surfaces.
 //!
 //! Heitz, Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs, JCGT 2014. Masking is separable, G = G1(wo) G1(wi).
 
@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 /// A family of distributions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum MicrofacetKind {
-    /// Gaussian slopes.
+    /// The distribution has Gaussian slopes.
     #[default]
     Beckmann,
     /// The Trowbridge-Reitz distribution, with longer tails.
@@ -18,7 +18,7 @@ pub enum MicrofacetKind {
 /// A distribution of microfacet normals with its masking.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Microfacet {
-    /// Gaussian slopes.
+    /// The distribution of Gaussian slopes.
     Beckmann(Beckmann),
     /// The Trowbridge-Reitz distribution, with longer tails.
     Ggx(Ggx),
@@ -41,7 +41,7 @@ impl Microfacet {
         }
     }
 
-    /// Smith masking of `v`: the visible fraction of the microfacets that face it, in [0, 1].
+    /// The Smith masking of `v`: the visible fraction of the microfacets that face it, in [0, 1].
     pub fn g1(&self, v: Vec3) -> f32 {
         match self {
             Self::Beckmann(beckmann) => beckmann.g1(v),
@@ -49,7 +49,7 @@ impl Microfacet {
         }
     }
 
-    /// G1(v) / (4 |cos v|), finite at grazing angles: the geometry factor of reflection.
+    /// The factor G1(v) / (4 |cos v|) of reflection, finite at grazing angles.
     pub fn g1_over_four_cos(&self, v: Vec3) -> f32 {
         match self {
             Self::Beckmann(beckmann) => beckmann.g1_over_four_cos(v),
@@ -57,7 +57,7 @@ impl Microfacet {
         }
     }
 
-    /// G1(v) over the one that visible normals are sampled with: 1, but where the masking of the model is an approximation.
+    /// The ratio of G1(v) to that with which visible normals are sampled: 1, except where the masking of the model is an approximation.
     pub fn masking_ratio(&self, v: Vec3) -> f32 {
         match self {
             Self::Beckmann(beckmann) => beckmann.masking_ratio(v),

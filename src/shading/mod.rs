@@ -89,19 +89,19 @@ pub enum Bsdf {
 pub struct BsdfSample {
     /// Unit vector to the light.
     pub wi: Vec3,
-    /// f |cos wi| / pdf.
+    /// The weight f |cos wi| / pdf.
     pub weight: Rgb,
     /// Solid angle density of `wi`; for a delta lobe the probability of choosing it.
     pub pdf: f32,
     /// Whether `wi` was the only direction of its lobe, so that `eval` and `pdf` are zero there.
     pub is_delta: bool,
-    /// 1 on reflection; on refraction the index behind the surface over that before it, as the path sees it (Russian roulette takes
-    /// the eta^2 of radiance out again with it).
+    /// The relative index: 1 on reflection; on refraction the index behind the surface over that before it, as the path sees it (Russian roulette
+    /// divides radiance by its square).
     pub eta: f32,
 }
 
 impl Bsdf {
-    /// f |cos wi|, without delta lobes.
+    /// The value f |cos wi|, without delta lobes.
     pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Rgb {
         debug_assert!(
             wo.is_normalized() && wi.is_normalized(),
@@ -121,7 +121,7 @@ impl Bsdf {
         }
     }
 
-    /// [`Self::eval`] and [`Self::pdf`], at the cost of one where they have much in common.
+    /// [`Self::eval`] and [`Self::pdf`] in one call, at the cost of one where they have much in common.
     pub fn eval_and_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
         debug_assert!(
             wo.is_normalized() && wi.is_normalized(),
@@ -161,8 +161,8 @@ impl Bsdf {
         }
     }
 
-    /// A direction for the path to go on, from independent uniform numbers: `u_lobe` chooses (or is a third coordinate), `u` places.
-    /// `None` if the light is absorbed.
+    /// Samples a direction for the path, from independent uniform numbers: `u_lobe` chooses (or is a third coordinate), `u` places. `None` if the
+    /// light is absorbed.
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         debug_assert!(wo.is_normalized(), "{wo} is not of unit length");
         let sample = match self {
@@ -252,8 +252,8 @@ impl Bsdf {
         }
     }
 
-    /// A colour that stands for the surface where a denoiser or a debug view wants one: reflectance, mirror colour at normal
-    /// incidence, white for glass. In [0, 1] for physical parameters.
+    /// The colour of the surface for denoisers and debug views: reflectance, mirror colour at normal incidence, white for glass. It is in [0, 1]
+    /// for physical parameters.
     pub fn albedo(&self) -> Rgb {
         match self {
             Self::Diffuse(diffuse) => diffuse.reflectance,

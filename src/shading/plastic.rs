@@ -60,7 +60,7 @@ impl CoatedBase {
     pub(super) fn coat_probability(&self, reflected: f32) -> f32 {
         let coat = reflected * self.specular_reflectance.element_sum();
         let base = (1.0 - reflected) * self.diffuse_reflectance.element_sum();
-        // Black altogether: either will do.
+        // If both are black, either choice will do.
         if coat + base > 0.0 { coat / (coat + base) } else { 1.0 }
     }
 }
@@ -70,7 +70,7 @@ impl CoatedBase {
 pub struct Plastic {
     /// The interface on top.
     pub coat: SmoothCoat,
-    /// What is below it.
+    /// The base below the coat.
     pub base: CoatedBase,
 }
 

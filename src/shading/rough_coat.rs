@@ -11,8 +11,8 @@ use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-/// Nodes over the cosine, as many as in the renderer whose scene format this program reads: pictures show the interpolation between
-/// the first two.
+/// The number of nodes over the cosine, as in the renderer whose scene format this program reads: pictures show the interpolation between the first
+/// two.
 const COSINES: usize = 64;
 
 /// Nodes over the root of the roughness, where it varies.
@@ -64,7 +64,7 @@ impl RoughCoat {
         })
     }
 
-    /// A coat whose roughness varies between 0 and 1 (where it is higher, it counts as 1 here).
+    /// A coat whose roughness varies between 0 and 1 (higher ones count as 1 here).
     pub fn varying(kind: MicrofacetKind, eta: f32) -> &'static Self {
         let alpha = |i: usize| (i as f32 / (ALPHAS - 1) as f32).powi(2);
         Self::shared((kind, eta.to_bits(), None), || Self {
@@ -75,7 +75,7 @@ impl RoughCoat {
     }
 
     fn shared(key: CoatKey, make: impl FnOnce() -> Self) -> &'static Self {
-        // Nothing is half done when a thread dies with the lock.
+        // No entry is half made when a thread dies with the lock.
         let mut coats = COATS.lock().unwrap_or_else(PoisonError::into_inner);
         coats.entry(key).or_insert_with(|| Box::leak(Box::new(make())))
     }

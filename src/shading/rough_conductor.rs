@@ -14,7 +14,7 @@ pub struct RoughConductor {
     pub specular: ConductorSpecular,
     /// Roughness of the surface.
     pub distribution: Microfacet,
-    /// Compensates for light that bounces several times; `None` is single scattering. Not reciprocal.
+    /// The table that compensates for light that bounces several times; `None` is single scattering. With it the model is not reciprocal.
     pub multiple_scattering: Option<&'static Microalbedo>,
 }
 

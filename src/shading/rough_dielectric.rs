@@ -13,9 +13,9 @@ use glam::{Vec2, Vec3};
 /// Ground glass, ice, and the like; the normal points outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughDielectric {
-    /// Refractive index inside over outside, above 0; with 1 there is no surface, and no density: that is the smooth dielectric's.
+    /// The refractive index inside over outside, above 0. With 1 there is no surface, and no density: the smooth dielectric is used then.
     pub eta: f32,
-    /// How the Fresnel reflectance is computed.
+    /// The law of the Fresnel reflectance.
     pub model: DielectricModel,
     /// Roughness of the interface.
     pub distribution: Microfacet,
@@ -31,9 +31,9 @@ struct Facet {
     m: Vec3,
     /// The cosine of `wo` with it, positive.
     cos_o: f32,
-    /// Fresnel's reflectance.
+    /// The Fresnel reflectance.
     reflectance: f32,
-    /// d omega_m / d omega_i.
+    /// The Jacobian d omega_m / d omega_i.
     jacobian: f32,
 }
 
@@ -43,7 +43,8 @@ impl RoughDielectric {
         if wo.z > 0.0 { self.eta } else { self.eta.recip() }
     }
 
-    /// `None` where no facet connects the directions, each being on its side of both facet and surface. `wo.z` is positive.
+    /// The facet that connects the directions; `None` if there is none, with each direction on its side of both facet and surface. `wo.z` is
+    /// positive.
     fn facet(&self, wo: Vec3, wi: Vec3, eta_it: f32) -> Option<Facet> {
         let stretch = if wi.z > 0.0 { 1.0 } else { eta_it };
         let m = (wo + stretch * wi).try_normalize()?;

@@ -13,7 +13,7 @@ pub struct RoughPlastic {
     pub coat: &'static RoughCoat,
     /// Roughness of the coat.
     pub alpha: f32,
-    /// What is below the coat.
+    /// The base below the coat.
     pub base: CoatedBase,
 }
 
@@ -61,7 +61,7 @@ impl RoughPlastic {
             warp::cosine_hemisphere(u)
         };
         let pdf = self.pdf(wo, wi);
-        // Zero below the horizon, where the light would hit another facet.
+        // The density is zero below the horizon, where the light would hit another facet.
         (pdf > 0.0).then(|| BsdfSample {
             wi,
             weight: self.eval(wo, wi) / pdf,

@@ -13,7 +13,7 @@ use glam::Vec3;
 pub struct ThinDielectric {
     /// Refractive index of the pane over that around it, above 0.
     pub eta: f32,
-    /// How the Fresnel reflectance is computed.
+    /// The law of the Fresnel reflectance.
     pub model: DielectricModel,
     /// Multiplies reflected light; 1 is physical.
     pub specular_reflectance: Rgb,

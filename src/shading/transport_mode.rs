@@ -19,7 +19,7 @@ pub enum TransportMode {
 }
 
 impl TransportMode {
-    /// The factor on what is refracted to an index that is `eta` times that where it comes from.
+    /// The factor on light that is refracted to an index that is `eta` times that where it comes from.
     #[inline(always)]
     pub fn refraction_factor<R: Real>(self, eta: R) -> R {
         match self {

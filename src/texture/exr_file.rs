@@ -98,7 +98,7 @@ fn color_channels(list: &[AnyChannel<FlatSamples>]) -> Option<Color<'_>> {
         .iter()
         .map(|name| name.rsplit_once('.').map_or("", |parts| parts.0));
     let mut prefixes: Vec<&str> = prefixes.collect();
-    // Stable: those with a prefix stay in the order of the file.
+    // The sort is stable, so that those with a prefix stay in the order of the file.
     prefixes.sort_by_key(|prefix| !prefix.is_empty());
     prefixes.dedup();
     let channel = |prefix: &str, last: &str| {

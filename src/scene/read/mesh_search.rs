@@ -182,7 +182,7 @@ mod tests {
         let beside = settle(&path("scenes/a.ply"));
         assert_eq!(search.find("a.ply", &path("scenes")), Found::At(beside));
         assert_eq!(access.refused(), [] as [PathBuf; 0]);
-        // The same for one that is elsewhere as for one that is nowhere, but it is remembered.
+        // The message is the same for a file that is elsewhere and for one that does not exist, but the former is remembered.
         for name in ["b.ply", "c.ply"] {
             let places = vec![settle(&path("scenes").join(name))];
             assert_eq!(search.find(name, &path("scenes")), Found::Nowhere(places));

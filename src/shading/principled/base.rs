@@ -7,7 +7,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::schlick;
 
-/// f |cos wi| of a white base. Cosines of viewer, light, and of the angle from either to their half vector, all above 0.
+/// The value f |cos wi| of a white base. It takes the cosines of viewer, light, and of the angle from either to their half vector, all above 0.
 pub(super) fn value(roughness: f32, flatness: f32, cos_o: f32, cos_i: f32, cos_half: f32) -> f32 {
     let (weight_o, weight_i) = (schlick::weight(cos_o), schlick::weight(cos_i));
     // Light that leaves at grazing angles where it came in: more, the rougher the surface.

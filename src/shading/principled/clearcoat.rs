@@ -7,7 +7,7 @@ use std::f32::consts::{PI, TAU};
 use super::schlick;
 use crate::shading::{Ggx, fresnel::DielectricFresnel};
 
-/// Masking has this roughness whatever the gloss.
+/// The roughness of masking, whatever the gloss.
 const MASKING_ALPHA: f32 = 0.25;
 
 /// Reflectance at normal incidence.
@@ -20,7 +20,7 @@ pub(super) struct Clearcoat {
 }
 
 impl Clearcoat {
-    /// `gloss` in [0, 1], from satin to gloss.
+    /// A coat of `gloss` in [0, 1], from satin to gloss.
     pub(super) fn new(gloss: f32) -> Self {
         let alpha = 0.1f32.lerp(0.001, gloss);
         Self {
@@ -34,8 +34,8 @@ impl Clearcoat {
         (self.alpha_squared - 1.0) / (PI * self.alpha_squared.ln() * spread)
     }
 
-    /// f |cos wi| of reflection off facets of normal `m` met with cosine `cos`. Both directions are above the surface. `fresnel` is that of
-    /// the main lobe, which says only on which side the angle counts.
+    /// The value f |cos wi| of reflection off facets of normal `m` that are met with cosine `cos`. Both directions are above the surface. `fresnel`
+    /// is that of the main lobe, which says only on which side the angle counts.
     pub(super) fn value(&self, wo: Vec3, wi: Vec3, m: Vec3, cos: f32, fresnel: &DielectricFresnel) -> f32 {
         let reflectance = NORMAL_REFLECTANCE.lerp(1.0, schlick::facet_weight(cos, fresnel));
         let masking = Ggx::new(MASKING_ALPHA, MASKING_ALPHA);

@@ -40,9 +40,9 @@ const SHEEN_SHARE: f32 = 0.25;
 /// A principled surface. Numbers are in [0, 1] unless stated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Principled {
-    /// Colour of base, metal, and (its root, for each of the two crossings) glass.
+    /// The colour of base, metal, and (its root, for each of the two crossings) glass.
     pub base_color: Rgb,
-    /// Perceptual: the GGX roughness is its square.
+    /// The perceptual roughness: that of GGX is its square.
     pub roughness: f32,
     /// The stretch of highlights along the first tangent; 0 is isotropic.
     pub anisotropic: f32,
@@ -54,28 +54,28 @@ pub struct Principled {
     pub eta: f32,
     /// The share of the base colour's hue in the dielectric reflection.
     pub spec_tint: f32,
-    /// Strength of the grazing reflection of fabrics.
+    /// The strength of the grazing reflection of fabrics.
     pub sheen: f32,
     /// The share of the base colour's hue in the sheen.
     pub sheen_tint: f32,
     /// The blend from diffuse reflection to imitated subsurface scattering.
     pub flatness: f32,
-    /// Strength of a second specular lobe on top.
+    /// The strength of a second specular lobe on top.
     pub clearcoat: f32,
     /// The gloss of the coat, from satin to glossy.
     pub clearcoat_gloss: f32,
-    /// How often each lobe is sampled.
+    /// The rates at which lobes are sampled.
     pub rates: SamplingRates,
 }
 
 /// The rates at which lobes are sampled, relative to what their strengths suggest; not negative. Changes noise, not the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SamplingRates {
-    /// Of reflection and refraction at the base's own interface.
+    /// The rate of reflection and refraction at the base's own interface.
     pub main_specular: f32,
-    /// Of the clear coat.
+    /// The rate of the clear coat.
     pub clearcoat: f32,
-    /// Of diffuse light and sheen.
+    /// The rate of diffuse light and sheen.
     pub diffuse_reflectance: f32,
 }
 
@@ -94,7 +94,7 @@ pub fn eta_from_specular(specular: f32) -> f32 {
     2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0
 }
 
-/// f |cos wi| and solid angle density of one pair of directions.
+/// The value f |cos wi| and the solid angle density of one pair of directions.
 #[derive(Clone, Copy, Default)]
 struct Evaluation {
     value: Rgb,
@@ -137,7 +137,7 @@ impl Principled {
         (1.0 - self.metallic) * self.spec_trans
     }
 
-    /// `None` if nothing is seen.
+    /// The interface for a viewer; `None` if nothing is seen.
     fn aspect(&self, wo: Vec3) -> Option<Aspect> {
         let glass = self.glass();
         if wo.z < 0.0 && glass > 0.0 {
@@ -269,7 +269,7 @@ impl Principled {
     }
 }
 
-/// `v` with the z axis turned to the viewer `wo`.
+/// The vector `v` with the z axis turned to the viewer `wo`.
 fn upright(v: Vec3, wo: Vec3) -> Vec3 {
     if wo.z < 0.0 { v.with_z(-v.z) } else { v }
 }
@@ -278,7 +278,7 @@ fn reflect(wo: Vec3, normal: Vec3) -> Vec3 {
     2.0 * wo.dot(normal) * normal - wo
 }
 
-/// `fresnel` is that of `wo` meeting `normal` from its own side.
+/// The refracted direction. `fresnel` is that of `wo` meeting `normal` from its own side.
 fn refract(wo: Vec3, normal: Vec3, fresnel: &DielectricFresnel) -> Vec3 {
     let wi = (fresnel.eta_ti * wo.dot(normal) + fresnel.cos_t) * normal - fresnel.eta_ti * wo;
     // Large indices magnify rounding.

@@ -3,7 +3,7 @@
 use crate::color::{Rgb, luminance};
 use crate::shading::fresnel::DielectricFresnel;
 
-/// (1 - cos)^5, the interpolation's weight: 0 at normal incidence, 1 at grazing angles.
+/// The interpolation's weight (1 - cos)^5: 0 at normal incidence, 1 at grazing angles.
 pub(super) fn weight(cos: f32) -> f32 {
     (1.0 - cos).clamp(0.0, 1.0).powi(5)
 }
@@ -24,7 +24,7 @@ pub(super) fn tinted(color: Rgb, eta: f32, cos: f32, fresnel: &DielectricFresnel
     interpolated(normal * tint(color), cos, fresnel)
 }
 
-/// Hue and saturation of a colour: the colour over its luminance; white for black.
+/// The hue and saturation of a colour: the colour over its luminance; white for black.
 pub(super) fn tint(color: Rgb) -> Rgb {
     let luminance = luminance(color);
     if luminance > 0.0 { color / luminance } else { Rgb::ONE }

@@ -1,14 +1,14 @@
-//! Reflection and refraction by microfacets: what the main specular lobes are made of (Burley 2012; Walter et al.,
-//! Microfacet Models for Refraction through Rough Surfaces, EGSR 2007).
+//! Reflection and refraction by microfacets, for the main specular lobes (Burley 2012; Walter et al., Microfacet Models for Refraction through
+//! Rough Surfaces, EGSR 2007).
 
 use glam::Vec3;
 
 use crate::shading::Ggx;
 
-/// Lobes are no narrower.
+/// The least width of a lobe.
 const LEAST_ALPHA: f32 = 1e-3;
 
-/// Microfacets of a surface of `roughness` (its square is what looks even), stretched along the first tangent by `anisotropic`, in [0, 1].
+/// The microfacets of a surface of `roughness` (its square looks even), stretched along the first tangent by `anisotropic`, in [0, 1].
 pub(super) fn microfacets(roughness: f32, anisotropic: f32) -> Ggx {
     let aspect = (1.0 - 0.9 * anisotropic).sqrt();
     let alpha = roughness * roughness;

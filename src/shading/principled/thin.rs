@@ -19,9 +19,9 @@ use crate::shading::{BsdfSample, Ggx};
 /// A thin principled sheet. Numbers are in [0, 1] unless stated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrincipledThin {
-    /// Colour of diffuse light and of what passes.
+    /// The colour of diffuse and of transmitted light.
     pub base_color: Rgb,
-    /// Perceptual: the GGX roughness is its square.
+    /// The perceptual roughness: that of GGX is its square.
     pub roughness: f32,
     /// The stretch of highlights along the first tangent; 0 is isotropic.
     pub anisotropic: f32,
@@ -33,26 +33,26 @@ pub struct PrincipledThin {
     pub eta: f32,
     /// The share of the base colour's hue in the specular reflection.
     pub spec_tint: f32,
-    /// Strength of the grazing reflection of fabrics.
+    /// The strength of the grazing reflection of fabrics.
     pub sheen: f32,
     /// The share of the base colour's hue in the sheen.
     pub sheen_tint: f32,
     /// The blend from diffuse reflection to imitated subsurface scattering.
     pub flatness: f32,
-    /// How often each lobe is sampled.
+    /// The rates at which lobes are sampled.
     pub rates: ThinSamplingRates,
 }
 
 /// The rates at which lobes are sampled, relative to their shares; not negative. Changes noise, not the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinSamplingRates {
-    /// Of mirror-like reflection.
+    /// The rate of mirror-like reflection.
     pub specular_reflectance: f32,
-    /// Of light that passes with the specular lobe.
+    /// The rate of light that passes with the specular lobe.
     pub specular_transmittance: f32,
-    /// Of diffuse reflection and sheen.
+    /// The rate of diffuse reflection and sheen.
     pub diffuse_reflectance: f32,
-    /// Of light that passes diffusely.
+    /// The rate of light that passes diffusely.
     pub diffuse_transmittance: f32,
 }
 
@@ -83,7 +83,7 @@ impl PrincipledThin {
         (self.spec_trans, diffuse * (1.0 - passing), diffuse * passing)
     }
 
-    /// Probabilities of sampling; `None` if nothing is.
+    /// The probabilities of sampling; `None` if nothing is reflected or transmitted.
     fn chances(&self) -> Option<Lobes> {
         let (specular, reflected, passing) = self.shares();
         let specular_reflection = 0.5 * specular * self.rates.specular_reflectance;

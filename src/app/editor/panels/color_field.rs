@@ -9,10 +9,10 @@ use crate::color::{Rgb, linear_from_srgb8, srgb_from_linear};
 /// The form in which colours are shown, the same in all rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Notation {
-    /// Three linear numbers, as `rgb` in files.
+    /// The colour is shown as three linear numbers, as `rgb` in files.
     #[default]
     Linear,
-    /// `#rrggbb`, sRGB-encoded.
+    /// The colour is shown as `#rrggbb`, sRGB-encoded.
     Hex,
 }
 
@@ -41,7 +41,7 @@ pub fn color<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Rgb) 
     write_back(changed, value, copy)
 }
 
-/// An emitted quantity: a colour whose largest channel is 1, times a strength in `unit`.
+/// Shows an emitted quantity: a colour whose largest channel is 1, times a strength in `unit`.
 pub fn emission<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, unit: &str, value: &mut Rgb) -> bool {
     let mut strength = value.max_element();
     let mut hue = if strength > 0.0 { *value / strength } else { Rgb::ONE };
@@ -143,7 +143,7 @@ fn hex_of(color: Rgb) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-/// `#rrggbb` or `#rgb`, with or without the sign.
+/// Parses `#rrggbb` or `#rgb`, with or without the sign.
 fn color_of(text: &str) -> Option<Rgb> {
     let digits: Vec<u8> = text
         .trim()
@@ -177,7 +177,7 @@ mod tests {
 
     #[test]
     fn middle_grey_of_a_screen_is_a_fifth_of_the_light() {
-        // IEC 61966-2-1 at 128 / 255.
+        // The value follows IEC 61966-2-1 at 128 / 255.
         let grey = color_of("#808080").map(|color| color.x);
         assert!(grey.is_some_and(|grey| (grey - 0.215_86).abs() < 1e-4), "{grey:?}");
     }

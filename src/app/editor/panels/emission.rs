@@ -1,4 +1,4 @@
-//! Light: of a shape, or of what is no shape.
+//! Shows the parameters of light: of a shape, or of a light that is no surface.
 
 use std::path::Path;
 

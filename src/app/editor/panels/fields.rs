@@ -25,7 +25,7 @@ const VALUE_WIDTH: f32 = 54.0;
 pub struct Caption<'a> {
     /// The name that the row shows and by which its control is found.
     pub text: &'a str,
-    /// What it is called where things are compared.
+    /// The name by which values are compared.
     name: &'a str,
     info: Option<&'static ParameterInfo>,
 }
@@ -52,7 +52,7 @@ impl<'a> Caption<'a> {
         Self { text, ..self }
     }
 
-    /// A row for a part of the value, which has no explanation of its own.
+    /// The caption of a part of the value, which has no explanation of its own.
     pub fn part(self, text: &'a str) -> Self {
         Self {
             text,
@@ -110,7 +110,7 @@ pub(crate) fn name_cell<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>) -> Res
     }
 }
 
-/// Rows in it say where the selected things differ. Within another one only the inner counts.
+/// Marks in its rows what differs among the selected things. Inside another one only the inner counts.
 pub fn compared<R>(ui: &mut Ui, mixed: &Mixed, content: impl FnOnce(&mut Ui) -> R) -> R {
     let info = egui::UiStackInfo::default().with_tag_value(MIXED, mixed.clone());
     ui.scope_builder(egui::UiBuilder::new().ui_stack_info(info), content)
@@ -148,7 +148,7 @@ pub(crate) fn slider<'a>(
     slider_with(ui, caption, value, range, |slider| slider)
 }
 
-/// A slider whose steps are even in the exponent.
+/// Shows a slider whose steps are even in the exponent.
 pub(crate) fn log_slider<'a>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,
@@ -266,7 +266,7 @@ pub fn integer<'a, N: egui::emath::Numeric>(
     write_back(changed, value, copy)
 }
 
-/// A number in few characters: of what is large three digits and the power of ten, and no minus before a zero.
+/// A number in few characters: large ones have three digits and the power of ten, and zero has no minus.
 fn legible(number: f64, decimals: RangeInclusive<usize>) -> String {
     const LARGEST: f64 = 1e7;
     if number.abs() >= LARGEST {
@@ -279,7 +279,7 @@ fn legible(number: f64, decimals: RangeInclusive<usize>) -> String {
     }
 }
 
-/// Three numbers; the controls are named "`name` X", "`name` Y", "`name` Z".
+/// Shows three numbers; the controls are named "`name` X", "`name` Y", "`name` Z".
 pub fn vector<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Vec3, speed: f32, suffix: &str) -> bool {
     let mut copy = value.to_array();
     let drags = ["X", "Y", "Z"].map(|letter| NumberStyle {
@@ -296,15 +296,15 @@ pub fn vector<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, value: &mut Vec3
 pub struct NumberStyle<'s> {
     /// Tells it from its neighbours in names.
     pub letter: &'s str,
-    /// Change per point of a drag.
+    /// The change per point of a drag.
     pub speed: f32,
     /// The unit, behind the number.
     pub suffix: &'s str,
-    /// What can be dragged or typed.
+    /// The range of values that can be dragged or typed.
     pub range: RangeInclusive<f32>,
 }
 
-/// Several numbers side by side, of equal width; the controls are named after the row and their letters.
+/// Shows several numbers side by side, of equal width; the controls are named after the row and their letters.
 pub fn numbers<'a, const N: usize>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,
@@ -412,7 +412,7 @@ mod tests {
         PrincipledIndex, Roughness, SunPosition, SunSky,
     };
 
-    /// What is declared of every parameter.
+    /// The declarations of all parameters.
     fn declared() -> Vec<&'static ParameterInfo> {
         let mut materials: Vec<Material> = Material::PLUGINS.into_iter().filter_map(Material::of_plugin).collect();
         materials.push(Material::RoughConductor {
@@ -475,7 +475,7 @@ mod tests {
         let is_missing =
             |info: &&&ParameterInfo| info.label.is_empty() || info.about.is_empty() || info.values.is_empty();
         assert_eq!(declared.iter().find(is_missing), None);
-        // About as many as there are in the format, so that the collection cannot be empty.
+        // There are about as many in the format, so the collection cannot be empty.
         assert!(declared.len() > 150, "{}", declared.len());
     }
 

@@ -24,7 +24,7 @@ use crate::scene::{
 use crate::shading::ior::{self, CONDUCTORS, DIELECTRICS};
 use crate::shading::melanin_absorption;
 
-/// What some of the format's conductors are called in words.
+/// The words for some of the format's conductors.
 const METALS: [(&str, &str); 7] = [
     ("none", "perfect mirror"),
     ("Ag", "Ag, silver"),
@@ -35,20 +35,20 @@ const METALS: [(&str, &str); 7] = [
     ("W", "W, tungsten"),
 ];
 
-/// What the user did with the rows of a material or a light.
+/// The edits of the user in the rows of a material or a light.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Edit {
     /// Whether a value is another than before.
     pub changed: bool,
-    /// The parameter that is to be another picture, and the place in it.
+    /// The parameter that is to get another picture, and the place in it.
     pub wants_picture: Option<(&'static str, SquarePath)>,
 }
 
-/// `place`: what the material is within another.
+/// Shows the rows of a material. `place` is what the material is within another.
 pub fn material(ui: &mut Ui, material: &mut Material, place: MaterialPlace, textures: &PanelTextures) -> Edit {
     let info = material.info();
     let mut wanted = info.name;
-    // What has others inside keeps its kind here.
+    // A material with others inside keeps its kind here.
     if *info.nested.end() > 0 {
         fields::note(ui, "Type", info.label);
     } else {
@@ -73,9 +73,9 @@ pub fn material(ui: &mut Ui, material: &mut Material, place: MaterialPlace, text
 
 /// One row, or a few, for each parameter.
 pub struct Rows<'u> {
-    /// Where the rows are shown.
+    /// The panel in which the rows are shown.
     pub ui: &'u mut Ui,
-    /// What the user did with the rows so far.
+    /// The edits of the user so far.
     pub edit: Edit,
     /// The pictures that are shown in rows of textures.
     pub textures: &'u PanelTextures,
@@ -188,7 +188,7 @@ impl Rows<'_> {
     }
 
     fn alphas(&mut self, value: &mut Roughness) {
-        // To zero it would be no rough surface.
+        // A roughness of zero would be no rough surface.
         const RANGE: RangeInclusive<f32> = 0.001..=1.0;
         match value {
             Roughness::Isotropic(alpha) => self.float(&ALPHA, alpha, RANGE),

@@ -1,4 +1,4 @@
-//! What stands above a material's parameters: a ball of it, its name, the library, and what may go around it.
+//! Shows the header of a material: a ball of it, its name, the library, and what may go around it.
 
 use bevy::prelude::Entity;
 use bevy_egui::egui::{self, Ui};
@@ -9,7 +9,7 @@ use crate::app::editor::model::panel_textures::Ball;
 use crate::app::editor::model::{InspectedMaterial, MaterialPlace, Model};
 use crate::scene::Material;
 
-/// Edges of the ball in points: of the material itself, and of those inside it.
+/// The edge of the ball in points for the material itself, and below for those inside it.
 const LARGE: f32 = 80.0;
 const SMALL: f32 = 46.0;
 

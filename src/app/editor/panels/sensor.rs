@@ -1,4 +1,4 @@
-//! Cameras and what they record on.
+//! Shows the parameters of cameras and of their films.
 
 use bevy_egui::egui::{self, Ui};
 
@@ -6,10 +6,10 @@ use super::fields;
 use crate::scene::parameters::{FOV, FOV_AXIS};
 use crate::scene::{Film, FovAxis, Lens, ReconstructionFilter, Sensor, aperture};
 
-/// Any larger and a single film would fill the memory of a small machine.
+/// The largest edge: a larger film alone would fill the memory of a small machine.
 const LARGEST_EDGE: u32 = 8192;
 
-/// `aspect`: the film's width over its height. True if edited.
+/// Shows the rows of a camera; true if edited. `aspect` is the film's width over its height.
 pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, aspect: f32, scene_size: f32) -> bool {
     let focal_length = aperture::focal_length(sensor, aspect);
     let mut changed = lens(ui, &mut sensor.lens, focal_length, scene_size);
@@ -24,7 +24,7 @@ pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, aspect: f32, scene_size: f32) ->
     fields::number(ui, "Shift down", &mut offset.y, 0.001, -10.0..=10.0) || changed
 }
 
-/// True if edited.
+/// Shows the rows of a field of view; true if edited.
 pub(crate) fn field_of_view(ui: &mut Ui, fov: &mut f32, axis: &mut FovAxis) -> bool {
     let changed = fields::slider_with(ui, &FOV, fov, 1.0..=170.0, |slider| slider.suffix(FOV.unit));
     let axes = [
@@ -101,7 +101,7 @@ fn f_stop(ui: &mut Ui, radius: &mut f32, focal_length: f32) -> bool {
     changed
 }
 
-/// True if edited.
+/// Shows the rows of a film; true if edited.
 pub fn film(ui: &mut Ui, film: &mut Film) -> bool {
     let mut changed = fields::integer(ui, "Width", &mut film.width, 16..=LARGEST_EDGE);
     changed |= fields::integer(ui, "Height", &mut film.height, 16..=LARGEST_EDGE);

@@ -1,4 +1,4 @@
-//! What a texture is made of, and what stays of it when it becomes another kind.
+//! Edits textures, and keeps what it can when one becomes another kind.
 
 use bevy::math::{Affine2, Vec2};
 use bevy_egui::egui::{self, Ui};
@@ -9,10 +9,10 @@ use crate::color::Rgb;
 use crate::scene::texture_parameters::{FILTER_TYPE, NAME, RAW, TO_UV, WRAP_MODE};
 use crate::scene::{Bitmap, Parameter, Texture, TextureFilter, TextureWrap};
 
-/// What a parameter can be.
+/// The kind of value that a parameter has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TextureKind {
-    /// No texture.
+    /// The parameter has no texture.
     Plain,
     Bitmap,
     Checkerboard,
@@ -30,7 +30,7 @@ impl TextureKind {
         }
     }
 
-    /// For menus.
+    /// The name in menus.
     pub fn name(self, plain: &'static str) -> &'static str {
         match self {
             Self::Plain => plain,
@@ -41,7 +41,7 @@ impl TextureKind {
     }
 }
 
-/// Makes the parameter a texture of another kind, or none. Colours and the placing stay as far as both have them. A bitmap stays what it
+/// Turns the parameter into a texture of another kind, or into none. Colours and the placing stay as far as both have them. A bitmap stays what it
 /// was: it needs a file first.
 pub(crate) fn switch<T: PlainValue>(value: &mut Parameter<T>, kind: TextureKind, otherwise: T) {
     let (color, to_uv) = match &*value {
@@ -70,7 +70,7 @@ pub(crate) fn switch<T: PlainValue>(value: &mut Parameter<T>, kind: TextureKind,
     }
 }
 
-/// True if edited.
+/// Shows the rows of a bitmap; true if edited.
 pub(crate) fn bitmap(ui: &mut Ui, bitmap: &mut Bitmap) -> bool {
     let filters = [
         (TextureFilter::Bilinear, "bilinear"),
@@ -87,7 +87,7 @@ pub(crate) fn bitmap(ui: &mut Ui, bitmap: &mut Bitmap) -> bool {
     placing(ui, &mut bitmap.to_uv) || changed
 }
 
-/// Scale, rotation and offset of uv; true if edited.
+/// Shows scale, rotation and offset of uv; true if edited.
 pub(crate) fn placing(ui: &mut Ui, to_uv: &mut Affine2) -> bool {
     let caption = Caption::from(&TO_UV);
     let (scale, angle, offset) = to_uv.to_scale_angle_translation();

@@ -1,4 +1,4 @@
-//! A parameter that may be a texture: one row with a menu that switches between the two, and below it, when asked for, the texture's own
+//! Shows a parameter that may be a texture: one row with a menu that switches between the two, and below it, on demand, the texture's own
 //! parameters.
 
 use std::path::Path;
@@ -14,11 +14,11 @@ use crate::color::Rgb;
 use crate::scene::texture_parameters::{COLOR0, COLOR1, SCALE};
 use crate::scene::{Parameter, SquarePath, Texture};
 
-/// What the user did with a slot.
+/// The edits of the user in a slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SlotEdit {
     pub changed: bool,
-    /// The place that is to be another picture.
+    /// The place that is to get another picture.
     pub wants_picture: Option<SquarePath>,
 }
 
@@ -29,11 +29,11 @@ impl SlotEdit {
     }
 }
 
-/// A slot: what it is called, what pictures look like, and where in nested textures it is.
+/// A slot: its caption, the looks of pictures, and its place in nested textures.
 #[derive(Clone, Copy)]
 pub(crate) struct Slot<'a> {
     pub caption: Caption<'a>,
-    /// What the value without a texture is called.
+    /// The name of the value without a texture.
     pub plain: &'static str,
     pub textures: &'a PanelTextures,
     pub place: SquarePath,
@@ -43,7 +43,7 @@ const MENU_WIDTH: f32 = 18.0;
 const THUMBNAIL: egui::Vec2 = egui::vec2(28.0, 18.0);
 
 impl Slot<'_> {
-    /// `plain_rows` shows the value where it is no texture; `otherwise` is that value if the texture knows none.
+    /// Shows the slot. `plain_rows` shows the value if it is no texture; `otherwise` is that value if the texture knows none.
     pub fn show<T: PlainValue>(
         &self,
         ui: &mut Ui,
@@ -97,7 +97,7 @@ impl Slot<'_> {
         edit
     }
 
-    /// True when it is to be opened, or closed.
+    /// Shows the row of a texture; true when it is to be opened or closed.
     fn texture_row(&self, ui: &mut Ui, texture: &Texture, is_open: bool) -> bool {
         ui.horizontal(|ui| {
             let label = name_cell(ui, self.caption);
@@ -174,7 +174,7 @@ impl Slot<'_> {
     }
 }
 
-/// A picture file that is no texture, as that of an environment; true when another is wanted.
+/// Shows the row of a picture file that is no texture, such as that of an environment; true when another is wanted.
 pub(crate) fn picture_row(ui: &mut Ui, caption: Caption<'_>, path: &Path, textures: &PanelTextures) -> bool {
     let texture = Texture::of_picture(path.to_owned(), None);
     ui.horizontal(|ui| {
@@ -195,7 +195,7 @@ pub(crate) fn picture_row(ui: &mut Ui, caption: Caption<'_>, path: &Path, textur
     .inner
 }
 
-/// Calls a button after its row, not after what it shows.
+/// Names a button after its row, not after what it shows.
 fn named(button: egui::Response, caption: Caption<'_>, label: &egui::Response) -> egui::Response {
     button.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, caption.text));
     button.labelled_by(label.id)

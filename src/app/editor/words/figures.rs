@@ -1,6 +1,6 @@
 //! Numbers with words.
 
-/// `1 node`, `2,345 nodes`, `3 leaves`.
+/// The number with its noun: `1 node`, `2,345 nodes`, `3 leaves`.
 pub fn counted(number: u64, what: &str) -> String {
     match what.strip_suffix('f') {
         _ if number == 1 => format!("1 {what}"),
@@ -9,7 +9,7 @@ pub fn counted(number: u64, what: &str) -> String {
     }
 }
 
-/// Digits in groups of three.
+/// The digits in groups of three.
 pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut grouped = String::new();

@@ -1,21 +1,21 @@
-//! How files are called: the endings of their names, and what is said of those that are gone.
+//! Texts about files: the extensions of their names, and messages about files that are gone.
 
 use std::path::Path;
 
 use bevy::prelude::*;
 
-/// How names of scenes end.
+/// The extensions of scenes.
 pub const SCENE_FILES: [&str; 3] = ["xml", "glb", "gltf"];
 
-/// Pictures that can be the light from everywhere.
+/// The extensions of pictures that can be an environment.
 pub const ENVIRONMENTS: [&str; 6] = ["hdr", "exr", "png", "jpg", "jpeg", "pfm"];
 
-/// In small letters; empty without one.
+/// The extension in small letters; empty without one.
 pub fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
-/// What to say of a file that was deleted or moved away.
+/// The message about a file that was deleted or moved away.
 pub fn gone(path: &Path) -> String {
     format!("{} is gone from the disk", path.display())
 }

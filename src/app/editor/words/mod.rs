@@ -1,4 +1,4 @@
-//! What things are called in the window: files and numbers. Imports no other module of the editor.
+//! Texts of the window about files and numbers. Imports no other module of the editor.
 
 pub mod figures;
 pub mod files;
