@@ -104,7 +104,7 @@ impl Blas {
     }
 
     /// The transform from the square [-1, 1]² in the plane z = 0 to the mesh, if the mesh is two triangles that make up its image.
-    pub fn local_from_square(&self) -> Option<DAffine3> {
+    pub(crate) fn local_from_square(&self) -> Option<DAffine3> {
         let mesh = self.affine.as_ref().filter(|mesh| mesh.faces.len() == 1)?;
         Some(mesh.placed)
     }

@@ -95,7 +95,7 @@ impl Instance {
     ///
     /// The translation is taken off first: for an origin near the instance that is exact, however far both are from the world's origin.
     #[inline(always)]
-    pub fn local_ray(&self, ray: &Ray) -> Ray {
+    pub(crate) fn local_ray(&self, ray: &Ray) -> Ray {
         let linear = &self.local_from_world.matrix3;
         Ray {
             origin: (*linear * (Vec3A::from(ray.origin) - self.world_from_local.translation)).into(),

@@ -41,7 +41,7 @@ impl Placement {
 
     /// `ray` in the group's space, with the same `t`.
     #[inline(always)]
-    pub fn group_ray(&self, ray: &Ray) -> Ray {
+    pub(crate) fn group_ray(&self, ray: &Ray) -> Ray {
         Ray {
             origin: self.group_from_world * (ray.origin - self.origin),
             dir: self.group_from_world * ray.dir,

@@ -93,7 +93,7 @@ pub(super) struct Authored<'w, 's> {
 
 impl Authored<'_, '_> {
     /// Packs all materials in the order of the file. Problems are added to `errors`, and a stand-in replaces a material that cannot be packed.
-    pub fn pack_materials(
+    pub(crate) fn pack_materials(
         &self,
         model: DielectricModel,
         textures: &mut TexturePacker,
@@ -115,7 +115,7 @@ impl Authored<'_, '_> {
     }
 
     /// Packs the lights that are no surfaces in the order of the file and adds them to `lights`.
-    pub fn pack_emitters(
+    pub(crate) fn pack_emitters(
         &self,
         context: &mut LightContext,
         lights: &mut Vec<(Entity, WeightedSource)>,

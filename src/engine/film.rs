@@ -35,12 +35,12 @@ pub struct RenderFilm {
 
 impl RenderFilm {
     /// The tiles that changed since the last call, each once, in no order.
-    pub fn take_dirty(&mut self) -> Vec<Tile> {
+    pub(crate) fn take_dirty(&mut self) -> Vec<Tile> {
         self.dirty.drain().collect()
     }
 
     /// Whether there are tiles that were not painted since they changed.
-    pub fn has_dirty(&self) -> bool {
+    pub(crate) fn has_dirty(&self) -> bool {
         !self.dirty.is_empty()
     }
 

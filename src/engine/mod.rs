@@ -32,9 +32,9 @@ pub use blocking::{Limits, Outcome, RenderError, load_to_completion, render_to_c
 pub use control::{InputStamp, RenderControl, ViewMode, WakeUp};
 pub use film::RenderFilm;
 pub use light_groups::LightGroup;
-pub use pack::material::pack_loose;
+pub(crate) use pack::material::pack_loose;
 pub use packed_scene::PackedScene;
-pub use priority::{yield_to_all, yield_to_window};
+pub(crate) use priority::{yield_to_all, yield_to_window};
 pub use status::{BvhStatus, LatencyStats, RenderState, RenderStatus};
 pub use stop_condition::StopReason;
 

@@ -2,14 +2,14 @@
 
 /// Lowers the priority of the calling thread, so that a window that wants to answer a key gets its core at once: the more so where a
 /// software driver draws the window on the same cores. Where the system has no such thing per thread, nothing happens.
-pub fn yield_to_window() {
+pub(crate) fn yield_to_window() {
     /// A third of the share of a thread that does not yield.
     const NICENESS: i32 = 5;
     set_niceness(NICENESS);
 }
 
 /// Lowers the priority further, below that of render threads: the thread gets a tenth of their share.
-pub fn yield_to_all() {
+pub(crate) fn yield_to_all() {
     const NICENESS: i32 = 15;
     set_niceness(NICENESS);
 }

@@ -127,10 +127,10 @@ pub struct LatencyStats {
 
 impl LatencyStats {
     /// The number of latencies over which median and percentile are taken.
-    pub const WINDOW: usize = 128;
+    pub(crate) const WINDOW: usize = 128;
 
     /// Adds a latency; the oldest one is forgotten beyond [`Self::WINDOW`].
-    pub fn record(&mut self, milliseconds: f32) {
+    pub(crate) fn record(&mut self, milliseconds: f32) {
         if self.recent.len() == Self::WINDOW {
             self.recent.pop_front();
         }
@@ -145,11 +145,6 @@ impl LatencyStats {
     /// Whether none was recorded.
     pub fn is_empty(&self) -> bool {
         self.recent.is_empty()
-    }
-
-    /// The newest one; None before the first.
-    pub fn last_ms(&self) -> Option<f32> {
-        self.recent.back().copied()
     }
 
     /// The median of those remembered; None before the first.
@@ -184,6 +179,6 @@ mod tests {
         assert_eq!(stats.len(), LatencyStats::WINDOW);
         assert_eq!(stats.median_ms(), Some(64.0));
         assert_eq!(stats.p95_ms(), Some(122.0));
-        assert_eq!(stats.last_ms(), Some(128.0));
+        assert_eq!(stats.recent.back(), Some(&128.0));
     }
 }

@@ -13,7 +13,7 @@ use crate::sampling::lanes::{RectangleLanes, cosine_hemisphere};
 
 /// A rectangle that is the only light.
 #[derive(Clone, Copy, Debug)]
-pub struct SoleRectangle {
+pub(crate) struct SoleRectangle {
     /// The radiance in W/(m^2 sr), from the front.
     pub radiance: Rgb,
     pub(super) rectangle: RectangleLanes,
@@ -69,7 +69,7 @@ impl PerLane for LightReference {
 
 /// A direction towards the light per lane, as [`super::LightSample`].
 #[derive(Clone, Copy, Debug)]
-pub struct RectangleLightSampleLanes {
+pub(crate) struct RectangleLightSampleLanes {
     /// Unit vectors towards the light.
     pub wi: Vec3Lanes,
     /// The ends of the shadow rays.
@@ -82,7 +82,7 @@ pub struct RectangleLightSampleLanes {
 
 /// A scene's only light.
 #[derive(Clone, Copy, Debug)]
-pub enum SoleLight {
+pub(crate) enum SoleLight {
     /// A rectangle of constant radiance.
     Rectangle(SoleRectangle),
     /// The same radiance from everywhere.
@@ -92,7 +92,7 @@ pub enum SoleLight {
 /// Samples directions to a constant light by their cosine with the unit vectors `normal`, as [`super::LightTable::sample`] does, with their
 /// densities, which are zero where there is none.
 #[inline(always)]
-pub fn sample_constant(normal: Vec3Lanes, u: [Lanes; 2]) -> (Vec3Lanes, Lanes) {
+pub(crate) fn sample_constant(normal: Vec3Lanes, u: [Lanes; 2]) -> (Vec3Lanes, Lanes) {
     let local = cosine_hemisphere(u);
     let wi = FrameLanes::from_normal(normal).to_world(local);
     (wi, local.z * Lanes::splat(FRAC_1_PI))

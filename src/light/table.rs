@@ -136,7 +136,7 @@ impl LightTable {
     }
 
     /// The scene's only light, if there is one alone and it can be sampled in lanes.
-    pub fn sole(&self) -> Option<SoleLight> {
+    pub(crate) fn sole(&self) -> Option<SoleLight> {
         if !self.choice.is_certain() {
             return None;
         }

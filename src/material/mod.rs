@@ -17,6 +17,6 @@ pub use definition::{Material, MaterialId};
 pub use lookup::{TexturedBase, TexturedFacets, TexturedSpecular};
 pub use nesting::{MaterialTableError, NestingProblem};
 pub use principled::{TexturedPrincipled, TexturedPrincipledThin};
-pub use scattering::{LARGEST_MIX, Lobe, ScatterSample, Scattering, Single};
+pub use scattering::{Lobe, ScatterSample, Scattering, Single};
 pub use table::{MaterialTable, PlainSide};
 pub use textured::TexturedBsdf;

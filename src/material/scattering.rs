@@ -12,7 +12,7 @@ use crate::color::Rgb;
 use crate::shading::{Bsdf, BsdfSample, TransportMode};
 
 /// The most models that a material may mix at one place.
-pub const LARGEST_MIX: usize = 8;
+pub(super) const LARGEST_MIX: usize = 8;
 
 /// A model, its share, and its orientation in the world.
 #[derive(Clone, Debug)]
@@ -204,7 +204,7 @@ impl<'a> Scattering<'a> {
     }
 
     /// Takes out the only model; None if there are several, or if light passes straight through.
-    pub fn take_single(&mut self) -> Option<Single<'a>> {
+    pub(crate) fn take_single(&mut self) -> Option<Single<'a>> {
         let is_single = self.null_share == 0.0 && matches!(&self.parts[..], [part] if !part.bsdf.has_null_lobe());
         let part = if is_single { self.parts.pop() } else { None };
         part.map(|part| Single {

@@ -102,7 +102,7 @@ impl MaterialTable {
     }
 
     /// The detail of a surface that [`Self::scattering`] needs.
-    pub fn detail(&self, id: MaterialId) -> Detail {
+    pub(crate) fn detail(&self, id: MaterialId) -> Detail {
         match self.parametrised[id.0 as usize] {
             true => Detail::Parametrised,
             false => Detail::Plain,
@@ -110,7 +110,7 @@ impl MaterialTable {
     }
 
     /// Whether it is made of models that [`crate::shading::lanes`] knows, and depends only on the side it is seen from.
-    pub fn is_for_lanes(&self, id: MaterialId) -> bool {
+    pub(crate) fn is_for_lanes(&self, id: MaterialId) -> bool {
         self.for_lanes[id.0 as usize]
     }
 

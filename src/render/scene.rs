@@ -60,7 +60,7 @@ pub struct SurfaceTable {
 
 impl RenderScene {
     /// The point for texture lookups at `hit`, of which `point` is the surface.
-    pub fn texture_point(&self, hit: &Hit, point: &SurfacePoint) -> TexturePoint<'_> {
+    pub(crate) fn texture_point(&self, hit: &Hit, point: &SurfacePoint) -> TexturePoint<'_> {
         TexturePoint {
             uv: point.uv,
             mesh: self.geometry.mesh_at(hit).map(|mesh| MeshPoint {

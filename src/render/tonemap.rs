@@ -72,7 +72,7 @@ impl Display {
     }
 
     /// A whole picture as R, G, B per pixel, for a file.
-    pub fn encode_rgb(&self, radiance: &[Rgb]) -> Vec<u8> {
+    pub(crate) fn encode_rgb(&self, radiance: &[Rgb]) -> Vec<u8> {
         let encoder = self.encoder();
         radiance.iter().flat_map(|pixel| encoder.encode(*pixel)).collect()
     }

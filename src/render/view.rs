@@ -75,7 +75,7 @@ pub struct PathSettings {
 impl PathSettings {
     /// The longest path in segments, never above [`LONGEST_PATH`].
     #[inline(always)]
-    pub fn longest_path(&self) -> u32 {
+    pub(crate) fn longest_path(&self) -> u32 {
         self.max_depth.min(LONGEST_PATH)
     }
 
@@ -116,7 +116,7 @@ pub struct CameraSample {
 
 impl View {
     /// The settings for the paths of a pixel; None if no paths are traced.
-    pub fn path_settings(&self, pixel: UVec2) -> Option<PathSettings> {
+    pub(crate) fn path_settings(&self, pixel: UVec2) -> Option<PathSettings> {
         let Integrator::Path(settings) = self.integrator;
         match self.shown {
             Shown::Radiance => Some(settings),

@@ -37,7 +37,7 @@ impl WhiteBalance {
     pub const TINTS: std::ops::RangeInclusive<f32> = -150.0..=150.0;
 
     /// The matrix that linear Rec. 709 colours are multiplied by; None if it changes nothing.
-    pub fn adaptation(&self) -> Option<Mat3> {
+    pub(crate) fn adaptation(&self) -> Option<Mat3> {
         if *self == Self::default() {
             return None;
         }

@@ -44,7 +44,7 @@ impl Beckmann {
     }
 
     /// Density of microfacet area by normal `m` (unit, z > 0), per steradian and unit of surface.
-    pub fn density(&self, m: Vec3) -> f32 {
+    pub(crate) fn density(&self, m: Vec3) -> f32 {
         let z2 = m.z * m.z;
         let slope2 = Vec2::new(m.x / self.alpha_x, m.y / self.alpha_y).length_squared() / z2;
         // Values below 1e-21 of the peak have no visible effect, and lose digits.
@@ -60,25 +60,25 @@ impl Beckmann {
     }
 
     /// Smith masking of `v`: the visible fraction of the microfacets that face it, in [0, 1].
-    pub fn g1(&self, v: Vec3) -> f32 {
+    pub(crate) fn g1(&self, v: Vec3) -> f32 {
         let (cos, sin) = self.stretched(v);
         2.0 * cos / rational_reach(cos, sin)
     }
 
     /// G1(v) / (4 |cos v|), finite at grazing angles.
-    pub fn g1_over_four_cos(&self, v: Vec3) -> f32 {
+    pub(crate) fn g1_over_four_cos(&self, v: Vec3) -> f32 {
         let (cos, sin) = self.stretched(v);
         0.5 / rational_reach(cos, sin)
     }
 
     /// The G1 of [`Self::g1`] over the exact one.
-    pub fn masking_ratio(&self, v: Vec3) -> f32 {
+    pub(crate) fn masking_ratio(&self, v: Vec3) -> f32 {
         let (cos, sin) = self.stretched(v);
         reach(cos, sin) / rational_reach(cos, sin)
     }
 
     /// A microfacet normal among those visible from `wo` (z > 0), with density G1(wo) D(m) max(0, wo.m) / cos wo, G1 being exact.
-    pub fn sample_visible(&self, wo: Vec3, u: Vec2) -> Vec3 {
+    pub(crate) fn sample_visible(&self, wo: Vec3, u: Vec2) -> Vec3 {
         let alpha = Vec3::new(self.alpha_x, self.alpha_y, 1.0);
         let view = (alpha * wo).normalize();
         let sin = view.truncate().length();

@@ -31,7 +31,7 @@ impl Ggx {
     }
 
     /// Density of microfacet area by normal `m` (unit, z > 0), per steradian and unit of surface.
-    pub fn density(&self, m: Vec3) -> f32 {
+    pub(crate) fn density(&self, m: Vec3) -> f32 {
         let stretched = Vec3::new(m.x / self.alpha_x, m.y / self.alpha_y, m.z).length_squared();
         FRAC_1_PI / (self.alpha_x * self.alpha_y * stretched * stretched)
     }
@@ -43,19 +43,19 @@ impl Ggx {
     }
 
     /// The Smith masking of `v`: the visible fraction of the microfacets that face it, in [0, 1].
-    pub fn g1(&self, v: Vec3) -> f32 {
+    pub(crate) fn g1(&self, v: Vec3) -> f32 {
         2.0 * v.z.abs() / self.reach(v)
     }
 
     /// The factor G1(v) / (4 |cos v|) of reflection, finite at grazing angles.
-    pub fn g1_over_four_cos(&self, v: Vec3) -> f32 {
+    pub(crate) fn g1_over_four_cos(&self, v: Vec3) -> f32 {
         0.5 / self.reach(v)
     }
 
     /// A microfacet normal among those visible from `wo` (z > 0), with density G1(wo) D(m) max(0, wo.m) / cos wo.
     ///
     /// By spherical caps: Dupuy and Benyoub, Sampling Visible GGX Normals with Spherical Caps, 2023.
-    pub fn sample_visible(&self, wo: Vec3, u: Vec2) -> Vec3 {
+    pub(crate) fn sample_visible(&self, wo: Vec3, u: Vec2) -> Vec3 {
         let alpha = Vec3::new(self.alpha_x, self.alpha_y, 1.0);
         let view = (alpha * wo).normalize();
         // In the configuration of unit roughness, reflections off a hemisphere fill the cap z > -view.z uniformly.

@@ -12,7 +12,7 @@ use crate::sampling::lanes::cosine_hemisphere;
 
 /// A model per lane.
 #[derive(Clone, Debug)]
-pub struct BsdfLanes {
+pub(crate) struct BsdfLanes {
     diffuse: u32,
     conductor: u32,
     rough: u32,

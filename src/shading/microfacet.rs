@@ -34,7 +34,7 @@ impl Microfacet {
     }
 
     /// Density of microfacet area by normal `m` (unit, z > 0), per steradian and unit of surface.
-    pub fn density(&self, m: Vec3) -> f32 {
+    pub(crate) fn density(&self, m: Vec3) -> f32 {
         match self {
             Self::Beckmann(beckmann) => beckmann.density(m),
             Self::Ggx(ggx) => ggx.density(m),
@@ -42,7 +42,7 @@ impl Microfacet {
     }
 
     /// The Smith masking of `v`: the visible fraction of the microfacets that face it, in [0, 1].
-    pub fn g1(&self, v: Vec3) -> f32 {
+    pub(crate) fn g1(&self, v: Vec3) -> f32 {
         match self {
             Self::Beckmann(beckmann) => beckmann.g1(v),
             Self::Ggx(ggx) => ggx.g1(v),
@@ -50,7 +50,7 @@ impl Microfacet {
     }
 
     /// The factor G1(v) / (4 |cos v|) of reflection, finite at grazing angles.
-    pub fn g1_over_four_cos(&self, v: Vec3) -> f32 {
+    pub(crate) fn g1_over_four_cos(&self, v: Vec3) -> f32 {
         match self {
             Self::Beckmann(beckmann) => beckmann.g1_over_four_cos(v),
             Self::Ggx(ggx) => ggx.g1_over_four_cos(v),
@@ -58,7 +58,7 @@ impl Microfacet {
     }
 
     /// The ratio of G1(v) to that with which visible normals are sampled: 1, except where the masking of the model is an approximation.
-    pub fn masking_ratio(&self, v: Vec3) -> f32 {
+    pub(crate) fn masking_ratio(&self, v: Vec3) -> f32 {
         match self {
             Self::Beckmann(beckmann) => beckmann.masking_ratio(v),
             Self::Ggx(_) => 1.0,
@@ -66,12 +66,12 @@ impl Microfacet {
     }
 
     /// The density of [`Self::sample_visible`] over 4 wo.m, the Jacobian of reflection.
-    pub fn reflected_density(&self, wo: Vec3, m: Vec3) -> f32 {
+    pub(crate) fn reflected_density(&self, wo: Vec3, m: Vec3) -> f32 {
         self.density(m) * self.g1_over_four_cos(wo) / self.masking_ratio(wo)
     }
 
     /// A microfacet normal among those visible from `wo` (z > 0), with density G1(wo) D(m) max(0, wo.m) / cos wo for an exact G1.
-    pub fn sample_visible(&self, wo: Vec3, u: Vec2) -> Vec3 {
+    pub(crate) fn sample_visible(&self, wo: Vec3, u: Vec2) -> Vec3 {
         match self {
             Self::Beckmann(beckmann) => beckmann.sample_visible(wo, u),
             Self::Ggx(ggx) => ggx.sample_visible(wo, u),
@@ -92,7 +92,7 @@ impl Microfacet {
     }
 
     /// One roughness for both directions: the root mean square.
-    pub fn mean_alpha(&self) -> f32 {
+    pub(crate) fn mean_alpha(&self) -> f32 {
         let [x, y] = self.alpha();
         (0.5 * (x * x + y * y)).sqrt()
     }

@@ -221,7 +221,7 @@ impl Bsdf {
     }
 
     /// Whether light from behind the surface can reach the viewer.
-    pub fn transmits(&self) -> bool {
+    pub(crate) fn transmits(&self) -> bool {
         match self {
             Self::Diffuse(_)
             | Self::Conductor(_)

@@ -21,7 +21,7 @@ pub enum TransportMode {
 impl TransportMode {
     /// The factor on light that is refracted to an index that is `eta` times that where it comes from.
     #[inline(always)]
-    pub fn refraction_factor<R: Real>(self, eta: R) -> R {
+    pub(crate) fn refraction_factor<R: Real>(self, eta: R) -> R {
         match self {
             Self::Radiance => eta * eta,
             Self::Importance => R::splat(1.0),

@@ -57,7 +57,7 @@ impl Layout {
     }
 
     /// Whether each shape has moved or changed; all of them if the list differs.
-    pub fn moved_since(&self, old: &Self) -> Vec<bool> {
+    pub(crate) fn moved_since(&self, old: &Self) -> Vec<bool> {
         let same =
             |(i, record): (usize, &InstanceRecord)| old.shapes.get(i).is_some_and(|old| record.same_geometry(old));
         let numbered = self.shapes.iter().enumerate();
@@ -66,7 +66,7 @@ impl Layout {
     }
 
     /// Whether every group stands where it stood.
-    pub fn placed_as(&self, old: &Self) -> bool {
+    pub(crate) fn placed_as(&self, old: &Self) -> bool {
         let same = |(a, b): (&PlacedGroup, &PlacedGroup)| {
             let places = Arc::ptr_eq(&a.places, &b.places) || a.places == b.places;
             (a.entity, a.group) == (b.entity, b.group) && places
@@ -75,7 +75,7 @@ impl Layout {
     }
 
     /// Whether the shape is a member of a group, which cannot shine.
-    pub fn is_member(&self, shape: usize) -> bool {
+    pub(crate) fn is_member(&self, shape: usize) -> bool {
         shape >= self.in_world
     }
 

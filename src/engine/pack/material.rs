@@ -98,7 +98,7 @@ pub(in crate::engine) fn material_table(
 
 /// Materials that are in no scene, as light transport has them, and which is which. Each comes with the places of those inside of it in the
 /// same list; pictures are grey, and what makes no sense is the default.
-pub fn pack_loose(loose: &[(Material, Vec<usize>)]) -> (MaterialTable, TextureTable, Vec<MaterialId>) {
+pub(crate) fn pack_loose(loose: &[(Material, Vec<usize>)]) -> (MaterialTable, TextureTable, Vec<MaterialId>) {
     // Only the identity of the entities matters.
     let entity = |place: usize| Entity::from_raw_u32(place as u32);
     let sources: Vec<MaterialSource> = loose

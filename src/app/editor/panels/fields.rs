@@ -53,7 +53,7 @@ impl<'a> Caption<'a> {
     }
 
     /// The caption of a part of the value, which has no explanation of its own.
-    pub fn part(self, text: &'a str) -> Self {
+    pub(crate) fn part(self, text: &'a str) -> Self {
         Self {
             text,
             info: None,

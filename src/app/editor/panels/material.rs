@@ -72,7 +72,7 @@ pub fn material(ui: &mut Ui, material: &mut Material, place: MaterialPlace, text
 }
 
 /// One row, or a few, for each parameter.
-pub struct Rows<'u> {
+pub(crate) struct Rows<'u> {
     /// The panel in which the rows are shown.
     pub ui: &'u mut Ui,
     /// The edits of the user so far.

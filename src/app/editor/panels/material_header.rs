@@ -14,7 +14,7 @@ const LARGE: f32 = 80.0;
 const SMALL: f32 = 46.0;
 
 /// The name of a material, how many shapes use it, and what can be done to the whole of it.
-pub fn material_header(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut Vec<Command>) {
+pub(crate) fn material_header(ui: &mut Ui, entry: &InspectedMaterial, model: &Model, commands: &mut Vec<Command>) {
     let edge = match entry.place {
         MaterialPlace::Whole => LARGE,
         _ => SMALL,

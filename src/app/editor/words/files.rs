@@ -5,10 +5,10 @@ use std::path::Path;
 use bevy::prelude::*;
 
 /// The extensions of scenes.
-pub const SCENE_FILES: [&str; 3] = ["xml", "glb", "gltf"];
+pub(crate) const SCENE_FILES: [&str; 3] = ["xml", "glb", "gltf"];
 
 /// The extensions of pictures that can be an environment.
-pub const ENVIRONMENTS: [&str; 6] = ["hdr", "exr", "png", "jpg", "jpeg", "pfm"];
+pub(crate) const ENVIRONMENTS: [&str; 6] = ["hdr", "exr", "png", "jpg", "jpeg", "pfm"];
 
 /// The extension in small letters; empty without one.
 pub fn extension(path: &Path) -> String {
