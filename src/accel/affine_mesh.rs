@@ -140,7 +140,7 @@ mod tests {
     use crate::geometry::primitives::{unit_cube, unit_triangle};
     use crate::math::Aabb;
 
-    /// Turned, sheared and moved so that its corners are rounded.
+    /// A cube, turned, sheared and moved so that its corners are rounded.
     fn oblique() -> MeshData {
         let mut mesh = unit_cube();
         for p in &mut mesh.positions {

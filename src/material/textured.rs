@@ -39,7 +39,7 @@ pub enum TexturedBsdf {
         model: DielectricModel,
         /// The factor on reflected light; 1 is physical.
         specular_reflectance: Parameter<Rgb>,
-        /// Multiplies what passes; 1 is physical.
+        /// The factor on transmitted light; 1 is physical.
         specular_transmittance: Parameter<Rgb>,
     },
     /// A textured [`RoughDielectric`].
@@ -52,7 +52,7 @@ pub enum TexturedBsdf {
         facets: TexturedFacets,
         /// The factor on reflected light; 1 is physical.
         specular_reflectance: Parameter<Rgb>,
-        /// Multiplies what passes; 1 is physical.
+        /// The factor on transmitted light; 1 is physical.
         specular_transmittance: Parameter<Rgb>,
     },
     /// A textured [`ThinDielectric`].
@@ -63,7 +63,7 @@ pub enum TexturedBsdf {
         model: DielectricModel,
         /// The factor on reflected light; 1 is physical.
         specular_reflectance: Parameter<Rgb>,
-        /// Multiplies what passes; 1 is physical.
+        /// The factor on transmitted light; 1 is physical.
         specular_transmittance: Parameter<Rgb>,
     },
     /// A textured [`Plastic`].

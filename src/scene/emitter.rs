@@ -18,21 +18,21 @@ declare_parameters! {
     #[derive(Component, Reflect, Clone, Debug, PartialEq)]
     #[reflect(Component, PartialEq)]
     pub struct AreaLight {
-        /// W/(m^2 sr).
+        /// The radiance in W/(m^2 sr).
         radiance: Parameter<Rgb> = Rgb::ONE.into() => TexturedEmission(RADIANCE),
-        /// As that of [`Emitter`].
+        /// The sampling weight, as that of [`Emitter`].
         sampling_weight: f32 = 1.0 => SamplingWeight(SAMPLING_WEIGHT),
     }
 }
 
-/// A light that is no surface; where and whereto is [`ToWorld`].
+/// A light that is no surface. Its place and direction are in [`ToWorld`].
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, PartialEq)]
 #[require(ToWorld, DocumentOrder)]
 pub struct Emitter {
     /// The plugin with its parameters.
     pub kind: EmitterKind,
-    /// Factor on how often it is chosen when light is looked for; 0 leaves it to be found by chance. The picture does not depend on it.
+    /// The factor on the rate at which it is sampled; with 0 it is found only by chance. The picture does not depend on it.
     pub sampling_weight: f32,
 }
 
@@ -40,14 +40,14 @@ declare_plugins! {
     /// The kinds of lights that are no surfaces.
     #[derive(Reflect, Clone, Debug, PartialEq)]
     pub enum EmitterKind {
-        /// Radiant intensity, W/sr.
+        /// A point light of radiant intensity in W/sr.
         [PluginInfo::new("point", "point")]
         Point {
             /// Linear Rec. 709.
             intensity: Rgb = Rgb::ONE => Emission(INTENSITY),
         },
 
-        /// Irradiance on a surface that faces the light, W/m^2.
+        /// Parallel light, by its irradiance on a surface that faces it, in W/m^2.
         [PluginInfo::new("directional", "directional")]
         Directional {
             /// Linear Rec. 709.
@@ -70,14 +70,14 @@ declare_plugins! {
         /// A picture of all directions, `scale` times its radiance.
         [PluginInfo::new("envmap", "environment map")]
         Environment {
-            /// Absolute path.
+            /// The absolute path of the picture.
             picture: PathBuf = PathBuf::new() => Picture(ParameterInfo::new(
                 "filename",
                 "Picture",
                 "A picture of all directions: width is the way around, height from straight up to straight down. HDR and EXR keep the sun's strength.",
                 "a file, found from the scene's folder",
             )),
-            /// Not negative.
+            /// The factor on the picture, not negative.
             scale: f32 = 1.0 => Factor(ParameterInfo::factor(
                 "scale",
                 "Strength",
@@ -94,11 +94,11 @@ declare_plugins! {
         /// Shines along +z.
         [PluginInfo::new("spot", "spot")]
         Spot {
-            /// Along the axis, W/sr.
+            /// The intensity along the axis, in W/sr.
             intensity: Rgb = Rgb::ONE => Emission(INTENSITY),
-            /// How wide it shines.
+            /// The width of the cone.
             cone: Cone = Cone { cutoff_angle: 20.0, beam_width: 15.0 } => Cone(CUTOFF_ANGLE),
-            /// Factor on the intensity, across the cone.
+            /// The factor on the intensity, across the cone.
             texture: Option<Texture> = None => OptionalTexture(ParameterInfo::new(
                 "texture",
                 "Slide",
@@ -110,7 +110,7 @@ declare_plugins! {
         /// Throws a picture along +z, as a camera would see it.
         [PluginInfo::new("projector", "projector")]
         Projector {
-            /// Pi times that on the plane z = 1.
+            /// Pi times the irradiance on the plane z = 1.
             irradiance: Parameter<Rgb> = Rgb::ONE.into() => TexturedEmission(ParameterInfo::new(
                 "irradiance",
                 "Picture",
@@ -118,9 +118,9 @@ declare_plugins! {
                 "W/m², or a texture",
             )
             .in_units(" W/m²")),
-            /// Factor on the irradiance, not negative.
+            /// The factor on the irradiance, not negative.
             scale: f32 = 1.0 => Factor(ParameterInfo::factor("scale", "Strength", "Factor on the light.")),
-            /// As that of a sensor whose film is the picture.
+            /// The field of view, as that of a sensor whose film is the picture.
             field_of_view: FieldOfView = FieldOfView { fov: 45.0, axis: FovAxis::X } => FieldOfView(FOV),
         },
 
@@ -171,12 +171,12 @@ impl Emitter {
     /// The names of all plugins.
     pub const PLUGINS: [&'static str; EmitterKind::DECLARED.len()] = EmitterKind::PLUGINS;
 
-    /// The light that a plugin of this name is when its file gives no parameter; None if there is no such plugin.
+    /// The light of a plugin of this name whose file gives no parameter; None if there is no such plugin.
     pub fn of_plugin(plugin: &str) -> Option<Self> {
         EmitterKind::of_plugin(plugin).map(Self::from)
     }
 
-    /// What is declared of its plugin.
+    /// The declaration of its plugin.
     pub(crate) fn info(&self) -> &'static PluginInfo {
         self.kind.info()
     }

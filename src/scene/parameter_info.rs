@@ -1,17 +1,17 @@
-//! What is declared of a parameter besides its value: its name in files, and what is told of it.
+//! The declaration of a parameter besides its value: its name in files, and its explanation.
 
 use std::ops::RangeInclusive;
 
-/// What is declared of a parameter.
+/// The declaration of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ParameterInfo {
-    /// In the file.
+    /// The name in the file.
     pub name: &'static str,
-    /// In the panel: short enough for its column.
+    /// The label in the panel: short enough for its column.
     pub label: &'static str,
-    /// What it does.
+    /// The effect, as a sentence.
     pub about: &'static str,
-    /// What values it takes, with their unit, in words.
+    /// The values that it takes, with their unit, in words.
     pub values: &'static str,
     /// The bounds of a number. Those of a colour follow from its kind.
     pub range: RangeInclusive<f32>,
@@ -42,12 +42,12 @@ impl ParameterInfo {
         Self::new(name, label, about, "0 to 1, or a texture").within(0.0..=1.0)
     }
 
-    /// True or false.
+    /// A parameter that is true or false.
     pub const fn switch(name: &'static str, label: &'static str, about: &'static str) -> Self {
         Self::new(name, label, about, "on or off")
     }
 
-    /// How often something is sampled, relative to the usual.
+    /// The rate at which something is sampled, relative to the usual one.
     pub const fn sampling_rate(name: &'static str, label: &'static str, about: &'static str) -> Self {
         let values = "0 or more; 0 never, 1 as usual. The picture does not depend on it, only its noise";
         Self::new(name, label, about, values).within(0.0..=f32::MAX)

@@ -42,16 +42,16 @@ kinds! {
     /// A flag of ours, which no other program knows: off by default, and written only where it is on.
     Extension(bool),
     Ior(Ior),
-    /// `material`, or `eta` and `k`.
+    /// The index of a conductor: `material`, or `eta` and `k`.
     ConductorIor(ConductorIor),
     Distribution(Distribution),
-    /// `alpha`, or `alpha_u` and `alpha_v`.
+    /// The roughness: `alpha`, or `alpha_u` and `alpha_v`.
     Roughness(Roughness),
     /// The same of a model that looks the same in all directions.
     UniformRoughness(Roughness),
-    /// `specular` or `eta`.
+    /// The index of a principled surface: `specular` or `eta`.
     PrincipledIndex(PrincipledIndex),
-    /// `eumelanin` and `pheomelanin`, or `sigma_a` and `scale`.
+    /// The absorption: `eumelanin` and `pheomelanin`, or `sigma_a` and `scale`.
     Absorption(Absorption),
     /// Light that is sent out, by colour: not negative, without upper bound.
     Emission(Rgb),
@@ -66,13 +66,13 @@ kinds! {
     /// The absolute path of a picture's file.
     Picture(PathBuf),
     OptionalTexture(Option<Texture>),
-    /// `cutoff_angle` and `beam_width`.
+    /// The cone of a spot: `cutoff_angle` and `beam_width`.
     Cone(Cone),
-    /// `fov` and `fov_axis`.
+    /// The field of view: `fov` and `fov_axis`.
     FieldOfView(FieldOfView),
-    /// `sun_direction`, or place and time.
+    /// The position of the sun: `sun_direction`, or place and time.
     SunPosition(SunPosition),
-    /// Written only where it is not 1.
+    /// The sampling weight, which is written only if it is not 1.
     SamplingWeight(f32),
 }
 
@@ -197,16 +197,16 @@ pub const SIGMA_A: ParameterInfo = ParameterInfo::new(
 pub const ABSORPTION_SCALE: ParameterInfo =
     ParameterInfo::new("scale", "Scale", "Factor on the absorption.", "0 or more").within(0.0..=1e6);
 
-/// Complex index of refraction of a conductor, per colour channel.
+/// The complex index of refraction of a conductor, per colour channel.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 pub enum ConductorIor {
-    /// `Au`, `Cu`, ...; `none` is a perfect mirror.
+    /// A name such as `Au`, `Cu`; `none` is a perfect mirror.
     Named(String),
-    /// Optical constants as numbers or textures.
+    /// The optical constants as numbers or textures.
     Given {
-        /// Real part of the refractive index relative to the outside, not negative.
+        /// The real part of the refractive index relative to the outside, not negative.
         eta: Parameter<Rgb>,
-        /// Imaginary part of it (extinction), not negative.
+        /// The imaginary part of it (extinction), not negative.
         k: Parameter<Rgb>,
     },
 }
@@ -214,9 +214,9 @@ pub enum ConductorIor {
 /// Index of refraction of a dielectric.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 pub enum Ior {
-    /// `water`, `bk7`, ...
+    /// A name such as `water`, `bk7`.
     Named(String),
-    /// Above 0; 1 is that of vacuum.
+    /// A number above 0; 1 is that of vacuum.
     Number(f32),
 }
 
@@ -230,7 +230,7 @@ pub enum Distribution {
 }
 
 impl Distribution {
-    /// In the file.
+    /// The name in the file.
     pub fn name(self) -> &'static str {
         match self {
             Self::Beckmann => "beckmann",
@@ -253,9 +253,9 @@ pub enum Roughness {
     Isotropic(Parameter<f32>),
     /// The roughness along each of the two tangents.
     Anisotropic {
-        /// Along the direction in which u grows.
+        /// The roughness along the direction in which u grows.
         u: Parameter<f32>,
-        /// Along the direction in which v grows.
+        /// The roughness along the direction in which v grows.
         v: Parameter<f32>,
     },
 }
@@ -281,17 +281,17 @@ impl Default for PrincipledIndex {
     }
 }
 
-/// How much light a hair absorbs inside.
+/// The absorption of light inside a hair.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 pub enum Absorption {
-    /// By its pigments.
+    /// The absorption follows from pigments.
     Melanin {
-        /// The concentration of what makes hair brown and black, at least 0.
+        /// The concentration of the pigment that makes hair brown and black, at least 0.
         eumelanin: f32,
-        /// The concentration of what makes hair red, at least 0.
+        /// The concentration of the pigment that makes hair red, at least 0.
         pheomelanin: f32,
     },
-    /// By the coefficient itself.
+    /// The absorption is given by its coefficient.
     Given {
         /// The coefficient per radius, at least 0.
         sigma_a: Parameter<Rgb>,
@@ -310,12 +310,12 @@ impl Default for Absorption {
     }
 }
 
-/// Angles from an axis in degrees.
+/// The angles of a cone from its axis in degrees.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
-    /// No light beyond it.
+    /// The angle beyond which there is no light.
     pub cutoff_angle: f32,
-    /// All of the light within it.
+    /// The angle within which there is all of the light.
     pub beam_width: f32,
 }
 
@@ -324,16 +324,16 @@ pub struct Cone {
 pub struct FieldOfView {
     /// Degrees.
     pub fov: f32,
-    /// What is measured.
+    /// The extent of the picture along which it is measured.
     pub axis: FovAxis,
 }
 
-/// Where the sun stands, or what that follows from.
+/// The position of the sun, or the data from which it follows.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 pub enum SunPosition {
     /// Towards the sun, in the world; of any length.
     Direction(Vec3),
-    /// In the light's own space x is south then and y west.
+    /// The sun's place follows from place and time. In the light's own space x is south then and y west.
     PlaceAndTime(PlaceAndTime),
 }
 
@@ -349,7 +349,7 @@ declare_parameters! {
         longitude: f32 = 139.6917 => Angle(
             ParameterInfo::degrees("longitude", "Longitude", "Of the place, east positive.", "degrees").within(-360.0..=360.0)
         ),
-        /// Hours that local time is ahead of universal time.
+        /// The hours that local time is ahead of universal time.
         timezone: f32 = 9.0 => Number(ParameterInfo::new(
             "timezone",
             "Time zone",
@@ -358,30 +358,30 @@ declare_parameters! {
         )
         .within(-24.0..=24.0)
         .in_units(" h")),
-        /// In the Gregorian calendar.
+        /// The year of the Gregorian calendar.
         year: i32 = 2010 => Integer(
             ParameterInfo::new("year", "Year", "Of the date.", "-4000 to 9999").within(-4000.0..=9999.0)
         ),
-        /// From 1.
+        /// The month, from 1.
         month: i32 = 7 => Integer(ParameterInfo::new("month", "Month", "Of the date.", "1 to 12").within(1.0..=12.0)),
-        /// From 1.
+        /// The day, from 1.
         day: i32 = 10 => Integer(ParameterInfo::new("day", "Day", "Of the date.", "1 to 31").within(1.0..=31.0)),
-        /// Local time.
+        /// The hour of local time.
         hour: f32 = 15.0 => Number(
             ParameterInfo::new("hour", "Hour", "Local time.", "hours").within(TIME).in_units(" h")
         ),
-        /// Added to the hour.
+        /// The minutes, which are added to the hour.
         minute: f32 = 0.0 => Number(
             ParameterInfo::new("minute", "Minute", "Local time.", "minutes").within(TIME).in_units(" min")
         ),
-        /// Added to the minute.
+        /// The seconds, which are added to the minute.
         second: f32 = 0.0 => Number(
             ParameterInfo::new("second", "Second", "Local time.", "seconds").within(TIME).in_units(" s")
         ),
     }
 }
 
-/// Times may lie outside of the day; what is far from all reason is a slip.
+/// The range of times, which may be outside of the day; larger ones are mistakes.
 const TIME: RangeInclusive<f32> = -1e5..=1e5;
 
 pub(crate) const CUTOFF_ANGLE: ParameterInfo = ParameterInfo::degrees(

@@ -75,7 +75,7 @@ pub enum FovAxis {
 }
 
 impl FovAxis {
-    /// In the file.
+    /// The name in the file.
     pub fn name(self) -> &'static str {
         match self {
             Self::X => "x",

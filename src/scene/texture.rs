@@ -95,7 +95,7 @@ pub enum Texture {
         color0: Box<Parameter<Rgb>>,
         /// The colour of the other squares.
         color1: Box<Parameter<Rgb>>,
-        /// Applied to uv before the look-up.
+        /// The transform that is applied to uv before the look-up.
         to_uv: Box<Affine2>,
     },
     /// A value that the mesh itself has per vertex or face.

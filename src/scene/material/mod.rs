@@ -1,4 +1,4 @@
-//! Materials as the user knows them: the bsdfs of the format with their own parameters, and who uses them.
+//! Materials as the user knows them: the bsdfs of the format with their own parameters, and the components that refer to them.
 
 mod models;
 mod principled;

@@ -1,4 +1,4 @@
-//! The declaration of every bsdf: its plugin's name, its parameters with their defaults, and what is told of them.
+//! The declaration of every bsdf: its plugin's name, its parameters with their defaults, and their explanations.
 
 use std::sync::Arc;
 
@@ -85,7 +85,7 @@ declare_plugins! {
         [PluginInfo::new("roughplastic", "rough plastic")]
         RoughPlastic {
             distribution: Distribution = Distribution::Beckmann => Distribution(DISTRIBUTION),
-            /// Isotropic.
+            /// The roughness, the same in all directions.
             alpha: Roughness = Roughness::default() => UniformRoughness(ALPHA),
             interior: Ior = medium("polypropylene") => Ior(INT_IOR),
             exterior: Ior = medium("air") => Ior(EXT_IOR),
@@ -94,7 +94,7 @@ declare_plugins! {
             nonlinear: bool = false => Flag(NONLINEAR),
         },
 
-        /// Shared until it is edited, because it is several times as large as the others.
+        /// It is shared until it is edited, because it is several times as large as the others.
         [PluginInfo::new("principled", "principled")]
         Principled(shared: Arc<Principled> => Arc::make_mut),
 
@@ -187,11 +187,11 @@ declare_plugins! {
             use_shadowing_function: bool = true => Flag(USE_SHADOWING_FUNCTION),
         },
 
-        /// Nothing to be seen.
+        /// Nothing is visible.
         [PluginInfo::new("null", "nothing")]
         Null,
 
-        /// Ours: a coloured mirror whose reflected direction is moved by `fuzz` (0 to 1) times a random point of the unit ball.
+        /// A model of this program: a coloured mirror whose reflected direction is moved by `fuzz` (0 to 1) times a random point of the unit ball.
         [PluginInfo::new("metal", "metal with fuzz")]
         Metal {
             reflectance: Parameter<Rgb> = grey() => Reflectance(REFLECTANCE),
@@ -227,7 +227,7 @@ fn medium(name: &str) -> Ior {
     Ior::Named(name.to_owned())
 }
 
-// Parameters that several have.
+// These parameters belong to several models.
 
 const REFLECTANCE: ParameterInfo = ParameterInfo::reflectance(
     "reflectance",

@@ -103,7 +103,7 @@ declare_parameters! {
     }
 }
 
-// Parameters that both have.
+// These parameters belong to both models.
 
 const BASE_COLOR: ParameterInfo = ParameterInfo::reflectance(
     "base_color",

@@ -80,7 +80,7 @@ pub(super) fn expected_files(world: &World, target: &Path) -> Vec<Expected> {
 }
 
 impl Expected {
-    /// An error for what is no file, which must not be replaced by one.
+    /// Reads the present file. An error if something else than a file is there, which must not be replaced by one.
     fn look(&self) -> Result<Found, SaveError> {
         let text = match read_text(&self.path) {
             Ok(text) => text,
@@ -115,7 +115,7 @@ pub(super) fn access(world: &World, target: &Path) -> Access {
     access
 }
 
-/// Takes in what others changed in the files of the scene that will be saved at `target`.
+/// Merges changes by others in the files of the scene that will be saved at `target`.
 pub(super) fn take_in_changes(world: &mut World, target: &Path, on_change: OnChange) -> Result<(), SaveError> {
     let expected = expected_files(world, target);
     let mut changed = Vec::new();

@@ -1,10 +1,10 @@
-//! Why a scene cannot be saved.
+//! The reasons why a scene cannot be saved.
 
 use std::path::PathBuf;
 
 use crate::document::{self, SourceError};
 
-/// Why a scene is not saved. The file is as it was then.
+/// The reason why a scene is not saved. The file has not changed then.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the variants mean")]
 pub enum SaveError {
@@ -18,7 +18,7 @@ pub enum SaveError {
     Foreign { path: PathBuf, proposal: PathBuf },
     #[error("{}: {source}", path.display())]
     File { path: PathBuf, source: std::io::Error },
-    /// Other things than files are not replaced.
+    /// Something else than a file is there, which is not replaced.
     #[error(transparent)]
     NoFile(SourceError),
     /// The file was changed by others since it was read. `edited_twice` is the number of things that were edited both there and here; None where

@@ -34,7 +34,7 @@ pub(crate) struct Entities {
 }
 
 impl Entities {
-    /// All entities, list by list.
+    /// The entities of all lists, one list after the other.
     pub fn all(&self) -> impl Iterator<Item = Entity> {
         let lists = [
             &self.materials,
@@ -47,7 +47,7 @@ impl Entities {
     }
 }
 
-/// All shapes, materials, emitters and sensors, each kind in the order of the file.
+/// Describes all shapes, materials, emitters and sensors, each kind in the order of the file.
 pub fn describe(world: &mut World) -> SceneDescription {
     describe_entities(world).0
 }

@@ -8,13 +8,13 @@ use crate::document::SourceFile;
 use crate::document::paths::settle;
 use crate::document::source::read_text;
 
-/// Contents that files are known to have for another reason than that the scene was read from them: the program wrote them but could not read
+/// The contents that files are known to have for another reason than that the scene was read from them: the program wrote them but could not read
 /// them again, or the scene was recovered and is to be saved there. None: there was no such file.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct KnownTexts(pub(super) Vec<(PathBuf, Option<String>)>);
 
 impl KnownTexts {
-    /// Remembers what is in the file now, as far as it can be read.
+    /// Notes the present content of the file, as far as it can be read.
     pub fn note_present(&mut self, path: &Path) {
         self.0 = vec![(settle(path), read_text(path).ok())];
     }

@@ -42,7 +42,7 @@ use crate::document::revision::{Destination, move_files, revise};
 use crate::document::{self, Category, Child, Crowd, Document, Object, SourceFile, Span};
 use crate::files::{self, Access, LARGEST_DATA, write_atomically};
 
-/// Materials inside materials; deeper ones are written at the top level instead. More than reading allows.
+/// The most levels of materials inside materials, more than reading allows; deeper ones are written at the top level instead.
 const DEEPEST: usize = 40;
 
 /// Writes a scene over the text that it was read from: see [`files()`]. Each file is replaced in one step.
@@ -71,7 +71,7 @@ fn plan(scene: &SceneDescription, path: &Path) -> Result<(Vec<(PathBuf, String)>
         return Ok((vec![(target, text)], moves));
     };
     let mut document = in_place(scene, &target);
-    // Things that came from a glTF file since.
+    // Parts of glTF files that were opened in the meantime are moved.
     let moves = parts::take_along(Arc::make_mut(&mut document.root), &target);
     let files = with_destination(scene, &target, MeshSearch::new, |destination| {
         revise(origin, &document, destination)
@@ -86,7 +86,7 @@ pub fn write_anew(scene: &SceneDescription, path: &Path, extensions: Extensions)
     keep_foreign(scene, &target)?;
     let (mut document, moves) = whole(scene, &target);
     copy_parts(&moves)?;
-    // Mitsuba refuses a scene for a folder that is not there.
+    // Mitsuba refuses a scene that names a folder that does not exist.
     document.search_folders.retain(|folder| folder.is_dir());
     spectra::as_colors(Arc::make_mut(&mut document.root));
     if let Some((path, text)) = portable::translate(Arc::make_mut(&mut document.root), path, extensions) {
@@ -338,7 +338,7 @@ impl<'s> Writer<'s> {
             parts.push(finish(&emitter.identity, draft));
         }
         parts.extend(scene.remains.rest.iter().cloned());
-        // Stable: things without a place of their own follow what they followed.
+        // The sort is stable: things without a place of their own stay behind their predecessors.
         parts.sort_by_key(|(order, _)| *order);
         let mut root = Object::new(Category::Scene, "");
         root.properties.clone_from(&scene.remains.properties);

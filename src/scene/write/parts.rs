@@ -1,4 +1,4 @@
-//! Parts of an opened glTF file lie in a cache: a scene that is written takes those it names along, into a folder beside it.
+//! Moves the parts of opened glTF files, which are in a cache: a scene that is written gets the parts that it names, in a folder beside it.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! An edited plugin written over what the file said: only what was edited changes.
+//! Writes an edited plugin over what the file said: only what was edited changes.
 
 use bevy::math::Affine3A;
 use smol_str::SmolStr;
@@ -10,7 +10,7 @@ use crate::scene::emitter::frame_along;
 use crate::scene::encode::poses::as_steps;
 use crate::scene::parameters::HEIGHT;
 
-/// Parameters that say the same thing in another way: writing the first takes the others away.
+/// Parameters that mean the same in another way: writing the first removes the others.
 const SUPERSEDES: [(&str, &[&str]); 8] = [
     ("fov", &["focal_length"]),
     ("alpha", &["alpha_u", "alpha_v"]),
@@ -22,7 +22,7 @@ const SUPERSEDES: [(&str, &[&str]); 8] = [
     ("to_world", &["position", "direction"]),
 ];
 
-/// Parameters that mean nothing certain without each other: writing one writes the other, if the file does not have it.
+/// Parameters that depend on each other: writing one writes the other, if the file does not have it.
 const COMPANIONS: [(&str, &str); 3] = [("fov", "fov_axis"), ("fov_axis", "fov"), ("cutoff_angle", "beam_width")];
 
 /// A plugin on its way into the file. What each child is, references followed, is known.
@@ -32,7 +32,7 @@ pub struct Draft {
 }
 
 impl Draft {
-    /// `current` is what the components say now, without nested bsdfs.
+    /// Begins a patch. `current` is what the components say now, without nested bsdfs.
     pub fn new(authored: Option<&Authored>, current: Object) -> Self {
         let Some(authored) = authored else {
             let categories = current.objects().map(|child| Some(child.category)).collect();
@@ -49,7 +49,7 @@ impl Draft {
         if is_same(&current, &as_read) {
             return unchanged;
         }
-        // A stand-in that was edited: what it stood for is gone.
+        // The plugin behind an edited stand-in is gone.
         if authored.is_stand_in() {
             return Self::new(
                 None,
@@ -182,7 +182,7 @@ impl Draft {
         }
     }
 
-    /// Over the texture given for the same parameter, or instead of the reference to one: others may refer to that as well.
+    /// Sets a texture, over the one given for the same parameter, or instead of the reference to one: others may refer to that as well.
     fn set_texture(&mut self, before: Option<&Object>, now: &Object) {
         let name = now.name.as_deref();
         let named = self.object.children.iter().position(|child| child.name() == name);
@@ -253,7 +253,7 @@ impl Draft {
     }
 }
 
-/// `now` written over the plugin that stands in the file and was read as `before`; over a reference it is written out.
+/// Writes `now` over the plugin that is in the file and was read as `before`; a reference is replaced by the plugin itself.
 fn revised(child: &Child, before: Option<&Object>, now: Object) -> Object {
     let (Child::Object(authored), Some(before)) = (child, before) else {
         return now;
@@ -266,7 +266,7 @@ fn revised(child: &Child, before: Option<&Object>, now: Object) -> Object {
     Draft::new(Some(&authored), now).object
 }
 
-/// `child` in the place of `old`: for the parameter `old` was for, and a reference where a reference was.
+/// Puts `child` in the place of `old`: for the same parameter, and as a reference if that was one.
 fn in_place_of(old: &Child, mut child: Child) -> Child {
     if let (Child::Reference { span: old, .. }, Child::Reference { span, .. }) = (old, &mut child) {
         *span = *old;

@@ -1,4 +1,4 @@
-//! Saving what the entities are, and going on from there: the scene is that of the file from then on.
+//! Saves the entities as a file. From then on the scene is that of the file.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

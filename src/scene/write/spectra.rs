@@ -1,4 +1,4 @@
-//! Spectra that the RGB modes of Mitsuba refuse, written as the colours that they are read as.
+//! Writes spectra that the RGB modes of Mitsuba refuse as the colours that they are read as.
 
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -170,7 +170,7 @@ mod tests {
             panic!("{revised:?}");
         };
         assert_eq!([scale, place], [steps(0.0)[0], steps(0.0)[2]]);
-        // Single precision: thirty degrees more, within its rounding.
+        // The angle is thirty degrees more, within the rounding of single precision.
         assert!(axis == Vec3::NEG_Y && (degrees - 300.0).abs() < 1e-3, "{degrees}");
     }
 
