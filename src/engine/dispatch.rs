@@ -33,7 +33,7 @@ pub(super) fn dispatch_job(
     let Some(view) = demand.extracted.view.clone() else {
         return;
     };
-    renderer.prepare_pool(control.threads.get(), control.interactive);
+    renderer.prepare_backend(control.threads.get(), control.interactive);
     let incomplete = demand.extracted.meshes_loading > 0
         || demand.scene_status.pictures_loading > 0
         || demand.cache.builds_running() > 0
@@ -46,7 +46,9 @@ pub(super) fn dispatch_job(
         return;
     }
     let Renderer {
-        pool: Some(pool), job, ..
+        backend: Some(backend),
+        job,
+        ..
     } = &mut *renderer
     else {
         return;
@@ -88,7 +90,7 @@ pub(super) fn dispatch_job(
         *job = Some(new);
     }
     if let Some(job) = job {
-        job.run(pool, &stop, EventLoopWaker::new(&demand.wake_up));
+        job.run(backend, &stop, EventLoopWaker::new(&demand.wake_up));
         if !control.interactive && job.failure.is_none() {
             // The last picture stays in the film until the first tile of the new one has arrived.
             job.begin_in(film.bypass_change_detection());

@@ -7,18 +7,18 @@ use std::time::{Duration, Instant};
 
 use bevy::math::{Rect, UVec2};
 use crossbeam_channel::TryRecvError;
-use rayon::ThreadPool;
 
+use super::backend::{Backend, TileResult};
 use super::deferred_drop::DeferredDrop;
 use super::event_loop_waker::EventLoopWaker;
 use super::film::RenderFilm;
 use super::light_groups::LightGroup;
-use super::run::{Run, TileResult, Work};
-use super::schedule::{WorkItem, WorkQueue, pass_end, sort_from_center, tiles_in};
+use super::run::Run;
+use super::schedule::{WorkQueue, pass_end, sort_from_center, tiles_in};
 use super::stop_condition::{StopCondition, StopReason};
 use crate::render::noise::PictureNoise;
 use crate::render::scene::RenderScene;
-use crate::render::tile::{Tile, TilePreview, TileSamples, render_preview, render_tile, tiles};
+use crate::render::tile::{Tile, TilePreview, TileSamples, tiles};
 use crate::render::view::View;
 
 /// The way in which a picture begins.
@@ -199,7 +199,7 @@ impl Job {
     }
 
     /// Starts, goes on, or pauses where a limit of `stop` is reached.
-    pub fn run(&mut self, pool: &ThreadPool, stop: &StopCondition, waker: EventLoopWaker) {
+    pub fn run(&mut self, backend: &Backend, stop: &StopCondition, waker: EventLoopWaker) {
         self.set_region(stop.region);
         let reached = self.reached(stop);
         if stop.is_exact && reached.is_some() && !self.is_running() {
@@ -227,7 +227,8 @@ impl Job {
         let tiles: Vec<(usize, u32)> = self.active.iter().map(|&index| (index, self.done[index])).collect();
         let queue = WorkQueue::new(&tiles, stop.samples, &previews, step);
         self.running_since = Some(Instant::now());
-        self.run = Some(Run::start(pool, queue, self.preview_left, self.work(), waker));
+        let work = backend.work(self.scene.clone(), self.view.clone(), self.tiles.clone());
+        self.run = Some(Run::start(backend, queue, self.preview_left, work, waker));
     }
 
     /// The tiles that are first shown coarsely, those of the region first. Around the region nothing of an older picture may stay, however the
@@ -243,19 +244,6 @@ impl Job {
         inside
             .chain((0..self.tiles.len()).filter(|&index| !is_active[index]))
             .collect()
-    }
-
-    fn work(&self) -> Box<Work> {
-        let (scene, view, tiles) = (self.scene.clone(), self.view.clone(), self.tiles.clone());
-        Box::new(move |item, cancel| match item {
-            WorkItem::Preview { index, step } => {
-                render_preview(&scene, &view, tiles[*index], *step, cancel).map(TileResult::Preview)
-            }
-            WorkItem::Samples { index, samples } => {
-                let samples = render_tile(&scene, &view, tiles[*index], samples.clone(), cancel)?;
-                Some(TileResult::Samples { index: *index, samples })
-            }
-        })
     }
 
     /// Stops the workers; results that they have not delivered are lost and will be made again.

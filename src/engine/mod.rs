@@ -2,6 +2,7 @@
 //! that into the renderer's tables, hands tiles to worker threads and gathers their results. It draws nothing and reads no input.
 
 mod authored;
+mod backend;
 mod blas_cache;
 pub mod blocking;
 mod clipping;

@@ -1,17 +1,16 @@
-//! The worker threads, and the job that they work on.
+//! The back end, and the job that it works on.
 
 use bevy::prelude::*;
-use rayon::ThreadPool;
 
+use super::backend::Backend;
 use super::job::Job;
-use super::priority;
 
-/// The worker threads and their job.
+/// The back end and its job.
 #[derive(Resource, Default)]
 pub(super) struct Renderer {
-    pub pool: Option<ThreadPool>,
+    pub backend: Option<Backend>,
     pub job: Option<Job>,
-    /// The reason why there are no threads.
+    /// The reason why there is no back end.
     pub failure: Option<String>,
     /// Whether rendering waits for meshes or their acceleration structures.
     pub waiting: bool,
@@ -26,29 +25,20 @@ impl Renderer {
         self.job.as_mut()
     }
 
-    /// Prepares a pool of this many threads, in place of one with another number. They are `yielding` to the window if there is one.
-    pub fn prepare_pool(&mut self, threads: usize, yielding: bool) {
+    /// Prepares a back end of this many threads, in place of one with another number. They are `yielding` to the window if there is one.
+    pub fn prepare_backend(&mut self, threads: usize, yielding: bool) {
         if self
-            .pool
+            .backend
             .as_ref()
-            .is_some_and(|pool| pool.current_num_threads() == threads)
+            .is_some_and(|backend| backend.workers() == threads)
         {
             return;
         }
         if let Some(job) = &mut self.job {
             job.pause();
         }
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .thread_name(|index| format!("render {index}"))
-            .start_handler(move |_| {
-                if yielding {
-                    priority::yield_to_window();
-                }
-            })
-            .build();
-        match pool {
-            Ok(pool) => (self.pool, self.failure) = (Some(pool), None),
+        match Backend::cpu(threads, yielding) {
+            Ok(backend) => (self.backend, self.failure) = (Some(backend), None),
             Err(error) => self.failure = Some(format!("{threads} render threads cannot be started: {error}")),
         }
     }

@@ -1,4 +1,4 @@
-//! Worker threads that work on one queue, until it is empty or they are stopped. Knows nothing of scenes or of what the work is.
+//! Workers of a back end that work on one queue, until it is empty or they are stopped. Knows nothing of scenes or of what the work is.
 //!
 //! Every run has a channel and a flag of its own: dropping the [`Run`] sets the flag and closes the channel, so that its workers stop
 //! soon, none of them hangs at a full channel, and no result of theirs can arrive any more.
@@ -10,11 +10,10 @@ use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, SendTimeoutError, Sender, bounded};
-use rayon::ThreadPool;
 
+use super::backend::{Backend, TileResult, Work};
 use super::event_loop_waker::EventLoopWaker;
 use super::schedule::{WorkItem, WorkQueue};
-use crate::render::tile::{TilePreview, TileSamples};
 
 /// The results that may wait to be collected, some 50 kB each. A preview is a fraction of that and fits as a whole, so that workers do not wait for
 /// the next frame in the middle of it.
@@ -24,21 +23,6 @@ const ROOM_PER_WORKER: usize = 16;
 const LARGEST_CAPACITY: usize = 2048;
 /// The longest wait for room for a result between two checks whether to stop. A run may be cancelled some time before it is dropped.
 const LONGEST_WAIT: Duration = Duration::from_millis(10);
-
-/// The message of a worker; `index` is the tile's index in the job's list.
-#[derive(Debug)]
-pub(super) enum TileResult {
-    Preview(TilePreview),
-    Samples {
-        index: usize,
-        samples: TileSamples,
-    },
-    /// A worker panicked; the run is over.
-    Failed(String),
-}
-
-/// Renders one item; None if the flag was set in the meantime.
-pub(super) type Work = dyn Fn(&WorkItem, &AtomicBool) -> Option<TileResult> + Send + Sync;
 
 pub(super) struct Run {
     cancel: Arc<AtomicBool>,
@@ -62,15 +46,15 @@ struct Shared {
 }
 
 impl Run {
-    /// Sets all threads of `pool` to work. `preview_items`: how many of the queue's items are previews.
+    /// Sets all workers of `backend` to work. `preview_items`: how many of the queue's items are previews.
     pub fn start(
-        pool: &ThreadPool,
+        backend: &Backend,
         queue: WorkQueue,
         preview_items: usize,
         work: Box<Work>,
         waker: EventLoopWaker,
     ) -> Self {
-        let workers = pool.current_num_threads();
+        let workers = backend.workers();
         let capacity = CAPACITY.max(ROOM_PER_WORKER * workers) + preview_items;
         let capacity = capacity.min(LARGEST_CAPACITY);
         let (sender, results) = bounded(capacity);
@@ -86,7 +70,7 @@ impl Run {
         });
         for _ in 0..workers {
             let (shared, sender) = (shared.clone(), sender.clone());
-            pool.spawn(move || shared.work_until_done(sender));
+            backend.spawn(move || shared.work_until_done(sender));
         }
         Self {
             cancel: shared.cancel.clone(),
@@ -173,7 +157,7 @@ mod tests {
 
     use super::*;
     use crate::engine::control::WakeUp;
-    use crate::render::tile::Tile;
+    use crate::render::tile::{Tile, TileSamples};
 
     fn samples(index: usize, samples: std::ops::Range<u32>) -> TileResult {
         let tile = Tile {
@@ -196,16 +180,18 @@ mod tests {
         }
     }
 
-    fn pool() -> ThreadPool {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(3)
-            .build()
-            .expect("three threads")
+    fn threads() -> Backend {
+        Backend::cpu(3, false).expect("three threads")
     }
 
-    fn start(pool: &ThreadPool, items: usize, work: Box<Work>) -> Run {
+    /// Whether all threads can be had at once.
+    fn are_free(Backend::Cpu(pool): &Backend) -> bool {
+        pool.broadcast(|_| 1).iter().sum::<i32>() == 3
+    }
+
+    fn start(backend: &Backend, items: usize, work: Box<Work>) -> Run {
         Run::start(
-            pool,
+            backend,
             WorkQueue::new(&(0..items).map(|index| (index, 0)).collect::<Vec<_>>(), 1, &[], 1),
             0,
             work,
@@ -222,7 +208,7 @@ mod tests {
 
     #[test]
     fn everything_arrives_once_and_the_channel_closes() {
-        let run = start(&pool(), 1000, sample_work());
+        let run = start(&threads(), 1000, sample_work());
         let mut seen: Vec<usize> = run
             .results
             .iter()
@@ -243,9 +229,9 @@ mod tests {
             count.fetch_add(1, Ordering::Relaxed);
         })));
         let items: Vec<_> = (0..CAPACITY - 1).map(|index| (index, 0)).collect();
-        let pool = pool();
+        let backend = threads();
         let run = Run::start(
-            &pool,
+            &backend,
             WorkQueue::new(&items, 1, &[], 1),
             0,
             sample_work(),
@@ -271,7 +257,7 @@ mod tests {
                 None
             }
         };
-        let run = start(&pool(), 100, Box::new(work));
+        let run = start(&threads(), 100, Box::new(work));
         let results: Vec<TileResult> = run.results.iter().collect();
         assert_eq!(results.len(), 8, "{results:?}");
         let failed = |result: &TileResult| matches!(result, TileResult::Failed(text) if text == "number seven");
@@ -282,9 +268,9 @@ mod tests {
     fn a_panic_of_the_hook_ends_the_run_too() {
         let hook = WakeUp(Some(Arc::new(|| panic!("the hook"))));
         let items: Vec<_> = (0..10 * CAPACITY).map(|index| (index, 0)).collect();
-        let pool = pool();
+        let backend = threads();
         let run = Run::start(
-            &pool,
+            &backend,
             WorkQueue::new(&items, 1, &[], 1),
             0,
             sample_work(),
@@ -294,13 +280,13 @@ mod tests {
         let mut results = run.results.iter();
         assert!(results.any(|result| matches!(result, TileResult::Failed(text) if text == "the hook")));
         // The threads are as good as before.
-        assert_eq!(pool.broadcast(|_| 1).iter().sum::<i32>(), 3);
+        assert!(are_free(&backend));
     }
 
     #[test]
     fn dropping_frees_workers_that_wait_at_a_full_channel() {
-        let pool = pool();
-        let run = start(&pool, 100_000, sample_work());
+        let backend = threads();
+        let run = start(&backend, 100_000, sample_work());
         let begin = Instant::now();
         while !run.results.is_full() {
             assert!(begin.elapsed() < Duration::from_secs(600));
@@ -308,6 +294,6 @@ mod tests {
         }
         drop(run);
         // This comes to an end only if all three threads are free.
-        assert_eq!(pool.broadcast(|_| 1).iter().sum::<i32>(), 3);
+        assert!(are_free(&backend));
     }
 }

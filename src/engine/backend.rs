@@ -1,0 +1,83 @@
+//! The back ends, which turn a scene, a view and pieces of a picture into samples.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+
+use super::priority;
+use super::schedule::WorkItem;
+use crate::render::scene::RenderScene;
+use crate::render::tile::{Tile, TilePreview, TileSamples, render_preview, render_tile};
+use crate::render::view::View;
+
+/// A device that renders. For every back end:
+///
+/// - What it makes of an item is a function of scene, view, tile and range of samples alone: not of the number of its workers, nor of what
+///   it has rendered before or renders beside it. Random numbers are those of [`crate::sampling::Sampler`].
+/// - A tile's samples are summed up in their order. Those that are not finite count as black and are counted.
+/// - It looks at the flag of its run often enough for a change of the scene not to wait, and gives nothing once that is set.
+pub(super) enum Backend {
+    /// Threads that render a tile each.
+    Cpu(ThreadPool),
+}
+
+/// The message of a worker; `index` is the tile's index in the job's list.
+#[derive(Debug)]
+pub(super) enum TileResult {
+    Preview(TilePreview),
+    Samples {
+        index: usize,
+        samples: TileSamples,
+    },
+    /// A worker panicked; the run is over.
+    Failed(String),
+}
+
+/// Renders one item; None if the flag was set in the meantime.
+pub(super) type Work = dyn Fn(&WorkItem, &AtomicBool) -> Option<TileResult> + Send + Sync;
+
+impl Backend {
+    /// Starts so many threads, which are `yielding` to the window if there is one.
+    pub fn cpu(threads: usize, yielding: bool) -> Result<Self, ThreadPoolBuildError> {
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .thread_name(|index| format!("render {index}"))
+            .start_handler(move |_| {
+                if yielding {
+                    priority::yield_to_window();
+                }
+            })
+            .build();
+        pool.map(Self::Cpu)
+    }
+
+    /// Returns how many items it renders at the same time.
+    pub fn workers(&self) -> usize {
+        match self {
+            Self::Cpu(pool) => pool.current_num_threads(),
+        }
+    }
+
+    /// Runs `worker` to its end on one of the workers, once that is free.
+    pub fn spawn(&self, worker: impl FnOnce() + Send + 'static) {
+        match self {
+            Self::Cpu(pool) => pool.spawn(worker),
+        }
+    }
+
+    /// Returns what its workers do with each item of a picture.
+    pub fn work(&self, scene: RenderScene, view: View, tiles: Arc<[Tile]>) -> Box<Work> {
+        match self {
+            Self::Cpu(_) => Box::new(move |item, cancel| match item {
+                WorkItem::Preview { index, step } => {
+                    render_preview(&scene, &view, tiles[*index], *step, cancel).map(TileResult::Preview)
+                }
+                WorkItem::Samples { index, samples } => {
+                    let samples = render_tile(&scene, &view, tiles[*index], samples.clone(), cancel)?;
+                    Some(TileResult::Samples { index: *index, samples })
+                }
+            }),
+        }
+    }
+}
