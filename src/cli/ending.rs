@@ -128,6 +128,7 @@ mod tests {
                 pixels: vec![PixelSum::default(); (tile.width * tile.height) as usize],
                 layers: Vec::new(),
                 first_hits: Vec::new(),
+                splats: Vec::new(),
                 rays: 0,
                 invalid: 0,
             });

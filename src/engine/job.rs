@@ -317,6 +317,9 @@ impl Job {
         if collected > 0 {
             deferred.drop_later(spent);
             film.samples = self.least_samples();
+            if film.film.settle_splats(film.samples) {
+                self.tiles.iter().for_each(|&tile| film.mark(tile));
+            }
             self.noise = self.noise_of_tiles.relative(self.active.iter().copied());
         }
         collected

@@ -174,6 +174,7 @@ mod tests {
                 pixels: Vec::new(),
                 layers: Vec::new(),
                 first_hits: Vec::new(),
+                splats: Vec::new(),
                 rays: 0,
                 invalid: 0,
             },

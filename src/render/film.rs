@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::scene::FirstHit;
+use super::splats::{Splat, Splats};
 use super::tile::{PixelSum, TILE, Tile, TilePreview, TileSamples, tiles};
 use crate::color::{Rgb, luminance};
 
@@ -30,6 +31,7 @@ pub struct Film {
     /// The sums of the layers, side by side for each pixel.
     layers: Vec<Rgb>,
     first_hits: Vec<Option<FirstHit>>,
+    splats: Splats,
 }
 
 impl Film {
@@ -61,6 +63,7 @@ impl Film {
         self.sums.resize(pixels, PixelSum::default());
         self.layers.resize(pixels * layer_count, Rgb::ZERO);
         self.first_hits.resize(pixels, None);
+        self.splats = Splats::default();
         self.counts.clear();
         self.counts.resize(pixels, 0);
         std::mem::replace(&mut self.previews, vec![None; tiles])
@@ -87,8 +90,8 @@ impl Film {
         self.height
     }
 
-    /// Adds finished samples. For the same bits in every run, those of one tile must come in the order of their sample ranges. Returns the preview
-    /// that they replace.
+    /// Adds finished samples. For the same bits in every run, those of one tile must come in the order of their sample ranges. Their splats
+    /// wait for [`Self::settle_splats`]. Returns the preview that they replace.
     pub fn add(&mut self, result: &TileSamples) -> Option<TilePreview> {
         let count = result.samples.len() as u32;
         let (tile, width) = (result.tile, result.tile.width as usize);
@@ -110,7 +113,24 @@ impl Film {
             }
         }
         let place = self.tile_index(tile.x, tile.y);
+        self.splats.keep(result.samples.start, place, &result.splats);
         self.previews[place].take_if(|preview| preview.tile == tile)
+    }
+
+    /// Adds the splats of the samples below `samples`, which all tiles have that are rendered: in the same order in every run, however
+    /// the samples came. Returns whether there were any: they may lie in any tile.
+    pub fn settle_splats(&mut self, samples: u32) -> bool {
+        let mut settled = false;
+        while let Some(splats) = self.splats.next_below(samples) {
+            let is_inside = |splat: &&Splat| splat.pixel.x < self.width && splat.pixel.y < self.height;
+            for splat in splats.iter().filter(is_inside) {
+                let place = self.index(splat.pixel.x, splat.pixel.y);
+                self.splats.add(place, splat.radiance, self.sums.len());
+            }
+            settled = true;
+        }
+        self.splats.samples = samples.max(self.splats.samples);
+        settled
     }
 
     /// Adds the layers, before the samples of these pixels are counted.
@@ -186,7 +206,11 @@ impl Film {
         let index = self.index(x, y);
         match self.counts[index] {
             0 => self.preview(x, y).map(|(preview, block)| preview.blocks[block]),
-            count => Some(mean(&self.sums[index], count)),
+            count => {
+                let mut pixel = mean(&self.sums[index], count);
+                pixel.radiance += self.splats.mean(index);
+                Some(pixel)
+            }
         }
     }
 
@@ -207,7 +231,7 @@ impl Film {
     }
 
     /// The radiance that [`Self::pixel`] would have if the light of each group were multiplied by its factor, which is 1 for groups without one.
-    /// Without layers or without factors it is just that.
+    /// Splats are of no group. Without layers or without factors it is just that.
     pub fn mixed_pixel(&self, x: u32, y: u32, factors: &[Rgb]) -> Option<Rgb> {
         let index = self.index(x, y);
         let (radiance, layers, count) = match self.counts[index] {
@@ -225,13 +249,14 @@ impl Film {
                 count,
             ),
         };
+        let splats = self.splats.mean(index);
         if self.layer_count == 0 || factors.is_empty() {
-            return Some(radiance * (1.0 / count as f32));
+            return Some(radiance * (1.0 / count as f32) + splats);
         }
         let layers = &layers[..self.layer_count];
         let factors = factors.iter().copied().chain(std::iter::repeat(Rgb::ONE));
         let sum: Rgb = layers.iter().zip(factors).map(|(&light, factor)| light * factor).sum();
-        Some(sum / count as f32)
+        Some(sum / count as f32 + splats)
     }
 
     /// The radiance of [`Self::mixed_pixel`] for the whole picture; black where there is none yet.
@@ -328,6 +353,7 @@ mod tests {
                 0 => vec![Some(hit(1)); (tile.width * tile.height) as usize],
                 _ => Vec::new(),
             },
+            splats: Vec::new(),
             rays: 0,
             invalid: 0,
         }

@@ -17,6 +17,7 @@ pub mod path;
 mod path_state;
 mod roulette;
 pub mod scene;
+pub mod splats;
 pub mod tile;
 pub mod tonemap;
 mod transmittance;

@@ -96,6 +96,7 @@ mod tests {
             pixels: (0..tile.width * tile.height).map(pixel).collect(),
             layers: Vec::new(),
             first_hits: Vec::new(),
+            splats: Vec::new(),
             rays: 0,
             invalid: 0,
         }
@@ -157,6 +158,7 @@ mod tests {
             ],
             layers: Vec::new(),
             first_hits: Vec::new(),
+            splats: Vec::new(),
             rays: 0,
             invalid: 0,
         });

@@ -10,6 +10,7 @@ use super::light_layers::LayerSums;
 use super::observer::PathObserver;
 use super::path::{PathSample, trace_path};
 use super::scene::{FirstHit, RenderScene};
+use super::splats::Splat;
 use super::view::{Integrator, PathSettings, Shown, View};
 use crate::accel::TraversalStats;
 use crate::color::{Rgb, luminance};
@@ -96,6 +97,8 @@ pub struct TileSamples {
     pub layers: Vec<Rgb>,
     /// The first hit of sample 0 of every pixel; empty if that is not among the samples.
     pub first_hits: Vec<Option<FirstHit>>,
+    /// Light for pixels that need not be of this tile. Paths from the camera bring none.
+    pub splats: Vec<Splat>,
     /// Rays traced, shadow rays included.
     pub rays: u64,
     /// The number of samples that were not finite; they count as black.
@@ -135,6 +138,7 @@ pub fn render_tile(
         pixels: Vec::with_capacity(pixels),
         layers: Vec::with_capacity(pixels * view.light_groups.count()),
         first_hits: Vec::with_capacity(if samples.contains(&0) { pixels } else { 0 }),
+        splats: Vec::new(),
         rays: 0,
         invalid: 0,
     };

@@ -365,6 +365,7 @@ mod tests {
                 pixels: vec![PixelSum::default(); hits.len()],
                 layers: Vec::new(),
                 first_hits: hits,
+                splats: Vec::new(),
                 rays: 0,
                 invalid: 0,
             });
