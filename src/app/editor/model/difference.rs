@@ -7,33 +7,8 @@ use bevy::math::{Affine3A, Vec3, Vec3A};
 use bevy::reflect::{PartialReflect, ReflectRef};
 
 use super::Inspected;
-use super::mixed::{Mixed, key};
+use super::mixed::Mixed;
 use crate::scene::{AreaLight, Emitter, FileValue, Material, ParameterInfo, ParameterRef};
-
-/// Fields for which rows, or files, have another name.
-const OTHER_NAMES: [(&str, &str); 11] = [
-    ("kind", "type"),
-    ("p0", "from"),
-    ("p1", "to"),
-    ("face_normals", "flat_shading"),
-    ("path", "file"),
-    ("aperture_radius", "aperture"),
-    ("aperture_radius", "f-stop"),
-    ("focus_distance", "focus_at"),
-    ("blade_rotation", "turned_by"),
-    ("sample_count", "samples"),
-    ("stddev", "width_of_it"),
-];
-
-/// Parts of fields that have rows of their own, and the names of those.
-const PARTS: [(&str, &str, &str); 6] = [
-    ("principal_point_offset", "x", "shift_right"),
-    ("principal_point_offset", "y", "shift_down"),
-    ("crop", "x", "left"),
-    ("crop", "y", "top"),
-    ("crop", "width", "crop_width"),
-    ("crop", "height", "crop_height"),
-];
 
 impl Inspected {
     /// Marks what differs in the other selected things. `materials`: those of each of the others, by their paths.
@@ -58,21 +33,21 @@ impl Mixed {
             poses(shown, other, &mut found);
             if shown.shape.is_some() && other.shape.is_some() {
                 if shown.uses_material != other.uses_material {
-                    found.insert("uses".to_owned());
+                    found.insert("uses_material".to_owned());
                 }
                 if shown.area_light.is_some() != other.area_light.is_some() {
-                    found.insert("emits_light".to_owned());
+                    found.insert("area_light".to_owned());
                 }
             }
-            both("shape", &shown.shape, &other.shape, &mut found);
+            both(&shown.shape, &other.shape, &mut found);
             if let (Some(own), Some(its)) = (&shown.area_light, &other.area_light) {
                 Values::of_area_light(own).compare(&Values::of_area_light(its), &mut found);
             }
             if let (Some(own), Some(its)) = (&shown.emitter, &other.emitter) {
                 Values::of_emitter(own).compare(&Values::of_emitter(its), &mut found);
             }
-            both("camera", &shown.sensor, &other.sensor, &mut found);
-            both("film", &shown.film, &other.film, &mut found);
+            both(&shown.sensor, &other.sensor, &mut found);
+            both(&shown.film, &other.film, &mut found);
         }
         Self(Arc::new(found))
     }
@@ -136,7 +111,7 @@ impl<'v> Values<'v> {
         found.extend(
             compared
                 .filter(|name| own.get(*name) != its.get(*name))
-                .map(|name| key(name)),
+                .map(|name| (*name).to_owned()),
         );
     }
 }
@@ -152,27 +127,27 @@ fn poses(shown: &Inspected, other: &Inspected, found: &mut BTreeSet<String>) {
     let [turn, other_turn] = [one, two].map(|pose| axes(pose).map(Vec3::normalize_or_zero));
     let off = rounding(one, shown.middle()) + rounding(two, other.middle());
     if (one.translation - two.translation).abs().cmpgt(off).any() {
-        found.insert("position".to_owned());
+        found.insert("to_world.position".to_owned());
     }
     if !lengths(one).abs_diff_eq(lengths(two), SAME * lengths(one).max_element()) {
-        found.insert("scale".to_owned());
+        found.insert("to_world.scale".to_owned());
     }
     if turn
         .iter()
         .zip(other_turn)
         .any(|(one, two)| !one.abs_diff_eq(two, SAME))
     {
-        found.insert("rotation".to_owned());
+        found.insert("to_world.rotation".to_owned());
     }
 }
 
-fn both<T: PartialReflect>(name: &str, one: &Option<T>, two: &Option<T>, found: &mut BTreeSet<String>) {
+fn both<T: PartialReflect>(one: &Option<T>, two: &Option<T>, found: &mut BTreeSet<String>) {
     if let (Some(one), Some(two)) = (one, two) {
-        differ(name, one, two, found);
+        differ("", one, two, found);
     }
 }
 
-/// Adds the names of fields that differ to `found`. A field that only one of the two values has does not count.
+/// Adds the names of fields that differ to `found`, those within a field as `field.part`. A field that only one of the two values has does not count.
 fn differ(name: &str, one: &dyn PartialReflect, two: &dyn PartialReflect, found: &mut BTreeSet<String>) {
     if one.reflect_partial_eq(two) == Some(true) {
         return;
@@ -183,15 +158,19 @@ fn differ(name: &str, one: &dyn PartialReflect, two: &dyn PartialReflect, found:
                 if let (Some(field), Some(own), Some(its)) =
                     (own.name_at(place), own.field_at(place), its.field_at(place))
                 {
-                    let part = PARTS.iter().find(|(whole, part, _)| *whole == name && *part == field);
-                    differ(part.map_or(field, |(.., row)| row), own, its, found);
+                    let name = if name.is_empty() {
+                        field.to_owned()
+                    } else {
+                        format!("{name}.{field}")
+                    };
+                    differ(&name, own, its, found);
                 }
             }
         }
         (ReflectRef::Enum(own), ReflectRef::Enum(its)) => {
             let is_same = own.variant_name() == its.variant_name();
             if !is_same || own.field_len() == 0 {
-                add(name, found);
+                found.insert(name.to_owned());
             }
             for place in 0..own.field_len() {
                 match (own.name_at(place), own.field_at(place)) {
@@ -209,14 +188,10 @@ fn differ(name: &str, one: &dyn PartialReflect, two: &dyn PartialReflect, found:
                 }
             }
         }
-        _ => add(name, found),
+        _ => {
+            found.insert(name.to_owned());
+        }
     }
-}
-
-fn add(name: &str, found: &mut BTreeSet<String>) {
-    let others = OTHER_NAMES.iter().filter(|(field, _)| *field == name);
-    found.extend(others.map(|(_, row)| (*row).to_owned()));
-    found.insert(key(name));
 }
 
 /// The rounding of a shape's position by the way to its middle and back, per coordinate. `pose`: world from a space whose origin is there.
@@ -254,7 +229,15 @@ mod tests {
         let same = Mixed::of(&shown, &[thing(1.0, Vec3::ZERO)]);
         assert!(same.is_empty(), "{same:?}");
         let mixed = Mixed::of(&shown, &[thing(1.0, Vec3::ZERO), thing(2.0, Vec3::X)]);
-        let has = ["Radius", "Position", "Rotation", "Scale", "Flip normals", "Uses"].map(|row| mixed.has(row));
+        let has = [
+            "radius",
+            "to_world.position",
+            "to_world.rotation",
+            "to_world.scale",
+            "flip_normals",
+            "uses_material",
+        ]
+        .map(|name| mixed.has(name));
         assert_eq!(has, [true, true, false, false, false, false], "{mixed:?}");
     }
 
@@ -268,8 +251,8 @@ mod tests {
             },
             ..Shape::default()
         });
-        assert!(Mixed::of(&thing(1.0, Vec3::ZERO), &[other.clone()]).has("position"));
-        assert!(!Mixed::of(&thing(1.0, Vec3::X), &[other]).has("position"));
+        assert!(Mixed::of(&thing(1.0, Vec3::ZERO), &[other.clone()]).has("to_world.position"));
+        assert!(!Mixed::of(&thing(1.0, Vec3::X), &[other]).has("to_world.position"));
     }
 
     #[test]
@@ -288,8 +271,11 @@ mod tests {
         let place = Vec3::new(0.1, 0.7, -3.3);
         for center in [Vec3::new(12.3, 0.4, 7.7), Vec3::new(-0.3, 55.5, 0.9)] {
             let shown = at(Vec3::ZERO, place);
-            assert!(!Mixed::of(&shown, &[at(center, place)]).has("position"), "{center}");
-            assert!(Mixed::of(&shown, &[at(center, place + Vec3::X * 1e-3)]).has("position"));
+            assert!(
+                !Mixed::of(&shown, &[at(center, place)]).has("to_world.position"),
+                "{center}"
+            );
+            assert!(Mixed::of(&shown, &[at(center, place + Vec3::X * 1e-3)]).has("to_world.position"));
         }
     }
 
@@ -332,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_are_called_as_their_rows() {
+    fn parts_are_named_after_what_they_are_in() {
         let camera = |offset: Vec2, crop: Crop| Inspected {
             sensor: Some(Sensor {
                 principal_point_offset: offset,
@@ -360,16 +346,16 @@ mod tests {
                 },
             )],
         );
-        let rows = [
-            "Shift right",
-            "Shift down",
-            "Left",
-            "Top",
-            "Crop width",
-            "Crop height",
-            "Width",
+        let names = [
+            "principal_point_offset.x",
+            "principal_point_offset.y",
+            "crop.x",
+            "crop.y",
+            "crop.width",
+            "crop.height",
+            "width",
         ];
-        let marked = rows.map(|row| mixed.has(row));
+        let marked = names.map(|name| mixed.has(name));
         assert_eq!(marked, [false, true, true, false, true, false, false], "{mixed:?}");
     }
 

@@ -3,19 +3,14 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// The rows whose values differ, by [`key`] of their names.
+/// The names of the values that differ: those of parameters in the file, or of fields.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mixed(pub(super) Arc<BTreeSet<String>>);
 
-/// The key of a row: its name in small letters, with underscores for spaces.
-pub fn key(name: &str) -> String {
-    name.to_lowercase().replace(' ', "_")
-}
-
 impl Mixed {
-    /// Whether the row differs. `name` is that of the row, or of its parameter in the file.
+    /// Whether the value of this name differs.
     pub fn has(&self, name: &str) -> bool {
-        !self.0.is_empty() && self.0.contains(&key(name))
+        self.0.contains(name)
     }
 
     /// Whether all values are the same, as with one thing alone.

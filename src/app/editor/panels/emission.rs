@@ -6,7 +6,7 @@ use bevy::math::Vec3;
 use bevy_egui::egui::Ui;
 
 use super::fields::Caption;
-use super::material::{Edit, Rows};
+use super::material::{Edit, Rows, TYPE};
 use super::texture_slot::picture_row;
 use super::{color_field, fields};
 use crate::app::editor::command::conversion::emitter_turned_into;
@@ -20,7 +20,7 @@ use crate::scene::{
 /// The check box makes a shape emit, or not.
 pub fn area_light(ui: &mut Ui, light: &mut Option<AreaLight>, textures: &PanelTextures) -> Edit {
     let mut emits = light.is_some();
-    let toggled = fields::checkbox(ui, "Emits light", &mut emits);
+    let toggled = fields::checkbox(ui, ("Emits light", "area_light"), &mut emits);
     if toggled {
         *light = emits.then(AreaLight::default);
     }
@@ -42,7 +42,7 @@ pub fn emitter(ui: &mut Ui, emitter: &mut Emitter, textures: &PanelTextures) -> 
         .iter()
         .map(|plugin| (plugin.name, plugin.label))
         .collect();
-    if fields::choice(ui, "Type", &mut wanted, &options) {
+    if fields::choice(ui, TYPE, &mut wanted, &options) {
         *emitter = emitter_turned_into(emitter, wanted);
         // An environment is nothing without one.
         let wants_picture = (wanted == "envmap").then_some(("filename", SquarePath::WHOLE));

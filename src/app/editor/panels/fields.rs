@@ -25,7 +25,7 @@ const VALUE_WIDTH: f32 = 54.0;
 pub struct Caption<'a> {
     /// The name that the row shows and by which its control is found.
     pub text: &'a str,
-    /// The name by which values are compared.
+    /// The name of the value among the differences of selected things; without one, the row is never marked.
     name: &'a str,
     info: Option<&'static ParameterInfo>,
 }
@@ -34,9 +34,16 @@ impl<'a> From<&'a str> for Caption<'a> {
     fn from(text: &'a str) -> Self {
         Self {
             text,
-            name: text,
+            name: "",
             info: None,
         }
+    }
+}
+
+impl<'a> From<(&'a str, &'a str)> for Caption<'a> {
+    fn from((text, name): (&'a str, &'a str)) -> Self {
+        let info = None;
+        Self { text, name, info }
     }
 }
 

@@ -172,29 +172,29 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bo
     match &mut shape.kind {
         // The centre of a sphere is its position.
         ShapeKind::Sphere { radius, .. } => {
-            fields::note(ui, "Type", "sphere");
+            fields::note(ui, ("Type", "kind"), "sphere");
             let speed = 0.01 * radius.abs().max(1e-3);
-            changed |= fields::number(ui, "Radius", radius, speed, 1e-4..=f32::MAX);
+            changed |= fields::number(ui, ("Radius", "radius"), radius, speed, 1e-4..=f32::MAX);
         }
-        ShapeKind::Rectangle => fields::note(ui, "Type", "rectangle"),
-        ShapeKind::Cube => fields::note(ui, "Type", "cube"),
-        ShapeKind::Disk => fields::note(ui, "Type", "disk"),
+        ShapeKind::Rectangle => fields::note(ui, ("Type", "kind"), "rectangle"),
+        ShapeKind::Cube => fields::note(ui, ("Type", "kind"), "cube"),
+        ShapeKind::Disk => fields::note(ui, ("Type", "kind"), "disk"),
         ShapeKind::Triangle { corners } => {
-            fields::note(ui, "Type", "triangle");
+            fields::note(ui, ("Type", "kind"), "triangle");
             let size = corners[0].distance(corners[1]).max(corners[0].distance(corners[2]));
             for (label, corner) in ["Corner 1", "Corner 2", "Corner 3"].into_iter().zip(corners) {
                 changed |= fields::vector(ui, label, corner, 0.01 * size.max(1e-3), "");
             }
         }
         ShapeKind::Cylinder { p0, p1, radius } => {
-            fields::note(ui, "Type", "cylinder");
+            fields::note(ui, ("Type", "kind"), "cylinder");
             let speed = 0.01 * radius.abs().max(1e-3);
-            changed |= fields::vector(ui, "From", p0, speed, "");
-            changed |= fields::vector(ui, "To", p1, speed, "");
-            changed |= fields::number(ui, "Radius", radius, speed, 1e-4..=f32::MAX);
+            changed |= fields::vector(ui, ("From", "p0"), p0, speed, "");
+            changed |= fields::vector(ui, ("To", "p1"), p1, speed, "");
+            changed |= fields::number(ui, ("Radius", "radius"), radius, speed, 1e-4..=f32::MAX);
         }
         ShapeKind::Instance => {
-            fields::note(ui, "Type", "instance");
+            fields::note(ui, ("Type", "kind"), "instance");
             return false;
         }
         ShapeKind::Mesh(MeshFile {
@@ -209,19 +209,19 @@ fn shape_rows(ui: &mut Ui, shape: &mut Shape, mesh: Option<InspectedMesh>) -> bo
                 MeshFormat::Ply => "PLY mesh",
                 MeshFormat::Serialized => "serialized mesh",
             };
-            fields::note(ui, "Type", format);
+            fields::note(ui, ("Type", "kind"), format);
             let file = path.file_name().unwrap_or_default().to_string_lossy();
-            fields::note(ui, "File", file);
+            fields::note(ui, ("File", "kind.path"), file);
             if *shape_index > 0 {
                 fields::note(ui, "Shape", shape_index.to_string());
             }
             if let Some(mesh) = mesh {
                 fields::note(ui, "Triangles", mesh.triangles.to_string());
             }
-            changed |= fields::checkbox(ui, "Flat shading", face_normals);
+            changed |= fields::checkbox(ui, ("Flat shading", "kind.face_normals"), face_normals);
         }
     }
-    fields::checkbox(ui, "Flip normals", &mut shape.flip_normals) || changed
+    fields::checkbox(ui, ("Flip normals", "flip_normals"), &mut shape.flip_normals) || changed
 }
 
 /// The text for a shape that has no material of the scene.
@@ -254,7 +254,7 @@ fn material_rows(ui: &mut Ui, inspected: &Inspected, model: &Model, commands: &m
                 .iter()
                 .map(|item| (Some(item.entity), item.name.as_str())),
         );
-        if fields::choice(ui, "Uses", &mut used, &options) {
+        if fields::choice(ui, ("Uses", "uses_material"), &mut used, &options) {
             commands.push(Command::UseMaterial {
                 shapes: several_or(inspected.entity, model),
                 material: used,

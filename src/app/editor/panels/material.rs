@@ -35,6 +35,9 @@ const METALS: [(&str, &str); 7] = [
     ("W", "W, tungsten"),
 ];
 
+/// The row for the plugin of a material or a light.
+pub(crate) const TYPE: (&str, &str) = ("Type", "type");
+
 /// The edits of the user in the rows of a material or a light.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Edit {
@@ -50,14 +53,14 @@ pub fn material(ui: &mut Ui, material: &mut Material, place: MaterialPlace, text
     let mut wanted = info.name;
     // A material with others inside keeps its kind here.
     if *info.nested.end() > 0 {
-        fields::note(ui, "Type", info.label);
+        fields::note(ui, TYPE, info.label);
     } else {
         let plugins = Material::DECLARED.iter().filter(|other| {
             let is_taken = || Material::of_plugin(other.name).is_some_and(|other| place.takes(&other));
             other.name == info.name || (*other.nested.end() == 0 && is_taken())
         });
         let options: Vec<_> = plugins.map(|plugin| (plugin.name, plugin.label)).collect();
-        fields::choice(ui, "Type", &mut wanted, &options);
+        fields::choice(ui, TYPE, &mut wanted, &options);
     }
     if wanted != info.name {
         *material = turned_into(material, wanted);

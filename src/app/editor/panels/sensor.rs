@@ -16,12 +16,36 @@ pub fn sensor(ui: &mut Ui, sensor: &mut Sensor, aspect: f32, scene_size: f32) ->
     if sensor.lens != Lens::Orthographic {
         changed |= field_of_view(ui, &mut sensor.fov, &mut sensor.fov_axis);
     }
-    changed |= fields::number(ui, "Near clip", &mut sensor.near_clip, 0.001, 1e-6..=sensor.far_clip);
+    changed |= fields::number(
+        ui,
+        ("Near clip", "near_clip"),
+        &mut sensor.near_clip,
+        0.001,
+        1e-6..=sensor.far_clip,
+    );
     let nearest = sensor.near_clip;
-    changed |= fields::number(ui, "Far clip", &mut sensor.far_clip, 1.0, nearest..=f32::MAX);
+    changed |= fields::number(
+        ui,
+        ("Far clip", "far_clip"),
+        &mut sensor.far_clip,
+        1.0,
+        nearest..=f32::MAX,
+    );
     let offset = &mut sensor.principal_point_offset;
-    changed |= fields::number(ui, "Shift right", &mut offset.x, 0.001, -10.0..=10.0);
-    fields::number(ui, "Shift down", &mut offset.y, 0.001, -10.0..=10.0) || changed
+    changed |= fields::number(
+        ui,
+        ("Shift right", "principal_point_offset.x"),
+        &mut offset.x,
+        0.001,
+        -10.0..=10.0,
+    );
+    fields::number(
+        ui,
+        ("Shift down", "principal_point_offset.y"),
+        &mut offset.y,
+        0.001,
+        -10.0..=10.0,
+    ) || changed
 }
 
 /// Shows the rows of a field of view; true if edited.
@@ -51,7 +75,7 @@ fn lens(ui: &mut Ui, lens: &mut Lens, focal_length: f32, scene_size: f32) -> boo
         (Lens::Orthographic, "orthographic"),
     ];
     let kinds = kinds.map(|(kind, name)| (if same_kind(&kind, lens) { *lens } else { kind }, name));
-    let mut changed = fields::choice(ui, "Lens", lens, &kinds);
+    let mut changed = fields::choice(ui, ("Lens", "lens"), lens, &kinds);
     if let Lens::Thin {
         aperture_radius,
         focus_distance,
@@ -60,14 +84,28 @@ fn lens(ui: &mut Ui, lens: &mut Lens, focal_length: f32, scene_size: f32) -> boo
     } = lens
     {
         let size = scene_size.max(1e-3);
-        changed |= fields::log_slider(ui, "Aperture", aperture_radius, 1e-5 * size..=0.2 * size);
+        changed |= fields::log_slider(
+            ui,
+            ("Aperture", "aperture_radius"),
+            aperture_radius,
+            1e-5 * size..=0.2 * size,
+        );
         changed |= f_stop(ui, aperture_radius, focal_length);
-        changed |= fields::log_slider(ui, "Focus at", focus_distance, 1e-3 * size..=10.0 * size);
-        changed |= fields::integer(ui, "Blades", blades, 0..=32);
+        changed |= fields::log_slider(
+            ui,
+            ("Focus at", "focus_distance"),
+            focus_distance,
+            1e-3 * size..=10.0 * size,
+        );
+        changed |= fields::integer(ui, ("Blades", "blades"), blades, 0..=32);
         if *blades >= 3 {
-            changed |= fields::slider_with(ui, "Turned by", blade_rotation, 0.0..=360.0, |slider| {
-                slider.suffix("°")
-            });
+            changed |= fields::slider_with(
+                ui,
+                ("Turned by", "blade_rotation"),
+                blade_rotation,
+                0.0..=360.0,
+                |slider| slider.suffix("°"),
+            );
         }
     }
     changed
@@ -82,7 +120,7 @@ fn f_stop(ui: &mut Ui, radius: &mut f32, focal_length: f32) -> bool {
         1e3 * focal_length
     );
     let speed = 0.01 * number.clamp(1e-6, 1e9);
-    let response = fields::row(ui, "f-stop", |ui| {
+    let response = fields::row(ui, ("f-stop", "aperture_radius"), |ui| {
         let drag = egui::DragValue::new(&mut number)
             .prefix("f/")
             .range(1e-6..=1e9)
@@ -103,25 +141,30 @@ fn f_stop(ui: &mut Ui, radius: &mut f32, focal_length: f32) -> bool {
 
 /// Shows the rows of a film; true if edited.
 pub fn film(ui: &mut Ui, film: &mut Film) -> bool {
-    let mut changed = fields::integer(ui, "Width", &mut film.width, 16..=LARGEST_EDGE);
-    changed |= fields::integer(ui, "Height", &mut film.height, 16..=LARGEST_EDGE);
+    let mut changed = fields::integer(ui, ("Width", "width"), &mut film.width, 16..=LARGEST_EDGE);
+    changed |= fields::integer(ui, ("Height", "height"), &mut film.height, 16..=LARGEST_EDGE);
     changed |= crop(ui, film);
     changed |= filter(ui, &mut film.filter);
-    fields::integer(ui, "Samples", &mut film.sample_count, 1..=1 << 20) || changed
+    fields::integer(ui, ("Samples", "sample_count"), &mut film.sample_count, 1..=1 << 20) || changed
 }
 
 /// Keeps the crop within the film.
 fn crop(ui: &mut Ui, film: &mut Film) -> bool {
     let mut is_cropped = film.crop.is_some();
-    let mut changed = fields::checkbox(ui, "Crop", &mut is_cropped);
+    let mut changed = fields::checkbox(ui, ("Crop", "crop"), &mut is_cropped);
     if changed {
         film.crop = is_cropped.then(|| film.window());
     }
     if let Some(crop) = &mut film.crop {
-        let mut moved = fields::integer(ui, "Left", &mut crop.x, 0..=film.width.saturating_sub(1));
-        moved |= fields::integer(ui, "Top", &mut crop.y, 0..=film.height.saturating_sub(1));
-        moved |= fields::integer(ui, "Crop width", &mut crop.width, 1..=film.width.max(1));
-        moved |= fields::integer(ui, "Crop height", &mut crop.height, 1..=film.height.max(1));
+        let mut moved = fields::integer(ui, ("Left", "crop.x"), &mut crop.x, 0..=film.width.saturating_sub(1));
+        moved |= fields::integer(ui, ("Top", "crop.y"), &mut crop.y, 0..=film.height.saturating_sub(1));
+        moved |= fields::integer(ui, ("Crop width", "crop.width"), &mut crop.width, 1..=film.width.max(1));
+        moved |= fields::integer(
+            ui,
+            ("Crop height", "crop.height"),
+            &mut crop.height,
+            1..=film.height.max(1),
+        );
         if moved {
             film.crop = Some(film.window());
         }
@@ -143,13 +186,15 @@ fn filter(ui: &mut Ui, filter: &mut ReconstructionFilter) -> bool {
     ];
     let same_kind = |one: &_, other: &_| std::mem::discriminant(one) == std::mem::discriminant(other);
     let kinds = kinds.map(|(kind, name)| (if same_kind(&kind, filter) { *filter } else { kind }, name));
-    let changed = fields::choice(ui, "Filter", filter, &kinds);
+    let changed = fields::choice(ui, ("Filter", "filter"), filter, &kinds);
     changed
         | match filter {
             Box | CatmullRom => false,
-            Tent { radius } => fields::slider(ui, "Radius", radius, 0.1..=4.0),
-            Gaussian { stddev } => fields::slider(ui, "Width of it", stddev, 0.1..=2.0),
-            Mitchell { b, c } => fields::slider(ui, "B", b, 0.0..=1.0) | fields::slider(ui, "C", c, 0.0..=1.0),
-            Lanczos { lobes } => fields::integer(ui, "Lobes", lobes, 1..=16),
+            Tent { radius } => fields::slider(ui, ("Radius", "radius"), radius, 0.1..=4.0),
+            Gaussian { stddev } => fields::slider(ui, ("Width of it", "stddev"), stddev, 0.1..=2.0),
+            Mitchell { b, c } => {
+                fields::slider(ui, ("B", "b"), b, 0.0..=1.0) | fields::slider(ui, ("C", "c"), c, 0.0..=1.0)
+            }
+            Lanczos { lobes } => fields::integer(ui, ("Lobes", "lobes"), lobes, 1..=16),
         }
 }

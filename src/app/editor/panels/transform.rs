@@ -22,19 +22,36 @@ const SHEAR_TOLERANCE: f32 = 1e-4;
 /// Shows the rows of a pose; true if `to_world` was edited. `size` (world units) sets how fast a drag moves.
 pub fn transform(ui: &mut Ui, to_world: &mut Affine3A, freedom: Freedom, size: f32, shown: &mut ShownAngles) -> bool {
     let mut translation = Vec3::from(to_world.translation);
-    let moved = freedom != Freedom::Turning && fields::vector(ui, "Position", &mut translation, 0.002 * size, "");
+    let moved = freedom != Freedom::Turning
+        && fields::vector(
+            ui,
+            ("Position", "to_world.position"),
+            &mut translation,
+            0.002 * size,
+            "",
+        );
     if moved {
         to_world.translation = translation.into();
     }
     let Some((scale, rotation)) = decompose(&to_world.matrix3) else {
-        fields::note(ui, "Rotation", "sheared: only the position can be edited");
+        fields::note(
+            ui,
+            ("Rotation", "to_world.rotation"),
+            "sheared: only the position can be edited",
+        );
         return moved;
     };
     let mut degrees = degrees(rotation, shown);
-    let turned = fields::vector(ui, "Rotation", &mut degrees, 0.5, "°");
+    let turned = fields::vector(ui, ("Rotation", "to_world.rotation"), &mut degrees, 0.5, "°");
     let mut edited_scale = scale;
     let scaled = freedom == Freedom::Affine
-        && fields::vector(ui, "Scale", &mut edited_scale, 0.002 * scale.length().max(1e-3), "");
+        && fields::vector(
+            ui,
+            ("Scale", "to_world.scale"),
+            &mut edited_scale,
+            0.002 * scale.length().max(1e-3),
+            "",
+        );
     if turned || scaled {
         let rotation = if turned { from_degrees(degrees) } else { rotation };
         *shown = ShownAngles { rotation, degrees };
