@@ -27,7 +27,7 @@ pub(crate) fn scaled_bessel_i0(x: f32) -> f32 {
             -0.001_575_65,
             0.002_253_19,
             0.013_285_92,
-            0.398_942_28,
+            0.398_942_3,
         ];
         horner(BOUND / x, &series) / x.sqrt()
     }
