@@ -12,17 +12,29 @@ use super::keys::is_modifier;
 pub fn order_keys(
     mut keys: ResMut<Messages<KeyboardInput>>,
     mut events: MessageReader<WindowEvent>,
-    mut focus_lost: MessageReader<KeyboardFocusLost>,
+    mut losses: ResMut<Messages<KeyboardFocusLost>>,
     mut redraws: MessageWriter<RequestRedraw>,
     mut read: Local<MessageCursor<KeyboardInput>>,
+    mut read_losses: Local<MessageCursor<KeyboardFocusLost>>,
     mut waiting: Local<Vec<KeyboardInput>>,
+    mut loss_waits: Local<bool>,
 ) {
     let before_button = before_button(events.read());
-    let is_focus_lost = focus_lost.read().count() > 0;
+    let is_focus_lost = read_losses.read(&losses).count() > 0;
+    if std::mem::take(&mut *loss_waits) {
+        losses.write(KeyboardFocusLost);
+        read_losses.clear(&losses);
+    }
     let held = waiting.len();
     waiting.extend(read.read(&keys).cloned());
     let free = before_button.map_or(waiting.len(), |count| held + count);
     let now = batch(&waiting).min(free).min(waiting.len());
+    if is_focus_lost && now > 0 {
+        // The loss lets the modifiers go: the keys that came before it are read before it.
+        losses.clear();
+        *loss_waits = true;
+        redraws.write(RequestRedraw);
+    }
     if held == 0 && now == waiting.len() {
         waiting.clear();
         return;
@@ -86,6 +98,17 @@ mod tests {
         (code, Key::Character(text.into()))
     }
 
+    fn key((key_code, logical_key): (KeyCode, Key), state: ButtonState) -> KeyboardInput {
+        KeyboardInput {
+            key_code,
+            logical_key,
+            state,
+            text: None,
+            repeat: false,
+            window: Entity::PLACEHOLDER,
+        }
+    }
+
     /// The keys that each frame reads if all of these arrive in the first one; None is a mouse button.
     fn frames(came: &[Option<((KeyCode, Key), ButtonState)>]) -> Vec<Vec<(KeyCode, ButtonState)>> {
         frames_in(World::new(), came)
@@ -106,20 +129,12 @@ mod tests {
         world.init_resource::<Messages<RequestRedraw>>();
         let window = Entity::PLACEHOLDER;
         for event in came {
-            let Some(((key_code, logical_key), state)) = event.clone() else {
+            let Some((which, state)) = event.clone() else {
                 let (button, state) = (MouseButton::Left, Pressed);
                 world.write_message(WindowEvent::from(MouseButtonInput { button, state, window }));
                 continue;
             };
-            let (text, repeat) = (None, false);
-            let key = KeyboardInput {
-                key_code,
-                logical_key,
-                state,
-                text,
-                repeat,
-                window,
-            };
+            let key = key(which, state);
             world.write_message(WindowEvent::from(key.clone()));
             world.write_message(key);
         }
@@ -177,6 +192,24 @@ mod tests {
         let first = vec![(KeyCode::ControlLeft, Pressed), (KeyCode::KeyS, Pressed)];
         let second = vec![(KeyCode::ControlLeft, Released)];
         assert_eq!(frames_without_focus(&came.map(Some)), [first, second]);
+    }
+
+    #[test]
+    fn keys_are_read_before_the_loss_of_the_focus_that_came_after_them() {
+        let mut world = World::new();
+        world.init_resource::<Messages<KeyboardInput>>();
+        world.init_resource::<Messages<WindowEvent>>();
+        world.init_resource::<Messages<KeyboardFocusLost>>();
+        world.init_resource::<Messages<RequestRedraw>>();
+        world.write_message(key(letter(KeyCode::KeyS, "s"), Pressed));
+        world.write_message(KeyboardFocusLost);
+        let system = world.register_system(order_keys);
+        let mut losses = MessageCursor::default();
+        let seen = [(); 3].map(|()| {
+            world.run_system(system).expect("runs");
+            losses.read(world.resource::<Messages<KeyboardFocusLost>>()).count()
+        });
+        assert_eq!(seen, [0, 1, 0]);
     }
 
     #[test]
