@@ -68,7 +68,7 @@ fn own_path(world: &World) -> Result<PathBuf, CommandError> {
 pub fn save(world: &mut World) -> Result<(), CommandError> {
     let status = world.resource::<SceneStatus>();
     if status.state == SceneState::Loading {
-        return Err("A scene is still being read.".into());
+        return Err(CommandError::file("A scene is still being read."));
     }
     match status.path.clone() {
         Some(path) => save_scene(world, &path, OnChange::Refuse),
@@ -82,7 +82,7 @@ pub fn save(world: &mut World) -> Result<(), CommandError> {
 /// Asks the user where others have changed the file so that saving would lose something.
 pub fn save_scene(world: &mut World, path: &Path, on_change: OnChange) -> Result<(), CommandError> {
     if world.resource::<SceneStatus>().state == SceneState::Loading {
-        return Err("A scene is still being read.".into());
+        return Err(CommandError::file("A scene is still being read."));
     }
     let trouble = match write::save_with(world, path, on_change) {
         Ok(trouble) => trouble,
@@ -125,7 +125,7 @@ pub fn unanswered(world: &mut World, command: &Command) -> Result<(), CommandErr
 
 pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     if world.resource::<RenderStatus>().state == RenderState::Idle {
-        return Err("There is no picture to save.".into());
+        return Err(CommandError::file("There is no picture to save."));
     }
     let display = world.resource::<ViewSettings>().display;
     let is_png = FileFormat::from_path(path).is_ok_and(|format| format == FileFormat::Png);
