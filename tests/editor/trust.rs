@@ -377,6 +377,34 @@ fn what_a_link_outside_leads_to_can_be_allowed() {
     assert_eq!(window.trusted().question, None);
 }
 
+#[cfg(unix)]
+#[test]
+fn the_folder_of_a_link_is_not_allowed_with_the_link() {
+    let mut window = Window::new(&[
+        ("scene/a.xml", &mesh("../home/link.obj")),
+        ("elsewhere/mesh.obj", MESH),
+        ("home/secret", ""),
+    ]);
+    std::os::unix::fs::symlink("../elsewhere/mesh.obj", window.path("home/link.obj")).expect("a link");
+    window.open("scene/a.xml", false);
+    assert_eq!(window.question().folders, [window.path("elsewhere")]);
+    window.allow();
+    window.until("the mesh", |world| {
+        let status = world.resource::<SceneStatus>();
+        status.revision == 2 && status.is_complete()
+    });
+    assert!(window.has_mesh());
+    let (_, trust) = TrustedFolders::open(Some(&window.path("settings")));
+    let access = trust.access(Path::new(""));
+    for (name, is_allowed) in [
+        ("home/link.obj", true),
+        ("elsewhere/mesh.obj", true),
+        ("home/secret", false),
+    ] {
+        assert_eq!(access.covers(&window.path(name)), is_allowed, "{name}");
+    }
+}
+
 #[test]
 fn what_was_allowed_and_read_is_said() {
     let mut window = Window::new(&[
@@ -436,8 +464,14 @@ fn chosen_files_are_not_asked_about_when_the_scene_is_read_again() {
         ("pictures/sky.pfm", "no picture"),
         ("pictures/private.txt", ""),
     ]);
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("sky.pfm", window.path("pictures/link.pfm")).expect("a link");
     window.open("scene/a.xml", false);
-    for name in ["models/mesh.obj", "pictures/sky.pfm"] {
+    let pictures: &[&str] = match cfg!(unix) {
+        true => &["pictures/sky.pfm", "pictures/link.pfm"],
+        false => &["pictures/sky.pfm"],
+    };
+    for name in ["models/mesh.obj"].iter().chain(pictures) {
         let path = window.path(name);
         window.apply(Command::Import(path)).expect("it can be imported");
     }
@@ -457,6 +491,7 @@ fn chosen_files_are_not_asked_about_when_the_scene_is_read_again() {
     for (name, is_allowed) in [
         ("models/library.mtl", true),
         ("pictures/sky.pfm", true),
+        (pictures[pictures.len() - 1], true),
         ("pictures/private.txt", false),
         ("scene/a.xml", false),
     ] {

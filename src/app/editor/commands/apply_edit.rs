@@ -11,6 +11,7 @@ use crate::app::editor::command::error::CommandError;
 use crate::app::editor::command::selection::Selection;
 use crate::app::editor::session::history::Edit;
 use crate::app::editor::session::trust;
+use crate::document::paths::settle;
 use crate::scene::insert::{free_name, names, next_order};
 use crate::scene::{
     AccelMethod, ActiveSensor, AreaLight, DocumentOrder, FreeView, Hidden, IntegratorSettings, Locked, Material,
@@ -83,6 +84,7 @@ pub fn apply(edit: &mut Edit, command: Command) -> Result<(), CommandError> {
             place,
             path,
         } => {
+            let path = settle(&path);
             trust::allow_chosen(edit.world, &path);
             set_picture(edit, owner, parameter, place, path);
         }

@@ -1,6 +1,7 @@
 //! Asks about files outside the scene's folder that a scene names. They are read only from folders that the user has allowed, which are remembered
 //! in a file beside the preferences. A scene that needs others is shown without them, and the user is asked.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
@@ -189,14 +190,21 @@ pub fn allow(world: &mut World, question: &Question) {
     }
 }
 
-/// Allows what the answer of a question about this scene says. A link outside of all allowed folders is not followed to one of them, so the
-/// folder that it is named in is allowed as well.
+/// Allows what the answer of a question about this scene says. A link outside of all allowed folders is not followed to one of them. So the
+/// link is allowed as well: the folder that the file is named in where that is a way into the folders of the answer, else the file itself.
 fn allow_answered(world: &mut World, question: &Question, scene: &Path) {
     allow_folders(world, &question.folders);
     let access = world.resource::<Trust>().access(scene);
+    let is_way_in = |folder: &&Path| {
+        let target = folder.canonicalize();
+        target.is_ok_and(|target| question.folders.iter().any(|allowed| target.starts_with(allowed)))
+    };
     let refused = question.files.iter().filter(|file| !access.covers(file));
-    let named: Vec<PathBuf> = refused.filter_map(|file| Some(file.parent()?.to_owned())).collect();
-    allow_folders(world, &named);
+    let links: BTreeSet<&Path> = refused
+        .map(|file| file.parent().filter(is_way_in).unwrap_or(file))
+        .collect();
+    let links: Vec<PathBuf> = links.into_iter().map(Path::to_owned).collect();
+    allow_folders(world, &links);
 }
 
 /// Lets scenes read a file that the user has chosen, with its neighbours if it may name some of them.
@@ -215,7 +223,7 @@ pub(crate) fn allow_chosen(world: &mut World, file: &Path) {
         true => [&file, &target]
             .map(|file| file.parent().unwrap_or(file).to_owned())
             .to_vec(),
-        false => vec![target],
+        false => vec![file],
     };
     let status = world.get_resource::<SceneStatus>();
     let scene = status.and_then(|status| status.path.clone()).unwrap_or_default();
