@@ -83,7 +83,7 @@ fn cell(
             commands.push(Command::UsePreset { preset, shapes });
         }
     }
-    response.on_hover_text("Click: for what is selected. Drag: onto a shape in the picture.");
+    response.on_hover_text("Click to give it to the selection, or drag it onto a shape in the picture");
 }
 
 /// Shows a name in at most two lines.

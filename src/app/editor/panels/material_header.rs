@@ -33,7 +33,7 @@ pub(crate) fn material_header(ui: &mut Ui, entry: &InspectedMaterial, model: &Mo
                 presets(ui, entry.entity, entry.place, model, commands);
                 ui.menu_button("Layers", |ui| layers(ui, entry, model, commands))
                     .response
-                    .on_hover_text("What is around this material, or inside of it");
+                    .on_hover_text("The materials around this one, or inside it");
             });
         });
     });

@@ -84,7 +84,7 @@ fn denoise_button(ui: &mut Ui, state: DenoiserState, commands: &mut Vec<Command>
             if is_shown
                 && ui
                     .button("Show noisy")
-                    .on_hover_text("Back to the picture as sampled")
+                    .on_hover_text("Show the picture as it was sampled")
                     .clicked()
             {
                 commands.push(Command::DropDenoised);

@@ -30,11 +30,7 @@ pub fn paths(
     let mut edited = wanted;
     ui.horizontal(|ui| {
         ui.label(format!("Pixel {}, {}", pixel.x, pixel.y));
-        if ui
-            .button("Close")
-            .on_hover_text("Draws no paths any more (Esc)")
-            .clicked()
-        {
+        if ui.button("Close").on_hover_text("Stop drawing paths (Esc)").clicked() {
             commands.push(Command::InspectPaths(None));
         }
     });

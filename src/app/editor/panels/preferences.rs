@@ -37,7 +37,7 @@ pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, comm
                 .custom_formatter(percent)
                 .custom_parser(parse);
             let response = ui.add(slider).labelled_by(label.id);
-            let response = response.on_hover_text("Beside the scale of the system; Ctrl and +, - or 0");
+            let response = response.on_hover_text("Multiplies the scale of the system. Keys: Ctrl and +, - or 0");
             if response.dragged() {
                 ui.data_mut(|data| data.insert_temp(ui.id().with("scale"), scale));
             } else {
@@ -64,7 +64,7 @@ pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, comm
 
             ui.label("Motion");
             ui.checkbox(&mut edited.reduced_motion, "Jump to views")
-                .on_hover_text("Without a short flight to where F, Home, stored views and cameras look from");
+                .on_hover_text("F, Home, stored views and cameras move the view at once, without a short flight");
             ui.end_row();
 
             let label = ui.label("Autosave");
@@ -108,7 +108,7 @@ pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, comm
             ui.label("Panels");
             if ui
                 .button("Reset layout")
-                .on_hover_text("All panels where they were in the beginning")
+                .on_hover_text("Put all panels where they were at first")
                 .clicked()
             {
                 commands.push(Command::Shell(ShellCommand::ResetLayout));

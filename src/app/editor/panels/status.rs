@@ -22,7 +22,7 @@ pub fn status_line(ui: &mut Ui, model: &StatusModel) {
             .text(format!("{} / {} spp", status.samples, status.target));
         ui.label(state_name(status));
         ui.add(bar)
-            .on_hover_text("Samples of each pixel that are done, and that are wanted");
+            .on_hover_text("Samples per pixel: those that are done, and those that are wanted");
         for (part, hint) in parts(model) {
             // The last entries matter least: they are left out if there is no room.
             let font = egui::TextStyle::Body.resolve(ui.style());

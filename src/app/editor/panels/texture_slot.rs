@@ -225,7 +225,7 @@ fn thumbnail(ui: &mut Ui, texture: &Texture, textures: &PanelTextures) -> egui::
                 ui.image((picture.texture, size));
                 ui.weak(format!("{width} x {height}"));
             }),
-            None => response.on_hover_text("The picture is not there, or not yet."),
+            None => response.on_hover_text("The picture does not exist, or is not loaded yet."),
         },
         _ => response,
     }

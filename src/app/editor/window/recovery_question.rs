@@ -37,7 +37,7 @@ pub fn question(context: &egui::Context, offer: &mut Option<Offer>, commands: &m
             if recover.clicked() {
                 answer = Some(ShellCommand::Recover(asked.clone()));
             }
-            let discard = ui.button("Discard").on_hover_text("Those edits are lost then");
+            let discard = ui.button("Discard").on_hover_text("Those edits are lost");
             if discard.clicked() {
                 answer = Some(ShellCommand::DiscardRecovery(asked.clone()));
             }

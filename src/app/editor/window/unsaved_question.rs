@@ -150,11 +150,15 @@ fn answers(ui: &mut Ui, reverts: bool) -> Option<Answer> {
             }
         } else {
             let accepted = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, egui::Key::Enter));
-            let save = ui.button("Save").on_hover_text("Save, then go on (Enter)");
+            let save = ui.button("Save").on_hover_text("Save, then continue (Enter)");
             if save.clicked() || accepted {
                 answer = Some(Answer::Save);
             }
-            if ui.button("Don't save").on_hover_text("Go on without").clicked() {
+            if ui
+                .button("Don't save")
+                .on_hover_text("Continue without saving")
+                .clicked()
+            {
                 answer = Some(Answer::Lose);
             }
         }

@@ -25,7 +25,7 @@ pub fn outliner(ui: &mut Ui, model: &Model, state: &mut OutlinerState, commands:
             .hint_text("Find")
             .desired_width(f32::INFINITY),
     )
-    .on_hover_text("Shows only what has this in its name or kind");
+    .on_hover_text("Show only things with this text in their name or kind");
     if state
         .renaming
         .as_ref()
@@ -193,7 +193,7 @@ impl Folder<'_> {
             state.folding.triangle_of(ui, self.path);
             let text = format!("{}  ({})", leaf(self.path), self.members.len());
             let response = row::left_aligned(ui, text.into(), None, self.is_selected, ui.available_width(), height)
-                .on_hover_text("A folder: click selects all that is in it");
+                .on_hover_text("A folder; a click selects everything in it");
             if response.clicked() {
                 commands.push(Command::Select(self.members.to_vec(), how(ui)));
             }
