@@ -859,7 +859,8 @@ fn every_command_has_a_manual_page_with_its_options() {
     for command in COMMANDS {
         let name = format!("man1/sunroom {command}").trim_end().replace(' ', "-") + ".1";
         let page = std::fs::read_to_string(shop.path(&name)).expect("one page for each command");
-        let page = page.replace("\\-", "-");
+        // In bold, and with escaped hyphens.
+        let page = page.replace("\\fB", "").replace("\\-", "-");
         assert_eq!(options(&page), options(&help(command)), "{name}");
     }
     let output = sunroom().arg("man").arg(shop.scene(SCENE)).output().expect("starts");
