@@ -29,7 +29,7 @@ pub struct Document {
     pub search_folders: Vec<PathBuf>,
     /// The files that were read because of an `<include>`, in the order of reading.
     pub includes: Vec<Include>,
-    /// Whether it was made from a file of another format: spans tell where things come from, but there is no such text.
+    /// Whether the document was made from a file of another format. Spans then tell where things come from, but there is no such text.
     pub imported: bool,
     /// Permits the files that the scene may read.
     pub access: Access,

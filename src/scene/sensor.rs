@@ -123,9 +123,9 @@ pub struct Crop {
     pub x: u32,
     /// The first row.
     pub y: u32,
-    /// Pixels; what reaches beyond the film is left out.
+    /// The number of columns. Columns beyond the film are left out.
     pub width: u32,
-    /// Pixels; what reaches beyond the film is left out.
+    /// The number of rows. Rows beyond the film are left out.
     pub height: u32,
 }
 

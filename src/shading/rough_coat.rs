@@ -49,7 +49,7 @@ pub(super) struct CoatThere<'a> {
     between: f32,
 }
 
-/// The distribution, and the bits of index and roughness; no roughness where it varies.
+/// The kind of distribution, and the bits of the index of refraction and of the roughness. The roughness is None where it varies.
 type CoatKey = (MicrofacetKind, u32, Option<u32>);
 
 static COATS: LazyLock<Mutex<HashMap<CoatKey, &'static RoughCoat>>> = LazyLock::new(Mutex::default);

@@ -33,7 +33,7 @@ pub enum Wrap {
 /// A picture with the way it is looked at; the picture itself is shared.
 #[derive(Clone, Debug)]
 pub struct Bitmap {
-    /// Looked up at `to_uv` times uv.
+    /// The picture, which is looked up at `to_uv` times uv.
     pub image: Arc<Image>,
     /// How values between texel centres come about.
     pub filter: Filter,

@@ -97,7 +97,7 @@ impl MeshSearch {
 }
 
 impl MeshSearch {
-    /// [`Self::find`] without the other places.
+    /// Finds a file as [`Self::find`] does, but does not tell where it looked in vain.
     pub fn find_file(&self, name: &str, folder: &Path) -> Option<PathBuf> {
         match self.find(name, folder) {
             Found::At(path) => Some(path),

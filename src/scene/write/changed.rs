@@ -86,7 +86,7 @@ impl Expected {
             Ok(text) => text,
             Err(SourceError::Unreadable { source, .. }) if source.is_not_found() => return Ok(Found::Gone),
             Err(error) if is_no_file(&error) => return Err(SaveError::NoFile(error)),
-            // It holds something else now.
+            // The file holds something else now.
             Err(_) => return Ok(Found::Changed),
         };
         let is_as_read = self.read.as_ref().is_some_and(|source| is_text_of(source, &text));

@@ -9,7 +9,7 @@ use crate::render::white_balance::WhiteBalance;
 pub struct DisplaySettings {
     /// Which quantity of the film is shown.
     pub mode: DisplayMode,
-    /// Stops: the radiance is multiplied by two to this power.
+    /// The exposure in stops: the radiance is multiplied by two to this power.
     pub exposure: f32,
     /// The white balance of modes that show light, as is the tone map.
     pub white_balance: WhiteBalance,

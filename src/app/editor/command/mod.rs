@@ -45,11 +45,11 @@ use selection::Extend;
 use shell::ShellCommand;
 use tool::Tool;
 
-/// A command of the user with all its data: applied to the same state, it always does the same.
+/// A command of the user with all its data. Applied to the same state, it always does the same.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     // The file.
-    /// A camera and a grey sky, without a file.
+    /// Begins a new scene: a camera and a grey sky, without a file.
     NewScene,
     /// Replaces the scene by that of a file: XML or glTF.
     OpenScene(PathBuf),
@@ -57,13 +57,13 @@ pub enum Command {
     ReloadScene,
     /// Restores what the file says.
     RevertScene,
-    /// Saves to the file that is open; asks for one if there is none.
+    /// Saves to the file of the open scene; asks for one if there is none.
     Save,
-    /// The scene is that file from then on.
+    /// Saves to this file, which is the scene's file from then on.
     SaveScene(PathBuf),
-    /// The same where others changed the file since it was read.
+    /// Saves to this file even if others changed it since it was read.
     SaveChanged(PathBuf, OnChange),
-    /// The picture as shown for PNG, the linear radiance for EXR and HDR.
+    /// Saves the picture: as shown for PNG, the linear radiance for EXR and HDR.
     SaveImage(PathBuf),
     /// Adds what a file holds: a mesh, a scene, a glTF, or a picture as environment.
     Import(PathBuf),
@@ -73,9 +73,9 @@ pub enum Command {
     Quit,
 
     // The history.
-    /// One step of the history back.
+    /// Goes one step of the history back.
     Undo,
-    /// One step of the history forward.
+    /// Goes one step of the history forward.
     Redo,
     /// Goes back or forward to where this number of steps is done.
     GoTo(usize),
@@ -85,7 +85,7 @@ pub enum Command {
     Select(Vec<Entity>, Extend),
     /// Selects everything that the outliner shows.
     SelectAll,
-    /// Selects what is seen at a place of the picture, (0, 0) top left, (1, 1) bottom right.
+    /// Selects what is seen at a place of the picture. (0, 0) is its top left corner, (1, 1) its bottom right one.
     Pick(Vec2, Extend),
 
     // Commands that move the view. None of them edits the scene, except `MoveCameraToView`.
@@ -93,7 +93,7 @@ pub enum Command {
     FrameSelection,
     /// Moves back or forth until the scene fills the view.
     FrameAll,
-    /// Flies there: world from camera.
+    /// Flies to a pose of the camera, given as world from camera.
     MoveView(Affine3A),
     /// Renders from this sensor, at its place.
     LookThrough(Entity),
@@ -117,13 +117,13 @@ pub enum Command {
     Delete,
     /// Copies the selection; the copies become the selection.
     Duplicate,
-    /// Copies to the clipboard, as XML text.
+    /// Copies the selection to the clipboard, as XML text.
     Copy,
     /// Does `Copy`, then `Delete`.
     Cut,
     /// Adds the plugins of an XML text.
     Paste(String),
-    /// An empty name is none.
+    /// Renames a thing. An empty name removes its name.
     Rename(Entity, String),
     /// Puts things, in this order, before another of their kind, or last.
     Reorder {
@@ -141,21 +141,21 @@ pub enum Command {
         /// The names of folders, from the outermost on, with `/` between.
         folder: Option<String>,
     },
-    /// Hides these, or shows them again.
+    /// Hides these things, or shows them again.
     Hide(Vec<Entity>, bool),
     /// Hides all shapes and lights but the selected.
     HideOthers,
     /// Shows everything that is hidden.
     ShowAll,
-    /// Protects these from edits and clicks in the picture, or lifts that.
+    /// Protects these things from edits and clicks in the picture, or lifts that.
     Lock(Vec<Entity>, bool),
-    /// The selection by a step along an axis of the world, the one that looks most like this in the picture.
+    /// Moves the selection by a step along an axis of the world: the one that looks most like this direction in the picture.
     Nudge(Direction),
     /// Drops each selected thing onto what is below it.
     Drop,
-    /// World from local of several things at once.
+    /// Places several things at once, each by world from local.
     Transform(Vec<(Entity, Affine3A)>),
-    /// The geometry of a shape.
+    /// Sets the geometry of a shape.
     SetShape(Entity, Shape),
     /// Sets the parameters of a material; the materials nested in it stay.
     SetMaterial(Entity, Box<Material>),
@@ -170,21 +170,21 @@ pub enum Command {
         /// The absolute path of the picture.
         path: PathBuf,
     },
-    /// The shapes get this material, or none of their own.
+    /// Gives the shapes this material, or takes theirs away.
     UseMaterial {
         /// The shapes that get it.
         shapes: Vec<Entity>,
         /// The material. None removes that of the shapes.
         material: Option<Entity>,
     },
-    /// The shape that is seen at a place of the picture, as [`Command::Pick`] has it, gets the material.
+    /// Gives the material to the shape that is seen at a place of the picture, see [`Command::Pick`].
     DropMaterial {
         /// A material of the scene.
         material: Entity,
         /// The place in the picture: (0, 0) top left, (1, 1) bottom right.
         at: Vec2,
     },
-    /// A new grey material for this shape alone.
+    /// Gives this shape a new grey material of its own.
     GiveMaterial {
         /// The shape that gets it.
         shape: Entity,
@@ -196,7 +196,7 @@ pub enum Command {
         /// The tree that each becomes.
         tree: Box<MaterialTree>,
     },
-    /// The shapes get a material of the library: one like it that is called like it already, or a new one.
+    /// Gives the shapes a material of the library. If the scene already has one like it with the same name, they get that one.
     UsePreset {
         /// The entry of the library.
         preset: Box<Preset>,
@@ -216,11 +216,11 @@ pub enum Command {
     SetEmitter(Entity, Emitter),
     /// Sets the lens and field of view of a camera.
     SetSensor(Entity, Sensor),
-    /// Focuses the camera in use on what is seen there, (0, 0) top left, (1, 1) bottom right; a pinhole becomes a thin lens.
+    /// Focuses the camera in use on what is seen at a place of the picture, see [`Command::Pick`]. A pinhole camera becomes a thin lens.
     FocusAt(Vec2),
     /// Sets size, crop, filter and samples of a camera.
     SetFilm(Entity, Film),
-    /// The edit, which names one thing, and the same change to everything selected that is of the same sort.
+    /// Makes an edit, which names one thing, and makes the same change to everything selected that is of the same sort.
     OnSelection(Box<Command>),
     /// Sets the lengths of paths and the strategy.
     SetIntegrator(IntegratorSettings),
@@ -242,7 +242,7 @@ pub enum Command {
     SetTimeLimit(Option<f32>),
     /// Sets the noise to stop at, relative to the picture's brightness; None is no limit.
     SetNoiseTarget(Option<f32>),
-    /// The part of the picture that gets samples, (0, 0) top left, (1, 1) bottom right; None is all of it.
+    /// Limits the samples to a part of the picture, see [`Command::Pick`] for its coordinates. None stands for the whole picture.
     SetRegion(Option<Rect>),
     /// Sets the rendered pixels per pixel of the film along each side, above 0.
     SetResolutionScale(f32),
@@ -250,7 +250,7 @@ pub enum Command {
     SetStrategySplit(bool),
     /// Sets how the film becomes a picture.
     SetDisplay(DisplaySettings),
-    /// The exposure that brings the picture to middle grey.
+    /// Sets the exposure so that the picture is middle grey on average.
     ExposeAutomatically,
     /// Keeps the light of every light by itself, for mixing.
     SetLightLayers(bool),
@@ -266,9 +266,9 @@ pub enum Command {
     SetOverlay(BvhOverlay),
     /// Sets what the next click in the picture does.
     SetTool(Tool),
-    /// Dims what lies outside of the film.
+    /// Dims what lies outside of the film, or no longer.
     ShowSafeFrame(bool),
-    /// The paths of a pixel, or none.
+    /// Shows the paths of a pixel, or none.
     InspectPaths(Option<InspectedPaths>),
     /// Sets what a drag of the gizmo does.
     SetGizmo(GizmoSettings),
@@ -278,7 +278,7 @@ pub enum Command {
     DropDenoised,
     /// Shows all panels, or the viewport alone.
     ShowPanels(bool),
-    /// A command for the window itself.
+    /// Does something to the window itself.
     Shell(ShellCommand),
 }
 
@@ -302,13 +302,13 @@ pub enum Direction {
 /// The effect of a command on the history and the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
-    /// It changes nothing in the scene.
+    /// The command changes nothing in the scene.
     None,
-    /// The picture is begun anew, but the scene stays as it is.
+    /// The command begins the picture anew, but leaves the scene as it is.
     View,
-    /// A step of the history.
+    /// The command is a step of the history.
     Edit,
-    /// A step, but several of one drag are one.
+    /// The command is a step of the history, but several of one drag are one step.
     Drag,
 }
 
@@ -406,7 +406,7 @@ impl Command {
         }
     }
 
-    /// The label of an edit in the history; the name of the thing follows where there is one.
+    /// The label of an edit in the history. The name of the thing follows where there is one.
     pub fn label(&self) -> &'static str {
         match self {
             Self::OnSelection(command) => command.label(),
@@ -473,22 +473,22 @@ impl Command {
         }
     }
 
-    /// Whether it gives one thing a value that others of its sort have, too.
+    /// Whether the command gives one thing a value that others of its sort have, too.
     pub(crate) fn is_about_one(&self) -> bool {
         self.effect() == Effect::Drag && !self.targets().is_empty()
     }
 
-    /// Whether it is one of many that follow each other while the view or something in it moves.
+    /// Whether the command is one of many that follow each other while the view or something in it moves.
     pub(crate) fn moves_picture(&self) -> bool {
         matches!(self, Self::MoveView(_)) || self.effect() == Effect::Drag
     }
 
-    /// Whether it is about the picture's very pixels.
+    /// Whether the command is about single pixels of the picture.
     pub(crate) fn keeps_picture(&self) -> bool {
         matches!(self, Self::SaveImage(_) | Self::TakeSnapshot | Self::Measure)
     }
 
-    /// Whether the picture as a rule is begun anew by it.
+    /// Whether the command as a rule begins the picture anew.
     pub(crate) fn restarts_picture(&self) -> bool {
         self.effect() != Effect::None
             && !matches!(

@@ -13,7 +13,8 @@ const LARGEST_SHARE: f32 = 0.45;
 /// The change in points that is rounding to pixels, and no resizing.
 const TOLERANCE: f32 = 1.5;
 
-/// The sizes that panels beside the viewport would have if there were room, in points, by the split that divides them from it.
+/// The sizes in points that the panels beside the viewport would have if there were room. The key is the node of the split that divides a panel
+/// from the viewport.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WantedSizes(HashMap<NodeIndex, f32>);
 

@@ -458,7 +458,7 @@ mod tests {
             note: note(Some(path), 3000),
         };
         assert!(discard(&offer).is_err() && folder.join(SCENE).is_file());
-        // It crashes.
+        // The program crashes.
         drop(running);
         assert_eq!(find(all.path(), |_| true), Some(offer));
         // Folders without a note do not belong to this program.

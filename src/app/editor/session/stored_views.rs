@@ -25,12 +25,12 @@ const FILE: &str = "views.json";
 /// The number of scenes whose views are remembered; those that were not open for longest are dropped.
 const MOST_SCENES: usize = 100;
 
-/// The file that they are kept in.
+/// The file in which the views are kept.
 #[derive(Resource, Debug, Default)]
 pub struct ViewsFile {
     /// The path of the file. None: nothing is remembered.
     path: Option<PathBuf>,
-    /// The one that is open, as in the file; None while it has no name.
+    /// The path of the open scene, as in the file. None while the scene has no name.
     scene: Option<PathBuf>,
     /// The views of that scene, as in the file.
     written: StoredViews,

@@ -99,7 +99,7 @@ pub fn show_window(
     let mut ui = egui::Ui::new(context.clone(), "window".into(), builder);
     let (state, widgets, commands, model) = (&mut *state, &mut *widgets, &mut Vec::new(), &model.0);
     let (requests, settings, seen) = (&mut *said.requests, &*scene.settings, &*scene.seen);
-    // The panels that are shown list theirs again.
+    // The outliner and the shelf list what is in sight again if they are shown.
     widgets.outliner.materials_in_sight.clear();
     widgets.shelf.in_sight.clear();
     let layout = &mut *shell.layout;
