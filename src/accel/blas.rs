@@ -339,7 +339,7 @@ mod tests {
         assert_eq!(mesh.occluded_packet(&lanes, 0xffff), 0);
     }
 
-    /// With a direction that is infinite in the mesh's space.
+    /// The ray's direction is infinite in the mesh's space.
     #[test]
     fn what_is_no_ray_in_its_space_meets_nothing() {
         let mesh = Blas::build(Arc::new(unit_cube()), SplitMethod::Sah);

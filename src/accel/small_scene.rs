@@ -308,7 +308,7 @@ impl Nearest {
         }
     }
 
-    /// The rays of the lanes `mask` ask the shape one by one.
+    /// Tests the rays of the lanes `mask` against the shape one by one.
     #[inline(always)]
     fn test_each(&mut self, mask: u32, number: Lanes, shape: &SceneShape, scene: Shapes, rays: &RayLanes) {
         let instance = shape.instance(scene);
@@ -320,7 +320,7 @@ impl Nearest {
         }
     }
 
-    /// The rays of the lanes `mask` ask the blocks whose boxes they meet.
+    /// Tests the rays of the lanes `mask` against the blocks whose boxes they meet.
     #[inline(never)]
     fn test_blocks(&mut self, mask: u32, number: Lanes, blocks: &[ShapeBlock], rays: &RayLanes) {
         let slabs = SlabLanes::new(rays);

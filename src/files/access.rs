@@ -11,7 +11,7 @@ use super::reading::{self, FileError};
 /// The most refused files that are remembered; a scene can name any number of them.
 const MOST_REFUSED: usize = 1000;
 
-/// The most links in a row that are followed, as in the kernel of Linux.
+/// The most links that are followed in one path, as in the kernel of Linux.
 const MOST_LINKS: usize = 40;
 
 /// A folder that may be read, or a file that stands for itself.

@@ -11,9 +11,9 @@ use std::ops::RangeInclusive;
 /// What is declared of a plugin besides its parameters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct PluginInfo {
-    /// In the file.
+    /// The name in the file.
     pub name: &'static str,
-    /// In lists.
+    /// The name in lists.
     pub label: &'static str,
     /// How many bsdfs it takes inside.
     pub nested: RangeInclusive<usize>,

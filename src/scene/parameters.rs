@@ -171,7 +171,7 @@ pub(crate) const PRINCIPLED_ETA: ParameterInfo = ParameterInfo::new(
     "0.01 to 100; plastic and glass have 1.5, water 1.33",
 );
 
-pub const EUMELANIN: ParameterInfo = ParameterInfo::new(
+pub(crate) const EUMELANIN: ParameterInfo = ParameterInfo::new(
     "eumelanin",
     "Eumelanin",
     "How much there is of the pigment that makes hair brown and black.",
@@ -179,7 +179,7 @@ pub const EUMELANIN: ParameterInfo = ParameterInfo::new(
 )
 .within(0.0..=1e6);
 
-pub const PHEOMELANIN: ParameterInfo = ParameterInfo::new(
+pub(crate) const PHEOMELANIN: ParameterInfo = ParameterInfo::new(
     "pheomelanin",
     "Pheomelanin",
     "How much there is of the pigment that makes hair red.",
@@ -187,14 +187,14 @@ pub const PHEOMELANIN: ParameterInfo = ParameterInfo::new(
 )
 .within(0.0..=1e6);
 
-pub const SIGMA_A: ParameterInfo = ParameterInfo::new(
+pub(crate) const SIGMA_A: ParameterInfo = ParameterInfo::new(
     "sigma_a",
     "Absorption",
     "How much light a fibre absorbs, by colour: the share exp(-1) is left after a way of its radius through an absorption of 1.",
     "0 or more per channel, or a texture",
 );
 
-pub const ABSORPTION_SCALE: ParameterInfo =
+pub(crate) const ABSORPTION_SCALE: ParameterInfo =
     ParameterInfo::new("scale", "Scale", "Factor on the absorption.", "0 or more").within(0.0..=1e6);
 
 /// The complex index of refraction of a conductor, per colour channel.

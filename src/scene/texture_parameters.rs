@@ -50,7 +50,7 @@ pub(crate) const COLOR1: ParameterInfo = ParameterInfo::new(
     "linear colour, or another texture",
 );
 
-/// Of a mesh attribute.
+/// The name of a mesh attribute.
 pub(crate) const NAME: ParameterInfo = ParameterInfo::new(
     "name",
     "Attribute",
@@ -58,6 +58,6 @@ pub(crate) const NAME: ParameterInfo = ParameterInfo::new(
     "a name",
 );
 
-/// Of a mesh attribute.
+/// The factor on a mesh attribute.
 pub(crate) const SCALE: ParameterInfo =
     ParameterInfo::new("scale", "Factor", "Multiplies the values of the mesh.", "any number");

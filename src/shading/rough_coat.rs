@@ -1,6 +1,6 @@
 //! Tables of how much a rough dielectric coat transmits from outside, and how much of the diffuse light below it stays inside.
 //!
-//! By quadrature over visible normals: what a facet lets through or reflects arrives if it is on the right side of the surface and not
+//! They are computed by quadrature over visible normals: what a facet lets through or reflects arrives if it is on the right side of the surface and not
 //! masked. One table serves all surfaces with the same distribution, index and roughness, or with any roughness up to 1, and stays for
 //! the life of the program: it takes some ten milliseconds to make and 260 bytes per roughness to keep.
 

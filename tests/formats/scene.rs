@@ -97,7 +97,17 @@ fn defaults_are_those_of_the_format() {
     );
     assert_eq!(
         material("<bsdf type='hair'/>"),
-        Material::of_plugin("hair").expect("a plugin")
+        Material::Hair {
+            absorption: Absorption::Melanin {
+                eumelanin: 1.3,
+                pheomelanin: 0.2,
+            },
+            longitudinal_roughness: 0.3,
+            azimuthal_roughness: 0.3,
+            scale_tilt: 2.0,
+            interior: Ior::Named("amber".into()),
+            exterior: Ior::Named("air".into()),
+        }
     );
     let scene = clean("<shape type='sphere'/><emitter type='point'/>");
     assert_eq!(

@@ -147,7 +147,7 @@ fn both<T: PartialReflect>(one: &Option<T>, two: &Option<T>, found: &mut BTreeSe
     }
 }
 
-/// Adds the names of fields that differ to `found`, those within a field as `field.part`. A field that only one of the two values has does not count.
+/// Adds the names of fields that differ to `found`, those within a field as `field.part`, those of a variant by their own names. A field that only one of the two values has does not count.
 fn differ(name: &str, one: &dyn PartialReflect, two: &dyn PartialReflect, found: &mut BTreeSet<String>) {
     if one.reflect_partial_eq(two) == Some(true) {
         return;

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use crossbeam_channel::{Receiver, bounded};
 
 use crate::app::editor::command::light_mix::{FilmLights, LightMix};
-use crate::app::editor::session::toasts::Toasts;
+use crate::app::editor::session::toasts::{Toasts, Topic};
 use crate::color::Rgb;
 use crate::engine::{RenderControl, RenderFilm, WakeUp};
 use crate::render::denoise::{DenoiseError, DenoiseInput, DenoiseQuality, denoise};
@@ -156,7 +156,7 @@ pub(crate) fn collect_denoised(
     match outcome {
         Ok(denoised) => denoiser.shown = Some(denoised),
         Err(DenoiseError::Cancelled) => {}
-        Err(error) => toasts.info(error.to_string()),
+        Err(error) => toasts.error(Topic::Other, error.to_string(), None),
     }
 }
 
