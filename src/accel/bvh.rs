@@ -45,7 +45,7 @@ pub struct BvhStats {
 /// One box of the hierarchy, for display.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BvhBox {
-    /// In the space of the hierarchy.
+    /// The box, in the space of the hierarchy.
     pub bounds: Aabb,
     /// 0 for the box around everything, 1 for the root's children, and so on.
     pub depth: usize,

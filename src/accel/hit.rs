@@ -62,9 +62,9 @@ pub struct MeshHit {
     pub t: f32,
     /// Index into the mesh's triangles.
     pub triangle: u32,
-    /// In [0, 1].
+    /// The weight of corner 1, in [0, 1].
     pub u: f32,
-    /// In [0, 1]; `u + v` is at most 1 but for rounding.
+    /// The weight of corner 2, in [0, 1]; `u + v` is at most 1 but for rounding.
     pub v: f32,
     /// The triangle's number in the order of the leaves, with empty places between some.
     pub slot: u32,

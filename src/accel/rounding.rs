@@ -31,7 +31,8 @@ impl Rounding {
         }
     }
 
-    /// The same for a shape within `bounds` that rays meet as a whole, in a space of its own. Its size counts then, wherever the hit is.
+    /// Changes the bounds to those for a shape within `bounds` that rays meet as a whole, in a space of its own. Its size counts then, wherever the
+    /// hit is.
     pub fn of_whole(mut self, world_from_local: &Affine3A, bounds: &Aabb) -> Self {
         let extent = bounds.min.abs().max(bounds.max.abs());
         self.of_translation += gamma(6) * (absolute(&world_from_local.matrix3) * Vec3A::from(extent));

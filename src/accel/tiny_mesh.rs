@@ -33,7 +33,7 @@ struct TinyTriangle {
     /// The edges opposite its corners, each with 1, or with -1 if the triangle runs along the edge backwards.
     edges: [(usize, f32); 3],
     corner: usize,
-    /// Not of unit length.
+    /// The normal, not of unit length.
     normal: Vec3,
 }
 

@@ -30,7 +30,7 @@ pub struct Tlas {
     blocks: Vec<ShapeBlock>,
     /// The hierarchy over items. Their numbers count the instances, of which those in blocks are left out, then the placements, then the blocks.
     pub(super) bvh: Bvh,
-    /// The same without a hierarchy, if there are only a few shapes.
+    /// The instances without a hierarchy, if there are only a few shapes.
     pub(super) small_scene: Option<SmallScene>,
     /// Whether the hierarchies, with those of all meshes and groups, are too large for a cache. Rays are interleaved then.
     pub(super) is_large: bool,

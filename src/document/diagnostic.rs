@@ -66,7 +66,7 @@ pub struct Diagnostics {
     pub sources: Vec<SourceFile>,
     /// The messages in the order in which they came up, at most a thousand; further ones are only counted.
     pub list: Vec<Diagnostic>,
-    /// The same message at the same place is said once: a file may be included many times.
+    /// The messages that have come up: one is kept once for each place, because a file may be included many times.
     said: HashSet<Diagnostic>,
     /// The number of errors after the list was full.
     dropped_errors: usize,

@@ -12,7 +12,7 @@ use super::status::RenderStatus;
 
 /// The time in each frame for adding tiles to the film; the rest waits for the next frame.
 const BUDGET: Duration = Duration::from_millis(8);
-/// The same where no frame is waited for.
+/// The time for adding tiles to the film at once where there are no frames to wait for.
 const BUDGET_WITHOUT_WINDOW: Duration = Duration::from_millis(50);
 
 pub(super) fn collect_results(

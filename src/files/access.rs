@@ -55,7 +55,7 @@ impl Access {
         }
     }
 
-    /// The same for a scene in this folder.
+    /// Says that the scene is in this folder.
     pub fn of_scene_in(self, folder: &Path) -> Self {
         Self {
             own: Some(canonical(folder)),

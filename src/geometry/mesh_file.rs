@@ -19,7 +19,7 @@ pub struct LoadedMesh {
 }
 
 impl LoadedMesh {
-    /// The same with warnings that show no text of the file.
+    /// Returns the mesh with warnings that show no text of the file.
     pub fn without_quotes(mut self) -> Self {
         for warning in &mut self.warnings {
             // Quoted text may contain the quotation mark itself.
@@ -119,7 +119,7 @@ impl MeshMemory {
 }
 
 impl MeshError {
-    /// The same without text of the file.
+    /// Returns the error without text of the file.
     pub fn without_quotes(self) -> Self {
         match self {
             Self::Syntax { place, expected, .. } => Self::syntax(place, expected, "something else"),

@@ -17,7 +17,7 @@ use crate::math::{Ray, gamma};
 pub enum Faces {
     /// Rays hit front and back.
     Both,
-    /// Only the front. Rays from behind pass.
+    /// Rays hit only the front, and pass from behind.
     FrontOnly,
 }
 

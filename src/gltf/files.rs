@@ -10,7 +10,7 @@ use crate::document::{Category, Object, Value};
 use crate::geometry::attribute::AttributeValues;
 use crate::geometry::mesh::MeshData;
 
-/// Keeps a part under a plain name such as `mesh-0.ply`, which is given once; the name by which the scene finds it.
+/// Keeps a part under a plain name such as `mesh-0.ply`, which is given once. Returns the name by which the scene finds it.
 pub type KeepFile<'a> = dyn FnMut(&str, &[u8]) -> std::io::Result<String> + 'a;
 
 /// Makes the scene, whose meshes and pictures are given to `keep`. `read` is as for [`Gltf::open`].

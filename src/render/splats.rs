@@ -22,7 +22,7 @@ pub struct Splat {
 /// The splats of a film. Without any this takes no memory, and [`Film::memory_bytes`](super::film::Film::memory_bytes) does not count it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Splats {
-    /// By the first sample and the tile that they come from.
+    /// The splats that are not yet added, by the first sample and the tile that they come from.
     waiting: BTreeMap<(u32, usize), Vec<Splat>>,
     /// Sums by place in the film; empty until there is a splat.
     sums: Vec<Rgb>,
@@ -38,7 +38,7 @@ impl Splats {
         }
     }
 
-    /// Those next in order among what comes from samples below `samples`.
+    /// Takes the splats that are next in order among what comes from samples below `samples`.
     pub fn next_below(&mut self, samples: u32) -> Option<Vec<Splat>> {
         let next = self.waiting.first_entry()?;
         (next.key().0 < samples).then(|| next.remove())

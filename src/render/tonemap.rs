@@ -77,7 +77,7 @@ impl Display {
         radiance.iter().flat_map(|pixel| encoder.encode(*pixel)).collect()
     }
 
-    /// The same for many pixels, one at a time.
+    /// Prepares the conversion for many pixels, which are then encoded one at a time.
     pub fn encoder(&self) -> Encoder {
         let scale = self.exposure_ev.clamp(-MOST_STOPS, MOST_STOPS).exp2();
         Encoder {

@@ -31,13 +31,13 @@ impl PluginInfo {
         }
     }
 
-    /// The same with bsdfs inside.
+    /// Says how many bsdfs it has inside.
     pub const fn nesting(mut self, count: RangeInclusive<usize>) -> Self {
         self.nested = count;
         self
     }
 
-    /// The same, but it refracts.
+    /// Says that light is refracted.
     pub const fn refracting(mut self) -> Self {
         self.refracts = true;
         self

@@ -31,7 +31,7 @@ pub struct SceneDescription {
     pub materials: Vec<MaterialDescription>,
     /// The `shapegroup`s that instances place.
     pub groups: Vec<GroupDescription>,
-    /// The members of groups among them.
+    /// The shapes, with the members of groups.
     pub shapes: Vec<ShapeDescription>,
     /// The lights that are no surfaces.
     pub emitters: Vec<EmitterDescription>,

@@ -143,7 +143,7 @@ fn is_outdated(world: &mut World, asset: &SceneAsset) -> bool {
     is_outdated
 }
 
-/// The entities become what the file says.
+/// Makes the entities what the file says.
 fn take_in(world: &mut World, id: AssetId<SceneAsset>, asset: SceneAsset) {
     let is_asked = |asked: &mut Asked| asked.handle.id() == id;
     let asked = world.resource_mut::<SceneFile>().asked.take_if(is_asked);
@@ -188,7 +188,7 @@ fn take_in(world: &mut World, id: AssetId<SceneAsset>, asset: SceneAsset) {
     }
 }
 
-/// The same for what has just been read of the scene's own file without the asset server; edits stay as in a reload.
+/// Makes the entities what has just been read of the scene's own file without the asset server. Edits stay as in a reload.
 pub(super) fn take_in_read(world: &mut World, scene: SceneDescription, diagnostics: Arc<Diagnostics>) {
     let scene = Arc::new(scene);
     let reload = spawn::update(world, &scene);

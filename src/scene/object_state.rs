@@ -97,7 +97,7 @@ pub struct Merged {
 }
 
 impl ObjectState {
-    /// The same without its place in the file.
+    /// Returns the state without its place in the file.
     pub fn unordered(&self) -> Self {
         Self {
             order: None,
@@ -105,7 +105,7 @@ impl ObjectState {
         }
     }
 
-    /// The same without what no file says.
+    /// Returns the state without what no file says.
     pub fn for_file(&self) -> Self {
         Self {
             hidden: None,

@@ -63,13 +63,13 @@ impl ParameterInfo {
         Self::new(name, label, about, "0 or more; 1 leaves it as it is").within(0.0..=f32::MAX)
     }
 
-    /// The same with these bounds.
+    /// Sets the bounds.
     pub const fn within(mut self, range: RangeInclusive<f32>) -> Self {
         self.range = range;
         self
     }
 
-    /// The same with this unit.
+    /// Sets the unit.
     pub const fn in_units(mut self, unit: &'static str) -> Self {
         self.unit = unit;
         self

@@ -47,7 +47,7 @@ kinds! {
     Distribution(Distribution),
     /// The roughness: `alpha`, or `alpha_u` and `alpha_v`.
     Roughness(Roughness),
-    /// The same of a model that looks the same in all directions.
+    /// The roughness of a model that looks the same in all directions.
     UniformRoughness(Roughness),
     /// The index of a principled surface: `specular` or `eta`.
     PrincipledIndex(PrincipledIndex),

@@ -47,7 +47,7 @@ pub struct FileProblem {
     pub span: Option<Span>,
     /// One sentence that begins with the file.
     pub what: String,
-    /// The same after its place in the scene file (`file:line:column: `), where it has one.
+    /// The sentence after its place in the scene file (`file:line:column: `), where it has one.
     pub message: String,
 }
 

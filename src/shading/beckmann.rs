@@ -96,7 +96,7 @@ fn reach(cos: f32, sin: f32) -> f32 {
     cos * (1.0 + erf(cot)) + FRAC_1_SQRT_PI * sin * (-cot * cot).exp()
 }
 
-/// The same by the rational function.
+/// The result of [`reach`] by the rational function.
 fn rational_reach(cos: f32, sin: f32) -> f32 {
     if cos >= 1.6 * sin {
         return 2.0 * cos;

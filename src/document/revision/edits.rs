@@ -118,7 +118,7 @@ pub fn end_of_line(text: &str, element_end: usize) -> usize {
     }
 }
 
-/// The same lines with another margin; the first line has none.
+/// Gives the lines of a block another margin. The first line has none.
 pub fn move_margin(block: &str, from: &str, to: &str) -> String {
     let mut lines = block.split('\n');
     let mut result = lines.next().unwrap_or_default().to_owned();

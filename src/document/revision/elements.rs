@@ -39,7 +39,7 @@ impl Elements {
         Self::read_checked(text).0
     }
 
-    /// The same; with it the byte where the text is broken and how, if it is.
+    /// Reads the elements as [`Self::read`] does, and returns where and how the text is broken, if it is.
     pub(crate) fn read_checked(text: &str) -> (Self, Option<(usize, String)>) {
         let mut reader = Reader::from_str(text);
         let mut all: Vec<Element> = Vec::new();

@@ -67,7 +67,7 @@ impl<'d> FileNames<'d> {
         }
     }
 
-    /// The same for all that hangs below an object.
+    /// Moves the names of files in an object and in all that hangs below it.
     pub fn move_object(&self, object: &mut Object, folder: &Path) {
         let owner = object.category;
         for property in &mut object.properties {

@@ -23,7 +23,7 @@ impl Environments {
         self.0.iter_mut().for_each(|known| known.in_use = false);
     }
 
-    /// The same for the same picture. An error if its density does not fit into the memory budget.
+    /// Returns one map for one picture, however often it is asked for. An error if its density does not fit into the memory budget.
     pub fn get(&mut self, image: &Arc<Image>, compensated: bool) -> Result<Arc<EnvironmentMap>, Shortage> {
         let is_it = |known: &&mut Known| Arc::ptr_eq(&known.image, image) && known.compensated == compensated;
         if let Some(known) = self.0.iter_mut().find(is_it) {

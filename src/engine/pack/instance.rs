@@ -42,7 +42,7 @@ impl InstanceRecord {
     }
 }
 
-/// None, with a report, if the shape has no extent or no place. `mesh` is what the shape's kind names, if it names one.
+/// Packs a shape. None, with a report, if the shape has no extent or no place. `mesh` is what the shape's kind names, if it names one.
 pub(in crate::engine) fn pack_instance(
     entity: Entity,
     shape: &Shape,

@@ -143,7 +143,7 @@ fn half_size(fov: f32, axis: FovAxis, aspect: f32, check: &mut Checker) -> glam:
     glam::Vec2::new(half_width, half_width / aspect)
 }
 
-/// None, with a report, for a sun that stands nowhere.
+/// Packs the atmosphere. None, with a report, for a sun that stands nowhere.
 fn atmosphere(sky: &SunSky, world_from_local: glam::Mat3, check: &mut Checker) -> Option<Atmosphere> {
     let sun_direction = match sky.sun {
         SunPosition::Direction(direction) => {
@@ -200,7 +200,7 @@ fn turning(to_world: Affine3A, check: &mut Checker) -> Option<glam::Mat3> {
     Some(turned)
 }
 
-/// None, with a report, for a transform that cannot be undone.
+/// Checks that a transform can be undone. None, with a report, if not.
 fn invertible(to_world: Affine3A, check: &mut Checker) -> Option<Affine3A> {
     if !to_world.is_finite() || !to_world.inverse().is_finite() {
         check.report("its transform is degenerate, the light is left out");

@@ -101,7 +101,7 @@ impl<'a> TexturePacker<'a> {
     }
 }
 
-/// The same for equal textures, and for few others.
+/// A hash: equal textures have the same, and few others share it.
 fn alike(texture: &Texture) -> u64 {
     let mut hasher = DefaultHasher::new();
     texture.plugin().hash(&mut hasher);

@@ -19,7 +19,7 @@ fn possible_size(size: UVec2) -> UVec2 {
     (size.as_dvec2() * shrink).as_uvec2().max(UVec2::ONE)
 }
 
-/// None, with a report, if the sensor looks nowhere.
+/// Packs the view of a sensor. None, with a report, if the sensor looks nowhere.
 pub(in crate::engine) fn pack_view(
     sensor: &Sensor,
     film: &Film,

@@ -8,7 +8,7 @@ use crate::color::Rgb;
 /// Time against quality. On a CPU the last two cost about the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum DenoiseQuality {
-    /// The fastest, for the picture in motion.
+    /// The quality for the picture in motion.
     Fast,
     /// Between the speed of `Fast` and the quality of `High`.
     Balanced,

@@ -52,7 +52,7 @@ pub fn describe(world: &mut World) -> SceneDescription {
     describe_entities(world).0
 }
 
-/// The same with the entities they are.
+/// Describes the scene as [`describe`] does, and returns the entities that the descriptions are of.
 pub(crate) fn describe_entities(world: &mut World) -> (SceneDescription, Entities) {
     let mut scene = SceneDescription::default();
     if let Some(status) = world.get_resource::<SceneStatus>() {

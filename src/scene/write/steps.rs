@@ -65,7 +65,7 @@ fn looking(old: &[TransformOp], map: &Affine3A) -> Option<Vec<TransformOp>> {
     }])
 }
 
-/// The same in six digits: arithmetic makes 3.9999998 of 4.
+/// Rounds the points to six digits, because arithmetic makes 3.9999998 of 4.
 fn shortened(looking: &[TransformOp]) -> Option<Vec<TransformOp>> {
     let &[TransformOp::LookAt { origin, target, up }] = looking else {
         return None;

@@ -11,7 +11,7 @@ pub(crate) fn camera_pose(active: &ActiveSensor, free: &FreeView, poses: &Query<
     Some(free.pose.unwrap_or(sensor.0))
 }
 
-/// The same from the world.
+/// Reads [`camera_pose`] from the world.
 pub(crate) fn view_pose(world: &World) -> Option<Affine3A> {
     let sensor = world.resource::<ActiveSensor>().0?;
     let own = world.get::<ToWorld>(sensor)?.0;

@@ -9,7 +9,7 @@ use crate::document::paths::settle;
 pub struct Question {
     /// The paths as the scene gives them, made absolute.
     pub files: Vec<PathBuf>,
-    /// The same as the user reads them, without `..`.
+    /// The paths of `files` as the user reads them, without `..`.
     pub shown: Vec<PathBuf>,
     /// The folders that would be allowed, with all below them.
     pub folders: Vec<PathBuf>,

@@ -157,7 +157,7 @@ impl LightMix {
 const FROM_PICTURE: &str = "takes its colour from a picture";
 const ONLY_GREY: &str = "can be made brighter or darker, but not of another colour";
 
-/// The light, `gain` times.
+/// Returns the light with its radiance times `gain`.
 pub(crate) fn bake_area(light: &AreaLight, gain: Rgb) -> Result<AreaLight, &'static str> {
     Ok(AreaLight {
         radiance: bake_parameter(&light.radiance, gain)?,
@@ -165,7 +165,7 @@ pub(crate) fn bake_area(light: &AreaLight, gain: Rgb) -> Result<AreaLight, &'sta
     })
 }
 
-/// The emitter, `gain` times.
+/// Returns the emitter with its strength times `gain`.
 pub(crate) fn bake_emitter(emitter: &Emitter, gain: Rgb) -> Result<Emitter, &'static str> {
     let mut baked = emitter.clone();
     match &mut baked.kind {

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
     order: Vec<Entity>,
-    /// The same, to be asked.
+    /// The entities of `order` as a set, to find out quickly whether it holds one.
     all: HashSet<Entity>,
 }
 

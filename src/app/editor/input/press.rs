@@ -7,7 +7,7 @@ use bevy_egui::egui::{Key, Modifiers};
 pub struct Press {
     /// The key as egui names it.
     pub key: Key,
-    /// Those that were held when the key went down.
+    /// The modifiers that were held when the key went down.
     pub modifiers: Modifiers,
     /// A digit of the block at the keyboard's right.
     pub numpad: bool,

@@ -114,7 +114,7 @@ mod tests {
         frames_in(World::new(), came)
     }
 
-    /// The same if the focus is lost in the first frame.
+    /// The keys as in [`frames`], if the focus is lost in the first frame.
     fn frames_without_focus(came: &[Option<((KeyCode, Key), ButtonState)>]) -> Vec<Vec<(KeyCode, ButtonState)>> {
         let mut world = World::new();
         world.init_resource::<Messages<KeyboardFocusLost>>();

@@ -54,7 +54,7 @@ impl<'a> From<&'a String> for Caption<'a> {
 }
 
 impl<'a> Caption<'a> {
-    /// The same explanation under another name.
+    /// Returns the same explanation under another name.
     pub(crate) fn titled(self, text: &'a str) -> Self {
         Self { text, ..self }
     }
@@ -237,7 +237,7 @@ pub fn number<'a>(
     quantity(ui, caption, value, speed, range, "")
 }
 
-/// The same with a unit.
+/// A [`number`] with a unit.
 pub(crate) fn quantity<'a>(
     ui: &mut Ui,
     caption: impl Into<Caption<'a>>,

@@ -33,7 +33,7 @@ impl SaveQuestion {
         })
     }
 
-    /// The same as an error, where the user cannot be asked.
+    /// The question as an error message, for where the user cannot be asked.
     pub(crate) fn refusal(&self) -> String {
         let merge = match self.can_merge {
             true => "`save-to FILE merge` takes in what the file changed, ",
