@@ -1,12 +1,11 @@
 //! `sunroom completions` and `sunroom man`: what shells and readers of manuals need, generated from the definitions of the command line.
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, Command};
 
-use super::report;
+use super::{outputs, report};
 
 #[derive(Args)]
 pub struct CompletionsArgs {
@@ -23,7 +22,7 @@ pub struct ManArgs {
 pub fn completions(mut program: Command, args: CompletionsArgs) -> ExitCode {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut program, "sunroom", &mut script);
-    match std::io::stdout().write_all(&script) {
+    match outputs::print(&script) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => report::error(format_args!("standard output: {error}")),
     }
