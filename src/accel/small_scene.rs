@@ -52,8 +52,9 @@ struct SceneShape {
 enum Kind {
     Rectangle,
     Sphere,
-    /// A mesh that is an image of a square, or below of a cube, with its faces.
+    /// A mesh that is the unit square under the matrix, with the face that the square stands for.
     Square(Face),
+    /// A mesh that is the unit cube under the matrix, with the faces that the cube's sides stand for.
     Cube(Vec<Face>),
     TinyMesh(TinyMesh),
     /// A mesh, with its local bounds.

@@ -113,7 +113,7 @@ mod tests {
         assert_eq!((map.scale, map.offset), (Vec2::new(2.0, 3.0), Vec2::new(0.5, 0.0)));
         assert!(map.clamp);
         assert_eq!(map.file, PathBuf::from("wood 01.png"));
-        // Two numbers, and a name that is none.
+        // The third word is no number, so only two are the scale.
         let map = parse("-s 0.1 0.2 specular.jpg");
         assert_eq!(
             (map.scale, map.file),

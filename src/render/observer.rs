@@ -62,7 +62,7 @@ pub struct MetEmitter {
     pub radiance: Rgb,
     /// Density per solid angle with which the bsdf chose the direction; None from the camera or after a specular bounce.
     pub bsdf_pdf: Option<f32>,
-    /// The density with which sampling the lights would have; None where the weight does not depend on it.
+    /// The density with which sampling the lights would have found the emitter. None where the weight does not depend on it.
     pub light_pdf: Option<f32>,
     /// The weight of multiple importance sampling.
     pub weight: f32,

@@ -69,7 +69,7 @@ pub(crate) struct PixelComparison<'a> {
     /// The snapshot at the picture's size.
     kept: Cow<'a, [Rgb]>,
     width: u32,
-    /// Columns left of this are the snapshot's.
+    /// The column where the picture begins; those left of it show the snapshot.
     border: u32,
 }
 

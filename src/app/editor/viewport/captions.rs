@@ -5,7 +5,8 @@ use crate::app::editor::command::compare_view::CompareView;
 /// Words, and the middle of the part of the picture's width that they are about.
 pub type Caption = (f32, &'static str);
 
-/// The captions of a comparison with a snapshot, which covers the thirds of [`crate::engine::RenderControl::strategy_split`], or of those thirds.
+/// The captions of the picture's parts. A comparison with a snapshot covers the thirds of [`crate::engine::RenderControl::strategy_split`], which
+/// have captions only without it.
 pub fn captions(split: bool, compared: CompareView) -> Vec<Caption> {
     match (compared, split) {
         (CompareView::Wipe(at), _) => vec![(0.5 * at, "snapshot"), (0.5 + 0.5 * at, "now")],

@@ -19,9 +19,9 @@ pub(crate) struct TurningCursor {
     pub(super) put: Option<(Pos2, f32)>,
     /// The place to which it was moved, until it is seen there.
     sent: Option<Pos2>,
-    /// The frames since then.
+    /// The frames since it was moved there.
     frames: u32,
-    /// It does not go where it is sent.
+    /// Whether the cursor does not go where it is sent.
     is_stuck: bool,
 }
 
