@@ -113,7 +113,7 @@ impl Film {
             }
         }
         let place = self.tile_index(tile.x, tile.y);
-        self.splats.keep(result.samples.start, place, &result.splats);
+        self.splats.keep(result.samples.end, place, &result.splats);
         self.previews[place].take_if(|preview| preview.tile == tile)
     }
 

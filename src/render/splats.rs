@@ -22,7 +22,7 @@ pub struct Splat {
 /// The splats of a film. Without any this takes no memory, and [`Film::memory_bytes`](super::film::Film::memory_bytes) does not count it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Splats {
-    /// The splats that are not yet added, by the first sample and the tile that they come from.
+    /// The splats that are not yet added, by the end of the range of samples and the tile that they come from.
     waiting: BTreeMap<(u32, usize), Vec<Splat>>,
     /// Sums by place in the film; empty until there is a splat.
     sums: Vec<Rgb>,
@@ -31,17 +31,17 @@ pub(super) struct Splats {
 }
 
 impl Splats {
-    /// Keeps what the samples from `first` on of the picture's tile number `tile` have brought.
-    pub fn keep(&mut self, first: u32, tile: usize, splats: &[Splat]) {
+    /// Keeps what a range of samples that ends before `end` has brought from the picture's tile number `tile`.
+    pub fn keep(&mut self, end: u32, tile: usize, splats: &[Splat]) {
         if !splats.is_empty() {
-            self.waiting.insert((first, tile), splats.to_vec());
+            self.waiting.insert((end, tile), splats.to_vec());
         }
     }
 
-    /// Takes the splats that are next in order among what comes from samples below `samples`.
+    /// Takes the splats that are next in order among those whose samples are all below `samples`.
     pub fn next_below(&mut self, samples: u32) -> Option<Vec<Splat>> {
         let next = self.waiting.first_entry()?;
-        (next.key().0 < samples).then(|| next.remove())
+        (next.key().0 <= samples).then(|| next.remove())
     }
 
     /// Adds light at a place of a film that has so many `places`.
@@ -105,6 +105,7 @@ mod tests {
             film.add(&samples(tile, 0..2, splats));
         }
         assert!(film.radiance().iter().all(|&radiance| radiance == Rgb::splat(0.25)));
+        assert!(!film.settle_splats(1), "some of these samples are not below 1");
         assert!(film.settle_splats(2) && !film.settle_splats(2));
         for (x, y) in (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y))) {
             let expected = match UVec2::new(x, y) {
