@@ -141,7 +141,7 @@ pub fn edited_twice(world: &World, scene: &SceneDescription) -> usize {
     summary.replaced + usize::from(is_integrator_edited_twice(world, &scene.integrator))
 }
 
-/// Renames things here whose ids something new of the file has; gives the number of those things.
+/// Renames things of the scene whose ids something new of the file has. Returns the number of the renamed things.
 fn give_way(world: &mut World, new_ids: &HashMap<SceneId, Entity>) -> usize {
     if new_ids.is_empty() {
         return 0;

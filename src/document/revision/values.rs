@@ -149,7 +149,7 @@ impl Tag<'_> {
         edits
     }
 
-    /// None if the steps are of different kinds.
+    /// Returns the edits that turn one step into another. None if the steps are of different kinds.
     fn step(self, before: &TransformOp, now: &TransformOp) -> Option<Vec<Edit>> {
         match (*before, *now) {
             (TransformOp::Translate(before), TransformOp::Translate(now))

@@ -36,7 +36,7 @@ pub fn switch(world: &mut World) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// The orthographic pose at the same place for a picture this half as wide, in world units.
+/// The orthographic pose at the same place for a picture whose half width is `half_width`, in world units.
 fn in_parallel(pose: Affine3A, half_width: f32) -> Affine3A {
     let extent = Vec3::new(half_width, half_width, 1.0);
     Affine3A {
