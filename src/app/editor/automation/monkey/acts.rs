@@ -247,8 +247,12 @@ fn import(random: &mut Random, folder: &Folder) -> Vec<Act> {
 fn window(random: &mut Random) -> Vec<Act> {
     let shell = |command| vec![Act::Do(Command::Shell(command))];
     match random.below(6) {
-        0 => shell(ShellCommand::ShowPanel(Panel::CLOSEABLE[random.below(7)])),
-        1 => shell(ShellCommand::ClosePanel(Panel::CLOSEABLE[random.below(7)])),
+        0 => shell(ShellCommand::ShowPanel(
+            Panel::CLOSEABLE[random.below(Panel::CLOSEABLE.len())],
+        )),
+        1 => shell(ShellCommand::ClosePanel(
+            Panel::CLOSEABLE[random.below(Panel::CLOSEABLE.len())],
+        )),
         2 => shell(ShellCommand::ResetLayout),
         3 => {
             let sheet = [Sheet::Palette, Sheet::Shortcuts, Sheet::Preferences][random.below(3)];
