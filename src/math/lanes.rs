@@ -246,6 +246,7 @@ impl Div<Lanes> for Vec3Lanes {
     }
 }
 
+#[expect(clippy::wrong_self_convention, reason = "a frame of lanes is large")]
 impl FrameLanes {
     /// Frames around unit vectors, as [`crate::math::Frame::from_normal`].
     #[inline(always)]
