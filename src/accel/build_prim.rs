@@ -60,7 +60,7 @@ impl SimdAabb {
         PrimRef::new(bounds, 0).bounds()
     }
 
-    /// As [`SimdAabb::of`], but gives [`SimdAabb::EMPTY`] for a box that is empty on any axis.
+    /// Does what [`SimdAabb::of`] does, but gives [`SimdAabb::EMPTY`] for a box that is empty on any axis.
     pub fn of_part(part: &Aabb) -> Self {
         match part.is_empty() {
             true => Self::EMPTY,

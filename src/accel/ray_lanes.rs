@@ -3,16 +3,16 @@
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, each_lane};
 use crate::math::{PerLane, Ray};
 
-/// Rays in lanes, as [`Ray`].
+/// Rays in lanes; the fields mean what those of [`Ray`] do.
 #[derive(Clone, Copy, Debug)]
 pub struct RayLanes {
-    /// As [`Ray::origin`].
+    /// The origins.
     pub origin: Vec3Lanes,
-    /// As [`Ray::dir`]; of any length.
+    /// The directions, of any length.
     pub dir: Vec3Lanes,
-    /// As [`Ray::t_min`].
+    /// The least distances, in multiples of the directions.
     pub t_min: Lanes,
-    /// As [`Ray::t_max`]. A lane without a ray has 0.
+    /// The largest distances, in multiples of the directions; 0 in a lane without a ray.
     pub t_max: Lanes,
 }
 

@@ -50,7 +50,7 @@ pub(super) fn push_sorted<const ROOM: usize>(
     push_far_to_near(enter, met, node.children, stack)
 }
 
-/// As [`push_sorted`], for any children.
+/// Does what [`push_sorted`] does, for any children.
 #[inline(always)]
 pub(super) fn push_far_to_near<const ROOM: usize>(
     enter: f32x8,
@@ -67,7 +67,7 @@ pub(super) fn push_far_to_near<const ROOM: usize>(
     Ok(())
 }
 
-/// As [`push_sorted`], but unsorted and with distances of zero, for traversals that look for any hit.
+/// Does what [`push_sorted`] does, but unsorted and with distances of zero, for traversals that look for any hit.
 #[inline(always)]
 pub(super) fn push_unsorted<const ROOM: usize>(
     node: &Node,

@@ -13,7 +13,7 @@ use sunroom::scene::Trust;
 use super::monkey::MonkeyArgs;
 use super::{parse, report};
 
-/// Which scene, and the values of its parameters.
+/// The scene, and the values of its parameters.
 #[derive(Args)]
 pub struct SceneArgs {
     /// Scene file (Mitsuba 3 XML, or glTF 2.0)

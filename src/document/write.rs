@@ -9,7 +9,7 @@ use std::path::Path;
 use glam::Vec3;
 
 use super::paths::{file_name, settle};
-use super::revision::Layout;
+use super::revision::edits::Layout;
 use super::value::format_float;
 use super::{Category, Child, Document, Object, Property, TransformOp, Value};
 

@@ -72,7 +72,7 @@ const LEAST_GRACE: Duration = Duration::from_secs(1);
 const GRACE_SHARE: f64 = 0.1;
 
 /// Updates the app until the scene and its meshes have been read or have failed: [`SceneStatus`] tells of meshes that failed. Rendering waits
-/// meanwhile. A scene that nobody has asked for counts as loaded. False if it was cancelled.
+/// meanwhile. Where no scene was asked for, loading is done at once. Returns false if it was cancelled.
 pub fn load_to_completion(app: &mut App, limits: &Limits) -> Result<bool, RenderError> {
     let begin = Instant::now();
     finish_plugins(app);

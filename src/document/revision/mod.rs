@@ -5,7 +5,7 @@
 //! for the same thing has the same [`Span`] in both; what was made since has none.
 
 mod additions;
-mod edits;
+pub(super) mod edits;
 pub mod elements;
 mod files;
 mod slot;
@@ -16,7 +16,6 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
 use self::edits::Edit;
-pub use self::edits::Layout;
 use self::elements::Element;
 use self::files::FileNames;
 pub use self::files::move_files;

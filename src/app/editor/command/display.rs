@@ -7,7 +7,7 @@ use crate::render::white_balance::WhiteBalance;
 /// All settings of how the film is shown. A change of them needs no new samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DisplaySettings {
-    /// Which quantity of the film is shown.
+    /// The quantity of the film that is shown.
     pub mode: DisplayMode,
     /// The exposure in stops: the radiance is multiplied by two to this power.
     pub exposure: f32,

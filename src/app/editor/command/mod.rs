@@ -9,6 +9,7 @@ pub mod display;
 pub mod dragged;
 pub mod error;
 pub mod file_access;
+pub mod file_dialog;
 pub mod gizmo_settings;
 pub mod inspected_paths;
 pub mod light_mix;
@@ -36,6 +37,7 @@ use axis_view::AxisView;
 use bvh_overlay::BvhOverlay;
 use compare_view::CompareView;
 use display::DisplaySettings;
+pub use file_dialog::FileDialogKind;
 use gizmo_settings::GizmoSettings;
 use inspected_paths::InspectedPaths;
 use light_mix::LightMix;
@@ -496,28 +498,4 @@ impl Command {
                 Self::Rename(..) | Self::PutInto { .. } | Self::Group | Self::Lock(..)
             )
     }
-}
-
-/// The purpose of a file dialog.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FileDialogKind {
-    /// A scene to open.
-    OpenScene,
-    /// The file to save the scene to.
-    SaveScene,
-    /// The file to save the picture to.
-    SaveImage,
-    /// A file whose content is added to the scene.
-    Import,
-    /// A picture of all directions, to be the scene's light from everywhere.
-    OpenEnvironment,
-    /// The picture of the texture that this parameter of the material or the light is, or that is at a place within it.
-    OpenPicture {
-        /// A material or a light.
-        owner: Entity,
-        /// The name of the parameter in the file.
-        parameter: &'static str,
-        /// The place of the texture within the parameter, if it is inside a checkerboard.
-        place: SquarePath,
-    },
 }

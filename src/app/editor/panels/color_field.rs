@@ -3,7 +3,8 @@
 
 use bevy_egui::egui::{self, Ui};
 
-use super::fields::{self, Caption, NumberStyle, name_cell, number_cells, write_back};
+use super::caption::Caption;
+use super::fields::{self, NumberStyle, name_cell, number_cells, write_back};
 use crate::color::{Rgb, linear_from_srgb8, srgb_from_linear};
 
 /// The form in which colours are shown, the same in all rows.

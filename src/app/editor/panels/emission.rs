@@ -5,7 +5,7 @@ use std::path::Path;
 use bevy::math::Vec3;
 use bevy_egui::egui::Ui;
 
-use super::fields::Caption;
+use super::caption::Caption;
 use super::material::{Edit, Rows, TYPE};
 use super::texture_slot::picture_row;
 use super::{color_field, fields};

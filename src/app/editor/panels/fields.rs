@@ -8,6 +8,7 @@ use std::ops::RangeInclusive;
 use bevy::math::Vec3;
 use bevy_egui::egui::{self, Response, Ui};
 
+use super::caption::Caption;
 use crate::app::editor::model::mixed::Mixed;
 use crate::scene::ParameterInfo;
 
@@ -19,65 +20,6 @@ const MIXED_WIDTH: f32 = 32.0;
 const MIXED: &str = "mixed";
 /// Width of a slider's number.
 const VALUE_WIDTH: f32 = 54.0;
-
-/// The caption of a row, with the explanation that is shown when the pointer rests there.
-#[derive(Clone, Copy, Debug)]
-pub struct Caption<'a> {
-    /// The name that the row shows and by which its control is found.
-    pub text: &'a str,
-    /// The name of the value among the differences of selected things; without one, the row is never marked.
-    name: &'a str,
-    info: Option<&'static ParameterInfo>,
-}
-
-impl<'a> From<&'a str> for Caption<'a> {
-    fn from(text: &'a str) -> Self {
-        Self {
-            text,
-            name: "",
-            info: None,
-        }
-    }
-}
-
-impl<'a> From<(&'a str, &'a str)> for Caption<'a> {
-    fn from((text, name): (&'a str, &'a str)) -> Self {
-        let info = None;
-        Self { text, name, info }
-    }
-}
-
-impl<'a> From<&'a String> for Caption<'a> {
-    fn from(text: &'a String) -> Self {
-        Self::from(text.as_str())
-    }
-}
-
-impl<'a> Caption<'a> {
-    /// Returns the same explanation under another name.
-    pub(crate) fn titled(self, text: &'a str) -> Self {
-        Self { text, ..self }
-    }
-
-    /// The caption of a part of the value, which has no explanation of its own.
-    pub(crate) fn part(self, text: &'a str) -> Self {
-        Self {
-            text,
-            info: None,
-            ..self
-        }
-    }
-}
-
-impl From<&'static ParameterInfo> for Caption<'_> {
-    fn from(info: &'static ParameterInfo) -> Self {
-        Self {
-            text: info.label,
-            name: info.name,
-            info: Some(info),
-        }
-    }
-}
 
 /// A row with any control; the control is named for assistive technology (and tests) after the row.
 pub fn row<'a>(ui: &mut Ui, caption: impl Into<Caption<'a>>, control: impl FnOnce(&mut Ui) -> Response) -> Response {

@@ -5,8 +5,9 @@ use std::ops::RangeInclusive;
 use bevy::math::Vec3;
 use bevy_egui::egui::Ui;
 
+use super::caption::Caption;
 use super::color_field;
-use super::fields::{self, Caption};
+use super::fields;
 use super::plain_value::PlainValue;
 use super::sensor::field_of_view;
 use super::texture_slot::Slot;

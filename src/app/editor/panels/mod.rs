@@ -3,6 +3,7 @@
 //!
 //! [`Command`]: crate::app::editor::command::Command
 
+pub mod caption;
 pub mod color_field;
 pub mod comparison;
 pub mod diagnostics;

@@ -3,7 +3,8 @@
 use bevy::math::{Affine2, Vec2};
 use bevy_egui::egui::{self, Ui};
 
-use super::fields::{self, Caption, NumberStyle};
+use super::caption::Caption;
+use super::fields::{self, NumberStyle};
 use super::plain_value::PlainValue;
 use crate::color::Rgb;
 use crate::scene::texture_parameters::{FILTER_TYPE, NAME, RAW, TO_UV, WRAP_MODE};

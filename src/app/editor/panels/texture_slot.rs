@@ -5,8 +5,9 @@ use std::path::Path;
 
 use bevy_egui::egui::{self, Color32, Ui};
 
+use super::caption::Caption;
 use super::color_field;
-use super::fields::{self, Caption, name_cell};
+use super::fields::{self, name_cell};
 use super::plain_value::PlainValue;
 use super::texture::{self, TextureKind};
 use crate::app::editor::model::panel_textures::PanelTextures;

@@ -1,0 +1,29 @@
+//! What a file dialog is for.
+
+use bevy::prelude::Entity;
+
+use crate::scene::SquarePath;
+
+/// The purpose of a file dialog.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileDialogKind {
+    /// A scene to open.
+    OpenScene,
+    /// The file to save the scene to.
+    SaveScene,
+    /// The file to save the picture to.
+    SaveImage,
+    /// A file whose content is added to the scene.
+    Import,
+    /// A picture of all directions, to be the scene's light from everywhere.
+    OpenEnvironment,
+    /// The picture of the texture that this parameter of the material or the light is, or that is at a place within it.
+    OpenPicture {
+        /// A material or a light.
+        owner: Entity,
+        /// The name of the parameter in the file.
+        parameter: &'static str,
+        /// The place of the texture within the parameter, if it is inside a checkerboard.
+        place: SquarePath,
+    },
+}
