@@ -277,7 +277,10 @@ mod tests {
             sample_work(),
             EventLoopWaker::new(&hook),
         );
-        // The hook is called when half of the room is taken.
+        // The hook is called when half of the room is taken: nothing is collected before that.
+        while !run.cancel.load(Ordering::Relaxed) {
+            std::thread::yield_now();
+        }
         let mut results = run.results.iter();
         assert!(results.any(|result| matches!(result, TileResult::Failed(text) if text == "the hook")));
         // The threads are as good as before.
