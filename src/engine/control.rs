@@ -32,6 +32,11 @@ pub struct RenderControl {
     pub motion_scale: f32,
     /// The size in pixels that replaces the film's (before `resolution_scale`), as given on the command line.
     pub film_size_override: Option<UVec2>,
+    /// The pixels of the place where the picture is shown: it gets no more of them than fit there in its own proportions. None is no such
+    /// limit.
+    pub view_size: Option<UVec2>,
+    /// Whether the picture has all of its pixels whatever `view_size` is. The engine resets it when the scene or the view has changed otherwise.
+    pub full_until_change: bool,
     /// The meaning of a pixel's value.
     pub view_mode: ViewMode,
     /// Whether the picture compares ways of finding light: the left third has bsdf sampling alone, the middle light sampling alone, the right both.
@@ -59,6 +64,8 @@ impl Default for RenderControl {
             resolution_scale: 1.0,
             motion_scale: 1.0,
             film_size_override: None,
+            view_size: None,
+            full_until_change: false,
             view_mode: ViewMode::Path,
             strategy_split: false,
             light_layers: false,

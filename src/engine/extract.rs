@@ -27,6 +27,7 @@ use super::pack::texture::TexturePacker;
 use super::pack::view::pack_view;
 use super::packed_scene::PackedScene;
 use super::renderer::Renderer;
+use super::resolution::{self, is_same_at_other_size};
 use super::status::BvhStatus;
 use crate::accel::{SplitMethod, Tlas};
 use crate::light::{LightSource, LightTable, WeightedSource};
@@ -51,6 +52,8 @@ pub(super) struct Extracted {
     pub light_groups: Arc<[LightGroup]>,
     /// The samples that the sensor's film asks for.
     pub sample_count: u32,
+    /// The pixels that the picture has when it is traced in full.
+    pub full_size: UVec2,
     /// The time of what changed the scene or the view; the next job takes it.
     pub since: Option<std::time::Instant>,
     pub meshes_loading: u32,
@@ -99,6 +102,7 @@ impl Default for Extracted {
             view: None,
             light_groups: Arc::default(),
             sample_count: Film::default().sample_count,
+            full_size: UVec2::ZERO,
             since: None,
             meshes_loading: 0,
             triangles: 0,
@@ -144,7 +148,7 @@ pub(super) fn extract_scene(
     mut packed: ResMut<PackedScene>,
     mut cache: ResMut<BlasCache>,
     renderer: Res<Renderer>,
-    control: Res<RenderControl>,
+    mut control: ResMut<RenderControl>,
     wake_up: Res<WakeUp>,
     deferred: Res<DeferredDrop>,
     authored: Authored,
@@ -177,14 +181,18 @@ pub(super) fn extract_scene(
         extracted.update_view(&authored, &control);
     }
     extracted.update_layers(control.light_layers);
-    extracted.update_clipping();
-    let same = Arc::ptr_eq(&old.geometry, &extracted.scene.geometry)
+    let same_scene = Arc::ptr_eq(&old.geometry, &extracted.scene.geometry)
         && Arc::ptr_eq(&old.surfaces, &extracted.scene.surfaces)
         && Arc::ptr_eq(&old.materials, &extracted.scene.materials)
         && Arc::ptr_eq(&old.textures, &extracted.scene.textures)
-        && Arc::ptr_eq(&old.lights, &extracted.scene.lights)
-        && old_view == extracted.view;
-    if !same {
+        && Arc::ptr_eq(&old.lights, &extracted.scene.lights);
+    if control.full_until_change && !(same_scene && extracted.sees_as(old_view.as_ref())) {
+        control.full_until_change = false;
+        extracted.update_view(&authored, &control);
+        extracted.update_layers(control.light_layers);
+    }
+    extracted.update_clipping();
+    if !same_scene || old_view != extracted.view {
         extracted.since = extracted.since.or(dirty.since);
     }
     let now = PackedScene {
@@ -402,6 +410,14 @@ impl Extracted {
         }
     }
 
+    /// Whether the view is this one but for the number of pixels.
+    fn sees_as(&self, old: Option<&View>) -> bool {
+        match (&self.view, old) {
+            (Some(view), Some(old)) => is_same_at_other_size(old, view),
+            (view, old) => view.is_none() && old.is_none(),
+        }
+    }
+
     fn update_clipping(&mut self) {
         self.errors.clipping.clear();
         let view = self.view.as_ref();
@@ -437,6 +453,7 @@ impl Extracted {
             self.sensor_name = name;
         }
         self.sample_count = film.sample_count;
+        self.full_size = resolution::full_size(film, control);
     }
 }
 

@@ -13,6 +13,7 @@ use super::deferred_drop::DeferredDrop;
 use super::event_loop_waker::EventLoopWaker;
 use super::film::RenderFilm;
 use super::light_groups::LightGroup;
+use super::resolution::is_same_at_other_size;
 use super::run::Run;
 use super::schedule::{WorkQueue, pass_end, sort_from_center, tiles_in};
 use super::stop_condition::{StopCondition, StopReason};
@@ -144,12 +145,7 @@ impl Job {
 
     /// Whether it makes the same picture with another number of pixels.
     pub fn is_of_other_size(&self, scene: &RenderScene, view: &View) -> bool {
-        let resized = View {
-            width: view.width,
-            height: view.height,
-            ..self.view.clone()
-        };
-        self.view != *view && self.is_of_scene(scene) && resized == *view
+        self.view != *view && self.is_of_scene(scene) && is_same_at_other_size(&self.view, view)
     }
 
     pub fn is_running(&self) -> bool {

@@ -21,6 +21,7 @@ pub mod packed_scene;
 mod priority;
 mod renderer;
 mod report;
+mod resolution;
 mod run;
 mod schedule;
 pub mod status;
@@ -36,6 +37,7 @@ pub use light_groups::LightGroup;
 pub(crate) use pack::material::pack_loose;
 pub use packed_scene::PackedScene;
 pub(crate) use priority::{yield_to_all, yield_to_window};
+pub use resolution::{fit, full_size};
 pub use status::{BvhStatus, LatencyStats, RenderState, RenderStatus};
 pub use stop_condition::StopReason;
 

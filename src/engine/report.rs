@@ -67,6 +67,7 @@ pub(super) fn report_status(
     status.stopped_by = reached;
     status.noise = job.and_then(|job| job.noise);
     status.size = job.map_or(UVec2::ZERO, |job| UVec2::new(job.view.width, job.view.height));
+    status.full_size = extracted.full_size;
     status.seconds = seconds;
     status.rays = job.map_or(0, |job| job.rays);
     status.mrays_per_s = per_second(status.rays);

@@ -24,6 +24,8 @@ pub struct RenderStatus {
     pub noise: Option<f32>,
     /// The size of the picture in pixels.
     pub size: UVec2,
+    /// The pixels that the picture has when it is traced in full: those of the film, see [`RenderControl`](super::RenderControl::view_size).
+    pub full_size: UVec2,
     /// Time spent on the samples of this picture; pauses do not count.
     pub seconds: f64,
     /// Rays traced for this picture, camera and shadow rays included.
@@ -64,6 +66,7 @@ impl Default for RenderStatus {
             stopped_by: None,
             noise: None,
             size: UVec2::ZERO,
+            full_size: UVec2::ZERO,
             seconds: 0.0,
             rays: 0,
             mrays_per_s: 0.0,

@@ -13,8 +13,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock};
 
-pub(crate) use self::size::Bytes;
-pub use self::size::{NoSize, parse_size};
+pub use self::size::{Bytes, NoSize, parse_size};
 use crate::files::{self, Access, FileError, LARGEST_DATA};
 
 /// The environment variable with the budget, such as `8GB`.

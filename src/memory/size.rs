@@ -12,7 +12,7 @@ const UNITS: [(&str, u64); 5] = [
 
 /// A number of bytes, shown with two or three digits and a decimal unit: `14.4 GB`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Bytes(pub u64);
+pub struct Bytes(pub u64);
 
 impl fmt::Display for Bytes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

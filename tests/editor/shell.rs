@@ -15,19 +15,23 @@ use sunroom::app::editor::command::file_access::Question;
 use sunroom::app::editor::command::panel::Panel;
 use sunroom::app::editor::command::preferences::{Preferences, ThemeChoice};
 use sunroom::app::editor::command::recovery_offer::Offer;
+use sunroom::app::editor::command::resolution::FullFilm;
 use sunroom::app::editor::command::selection::{Extend, Selection};
 use sunroom::app::editor::command::shell::ShellCommand;
 use sunroom::app::editor::command::{Command, FileDialogKind};
 use sunroom::app::editor::input::actions::{ACTIONS, Group};
-use sunroom::app::editor::model::{Item, Model, Outline};
+use sunroom::app::editor::model::{Item, Model, Outline, StatusModel};
 use sunroom::app::editor::panels::preferences::preferences;
+use sunroom::app::editor::picture::awaited_image::AwaitedImage;
+use sunroom::app::editor::session::full_film_question::FullFilmQuestion;
 use sunroom::app::editor::session::requests::Requests;
 use sunroom::app::editor::session::save_question::SaveQuestion;
 use sunroom::app::editor::session::toasts::{Toasts, Tone, Topic};
 use sunroom::app::editor::window::palette::Palette;
 use sunroom::app::editor::window::shortcuts::shortcuts;
 use sunroom::app::editor::window::unsaved_question::{UnsavedQuestion, UnsavedState};
-use sunroom::app::editor::window::{recovery_question, save_question, toasts, trust_question};
+use sunroom::app::editor::window::{full_film, recovery_question, save_question, toasts, trust_question};
+use sunroom::engine::{RenderState, RenderStatus};
 use sunroom::render::tonemap::ToneMap;
 use sunroom::scene::write::{OnChange, SaveError};
 
@@ -332,6 +336,69 @@ fn files_outside_the_scenes_folder_are_asked_about() {
             .query_by_label("chair.xml names files that it may not read:")
             .is_some()
     );
+}
+
+#[test]
+fn a_large_film_is_rendered_when_the_user_says_so() {
+    let question = FullFilmQuestion {
+        request: FullFilm {
+            save_to: Some("a.png".into()),
+            is_confirmed: false,
+        },
+        size: bevy::math::UVec2::new(8000, 8000),
+        bytes: 7_424_000_000,
+        budget: 18_000_000_000,
+    };
+    let text = "The full film has 8000 × 8000 pixels and takes 7.4 GB of memory; the program may take 18.0 GB in all.";
+    assert_eq!(question.text(), text);
+    for (button, expected) in [("Render the full film", true), ("Cancel", false)] {
+        let mut harness = show(Some(question.clone()), |egui, shown| {
+            full_film::question(egui, &mut shown.it, &mut shown.commands);
+        });
+        assert!(harness.query_by_label(text).is_some());
+        click(&mut harness, button);
+        assert_eq!(harness.state().it, None);
+        let confirmed = Command::RenderFull(question.clone().confirmed());
+        let commands = if expected { vec![confirmed] } else { Vec::new() };
+        assert_eq!(harness.state().commands, commands);
+    }
+    let mut harness = show(Some(question), |egui, shown| {
+        full_film::question(egui, &mut shown.it, &mut shown.commands);
+    });
+    press(&mut harness, Key::Escape);
+    assert_eq!((&harness.state().it, harness.state().commands.len()), (&None, 0));
+}
+
+#[test]
+fn the_full_film_of_an_image_can_be_given_up() {
+    let status = StatusModel {
+        status: RenderStatus {
+            state: RenderState::Rendering,
+            size: bevy::math::UVec2::new(1000, 1000),
+            full_size: bevy::math::UVec2::new(1000, 1000),
+            seconds: 4.0,
+            msamples_per_s: 0.5,
+            ..RenderStatus::default()
+        },
+        awaited_image: Some(AwaitedImage {
+            path: "/shots/a.png".into(),
+            samples: 8,
+            is_denoised: false,
+            exact_before: None,
+        }),
+        ..StatusModel::default()
+    };
+    let mut harness = show(status, |egui, shown| {
+        let viewport = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(800.0, 600.0));
+        full_film::progress(egui, &shown.it, viewport, &mut shown.commands);
+    });
+    assert!(
+        harness
+            .query_by_label("Rendering all 1000 × 1000 pixels for a.png")
+            .is_some()
+    );
+    click(&mut harness, "Cancel");
+    assert_eq!(harness.state().commands, [Command::StopFull]);
 }
 
 /// `docs/scripts.md` has the tables of the program.

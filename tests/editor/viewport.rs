@@ -466,3 +466,12 @@ fn a_box_and_a_click_select_lamps() {
     let film = Vec2::new(beside.x / SIZE.x, beside.y / SIZE.y);
     assert_eq!(harness.state().commands, [Command::Pick(film, Extend::Toggle)]);
 }
+
+#[test]
+fn the_place_of_the_picture_is_noted_in_pixels() {
+    let mut harness = window();
+    assert_eq!(harness.state().state.room, Some(bevy::math::UVec2::new(800, 600)));
+    harness.set_pixels_per_point(1.5);
+    harness.run_steps(2);
+    assert_eq!(harness.state().state.room, Some(bevy::math::UVec2::new(1200, 900)));
+}

@@ -6,6 +6,7 @@ mod support;
 mod light_mixing;
 mod rebuilding;
 mod stopping;
+mod view_size;
 
 use bevy::prelude::*;
 use sunroom::scene::{ActiveSensor, DocumentOrder, Film, Sensor, ToWorld};

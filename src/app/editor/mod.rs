@@ -32,6 +32,7 @@ use crate::engine::EngineSystems;
 use crate::memory;
 use crate::scene::{OpenScene, SceneAccess, SceneSystems};
 use automation::monkey::Monkey;
+use command::resolution::Resolution;
 use session::layout::Layout;
 use session::options::{SceneDefines, WantedCamera, WindowOptions};
 use session::preferences::PreferencesFile;
@@ -58,6 +59,12 @@ impl Plugin for EditorPlugin {
         let mut settings = ViewSettings::default();
         settings.navigation.set_speed(preferences.speed);
         settings.gizmo.steps = preferences.steps;
+        settings.enlarging = preferences.enlarging;
+        // Pictures that a script saves have the pixels of the film, whatever the window's size.
+        settings.resolution = match options.script {
+            Some(_) => Resolution::Full,
+            None => preferences.resolution,
+        };
         let mut toasts = Toasts::default();
         memory::budget().prefer_limit(preferences.memory_limit());
         if let Some(problem) = &preferences_file.problem {
@@ -90,6 +97,7 @@ impl Plugin for EditorPlugin {
             .insert_resource(picture::motion::Motion::new(
                 options.is_attended() || options.measure_latency.is_some() || options.monkey.is_some(),
             ))
+            .init_resource::<picture::resolution::PicturePlace>()
             .init_resource::<window::dropping::DroppedFiles>()
             .init_resource::<session::history::History>()
             .init_resource::<picture::paths::PathInspector>()
@@ -186,6 +194,8 @@ impl Plugin for EditorPlugin {
                     (
                         commands::apply_commands,
                         commands::flight::fly_on,
+                        commands::full_film::follow_awaited_image,
+                        picture::resolution::follow_place,
                         picture::motion::follow_motion,
                         viewport::steer_cursor::steer_cursor,
                         picture::pacing::pace,

@@ -3,6 +3,7 @@
 use bevy::math::{Affine3A, UVec2, Vec2, Vec3};
 
 use super::super::control::{RenderControl, ViewMode};
+use super::super::resolution;
 use super::Checker;
 use crate::render::camera::{Camera, ThinLens};
 use crate::render::filter::{FilterKernel, PixelFilter};
@@ -10,14 +11,6 @@ use crate::render::light_layers::LightGroups;
 use crate::render::view::{Integrator, PathSettings, Shown, Strategy, View};
 use crate::sampling::SequenceKind;
 use crate::scene::{self, Film, IntegratorSettings, Lens, ReconstructionFilter, SamplerSettings, Sensor, Sequence};
-
-/// The nearest size there can be a film of, of about the same shape.
-fn possible_size(size: UVec2) -> UVec2 {
-    let size = size.clamp(UVec2::ONE, UVec2::splat(Film::LARGEST_SIDE));
-    let pixels = f64::from(size.x) * f64::from(size.y);
-    let shrink = (Film::MOST_PIXELS as f64 / pixels).sqrt().min(1.0);
-    (size.as_dvec2() * shrink).as_uvec2().max(UVec2::ONE)
-}
 
 /// Packs the view of a sensor. None, with a report, if the sensor looks nowhere.
 pub(in crate::engine) fn pack_view(
@@ -34,12 +27,13 @@ pub(in crate::engine) fn pack_view(
         return None;
     };
     let window = film.window();
-    let full = control
-        .film_size_override
-        .unwrap_or(UVec2::new(window.width, window.height));
-    let size = possible_size(full);
-    if size != full {
-        check.report(format_args!("a film of {} x {} pixels is not possible", full.x, full.y));
+    let asked = resolution::asked(film, control);
+    let size = resolution::possible(asked);
+    if size != asked {
+        check.report(format_args!(
+            "a film of {} x {} pixels is not possible",
+            asked.x, asked.y
+        ));
     }
     let film_size = UVec2::new(film.width, film.height).max(UVec2::ONE).as_vec2();
     let crop_min = UVec2::new(window.x, window.y).as_vec2() / film_size;
@@ -47,9 +41,7 @@ pub(in crate::engine) fn pack_view(
     // The whole film's. The picture shows the same at every resolution, whatever the rounding of its size.
     let whole = size.as_vec2() / crop_size;
     let aspect = whole.x / whole.y;
-    let scale = control.resolution_scale * control.motion_scale;
-    let scale = if scale.is_nan() { 1.0 } else { scale.clamp(0.0, 1.0) };
-    let scaled = (size.as_vec2() * scale).round().as_uvec2().max(UVec2::ONE);
+    let traced = resolution::traced(film, control);
     let near = check.number("near_clip", sensor.near_clip, 0.0, 1e30, 1e-2);
     let far = check.number(
         "far_clip",
@@ -91,8 +83,8 @@ pub(in crate::engine) fn pack_view(
     };
     Some(View {
         camera: camera.cropped(crop_min, crop_min + crop_size),
-        width: scaled.x,
-        height: scaled.y,
+        width: traced.x,
+        height: traced.y,
         filter: pixel_filter(film.filter, check),
         integrator: Integrator::Path(path_settings),
         shown: match control.view_mode {
@@ -212,19 +204,6 @@ mod tests {
     }
 
     #[test]
-    fn films_are_as_large_as_they_can_be() {
-        for (x, y) in [(1, 1), (65_536, 1), (65_536, 1024), (8192, 8192), (640, 480)] {
-            assert!(Film::is_possible(x, y), "{x} x {y}");
-            assert_eq!(possible_size(UVec2::new(x, y)), UVec2::new(x, y));
-        }
-        for (x, y) in [(0, 5), (8193, 8192), (65_537, 1), (1, u32::MAX), (u32::MAX, u32::MAX)] {
-            assert!(!Film::is_possible(x, y), "{x} x {y}");
-            let instead = possible_size(UVec2::new(x, y));
-            assert!(Film::is_possible(instead.x, instead.y), "{x} x {y}: {instead}");
-        }
-    }
-
-    #[test]
     fn a_degenerate_pose_is_no_view() {
         let control = RenderControl::default();
         for pose in [Affine3A::ZERO, Affine3A::from_translation(Vec3::NAN)] {
@@ -277,6 +256,39 @@ mod tests {
                     "{a:?} {b:?}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn fewer_pixels_show_the_same_part_of_the_world() {
+        let film = Film {
+            width: 3840,
+            height: 2161,
+            crop: Some(Crop {
+                x: 100,
+                y: 7,
+                width: 3001,
+                height: 1999,
+            }),
+            ..Film::default()
+        };
+        let control = RenderControl {
+            view_size: Some(UVec2::new(640, 480)),
+            ..RenderControl::default()
+        };
+        for lens in [Lens::Pinhole, Lens::Orthographic] {
+            let sensor = Sensor {
+                lens,
+                ..Sensor::default()
+            };
+            let [full, small] = [&RenderControl::default(), &control].map(|control| {
+                pack_film(&sensor, &film, Affine3A::IDENTITY, control)
+                    .0
+                    .expect("a view")
+            });
+            assert_eq!((small.width, small.height), (640, 426));
+            assert_eq!((full.width, full.height), (3001, 1999));
+            assert_eq!(small.camera, full.camera);
         }
     }
 

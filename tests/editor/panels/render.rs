@@ -6,6 +6,7 @@ use sunroom::app::editor::command::bvh_overlay::BvhOverlay;
 use sunroom::app::editor::command::compare_view::CompareView;
 use sunroom::app::editor::command::display::{DisplayMode, DisplaySettings};
 use sunroom::app::editor::command::light_mix::{Channel, LightMix};
+use sunroom::app::editor::command::resolution::{Enlarging, FullFilm, Resolution};
 use sunroom::app::editor::model::{ComparisonModel, MixingModel, RenderModel};
 use sunroom::app::editor::panels::render;
 use sunroom::scene::{IntegratorSettings, Strategy};
@@ -60,6 +61,17 @@ fn the_render_panel_sets_what_it_shows() {
     click(&mut harness, "Show");
     click(&mut harness, "Normal");
     assert!(matches!(harness.state().commands.last(), Some(Command::SetDisplay(d)) if d.mode == DisplayMode::Normal));
+    click(&mut harness, "Pixels");
+    click(&mut harness, "as shown, then full");
+    let chosen = Command::SetResolution(Resolution::AfterRest);
+    assert_eq!(harness.state().commands.last(), Some(&chosen));
+    click(&mut harness, "Enlarged");
+    click(&mut harness, "sharp");
+    let chosen = Command::SetEnlarging(Enlarging::Sharp);
+    assert_eq!(harness.state().commands.last(), Some(&chosen));
+    click(&mut harness, "Render full film");
+    let asked = Command::RenderFull(FullFilm::default());
+    assert_eq!(harness.state().commands.last(), Some(&asked));
     click(&mut harness, "Start again");
     assert_eq!(harness.state().commands.last(), Some(&Command::Restart));
 }

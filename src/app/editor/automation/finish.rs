@@ -10,6 +10,7 @@ use super::script::Script;
 use crate::app::editor::picture::frame_times::FrameTimes;
 use crate::app::editor::picture::motion::Motion;
 use crate::app::editor::picture::pacing::Pacing;
+use crate::app::editor::picture::resolution::PicturePlace;
 use crate::app::editor::window::preview::Previews;
 use crate::engine::{RenderControl, RenderState, RenderStatus};
 use crate::scene::{SceneState, SceneStatus};
@@ -26,7 +27,7 @@ pub(crate) fn drive_exit_door(
     script: Option<Res<Script>>,
     motion: Res<Motion>,
     mut control: ResMut<RenderControl>,
-    (pacing, previews): (Res<Pacing>, Res<Previews>),
+    (pacing, previews, place): (Res<Pacing>, Res<Previews>, Res<PicturePlace>),
 ) {
     if door.exit && door.step != Step::Done && door.started.elapsed() > door.timeout {
         error!(
@@ -73,7 +74,7 @@ pub(crate) fn drive_exit_door(
                 _ => false,
             };
             let is_complete = door.screenshot.is_none() || window_is_complete(&pacing, &previews);
-            if is_reached && is_complete && status.is_up_to_date && motion.is_settled() {
+            if is_reached && is_complete && status.is_up_to_date && motion.is_settled() && place.is_settled() {
                 door.step = Step::Settling(SETTLING_FRAMES);
             }
         }

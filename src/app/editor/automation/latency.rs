@@ -10,6 +10,7 @@ use super::script::assign;
 use crate::app::editor::camera::pose::view_pose;
 use crate::app::editor::command::Command;
 use crate::app::editor::picture::frame_times::{Frame, FrameTimes, median};
+use crate::app::editor::picture::resolution::PicturePlace;
 use crate::app::editor::picture::texture::Picture;
 use crate::app::editor::session::history::History;
 use crate::app::editor::session::requests::CommandQueue;
@@ -113,6 +114,7 @@ pub fn act_for_probe(world: &mut World) {
     let has_picture = matches!(status.state, RenderState::Rendering | RenderState::Done) && status.samples > 0;
     if let Phase::Rest(since) = probe.phase
         && has_picture
+        && world.resource::<PicturePlace>().is_settled()
         && !probe.done
         && since.elapsed() >= KINDS[probe.kind].2
     {

@@ -18,6 +18,7 @@ pub mod panel;
 pub mod preferences;
 pub mod presets;
 pub mod recovery_offer;
+pub mod resolution;
 pub mod selection;
 pub mod shell;
 pub mod stored_view;
@@ -43,6 +44,7 @@ use inspected_paths::InspectedPaths;
 use light_mix::LightMix;
 use material_tree::MaterialTree;
 use presets::Preset;
+use resolution::{Enlarging, FullFilm, Resolution};
 use selection::Extend;
 use shell::ShellCommand;
 use tool::Tool;
@@ -248,6 +250,14 @@ pub enum Command {
     SetRegion(Option<Rect>),
     /// Sets the rendered pixels per pixel of the film along each side, above 0.
     SetResolutionScale(f32),
+    /// Sets which pixels of the film are traced while the user works.
+    SetResolution(Resolution),
+    /// Sets how a picture is shown that has fewer pixels than its place in the window.
+    SetEnlarging(Enlarging),
+    /// Traces all pixels of the film until the next change, and may save the picture then.
+    RenderFull(FullFilm),
+    /// Goes back from the full film to the pixels that the window shows.
+    StopFull,
     /// Splits the picture into thirds by bsdf sampling, by light sampling, and by both.
     SetStrategySplit(bool),
     /// Sets how the film becomes a picture.
@@ -363,6 +373,9 @@ impl Command {
             | Self::SwitchProjection
             | Self::RecallView(_)
             | Self::SetResolutionScale(_)
+            | Self::SetResolution(_)
+            | Self::RenderFull(_)
+            | Self::StopFull
             | Self::SetStrategySplit(_)
             | Self::SetLightLayers(_)
             | Self::Undo
@@ -397,6 +410,7 @@ impl Command {
             | Self::SetCompareView(_)
             | Self::Measure
             | Self::SetDisplay(_)
+            | Self::SetEnlarging(_)
             | Self::SetOverlay(_)
             | Self::SetTool(_)
             | Self::ShowSafeFrame(_)

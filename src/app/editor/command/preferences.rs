@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::gizmo_settings::Steps;
+use super::resolution::{Enlarging, Resolution};
 use crate::memory;
 
 /// The version of the file's format.
@@ -45,6 +46,10 @@ pub struct Preferences {
     pub steps: Steps,
     /// The share of the picture's resolution that is rendered while something moves, where rendering all of it takes too long; 1 is all of it.
     pub moving_scale: f32,
+    /// The pixels of the film that are traced.
+    pub resolution: Resolution,
+    /// The look of a picture that has fewer pixels than its place.
+    pub enlarging: Enlarging,
     /// The view jumps to where it goes.
     pub reduced_motion: bool,
     /// The budget for pictures, meshes and the film in GiB; 0 is the default share of the machine's memory.
@@ -68,6 +73,8 @@ impl Default for Preferences {
             speed: 1.0,
             steps: Steps::default(),
             moving_scale: 0.5,
+            resolution: Resolution::default(),
+            enlarging: Enlarging::default(),
             reduced_motion: false,
             memory_gib: 0,
             recent_files: Vec::new(),

@@ -123,6 +123,7 @@ pub fn unanswered(world: &mut World, command: &Command) -> Result<(), CommandErr
     Ok(())
 }
 
+/// Saves the picture with the pixels that it has.
 pub fn save_image(world: &mut World, path: &Path) -> Result<(), CommandError> {
     if world.resource::<RenderStatus>().state == RenderState::Idle {
         return Err(CommandError::file("There is no picture to save."));

@@ -102,12 +102,19 @@ pub fn measure(world: &mut World) -> Result<(), CommandError> {
     let (job, samples) = (film.job, film.film.sample_count());
     let mut comparison = world.resource_mut::<Comparison>();
     let snapshot = comparison.snapshot.as_ref().ok_or("There is no snapshot.")?;
-    let has_its_size = snapshot.size == [picture.width, picture.height];
+    let size = [picture.width, picture.height];
+    let has_its_size = snapshot.size == size;
+    let snapshot_size = snapshot.size;
     let found = figures(&picture.pixels, &snapshot.radiance).filter(|_| has_its_size);
     comparison.figures = found.map(|figures| Measured { figures, job, samples });
     match found {
         Some(_) => Ok(()),
-        None => Err("The picture and the snapshot differ in size.".into()),
+        None if has_its_size => Err("The picture or the snapshot has values that are no numbers.".into()),
+        None => {
+            let [snapshot, picture] = [snapshot_size, size].map(|[width, height]| format!("{width} × {height}"));
+            let help = "take the snapshot again, or render the full film for both";
+            Err(format!("The snapshot has {snapshot} pixels and the picture {picture}: {help}.").into())
+        }
     }
 }
 

@@ -10,6 +10,7 @@ mod edits;
 mod files;
 mod finished;
 pub(crate) mod flight;
+pub(crate) mod full_film;
 mod materials;
 mod mixing;
 mod placing;
@@ -93,6 +94,7 @@ fn keep_for_later(world: &mut World, commands: Vec<Command>) -> Vec<Command> {
 pub(crate) fn apply_now(world: &mut World, command: Command) -> Result<(), CommandError> {
     note_input(world, command.restarts_picture());
     apply(world, command.clone())?;
+    full_film::confirm(world)?;
     files::unanswered(world, &command)
 }
 
@@ -164,7 +166,7 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         Command::Save => files::save(world)?,
         Command::SaveScene(path) => files::save_scene(world, &path, OnChange::Refuse)?,
         Command::SaveChanged(path, on_change) => files::save_scene(world, &path, on_change)?,
-        Command::SaveImage(path) => files::save_image(world, &path)?,
+        Command::SaveImage(path) => full_film::save_image(world, path)?,
         Command::ShowDialog(kind) => world.resource_mut::<Requests>().dialog = Some(kind),
         Command::Quit => {
             world.write_message(AppExit::Success);
@@ -238,6 +240,10 @@ fn act(world: &mut World, command: Command) -> Result<(), CommandError> {
         Command::SetResolutionScale(scale) => {
             control(world, |control| control.resolution_scale = scale.clamp(0.05, 1.0));
         }
+        Command::SetResolution(resolution) => full_film::set_resolution(world, resolution),
+        Command::SetEnlarging(enlarging) => world.resource_mut::<ViewSettings>().enlarging = enlarging,
+        Command::RenderFull(request) => full_film::render(world, request)?,
+        Command::StopFull => control(world, |control| control.full_until_change = false),
         Command::SetDisplay(display) => view::set_display(world, display),
         Command::SetOverlay(overlay) => world.resource_mut::<ViewSettings>().overlay = overlay,
         Command::SetTool(tool) => {

@@ -19,7 +19,9 @@ use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::light_mix::LightMix;
 use crate::app::editor::command::material_tree::can_wrap;
 use crate::app::editor::command::presets::Preset;
+use crate::app::editor::command::resolution::{Enlarging, Resolution};
 use crate::app::editor::command::selection::Selection;
+use crate::app::editor::picture::awaited_image::AwaitedImage;
 use crate::app::editor::picture::compare::Measured;
 use crate::app::editor::picture::denoiser::DenoiserState;
 use crate::document::Severity;
@@ -209,6 +211,10 @@ pub struct RenderModel {
     pub target_samples: u32,
     /// Rendered pixels per pixel of the film along each side.
     pub resolution_scale: f32,
+    /// The pixels of the film that are traced.
+    pub resolution: Resolution,
+    /// The look of a picture that has fewer pixels than its place.
+    pub enlarging: Enlarging,
     /// The integrator of the scene.
     pub integrator: IntegratorSettings,
     /// The sampler of the scene.
@@ -283,6 +289,10 @@ pub struct StatusModel {
     pub load_failed: bool,
     /// Whether a denoised picture is shown or on its way.
     pub denoiser: DenoiserState,
+    /// The image that is saved when the full film is there.
+    pub awaited_image: Option<AwaitedImage>,
+    /// Whether the full film is traced until the next change.
+    pub is_full: bool,
     /// Median time between frames, milliseconds.
     pub frame_ms: Option<f32>,
 }

@@ -9,6 +9,7 @@ use super::{comparison, fields, light_mixing};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
+use crate::app::editor::command::resolution::{Enlarging, FullFilm, Resolution};
 use crate::app::editor::model::RenderModel;
 use crate::render::tonemap::ToneMap;
 use crate::render::white_balance::WhiteBalance;
@@ -32,6 +33,7 @@ pub fn render(
     if fields::slider(ui, "Resolution", &mut scale, 0.1..=1.0) {
         commands.push(Command::SetResolutionScale(scale));
     }
+    pixel_rows(ui, model, commands);
     region_rows(ui, model.region, commands);
     group(ui, "Display");
     display_rows(ui, display, commands);
@@ -59,6 +61,26 @@ fn stopping_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) 
     }
     if let Some(noise) = model.noise {
         fields::note(ui, "Noise now", format!("{noise:.4}"));
+    }
+}
+
+/// The pixels of the film that are traced, and how few of them are shown.
+fn pixel_rows(ui: &mut Ui, model: &RenderModel, commands: &mut Vec<Command>) {
+    let mut resolution = model.resolution;
+    let choices = Resolution::ALL.map(|(choice, _, label)| (choice, label));
+    if fields::choice(ui, "Pixels", &mut resolution, &choices) {
+        commands.push(Command::SetResolution(resolution));
+    }
+    let mut enlarging = model.enlarging;
+    if fields::choice(ui, "Enlarged", &mut enlarging, &Enlarging::ALL) {
+        commands.push(Command::SetEnlarging(enlarging));
+    }
+    let button = ui.button("Render full film").on_hover_text(
+        "Trace all pixels of the film until the scene or the view changes. A saved picture always has all of them: if fewer are shown, they are \
+         traced first, with as many samples as are shown",
+    );
+    if button.clicked() {
+        commands.push(Command::RenderFull(FullFilm::default()));
     }
 }
 

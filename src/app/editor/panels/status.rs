@@ -115,8 +115,19 @@ pub(crate) fn state_name(status: &RenderStatus) -> &'static str {
     }
 }
 
+/// The part of so many samples of every pixel that is done, from 0 to 1, and the seconds until all are; None before that can be known.
+pub(crate) fn progress_of(status: &RenderStatus, samples: u32) -> (f32, Option<f64>) {
+    let pixels = f64::from(status.size.x) * f64::from(status.size.y);
+    let wanted = pixels * f64::from(samples.max(1));
+    let per_second = 1e6 * status.msamples_per_s;
+    let done = (per_second * status.seconds).min(wanted);
+    let is_known = status.state == RenderState::Rendering && per_second > 0.0;
+    let share = if wanted > 0.0 { done / wanted } else { 0.0 };
+    (share as f32, is_known.then(|| (wanted - done) / per_second))
+}
+
 /// The time as `1:02` or `1:01:02`.
-fn clock(seconds: f64) -> String {
+pub(crate) fn clock(seconds: f64) -> String {
     let whole = seconds.max(0.0) as u64;
     let (hours, minutes, rest) = (whole / 3600, whole / 60 % 60, whole % 60);
     match hours {

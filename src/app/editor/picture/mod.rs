@@ -1,6 +1,7 @@
 //! Turns the film into what is shown of it: false colours, the denoiser, outlines, boxes and paths, and the pace of the frames. May import
 //! `session` and the modules below it.
 
+pub mod awaited_image;
 pub mod compare;
 pub mod denoiser;
 pub mod frame_times;
@@ -12,4 +13,5 @@ pub mod overlay;
 pub(crate) mod pacing;
 pub mod painter;
 pub mod paths;
+pub(crate) mod resolution;
 pub(crate) mod texture;

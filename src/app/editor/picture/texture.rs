@@ -2,7 +2,7 @@
 //! differently.
 
 use bevy::asset::RenderAssetUsages;
-use bevy::image::ImageSampler;
+use bevy::image::{ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_egui::{EguiTextureHandle, EguiUserTextures, egui};
@@ -13,17 +13,23 @@ use super::painter::{self, Painter, Scales};
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::display::{DisplayMode, DisplaySettings};
 use crate::app::editor::command::light_mix::{FilmLights, LightMix};
+use crate::app::editor::command::resolution::Enlarging;
 use crate::app::editor::session::view_settings::ViewSettings;
 use crate::color::Rgb;
-use crate::engine::RenderFilm;
+use crate::engine::{RenderFilm, fit};
 use crate::render::tile::{Tile, tiles};
+
+/// The longest side of a texture that every driver of WebGPU takes, in pixels.
+const LARGEST_TEXTURE: u32 = 8192;
 
 #[derive(Resource)]
 pub struct Picture {
     handle: Handle<Image>,
     texture: egui::TextureId,
-    /// Pixels; (0, 0) before the first.
+    /// Pixels of the picture; (0, 0) before the first.
     size: UVec2,
+    /// The colours of a picture that is too large for a texture, which shows it smaller; else empty.
+    too_large: Vec<u8>,
     shown: Option<Shown>,
     scales: Scales,
     /// The film's job when the texture was last written.
@@ -38,6 +44,7 @@ pub struct Picture {
 #[derive(Clone, PartialEq)]
 struct Shown {
     display: DisplaySettings,
+    enlarging: Enlarging,
     denoised: Option<u64>,
     /// The factors on the layers of the film.
     mix: Vec<Rgb>,
@@ -69,12 +76,13 @@ pub fn create_picture(
         TextureFormat::Rgba8UnormSrgb,
         RenderAssetUsages::all(),
     );
-    image.sampler = ImageSampler::linear();
+    image.sampler = sampler(Enlarging::default());
     let handle = images.add(image);
     commands.insert_resource(Picture {
         texture: textures.add_image(EguiTextureHandle::Strong(handle.clone())),
         handle,
         size: UVec2::ZERO,
+        too_large: Vec::new(),
         shown: None,
         scales: Scales::default(),
         job: 0,
@@ -110,6 +118,7 @@ pub fn update_picture(
     let snapshot = snapshot.filter(|_| is_shaded && comparison.view != CompareView::Off);
     let shown = Shown {
         display: settings,
+        enlarging: view.enlarging,
         denoised: denoised.map(|picture| picture.number),
         mix,
         comparison: snapshot.map(|_| (comparison.view, comparison.revision)),
@@ -130,10 +139,12 @@ pub fn update_picture(
     let Some(image) = images.get_mut_untracked(&picture.handle) else {
         return;
     };
-    let mut pixels = image.data.take().unwrap_or_default();
+    let mut pixels = match texture_size(old_size) == old_size {
+        true => image.data.take().unwrap_or_default(),
+        false => std::mem::take(&mut picture.too_large),
+    };
     if old_size != size {
         pixels = painter::resized(&pixels, old_size.to_array(), size.to_array());
-        image.texture_descriptor.size = extent(size);
     }
     let tone = settings.tone();
     let compared = snapshot.and_then(|snapshot| PixelComparison::new(comparison.view, snapshot, size.to_array()));
@@ -145,7 +156,16 @@ pub fn update_picture(
             painter.paint(&dirty, &mut pixels);
         }
     }
-    image.data = Some(pixels);
+    image.sampler = sampler(view.enlarging);
+    let shown_size = texture_size(size);
+    image.texture_descriptor.size = extent(shown_size);
+    image.data = Some(if shown_size == size {
+        pixels
+    } else {
+        let smaller = painter::resized(&pixels, size.to_array(), shown_size.to_array());
+        picture.too_large = pixels;
+        smaller
+    });
     changes.write(AssetEvent::Modified {
         id: picture.handle.id(),
     });
@@ -168,10 +188,48 @@ fn readable_mode(shown: DisplayMode, wanted: DisplayMode) -> DisplayMode {
     }
 }
 
+/// The size of the texture that shows a picture.
+fn texture_size(size: UVec2) -> UVec2 {
+    if size.max_element() <= LARGEST_TEXTURE {
+        size
+    } else {
+        fit(size, UVec2::splat(LARGEST_TEXTURE))
+    }
+}
+
+/// A picture that is larger than its place is always filtered.
+fn sampler(enlarging: Enlarging) -> ImageSampler {
+    let mag_filter = match enlarging {
+        Enlarging::Smooth => ImageFilterMode::Linear,
+        Enlarging::Sharp => ImageFilterMode::Nearest,
+    };
+    ImageSampler::Descriptor(ImageSamplerDescriptor {
+        mag_filter,
+        ..ImageSamplerDescriptor::linear()
+    })
+}
+
 fn extent(size: UVec2) -> Extent3d {
     Extent3d {
         width: size.x,
         height: size.y,
         depth_or_array_layers: 1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_texture_is_no_larger_than_drivers_take() {
+        for (size, expected) in [
+            ((1, 1), (1, 1)),
+            ((8192, 8192), (8192, 8192)),
+            ((20_000, 3000), (8192, 1228)),
+            ((3, 65_536), (1, 8192)),
+        ] {
+            assert_eq!(texture_size(size.into()), expected.into(), "{size:?}");
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! The state that the editor keeps beside the scene: history, preferences, messages, view settings, requests and recovery. May import `command`,
 //! `words` and `camera`.
 
+pub mod full_film_question;
 pub mod history;
 pub mod layout;
 pub mod options;

@@ -142,6 +142,8 @@ pub(crate) fn remember(
         layout: layout.to_json(),
         speed: settings.navigation.speed,
         steps: settings.gizmo.steps,
+        resolution: settings.resolution,
+        enlarging: settings.enlarging,
         ..preferences.clone()
     });
     if silent.problem != problem {

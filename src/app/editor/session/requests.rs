@@ -2,6 +2,7 @@
 
 use bevy::prelude::Resource;
 
+use super::full_film_question::FullFilmQuestion;
 use super::save_question::SaveQuestion;
 use crate::app::editor::command::panel::Panel;
 use crate::app::editor::command::shell::Sheet;
@@ -18,6 +19,8 @@ pub struct Requests {
     pub dialog: Option<FileDialogKind>,
     /// The question how to save a file that others changed.
     pub save_question: Option<SaveQuestion>,
+    /// The question whether to trace a large film in full.
+    pub full_film_question: Option<FullFilmQuestion>,
     /// The sheet that covers the window.
     pub sheet: Option<Sheet>,
     /// A panel to bring to the front of its group, unless it is closed.

@@ -6,6 +6,7 @@ use crate::app::editor::camera::navigation::Navigation;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::GizmoSettings;
+use crate::app::editor::command::resolution::{Enlarging, Resolution};
 use crate::app::editor::command::stored_view::StoredViews;
 use crate::app::editor::command::tool::Tool;
 
@@ -20,6 +21,10 @@ pub struct ViewSettings {
     pub navigation: Navigation,
     /// The settings of what a drag of the gizmo does.
     pub gizmo: GizmoSettings,
+    /// The pixels of the film that are traced.
+    pub resolution: Resolution,
+    /// The look of a picture of few pixels.
+    pub enlarging: Enlarging,
     /// The stored views.
     pub bookmarks: StoredViews,
     /// The tool, which decides what the next click in the picture does.
@@ -37,6 +42,8 @@ impl Default for ViewSettings {
             overlay: BvhOverlay::default(),
             navigation: Navigation::default(),
             gizmo: GizmoSettings::default(),
+            resolution: Resolution::default(),
+            enlarging: Enlarging::default(),
             bookmarks: StoredViews::default(),
             tool: Tool::default(),
             safe_frame: false,

@@ -17,7 +17,7 @@ pub mod toolbar;
 
 use std::time::Duration;
 
-use bevy::math::{Vec2, Vec3};
+use bevy::math::{UVec2, Vec2, Vec3};
 use bevy_egui::egui::{self, Align2, Color32, EventFilter, FontId, Id, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
 
 use crate::app::editor::camera::navigation::FlyInput;
@@ -29,6 +29,7 @@ use crate::app::editor::input::keys;
 use crate::app::editor::picture::legend::Legend;
 use crate::app::editor::picture::outline::Level;
 use crate::app::editor::picture::overlay::{MAX_BOXES, edges};
+use crate::engine::fit;
 use gizmo::interaction::Rest;
 use marks::{BACKING, tag, thin_frame};
 use material_drop::{Takers, drop_target};
@@ -48,7 +49,12 @@ const MESH_BOX: Color32 = Color32::from_rgba_premultiplied(60, 130, 230, 160);
 pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, commands: &mut Vec<Command>) {
     let panel = ui.available_rect_before_wrap();
     ui.painter().rect_filled(panel, 0.0, Color32::from_gray(18));
-    let picture = model.picture.map_or(panel, |_| fitted(panel, model.proportions));
+    let pixels = ui.ctx().pixels_per_point();
+    let room = pixels_of(panel, pixels);
+    state.room = Some(room);
+    let picture = model
+        .picture
+        .map_or(panel, |_| fitted(panel, fit(model.proportions.into(), room), pixels));
     let response = ui.interact(picture, Id::new(PICTURE), Sense::click_and_drag());
     match model.picture {
         Some((texture, _)) => {
@@ -81,12 +87,17 @@ pub fn viewport(ui: &mut Ui, model: &ViewportModel, state: &mut ViewportState, c
     ui.advance_cursor_after_rect(panel);
 }
 
-/// The largest rectangle of the picture's proportions in the middle of the panel, on whole points so that pixels stay sharp.
-fn fitted(panel: Rect, [width, height]: [u32; 2]) -> Rect {
-    let size = egui::vec2(width.max(1) as f32, height.max(1) as f32);
-    let scale = (panel.width() / size.x).min(panel.height() / size.y);
-    let fitted = (size * scale).floor();
-    Rect::from_min_size((panel.center() - 0.5 * fitted).floor(), fitted)
+/// The whole pixels of a rectangle.
+fn pixels_of(panel: Rect, pixels_per_point: f32) -> UVec2 {
+    let size = panel.size() * pixels_per_point;
+    UVec2::new(size.x.max(1.0) as u32, size.y.max(1.0) as u32)
+}
+
+/// The rectangle of this size in pixels in the middle of the panel, on whole pixels so that those of the picture stay sharp.
+fn fitted(panel: Rect, size: UVec2, pixels_per_point: f32) -> Rect {
+    let size = egui::vec2(size.x as f32, size.y as f32);
+    let corner = panel.center().to_vec2() * pixels_per_point - 0.5 * size;
+    Rect::from_min_size((corner.floor() / pixels_per_point).to_pos2(), size / pixels_per_point)
 }
 
 /// Handles keys and mouse: they go to the gizmo first, the rest of the mouse turns and moves the view, and the rest of the keys are shortcuts.

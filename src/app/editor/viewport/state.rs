@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use bevy::math::UVec2;
 use bevy::prelude::Resource;
 use bevy_egui::egui::Ui;
 
@@ -15,6 +16,8 @@ pub struct ViewportState {
     pub gizmo: GizmoState,
     /// The state of the mouse.
     pub pointer: PointerState,
+    /// The pixels in which the picture was last shown.
+    pub room: Option<UVec2>,
     pub(super) flying: bool,
     pub(super) speed: SpeedTag,
 }

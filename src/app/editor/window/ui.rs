@@ -11,7 +11,7 @@ use super::dropping::{self, DroppedFiles};
 use super::sheet::{self, SheetModel};
 use super::unsaved_question::{UnsavedQuestion, UnsavedState};
 use super::widgets::Widgets;
-use super::{recovery_question, save_question, toasts, trust_question};
+use super::{full_film, recovery_question, save_question, toasts, trust_question};
 use crate::app::editor::command::Command;
 use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::selection::Selection;
@@ -22,6 +22,7 @@ use crate::app::editor::model::EditorModel;
 use crate::app::editor::panels::menu_bar::{MenuState, menu_bar};
 use crate::app::editor::panels::status;
 use crate::app::editor::picture::paths::PathInspector;
+use crate::app::editor::picture::resolution::PicturePlace;
 use crate::app::editor::session::layout::Layout;
 use crate::app::editor::session::preferences::PreferencesFile;
 use crate::app::editor::session::recovery::Recovery;
@@ -65,6 +66,7 @@ pub struct Shell<'w, 's> {
     preferences_file: Res<'w, PreferencesFile>,
     recovery: ResMut<'w, Recovery>,
     trusted: ResMut<'w, TrustedFolders>,
+    place: ResMut<'w, PicturePlace>,
     dropped: ResMut<'w, DroppedFiles>,
     clipboard: ResMut<'w, EguiClipboard>,
     mouse: Res<'w, AccumulatedMouseMotion>,
@@ -106,6 +108,7 @@ pub fn show_window(
     // A question or a sheet that closes in this frame still had its keys.
     let is_free = requests.dialog.is_none()
         && requests.save_question.is_none()
+        && requests.full_film_question.is_none()
         && requests.sheet.is_none()
         && shell.recovery.offer.is_none()
         && shell.trusted.question.is_none()
@@ -173,6 +176,9 @@ pub fn show_window(
             viewport(ui, &shown, state, commands);
         }
     });
+    if let Some(room) = state.room {
+        shell.place.bypass_change_detection().note(room);
+    }
     if state.gizmo.take_begun() {
         requests.interaction += 1;
     }
@@ -199,6 +205,8 @@ pub fn show_window(
     );
     recovery_question::question(&context, &mut shell.recovery.offer, commands);
     save_question::show(&context, requests, commands);
+    full_film::question(&context, &mut requests.full_film_question, commands);
+    full_film::progress(&context, &model.status, widgets.viewport_place, commands);
     // One question at a time.
     if shell.recovery.offer.is_none() {
         trust_question::question(&context, &mut shell.trusted.question, commands);

@@ -10,6 +10,7 @@ use super::tampering;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::display::DisplayMode;
 use crate::app::editor::command::panel::Panel;
+use crate::app::editor::command::resolution::Resolution;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::session::history::History;
 use crate::render::tonemap::ToneMap;
@@ -179,7 +180,7 @@ fn display(random: &mut Random) -> Vec<Act> {
 }
 
 fn rendering(world: &mut World, random: &mut Random) -> Vec<Act> {
-    match random.below(9) {
+    match random.below(11) {
         0 => say(format!("samples {}", 1 + random.below(64))),
         1 => say(["limit-noise none", "limit-noise 0.1"][random.below(2)]),
         2 => match random.below(2) {
@@ -206,6 +207,11 @@ fn rendering(world: &mut World, random: &mut Random) -> Vec<Act> {
             })
         }
         7 => say("denoise"),
+        8 => say(format!(
+            "resolution {}",
+            Resolution::ALL[random.below(Resolution::ALL.len())].1
+        )),
+        9 => say(["render-full", "stop-full", "enlarge sharp", "enlarge smooth"][random.below(4)]),
         _ => say("restart"),
     }
 }

@@ -10,7 +10,7 @@ use super::add_to;
 use super::state::{Monkey, settings_folder};
 use crate::app::allocator::keep_memory_low;
 use crate::app::editor::command::{light_mix, selection};
-use crate::app::editor::commands::{self, flight, scene_watch};
+use crate::app::editor::commands::{self, flight, full_film, scene_watch};
 use crate::app::editor::model::{EditorModel, gather, inspection};
 use crate::app::editor::picture::frame_times::{self, FrameTimes};
 use crate::app::editor::picture::{compare, denoiser, motion, pacing, paths};
@@ -92,7 +92,12 @@ fn windowless(monkey: Monkey, threads: Option<i32>) -> App {
                 )
                     .chain()
                     .in_set(EditorSystems::Gather),
-                (commands::apply_commands, flight::fly_on, motion::follow_motion)
+                (
+                    commands::apply_commands,
+                    flight::fly_on,
+                    full_film::follow_awaited_image,
+                    motion::follow_motion,
+                )
                     .chain()
                     .in_set(EditorSystems::Apply),
                 (light_mix::note_film_lights, denoiser::collect_denoised)

@@ -19,8 +19,10 @@ use super::exit_door::ExitDoor;
 use super::screenshot::{save_window, window_is_complete};
 use crate::app::editor::command::Command;
 use crate::app::editor::commands;
+use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage};
 use crate::app::editor::picture::denoiser::{Denoiser, DenoiserState};
 use crate::app::editor::picture::pacing::Pacing;
+use crate::app::editor::picture::resolution::PicturePlace;
 use crate::app::editor::session::requests::Requests;
 use crate::app::editor::window::preview::Previews;
 use crate::app::terminal;
@@ -44,6 +46,8 @@ pub(crate) struct Script {
     step: Option<Step>,
     wait: Option<Wait>,
     screenshot_awaited: bool,
+    /// The full film is traced for an image that is to be saved.
+    image_awaited: bool,
     failed: bool,
     /// The line that was begun last.
     number: usize,
@@ -61,6 +65,7 @@ impl Script {
             step: None,
             wait: None,
             screenshot_awaited: false,
+            image_awaited: false,
             failed: false,
             number: 0,
             opens: false,
@@ -73,6 +78,7 @@ impl Script {
             && self.step.is_none()
             && self.wait.is_none()
             && !self.screenshot_awaited
+            && !self.image_awaited
             && self.frames >= FRAMES_TO_BEGIN
     }
 }
@@ -90,6 +96,7 @@ pub(crate) fn run_script(world: &mut World) {
             Err(error) => script.fail(world, &error),
         }
     }
+    script.image_awaited = world.contains_resource::<AwaitedImage>();
     world.insert_resource(script);
 }
 
@@ -104,6 +111,12 @@ fn is_ready(world: &World, script: &mut Script) -> Result<bool, ScriptError> {
     }
     if script.opens && scene.state == SceneState::Failed {
         return Err(ScriptError::Scene);
+    }
+    if world.contains_resource::<AwaitedImage>() || !world.resource::<PicturePlace>().is_settled() {
+        return Ok(false);
+    }
+    if let Some(EndedImage(Err(reason))) = world.get_resource::<EndedImage>() {
+        return Err(reason.clone().into());
     }
     let status = world.resource::<RenderStatus>();
     if !status.is_up_to_date || world.resource::<Denoiser>().state() == DenoiserState::Running {

@@ -48,7 +48,7 @@ pub enum Wait {
 }
 
 /// The verbs beside the actions; for messages and `docs/scripts.md`.
-pub const VERBS: [(&str, &str); 40] = [
+pub const VERBS: [(&str, &str); 42] = [
     ("open", "FILE"),
     ("save-to", "FILE [merge|overwrite] (if it was changed elsewhere)"),
     ("save-image-to", "FILE"),
@@ -85,6 +85,8 @@ pub const VERBS: [(&str, &str); 40] = [
     ("white", "KELVIN [TINT]"),
     ("limit-time", "SECONDS|none"),
     ("limit-noise", "NOISE|none"),
+    ("resolution", "view|after-rest|full"),
+    ("enlarge", "smooth|sharp"),
     ("region", "none | X,Y X,Y (0 to 1 from the upper left)"),
     ("split-strategies", "on|off"),
     ("keep-lights-apart", "on|off"),
@@ -263,6 +265,8 @@ fn verb_step(world: &mut World, verb: &str, arguments: &[&str]) -> Result<Step, 
         }
         ("limit-time", [seconds]) => Command::SetTimeLimit(rendering::limit(seconds)?),
         ("limit-noise", [noise]) => Command::SetNoiseTarget(rendering::limit(noise)?),
+        ("resolution", [name]) => Command::SetResolution(rendering::resolution(name)?),
+        ("enlarge", [name]) => Command::SetEnlarging(rendering::enlarging(name)?),
         ("region", corners) => Command::SetRegion(rendering::region(corners)?),
         ("split-strategies", [switch]) => Command::SetStrategySplit(rendering::switch(switch)?),
         ("keep-lights-apart", [switch]) => Command::SetLightLayers(rendering::switch(switch)?),

@@ -7,6 +7,7 @@ use super::error::ScriptError;
 use crate::app::editor::command::Command;
 use crate::app::editor::command::compare_view::CompareView;
 use crate::app::editor::command::light_mix::{Channel, LightMix};
+use crate::app::editor::command::resolution::{Enlarging, Resolution};
 use crate::color::Rgb;
 use crate::document::value::{parse_float, parse_floats, parse_rgb};
 
@@ -16,6 +17,18 @@ pub fn switch(text: &str) -> Result<bool, ScriptError> {
         "off" => Ok(false),
         _ => Err(format!("expected `on` or `off`, found `{text}`").into()),
     }
+}
+
+pub fn resolution(name: &str) -> Result<Resolution, ScriptError> {
+    let known = Resolution::ALL.into_iter().find(|(_, known, _)| *known == name);
+    let known = known.ok_or_else(|| format!("expected `view`, `after-rest` or `full`, found `{name}`"))?;
+    Ok(known.0)
+}
+
+pub fn enlarging(name: &str) -> Result<Enlarging, ScriptError> {
+    let known = Enlarging::ALL.into_iter().find(|(_, known)| *known == name);
+    let known = known.ok_or_else(|| format!("expected `smooth` or `sharp`, found `{name}`"))?;
+    Ok(known.0)
 }
 
 /// Parses a limit; None is no limit.

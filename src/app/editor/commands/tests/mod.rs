@@ -1,6 +1,7 @@
 //! Tests of commands on a world without a window.
 
 mod files;
+mod full_film;
 mod materials;
 
 use std::path::{Path, PathBuf};

@@ -8,6 +8,7 @@ use crate::app::editor::command::axis_view::AxisView;
 use crate::app::editor::command::bvh_overlay::BvhOverlay;
 use crate::app::editor::command::display::DisplaySettings;
 use crate::app::editor::command::gizmo_settings::{Axes, GizmoSettings, Mode};
+use crate::app::editor::command::resolution::FullFilm;
 use crate::app::editor::command::selection::Extend;
 use crate::app::editor::command::shell::{Sheet, ShellCommand};
 use crate::app::editor::command::tool::Tool;
@@ -377,6 +378,12 @@ pub const ACTIONS: &[Action] = &[
     ),
     action(Group::Render, "restart", "Start again", &[shift(Key::R)], |_| {
         Some(Command::Restart)
+    }),
+    action(Group::Render, "render-full", "Render full film", &[], |_| {
+        Some(Command::RenderFull(FullFilm::default()))
+    }),
+    action(Group::Render, "stop-full", "Stop the full film", &[], |_| {
+        Some(Command::StopFull)
     }),
     action(Group::Render, "denoise", "Denoise", &[plain(Key::N)], |_| {
         Some(Command::Denoise)

@@ -1,0 +1,158 @@
+//! Traces the full film where only the pixels of the window are traced as a rule: on demand, and before the picture is saved.
+//!
+//! A saved picture always has the pixels of the film, and as many samples as the picture on the screen had when it was to be saved. A change of the
+//! scene or the view in between begins the picture anew: then nothing is saved, and the user is told.
+
+use std::path::PathBuf;
+
+use bevy::prelude::*;
+
+use super::finished;
+use super::world::control;
+use crate::app::editor::command::error::CommandError;
+use crate::app::editor::command::resolution::{FullFilm, Resolution};
+use crate::app::editor::picture::awaited_image::{AwaitedImage, EndedImage};
+use crate::app::editor::picture::denoiser::{Denoiser, DenoiserState};
+use crate::app::editor::picture::resolution::{full_film_bytes, is_large};
+use crate::app::editor::session::full_film_question::FullFilmQuestion;
+use crate::app::editor::session::requests::Requests;
+use crate::app::editor::session::toasts::{Toasts, Topic};
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::engine::{RenderControl, RenderFilm, RenderState, RenderStatus, WakeUp};
+use crate::memory;
+
+pub fn set_resolution(world: &mut World, resolution: Resolution) {
+    world.resource_mut::<ViewSettings>().resolution = resolution;
+    control(world, |control| control.full_until_change = false);
+}
+
+/// Whether the picture has fewer pixels than it has when traced in full.
+pub fn is_smaller(world: &World) -> bool {
+    let status = world.resource::<RenderStatus>();
+    let film = &world.resource::<RenderFilm>().film;
+    let full = status.full_size;
+    full != UVec2::ZERO && (status.size != full || UVec2::new(film.width(), film.height()) != full)
+}
+
+/// Saves the picture, after tracing the full film if it has fewer pixels.
+pub fn save_image(world: &mut World, path: PathBuf) -> Result<(), CommandError> {
+    let is_idle = world.resource::<RenderStatus>().state == RenderState::Idle;
+    if is_idle || !is_smaller(world) {
+        return super::files::save_image(world, &path);
+    }
+    render(
+        world,
+        FullFilm {
+            save_to: Some(path),
+            is_confirmed: false,
+        },
+    )
+}
+
+/// Begins to trace the full film, or asks first if that takes much memory.
+pub fn render(world: &mut World, request: FullFilm) -> Result<(), CommandError> {
+    let status = world.resource::<RenderStatus>();
+    let (full, samples) = (status.full_size, status.samples.max(1));
+    if status.state == RenderState::Idle {
+        return Err("There is no picture to render.".into());
+    }
+    if world.resource::<RenderControl>().paused && is_smaller(world) {
+        return Err("Rendering is paused: the full film needs it to go on.".into());
+    }
+    if is_smaller(world) {
+        let bytes = full_film_bytes(full, world.resource::<RenderFilm>().film.layer_count());
+        // The reservation is tried, and given back at once.
+        memory::reserve(bytes)
+            .map_err(|shortage| format!("A film of {} × {} pixels needs {shortage}.", full.x, full.y))?;
+        if is_large(bytes) && !request.is_confirmed {
+            world.resource_mut::<Requests>().full_film_question = Some(FullFilmQuestion {
+                request,
+                size: full,
+                bytes,
+                budget: memory::budget().limit(),
+            });
+            return Ok(());
+        }
+    }
+    if let Some(path) = request.save_to {
+        end(world, Err("another image was to be saved".to_owned()));
+        let shows_denoised = world.get_resource::<Denoiser>();
+        let image = AwaitedImage {
+            path,
+            samples,
+            is_denoised: shows_denoised.is_some_and(|denoiser| {
+                matches!(denoiser.state(), DenoiserState::Running | DenoiserState::Shown { .. })
+            }),
+            exact_before: world.resource::<RenderControl>().exact_samples,
+        };
+        control(world, |control| control.exact_samples = Some(samples));
+        world.insert_resource(image);
+    }
+    control(world, |control| control.full_until_change = true);
+    Ok(())
+}
+
+/// Goes on where the user would have been asked, for callers that cannot answer: they have asked for it.
+pub fn confirm(world: &mut World) -> Result<(), CommandError> {
+    match world.resource_mut::<Requests>().full_film_question.take() {
+        Some(question) => render(world, question.confirmed()),
+        None => Ok(()),
+    }
+}
+
+/// Ends the wait for an image.
+fn end(world: &mut World, outcome: Result<(), String>) {
+    if let Some(image) = world.remove_resource::<AwaitedImage>() {
+        control(world, |control| control.exact_samples = image.exact_before);
+        world.insert_resource(EndedImage(outcome));
+    }
+}
+
+/// Saves the image that is waited for when the full film has its samples.
+pub fn follow_awaited_image(world: &mut World) {
+    let Some(image) = world.get_resource::<AwaitedImage>().cloned() else {
+        return;
+    };
+    let status = world.resource::<RenderStatus>();
+    let file = image.file_name();
+    if status.state == RenderState::Failed {
+        let reason = status.errors.first().cloned().unwrap_or_default();
+        control(world, |control| control.full_until_change = false);
+        let message = format!("{file} was not saved: {reason}");
+        world.resource_mut::<Toasts>().error(Topic::Saving, &message, None);
+        return end(world, Err(message));
+    }
+    // The setting may ask for the full film as well, which needs no demand.
+    let is_asked_for = world.resource::<RenderControl>().full_until_change || !is_smaller(world);
+    if !is_asked_for {
+        let reason = "the scene, the view or the resolution was changed before the full film was there";
+        let message = format!("{file} was not saved: {reason}.");
+        world.resource_mut::<Toasts>().reject(&message);
+        return end(world, Err(message));
+    }
+    let is_complete = status.state == RenderState::Done && status.samples >= image.samples && !is_smaller(world);
+    if !is_complete || (image.is_denoised && !is_denoised(world)) {
+        return;
+    }
+    let outcome = super::files::save_image(world, &image.path).map_err(|error| error.to_string());
+    if let Err(message) = &outcome {
+        world.resource_mut::<Toasts>().error(Topic::Saving, message, None);
+    }
+    end(world, outcome);
+}
+
+/// Whether the denoised picture is there; begins the work if it is not.
+fn is_denoised(world: &mut World) -> bool {
+    match world.resource::<Denoiser>().state() {
+        DenoiserState::Shown { .. } | DenoiserState::Unavailable => return true,
+        DenoiserState::Running => return false,
+        DenoiserState::Idle => {}
+    }
+    let mix = finished::factors(world);
+    let wake_up = world.resource::<WakeUp>().clone();
+    let threads = world.resource::<RenderControl>().threads;
+    world.resource_scope(|world, mut denoiser: Mut<Denoiser>| {
+        denoiser.start(world.resource::<RenderFilm>(), mix, threads, wake_up);
+    });
+    false
+}

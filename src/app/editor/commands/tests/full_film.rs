@@ -1,0 +1,173 @@
+//! The full film: rendered on demand, asked about, and saved.
+
+use std::num::NonZeroUsize;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use bevy::asset::AssetPlugin;
+
+use super::*;
+use crate::app::editor::command::resolution::{FullFilm, Resolution};
+use crate::app::editor::commands::full_film::{confirm, follow_awaited_image};
+use crate::app::editor::picture::awaited_image::AwaitedImage;
+use crate::engine::{EnginePlugin, EngineSystems, RenderState, RenderStatus};
+use crate::memory;
+use crate::render::film;
+use crate::scene::{self, EmitterKind, ScenePlugin};
+
+/// A sky, and a film of 120 x 80 pixels that is shown in 60 x 60.
+fn app() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), ScenePlugin, EnginePlugin))
+        .init_resource::<ViewSettings>()
+        .init_resource::<Requests>()
+        .init_resource::<Toasts>()
+        .init_resource::<CommandQueue>()
+        .init_resource::<FrameTimes>()
+        .init_resource::<Pacing>()
+        .init_resource::<Selection>()
+        .init_resource::<History>()
+        .init_resource::<LightMix>()
+        .init_resource::<crate::app::editor::command::light_mix::FilmLights>()
+        .init_resource::<Comparison>()
+        .init_resource::<Denoiser>()
+        .add_systems(PostUpdate, follow_awaited_image.before(EngineSystems::Detect));
+    let world = app.world_mut();
+    world.spawn((
+        DocumentOrder(0),
+        Emitter::from(EmitterKind::Constant { radiance: Rgb::ONE }),
+    ));
+    let film = scene::Film {
+        width: 120,
+        height: 80,
+        sample_count: 1_000_000,
+        ..default()
+    };
+    let sensor = world
+        .spawn((DocumentOrder(1), Sensor::default(), ToWorld::default(), film))
+        .id();
+    world.insert_resource(ActiveSensor(Some(sensor)));
+    let mut control = world.resource_mut::<RenderControl>();
+    control.threads = NonZeroUsize::MIN;
+    control.interactive = true;
+    control.view_size = Some(UVec2::splat(60));
+    app
+}
+
+fn update_until(app: &mut App, reached: impl Fn(&World) -> bool) {
+    let begin = Instant::now();
+    app.update();
+    while !reached(app.world()) {
+        let status = app.world().resource::<RenderStatus>();
+        assert!(begin.elapsed() < Duration::from_secs(600), "{status:?}");
+        std::thread::sleep(Duration::from_millis(1));
+        app.update();
+    }
+}
+
+fn size(world: &World) -> (u32, u32) {
+    let film = &world.resource::<RenderFilm>().film;
+    (film.width(), film.height())
+}
+
+fn begin_to_save(app: &mut App, path: &Path) {
+    update_until(app, |world| world.resource::<RenderStatus>().samples >= 3);
+    assert_eq!(size(app.world()), (60, 40));
+    apply(app.world_mut(), Command::SaveImage(path.to_owned())).expect("it is begun");
+    assert!(app.world().contains_resource::<AwaitedImage>() && !path.exists());
+}
+
+#[test]
+fn an_image_is_saved_with_all_pixels_of_the_film() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sky.png");
+    let mut app = app();
+    begin_to_save(&mut app, &path);
+    let samples = app.world().resource::<AwaitedImage>().samples;
+    update_until(&mut app, |world| !world.contains_resource::<AwaitedImage>());
+    let saved = image::open(&path).expect("a picture").to_rgb8();
+    assert_eq!(saved.dimensions(), (120, 80));
+    assert!(saved.pixels().all(|pixel| pixel.0 == [255; 3]));
+    let control = app.world().resource::<RenderControl>();
+    assert_eq!((control.exact_samples, control.full_until_change), (None, true));
+    assert!(samples >= 3);
+    // Now it is there and saved at once.
+    let again = folder.path().join("again.png");
+    apply(app.world_mut(), Command::SaveImage(again.clone())).expect("saved");
+    assert!(again.exists());
+    apply(app.world_mut(), Command::StopFull).expect("it is stopped");
+    update_until(&mut app, |world| size(world) == (60, 40));
+}
+
+#[test]
+fn a_change_in_between_saves_nothing_and_says_so() {
+    let changes: [fn(&mut World); 3] = [
+        |world| {
+            apply(world, Command::StopFull).expect("it is stopped");
+        },
+        |world| {
+            apply(world, Command::MoveView(Affine3A::from_rotation_y(0.5))).expect("moved");
+        },
+        |world| {
+            apply(world, Command::SetResolution(Resolution::View)).expect("set");
+        },
+    ];
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sky.png");
+    for change in changes {
+        let mut app = app();
+        begin_to_save(&mut app, &path);
+        app.update();
+        change(app.world_mut());
+        update_until(&mut app, |world| !world.contains_resource::<AwaitedImage>());
+        assert!(!path.exists());
+        let texts: Vec<&str> = app.world().resource::<Toasts>().texts().collect();
+        assert!(
+            texts.iter().any(|text| text.starts_with("sky.png was not saved")),
+            "{texts:?}"
+        );
+        assert_eq!(app.world().resource::<RenderControl>().exact_samples, None);
+    }
+}
+
+/// A world whose picture is a small one of a film with this number of pixels on each side.
+fn world_with_film(side: u32) -> World {
+    let mut world = bare_world();
+    world.insert_resource(RenderStatus {
+        state: RenderState::Rendering,
+        size: UVec2::splat(100),
+        full_size: UVec2::splat(side),
+        ..RenderStatus::default()
+    });
+    world
+}
+
+#[test]
+fn a_large_film_is_asked_about_and_one_that_is_too_large_refused() {
+    let limit = memory::budget().limit();
+    let side_of = |bytes: u64| ((bytes / film::Film::memory_bytes(32, 32, 0) * 1024) as f64).sqrt() as u32;
+    let is_full = |world: &World| world.resource::<RenderControl>().full_until_change;
+
+    let mut world = world_with_film(side_of(limit / 100));
+    apply(&mut world, Command::RenderFull(FullFilm::default())).expect("it is begun");
+    assert!(is_full(&world) && world.resource::<Requests>().full_film_question.is_none());
+
+    let mut world = world_with_film(side_of(limit / 2));
+    apply(&mut world, Command::RenderFull(FullFilm::default())).expect("it is asked");
+    assert!(!is_full(&world));
+    let question = world.resource::<Requests>().full_film_question.clone();
+    let question = question.expect("a question");
+    assert!(question.text().contains("GB of memory") || question.text().contains("MB of memory"));
+    confirm(&mut world).expect("it is begun");
+    assert!(is_full(&world) && world.resource::<Requests>().full_film_question.is_none());
+
+    let mut world = world_with_film(side_of(2 * limit));
+    let refused = apply(&mut world, Command::RenderFull(FullFilm::default()));
+    let reason = refused.expect_err("it is too large").to_string();
+    assert!(reason.contains("of memory"), "{reason}");
+    assert!(!is_full(&world));
+
+    let mut world = world_with_film(300);
+    world.resource_mut::<RenderControl>().paused = true;
+    assert!(apply(&mut world, Command::RenderFull(FullFilm::default())).is_err());
+}

@@ -1,0 +1,188 @@
+//! Decides how many pixels of the film are traced: as many as the window shows, unless the user wants the full film.
+//!
+//! The pixels of the window are taken over when they have been the same for a moment, so that the picture does not begin anew at every step of a
+//! resize; meanwhile the last picture is stretched.
+
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+use bevy::window::PrimaryWindow;
+
+use crate::app::editor::command::resolution::Resolution;
+use crate::app::editor::session::view_settings::ViewSettings;
+use crate::engine::{RenderControl, RenderFilm, RenderStatus, full_size};
+use crate::memory;
+use crate::render::film::Film;
+use crate::scene::{self, ActiveSensor};
+
+/// The time for which the size of the picture's place has to stay before it counts.
+const SETTLING: Duration = Duration::from_millis(200);
+/// The time without a change after which the full film is traced, if the user wants that.
+const REST: Duration = Duration::from_secs(5);
+/// A film that needs more than this share of the memory budget is traced in full only if the user asks for it.
+const LARGE_SHARE: f64 = 0.25;
+
+/// The pixels of the place where the picture is shown.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub struct PicturePlace {
+    /// The pixels as of the last frame. None before the first, and without a window.
+    room: Option<UVec2>,
+    since: Option<Instant>,
+    /// The pixels that count.
+    settled: Option<UVec2>,
+}
+
+impl PicturePlace {
+    /// Notes the pixels in which the picture is shown in this frame.
+    pub fn note(&mut self, room: UVec2) {
+        if self.room != Some(room) {
+            self.room = Some(room);
+            self.since = Some(Instant::now());
+        }
+    }
+
+    /// Whether the picture has the pixels that it will have.
+    pub fn is_settled(&self) -> bool {
+        self.room == self.settled
+    }
+
+    /// Takes the pixels over: at once before there is a picture, else when they have stayed for a while.
+    fn settle(&mut self, has_picture: bool, now: Instant) {
+        let has_stayed = self
+            .since
+            .is_none_or(|since| now.saturating_duration_since(since) >= SETTLING);
+        if !has_picture || has_stayed {
+            self.settled = self.room;
+        }
+    }
+}
+
+/// Memory that the full film of a picture takes, in bytes. `layers` is the number of light groups with a layer each.
+pub fn full_film_bytes(size: UVec2, layers: usize) -> u64 {
+    Film::memory_bytes(size.x, size.y, layers)
+}
+
+/// Whether a film of so many bytes is only traced in full when the user asks for it.
+pub fn is_large(bytes: u64) -> bool {
+    bytes as f64 > LARGE_SHARE * memory::budget().limit() as f64
+}
+
+/// Sets the pixels of the picture. It runs between the changes and the engine.
+pub fn follow_place(
+    mut place: ResMut<PicturePlace>,
+    mut control: ResMut<RenderControl>,
+    settings: Res<ViewSettings>,
+    status: Res<RenderStatus>,
+    film: Res<RenderFilm>,
+    active: Res<ActiveSensor>,
+    films: Query<&scene::Film>,
+    windows: Query<&Window, With<PrimaryWindow>>,
+) {
+    let has_picture = film.job > 0;
+    place.bypass_change_detection().settle(has_picture, Instant::now());
+    // The panel with the picture may stand behind another one.
+    let whole_window = || windows.single().ok().map(Window::physical_size);
+    let room = place.settled.or_else(whole_window);
+    let Some(of_camera) = active.0.and_then(|sensor| films.get(sensor).ok()) else {
+        return;
+    };
+    let full = full_size(of_camera, &control);
+    let is_large = is_large(full_film_bytes(full, film.film.layer_count()));
+    let view_size = room.filter(|_| is_large || settings.resolution != Resolution::Full);
+    if control.view_size != view_size {
+        control.view_size = view_size;
+    }
+    let rests = status.samples > 0 && !control.paused && status.last_restart.elapsed() >= REST;
+    let is_wanted = settings.resolution == Resolution::AfterRest && !is_large;
+    if is_wanted && rests && place.is_settled() && !control.full_until_change && status.size != status.full_size {
+        control.full_until_change = true;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_counts_when_it_stays() {
+        let mut place = PicturePlace::default();
+        let begin = Instant::now();
+        assert!(place.is_settled());
+        place.note(UVec2::new(800, 600));
+        assert!(!place.is_settled());
+        // There is nothing to lose yet.
+        place.settle(false, begin);
+        assert_eq!(place.settled, Some(UVec2::new(800, 600)));
+        for width in 801..900 {
+            place.note(UVec2::new(width, 600));
+            place.settle(true, Instant::now());
+            assert_eq!(place.settled, Some(UVec2::new(800, 600)));
+        }
+        place.settle(true, Instant::now() + SETTLING);
+        assert_eq!(place.settled, Some(UVec2::new(899, 600)));
+        assert!(place.is_settled());
+    }
+
+    fn world(width: u32, height: u32, resolution: Resolution) -> World {
+        let mut world = World::new();
+        let film = scene::Film {
+            width,
+            height,
+            ..Default::default()
+        };
+        let sensor = world.spawn((scene::Sensor::default(), film)).id();
+        world.insert_resource(ActiveSensor(Some(sensor)));
+        world.init_resource::<RenderControl>();
+        world.init_resource::<RenderFilm>();
+        world.init_resource::<RenderStatus>();
+        world.insert_resource(ViewSettings {
+            resolution,
+            ..ViewSettings::default()
+        });
+        let mut place = PicturePlace::default();
+        place.note(UVec2::new(1000, 700));
+        world.insert_resource(place);
+        world.run_system_cached(follow_place).expect("runs");
+        world
+    }
+
+    #[test]
+    fn large_films_are_not_traced_in_full_by_a_setting() {
+        let bound = |width, height, resolution| {
+            let world = world(width, height, resolution);
+            let control = world.resource::<RenderControl>();
+            (control.view_size, control.full_until_change)
+        };
+        let room = Some(UVec2::new(1000, 700));
+        assert_eq!(bound(3840, 2160, Resolution::View), (room, false));
+        assert_eq!(bound(64, 64, Resolution::Full), (None, false));
+        let limit = memory::budget().limit();
+        let side = ((limit / 100) as f64).sqrt() as u32;
+        assert!(is_large(full_film_bytes(UVec2::splat(side.min(8192)), 0)) || side > 8192);
+    }
+
+    #[test]
+    fn the_full_film_is_traced_after_a_rest_if_that_is_wanted() {
+        for resolution in [Resolution::View, Resolution::AfterRest] {
+            let mut world = world(640, 480, resolution);
+            {
+                let mut status = world.resource_mut::<RenderStatus>();
+                status.samples = 3;
+                status.full_size = UVec2::new(640, 480);
+                status.size = UVec2::new(320, 240);
+            }
+            world.run_system_cached(follow_place).expect("runs");
+            assert!(
+                !world.resource::<RenderControl>().full_until_change,
+                "it has just begun"
+            );
+            let long_ago = Instant::now()
+                .checked_sub(2 * REST)
+                .expect("the machine runs for longer");
+            world.resource_mut::<RenderStatus>().last_restart = long_ago;
+            world.run_system_cached(follow_place).expect("runs");
+            let is_full = world.resource::<RenderControl>().full_until_change;
+            assert_eq!(is_full, resolution == Resolution::AfterRest);
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! The question before a large film is traced in full, and the progress of a full film that is waited for to be saved.
+
+use bevy_egui::egui::{self, Align2, Area, Frame, Id, Modal, ProgressBar, Rect};
+
+use crate::app::editor::command::Command;
+use crate::app::editor::model::StatusModel;
+use crate::app::editor::panels::status::{clock, progress_of};
+use crate::app::editor::session::full_film_question::FullFilmQuestion;
+
+/// Asks, if there is something to ask.
+pub fn question(context: &egui::Context, asked: &mut Option<FullFilmQuestion>, commands: &mut Vec<Command>) {
+    let Some(question) = asked else {
+        return;
+    };
+    let modal = Modal::new(Id::new("full film")).show(context, |ui| {
+        ui.set_width(440.0);
+        ui.heading("Render a film of this size?");
+        ui.add_space(4.0);
+        ui.label(question.text());
+        ui.add_space(8.0);
+        let mut answer = None;
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let render = ui
+                .button("Render the full film")
+                .on_hover_text("The picture has all pixels of the film until the scene or the view changes");
+            if render.clicked() {
+                answer = Some(true);
+            }
+            if ui
+                .button("Cancel")
+                .on_hover_text("Keep the pixels that the window shows (Esc)")
+                .clicked()
+            {
+                answer = Some(false);
+            }
+        });
+        answer
+    });
+    let closed = modal.should_close();
+    match modal.inner.or(closed.then_some(false)) {
+        None => {}
+        Some(false) => *asked = None,
+        Some(true) => commands.extend(asked.take().map(|question| Command::RenderFull(question.confirmed()))),
+    }
+}
+
+/// Shows how far the full film is that will be saved. `viewport` is the place of the picture's panel.
+pub fn progress(context: &egui::Context, status: &StatusModel, viewport: Rect, commands: &mut Vec<Command>) {
+    let Some(image) = &status.awaited_image else {
+        return;
+    };
+    let (done, left) = progress_of(&status.status, image.samples);
+    Area::new(Id::new("full film progress"))
+        .pivot(Align2::CENTER_BOTTOM)
+        .fixed_pos(viewport.center_bottom() - egui::vec2(0.0, 16.0))
+        .order(egui::Order::Foreground)
+        .show(context, |ui| {
+            Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_width(320.0);
+                let size = status.status.full_size;
+                ui.label(format!(
+                    "Rendering all {} × {} pixels for {}",
+                    size.x,
+                    size.y,
+                    image.file_name()
+                ));
+                ui.horizontal(|ui| {
+                    let text = match left {
+                        Some(seconds) => format!("{:.0} %, {} left", 100.0 * done, clock(seconds)),
+                        None => format!("{:.0} %", 100.0 * done),
+                    };
+                    ui.add(ProgressBar::new(done).desired_width(240.0).text(text));
+                    let cancel = ui
+                        .button("Cancel")
+                        .on_hover_text("Save nothing, and go back to the pixels that the window shows");
+                    if cancel.clicked() {
+                        commands.push(Command::StopFull);
+                    }
+                });
+            });
+        });
+}

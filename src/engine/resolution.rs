@@ -1,0 +1,136 @@
+//! The number of pixels of a picture: those of the film, or as many as fit into the place where it is shown.
+
+use bevy::math::UVec2;
+
+use super::control::RenderControl;
+use crate::render::view::View;
+use crate::scene::Film;
+
+/// The largest size in pixels that has the proportions of `size` and fits into `room`, rounded down and at least 1 x 1. It may be larger than `size`.
+pub fn fit(size: UVec2, room: UVec2) -> UVec2 {
+    let size = size.max(UVec2::ONE).as_dvec2();
+    let scale = (room.as_dvec2() / size).min_element();
+    // A side that fills the room must not fall below it by rounding.
+    (size * scale + 1e-6).floor().as_uvec2().max(UVec2::ONE)
+}
+
+/// The nearest size there can be a film of, of about the same shape.
+pub(super) fn possible(size: UVec2) -> UVec2 {
+    let size = size.clamp(UVec2::ONE, UVec2::splat(Film::LARGEST_SIDE));
+    let pixels = f64::from(size.x) * f64::from(size.y);
+    let shrink = (Film::MOST_PIXELS as f64 / pixels).sqrt().min(1.0);
+    (size.as_dvec2() * shrink).as_uvec2().max(UVec2::ONE)
+}
+
+/// The size that is asked for, before [`RenderControl::resolution_scale`] and whether or not there can be such a film.
+pub(super) fn asked(film: &Film, control: &RenderControl) -> UVec2 {
+    let window = film.window();
+    control
+        .film_size_override
+        .unwrap_or(UVec2::new(window.width, window.height))
+}
+
+/// The pixels of the picture when it is traced in full.
+pub fn full_size(film: &Film, control: &RenderControl) -> UVec2 {
+    scaled(possible(asked(film, control)), control.resolution_scale)
+}
+
+/// The pixels that are traced now.
+pub(super) fn traced(film: &Film, control: &RenderControl) -> UVec2 {
+    let whole = possible(asked(film, control));
+    let room = control.view_size.filter(|_| !control.full_until_change);
+    let size = room.map_or(whole, |room| fit(whole, room).min(whole));
+    scaled(size, control.resolution_scale * control.motion_scale)
+}
+
+fn scaled(size: UVec2, scale: f32) -> UVec2 {
+    let scale = if scale.is_nan() { 1.0 } else { scale.clamp(0.0, 1.0) };
+    (size.as_vec2() * scale).round().as_uvec2().max(UVec2::ONE)
+}
+
+/// Whether two views differ in nothing but the number of pixels.
+pub(super) fn is_same_at_other_size(one: &View, other: &View) -> bool {
+    let resized = View {
+        width: other.width,
+        height: other.height,
+        ..one.clone()
+    };
+    resized == *other
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn films_are_as_large_as_they_can_be() {
+        for (x, y) in [(1, 1), (65_536, 1), (65_536, 1024), (8192, 8192), (640, 480)] {
+            assert!(Film::is_possible(x, y), "{x} x {y}");
+            assert_eq!(possible(UVec2::new(x, y)), UVec2::new(x, y));
+        }
+        for (x, y) in [(0, 5), (8193, 8192), (65_537, 1), (1, u32::MAX), (u32::MAX, u32::MAX)] {
+            assert!(!Film::is_possible(x, y), "{x} x {y}");
+            let instead = possible(UVec2::new(x, y));
+            assert!(Film::is_possible(instead.x, instead.y), "{x} x {y}: {instead}");
+        }
+    }
+
+    #[test]
+    fn a_picture_fills_its_place_one_way() {
+        let table = [
+            ((800, 600), (701, 700), (701, 525)),
+            ((800, 600), (1045, 700), (933, 700)),
+            ((3840, 2160), (1000, 900), (1000, 562)),
+            ((100, 50_000), (300, 300), (1, 300)),
+            ((7, 3), (7, 3), (7, 3)),
+            ((0, 0), (5, 4), (4, 4)),
+            ((5, 4), (0, 0), (1, 1)),
+        ];
+        for (size, room, expected) in table {
+            assert_eq!(fit(size.into(), room.into()), expected.into(), "{size:?} in {room:?}");
+        }
+        for side in 1..2000 {
+            let fitted = fit(UVec2::new(1999, 1777), UVec2::new(side, 5000));
+            assert_eq!(fitted.x, side);
+        }
+    }
+
+    #[test]
+    fn a_picture_has_no_more_pixels_than_its_place_and_its_film() {
+        let film = Film {
+            width: 3840,
+            height: 2160,
+            ..Film::default()
+        };
+        let traced = |change: fn(&mut RenderControl)| {
+            let mut control = RenderControl::default();
+            change(&mut control);
+            (traced(&film, &control), full_size(&film, &control))
+        };
+        let whole = UVec2::new(3840, 2160);
+        assert_eq!(traced(|_| {}), (whole, whole));
+        assert_eq!(
+            traced(|control| control.view_size = Some(UVec2::new(1000, 900))),
+            (UVec2::new(1000, 562), whole)
+        );
+        assert_eq!(
+            traced(|control| control.view_size = Some(UVec2::new(5000, 5000))),
+            (whole, whole)
+        );
+        assert_eq!(
+            traced(|control| {
+                control.view_size = Some(UVec2::new(1000, 900));
+                control.full_until_change = true;
+            }),
+            (whole, whole)
+        );
+        assert_eq!(
+            traced(|control| {
+                control.view_size = Some(UVec2::new(1000, 900));
+                control.resolution_scale = 0.5;
+                control.motion_scale = 0.5;
+            }),
+            (UVec2::new(250, 141), UVec2::new(1920, 1080))
+        );
+    }
+}
