@@ -18,6 +18,7 @@ use super::terminal::line;
 use super::threads::{run_systems_in_turn, worker_count};
 use crate::app::editor::EditorPlugin;
 pub use crate::app::editor::session::options::WindowOptions;
+use crate::app::editor::session::window_place;
 use crate::engine::{EnginePlugin, RenderControl};
 use crate::scene::{FileSourcePlugin, ScenePlugin, asset_plugin};
 
@@ -50,10 +51,21 @@ pub fn run(options: WindowOptions) -> Result<ExitCode, WindowError> {
 /// The app with a window, not yet running.
 pub fn windowed(options: WindowOptions) -> App {
     let mut app = App::new();
+    let remembered = match options.size {
+        Some(_) => None,
+        None => window_place::remembered(options.is_attended()),
+    };
+    let [width, height] = match (options.size, remembered) {
+        (Some(size), _) => size.to_array(),
+        (None, Some(place)) => place.size,
+        (None, None) => WindowOptions::FIRST_SIZE,
+    };
+    let position = remembered.and_then(|place| place.position);
     let window = Window {
         title: "Sunroom".to_owned(),
         name: Some("sunroom".to_owned()),
-        resolution: WindowResolution::new(options.size.x, options.size.y),
+        resolution: WindowResolution::new(width, height),
+        position: position.map_or_else(WindowPosition::default, |at| WindowPosition::At(at.into())),
         present_mode: PresentMode::AutoVsync,
         desired_maximum_frame_latency: std::num::NonZeroU32::new(1),
         ..default()

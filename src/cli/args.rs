@@ -98,9 +98,9 @@ pub struct EditArgs {
     /// Camera to begin with, by its id or its index from 0 on
     #[arg(long, value_name = "NAME|INDEX")]
     pub camera: Option<String>,
-    /// Size of the window
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse::size)]
-    pub window: (u32, u32),
+    /// Size of the window [default: as it was left; 1280x720 at first, and with --exit, --script or a measurement]
+    #[arg(long, value_name = "WxH", value_parser = parse::size)]
+    pub window: Option<(u32, u32)>,
     /// Save the whole window as PNG once the picture has --after-spp samples
     #[arg(long, value_name = "OUT.png")]
     pub screenshot: Option<PathBuf>,

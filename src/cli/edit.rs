@@ -37,7 +37,7 @@ pub fn run(args: EditArgs) -> ExitCode {
         scene: scene.filter(|_| monkey.is_none()),
         defines: args.defines.defines,
         camera: args.camera,
-        size: args.window.into(),
+        size: args.window.map(Into::into),
         threads: args.threads.threads,
         screenshot: args.screenshot,
         script: args.script,

@@ -58,6 +58,18 @@ pub enum Lens {
     Orthographic,
 }
 
+impl Lens {
+    /// The lens that a view needs in place of this one to be orthographic or not; None if this one is so itself.
+    pub fn for_projection(self, orthographic: bool) -> Option<Self> {
+        let other = if orthographic {
+            Self::Orthographic
+        } else {
+            Self::Pinhole
+        };
+        ((self == Self::Orthographic) != orthographic).then_some(other)
+    }
+}
+
 /// The extent of the picture along which a field of view is measured.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FovAxis {

@@ -75,6 +75,10 @@ impl Plugin for EditorPlugin {
             true => session::trust::TrustedFolders::open(folder.as_deref()),
             false => Default::default(),
         };
+        let mut views_file = session::stored_views::ViewsFile::new(folder.as_deref());
+        if options.is_attended() {
+            views_file = views_file.returning(options.camera.is_some());
+        }
         let access = app.world_mut().get_resource_or_init::<SceneAccess>();
         access.set(trust.access(Path::new("")));
         app.add_plugins(EguiPlugin::default())
@@ -90,7 +94,7 @@ impl Plugin for EditorPlugin {
             .insert_resource(trusted_folders)
             .insert_resource(trust)
             .insert_resource(session::recovery::Recovery::new(folder.as_deref()))
-            .insert_resource(session::stored_views::ViewsFile::new(folder.as_deref()))
+            .insert_resource(views_file)
             .insert_resource(commands::flight::Flights::new(
                 options.is_attended() || options.monkey.is_some(),
             ))
@@ -100,6 +104,7 @@ impl Plugin for EditorPlugin {
             .init_resource::<picture::resolution::PicturePlace>()
             .init_resource::<window::dropping::DroppedFiles>()
             .init_resource::<session::history::History>()
+            .init_resource::<picture::noise_trend::NoiseTrend>()
             .init_resource::<picture::paths::PathInspector>()
             .init_resource::<command::selection::Selection>()
             .init_resource::<CommandQueue>()
@@ -154,6 +159,7 @@ impl Plugin for EditorPlugin {
                     session::trust::follow_access,
                     session::recovery::follow_scene,
                     session::stored_views::follow_views,
+                    session::stored_views::return_to_view,
                     session::preferences::note_scene,
                     (
                         window::dropping::take_dropped_files,
@@ -186,7 +192,9 @@ impl Plugin for EditorPlugin {
                         picture::paths::follow_paths,
                         model::inspection::gather_selection,
                         model::thumbnails::update_thumbnails,
+                        picture::noise_trend::follow_noise,
                         model::gather::gather_status,
+                        window::title::follow_title,
                         viewport::gather::gather_viewport,
                     )
                         .chain()
@@ -233,9 +241,11 @@ impl Plugin for EditorPlugin {
             .add_systems(
                 Last,
                 (
+                    session::window_place::keep_on_screen,
                     automation::finish::drive_exit_door,
                     automation::finish::log_at_exit,
                     session::preferences::remember,
+                    session::stored_views::note_view,
                     session::recovery::plan_autosave,
                     session::recovery::autosave.run_if(session::recovery::is_due),
                     session::recovery::clean_up,

@@ -147,6 +147,7 @@ fn the_status_line_has_the_figures() {
     };
     let model = StatusModel {
         status,
+        frame_ms: Some(12.0),
         ..StatusModel::default()
     };
     let line: Panel<StatusModel> = |ui, model, _| status::status_line(ui, model);
@@ -154,6 +155,13 @@ fn the_status_line_has_the_figures() {
     for text in ["Rendering", "2.35 Mrays/s", "871,414 triangles"] {
         assert!(harness.query_by_label(text).is_some(), "{text}");
     }
+    assert!(harness.query_by_label("frame 12 ms").is_none());
+    let developers = StatusModel {
+        developer_figures: true,
+        ..model.clone()
+    };
+    let harness = show_at(1280.0, developers, line);
+    assert!(harness.query_by_label("frame 12 ms").is_some());
     // What has no room is left out, not cut off.
     let harness = show_at(340.0, model, line);
     assert!(harness.query_by_label("Rendering").is_some());

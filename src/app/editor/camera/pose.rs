@@ -31,11 +31,5 @@ pub(crate) fn is_orthographic(world: &World) -> bool {
 /// The lens that a view needs in place of that of the camera in use to be orthographic or not; None if the camera is so itself.
 pub(crate) fn lens_of_view(world: &World, orthographic: bool) -> Option<Lens> {
     let sensor = world.get::<Sensor>(world.resource::<ActiveSensor>().0?)?;
-    let is_so = (sensor.lens == Lens::Orthographic) == orthographic;
-    let other = if orthographic {
-        Lens::Orthographic
-    } else {
-        Lens::Pinhole
-    };
-    (!is_so).then_some(other)
+    sensor.lens.for_projection(orthographic)
 }

@@ -28,6 +28,33 @@ pub enum ThemeChoice {
     System,
 }
 
+/// The size and the place of the window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct WindowPlace {
+    /// Width and height in points.
+    pub size: [u32; 2],
+    /// The pixel of the screens at the upper left corner; None where the system does not tell.
+    pub position: Option<[i32; 2]>,
+}
+
+impl WindowPlace {
+    /// The range of each side.
+    pub const SIDES: std::ops::RangeInclusive<u32> = 320..=16_384;
+    /// The farthest that a corner may be from the first screen's, along each axis.
+    const FARTHEST: i32 = 100_000;
+
+    /// The place with a size that can be used, and without a position that no screen has.
+    pub(crate) fn within_range(self) -> Self {
+        let is_near = |position: &[i32; 2]| position.iter().all(|at| at.unsigned_abs() <= Self::FARTHEST as u32);
+        Self {
+            size: self
+                .size
+                .map(|side| side.clamp(*Self::SIDES.start(), *Self::SIDES.end())),
+            position: self.position.filter(is_near),
+        }
+    }
+}
+
 /// The choices of a user for all scenes; a JSON file holds them.
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -50,12 +77,18 @@ pub struct Preferences {
     pub resolution: Resolution,
     /// The look of a picture that has fewer pixels than its place.
     pub enlarging: Enlarging,
+    /// Whether the status line shows what developers look at: latency, frame times, nodes.
+    pub developer_figures: bool,
+    /// Whether a scene is opened with the view that it was left with.
+    pub returns_to_views: bool,
     /// The view jumps to where it goes.
     pub reduced_motion: bool,
     /// The budget for pictures, meshes and the film in GiB; 0 is the default share of the machine's memory.
     pub memory_gib: u32,
     /// Scenes, absolute, the newest first.
     pub recent_files: Vec<PathBuf>,
+    /// The size and place of the window when it was closed.
+    pub window: Option<WindowPlace>,
     /// The docked panels, as the layout writes itself.
     pub layout: Value,
     /// Entries that other versions of the program wrote.
@@ -75,9 +108,12 @@ impl Default for Preferences {
             moving_scale: 0.5,
             resolution: Resolution::default(),
             enlarging: Enlarging::default(),
+            developer_figures: false,
+            returns_to_views: true,
             reduced_motion: false,
             memory_gib: 0,
             recent_files: Vec::new(),
+            window: None,
             layout: Value::Null,
             unknown: Map::new(),
         }
@@ -119,6 +155,7 @@ impl Preferences {
         self.autosave_seconds = self.autosave_seconds.min(LONGEST_AUTOSAVE);
         self.memory_gib = self.memory_gib.min(MOST_MEMORY_GIB);
         self.recent_files.truncate(MOST_RECENT_FILES);
+        self.window = self.window.map(WindowPlace::within_range);
         self
     }
 }

@@ -11,11 +11,13 @@ use bevy::prelude::*;
 
 use super::{ComparisonModel, EditorModel, HistoryModel, Item, Notice, Outline, StatusModel};
 use crate::app::editor::command::light_mix::LightMix;
+use crate::app::editor::command::preferences::Preferences;
 use crate::app::editor::command::presets;
 use crate::app::editor::picture::awaited_image::AwaitedImage;
 use crate::app::editor::picture::compare::Comparison;
 use crate::app::editor::picture::denoiser::Denoiser;
 use crate::app::editor::picture::frame_times::FrameTimes;
+use crate::app::editor::picture::noise_trend::NoiseTrend;
 use crate::app::editor::session::history::History;
 use crate::app::editor::session::preferences::PreferencesFile;
 use crate::app::editor::session::view_settings::ViewSettings;
@@ -197,6 +199,10 @@ pub struct PictureState<'w> {
     mix: Res<'w, LightMix>,
     film: Res<'w, RenderFilm>,
     comparison: Res<'w, Comparison>,
+    trend: Res<'w, NoiseTrend>,
+    view: Res<'w, ViewSettings>,
+    choices: Res<'w, Preferences>,
+    awaited_image: Option<Res<'w, AwaitedImage>>,
 }
 
 impl PictureState<'_> {
@@ -229,8 +235,6 @@ pub fn gather_status(
     frames: Res<FrameTimes>,
     history: Res<History>,
     preferences: Res<PreferencesFile>,
-    view: Res<ViewSettings>,
-    awaited_image: Option<Res<AwaitedImage>>,
     mut seen_errors: Local<Vec<String>>,
     mut named: Local<Option<(Arc<[LightGroup]>, Arc<Outline>)>>,
 ) {
@@ -239,8 +243,8 @@ pub fn gather_status(
     let file_target = film.map_or(1, |film| film.sample_count);
     model.render.target_samples = settings.control.target_samples.unwrap_or(file_target);
     model.render.resolution_scale = settings.control.resolution_scale;
-    model.render.resolution = view.resolution;
-    model.render.enlarging = view.enlarging;
+    model.render.resolution = picture.view.resolution;
+    model.render.enlarging = picture.view.enlarging;
     model.render.integrator = *settings.integrator;
     model.render.sampler = *settings.sampler;
     model.render.accel = *settings.accel;
@@ -292,8 +296,10 @@ pub fn gather_status(
         unsaved: !history.is_saved(),
         load_failed: scene.state == SceneState::Failed,
         denoiser: denoiser.state(),
-        awaited_image: awaited_image.as_deref().cloned(),
+        awaited_image: picture.awaited_image.as_deref().cloned(),
         is_full: settings.control.full_until_change,
+        noise_trend: picture.trend.clone(),
+        developer_figures: picture.choices.developer_figures,
         frame_ms: frames.median_ms(),
     };
 }

@@ -24,6 +24,7 @@ use crate::app::editor::command::selection::Selection;
 use crate::app::editor::picture::awaited_image::AwaitedImage;
 use crate::app::editor::picture::compare::Measured;
 use crate::app::editor::picture::denoiser::DenoiserState;
+use crate::app::editor::picture::noise_trend::NoiseTrend;
 use crate::document::Severity;
 use crate::engine::RenderStatus;
 use crate::scene::{
@@ -293,6 +294,10 @@ pub struct StatusModel {
     pub awaited_image: Option<AwaitedImage>,
     /// Whether the full film is traced until the next change.
     pub is_full: bool,
+    /// The noise of the present picture at numbers of samples per pixel.
+    pub noise_trend: NoiseTrend,
+    /// Whether the figures for developers are shown.
+    pub developer_figures: bool,
     /// Median time between frames, milliseconds.
     pub frame_ms: Option<f32>,
 }

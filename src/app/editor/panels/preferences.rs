@@ -67,6 +67,16 @@ pub fn preferences(ui: &mut Ui, shown: &Preferences, problem: Option<&str>, comm
                 .on_hover_text("F, Home, stored views and cameras move the view at once, without a short flight");
             ui.end_row();
 
+            ui.label("Opened scenes");
+            ui.checkbox(&mut edited.returns_to_views, "Begin with the last view")
+                .on_hover_text("Otherwise a scene begins with the view of its first camera");
+            ui.end_row();
+
+            ui.label("Status line");
+            ui.checkbox(&mut edited.developer_figures, "Developer's figures")
+                .on_hover_text("Latency, time between frames, and nodes of the hierarchy");
+            ui.end_row();
+
             let label = ui.label("Autosave");
             let time = DragValue::new(&mut edited.autosave_seconds)
                 .range(0..=LONGEST_AUTOSAVE)

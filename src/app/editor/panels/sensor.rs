@@ -1,8 +1,11 @@
 //! Shows the parameters of cameras and of their films.
 
+use bevy::math::UVec2;
 use bevy_egui::egui::{self, Ui};
 
 use super::fields;
+use crate::app::editor::picture::resolution::{full_film_bytes, is_large};
+use crate::memory::Bytes;
 use crate::scene::parameters::{FOV, FOV_AXIS};
 use crate::scene::{Film, FovAxis, Lens, ReconstructionFilter, Sensor, aperture};
 
@@ -144,8 +147,21 @@ pub fn film(ui: &mut Ui, film: &mut Film) -> bool {
     let mut changed = fields::integer(ui, ("Width", "width"), &mut film.width, 16..=LARGEST_EDGE);
     changed |= fields::integer(ui, ("Height", "height"), &mut film.height, 16..=LARGEST_EDGE);
     changed |= crop(ui, film);
+    memory(ui, film);
     changed |= filter(ui, &mut film.filter);
     fields::integer(ui, ("Samples", "sample_count"), &mut film.sample_count, 1..=1 << 20) || changed
+}
+
+/// Warns of a film that takes much memory.
+fn memory(ui: &mut Ui, film: &Film) {
+    let window = film.window();
+    let bytes = full_film_bytes(UVec2::new(window.width, window.height), 0);
+    if is_large(bytes) {
+        let text = format!("{} of memory when rendered in full", Bytes(bytes));
+        ui.colored_label(ui.visuals().warn_fg_color, text).on_hover_text(
+            "The window traces no more pixels than it shows, until you choose Render full film or save the image",
+        );
+    }
 }
 
 /// Keeps the crop within the film.

@@ -1,5 +1,7 @@
 //! The line at the bottom: what the renderer is doing and how fast.
 
+use std::borrow::Cow;
+
 use bevy_egui::egui::{self, Ui};
 
 use crate::app::editor::model::StatusModel;
@@ -9,6 +11,9 @@ use crate::engine::{RenderState, RenderStatus};
 
 /// The room for the separator before a part.
 const MARGIN: f32 = 22.0;
+/// The size of the curve of the noise in points, and the number of its points.
+const CURVE: egui::Vec2 = egui::vec2(40.0, 12.0);
+const CURVE_POINTS: usize = 21;
 
 /// One line: what the renderer is at, samples, time, speed and noise.
 pub fn status_line(ui: &mut Ui, model: &StatusModel) {
@@ -23,74 +28,183 @@ pub fn status_line(ui: &mut Ui, model: &StatusModel) {
         ui.label(state_name(status));
         ui.add(bar)
             .on_hover_text("Samples per pixel: those that are done, and those that are wanted");
-        for (part, hint) in parts(model) {
+        for part in parts(model) {
             // The last entries matter least: they are left out if there is no room.
             let font = egui::TextStyle::Body.resolve(ui.style());
             let color = egui::Color32::PLACEHOLDER;
-            let width = ui.painter().layout_no_wrap(part.clone(), font, color).size().x;
-            if ui.available_width() < width + MARGIN {
+            let words = ui.painter().layout_no_wrap(part.text.clone(), font, color).size().x;
+            let curve = if part.trend.is_empty() { 0.0 } else { CURVE.x + MARGIN };
+            if ui.available_width() < words + curve + MARGIN {
                 break;
             }
             ui.separator();
-            ui.label(part).on_hover_text(hint);
+            ui.label(part.text).on_hover_text(&*part.hint);
+            if !part.trend.is_empty() {
+                trend(ui, &part.trend).on_hover_text(&*part.hint);
+            }
         }
     });
 }
 
-/// The texts with what they mean, the most important first.
-fn parts(model: &StatusModel) -> Vec<(String, &'static str)> {
+/// One entry of the line.
+struct Part {
+    text: String,
+    /// What the text means.
+    hint: Cow<'static, str>,
+    /// The heights of a curve beside the text, from 0 to 1; empty without one.
+    trend: Vec<f32>,
+}
+
+impl Part {
+    fn new(text: impl Into<String>, hint: impl Into<Cow<'static, str>>) -> Self {
+        Self {
+            text: text.into(),
+            hint: hint.into(),
+            trend: Vec::new(),
+        }
+    }
+}
+
+/// The entries, the most important first.
+fn parts(model: &StatusModel) -> Vec<Part> {
     let status = &model.status;
     let mut parts = vec![
-        (
-            format!("{} × {}", status.size.x, status.size.y),
-            "Pixels of the picture",
-        ),
-        (time(status), "Time spent on the picture, and left"),
-        (
-            format!("{:.2} Mrays/s", status.mrays_per_s),
-            "Millions of rays traced in a second",
-        ),
+        size(status),
+        Part::new(time(status), "Time spent on the picture, and left"),
     ];
+    parts.extend(noise(model));
+    parts.push(Part::new(
+        format!("{:.2} Mrays/s", status.mrays_per_s),
+        "Millions of rays traced in a second",
+    ));
     if status.invalid_samples > 0 {
-        parts.push((
+        parts.push(Part::new(
             counted(status.invalid_samples, "invalid sample"),
             "Left out of the picture, as they were no numbers",
         ));
     }
     match model.denoiser {
-        DenoiserState::Running => parts.push(("denoising".to_owned(), "The picture goes on meanwhile")),
-        DenoiserState::Shown { seconds, samples } => parts.push((
+        DenoiserState::Running => parts.push(Part::new("denoising", "The picture goes on meanwhile")),
+        DenoiserState::Shown { seconds, samples } => parts.push(Part::new(
             format!("denoised at {samples} spp in {seconds:.2} s"),
             "What is shown; the picture behind it goes on",
         )),
         DenoiserState::Idle | DenoiserState::Unavailable => {}
     }
     if status.triangles > 0 {
-        parts.push((
+        parts.push(Part::new(
             counted(status.triangles, "triangle"),
             "Of the scene, each instance counted",
         ));
     }
+    if model.developer_figures {
+        developer_parts(model, &mut parts);
+    }
+    parts
+}
+
+fn developer_parts(model: &StatusModel, parts: &mut Vec<Part>) {
+    let status = &model.status;
     if let Some(latency) = status.latency.median_ms() {
-        parts.push((
+        parts.push(Part::new(
             format!("latency {latency:.0} ms"),
             "From an edit to its first pixels, median",
         ));
     }
     if let Some(frame) = model.frame_ms {
-        parts.push((
+        parts.push(Part::new(
             format!("frame {frame:.0} ms"),
             "Between two pictures of the window, median",
         ));
     }
     // Even an empty hierarchy has a root.
     if status.bvh.leaves > 0 {
-        parts.push((
+        parts.push(Part::new(
             format!("{}, {:.1} ms", counted(status.bvh.nodes, "node"), status.bvh.build_ms),
             "Of the bounding volume hierarchy, and how long it took to build",
         ));
     }
-    parts
+}
+
+/// The pixels that are traced, and those of the film if they are more.
+fn size(status: &RenderStatus) -> Part {
+    let (size, full) = (status.size, status.full_size);
+    let traced = format!("{} × {}", size.x, size.y);
+    if size.x >= full.x && size.y >= full.y {
+        return Part::new(traced, "Pixels of the picture");
+    }
+    Part::new(
+        format!("{traced} of {} × {}", full.x, full.y),
+        "Pixels of the picture, which are those that the window shows, and pixels of the film; Render full film traces all of them",
+    )
+}
+
+/// The noise, and how it has fallen.
+fn noise(model: &StatusModel) -> Option<Part> {
+    let noise = model.status.noise?;
+    let points = model.noise_trend.points();
+    let half = points
+        .iter()
+        .rev()
+        .find(|(samples, _)| 2 * samples <= model.status.samples);
+    let before = half.map_or(String::new(), |(samples, before)| {
+        format!(
+            " It was {} at {}.",
+            percent(*before),
+            counted((*samples).into(), "sample")
+        )
+    });
+    Some(Part {
+        text: format!("noise {}", percent(noise)),
+        hint: format!("The error that is expected of a pixel, as a share of the picture's brightness.{before} Limit noise in Render stops at a value.").into(),
+        trend: heights(points),
+    })
+}
+
+fn percent(share: f32) -> String {
+    let percent = 100.0 * share;
+    let decimals = usize::from(percent < 10.0) + usize::from(percent < 1.0);
+    format!("{percent:.decimals$} %")
+}
+
+/// The heights of the curve, with both axes as logarithms: noise falls along a straight line there. Empty without two points.
+fn heights(points: &[(u32, f32)]) -> Vec<f32> {
+    let [(first, _), .., (last, _)] = points else {
+        return Vec::new();
+    };
+    let log = |noise: f32| noise.max(1e-6).ln();
+    let (from, to) = ((*first as f32).ln(), (*last as f32).ln());
+    let at = |share: f32| {
+        let wanted = from + share * (to - from);
+        let known = points
+            .iter()
+            .rev()
+            .find(|(samples, _)| (*samples as f32).ln() <= wanted + 1e-4);
+        log(known.unwrap_or(&points[0]).1)
+    };
+    let heights: Vec<f32> = (0..CURVE_POINTS)
+        .map(|k| at(k as f32 / (CURVE_POINTS - 1) as f32))
+        .collect();
+    let (low, high) = heights.iter().fold((f32::MAX, f32::MIN), |(low, high), &height| {
+        (low.min(height), high.max(height))
+    });
+    let range = (high - low).max(1e-3);
+    heights.iter().map(|height| (height - low) / range).collect()
+}
+
+/// Shows a small curve.
+fn trend(ui: &mut Ui, heights: &[f32]) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(CURVE, egui::Sense::hover());
+    let step = rect.width() / (heights.len().max(2) - 1) as f32;
+    let points = heights.iter().zip(0..).map(|(height, k)| {
+        egui::pos2(
+            rect.left() + step * k as f32,
+            egui::lerp(rect.bottom() - 1.0..=rect.top() + 1.0, *height),
+        )
+    });
+    let stroke = egui::Stroke::new(1.0, ui.visuals().text_color());
+    ui.painter().line(points.collect(), stroke);
+    response
 }
 
 /// The time, such as `0:12, 0:48 left`.
@@ -157,6 +271,37 @@ mod tests {
             ..status.clone()
         };
         assert_eq!(time(&done), "30.0 s");
+    }
+
+    #[test]
+    fn the_noise_is_shown_with_its_fall() {
+        let mut model = StatusModel::default();
+        assert!(noise(&model).is_none());
+        for samples in [2, 4, 8, 16, 32, 64] {
+            model.status.samples = samples;
+            model.status.noise = Some(0.4 / (samples as f32).sqrt());
+            model.noise_trend.note(1, samples, model.status.noise);
+        }
+        let part = noise(&model).expect("it is known");
+        assert_eq!(part.text, "noise 5.0 %");
+        assert!(part.hint.contains("It was 7.1 % at 32 samples."), "{}", part.hint);
+        assert_eq!((part.trend[0], part.trend[CURVE_POINTS - 1]), (1.0, 0.0));
+        assert!(part.trend.windows(2).all(|pair| pair[0] >= pair[1]));
+        assert_eq!([percent(0.123), percent(0.0042)], ["12 %", "0.42 %"]);
+    }
+
+    #[test]
+    fn a_smaller_picture_is_told_with_its_film() {
+        let text = |size: [u32; 2], full: [u32; 2]| {
+            let status = RenderStatus {
+                size: size.into(),
+                full_size: full.into(),
+                ..RenderStatus::default()
+            };
+            super::size(&status).text
+        };
+        assert_eq!(text([800, 600], [800, 600]), "800 × 600");
+        assert_eq!(text([1000, 562], [3840, 2160]), "1000 × 562 of 3840 × 2160");
     }
 
     #[test]

@@ -8,6 +8,7 @@ pub mod frame_times;
 pub mod legend;
 pub(crate) mod material_ball;
 pub(crate) mod motion;
+pub mod noise_trend;
 pub mod outline;
 pub mod overlay;
 pub(crate) mod pacing;

@@ -15,3 +15,4 @@ pub mod systems;
 pub mod toasts;
 pub mod trust;
 pub mod view_settings;
+pub(crate) mod window_place;

@@ -14,8 +14,8 @@ pub struct WindowOptions {
     pub defines: Vec<(String, String)>,
     /// The name or index of the camera the first scene is seen with; None is its first.
     pub camera: Option<String>,
-    /// The size of the window's content in points.
-    pub size: UVec2,
+    /// The size of the window's content in points; None for the one that it had when it was last closed, at first [`Self::FIRST_SIZE`].
+    pub size: Option<UVec2>,
     /// The number of worker threads; see [`crate::app::threads::worker_count`].
     pub threads: Option<i32>,
     /// Saves the whole window as PNG once the picture has `after_spp` samples.
@@ -42,7 +42,7 @@ impl Default for WindowOptions {
             scene: None,
             defines: Vec::new(),
             camera: None,
-            size: UVec2::new(1280, 720),
+            size: None,
             threads: None,
             screenshot: None,
             script: None,
@@ -57,6 +57,9 @@ impl Default for WindowOptions {
 }
 
 impl WindowOptions {
+    /// Width and height of the window at the first start, and without a user, in points.
+    pub const FIRST_SIZE: [u32; 2] = [1280, 720];
+
     /// Whether there is a user.
     pub(crate) fn is_attended(&self) -> bool {
         !self.exit && self.script.is_none() && self.measure_latency.is_none() && self.monkey.is_none()

@@ -6,11 +6,13 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
+use bevy::window::PrimaryWindow;
 use directories::ProjectDirs;
 
 use super::layout::Layout;
 use super::view_settings::ViewSettings;
-use crate::app::editor::command::preferences::Preferences;
+use super::window_place;
+use crate::app::editor::command::preferences::{Preferences, WindowPlace};
 use crate::files::{self, LARGEST_NOTE, write_atomically};
 use crate::scene::{SceneState, SceneStatus};
 
@@ -38,6 +40,11 @@ pub fn folder(attended: bool) -> Option<PathBuf> {
         None if attended => Some(ProjectDirs::from("", "", "sunroom")?.config_dir().to_owned()),
         None => None,
     }
+}
+
+/// The place of the window in the preferences of this folder.
+pub(super) fn window_place(folder: &Path) -> Option<WindowPlace> {
+    window_place::read(folder, FILE)
 }
 
 impl PreferencesFile {
@@ -129,6 +136,7 @@ pub(crate) fn remember(
     preferences: Res<Preferences>,
     layout: Res<Layout>,
     settings: Res<ViewSettings>,
+    windows: Query<&Window, With<PrimaryWindow>>,
     mut exits: MessageReader<AppExit>,
 ) {
     let ends = exits.read().next().is_some();
@@ -140,6 +148,12 @@ pub(crate) fn remember(
     let problem = silent.problem.clone();
     silent.store(Preferences {
         layout: layout.to_json(),
+        // At the end the window may be gone already.
+        window: windows
+            .single()
+            .ok()
+            .and_then(WindowPlace::of)
+            .or(silent.written.window),
         speed: settings.navigation.speed,
         steps: settings.gizmo.steps,
         resolution: settings.resolution,

@@ -1,4 +1,4 @@
-//! Stores views under the numbers 1 to 9 for each scene, in one file beside the preferences.
+//! Stores views under the numbers 1 to 9 for each scene, and the view that a scene was left with, in one file beside the preferences.
 //!
 //! They are not part of the scene's file, because looking at a scene is no edit.
 
@@ -9,9 +9,10 @@ use serde::{Deserialize, Serialize};
 
 use super::toasts::Toasts;
 use super::view_settings::ViewSettings;
-use crate::app::editor::command::stored_view::StoredViews;
+use crate::app::editor::command::preferences::Preferences;
+use crate::app::editor::command::stored_view::{StoredView, StoredViews};
 use crate::files::{self, LARGEST_NOTE, write_atomically};
-use crate::scene::{SceneState, SceneStatus};
+use crate::scene::{ActiveSensor, FreeView, Lens, SceneState, SceneStatus, Sensor, ToWorld};
 
 /// The views of one scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,6 +20,9 @@ struct SceneViews {
     /// The absolute path of the scene, without links.
     scene: PathBuf,
     views: StoredViews,
+    /// The view that the scene was left with; None for that of its camera.
+    #[serde(default)]
+    last: Option<StoredView>,
 }
 
 const FILE: &str = "views.json";
@@ -34,6 +38,14 @@ pub struct ViewsFile {
     scene: Option<PathBuf>,
     /// The views of that scene, as in the file.
     written: StoredViews,
+    /// The view that the scene was left with, as in the file.
+    last_written: Option<StoredView>,
+    /// The view of that scene now; None for that of its camera.
+    last: Option<StoredView>,
+    /// Whether scenes may begin with the view that they were left with.
+    returns: bool,
+    /// The next scene begins with a camera that was asked for.
+    begins_at_camera: bool,
 }
 
 impl ViewsFile {
@@ -45,28 +57,51 @@ impl ViewsFile {
         }
     }
 
+    /// Lets scenes begin with the view that they were left with, but the first one not where a camera was asked for.
+    pub fn returning(self, begins_at_camera: bool) -> Self {
+        Self {
+            returns: true,
+            begins_at_camera,
+            ..self
+        }
+    }
+
     /// The views of the scene in this file.
     fn open(&mut self, scene: &Path) -> StoredViews {
         let scene = canonical(scene);
         let all = self.path.as_deref().map_or(Vec::new(), read);
         let known = all.into_iter().find(|known| known.scene == scene);
         self.scene = Some(scene);
-        self.written = known.map_or_else(StoredViews::default, |known| known.views);
+        (self.written, self.last) = known.map_or_else(Default::default, |known| (known.views, known.last));
+        self.last_written = self.last;
         self.written
+    }
+
+    /// Leaves the scene: its view is written.
+    fn leave(&mut self) -> std::io::Result<()> {
+        let outcome = if self.last == self.last_written {
+            Ok(())
+        } else {
+            self.store(self.written)
+        };
+        (self.scene, self.written) = (None, StoredViews::default());
+        (self.last, self.last_written) = (None, None);
+        outcome
     }
 
     /// Stores the views of the open scene. Other windows may have written to the file in the meantime.
     fn store(&mut self, views: StoredViews) -> std::io::Result<()> {
-        self.written = views;
+        (self.written, self.last_written) = (views, self.last);
         let (Some(path), Some(scene)) = (&self.path, &self.scene) else {
             return Ok(());
         };
         let mut all = read(path);
         all.retain(|known| known.scene != *scene);
         // Names that JSON cannot hold are left out.
-        if views != StoredViews::default() && scene.to_str().is_some() {
-            let scene = scene.clone();
-            all.insert(0, SceneViews { scene, views });
+        let is_empty = views == StoredViews::default() && self.last.is_none();
+        if !is_empty && scene.to_str().is_some() {
+            let (scene, last) = (scene.clone(), self.last);
+            all.insert(0, SceneViews { scene, views, last });
         }
         all.truncate(MOST_SCENES);
         std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
@@ -89,7 +124,7 @@ fn read(path: &Path) -> Vec<SceneViews> {
 }
 
 fn without_nonsense(mut of_scene: SceneViews) -> SceneViews {
-    for place in &mut of_scene.views {
+    for place in of_scene.views.iter_mut().chain([&mut of_scene.last]) {
         *place = place.filter(|view| view.pose.is_finite() && view.pose.matrix3.determinant() != 0.0);
     }
     of_scene
@@ -107,9 +142,12 @@ pub fn follow_views(
     let is_opened = *seen != status.revision && status.fresh_load;
     *seen = status.revision;
     let path = status.path.as_deref().filter(|_| status.state == SceneState::Ready);
+    if is_opened && let Err(error) = file.leave() {
+        warn!("The view is not remembered: {error}");
+    }
     match path {
         Some(path) if is_opened => settings.bookmarks = file.open(path),
-        None if is_opened => (file.scene, file.written) = (None, StoredViews::default()),
+        None if is_opened => {}
         // The scene was saved under this name.
         Some(path) if status.is_changed() => {
             let scene = Some(canonical(path));
@@ -127,12 +165,62 @@ pub fn follow_views(
     }
 }
 
+/// A scene that has been opened begins with the view that it was left with, if the user prefers that. To be run after [`follow_views`].
+pub fn return_to_view(
+    mut file: ResMut<ViewsFile>,
+    mut free_view: ResMut<FreeView>,
+    mut toasts: ResMut<Toasts>,
+    preferences: Res<Preferences>,
+    status: Res<SceneStatus>,
+    active: Res<ActiveSensor>,
+    sensors: Query<&Sensor>,
+    mut seen: Local<u64>,
+) {
+    let is_opened = *seen != status.revision && status.fresh_load;
+    *seen = status.revision;
+    if !is_opened || status.state != SceneState::Ready {
+        return;
+    }
+    let file = file.bypass_change_detection();
+    let returns = file.returns && !std::mem::take(&mut file.begins_at_camera);
+    let view = file.last;
+    let sensor = active.0.and_then(|sensor| sensors.get(sensor).ok());
+    if let (Some(view), Some(sensor), true) = (view, sensor, returns && preferences.returns_to_views) {
+        free_view.pose = Some(view.pose);
+        free_view.lens = sensor.lens.for_projection(view.orthographic);
+        toasts.info("The view is where it was left; View > Cameras has that of the file");
+    }
+}
+
+/// Notes the view, and writes it when the program ends.
+pub fn note_view(
+    mut file: ResMut<ViewsFile>,
+    free_view: Res<FreeView>,
+    active: Res<ActiveSensor>,
+    sensors: Query<(&Sensor, &ToWorld)>,
+    mut exits: MessageReader<AppExit>,
+) {
+    let file = file.bypass_change_detection();
+    let sensor = active.0.and_then(|sensor| sensors.get(sensor).ok());
+    let is_free = free_view.pose.is_some() || free_view.lens.is_some();
+    file.last = sensor
+        .filter(|_| is_free && file.scene.is_some())
+        .map(|(sensor, pose)| StoredView {
+            pose: free_view.pose.unwrap_or(pose.0),
+            orthographic: free_view.lens.unwrap_or(sensor.lens) == Lens::Orthographic,
+        });
+    if exits.read().next().is_some()
+        && let Err(error) = file.leave()
+    {
+        warn!("The view is not remembered: {error}");
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use bevy::math::{Affine3A, Vec3};
 
     use super::*;
-    use crate::app::editor::command::stored_view::StoredView;
 
     fn views(x: f32) -> StoredViews {
         let mut views = StoredViews::default();
@@ -159,6 +247,74 @@ mod tests {
         );
         again.store(StoredViews::default()).expect("a writable folder");
         assert_eq!(again.open(Path::new("b.xml")), StoredViews::default());
+    }
+
+    #[test]
+    fn the_view_that_a_scene_was_left_with_comes_back() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let left = views(3.0)[2];
+        let mut file = ViewsFile::new(Some(folder.path()));
+        file.open(Path::new("a.xml"));
+        file.last = left;
+        file.leave().expect("a writable folder");
+        file.open(Path::new("b.xml"));
+        assert_eq!(file.last, None);
+        file.leave().expect("a writable folder");
+        // Views under numbers are beside it.
+        file.open(Path::new("a.xml"));
+        assert_eq!(file.last, left);
+        file.store(views(60.0)).expect("a writable folder");
+        let mut again = ViewsFile::new(Some(folder.path()));
+        assert_eq!((again.open(Path::new("a.xml")), again.last), (views(60.0), left));
+        // The camera of the file is looked through again.
+        again.last = None;
+        again.leave().expect("a writable folder");
+        assert_eq!((file.open(Path::new("a.xml")), file.last), (views(60.0), None));
+    }
+
+    /// A world in which a scene has just been opened that was left with a view.
+    fn opened(returns: bool, prefers: bool) -> World {
+        let mut world = World::new();
+        let sensor = world.spawn((Sensor::default(), ToWorld::default())).id();
+        world.insert_resource(ActiveSensor(Some(sensor)));
+        world.insert_resource(SceneStatus {
+            state: SceneState::Ready,
+            fresh_load: true,
+            revision: 1,
+            ..SceneStatus::default()
+        });
+        world.insert_resource(ViewsFile {
+            scene: Some("/a.xml".into()),
+            last: views(60.0)[2],
+            returns,
+            ..ViewsFile::default()
+        });
+        world.insert_resource(Preferences {
+            returns_to_views: prefers,
+            ..Preferences::default()
+        });
+        world.init_resource::<FreeView>();
+        world.init_resource::<Toasts>();
+        world.init_resource::<Messages<AppExit>>();
+        world.run_system_cached(return_to_view).expect("runs");
+        world
+    }
+
+    #[test]
+    fn a_scene_begins_where_it_was_left_if_that_is_wanted() {
+        for (returns, prefers) in [(true, true), (false, true), (true, false)] {
+            let mut world = opened(returns, prefers);
+            let view = views(60.0)[2].expect("stored");
+            let free = *world.resource::<FreeView>();
+            if returns && prefers {
+                assert_eq!((free.pose, free.lens), (Some(view.pose), Some(Lens::Orthographic)));
+            } else {
+                assert_eq!(free, FreeView::default());
+            }
+            world.run_system_cached(note_view).expect("runs");
+            let expected = (returns && prefers).then_some(view);
+            assert_eq!(world.resource::<ViewsFile>().last, expected);
+        }
     }
 
     #[test]

@@ -11,6 +11,7 @@ pub mod save_question;
 pub(crate) mod sheet;
 pub mod shortcuts;
 pub(crate) mod style;
+pub mod title;
 pub mod toasts;
 pub mod trust_question;
 pub(crate) mod ui;
